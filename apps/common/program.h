@@ -1,0 +1,52 @@
+/// \file  What every program of Enfilade does alike: options, exit codes, error messages, progress.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/progress.h"
+#include "enfilade/scan/data_root.h"
+
+namespace enfilade::apps {
+
+/// Exit codes, the same for all programs and verbs.
+enum ExitCode : int {
+  kSuccess = 0,
+  kFaultsFound = 1,  ///< it ran, and what it checked has faults (refused results, mismatches)
+  kUsage = 2,        ///< the command line cannot be understood or is contradictory
+  kInput = 3,        ///< a file or folder is missing, unreadable, broken, or cannot be written
+  kInternal = 4,     ///< Enfilade itself failed; please report it
+};
+
+/// Thrown by verbs for a command line that CLI11 accepts and that makes no sense. Exit code kUsage.
+class UsageError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// Adds `--data DIR` (default: the environment variable ENFILADE_DATA) to a verb.
+void add_data_option(CLI::App& verb, std::string& data);
+/// The data set of that option. \throws UsageError that says where the data is had if `data` is
+/// empty and ENFILADE_DATA is unset; FileError if it names no folder.
+scan::DataRoot open_data(const std::string& data);
+
+/// "Examples:" below a verb's --help; each line a command.
+void set_examples(CLI::App& verb, const std::vector<std::string>& lines);
+
+/// A progress bar on stderr, `what` before it, with the time left: drawn only if stderr is a
+/// terminal, after a second, ten times a second at most, and wiped at the end.
+Progress progress_bar(std::string what);
+
+/// Writes to a file (atomically) or, if `path` is "-", to stdout. \throws FileError
+void write_output(const std::string& path, const std::string& content);
+
+/// Prints the diagnostics to stderr, a line each, then how many there were of each severity.
+void print_diagnostics(const std::vector<Diagnostic>& diagnostics);
+
+/// Parses the command line, runs the callbacks of what was named, and turns every exception into a
+/// message on stderr and an exit code. `status` is what to return if nothing is thrown.
+int run_program(CLI::App& app, int argc, char** argv, const int& status);
+
+}  // namespace enfilade::apps

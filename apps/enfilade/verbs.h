@@ -1,0 +1,16 @@
+/// \file  The verbs of the command line `enfilade <verb>`; each a file of this folder.
+#pragma once
+#include <CLI/CLI.hpp>
+
+namespace enfilade::apps {
+
+// Each adds its verb with options, help and examples; running it sets `status` to an ExitCode.
+void add_demo(CLI::App& app, int& status);    ///< the paper's table rows beside ours
+void add_graph(CLI::App& app, int& status);   ///< graph check, graph draw
+void add_run(CLI::App& app, int& status);     ///< an agent over a split
+void add_sample(CLI::App& app, int& status);  ///< new paths from graphs and regions
+void add_score(CLI::App& app, int& status);   ///< a results file
+void add_stats(CLI::App& app, int& status);   ///< what a data set is like
+void add_synth(CLI::App& app, int& status);   ///< a small made-up data set
+
+}  // namespace enfilade::apps

@@ -1,0 +1,30 @@
+# What Enfilade is built on: found on the system, never downloaded. docs/dependencies.md says why each.
+
+# Fails with the package to install instead of CMake's "could not find a configuration file".
+macro(enfilade_require name package)
+  find_package(${name} ${ARGN} QUIET)
+  if(NOT ${name}_FOUND)
+    message(FATAL_ERROR "Enfilade needs ${name}, which is not on this machine. "
+      "On Debian and Ubuntu: apt-get install ${package} (or let ./enfilade.sh build do it).")
+  endif()
+endmacro()
+
+find_package(Threads REQUIRED)
+enfilade_require(fmt libfmt-dev)
+enfilade_require(simdjson libsimdjson-dev)
+enfilade_require(nlohmann_json nlohmann-json3-dev)
+enfilade_require(nanoflann libnanoflann-dev)
+if(EN_WITH_TBB)
+  enfilade_require(TBB libtbb-dev)
+endif()
+if(EN_BUILD_APPS)
+  enfilade_require(CLI11 libcli11-dev)
+  enfilade_require(ZLIB zlib1g-dev)
+endif()
+if(EN_BUILD_TESTS)
+  enfilade_require(GTest "libgtest-dev libgmock-dev")
+  include(GoogleTest)
+endif()
+if(EN_BUILD_BENCH)
+  enfilade_require(benchmark libbenchmark-dev)
+endif()

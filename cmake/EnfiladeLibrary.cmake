@@ -1,0 +1,46 @@
+# One folder of enfilade/ = one static library = one target enfilade::<name> = one test program.
+#
+#   enfilade_library(graph
+#     SOURCES nav_graph.cpp ...
+#     TESTS nav_graph_test.cpp ...
+#     DEPENDS scan                  folders whose headers ours include (public)
+#     PRIVATE nanoflann::nanoflann  third parties, seen by our sources only
+#     TEST_LIBRARIES enfilade::synth ...)
+function(enfilade_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES")
+  set(target enfilade_${name})
+  add_library(${target} STATIC ${arg_SOURCES})
+  add_library(enfilade::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)
+  list(TRANSFORM arg_DEPENDS PREPEND enfilade::)
+  target_link_libraries(${target} PUBLIC ${arg_DEPENDS}
+    PRIVATE $<BUILD_INTERFACE:enfilade_compile> ${arg_PRIVATE})
+  install(TARGETS ${target} EXPORT enfilade ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  set_property(GLOBAL APPEND PROPERTY ENFILADE_LIBRARIES enfilade::${name})
+  if(EN_BUILD_TESTS AND arg_TESTS)
+    enfilade_test(${name}_test SOURCES ${arg_TESTS} LIBRARIES ${target} ${arg_PRIVATE}
+      ${arg_TEST_LIBRARIES})
+  endif()
+endfunction()
+
+# A GoogleTest program whose tests ctest runs one by one.
+function(enfilade_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBRARIES;DEFINITIONS")
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} enfilade_compile GTest::gmock
+    GTest::gtest_main fmt::fmt)
+  target_compile_definitions(${name} PRIVATE EN_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+    ${arg_DEFINITIONS})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/test)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+endfunction()
+
+# A program in bin/: the command line, its tools, examples and benchmarks.
+function(enfilade_program name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBRARIES")
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} enfilade_compile fmt::fmt)
+endfunction()

@@ -1,0 +1,65 @@
+/// \file  What an agent is: it sees a batch of observations and says what each of its bodies does.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "enfilade/core/ids.h"
+#include "enfilade/core/rng.h"
+#include "enfilade/geometry/angle.h"
+#include "enfilade/graph/nav_graph.h"
+#include "enfilade/r2r/annotations.h"
+
+namespace enfilade::agents {
+
+/// One thing that an agent may walk to; entry 0 of a list is where it stands.
+struct NavigableView {
+  std::span<const ViewpointIndex> viewpoint;
+  std::span<const double> rel_heading;    ///< radians, right positive
+  std::span<const double> rel_elevation;  ///< radians, up positive
+  std::span<const double> distance;       ///< metres
+  std::size_t size() const noexcept { return viewpoint.size(); }
+};
+
+/// What one body of an agent sees in one episode. Valid during the call that it is passed to.
+struct Observation {
+  const r2r::Episode* episode = nullptr;      ///< the instruction
+  const graph::NavGraph* graph = nullptr;     ///< of the building; only oracles may look at it
+  std::span<const ViewpointIndex> reference;  ///< start to goal; only oracles may look at it
+  ViewpointIndex viewpoint;
+  Radians heading, elevation;
+  std::uint32_t view_index = 0;
+  std::uint32_t step = 0;  ///< actions so far
+  NavigableView navigable;
+  Rng* rng = nullptr;      ///< this episode's own random numbers
+  bool ended = false;      ///< the episode is over; what the agent decides is not looked at
+};
+
+/// What to do: stop for good, or go to an entry of the navigable list (0: stay) and turn.
+struct Decision {
+  bool stop = true;
+  std::uint32_t index = 0;
+  Radians heading_change;    ///< right positive; one view of 30 degrees, only its sign counts
+  Radians elevation_change;  ///< up positive; likewise
+
+  static Decision stop_here() { return {}; }
+  static Decision go(std::uint32_t index) { return {false, index, {}, {}}; }
+  static Decision turn(double right, double up = 0) {
+    return {false, 0, Radians(right), Radians(up)};
+  }
+};
+
+/// Implement this to run an agent with run_agent(), `enfilade run` and the tables. Keep what an
+/// episode needs in arrays by slot; start() begins a new episode in every slot.
+class Agent {
+ public:
+  virtual ~Agent() = default;
+  virtual std::string_view name() const = 0;
+  /// New episodes begin, one a slot; at most the number of slots of the last call may follow.
+  virtual void start(std::span<const Observation> batch) = 0;
+  /// Decides for each slot that has not ended. \pre decisions.size() == batch.size()
+  virtual void act(std::span<const Observation> batch, std::span<Decision> decisions) = 0;
+};
+
+}  // namespace enfilade::agents

@@ -1,0 +1,38 @@
+/// \file  Running an agent over the episodes of a split.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/agents/agent.h"
+#include "enfilade/core/progress.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/r2r/results.h"
+#include "enfilade/sim/simulator.h"
+
+namespace enfilade::agents {
+
+struct RunOptions {
+  std::size_t batch_size = 100;
+  /// Actions after which an episode is ended for the agent. Far above what the agents here need:
+  /// the longest teacher path of R2R takes 35.
+  std::size_t max_actions = 200;
+  std::uint64_t seed = 1;  ///< an episode's stream is named by its instruction id
+  /// Batch size and seed in it are replaced by those above.
+  sim::SimulatorConfig simulator = sim::SimulatorConfig::room_to_room();
+};
+
+/// One trajectory an episode, in order: the start pose (heading snapped by the simulator, elevation
+/// 0), then one entry per action. The same at any batch size.
+/// \throws ActionError if the agent goes where it cannot; errors of graph files
+std::vector<r2r::Trajectory> run_agent(Agent& agent, const r2r::EpisodeSet& episodes,
+                                       const RunOptions& options = {},
+                                       const Progress& progress = {});
+
+/// An agent by its name: "random" or "shortest". \throws LookupError listing the names
+std::unique_ptr<Agent> make_agent(std::string_view name);
+std::vector<std::string> agent_names();
+
+}  // namespace enfilade::agents

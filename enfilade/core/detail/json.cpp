@@ -1,0 +1,238 @@
+#include "enfilade/core/detail/json.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <utility>
+
+#include "enfilade/core/file.h"
+
+namespace enfilade::json {
+namespace {
+
+constexpr std::size_t kShown = 40;  // characters of a string that a message repeats
+
+std::string_view without_byte_order_mark(std::string_view text) {
+  return text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text;
+}
+
+std::string key_text(std::string_view key) {
+  const bool plain = !key.empty() && std::ranges::all_of(key, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  });
+  return plain ? fmt::format(".{}", key) : fmt::format("[\"{}\"]", key);
+}
+
+// Second reading of a document that simdjson refused. simdjson says what is wrong but not where;
+// this slow reader follows the path and stops at the first fault.
+class FaultFinder : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  bool null() override { return value(); }
+  bool boolean(bool) override { return value(); }
+  bool number_integer(number_integer_t) override { return value(); }
+  bool number_unsigned(number_unsigned_t) override { return value(); }
+  bool number_float(number_float_t, const string_t&) override { return value(); }
+  bool string(string_t&) override { return value(); }
+  bool binary(binary_t&) override { return value(); }
+  bool start_object(std::size_t) override { return open(false); }
+  bool start_array(std::size_t) override { return open(true); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+  bool key(string_t& name) override {
+    levels_.back().key = name;
+    return true;
+  }
+  bool parse_error(std::size_t at, const std::string&, const nlohmann::json::exception&) override {
+    position = at;
+    return false;
+  }
+
+  std::string path() const {
+    std::string text = "$";
+    for (const Level& level : levels_) {
+      text += level.is_array ? fmt::format("[{}]", level.index) : key_text(level.key);
+      if (text.size() > 200) return text + "...";  // hostile nesting is not worth printing
+    }
+    return text;
+  }
+
+  std::size_t position = 0;
+
+ private:
+  struct Level {
+    bool is_array = false;
+    std::size_t index = 0;
+    std::string key;
+  };
+
+  bool value() {
+    if (!levels_.empty() && levels_.back().is_array) ++levels_.back().index;
+    return true;
+  }
+  bool open(bool is_array) {
+    levels_.push_back({is_array, 0, ""});
+    return true;
+  }
+  bool close() {
+    levels_.pop_back();
+    return value();
+  }
+
+  std::vector<Level> levels_;
+};
+
+std::string place(std::string_view text, std::size_t position) {
+  const std::string_view before = text.substr(0, std::min(position, text.size()));
+  const auto line = std::ranges::count(before, '\n') + 1;
+  const std::size_t start = before.rfind('\n') + 1;  // npos + 1 is 0: the first line
+  return fmt::format("line {}, column {}", line, std::max<std::size_t>(before.size() - start, 1));
+}
+
+Diagnostic explain(std::string_view text, const std::string& name, simdjson::error_code code) {
+  Diagnostic fault{Severity::kError, name, "$", "not-json", ""};
+  FaultFinder finder;
+  if (nlohmann::json::sax_parse(text.begin(), text.end(), &finder)) {
+    fault.message = simdjson::error_message(code);  // deeper, or a number larger, than it takes
+    return fault;
+  }
+  fault.where = finder.path();
+  const std::size_t at = finder.position > 0 ? finder.position - 1 : 0;
+  const std::string_view rest = text.substr(std::min(at, text.size()));
+  fault.message = place(text, finder.position) + ": ";
+  if (rest.empty()) {
+    fault.message += text.empty() ? "the file is empty, not JSON" : "the file ends too early";
+  } else if (rest[0] == 'N' || rest[0] == 'I' || rest.starts_with("-I")) {
+    fault.message += "NaN and Infinity are not JSON; finite numbers are allowed";
+  } else {
+    fault.message += fmt::format("not JSON at {:?}", rest.substr(0, 12));
+  }
+  return fault;
+}
+
+std::string expected(Element element, std::string_view allowed) {
+  return fmt::format("{}, not {}", describe(element), allowed);
+}
+
+}  // namespace
+
+std::string Path::text() const {
+  if (parent_ == nullptr) return "$";
+  return parent_->text() +
+         (key_.data() == nullptr ? fmt::format("[{}]", index_) : key_text(key_));
+}
+
+void Faults::add(Severity severity, const Path& path, std::string code, std::string message) {
+  if (severity == Severity::kError) ++errors_;
+  diagnostics_.push_back({severity, file_, path.text(), std::move(code), std::move(message)});
+}
+
+void Faults::throw_if_errors() {
+  if (errors_ > 0) throw InvalidInput(take());
+}
+
+Document::Document(std::string_view text, std::string name)
+    : name_(std::move(name)), parser_(std::make_unique<simdjson::dom::parser>()) {
+  text = without_byte_order_mark(text);
+  // simdjson copies the text to where it may read past the end.
+  const simdjson::error_code code = parser_->parse(text.data(), text.size()).get(root_);
+  if (code == simdjson::MEMALLOC) throw std::bad_alloc();
+  if (code != simdjson::SUCCESS) throw InvalidInput({explain(text, name_, code)});
+}
+
+Document Document::load(const std::filesystem::path& path) {
+  return {read_file(path), path.string()};
+}
+
+Document Document::parse(std::string_view text, const std::string& name) { return {text, name}; }
+
+std::string describe(Element element) {
+  switch (element.type()) {
+    case simdjson::dom::element_type::ARRAY:
+      return fmt::format("array of {}", element.get_array().value_unsafe().size());
+    case simdjson::dom::element_type::OBJECT:
+      return "object";
+    case simdjson::dom::element_type::INT64:
+      return fmt::format("number {}", element.get_int64().value_unsafe());
+    case simdjson::dom::element_type::UINT64:
+      return fmt::format("number {}", element.get_uint64().value_unsafe());
+    case simdjson::dom::element_type::DOUBLE:
+      return fmt::format("number {}", element.get_double().value_unsafe());
+    case simdjson::dom::element_type::STRING: {
+      const std::string_view text = element.get_string().value_unsafe();
+      return fmt::format("string {:?}{}", text.substr(0, kShown), text.size() > kShown ? "..." : "");
+    }
+    case simdjson::dom::element_type::BOOL:
+      return element.get_bool().value_unsafe() ? "true" : "false";
+    case simdjson::dom::element_type::NULL_VALUE:
+      return "null";
+  }
+  return "something else";
+}
+
+std::optional<double> number(Element element, const Path& path, Faults& faults) {
+  double value = 0;
+  if (element.get_double().get(value) == simdjson::SUCCESS) return value;
+  faults.error(path, "not-a-number", expected(element, "a number"));
+  return std::nullopt;
+}
+
+std::optional<std::int64_t> integer(Element element, const Path& path, Faults& faults) {
+  std::int64_t value = 0;
+  if (element.get_int64().get(value) == simdjson::SUCCESS) return value;
+  faults.error(path, "not-an-integer", expected(element, "a whole number"));
+  return std::nullopt;
+}
+
+std::optional<bool> boolean(Element element, const Path& path, Faults& faults) {
+  bool value = false;
+  if (element.get_bool().get(value) == simdjson::SUCCESS) return value;
+  faults.error(path, "not-a-boolean", expected(element, "true or false"));
+  return std::nullopt;
+}
+
+std::optional<std::string_view> string(Element element, const Path& path, Faults& faults) {
+  std::string_view value;
+  if (element.get_string().get(value) == simdjson::SUCCESS) return value;
+  faults.error(path, "not-a-string", expected(element, "a string"));
+  return std::nullopt;
+}
+
+std::optional<simdjson::dom::array> array(Element element, const Path& path, Faults& faults) {
+  simdjson::dom::array value;
+  if (element.get_array().get(value) == simdjson::SUCCESS) return value;
+  faults.error(path, "not-an-array", expected(element, "an array"));
+  return std::nullopt;
+}
+
+std::optional<simdjson::dom::object> object(Element element, const Path& path, Faults& faults) {
+  simdjson::dom::object value;
+  if (element.get_object().get(value) == simdjson::SUCCESS) return value;
+  faults.error(path, "not-an-object", expected(element, "an object"));
+  return std::nullopt;
+}
+
+bool fields(Element element, std::span<const Field> wanted, std::span<std::optional<Element>> found,
+            const Path& path, Faults& faults) {
+  const auto members = object(element, path, faults);
+  if (!members) return false;
+  bool good = true;
+  for (const auto member : *members) {
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      if (member.key != wanted[i].name) continue;
+      if (found[i]) {
+        faults.error(Path(path, wanted[i].name), "repeated-field", "given twice in one object");
+        good = false;
+      }
+      found[i] = member.value;
+    }
+  }
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (found[i] || !wanted[i].required) continue;
+    faults.error(path, "missing-field", fmt::format("has no field {:?}", wanted[i].name));
+    good = false;
+  }
+  return good;
+}
+
+}  // namespace enfilade::json

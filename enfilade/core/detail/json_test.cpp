@@ -1,0 +1,76 @@
+#include "enfilade/core/detail/json.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace enfilade::json {
+namespace {
+
+using testing::HasSubstr;
+
+std::string fault_of(const std::string& text) {
+  try {
+    Document::parse(text, "f.json");
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "parsed";
+}
+
+TEST(JsonPath, ReadsAsOneWouldWriteIt) {
+  const Path root;
+  const Path item(root, 3);
+  const Path field(item, "trajectory");
+  const Path odd(field, "two words");
+  EXPECT_EQ(Path(odd, 0).text(), "$[3].trajectory[\"two words\"][0]");
+  EXPECT_EQ(root.text(), "$");
+}
+
+TEST(JsonDocument, SaysWhereItIsBroken) {
+  EXPECT_THAT(fault_of(""), HasSubstr("the file is empty"));
+  EXPECT_THAT(fault_of("[1, 2"), HasSubstr("ends too early"));
+  EXPECT_THAT(fault_of("[{\"a\": [1,\n 2, ?]}]"), HasSubstr("$[0].a[2]: line 2, column 5: not JSON"));
+  EXPECT_THAT(fault_of("[{\"a\": NaN}]"), HasSubstr("$[0].a: line 1, column 8: NaN and Infinity"));
+  EXPECT_THAT(fault_of("[-Infinity]"), HasSubstr("NaN and Infinity"));
+  EXPECT_THAT(fault_of("[1e999]"), HasSubstr("f.json: $[0]"));
+  EXPECT_THAT(fault_of("[1] 2"), HasSubstr("not JSON"));
+  EXPECT_THAT(fault_of("[\"\xff\"]"), HasSubstr("f.json"));
+  EXPECT_THAT(fault_of(std::string(5000, '[')), HasSubstr("f.json"));
+  EXPECT_EQ(fault_of("\xEF\xBB\xBF[1]"), "parsed") << "a byte-order mark is harmless";
+}
+
+TEST(JsonValues, SayWhatWasFoundAndWhatWasAllowed) {
+  const Document document = Document::parse(R"(["x", 1.5, [1, 2], null])", "f");
+  Faults faults("f");
+  const Path root;
+  std::size_t i = 0;
+  for (const Element element : document.root().get_array()) {
+    const Path here(root, i++);
+    EXPECT_FALSE(boolean(element, here, faults));
+    EXPECT_FALSE(integer(element, here, faults));
+  }
+  const std::vector<Diagnostic> found = faults.take();
+  ASSERT_EQ(found.size(), 8U);
+  EXPECT_EQ(to_string(found[0]), "error: f: $[0]: string \"x\", not true or false [not-a-boolean]");
+  EXPECT_EQ(found[3].message, "number 1.5, not a whole number");
+  EXPECT_EQ(found[4].message, "array of 2, not true or false");
+  EXPECT_EQ(found[6].message, "null, not true or false");
+}
+
+TEST(JsonFields, ReportsMissingAndRepeated) {
+  const Document document = Document::parse(R"({"a": 1, "b": 2, "b": 3, "other": 0})", "f");
+  constexpr std::array<Field, 3> kWanted{{{"a"}, {"b"}, {"c", false}}};
+  std::array<std::optional<Element>, 3> found;
+  Faults faults("f");
+  EXPECT_FALSE(fields(document.root(), kWanted, found, Path(), faults));
+  EXPECT_EQ(faults.take().at(0).code, "repeated-field");
+  EXPECT_FALSE(found[2]);
+
+  constexpr std::array<Field, 1> kAbsent{{{"d"}}};
+  std::array<std::optional<Element>, 1> none;
+  EXPECT_FALSE(fields(document.root(), kAbsent, none, Path(), faults));
+  EXPECT_EQ(faults.take().at(0).message, "has no field \"d\"");
+}
+
+}  // namespace
+}  // namespace enfilade::json

@@ -1,0 +1,54 @@
+#include "enfilade/core/errors.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace enfilade {
+namespace {
+
+constexpr std::size_t kListed = 10;  // an exception's text is read in a terminal
+
+std::string summarise(const std::vector<Diagnostic>& diagnostics) {
+  std::string text;
+  std::size_t errors = 0;
+  for (const Diagnostic& diagnostic : diagnostics) {
+    if (diagnostic.severity != Severity::kError) continue;
+    if (++errors > kListed) continue;
+    if (!text.empty()) text += '\n';
+    text += to_string(diagnostic);
+  }
+  if (errors > kListed) text += "\n... and " + std::to_string(errors - kListed) + " more";
+  return text;
+}
+
+}  // namespace
+
+std::string to_string(Severity severity) {
+  switch (severity) {
+    case Severity::kNote:
+      return "note";
+    case Severity::kWarning:
+      return "warning";
+    case Severity::kError:
+      return "error";
+  }
+  return "error";
+}
+
+std::string to_string(const Diagnostic& diagnostic) {
+  std::string text = to_string(diagnostic.severity) + ": " + diagnostic.file;
+  if (!diagnostic.where.empty()) text += ": " + diagnostic.where;
+  text += ": " + diagnostic.message;
+  if (!diagnostic.code.empty()) text += " [" + diagnostic.code + "]";
+  return text;
+}
+
+std::size_t count(const std::vector<Diagnostic>& diagnostics, Severity severity) {
+  return static_cast<std::size_t>(std::ranges::count(diagnostics, severity, &Diagnostic::severity));
+}
+
+InvalidInput::InvalidInput(std::vector<Diagnostic> diagnostics)
+    : Error(summarise(diagnostics)), diagnostics_(std::move(diagnostics)) {}
+
+}  // namespace enfilade

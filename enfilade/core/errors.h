@@ -1,0 +1,68 @@
+/// \file  What Enfilade throws, and how it reports many faults at once. The library never prints,
+/// never exits, and aborts only where its own logic is broken (check.h). See docs/core.md.
+#pragma once
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace enfilade {
+
+/// Base of every exception that Enfilade throws for a mistake of a caller or of a file.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A value that a caller passed is outside what is allowed; what() names the parameter, the value
+/// and the allowed range.
+class ArgumentError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// A name (scan, viewpoint, split, instruction) that does not exist; what() says where it was
+/// looked for.
+class LookupError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// A file or folder that cannot be opened, read or written; what() begins with its path.
+class FileError : public Error {
+ public:
+  using Error::Error;
+};
+
+enum class Severity {
+  kNote,     ///< worth knowing; nothing is wrong
+  kWarning,  ///< odd, but what the file says is used as it stands
+  kError,    ///< cannot be used
+};
+
+/// One thing that is wrong, or odd, in an input. Inputs are never repaired in silence.
+struct Diagnostic {
+  Severity severity = Severity::kError;
+  std::string file;     ///< path as the caller gave it, or a name such as "<memory>"
+  std::string where;    ///< JSON path such as "$[3].trajectory[0][1]"; may hold line and column
+  std::string code;     ///< short and stable, for scripts: "long-edge", "unknown-viewpoint"
+  std::string message;  ///< what was found, and what was allowed
+};
+
+/// "warning: plan.json: $[3].pose: ... [bad-pose]".
+std::string to_string(const Diagnostic& diagnostic);
+std::string to_string(Severity severity);
+std::size_t count(const std::vector<Diagnostic>& diagnostics, Severity severity);
+
+/// An input whose faults make it unusable: carries all of them, not just the first.
+class InvalidInput : public Error {
+ public:
+  /// what() lists the errors among `diagnostics`, at most the first ten.
+  explicit InvalidInput(std::vector<Diagnostic> diagnostics);
+  const std::vector<Diagnostic>& diagnostics() const noexcept { return diagnostics_; }
+
+ private:
+  std::vector<Diagnostic> diagnostics_;
+};
+
+}  // namespace enfilade

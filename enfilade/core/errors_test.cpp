@@ -1,0 +1,32 @@
+#include "enfilade/core/errors.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace enfilade {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Diagnostic, NamesSeverityFilePlaceAndCode) {
+  const Diagnostic d{Severity::kWarning, "a.json", "$[3].pose", "bad-pose", "9 numbers, not 16"};
+  EXPECT_EQ(to_string(d), "warning: a.json: $[3].pose: 9 numbers, not 16 [bad-pose]");
+}
+
+TEST(InvalidInput, ListsErrorsOnlyAndCountsTheRest) {
+  std::vector<Diagnostic> diagnostics{{Severity::kNote, "f", "", "", "a note"}};
+  for (int i = 0; i < 12; ++i) {
+    diagnostics.push_back({Severity::kError, "f", "", "", "fault " + std::to_string(i)});
+  }
+  const InvalidInput error(diagnostics);
+  EXPECT_THAT(error.what(), HasSubstr("fault 9"));
+  EXPECT_THAT(error.what(), HasSubstr("... and 2 more"));
+  EXPECT_THAT(error.what(), Not(HasSubstr("fault 10")));
+  EXPECT_THAT(error.what(), Not(HasSubstr("a note")));
+  EXPECT_EQ(error.diagnostics().size(), 13U);
+  EXPECT_EQ(count(error.diagnostics(), Severity::kError), 12U);
+}
+
+}  // namespace
+}  // namespace enfilade

@@ -1,0 +1,84 @@
+#include "enfilade/core/file.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <system_error>
+#include <unistd.h>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade {
+namespace fs = std::filesystem;
+namespace {
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, CloseFile>;
+
+[[noreturn]] void fail(const fs::path& path, const char* doing, int reason) {
+  throw FileError(path.string() + ": cannot " + doing + ": " +
+                  std::generic_category().message(reason));
+}
+
+void write_whole(const fs::path& path, std::string_view content, const fs::path& named) {
+  File file(std::fopen(path.c_str(), "wb"));
+  if (!file) fail(named, "write", errno);
+  if (std::fwrite(content.data(), 1, content.size(), file.get()) != content.size()) {
+    fail(named, "write", errno);
+  }
+  // A full disk may show only when buffers go out, so closing is part of writing.
+  if (std::fflush(file.get()) != 0) fail(named, "write", errno);
+  if (std::fclose(file.release()) != 0) fail(named, "write", errno);
+}
+
+}  // namespace
+
+std::string read_file(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) fail(path, "read", EISDIR);
+  const File file(std::fopen(path.c_str(), "rb"));
+  if (!file) fail(path, "open", errno);
+  std::string content;
+  const std::uintmax_t size = fs::file_size(path, ignored);
+  // One byte over the size, so that the first read sees the end of an ordinary file.
+  std::size_t step = ignored ? std::size_t{1} << 16 : static_cast<std::size_t>(size) + 1;
+  for (;;) {
+    const std::size_t have = content.size();
+    content.resize(have + step);
+    const std::size_t got = std::fread(content.data() + have, 1, step, file.get());
+    content.resize(have + got);
+    if (std::ferror(file.get()) != 0) fail(path, "read", errno);
+    if (got < step) return content;
+    step = std::size_t{1} << 16;
+  }
+}
+
+void write_file_atomically(const fs::path& path, std::string_view content) {
+  std::error_code code;
+  const fs::path target = fs::is_symlink(path, code) ? fs::weakly_canonical(path, code) : path;
+  const fs::file_status status = fs::status(target, code);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    if (fs::is_directory(status)) fail(path, "write", EISDIR);
+    write_whole(target, content, path);
+    return;
+  }
+  fs::path part = target;
+  part += ".part" + std::to_string(::getpid());
+  try {
+    write_whole(part, content, path);
+  } catch (const FileError&) {
+    fs::remove(part, code);
+    throw;
+  }
+  fs::rename(part, target, code);
+  if (code) {
+    std::error_code ignored;
+    fs::remove(part, ignored);
+    fail(path, "write", code.value());
+  }
+}
+
+}  // namespace enfilade

@@ -1,0 +1,18 @@
+/// \file  Whole files in and out.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace enfilade {
+
+/// \throws FileError naming the path and the system's reason; a folder is not a file.
+std::string read_file(const std::filesystem::path& path);
+
+/// Writes beside the target and renames over it: readers see the old content or the new, never a
+/// half, also when the process is killed. A link is followed, and what is not a plain file (a pipe,
+/// /dev/stdout) is written to directly.
+/// \throws FileError naming the path and the system's reason (no such folder, disk full, ...).
+void write_file_atomically(const std::filesystem::path& path, std::string_view content);
+
+}  // namespace enfilade

@@ -1,0 +1,38 @@
+/// \file  Random numbers that are the same on every platform and in any order of work.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+namespace enfilade {
+
+/// One stream of random numbers, named by a seed and up to two stream numbers (an agent and its
+/// episode, say): streams don't depend on each other, so results don't depend on batch size or
+/// threads. SplitMix64 (Steele, Lea, Flood 2014) from a hashed start; passes BigCrush; not for
+/// secrets. The distributions are ours because the standard's differ between libraries.
+class Rng {
+ public:
+  explicit Rng(std::uint64_t seed, std::uint64_t stream = 0, std::uint64_t substream = 0) noexcept;
+
+  /// Uniform over all 2^64 values.
+  std::uint64_t next() noexcept;
+  /// Uniform over 0 .. n-1, without bias. \pre n > 0
+  std::uint64_t below(std::uint64_t n) noexcept;
+  /// Uniform over [0, 1): a multiple of 2^-53.
+  double uniform() noexcept;
+
+  /// Every order equally likely (Fisher and Yates).
+  template <class T>
+  void shuffle(std::span<T> values) noexcept {
+    for (std::size_t i = values.size(); i > 1; --i) std::swap(values[i - 1], values[below(i)]);
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// A stream number for a name such as an instruction id: the same on every platform (FNV-1a).
+std::uint64_t stream_of(const char* text, std::size_t size) noexcept;
+
+}  // namespace enfilade

@@ -1,0 +1,80 @@
+#include "enfilade/core/threads.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#if EN_WITH_TBB
+#include <tbb/blocked_range.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#endif
+
+namespace enfilade {
+namespace {
+
+#if EN_WITH_TBB
+
+void run(std::size_t count, std::size_t grain, int threads, RangeBody body) {
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, count, grain),
+        [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); },
+        tbb::simple_partitioner());
+  });
+}
+
+#else
+
+// The stand-in where oneTBB is unwanted: thread sanitizer cannot see into Debian's library, which
+// is not instrumented, and would report its hand-over of every task as a race.
+void run(std::size_t count, std::size_t grain, int threads, RangeBody body) {
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto work = [&] {
+    for (std::size_t begin = next.fetch_add(grain); begin < count; begin = next.fetch_add(grain)) {
+      try {
+        body(begin, std::min(begin + grain, count));
+      } catch (...) {
+        const std::scoped_lock lock(failure_mutex);
+        if (!failure) failure = std::current_exception();
+        next = count;
+      }
+    }
+  };
+  std::vector<std::jthread> helpers;
+  for (int i = 1; i < threads; ++i) helpers.emplace_back(work);
+  work();
+  helpers.clear();
+  if (failure) std::rethrow_exception(failure);
+}
+
+#endif
+
+}  // namespace
+
+int available_threads() noexcept {
+#if EN_WITH_TBB
+  return std::max(1, tbb::info::default_concurrency());
+#else
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+#endif
+}
+
+void parallel_for(std::size_t count, std::size_t grain, int threads, RangeBody body) {
+  if (count == 0) return;
+  const int wanted = threads <= 0 ? available_threads() : threads;
+  if (wanted == 1 || count <= grain) {
+    body(0, count);
+    return;
+  }
+  run(count, std::max<std::size_t>(grain, 1), wanted, body);
+}
+
+}  // namespace enfilade

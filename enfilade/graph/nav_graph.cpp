@@ -1,0 +1,183 @@
+#include "enfilade/graph/nav_graph.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <unordered_map>
+#include <utility>
+
+#define NANOFLANN_FIRST_MATCH  // equally near points: the one of the lower index
+#include <fmt/format.h>
+#include <nanoflann.hpp>
+
+#include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/graph/shortest_paths.h"
+
+namespace enfilade::graph {
+namespace {
+
+// The included viewpoints, as nanoflann wants to see them.
+struct Cloud {
+  std::vector<Vec3f> points;
+  std::vector<ViewpointIndex> viewpoints;
+
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    const Vec3f& p = points[i];
+    return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+  }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<
+    nanoflann::L2_Simple_Adaptor<float, Cloud, double>, Cloud, 3, std::uint32_t>;
+
+Vec3f to_single(Vec3d p) {
+  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+}
+
+// The order of operations is MatterSim's, which recorded bits depend on (docs/graph.md).
+Edge make_edge(Vec3d from_exact, Vec3d to_exact, ViewpointIndex target) {
+  const Vec3f offset = to_single(to_exact) - to_single(from_exact);
+  const float squared = offset.x * offset.x + offset.y * offset.y;
+  const float inverse = 1.0F / std::sqrt(squared);
+  Edge edge;
+  edge.target = target;
+  edge.dx = offset.x;
+  edge.dy = offset.y;
+  // Straight above or below there is no horizontal direction: 0 * inf would be NaN as well, said
+  // here aloud.
+  edge.unit_x = squared > 0 ? offset.x * inverse : std::numeric_limits<float>::quiet_NaN();
+  edge.unit_y = squared > 0 ? offset.y * inverse : std::numeric_limits<float>::quiet_NaN();
+  edge.distance = length(offset);
+  edge.heading = wrap_heading(Radians(std::atan2(static_cast<double>(offset.x), offset.y)));
+  edge.elevation = Radians(std::atan2(static_cast<double>(offset.z), std::sqrt(squared)));
+  edge.length = length(to_exact - from_exact);
+  return edge;
+}
+
+}  // namespace
+
+struct NavGraph::Lazy {
+  std::unordered_map<std::string_view, ViewpointIndex> by_id;
+  std::once_flag paths_once;
+  std::optional<ShortestPaths> paths;
+  std::once_flag tree_once;
+  Cloud cloud;
+  std::optional<Tree> tree;
+
+  const ShortestPaths& shortest(const NavGraph& graph) {
+    std::call_once(paths_once, [&] {
+      std::vector<WeightedTarget> targets;
+      targets.reserve(graph.edges_.size());
+      for (const Edge& edge : graph.edges_) targets.push_back({edge.target.value, edge.length});
+      paths.emplace(graph.first_edge_, targets);
+    });
+    return *paths;
+  }
+
+  const Tree& nearest(const NavGraph& graph) {
+    std::call_once(tree_once, [&] {
+      for (std::size_t i = 0; i < graph.size(); ++i) {
+        if (!graph.included(ViewpointIndex(i))) continue;
+        cloud.points.push_back(graph.positions_[i]);
+        cloud.viewpoints.emplace_back(i);
+      }
+      tree.emplace(3, cloud);
+      tree->buildIndex();
+    });
+    return *tree;
+  }
+};
+
+NavGraph::NavGraph(const scan::Connectivity& connectivity)
+    : scan_(connectivity.scan), lazy_(std::make_unique<Lazy>()) {
+  const std::size_t n = connectivity.entries.size();
+  if (n >= ShortestPaths::kNone) {
+    throw ArgumentError(fmt::format("scan {}: {} viewpoints; at most {} are supported", scan_, n,
+                                    ShortestPaths::kNone - 1));
+  }
+  ids_.reserve(n);  // by_id points into it
+  lazy_->by_id.reserve(n);
+  first_edge_.reserve(n + 1);
+  for (const scan::ConnectivityEntry& entry : connectivity.entries) {
+    const ViewpointIndex index(ids_.size());
+    lazy_->by_id.emplace(ids_.emplace_back(entry.id), index);
+    positions_.push_back(to_single(entry.position()));
+    heights_.push_back(static_cast<float>(entry.height));
+    included_.push_back(entry.included ? 1 : 0);
+    included_count_ += entry.included ? 1 : 0;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    first_edge_.push_back(static_cast<std::uint32_t>(edges_.size()));
+    const scan::ConnectivityEntry& from = connectivity.entries[i];
+    if (!from.included) continue;
+    for (const ViewpointIndex j : from.unobstructed) {
+      const scan::ConnectivityEntry& to = connectivity.entries[j.at()];
+      if (!to.included || j.at() == i) continue;
+      edges_.push_back(make_edge(from.position(), to.position(), j));
+    }
+    max_degree_ = std::max(max_degree_, edges_.size() - first_edge_.back());
+  }
+  first_edge_.push_back(static_cast<std::uint32_t>(edges_.size()));
+}
+
+NavGraph::~NavGraph() = default;
+NavGraph::NavGraph(NavGraph&&) noexcept = default;
+NavGraph& NavGraph::operator=(NavGraph&&) noexcept = default;
+
+std::optional<ViewpointIndex> NavGraph::find(std::string_view id) const {
+  const auto found = lazy_->by_id.find(id);
+  if (found == lazy_->by_id.end()) return std::nullopt;
+  return found->second;
+}
+
+const Edge* NavGraph::edge(ViewpointIndex a, ViewpointIndex b) const {
+  for (const Edge& edge : edges(a)) {
+    if (edge.target == b) return &edge;
+  }
+  return nullptr;
+}
+
+double NavGraph::distance(ViewpointIndex a, ViewpointIndex b) const {
+  return lazy_->shortest(*this).distance(a.at(), b.at());
+}
+
+std::optional<ViewpointIndex> NavGraph::before(ViewpointIndex a, ViewpointIndex b) const {
+  const std::uint16_t node = lazy_->shortest(*this).before(a.at(), b.at());
+  if (node == ShortestPaths::kNone) return std::nullopt;
+  return ViewpointIndex(node);
+}
+
+std::optional<std::vector<ViewpointIndex>> NavGraph::path(ViewpointIndex a,
+                                                          ViewpointIndex b) const {
+  std::vector<ViewpointIndex> reversed{b};
+  while (reversed.back() != a) {
+    const auto previous = before(a, reversed.back());
+    if (!previous) return std::nullopt;
+    reversed.push_back(*previous);
+    EN_CHECK_LE(reversed.size(), size());
+  }
+  std::ranges::reverse(reversed);
+  return reversed;
+}
+
+std::optional<ViewpointIndex> NavGraph::nearest(Vec3f point) const {
+  if (!std::isfinite(point.x) || !std::isfinite(point.y) || !std::isfinite(point.z)) {
+    return std::nullopt;
+  }
+  const Tree& tree = lazy_->nearest(*this);
+  const std::array<float, 3> query{point.x, point.y, point.z};
+  std::uint32_t index = 0;
+  double squared = 0;
+  if (tree.knnSearch(query.data(), 1, &index, &squared) == 0) return std::nullopt;
+  return lazy_->cloud.viewpoints[index];
+}
+
+}  // namespace enfilade::graph

@@ -1,0 +1,85 @@
+/// \file  Room-to-Room annotations: paths and the instructions that describe them.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/geometry/angle.h"
+#include "enfilade/graph/graph_set.h"
+
+namespace enfilade::r2r {
+
+/// Instructions of a path that are scored; a few paths have a fourth one, which is trained on only.
+inline constexpr std::size_t kScoredInstructions = 3;
+
+/// One entry of `R2R_<split>.json`, as it stands there.
+struct PathAnnotation {
+  std::int64_t path_id = 0;
+  std::string scan;
+  Radians heading;                    ///< of the start, [0, 2 pi)
+  std::vector<std::string> path;      ///< viewpoint ids; the start only if the goal is hidden
+  std::optional<double> distance;     ///< length in metres; none if the goal is hidden
+  std::vector<std::string> instructions;
+
+  bool goal_hidden() const noexcept { return path.size() < 2; }
+};
+
+/// A whole file.
+struct Annotations {
+  std::string split;  ///< "train", "val_seen", ...
+  std::string file;
+  std::vector<PathAnnotation> paths;
+};
+
+/// Reads a file. `distance` may be absent, fields of other names are ignored.
+/// \throws FileError; InvalidInput listing every fault with its JSON path: not JSON, missing,
+/// repeated or wrongly typed fields, an empty path, no instruction, an infinite heading, a path_id
+/// that another entry has
+Annotations load_annotations(const std::filesystem::path& file, std::string split);
+Annotations parse_annotations(std::string_view json, std::string file, std::string split);
+
+/// The file's content in R2R's format, which load_annotations() reads back equal.
+std::string to_json(const Annotations& annotations);
+
+/// "<path_id>_<k>": the `instr_id` of instruction k of a path.
+std::string instruction_id(std::int64_t path_id, std::size_t k);
+
+/// A path whose names have been looked up.
+struct ReferencePath {
+  std::int64_t path_id = 0;
+  ScanIndex scan;
+  Radians heading;
+  std::vector<ViewpointIndex> viewpoints;  ///< start to goal; the start only if the goal is hidden
+};
+
+/// One instruction to follow: what an agent is given, and what it is scored on.
+struct Episode {
+  std::string instruction_id;
+  std::size_t path = 0;         ///< index into EpisodeSet::paths
+  std::size_t instruction = 0;  ///< k, 0-based
+  std::string text;
+};
+
+/// The scored episodes of a split, with graphs to walk in. Immutable: any thread.
+struct EpisodeSet {
+  std::string split;
+  std::shared_ptr<const graph::GraphSet> graphs;
+  std::vector<ReferencePath> paths;
+  std::vector<Episode> episodes;  ///< in file order; the first kScoredInstructions of each path
+
+  const ReferencePath& path_of(const Episode& e) const { return paths[e.path]; }
+  const graph::NavGraph& graph_of(const Episode& e) const { return graphs->graph(path_of(e).scan); }
+};
+
+/// Looks up scans and viewpoints.
+/// \throws InvalidInput listing every unknown scan, unknown or excluded viewpoint, and step between
+/// viewpoints that are not adjacent, with JSON paths; errors of graph files
+EpisodeSet make_episodes(const Annotations& annotations,
+                         std::shared_ptr<const graph::GraphSet> graphs);
+
+}  // namespace enfilade::r2r

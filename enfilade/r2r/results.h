@@ -1,0 +1,46 @@
+/// \file  Results files: what agents hand in.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/ids.h"
+#include "enfilade/geometry/angle.h"
+#include "enfilade/r2r/annotations.h"
+
+namespace enfilade::r2r {
+
+/// Where an agent was, and looked, after one of its actions.
+struct TrajectoryPoint {
+  ViewpointIndex viewpoint;
+  Radians heading;    ///< 0 where the file gives none
+  Radians elevation;  ///< likewise
+};
+
+/// What an agent did in one episode: the start, then one entry per action.
+struct Trajectory {
+  std::size_t episode = 0;  ///< index into EpisodeSet::episodes
+  std::vector<TrajectoryPoint> points;
+};
+
+/// A results file, checked against its split.
+struct Results {
+  std::vector<Trajectory> trajectories;  ///< one an episode, in the order of the episodes
+  std::vector<Diagnostic> warnings;      ///< e.g. an unscored fourth instruction was left out
+};
+
+/// Reads [{"instr_id": "1_0", "trajectory": [...]}, ...] and checks all of it. A trajectory's
+/// entries may be, as found in the wild, [viewpoint, heading, elevation] triples, [viewpoint]
+/// singles, plain viewpoint ids, or lists of those (sub-paths, as of DUET), in any mixture.
+/// \throws FileError; InvalidInput with *every* problem and its JSON path: not JSON, wrong types,
+/// unknown, missing or repeated instr_id, an empty trajectory, a wrong start, unknown or excluded
+/// viewpoints, a jump between viewpoints that are not adjacent
+Results load_results(const std::filesystem::path& file, const EpisodeSet& episodes);
+Results parse_results(std::string_view json, const std::string& file, const EpisodeSet& episodes);
+
+/// Results in the triples form, one episode a line; parse_results() reads it back equal.
+std::string to_json(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes);
+
+}  // namespace enfilade::r2r

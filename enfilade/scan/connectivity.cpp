@@ -1,0 +1,176 @@
+#include "enfilade/scan/connectivity.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <unordered_map>
+#include <utility>
+
+#include "enfilade/core/detail/json.h"
+#include "enfilade/core/file.h"
+
+namespace enfilade::scan {
+namespace {
+
+using json::Element;
+using json::Faults;
+using json::Path;
+
+enum FieldIndex : std::size_t { kId, kPose, kIncluded, kVisible, kUnobstructed, kHeight, kFields };
+constexpr std::array<json::Field, kFields> kWanted{{{"image_id"},
+                                                    {"pose"},
+                                                    {"included"},
+                                                    {"visible"},
+                                                    {"unobstructed"},
+                                                    {"height", false}}};
+using Found = std::array<std::optional<Element>, kFields>;
+
+void read_pose(Element element, const Path& path, Faults& faults, std::array<double, 16>& pose) {
+  const auto numbers = json::array(element, path, faults);
+  if (!numbers) return;
+  if (numbers->size() != pose.size()) {
+    faults.error(path, "bad-pose",
+                 fmt::format("{} numbers, not 16 (a 4 x 4 matrix)", numbers->size()));
+    return;
+  }
+  std::size_t i = 0;
+  for (const Element number : *numbers) {
+    pose[i] = json::number(number, Path(path, i), faults).value_or(0);
+    // Positions are kept in single precision too, where a larger number would be infinite.
+    if (std::abs(pose[i]) > 1e30) {
+      faults.error(Path(path, i), "bad-pose", fmt::format("{} is no length in metres", pose[i]));
+    }
+    ++i;
+  }
+}
+
+std::vector<ViewpointIndex> read_row(Element element, std::size_t n, const Path& path,
+                                     Faults& faults) {
+  std::vector<ViewpointIndex> places;
+  const auto flags = json::array(element, path, faults);
+  if (!flags) return places;
+  std::size_t i = 0;
+  for (const Element flag : *flags) {
+    bool set = false;
+    if (flag.get_bool().get(set) != simdjson::SUCCESS) {
+      json::boolean(flag, Path(path, i), faults);  // says what was found
+    }
+    if (set && i < n) places.emplace_back(i);
+    ++i;
+  }
+  if (i != n) {
+    faults.error(path, "wrong-length",
+                 fmt::format("{} flags, not {} (one for each viewpoint of the file)", i, n));
+  }
+  return places;
+}
+
+ConnectivityEntry read_entry(Element element, std::size_t n, const Path& path, Faults& faults) {
+  ConnectivityEntry entry;
+  Found found;
+  if (!json::fields(element, kWanted, found, path, faults)) return entry;
+  const Path id_path(path, "image_id");
+  if (const auto id = json::string(*found[kId], id_path, faults)) {
+    entry.id = *id;
+    if (id->empty()) faults.error(id_path, "bad-id", "an empty id");
+  }
+  read_pose(*found[kPose], Path(path, "pose"), faults, entry.pose);
+  entry.included =
+      json::boolean(*found[kIncluded], Path(path, "included"), faults).value_or(false);
+  entry.visible = read_row(*found[kVisible], n, Path(path, "visible"), faults);
+  entry.unobstructed = read_row(*found[kUnobstructed], n, Path(path, "unobstructed"), faults);
+  if (found[kHeight]) {
+    entry.height = json::number(*found[kHeight], Path(path, "height"), faults).value_or(0);
+  }
+  return entry;
+}
+
+Connectivity read(const json::Document& document, std::string scan) {
+  Connectivity result{std::move(scan), document.name(), {}};
+  Faults faults(document.name());
+  const Path root;
+  if (const auto entries = json::array(document.root(), root, faults)) {
+    std::size_t n = 0;
+    for ([[maybe_unused]] const Element entry : *entries) ++n;  // size() saturates at 2^24 - 1
+    result.entries.reserve(n);
+    std::unordered_map<std::string, std::size_t> first;
+    for (const Element element : *entries) {
+      const std::size_t i = result.entries.size();
+      const Path path(root, i);
+      result.entries.push_back(read_entry(element, n, path, faults));
+      const std::string& id = result.entries.back().id;
+      if (const auto [at, fresh] = first.emplace(id, i); !fresh && !id.empty()) {
+        faults.error(Path(path, "image_id"), "repeated-id",
+                     fmt::format("{:?} stands at $[{}] already", id, at->second));
+      }
+    }
+  }
+  faults.throw_if_errors();
+  return result;
+}
+
+bool names_a_file(std::string_view scan) {
+  return !scan.empty() && scan.find_first_of("/\\") == std::string_view::npos && scan[0] != '.';
+}
+
+}  // namespace
+
+std::filesystem::path connectivity_file(const std::filesystem::path& directory,
+                                        std::string_view scan) {
+  return directory / fmt::format("{}_connectivity.json", scan);
+}
+
+Connectivity load_connectivity(const std::filesystem::path& directory, std::string_view scan) {
+  if (!names_a_file(scan)) {
+    throw LookupError(fmt::format("scan {:?}: not a scan id (letters, digits, _ and -)", scan));
+  }
+  return read(json::Document::load(connectivity_file(directory, scan)), std::string(scan));
+}
+
+Connectivity parse_connectivity(std::string_view json, std::string scan, std::string file) {
+  return read(json::Document::parse(json, file), std::move(scan));
+}
+
+std::string to_json(const Connectivity& connectivity) {
+  const std::size_t n = connectivity.entries.size();
+  const auto flags = [n](const std::vector<ViewpointIndex>& places) {
+    std::vector<bool> row(n, false);
+    for (const ViewpointIndex v : places) row.at(v.at()) = true;
+    return row;
+  };
+  nlohmann::ordered_json entries = nlohmann::ordered_json::array();
+  for (const ConnectivityEntry& entry : connectivity.entries) {
+    entries.push_back({{"image_id", entry.id},
+                       {"pose", entry.pose},
+                       {"included", entry.included},
+                       {"visible", flags(entry.visible)},
+                       {"unobstructed", flags(entry.unobstructed)},
+                       {"height", entry.height}});
+  }
+  return entries.dump() + "\n";
+}
+
+std::vector<std::string> load_scan_list(const std::filesystem::path& directory) {
+  const std::filesystem::path file = directory / "scans.txt";
+  std::istringstream words(read_file(file));
+  std::vector<std::string> scans;
+  std::set<std::string> seen;
+  Faults faults(file.string());
+  const Path root;
+  for (std::string scan; words >> scan; scans.push_back(scan)) {
+    if (!names_a_file(scan)) {
+      faults.error(root, "bad-scan-id",
+                   fmt::format("{:?} is not a scan id (letters, digits, _ and -)", scan));
+    } else if (!seen.insert(scan).second) {
+      faults.error(root, "repeated-scan", fmt::format("{:?} stands in the list twice", scan));
+    }
+  }
+  if (scans.empty()) faults.error(root, "no-scans", "lists no scan; one id a line is expected");
+  faults.throw_if_errors();
+  return scans;
+}
+
+}  // namespace enfilade::scan

@@ -1,0 +1,55 @@
+/// \file  Reader and writer of `<scan>_connectivity.json`, Matterport3D's navigation graphs.
+#pragma once
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/ids.h"
+#include "enfilade/geometry/vec.h"
+
+namespace enfilade::scan {
+
+/// One entry of a connectivity file, as it stands there.
+struct ConnectivityEntry {
+  std::string id;                 ///< viewpoint id (`image_id`); 32 hex digits in Matterport3D
+  std::array<double, 16> pose{};  ///< camera to world, 4 x 4 row-major, metres
+  bool included = true;           ///< false: not part of the simulator
+  double height = 0;              ///< above the floor, metres; 0 if the file has none
+  std::vector<ViewpointIndex> unobstructed;  ///< true places of that row, ascending
+  std::vector<ViewpointIndex> visible;       ///< likewise
+
+  Vec3d position() const { return {pose[3], pose[7], pose[11]}; }  ///< world frame
+};
+
+/// A whole file. Entries keep their order: an entry's place is its ViewpointIndex.
+struct Connectivity {
+  std::string scan;  ///< scan id, from the file's name
+  std::string file;  ///< where it was read, for messages
+  std::vector<ConnectivityEntry> entries;
+};
+
+/// Reads `<directory>/<scan>_connectivity.json`.
+/// \throws FileError if it cannot be read; InvalidInput listing every fault with its JSON path if
+/// it is not JSON or has a missing, repeated or wrongly typed field, a pose that isn't 16 numbers,
+/// `unobstructed` or `visible` of another length than the file, or an id twice.
+Connectivity load_connectivity(const std::filesystem::path& directory, std::string_view scan);
+
+/// The same for a text in memory; `file` is its name in messages. \throws InvalidInput
+Connectivity parse_connectivity(std::string_view json, std::string scan, std::string file);
+
+/// The file's content in Matterport3D's format, which load_connectivity() reads back equal.
+std::string to_json(const Connectivity& connectivity);
+
+/// The scans of a connectivity folder: the ids in its `scans.txt` (white space between), in order.
+/// \throws FileError; InvalidInput if the list is empty, repeats an id, or holds one that cannot be
+/// part of a file name.
+std::vector<std::string> load_scan_list(const std::filesystem::path& directory);
+
+/// `<directory>/<scan>_connectivity.json`.
+std::filesystem::path connectivity_file(const std::filesystem::path& directory,
+                                        std::string_view scan);
+
+}  // namespace enfilade::scan

@@ -1,0 +1,135 @@
+#include "enfilade/scan/connectivity.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+
+#include "enfilade/core/file.h"
+#include "enfilade/scan/data_root.h"
+
+namespace enfilade::scan {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+Connectivity three_in_a_row() {
+  Connectivity c{"row", "<memory>", {}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    ConnectivityEntry entry;
+    entry.id = std::string(1, static_cast<char>('a' + i));
+    entry.pose = {1, 0, 0, 2.5 * static_cast<double>(i), 0, 1, 0, 0, 0, 0, 1, 1.5, 0, 0, 0, 1};
+    entry.height = 1.5;
+    c.entries.push_back(entry);
+  }
+  c.entries[0].unobstructed = {ViewpointIndex(1)};
+  c.entries[1].unobstructed = {ViewpointIndex(0), ViewpointIndex(2)};
+  c.entries[2].unobstructed = {ViewpointIndex(1)};
+  c.entries[0].visible = {ViewpointIndex(1), ViewpointIndex(2)};
+  c.entries[2].included = false;
+  return c;
+}
+
+std::string faults_of(const std::string& text) {
+  try {
+    parse_connectivity(text, "s", "s.json");
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string edited(const std::string& from, const std::string& to) {
+  std::string text = to_json(three_in_a_row());
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(Connectivity, ReadsWhatItWrites) {
+  const Connectivity written = three_in_a_row();
+  const Connectivity read = parse_connectivity(to_json(written), "row", "row.json");
+  ASSERT_EQ(read.entries.size(), 3U);
+  EXPECT_EQ(read.entries[1].position(), (Vec3d{2.5, 0, 1.5}));
+  EXPECT_THAT(read.entries[1].unobstructed, ElementsAre(ViewpointIndex(0), ViewpointIndex(2)));
+  EXPECT_THAT(read.entries[0].visible, ElementsAre(ViewpointIndex(1), ViewpointIndex(2)));
+  EXPECT_FALSE(read.entries[2].included);
+  EXPECT_EQ(read.entries[0].height, 1.5);
+  EXPECT_EQ(to_json(read), to_json(written));
+}
+
+TEST(Connectivity, NamesFieldPlaceAndWhatIsAllowed) {
+  EXPECT_THAT(faults_of("{}"), HasSubstr("s.json: $: object, not an array"));
+  EXPECT_THAT(faults_of("[1]"), HasSubstr("$[0]: number 1, not an object"));
+  EXPECT_THAT(faults_of(edited("\"included\":true,", "")), HasSubstr("$[0]: has no field"));
+  EXPECT_THAT(faults_of(edited("true,\"visible\"", "1,\"visible\"")),
+              HasSubstr("$[0].included: number 1, not true or false"));
+  EXPECT_THAT(faults_of(edited("[1.0,", "[")), HasSubstr("$[0].pose: 15 numbers, not 16"));
+  EXPECT_THAT(faults_of(edited("[1.0,", "[1e200,")), HasSubstr("$[0].pose[0]: 1e+200"));
+  EXPECT_THAT(faults_of(edited("[false,true,true]", "[false,true]")),
+              HasSubstr("$[0].visible: 2 flags, not 3"));
+  EXPECT_THAT(faults_of(edited("[false,true,false]", "[false,true,0]")),
+              HasSubstr("$[0].unobstructed[2]: number 0, not true or false"));
+  EXPECT_THAT(faults_of(edited("\"image_id\":\"b\"", "\"image_id\":\"a\"")),
+              HasSubstr("$[1].image_id: \"a\" stands at $[0] already"));
+  EXPECT_THAT(faults_of(edited("\"image_id\":\"a\"", "\"image_id\":\"\"")), HasSubstr("empty id"));
+  EXPECT_THAT(faults_of(edited("\"height\":1.5", "\"height\":\"tall\"")),
+              HasSubstr("$[0].height: string \"tall\", not a number"));
+}
+
+TEST(Connectivity, ListsAllFaultsAtOnce) {
+  const std::string all = faults_of("[{\"image_id\": 1}, 2]");
+  EXPECT_THAT(all, HasSubstr("$[0]: has no field \"pose\""));
+  EXPECT_THAT(all, HasSubstr("$[1]: number 2"));
+}
+
+TEST(Connectivity, HeightIsOptional) {
+  EXPECT_EQ(faults_of(edited(",\"height\":1.5", "")), "accepted");
+}
+
+TEST(Connectivity, AScanIdIsNoPath) {
+  EXPECT_THROW(load_connectivity(".", "../etc"), LookupError);
+  EXPECT_THROW(load_connectivity(".", ""), LookupError);
+  EXPECT_THROW(load_connectivity(testing::TempDir(), "absent"), FileError);
+}
+
+TEST(ScanList, RefusesWhatIsNoList) {
+  const fs::path folder = fs::path(testing::TempDir()) / "scan_list_test";
+  fs::create_directories(folder);
+  const auto message = [&](const std::string& content) -> std::string {
+    write_file_atomically(folder / "scans.txt", content);
+    try {
+      return std::to_string(load_scan_list(folder).size());
+    } catch (const Error& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(message("a\nb\r\nc"), "3");
+  EXPECT_THAT(message(" \n"), HasSubstr("lists no scan"));
+  EXPECT_THAT(message("a b a"), HasSubstr("\"a\" stands in the list twice"));
+  EXPECT_THAT(message("../a"), HasSubstr("not a scan id"));
+  fs::remove_all(folder);
+}
+
+TEST(Connectivity, ReadsAllRealGraphs) {
+  const auto data = DataRoot::from_environment();
+  if (!data) GTEST_SKIP() << "ENFILADE_DATA is not set: no real graphs";
+  std::size_t viewpoints = 0;
+  std::size_t included = 0;
+  const auto scans = load_scan_list(data->connectivity());
+  for (const std::string& scan : scans) {
+    for (const auto& entry : load_connectivity(data->connectivity(), scan).entries) {
+      ++viewpoints;
+      included += entry.included ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(scans.size(), 90U);
+  EXPECT_EQ(viewpoints, 10800U);  // as the paper counts panoramas
+  EXPECT_EQ(included, 10567U);
+}
+
+}  // namespace
+}  // namespace enfilade::scan

@@ -1,0 +1,33 @@
+/// \file  Where the files of a data set are.
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace enfilade::scan {
+
+/// A folder that holds connectivity graphs and R2R annotations, in one of the layouts found in the
+/// wild: Enfilade's (`connectivity/`, `r2r/`, `regions/`), a checkout of Matterport3DSimulator
+/// (`connectivity/`, `tasks/R2R/data/`), or all files side by side. A plain value: any thread.
+class DataRoot {
+ public:
+  /// Looks only when asked for a file. \throws FileError if `folder` is not a folder.
+  explicit DataRoot(std::filesystem::path folder);
+
+  /// The folder named by the environment variable ENFILADE_DATA; nothing if it is unset or empty.
+  /// \throws FileError if it names no folder.
+  static std::optional<DataRoot> from_environment();
+
+  const std::filesystem::path& folder() const noexcept { return folder_; }
+
+  // Each throws FileError naming every place that was tried.
+  std::filesystem::path connectivity() const;                      ///< folder with scans.txt
+  std::filesystem::path annotations(std::string_view split) const; ///< R2R_<split>.json
+  std::filesystem::path regions() const;                           ///< region_to_panorama.json
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace enfilade::scan

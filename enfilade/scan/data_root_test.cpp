@@ -1,0 +1,43 @@
+#include "enfilade/scan/data_root.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+
+namespace enfilade::scan {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+TEST(DataRoot, KnowsTheLayoutsInTheWild) {
+  const fs::path root = fs::path(testing::TempDir()) / "data_root_test";
+  fs::remove_all(root);
+  fs::create_directories(root / "ours/connectivity");
+  fs::create_directories(root / "ours/r2r");
+  fs::create_directories(root / "checkout/connectivity");
+  fs::create_directories(root / "checkout/tasks/R2R/data");
+  fs::create_directories(root / "flat");
+  for (const char* file :
+       {"ours/connectivity/scans.txt", "ours/r2r/R2R_train.json", "checkout/connectivity/scans.txt",
+        "checkout/tasks/R2R/data/R2R_train.json", "flat/scans.txt", "flat/R2R_train.json"}) {
+    write_file_atomically(root / file, "x");
+  }
+  EXPECT_EQ(DataRoot(root / "ours").connectivity(), root / "ours/connectivity");
+  EXPECT_EQ(DataRoot(root / "ours").annotations("train"), root / "ours/r2r/R2R_train.json");
+  EXPECT_EQ(DataRoot(root / "checkout").annotations("train"),
+            root / "checkout/tasks/R2R/data/R2R_train.json");
+  EXPECT_EQ(DataRoot(root / "flat").connectivity(), root / "flat");
+  EXPECT_THAT([&] { DataRoot(root / "ours").annotations("val"); },
+              ThrowsMessage<FileError>(HasSubstr("tried: r2r/R2R_val.json, tasks/R2R/data/")));
+  EXPECT_THAT([&] { DataRoot(root / "ours").regions(); },
+              ThrowsMessage<FileError>(HasSubstr("holds no region map")));
+  EXPECT_THROW(DataRoot(root / "absent"), FileError);
+  fs::remove_all(root);
+}
+
+}  // namespace
+}  // namespace enfilade::scan

@@ -1,0 +1,97 @@
+#include "enfilade/scan/regions.h"
+
+#include <charconv>
+#include <fmt/format.h>
+
+#include "enfilade/core/detail/json.h"
+#include "enfilade/core/file.h"
+
+namespace enfilade::scan {
+namespace {
+
+using json::Element;
+using json::Faults;
+using json::Path;
+
+std::optional<std::uint32_t> region_index(std::string_view key) {
+  std::uint32_t value = 0;
+  const auto [end, code] = std::from_chars(key.data(), key.data() + key.size(), value);
+  if (code != std::errc() || end != key.data() + key.size()) return std::nullopt;
+  return value;
+}
+
+using Viewpoints = std::unordered_map<std::string, std::uint32_t>;
+
+void read_region(Element element, std::uint32_t region, const Path& path, Faults& faults,
+                 Viewpoints& viewpoints) {
+  const auto ids = json::array(element, path, faults);
+  if (!ids) return;
+  std::size_t i = 0;
+  for (const Element id : *ids) {
+    const Path here(path, i++);
+    const auto text = json::string(id, here, faults);
+    if (!text) continue;
+    const auto [at, fresh] = viewpoints.emplace(*text, region);
+    if (!fresh) {
+      faults.error(here, "repeated-viewpoint",
+                   fmt::format("viewpoint {:?} is in region {} already", *text, at->second));
+    }
+  }
+}
+
+}  // namespace
+
+RegionMap RegionMap::load(const std::filesystem::path& file) {
+  return parse(read_file(file), file.string());
+}
+
+RegionMap RegionMap::parse(std::string_view text, const std::string& file) {
+  const json::Document document = json::Document::parse(text, file);
+  RegionMap map;
+  Faults faults(file);
+  const Path root;
+  const auto scans = json::object(document.root(), root, faults);
+  faults.throw_if_errors();
+  for (const auto scan : *scans) {
+    const Path scan_path(root, scan.key);
+    const auto regions = json::object(scan.value, scan_path, faults);
+    if (!regions) continue;
+    Viewpoints& viewpoints = map.scans_[std::string(scan.key)];
+    for (const auto region : *regions) {
+      const Path path(scan_path, region.key);
+      const auto index = region_index(region.key);
+      if (!index) {
+        faults.error(path, "bad-region",
+                     fmt::format("region {:?}, not a whole number from 0 on", region.key));
+        continue;
+      }
+      read_region(region.value, *index, path, faults, viewpoints);
+      ++map.regions_;
+    }
+  }
+  faults.throw_if_errors();
+  return map;
+}
+
+std::optional<std::uint32_t> RegionMap::find(const std::string& scan,
+                                             const std::string& viewpoint) const {
+  const auto viewpoints = scans_.find(scan);
+  if (viewpoints == scans_.end()) return std::nullopt;
+  const auto region = viewpoints->second.find(viewpoint);
+  if (region == viewpoints->second.end()) return std::nullopt;
+  return region->second;
+}
+
+std::vector<std::string> RegionMap::scans() const {
+  std::vector<std::string> names;
+  for (const auto& [scan, viewpoints] : scans_) names.push_back(scan);
+  return names;
+}
+
+std::size_t RegionMap::viewpoints() const noexcept {
+  std::size_t n = 0;
+  for (const auto& [scan, viewpoints] : scans_) n += viewpoints.size();
+  return n;
+}
+
+}  // namespace enfilade::scan

@@ -1,0 +1,34 @@
+/// \file  Which room (region) of its building each viewpoint stands in.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+namespace enfilade::scan {
+
+/// Viewpoint -> region index, for the scans of a file such as CVDN's
+/// `region_to_panorama.json`: {scan: {region index: [viewpoint ids]}}. Immutable: any thread.
+class RegionMap {
+ public:
+  /// \throws FileError, InvalidInput (with JSON paths: wrong types, a region that is not a whole
+  /// number >= 0, a viewpoint in two regions)
+  static RegionMap load(const std::filesystem::path& file);
+  static RegionMap parse(std::string_view json, const std::string& file);
+
+  /// Region of a viewpoint; nothing for viewpoints that are in no region of the file.
+  std::optional<std::uint32_t> find(const std::string& scan, const std::string& viewpoint) const;
+  std::vector<std::string> scans() const;         ///< in alphabetical order
+  std::size_t regions() const noexcept { return regions_; }  ///< in all scans together
+  std::size_t viewpoints() const noexcept;        ///< in all regions together
+
+ private:
+  std::map<std::string, std::unordered_map<std::string, std::uint32_t>> scans_;
+  std::size_t regions_ = 0;
+};
+
+}  // namespace enfilade::scan

@@ -1,0 +1,49 @@
+#include "enfilade/scan/regions.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/scan/data_root.h"
+
+namespace enfilade::scan {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+TEST(RegionMap, FindsTheRegionOfAViewpoint) {
+  const RegionMap map = RegionMap::parse(R"({"s": {"0": ["a", "b"], "7": ["c"]}, "r": {}})", "f");
+  EXPECT_EQ(map.find("s", "b"), 0U);
+  EXPECT_EQ(map.find("s", "c"), 7U);
+  EXPECT_EQ(map.find("s", "d"), std::nullopt);
+  EXPECT_EQ(map.find("t", "a"), std::nullopt);
+  EXPECT_THAT(map.scans(), ElementsAre("r", "s"));
+  EXPECT_EQ(map.regions(), 2U);
+  EXPECT_EQ(map.viewpoints(), 3U);
+}
+
+TEST(RegionMap, RefusesWhatIsNoMap) {
+  const auto parse = [](const char* text) { return [text] { RegionMap::parse(text, "f"); }; };
+  EXPECT_THAT(parse("[]"), ThrowsMessage<InvalidInput>(HasSubstr("$: array of 0, not an object")));
+  EXPECT_THAT(parse(R"({"s": []})"), ThrowsMessage<InvalidInput>(HasSubstr("$.s: array")));
+  EXPECT_THAT(parse(R"({"s": {"-1": []}})"),
+              ThrowsMessage<InvalidInput>(HasSubstr("region \"-1\", not a whole number")));
+  EXPECT_THAT(parse(R"({"s": {"1": [2]}})"),
+              ThrowsMessage<InvalidInput>(HasSubstr("$.s.1[0]: number 2, not a string")));
+  EXPECT_THAT(parse(R"({"s": {"1": ["a"], "2": ["a"]}})"),
+              ThrowsMessage<InvalidInput>(HasSubstr("\"a\" is in region 1 already")));
+}
+
+TEST(RegionMap, ReadsTheRealMap) {
+  const auto data = DataRoot::from_environment();
+  if (!data) GTEST_SKIP() << "ENFILADE_DATA is not set: no real region map";
+  const RegionMap map = RegionMap::load(data->regions());
+  EXPECT_EQ(map.scans().size(), 90U);
+  EXPECT_EQ(map.regions(), 1982U);
+  EXPECT_EQ(map.viewpoints(), 10358U);
+}
+
+}  // namespace
+}  // namespace enfilade::scan

@@ -1,0 +1,48 @@
+/// \file  The state of a batch of agents, as arrays that the caller owns.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "enfilade/core/ids.h"
+
+namespace enfilade::sim {
+
+/// Where a Simulator writes: one array a quantity, shape (batch), and for what an agent may walk to,
+/// shape (batch, max_navigable) row-major. Row k of `navigable_*` is filled up to
+/// navigable_count[k]; the rest keeps what it held. Entry 0 is the present viewpoint with zeros;
+/// the others follow by rising sqrt(rel_heading^2 + rel_elevation^2), ties by viewpoint.
+struct StateSpans {
+  std::span<ScanIndex> scan;
+  std::span<ViewpointIndex> viewpoint;
+  std::span<double> heading;             ///< radians, [0, 2 pi]
+  std::span<double> elevation;           ///< radians
+  std::span<std::uint32_t> view_index;   ///< 0..35 = 12 * row (down, level, up) + heading step;
+                                         ///< 0 if viewing is continuous
+  std::span<std::uint32_t> step;         ///< actions since the start
+  std::span<std::uint32_t> navigable_count;
+  std::span<ViewpointIndex> navigable_viewpoint;
+  std::span<double> navigable_rel_heading;    ///< radians from the view's middle, right positive
+  std::span<double> navigable_rel_elevation;  ///< radians from the view's middle, up positive
+  std::span<double> navigable_distance;       ///< metres, straight line
+};
+
+/// Owns the memory of a StateSpans, for callers with no memory of their own. A plain value.
+class StateBuffer {
+ public:
+  StateBuffer(std::size_t batch_size, std::size_t max_navigable);
+  StateSpans spans() noexcept;  ///< valid as long as *this, until it is moved or assigned to
+  std::size_t batch_size() const noexcept { return scan_.size(); }
+  std::size_t max_navigable() const noexcept { return max_navigable_; }
+
+ private:
+  std::size_t max_navigable_;
+  std::vector<ScanIndex> scan_;
+  std::vector<ViewpointIndex> viewpoint_;
+  std::vector<double> heading_, elevation_;
+  std::vector<std::uint32_t> view_index_, step_, navigable_count_;
+  std::vector<ViewpointIndex> navigable_viewpoint_;
+  std::vector<double> navigable_rel_heading_, navigable_rel_elevation_, navigable_distance_;
+};
+
+}  // namespace enfilade::sim
