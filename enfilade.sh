@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# The front door to Enfilade: installs what is missing, builds, tests, shows. See `./enfilade.sh help`.
+# The front door to Enfilade: installs what is missing, builds, tests, shows; see its `help`.
 #
-# Status: 0 done; 1 a step failed; 2 the command line is wrong; 3 something that is needed is missing
-# and cannot be installed from here. What this script itself says goes to stderr, so that the
-# output of the demo, the tests and the benchmarks can be piped.
+# Status: 0 done; 1 a step failed; 2 the command line is wrong; 3 something that is needed is
+# missing and cannot be installed from here; `test` has ctest's, `demo` the demo's. What this script
+# itself says goes to stderr, so that the output of the jobs can be piped.
 set -euo pipefail
 
 readonly caller=$PWD  # what the user's own relative paths are relative to
@@ -14,8 +14,8 @@ if [[ -n "${ENFILADE_DATA:-}" && $ENFILADE_DATA != /* ]]; then
 fi
 cd "$root"
 
-# What each job needs: job, package on Debian 12 and Ubuntu 24.04, and how to see that it is there on
-# any other system (a command on the PATH, or a header that the compiler finds).
+# What each job needs: job, package on Debian 12 and Ubuntu 24.04, and how to see that it is there
+# on any other system (a command on the PATH, or a header that the compiler finds).
 readonly needs='
 build g++                command c++
 build cmake              command cmake
@@ -53,11 +53,12 @@ usage: ./enfilade.sh COMMAND [ARGUMENTS]
   build [--preset P]            build; programs are left in build/P/bin/ (P is release)
   test  [--preset P] [ARGS]     build and run the tests; ARGS go to ctest, as in -R NavGraph
   bench [ARGS]                  build and run the benchmarks; ARGS go to each of them
-  lint  [FILES]                 clang-format, clang-tidy and the shell scripts (all, or those FILES)
+  lint  [--fix] [FILES]         clang-format, clang-tidy and the shell scripts (all, or those FILES);
+                                --fix lays the sources out instead of complaining
   help                          this text
 
 Each command first installs what it needs and the machine lacks, from the packages of Debian 12 or
-Ubuntu 24.04; it asks for nothing. Presets are in CMakePresets.json: release, dev, ci, asan, tsan, fuzz.
+Ubuntu 24.04; it asks for nothing. Presets (CMakePresets.json): release, dev, ci, asan, tsan, fuzz.
 
 environment:
   ENFILADE_DATA                 folder of the real data; demo and test use it where it is set
@@ -67,7 +68,7 @@ environment:
 HELP
 }
 
-# --- what the machine lacks ----------------------------------------------------------------------
+# --- what the machine lacks -----------------------------------------------------------------------
 
 needs_of() {  # the rows of the jobs given
   local job
@@ -119,7 +120,9 @@ install_packages() {  # install_packages LOG PACKAGE...
   shift
   for attempt in 1 2 3; do
     { apt_get update && apt_get install --no-install-recommends "$@"; } >"$log" 2>&1 && return 0
-    if grep -qE 'Unable to locate package|no installation candidate' "$log"; then
+    # apt-get update only warns of a mirror out of reach, and then the lists lack everything.
+    if ! grep -q 'Failed to fetch' "$log" &&
+      grep -qE 'Unable to locate package|no installation candidate' "$log"; then
       say "some of these packages are not in this system's lists (on Ubuntu they need 'universe')"
       return 1
     fi
@@ -128,7 +131,7 @@ install_packages() {  # install_packages LOG PACKAGE...
   return 1
 }
 
-# ensure_packages WHY JOB...: makes the machine ready for these jobs, in silence if it is so already.
+# ensure_packages WHY JOB...: makes the machine ready for these jobs, silent if it is so already.
 ensure_packages() {
   local why=$1 missing line log
   shift
@@ -141,8 +144,8 @@ ensure_packages() {
   [[ -n $missing ]] || return 0
   line="apt-get install --no-install-recommends $missing"
   if [[ $(id -u) != 0 ]] && ! sudo -n true 2>/dev/null; then
-    die 3 "to $why, this machine lacks packages, and installing them needs root. Please run:" \
-      $'\n'"  sudo $line"
+    say "to $why, this machine lacks packages, and installing them needs root. Please run:"
+    die 3 "  sudo $line"
   fi
   say "installing with apt-get, to $why: $missing"
   mkdir -p build
@@ -151,7 +154,8 @@ ensure_packages() {
   # shellcheck disable=SC2086
   if ! install_packages "$log" $missing; then
     tail -n 20 "$log" >&2
-    die 3 "apt-get could not install them (all of its output: $log). Please run:" $'\n'"  $line"
+    say "apt-get could not install them (all of its output: $log). Please see to:"
+    die 3 "  $line"
   fi
 }
 
@@ -172,7 +176,7 @@ ensure_cmake_version() {
     die 3 "CMake 3.25 or newer is needed; $(command -v cmake) is $have"
 }
 
-# --- building --------------------------------------------------------------------------------------
+# --- building -------------------------------------------------------------------------------------
 
 available_kib() {  # memory that a build may take: the machine's, or the container's if that is less
   local machine cgroup limit used
@@ -216,7 +220,7 @@ log_to() {
   fi
 }
 
-show_failure() {  # the part of a build's log that tells why: 40 lines from the first failure, or the last
+show_failure() {  # what of a build's log tells why: 40 lines from the first failure, or the last
   local log=$1 first
   first=$(grep -n -m 1 '^FAILED: ' "$log" | cut -d : -f 1) || true
   if [[ -n $first ]]; then
@@ -226,8 +230,8 @@ show_failure() {  # the part of a build's log that tells why: 40 lines from the 
   fi
 }
 
-duration_of() {  # a guess in words, for STEPS steps on JOBS jobs at about five seconds each
-  local seconds=$(($1 * 5 / $2))
+duration_of() {  # a guess in words, for STEPS steps on JOBS jobs at about two seconds each
+  local seconds=$(($1 * 2 / $2))
   if ((seconds < 60)); then
     echo "under a minute"
   elif ((seconds < 150)); then
@@ -247,7 +251,7 @@ build_preset() {
   mkdir -p "$directory"
   : >"$log"
   launcher=${CMAKE_CXX_COMPILER_LAUNCHER-$(command -v ccache || true)}
-  log_to "$log" cmake --preset "$preset" "-DCMAKE_CXX_COMPILER_LAUNCHER=$launcher" "$@" || {
+  log_to "$log" cmake --preset "$preset" "-DCMAKE_CXX_COMPILER_LAUNCHER:STRING=$launcher" "$@" || {
     show_failure "$log"
     die 1 "configuring the preset '$preset' failed (all of its output: $log)"
   }
@@ -307,7 +311,7 @@ command_demo() {
   exec "$root/build/release/bin/enfilade" demo "$@"
 }
 
-# --- testing ---------------------------------------------------------------------------------------
+# --- testing --------------------------------------------------------------------------------------
 
 # skip_reasons CTEST_OUTPUT LAST_TEST_LOG: a line for each skipped test, its reason.
 skip_reasons() {
@@ -318,13 +322,19 @@ skip_reasons() {
     }
     # First file, the list that ctest ends with: "<tab>  7 - Name (Skipped)".
     FNR == NR {
-      if (match($0, /^\t *[0-9]+ - /) && sub(/ \(Skipped\)$/, "")) skipped[substr($0, RLENGTH + 1)] = 1
-      else if (/^\t *[0-9]+ - .* \(Disabled\)$/) print "disabled (DISABLED_ in its name, or in CMake)"
+      if (/^\t *[0-9]+ - .* \(Disabled\)$/) print "disabled (DISABLED_ in its name, or in CMake)"
+      if (!/^\t *[0-9]+ - .* \(Skipped\)$/) next
+      gsub(/^\t *[0-9]+ - | \(Skipped\)$/, "")
+      skipped[$0] = 1
       next
     }
     # Second file, what each test printed: a test skipped by GoogleTest says "file:line: Skipped",
     # then its reason; another program (a script with its own status for it) says why last.
-    /^[0-9]+\/[0-9]+ Testing: / { name = $0; sub(/^[^:]*: /, "", name); why = last = ""; inside = 0 }
+    /^[0-9]+\/[0-9]+ Testing: / {
+      name = $0
+      sub(/^[^:]*: /, "", name)
+      why = last = ""
+    }
     /^Output:$/ { inside = 1; next }
     /^<end of output>$/ {
       if (name in skipped) print why != "" ? why : gtest ? "no reason given" : last
@@ -341,8 +351,8 @@ skip_reasons() {
 # summarize CTEST_OUTPUT LAST_TEST_LOG: nothing if ctest ran no test (as with -N).
 summarize() {
   local counts total failed skipped disabled reasons
-  counts=$(sed -n 's/^[0-9]*% tests passed, \([0-9]*\) tests* failed out of \([0-9]*\).*/\1 \2/p' "$1" |
-    tail -n 1)
+  counts=$(sed -n 's/^[0-9]*% tests passed, \([0-9]*\) tests* failed out of \([0-9]*\).*/\1 \2/p' \
+    "$1" | tail -n 1)
   [[ -n $counts ]] || return 0
   read -r failed total <<<"$counts"
   reasons=$(skip_reasons "$1" "$2")
@@ -376,7 +386,7 @@ command_test() {
   exit "$status"
 }
 
-# --- benchmarks and lint ---------------------------------------------------------------------------
+# --- benchmarks and lint --------------------------------------------------------------------------
 
 conditions() {  # what a figure is worth nothing without
   local compiler commit=unknown
@@ -416,7 +426,7 @@ lint_shell() {
   local script status=0
   while read -r script; do
     bash -n "$script" || status=1
-    ! command -v shellcheck >/dev/null || shellcheck "$script" || status=1
+    ! command -v shellcheck >/dev/null || shellcheck --severity=warning "$script" || status=1
   done < <(list_files '*.sh' '.ci/run')
   return $status
 }
@@ -435,7 +445,11 @@ lint_tidy() {  # lint_tidy FILE...: clang-tidy on these sources of the preset ci
 }
 
 command_lint() {
-  local status=0 all=0 sources files
+  local status=0 all=0 sources files layout=(--dry-run -Werror)
+  if [[ "${1:-}" == --fix ]]; then
+    layout=(-i)
+    shift
+  fi
   (($# > 0)) || all=1
   ensure_packages "check the style of the sources" build test bench lint
   ensure_cmake_version
@@ -447,13 +461,13 @@ command_lint() {
   else
     files=$(cd "$caller" && realpath --relative-to="$root" -- "$@")
   fi
-  grep -E '\.(h|cpp)$' <<<"$files" | xargs -r clang-format-16 --dry-run -Werror || status=1
+  grep -E '\.(h|cpp)$' <<<"$files" | xargs -r clang-format-16 "${layout[@]}" || status=1
   say "shell scripts"
   lint_shell || status=1
   # run-clang-tidy takes each name as a regular expression; with none, it takes every source.
   sources=$(grep '\.cpp$' <<<"$files") || true
   if ((all)) || [[ -n $sources ]]; then
-    say "clang-tidy (about ten seconds a file)"
+    say "clang-tidy (a few seconds a file)"
     if ((all)); then
       lint_tidy || status=1
     else

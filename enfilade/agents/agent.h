@@ -56,6 +56,8 @@ class Agent {
  public:
   virtual ~Agent() = default;
   virtual std::string_view name() const = 0;
+  /// True for oracles, which cannot run where the goal is hidden.
+  virtual bool needs_goal() const { return false; }
   /// New episodes begin, one a slot; at most the number of slots of the last call may follow.
   virtual void start(std::span<const Observation> batch) = 0;
   /// Decides for each slot that has not ended. \pre decisions.size() == batch.size()

@@ -26,7 +26,8 @@ struct RunOptions {
 
 /// One trajectory an episode, in order: the start pose (heading snapped by the simulator, elevation
 /// 0), then one entry per action. The same at any batch size.
-/// \throws ActionError if the agent goes where it cannot; errors of graph files
+/// \throws ActionError if the agent goes where it cannot; ArgumentError if it needs goals that the
+/// split hides, or for a batch size of 0; errors of graph files
 std::vector<r2r::Trajectory> run_agent(Agent& agent, const r2r::EpisodeSet& episodes,
                                        const RunOptions& options = {},
                                        const Progress& progress = {});

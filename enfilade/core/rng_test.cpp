@@ -27,7 +27,7 @@ TEST(Rng, BelowIsUniform) {
   std::array<int, kCells> counts{};
   for (int i = 0; i < kDraws; ++i) ++counts[rng.below(kCells)];
   // 5 standard deviations of a binomial count: sqrt(60000 * 1/6 * 5/6) = 91.
-  for (const int n : counts) EXPECT_NEAR(n, kDraws / 6, 5 * 91);
+  for (const int n : counts) EXPECT_NEAR(n, kDraws / 6.0, 5 * 91);
 }
 
 TEST(Rng, BelowOneIsZeroAndPowersOfTwoReachTheTop) {

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "enfilade/core/file.h"
-#include "enfilade/graph/test_graphs.h"
+#include "tests/support/graphs.h"
 #include "enfilade/scan/data_root.h"
 
 namespace enfilade::graph {

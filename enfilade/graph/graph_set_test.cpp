@@ -8,7 +8,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/graph/test_graphs.h"
+#include "tests/support/graphs.h"
 
 namespace enfilade::graph {
 namespace {

@@ -1,5 +1,6 @@
 /// \file  Viewpoints of one scan and the edges that an agent may walk along.
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>

@@ -9,7 +9,7 @@
 
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/graph/test_graphs.h"
+#include "tests/support/graphs.h"
 #include "enfilade/scan/data_root.h"
 
 namespace enfilade::graph {

@@ -21,9 +21,9 @@ inline constexpr std::size_t kScoredInstructions = 3;
 struct PathAnnotation {
   std::int64_t path_id = 0;
   std::string scan;
-  Radians heading;                    ///< of the start, [0, 2 pi)
-  std::vector<std::string> path;      ///< viewpoint ids; the start only if the goal is hidden
-  std::optional<double> distance;     ///< length in metres; none if the goal is hidden
+  Radians heading;                 ///< of the start, [0, 2 pi)
+  std::vector<std::string> path;   ///< viewpoint ids; the start only if the goal is hidden
+  std::optional<double> distance;  ///< length in metres; none if the goal is hidden
   std::vector<std::string> instructions;
 
   bool goal_hidden() const noexcept { return path.size() < 2; }
@@ -36,14 +36,16 @@ struct Annotations {
   std::vector<PathAnnotation> paths;
 };
 
-/// Reads a file. `distance` may be absent, fields of other names are ignored.
+/// Reads a file. `distance` may be absent, `instructions` may be empty (paths that wait for theirs,
+/// as `enfilade sample` writes them), fields of other names are ignored.
 /// \throws FileError; InvalidInput listing every fault with its JSON path: not JSON, missing,
-/// repeated or wrongly typed fields, an empty path, no instruction, an infinite heading, a path_id
-/// that another entry has
+/// repeated or wrongly typed fields, an empty path, a negative distance, a path_id that another
+/// entry has
 Annotations load_annotations(const std::filesystem::path& file, std::string split);
 Annotations parse_annotations(std::string_view json, std::string file, std::string split);
 
-/// The file's content in R2R's format, which load_annotations() reads back equal.
+/// The file's content in R2R's format, an entry a line, which load_annotations() reads back equal.
+/// \throws ArgumentError for what JSON cannot say: an infinite number, text that is not UTF-8
 std::string to_json(const Annotations& annotations);
 
 /// "<path_id>_<k>": the `instr_id` of instruction k of a path.
@@ -76,9 +78,14 @@ struct EpisodeSet {
   const graph::NavGraph& graph_of(const Episode& e) const { return graphs->graph(path_of(e).scan); }
 };
 
-/// Looks up scans and viewpoints.
+/// Looks up scans and viewpoints, in the order of the file.
 /// \throws InvalidInput listing every unknown scan, unknown or excluded viewpoint, and step between
 /// viewpoints that are not adjacent, with JSON paths; errors of graph files
+std::vector<ReferencePath> look_up_paths(const Annotations& annotations,
+                                         const graph::GraphSet& graphs);
+
+/// look_up_paths() and the instructions to follow.
+/// \throws as look_up_paths(); InvalidInput also for each path without an instruction
 EpisodeSet make_episodes(const Annotations& annotations,
                          std::shared_ptr<const graph::GraphSet> graphs);
 

@@ -23,11 +23,11 @@ struct EpisodeMetrics {
   double oracle_error = 0;       ///< least d(p, last of R) over P
   double success = 0;            ///< SR: 1 if NE < success_distance
   double oracle_success = 0;     ///< OSR: 1 if the oracle error is
-  double spl = 0;          ///< success * shortest / max(TL, shortest); Anderson et al. 2018b
-  double spl_refpath = 0;  ///< the same with R's length instead of shortest (DUET's evaluation)
-  double dtw = 0;          ///< dynamic time warping of P onto R under d; Ilharco et al. 2019
-  double ndtw = 0;         ///< exp(-dtw / (|R| success_distance))
-  double sdtw = 0;         ///< success * ndtw
+  double spl = 0;                ///< success * shortest / max(TL, shortest); Anderson et al. 2018b
+  double spl_refpath = 0;     ///< the same with R's length instead of shortest (DUET's evaluation)
+  double dtw = 0;             ///< dynamic time warping of P onto R under d; Ilharco et al. 2019
+  double ndtw = 0;            ///< exp(-dtw / (|R| success_distance))
+  double sdtw = 0;            ///< success * ndtw
   double dtw_collapsed = 0;   ///< the same three with repeated entries of P taken once, so that
   double ndtw_collapsed = 0;  ///< turning on the spot costs nothing
   double sdtw_collapsed = 0;

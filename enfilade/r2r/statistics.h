@@ -38,16 +38,16 @@ struct SplitStatistics {
   std::size_t scored_instructions = 0;  ///< the first three of each path
   Summary path_length;                  ///< metres along the graph; paths with a known goal only
   std::map<std::size_t, std::size_t> path_edges;  ///< number of edges -> paths
-  Summary instruction_length;           ///< tokens
-  std::size_t vocabulary = 0;           ///< different tokens
-  std::size_t vocabulary_5 = 0;         ///< of those, with 5 or more occurrences
+  Summary instruction_length;                     ///< tokens
+  std::size_t vocabulary = 0;                     ///< different tokens
+  std::size_t vocabulary_5 = 0;                   ///< of those, with 5 or more occurrences
 };
 
 struct GraphStatistics {
   std::size_t graphs = 0, viewpoints = 0;  ///< included ones
   double viewpoints_per_graph = 0;
-  double degree = 0;         ///< mean
-  Summary edge_length;       ///< metres, each undirected edge once
+  double degree = 0;    ///< mean
+  Summary edge_length;  ///< metres, each undirected edge once
 };
 
 struct DatasetStatistics {

@@ -130,7 +130,7 @@ Connectivity load_connectivity(const std::filesystem::path& directory, std::stri
   return read(json::Document::load(connectivity_file(directory, scan)), std::string(scan));
 }
 
-Connectivity parse_connectivity(std::string_view json, std::string scan, std::string file) {
+Connectivity parse_connectivity(std::string_view json, std::string scan, const std::string& file) {
   return read(json::Document::parse(json, file), std::move(scan));
 }
 

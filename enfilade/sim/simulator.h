@@ -53,9 +53,9 @@ struct SimulatorConfig {
   /// For continuous viewing; -pi/2 < min < 0 < max < pi/2. Discretized viewing ignores them.
   ElevationLimits elevation_limits;
   RandomStarts random_starts = RandomStarts::kUniform;
-  std::uint64_t seed = 1;           ///< of new_random_episodes()
+  std::uint64_t seed = 1;  ///< of new_random_episodes()
   /// Rows of StateSpans::navigable: the present viewpoint and as many neighbours as a graph has.
-  /// Matterport3D's graphs need 14.
+  /// Matterport3D's graphs need 14. 1 .. 1024
   std::size_t max_navigable = 32;
   int threads = 1;  ///< that step() may use, 0: all cores. Never changes a result.
 
@@ -114,13 +114,16 @@ class Simulator {
   /// \pre out has the shapes of batch_size() and max_navigable
   /// \throws ArgumentError if starts.size() != batch_size() or `out` has other shapes; ActionError
   /// for an unknown scan or viewpoint, an excluded one, an angle that is not finite, or a graph
-  /// with more neighbours than max_navigable; FileError, InvalidInput for a graph's file
+  /// with more neighbours than max_navigable - 1; FileError, InvalidInput for a graph's file. Then
+  /// nothing has happened.
   void new_episodes(std::span<const EpisodeStart> starts, const StateSpans& out);
   /// The same for one agent, as in a vector environment whose episodes end at different times.
   void new_episode(std::size_t agent, const EpisodeStart& start, const StateSpans& out);
   /// A random viewpoint and heading for every agent, elevation 0.
   /// \throws as new_episodes(); ActionError for a graph in which no viewpoint is included
   void new_random_episodes(std::span<const ScanIndex> scans, const StateSpans& out);
+  /// The same for one agent: with kUniform what new_random_episodes() would give it next.
+  void new_random_episode(std::size_t agent, ScanIndex scan, const StateSpans& out);
 
   /// One action for every agent.
   /// \throws ArgumentError if actions.size() != batch_size(), `out` has other shapes or no episode

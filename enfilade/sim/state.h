@@ -8,18 +8,18 @@
 
 namespace enfilade::sim {
 
-/// Where a Simulator writes: one array a quantity, shape (batch), and for what an agent may walk to,
-/// shape (batch, max_navigable) row-major. Row k of `navigable_*` is filled up to
+/// Where a Simulator writes: one array a quantity, shape (batch), and for what an agent may walk
+/// to, shape (batch, max_navigable) row-major. Row k of `navigable_*` is filled up to
 /// navigable_count[k]; the rest keeps what it held. Entry 0 is the present viewpoint with zeros;
 /// the others follow by rising sqrt(rel_heading^2 + rel_elevation^2), ties by viewpoint.
 struct StateSpans {
   std::span<ScanIndex> scan;
   std::span<ViewpointIndex> viewpoint;
-  std::span<double> heading;             ///< radians, [0, 2 pi]
-  std::span<double> elevation;           ///< radians
-  std::span<std::uint32_t> view_index;   ///< 0..35 = 12 * row (down, level, up) + heading step;
-                                         ///< 0 if viewing is continuous
-  std::span<std::uint32_t> step;         ///< actions since the start
+  std::span<double> heading;            ///< radians, [0, 2 pi]
+  std::span<double> elevation;          ///< radians
+  std::span<std::uint32_t> view_index;  ///< 0..35 = 12 * row (down, level, up) + heading step;
+                                        ///< 0 if viewing is continuous
+  std::span<std::uint32_t> step;        ///< actions since the start
   std::span<std::uint32_t> navigable_count;
   std::span<ViewpointIndex> navigable_viewpoint;
   std::span<double> navigable_rel_heading;    ///< radians from the view's middle, right positive

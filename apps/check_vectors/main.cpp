@@ -1,0 +1,66 @@
+// check_vectors: compares golden vectors of metrics and navigable viewpoints with what we compute.
+#include <fmt/format.h>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/check_vectors/check_vectors.h"
+#include "apps/common/data_beside.h"
+#include "apps/common/program.h"
+
+namespace enfilade::apps {
+namespace {
+
+struct Options {
+  std::vector<std::string> files;
+  std::string data;
+  VectorTolerances tolerances;
+};
+
+ExitCode check(const Options& options) {
+  VectorReport total;
+  for (const std::string& file : options.files) {
+    const auto graphs =
+        graph::GraphSet::open_shared(open_data_beside(options.data, file).connectivity());
+    const VectorReport report = check_vectors(file, graphs, options.tolerances);
+    for (const std::string& line : report.examples) fmt::print("{}: {}\n", file, line);
+    if (report.mismatches > report.examples.size()) {
+      fmt::print("{}: ... and {} more\n", file, report.mismatches - report.examples.size());
+    }
+    fmt::print("{}: {} cases, {} mismatches\n", file, report.cases, report.mismatches);
+    total.cases += report.cases;
+    total.mismatches += report.mismatches;
+  }
+  fmt::print("{} cases, {} mismatches\n", total.cases, total.mismatches);
+  return total.mismatches > 0 ? kFaultsFound : kSuccess;
+}
+
+}  // namespace
+}  // namespace enfilade::apps
+
+int main(int argc, char** argv) {
+  using namespace enfilade::apps;
+  CLI::App app("Compares golden vectors of metrics and navigable viewpoints with ours.",
+               "check_vectors");
+  Options options;
+  int status = kSuccess;
+  app.add_option("files", options.files, "metrics_*.json or nav_*.json")
+      ->required()
+      ->type_name("FILE.json");
+  app.add_option("--data", options.data,
+                 "Data set: a folder with connectivity/ (default: ENFILADE_DATA, else ../data "
+                 "beside the file's folder)")
+      ->type_name("DIR");
+  app.add_option("--tolerance-metrics", options.tolerances.metrics,
+                 "Largest difference of a metric")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--tolerance-nav", options.tolerances.nav,
+                 "Largest difference of an angle (rad) or distance (m)")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.footer(
+      "Exit codes: 0 all agree, 1 mismatches, 2 command line, 3 a file that cannot be used.");
+  app.callback([&] { status = check(options); });
+  return run_program(app, argc, argv, status);
+}

@@ -1,0 +1,152 @@
+#include "apps/common/program.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <fmt/format.h>
+#include <memory>
+#include <unistd.h>
+#include <utility>
+
+#include "enfilade/core/file.h"
+
+namespace enfilade::apps {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* kWhereTheDataIs =
+    "no data set: give --data DIR or set ENFILADE_DATA to a folder that holds connectivity/ and "
+    "r2r/.\n"
+    "The 90 graphs are the folder connectivity/ of the repository "
+    "peteanderson80/Matterport3DSimulator on GitHub; its tasks/R2R/data/download.sh fetches the "
+    "R2R annotations (no licence form is needed for either).\n"
+    "To try Enfilade without them: enfilade synth -o DIR makes a small synthetic data set";
+
+class Bar {
+ public:
+  explicit Bar(std::string what) : what_(std::move(what)) {}
+  ~Bar() { wipe(); }
+  Bar(const Bar&) = delete;
+  Bar& operator=(const Bar&) = delete;
+
+  void show(std::size_t done, std::size_t total) {
+    const Clock::time_point now = Clock::now();
+    if (done >= total) {
+      wipe();
+      return;
+    }
+    if (now - start_ < std::chrono::seconds(1)) return;  // short work needs no bar
+    if (now - drawn_ < std::chrono::milliseconds(100)) return;
+    drawn_ = now;
+    constexpr std::size_t kWidth = 30;
+    const double share = static_cast<double>(done) / static_cast<double>(total);
+    const auto full = static_cast<std::size_t>(share * kWidth);
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    const std::string left =
+        done == 0 ? "" : fmt::format(", {:.0f} s left", elapsed / share - elapsed);
+    fmt::print(stderr, "\r{} [{}{}] {:3.0f} %{}\033[K", what_, std::string(full, '#'),
+               std::string(kWidth - full, '.'), 100 * share, left);
+    visible_ = true;
+  }
+
+ private:
+  void wipe() {
+    if (visible_) fmt::print(stderr, "\r\033[K");
+    visible_ = false;
+  }
+
+  std::string what_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point drawn_;
+  bool visible_ = false;
+};
+
+std::string counted(std::size_t n, const char* what) {
+  return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+}
+
+int fail(int code, const CLI::App& app, const char* what) {
+  fmt::print(stderr, "{}: {}\n", app.get_name(), what);
+  return code;
+}
+
+// Callbacks run inside parse(): this is the whole program.
+int parse_and_run(CLI::App& app, int argc, char** argv, const int& status) {
+  try {
+    app.parse(argc, argv);
+    return status;
+  } catch (const CLI::Success& help) {
+    return app.exit(help);  // prints what --help or --version asked for
+  } catch (const CLI::ParseError& error) {
+    app.exit(error);
+    return kUsage;
+  } catch (const InvalidInput& error) {
+    print_diagnostics(error.diagnostics());
+    return kInput;
+  } catch (const FileError& error) {
+    return fail(kInput, app, error.what());
+  } catch (const Error& error) {  // a name or value from the command line
+    return fail(kUsage, app, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(kInternal, app, "out of memory");
+  } catch (const std::exception& error) {
+    return fail(kInternal, app, error.what());
+  }
+}
+
+}  // namespace
+
+void add_data_option(CLI::App& verb, std::string& data) {
+  verb.add_option("--data", data,
+                  "Data set: a folder with connectivity/ and r2r/ (default: ENFILADE_DATA)")
+      ->type_name("DIR");
+}
+
+scan::DataRoot open_data(const std::string& data) {
+  if (!data.empty()) return scan::DataRoot(data);
+  if (const auto root = scan::DataRoot::from_environment()) return *root;
+  throw UsageError(kWhereTheDataIs);
+}
+
+void set_examples(CLI::App& verb, const std::vector<std::string>& lines) {
+  std::string text = "Examples:";
+  for (const std::string& line : lines) text += "\n  " + line;
+  verb.footer(text);
+}
+
+Progress progress_bar(std::string what) {
+  if (isatty(STDERR_FILENO) == 0) return {};
+  return [bar = std::make_shared<Bar>(std::move(what))](std::size_t done, std::size_t total) {
+    bar->show(done, total);
+  };
+}
+
+void write_output(const std::string& path, const std::string& content) {
+  if (path != "-") {
+    write_file_atomically(path, content);
+    return;
+  }
+  if (std::fwrite(content.data(), 1, content.size(), stdout) != content.size() ||
+      std::fflush(stdout) != 0) {
+    throw FileError("standard output: cannot write");
+  }
+}
+
+void print_diagnostics(const std::vector<Diagnostic>& diagnostics) {
+  for (const Diagnostic& diagnostic : diagnostics) {
+    fmt::print(stderr, "{}\n", to_string(diagnostic));
+  }
+  fmt::print(stderr, "{}, {}, {}\n", counted(count(diagnostics, Severity::kError), "error"),
+             counted(count(diagnostics, Severity::kWarning), "warning"),
+             counted(count(diagnostics, Severity::kNote), "note"));
+}
+
+int run_program(CLI::App& app, int argc, char** argv, const int& status) {
+  const int code = parse_and_run(app, argc, argv, status);
+  if (std::fflush(stdout) != 0) return fail(kInput, app, "standard output: cannot write");
+  return code;
+}
+
+}  // namespace enfilade::apps

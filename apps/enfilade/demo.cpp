@@ -1,0 +1,248 @@
+// enfilade demo: the paper's table rows for the agents that learn nothing, beside ours.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/agents/run.h"
+#include "enfilade/core/file.h"
+#include "enfilade/draw/floor_plan.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/r2r/results.h"
+#include "enfilade/r2r/score.h"
+#include "enfilade/r2r/statistics.h"
+#include "enfilade/synth/small_building.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string data;
+  std::string output = "enfilade-demo";
+  std::uint64_t seeds = 25;
+};
+
+// What the demo shows of a score: TL and NE in metres, SR and OSR in per cent.
+constexpr std::size_t kColumns = 4;
+using Row = std::array<double, kColumns>;
+constexpr std::array<const char*, kColumns> kMetrics{"trajectory_length", "nav_error", "success",
+                                                     "oracle_success"};
+
+struct Published {
+  const char* agent;
+  const char* split;
+  Row row;
+};
+// Anderson et al., CVPR 2018, table 1.
+constexpr std::array<Published, 4> kPublished{{{"shortest", "val_seen", {10.19, 0, 100, 100}},
+                                               {"random", "val_seen", {9.58, 9.45, 15.9, 21.4}},
+                                               {"shortest", "val_unseen", {9.48, 0, 100, 100}},
+                                               {"random", "val_unseen", {9.77, 9.23, 16.3, 22.0}}}};
+
+struct Data {
+  scan::DataRoot root;
+  bool synthetic = false;
+};
+
+struct Measured {
+  Row mean{};
+  Row deviation{};  // of the seeds' means
+};
+
+Row row_of(const std::vector<r2r::EpisodeMetrics>& episodes) {
+  Row row{};
+  for (const r2r::EpisodeMetrics& m : episodes) {
+    row[0] += m.trajectory_length;
+    row[1] += m.nav_error;
+    row[2] += 100 * m.success;
+    row[3] += 100 * m.oracle_success;
+  }
+  for (double& value : row) value /= static_cast<double>(episodes.size());
+  return row;
+}
+
+Measured measure(const std::vector<Row>& rows) {
+  Measured measured;
+  for (std::size_t k = 0; k < kColumns; ++k) {
+    std::vector<double> values;
+    for (const Row& row : rows) values.push_back(row[k]);
+    const r2r::Summary summary = r2r::summarise(std::move(values));
+    measured.mean[k] = summary.mean;
+    measured.deviation[k] = summary.deviation;
+  }
+  return measured;
+}
+
+Data find_data(const Options& options) {
+  if (!options.data.empty()) return {scan::DataRoot(options.data)};
+  if (const auto root = scan::DataRoot::from_environment()) return {*root};
+  const fs::path folder = fs::path(options.output) / "synthetic";
+  fmt::print(
+      "No real data: ENFILADE_DATA is not set. The 90 Matterport3D graphs are the folder\n"
+      "connectivity/ of peteanderson80/Matterport3DSimulator on GitHub, and its\n"
+      "tasks/R2R/data/download.sh fetches the Room-to-Room annotations. Put them into one folder\n"
+      "and set ENFILADE_DATA to it.\n\n"
+      "Until then: a few small SYNTHETIC buildings, made now in {}.\n\n",
+      folder.string());
+  synth::write_small_dataset(folder);
+  return {scan::DataRoot(folder), true};
+}
+
+void print_dataset(const Data& data, const std::shared_ptr<const graph::GraphSet>& graphs) {
+  std::vector<r2r::Annotations> splits;
+  for (const char* split : {"train", "val_seen", "val_unseen", "test"}) {
+    splits.push_back(r2r::load_annotations(data.root.annotations(split), split));
+  }
+  const auto s = r2r::compute_statistics(splits, graphs);
+  struct Line {
+    const char* what;
+    double ours;
+    const char* paper;  // its sections 4.1 to 4.3
+    int digits;
+  };
+  const std::array<Line, 8> lines{
+      {{"buildings", static_cast<double>(s.graphs.graphs), "90", 0},
+       {"viewpoints a graph", s.graphs.viewpoints_per_graph, "117", 1},
+       {"degree of a viewpoint", s.graphs.degree, "4.1", 2},
+       {"paths", static_cast<double>(s.all.paths), "7,189", 0},
+       {"scored instructions", static_cast<double>(s.all.scored_instructions), "21,567", 0},
+       {"words an instruction", s.all.instruction_length.mean, "29", 1},
+       {"vocabulary", static_cast<double>(s.all.vocabulary), "3.1k", 0},
+       {"  of 5 or more uses", static_cast<double>(s.all.vocabulary_5), "1.2k", 0}}};
+  fmt::print("The data set{}\n{:<24}{:>10}{}\n", data.synthetic ? " (SYNTHETIC)" : "", "", "ours",
+             data.synthetic ? "" : fmt::format("{:>10}", "paper"));
+  for (const Line& line : lines) {
+    fmt::print("{:<24}{:>10.{}f}{}\n", line.what, line.ours, line.digits,
+               data.synthetic ? "" : fmt::format("{:>10}", line.paper));
+  }
+  fmt::print("\n");
+}
+
+const Row* published(const std::string& agent, const std::string& split) {
+  for (const Published& p : kPublished) {
+    if (agent == p.agent && split == p.split) return &p.row;
+  }
+  return nullptr;
+}
+
+void print_row(const char* label, const std::string& who, const Row& row, const Row* deviation) {
+  fmt::print("{:<12}{:<22}", label, who);
+  for (std::size_t k = 0; k < kColumns; ++k) {
+    const int digits = k < 2 ? 2 : 1;
+    fmt::print("{:>8.{}f}{:<8}", row[k], digits,
+               deviation == nullptr ? "" : fmt::format(" ±{:.{}f}", (*deviation)[k], digits));
+  }
+  fmt::print("\n");
+}
+
+void print_agent(const std::string& agent, const std::string& split, const Measured& ours,
+                 std::uint64_t seeds, const Row* paper) {
+  const bool varies = seeds > 1;
+  print_row(split.c_str(), varies ? fmt::format("{}, {} seeds", agent, seeds) : agent, ours.mean,
+            varies ? &ours.deviation : nullptr);
+  if (paper == nullptr) return;
+  print_row("", "  paper", *paper, nullptr);
+  if (!varies) return;
+  fmt::print("{:<12}{:<22}", "", "  paper is off by, sd");
+  for (std::size_t k = 0; k < kColumns; ++k) {
+    fmt::print("{:>8.1f}{:<8}", ((*paper)[k] - ours.mean[k]) / ours.deviation[k], "");
+  }
+  fmt::print("\n");
+}
+
+// Draws the first episode that the agent neither wins at once nor runs out of the picture.
+void draw_episode(const r2r::EpisodeSet& episodes, const r2r::Trajectory& trajectory,
+                  const fs::path& file) {
+  const r2r::Episode& episode = episodes.episodes[trajectory.episode];
+  draw::PlannedPath reference{draw::PlannedPath::Role::kReference,
+                              episodes.path_of(episode).viewpoints, "reference path"};
+  draw::PlannedPath agent{draw::PlannedPath::Role::kAgent, {}, "random agent"};
+  for (const r2r::TrajectoryPoint& point : trajectory.points) {
+    agent.viewpoints.push_back(point.viewpoint);
+  }
+  const graph::NavGraph& graph = episodes.graph_of(episode);
+  draw::FloorPlanOptions options;
+  options.title = fmt::format("{}, episode {}", graph.scan(), episode.instruction_id);
+  write_file_atomically(file, draw::floor_plan_svg(graph, {reference, agent}, options));
+}
+
+void run_agents(const Options& options, const Data& data, const std::string& split,
+                const std::shared_ptr<const graph::GraphSet>& graphs) {
+  const r2r::EpisodeSet episodes =
+      r2r::make_episodes(r2r::load_annotations(data.root.annotations(split), split), graphs);
+  for (const std::string& name : {std::string("shortest"), std::string("random")}) {
+    const auto agent = agents::make_agent(name);
+    const std::uint64_t seeds = name == "random" ? options.seeds : 1;
+    const Progress progress = progress_bar(fmt::format("{}, {}", name, split));
+    std::vector<Row> rows;
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+      agents::RunOptions run;
+      run.seed = seed;
+      const auto trajectories = agents::run_agent(*agent, episodes, run);
+      rows.push_back(row_of(r2r::score_trajectories(trajectories, episodes, {}, 0)));
+      if (progress) progress(seed, seeds);
+      if (seed > 1) continue;
+      const fs::path folder(options.output);
+      write_output(folder / fmt::format("{}_{}.json", name, split),
+                   to_json(trajectories, episodes));
+      if (name == "random") {
+        draw_episode(episodes, trajectories.front(), folder / fmt::format("plan_{}.svg", split));
+      }
+    }
+    print_agent(name, split, measure(rows), seeds,
+                data.synthetic ? nullptr : published(name, split));
+  }
+}
+
+void demo(const Options& options) {
+  std::error_code code;
+  fs::create_directories(options.output, code);
+  if (code) {
+    throw FileError(fmt::format("{}: cannot make the folder: {}", options.output, code.message()));
+  }
+  const Data data = find_data(options);
+  const auto graphs = graph::GraphSet::open(data.root.connectivity());
+  graphs->load_all();
+  print_dataset(data, graphs);
+  fmt::print("Agents that learn nothing{}; ± is one standard deviation over seeds\n",
+             data.synthetic ? ", on SYNTHETIC buildings" : " (Anderson et al. 2018, table 1)");
+  fmt::print("{:<12}{:<22}{:>8}{:<8}{:>8}{:<8}{:>8}{:<8}{:>8}\n", "split", "agent", "TL (m)", "",
+             "NE (m)", "", "SR (%)", "", "OSR (%)");
+  for (const char* split : {"val_seen", "val_unseen"}) run_agents(options, data, split, graphs);
+  fmt::print(
+      "\nIn {0}: results files of both agents, to score with\n"
+      "  enfilade score {0}/random_val_unseen.json --split val_unseen --data {1}\n"
+      "and two floor plans to look at: plan_val_seen.svg, plan_val_unseen.svg\n",
+      options.output, data.root.folder().string());
+}
+
+}  // namespace
+
+void add_demo(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "demo", "The paper's table rows for Shortest and Random, beside ours; without data, on a "
+              "small synthetic data set");
+  const auto options = std::make_shared<Options>();
+  add_data_option(verb, options->data);
+  verb.add_option("-o,--output", options->output, "Folder for results and floor plans")
+      ->capture_default_str()
+      ->type_name("DIR");
+  verb.add_option("--seeds", options->seeds, "Of the random agent")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 10000));
+  set_examples(verb, {"enfilade demo", "enfilade demo --data ~/data --seeds 100"});
+  verb.callback([options, &status] {
+    demo(*options);
+    status = kSuccess;
+  });
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,320 @@
+// enfilade graph: what is odd about navigation graphs, and floor plans of them.
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/draw/floor_plan.h"
+#include "enfilade/graph/check.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/r2r/results.h"
+
+namespace enfilade::apps {
+namespace {
+
+using draw::PlannedPath;
+
+struct CheckArguments {
+  std::string directory;
+  std::string data;
+  std::string json;
+  bool strict = false;
+  graph::CheckOptions options;
+};
+
+// How often one code occurs, and in how many files.
+struct CodeCount {
+  Severity severity = Severity::kNote;
+  std::size_t count = 0;
+  std::set<std::string> files;
+};
+
+struct Summary {
+  std::map<std::string, CodeCount> codes;
+  std::map<Severity, std::size_t> severities;
+  std::size_t viewpoints = 0, included = 0, edges = 0;
+};
+
+Summary summarise(const std::vector<graph::FileReport>& reports) {
+  Summary summary;
+  for (const graph::FileReport& report : reports) {
+    summary.viewpoints += report.viewpoints;
+    summary.included += report.included;
+    summary.edges += report.edges;
+    for (const Diagnostic& d : report.diagnostics) {
+      CodeCount& code = summary.codes[d.code];
+      code.severity = std::max(code.severity, d.severity);
+      ++code.count;
+      code.files.insert(d.file);
+      ++summary.severities[d.severity];
+    }
+  }
+  return summary;
+}
+
+std::string to_text(const std::vector<graph::FileReport>& reports, Summary& summary) {
+  std::string text;
+  for (const graph::FileReport& report : reports) {
+    for (const Diagnostic& d : report.diagnostics) text += to_string(d) + "\n";
+  }
+  if (!summary.codes.empty()) {
+    text += fmt::format("\n{:<24}{:<10}{:>7}{:>7}\n", "code", "severity", "count", "files");
+  }
+  for (const auto& [code, n] : summary.codes) {
+    text += fmt::format("{:<24}{:<10}{:>7}{:>7}\n", code, to_string(n.severity), n.count,
+                        n.files.size());
+  }
+  return text + fmt::format(
+                    "\n{} files, {} viewpoints ({} included), {} edges between them: "
+                    "{} errors, {} warnings, {} notes\n",
+                    reports.size(), summary.viewpoints, summary.included, summary.edges,
+                    summary.severities[Severity::kError], summary.severities[Severity::kWarning],
+                    summary.severities[Severity::kNote]);
+}
+
+std::string to_json(const std::vector<graph::FileReport>& reports, const Summary& summary) {
+  using Json = nlohmann::ordered_json;
+  Json files = Json::array();
+  for (const graph::FileReport& report : reports) {
+    Json diagnostics = Json::array();
+    for (const Diagnostic& d : report.diagnostics) {
+      diagnostics.push_back({{"severity", to_string(d.severity)},
+                             {"file", d.file},
+                             {"where", d.where},
+                             {"code", d.code},
+                             {"message", d.message}});
+    }
+    files.push_back({{"scan", report.scan},
+                     {"viewpoints", report.viewpoints},
+                     {"included", report.included},
+                     {"edges", report.edges},
+                     {"diagnostics", std::move(diagnostics)}});
+  }
+  Json codes = Json::object();
+  for (const auto& [code, n] : summary.codes) {
+    codes[code] = {
+        {"severity", to_string(n.severity)}, {"count", n.count}, {"files", n.files.size()}};
+  }
+  const Json report{{"viewpoints", summary.viewpoints},
+                    {"included", summary.included},
+                    {"edges", summary.edges},
+                    {"codes", std::move(codes)},
+                    {"files", std::move(files)}};
+  // Messages quote what files hold, which need not be UTF-8.
+  return report.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+int check(const CheckArguments& arguments) {
+  if (!(arguments.options.longest_edge > 0)) {
+    throw UsageError(
+        fmt::format("--longest-edge: {}, not above 0 metres", arguments.options.longest_edge));
+  }
+  const std::filesystem::path directory = arguments.directory.empty()
+                                              ? open_data(arguments.data).connectivity()
+                                              : std::filesystem::path(arguments.directory);
+  const auto reports = graph::check_folder(directory, arguments.options);
+  Summary summary = summarise(reports);
+  if (arguments.json != "-") write_output("-", to_text(reports, summary));
+  if (!arguments.json.empty()) write_output(arguments.json, to_json(reports, summary));
+  const bool faults = summary.severities[Severity::kError] > 0 ||
+                      (arguments.strict && summary.severities[Severity::kWarning] > 0);
+  return faults ? kFaultsFound : kSuccess;
+}
+
+struct DrawArguments {
+  std::string scan;
+  std::string output;
+  std::string data;
+  std::string split;
+  std::string instruction;
+  std::string results;
+  std::optional<std::int64_t> path;
+  bool labels = false;
+};
+
+void validate(const DrawArguments& a) {
+  const bool named = !a.instruction.empty() || a.path.has_value();
+  if (a.scan.empty() && !named) {
+    throw UsageError("name a SCAN, or a path of it with --split and --instr or --path");
+  }
+  if (!a.instruction.empty() && a.path) throw UsageError("--instr and --path exclude each other");
+  if (named && a.split.empty()) throw UsageError("--instr and --path need --split");
+  if (!named && !a.split.empty()) throw UsageError("--split needs --instr or --path");
+  if (!a.results.empty() && a.instruction.empty()) {
+    throw UsageError("--results needs --split and --instr: trajectories are of instructions");
+  }
+}
+
+// What is drawn over the plan.
+struct Overlay {
+  std::string scan, title, note;
+  std::vector<PlannedPath> paths;
+};
+
+double length_of(const graph::NavGraph& graph, const std::vector<ViewpointIndex>& path) {
+  double metres = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) metres += graph.distance(path[i - 1], path[i]);
+  return metres;
+}
+
+PlannedPath reference(const graph::NavGraph& graph, const r2r::ReferencePath& path) {
+  return {PlannedPath::Role::kReference, path.viewpoints,
+          fmt::format("reference path, {:.1f} m", length_of(graph, path.viewpoints))};
+}
+
+// "17DRP5sb8fy, path 5 of test, goal hidden".
+std::string title(const graph::NavGraph& graph, const r2r::EpisodeSet& episodes,
+                  const std::string& what, const r2r::ReferencePath& path) {
+  return fmt::format("{}, {} of {}{}", graph.scan(), what, episodes.split,
+                     path.viewpoints.size() < 2 ? ", goal hidden" : "");
+}
+
+std::string quoted(const std::string& text) {
+  constexpr const char* kBlanks = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string::npos) return "";
+  const std::size_t end = text.find_last_not_of(kBlanks) + 1;
+  return "\u201c" + text.substr(begin, end - begin) + "\u201d";
+}
+
+PlannedPath agent(const graph::NavGraph& graph, const r2r::ReferencePath& path,
+                  const r2r::Trajectory& trajectory) {
+  PlannedPath found;
+  for (const r2r::TrajectoryPoint& point : trajectory.points) {
+    found.viewpoints.push_back(point.viewpoint);
+  }
+  found.label = fmt::format("agent\u2019s path, {:.1f} m", length_of(graph, found.viewpoints));
+  if (path.viewpoints.size() > 1) {
+    found.label += fmt::format(", ends {:.1f} m from the goal",
+                               graph.distance(found.viewpoints.back(), path.viewpoints.back()));
+  }
+  return found;
+}
+
+Overlay overlay_of_path(const r2r::EpisodeSet& episodes, std::int64_t id) {
+  const auto path = std::ranges::find(episodes.paths, id, &r2r::ReferencePath::path_id);
+  if (path == episodes.paths.end()) {
+    throw LookupError(fmt::format("--path {}: not one of the {} paths of {}", id,
+                                  episodes.paths.size(), episodes.split));
+  }
+  const graph::NavGraph& graph = episodes.graphs->graph(path->scan);
+  return {graph.scan(),
+          title(graph, episodes, fmt::format("path {}", id), *path),
+          "",
+          {reference(graph, *path)}};
+}
+
+Overlay overlay_of_instruction(const r2r::EpisodeSet& episodes, const std::string& id,
+                               const std::string& results) {
+  const auto episode = std::ranges::find(episodes.episodes, id, &r2r::Episode::instruction_id);
+  if (episode == episodes.episodes.end()) {
+    throw LookupError(fmt::format("--instr {:?}: not one of the {} scored instructions of {}", id,
+                                  episodes.episodes.size(), episodes.split));
+  }
+  const graph::NavGraph& graph = episodes.graph_of(*episode);
+  const r2r::ReferencePath& path = episodes.path_of(*episode);
+  Overlay overlay{graph.scan(),
+                  title(graph, episodes, "instruction " + id, path),
+                  quoted(episode->text),
+                  {reference(graph, path)}};
+  if (!results.empty()) {
+    const r2r::Results loaded = r2r::load_results(results, episodes);
+    const auto place = static_cast<std::size_t>(episode - episodes.episodes.begin());
+    overlay.paths.push_back(agent(graph, path, loaded.trajectories.at(place)));
+  }
+  return overlay;
+}
+
+void draw_plan(const DrawArguments& a) {
+  validate(a);
+  const scan::DataRoot data = open_data(a.data);
+  const auto graphs = graph::GraphSet::open(data.connectivity());
+  Overlay overlay{a.scan, "", "", {}};
+  if (!a.split.empty()) {
+    const r2r::EpisodeSet episodes =
+        r2r::make_episodes(r2r::load_annotations(data.annotations(a.split), a.split), graphs);
+    overlay = a.path ? overlay_of_path(episodes, *a.path)
+                     : overlay_of_instruction(episodes, a.instruction, a.results);
+    if (!a.scan.empty() && a.scan != overlay.scan) {
+      throw UsageError(fmt::format("SCAN {}: that path is in {}", a.scan, overlay.scan));
+    }
+  }
+  draw::FloorPlanOptions options;
+  options.title = overlay.title;
+  options.note = overlay.note;
+  options.label_viewpoints = a.labels;
+  const std::string output = a.output.empty() ? overlay.scan + ".svg" : a.output;
+  write_output(output, floor_plan_svg(graphs->graph(overlay.scan), overlay.paths, options));
+  if (output != "-") fmt::print("{}\n", output);
+}
+
+void add_check(CLI::App& graph, int& status) {
+  CLI::App& verb = *graph.add_subcommand(
+      "check",
+      "Report what is odd about navigation graphs: unusable files (errors), edges that are long, "
+      "steep or one-way, isolated viewpoints, disconnected parts, bad poses (warnings). Changes "
+      "nothing. Exit code 1 if there is an error.");
+  const auto arguments = std::make_shared<CheckArguments>();
+  verb.add_option("directory", arguments->directory,
+                  "Folder of *_connectivity.json (default: that of the data set)")
+      ->type_name("DIR");
+  add_data_option(verb, arguments->data);
+  verb.add_option("--json", arguments->json,
+                  "Write the report as JSON too; - for standard output instead of the text")
+      ->type_name("FILE");
+  verb.add_option("--longest-edge", arguments->options.longest_edge,
+                  "Longer edges are reported; metres")
+      ->capture_default_str()
+      ->type_name("M");
+  verb.add_flag("--strict", arguments->strict, "Exit code 1 for warnings too");
+  set_examples(verb, {"enfilade graph check", "enfilade graph check my-scans --strict",
+                      "enfilade graph check --json - | jq .codes"});
+  verb.callback([arguments, &status] { status = check(*arguments); });
+}
+
+void add_draw(CLI::App& graph, int& status) {
+  CLI::App& verb = *graph.add_subcommand(
+      "draw", "Draw a floor plan as SVG, a panel a storey, with paths over it");
+  const auto a = std::make_shared<DrawArguments>();
+  verb.add_option("scan", a->scan, "Which building; may be left out with --instr or --path")
+      ->type_name("SCAN");
+  verb.add_option("-o,--output", a->output, "SVG file (default: SCAN.svg); - for standard output")
+      ->type_name("FILE");
+  add_data_option(verb, a->data);
+  verb.add_option("--split", a->split, "Annotations that --instr or --path is in")
+      ->type_name("NAME");
+  verb.add_option("--instr", a->instruction, "Draw the reference path of this instruction")
+      ->type_name("ID");
+  verb.add_option("--path", a->path, "Draw the reference path of this path_id")
+      ->type_name("PATH_ID");
+  verb.add_option("--results", a->results,
+                  "Results file of the split: draw the agent's path of --instr too")
+      ->type_name("FILE");
+  verb.add_flag("--labels", a->labels, "Write its index beside each viewpoint");
+  set_examples(verb,
+               {"enfilade graph draw 17DRP5sb8fy -o plan.svg",
+                "enfilade graph draw --split val_unseen --path 4332",
+                "enfilade graph draw --split val_unseen --instr 4332_0 --results results.json"});
+  verb.callback([a, &status] {
+    draw_plan(*a);
+    status = kSuccess;
+  });
+}
+
+}  // namespace
+
+void add_graph(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand("graph", "Check navigation graphs, draw floor plans");
+  verb.require_subcommand(1);
+  add_check(verb, status);
+  add_draw(verb, status);
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,178 @@
+// enfilade sample: new Room-to-Room paths from graphs and regions.
+#include <fmt/format.h>
+#include <filesystem>
+#include <memory>
+#include <set>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/r2r/path_comparison.h"
+#include "enfilade/r2r/path_sampling.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string data;
+  std::string connectivity;
+  std::string regions;
+  std::string output;
+  bool splits = false;
+  std::vector<std::size_t> shares;
+  bool compare = false;
+  r2r::SamplingOptions sampling;
+};
+
+void check(const Options& options) {
+  if (options.output.empty() && !options.compare) {
+    throw UsageError("sample: where to? Give -o, or --compare to look at the paths only");
+  }
+  if (options.output == "-" && (options.splits || options.compare)) {
+    throw UsageError("sample: -o - takes all of standard output: not with --splits or --compare");
+  }
+}
+
+std::vector<r2r::PathAnnotation> draw(const Options& options, const graph::GraphSet& graphs,
+                                      const scan::RegionMap& regions) {
+  auto paths = r2r::sample_paths(graphs, regions, options.sampling, progress_bar("sampling"));
+  if (!paths.empty()) return paths;
+  std::size_t known = 0;
+  for (const std::string& scan : regions.scans()) known += graphs.find(scan) ? 1 : 0;
+  throw UsageError(fmt::format(
+      "sample: no path goes from a room to another within the limits ({} to {} edges, at least {} "
+      "m); of {} buildings, the region map names {}",
+      options.sampling.min_edges, options.sampling.max_edges, options.sampling.min_length,
+      graphs.size(), known));
+}
+
+std::size_t count_buildings(const std::vector<r2r::PathAnnotation>& paths) {
+  std::set<std::string> scans;
+  for (const r2r::PathAnnotation& path : paths) scans.insert(path.scan);
+  return scans.size();
+}
+
+void write_splits(const Options& options, const std::vector<r2r::PathAnnotation>& paths) {
+  r2r::SplitOptions split_options;
+  split_options.seed = options.sampling.seed;
+  if (!options.shares.empty()) {
+    split_options.train_scans = options.shares[0];
+    split_options.val_unseen_scans = options.shares[1];
+    split_options.test_scans = options.shares[2];
+  }
+  const auto splits = split_by_building(paths, split_options);
+  std::error_code code;
+  fs::create_directories(options.output, code);
+  if (code) {
+    throw FileError(fmt::format("{}: cannot make the folder: {}", options.output, code.message()));
+  }
+  for (const auto& [name, split] : splits) {
+    const fs::path file = fs::path(options.output) / split.file;
+    write_output(file.string(), to_json(split));
+    fmt::print("{:<12} {:>5} paths in {:>2} buildings -> {}\n", name, split.paths.size(),
+               count_buildings(split.paths), file.string());
+  }
+}
+
+void write_paths(const Options& options, const r2r::Annotations& drawn) {
+  if (options.splits) {
+    write_splits(options, drawn.paths);
+    return;
+  }
+  write_output(options.output, to_json(drawn));
+  if (options.output == "-") return;
+  fmt::print("{} paths in {} buildings -> {}\n", drawn.paths.size(), count_buildings(drawn.paths),
+             options.output);
+}
+
+// The splits of the data set whose goals are known.
+std::vector<r2r::Annotations> load_reference(const scan::DataRoot& data) {
+  std::vector<r2r::Annotations> reference;
+  for (const char* split : {"train", "val_seen", "val_unseen"}) {
+    reference.push_back(r2r::load_annotations(data.annotations(split), split));
+  }
+  return reference;
+}
+
+void sample(const Options& options) {
+  check(options);
+  const fs::path connectivity = options.connectivity.empty()
+                                    ? open_data(options.data).connectivity()
+                                    : fs::path(options.connectivity);
+  const fs::path regions_file =
+      options.regions.empty() ? open_data(options.data).regions() : fs::path(options.regions);
+  const auto graphs = graph::GraphSet::open(connectivity);
+  const auto regions = scan::RegionMap::load(regions_file);
+  const auto reference =
+      options.compare ? load_reference(open_data(options.data)) : std::vector<r2r::Annotations>();
+  const r2r::Annotations drawn{"drawn", "drawn paths", draw(options, *graphs, regions)};
+  if (!options.output.empty()) write_paths(options, drawn);
+  if (options.compare)
+    fmt::print("{}", to_table(compare_paths(drawn, reference, *graphs, regions)));
+}
+
+void add_limits(CLI::App& verb, r2r::SamplingOptions& sampling) {
+  verb.add_option_function<std::string>(
+          "--pairs",
+          [&sampling](const std::string& rule) {
+            sampling.pairs = rule == "rooms" ? r2r::PairRule::kRooms : r2r::PairRule::kViewpoints;
+          },
+          "Draw pairs of rooms, each once at most, as R2R does (the default), or pairs of "
+          "viewpoints, of which there are many more")
+      ->check(CLI::IsMember({"rooms", "viewpoints"}))
+      ->type_name("RULE");
+  verb.add_option("--per-building", sampling.per_building, "Paths in a building, at most")
+      ->capture_default_str();
+  verb.add_option("--paths", sampling.paths, "Paths in all, at most (default: no limit)")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--min-edges", sampling.min_edges, "Of a path")->capture_default_str();
+  verb.add_option("--max-edges", sampling.max_edges, "Of a path")->capture_default_str();
+  verb.add_option("--min-length", sampling.min_length, "Of a path, in metres")
+      ->capture_default_str();
+  verb.add_option("--seed", sampling.seed, "One seed, one set of paths")->capture_default_str();
+}
+
+void add_options(CLI::App& verb, Options& options) {
+  add_data_option(verb, options.data);
+  verb.add_option("--connectivity", options.connectivity,
+                  "Navigation graphs, instead of the data set's")
+      ->type_name("DIR");
+  verb.add_option("--regions", options.regions,
+                  "Which room each viewpoint is in: {scan: {region: [viewpoints]}}, instead of the "
+                  "data set's regions/region_to_panorama.json")
+      ->type_name("FILE");
+  add_limits(verb, options.sampling);
+  verb.add_option("-o,--output", options.output,
+                  "File to write, - for standard output; with --splits a folder")
+      ->type_name("FILE|DIR");
+  CLI::Option* splits =
+      verb.add_flag("--splits", options.splits,
+                    "Split by building into R2R_{train,val_seen,val_unseen,test,test_hidden}.json");
+  verb.add_option("--shares", options.shares,
+                  "Buildings for train, val_unseen and test, scaled to those there are (default: "
+                  "61 11 18)")
+      ->expected(3)
+      ->needs(splits)
+      ->type_name("N");
+  verb.add_flag("--compare", options.compare,
+                "Print lengths and numbers of edges beside those of the data set's own paths");
+}
+
+}  // namespace
+
+void add_sample(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "sample", "Draw new Room-to-Room paths: shortest paths from room to room, no instructions");
+  const auto options = std::make_shared<Options>();
+  add_options(verb, *options);
+  set_examples(verb, {"enfilade sample --compare", "enfilade sample --splits -o new_r2r",
+                      "enfilade sample --pairs viewpoints --per-building 1000 -o many.json"});
+  verb.callback([options, &status] {
+    sample(*options);
+    status = kSuccess;
+  });
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,113 @@
+// enfilade score: checks a results file completely, then scores it.
+#include <fmt/format.h>
+#include <filesystem>
+#include <memory>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/r2r/results.h"
+#include "enfilade/r2r/score.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string results;
+  std::string split;
+  std::string data;
+  std::string annotations;
+  std::string connectivity;
+  std::string json;
+  bool per_episode = false;
+  std::string spl = "shortest";
+};
+
+r2r::EpisodeSet load_episodes(const Options& options) {
+  if (options.split.empty() && options.annotations.empty()) {
+    throw UsageError("score: which split? Give --split NAME, or --annotations FILE");
+  }
+  const auto given = [](const std::string& path, const auto& otherwise) {
+    return path.empty() ? otherwise() : fs::path(path);
+  };
+  const fs::path annotations = given(options.annotations, [&options] {
+    return open_data(options.data).annotations(options.split);
+  });
+  const fs::path connectivity =
+      given(options.connectivity, [&options] { return open_data(options.data).connectivity(); });
+  const std::string split = options.split.empty() ? annotations.stem().string() : options.split;
+  return r2r::make_episodes(r2r::load_annotations(annotations, split),
+                            graph::GraphSet::open(connectivity));
+}
+
+void print_score(const Options& options, const r2r::Score& score, const r2r::EpisodeSet& episodes) {
+  if (!options.json.empty()) {
+    write_output(options.json, options.per_episode ? to_json(score, episodes) : to_json(score));
+  }
+  if (options.json == "-") return;
+  const bool reference = options.spl == "reference";
+  fmt::print("{}",
+             to_table(score, reference ? r2r::SplLength::kReference : r2r::SplLength::kShortest));
+}
+
+ExitCode score(const Options& options) {
+  const r2r::EpisodeSet episodes = load_episodes(options);
+  r2r::Results results;
+  try {
+    results = r2r::load_results(options.results, episodes);
+  } catch (const InvalidInput& refused) {  // what was to be checked has faults
+    print_diagnostics(refused.diagnostics());
+    return kFaultsFound;
+  }
+  if (!results.warnings.empty()) print_diagnostics(results.warnings);
+  if (goals_hidden(episodes)) {
+    throw UsageError(fmt::format(
+        "{}: the file is good (each of the {} instructions has a trajectory that can be walked), "
+        "but the goals of split {} are hidden, so it cannot be scored here. Those of R2R's test "
+        "are known to its leaderboard only: hand the file in at eval.ai, challenge 97",
+        options.results, episodes.episodes.size(), episodes.split));
+  }
+  print_score(options, compute_score(results.trajectories, episodes), episodes);
+  return kSuccess;
+}
+
+void add_options(CLI::App& verb, Options& options) {
+  verb.add_option("results", options.results, "Results file, in any form found in the wild")
+      ->required()
+      ->type_name("RESULTS.json");
+  verb.add_option("--split", options.split, "train, val_seen, val_unseen, ...")->type_name("NAME");
+  add_data_option(verb, options.data);
+  verb.add_option("--annotations", options.annotations,
+                  "Annotations to score against, instead of the data set's R2R_<split>.json")
+      ->type_name("FILE");
+  verb.add_option("--connectivity", options.connectivity,
+                  "Navigation graphs, instead of the data set's")
+      ->type_name("DIR");
+  verb.add_option("--spl", options.spl,
+                  "What SPL in the table compares with: the shortest path, or the reference path, "
+                  "as DUET does. The JSON has both")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"shortest", "reference"}))
+      ->type_name("PATH");
+  CLI::Option* json = verb.add_option("--json", options.json,
+                                      "Write all metrics; - for standard output, without the table")
+                          ->type_name("FILE");
+  verb.add_flag("--per-episode", options.per_episode, "Metrics of each episode in the JSON too")
+      ->needs(json);
+}
+
+}  // namespace
+
+void add_score(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "score", "Check a results file completely, every problem in one list, then score it");
+  const auto options = std::make_shared<Options>();
+  add_options(verb, *options);
+  set_examples(verb, {"enfilade score results.json --split val_unseen",
+                      "enfilade score results.json --split val_seen --json - --per-episode"});
+  verb.callback([options, &status] { status = score(*options); });
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,62 @@
+#include "enfilade/agents/shortest.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace enfilade::agents {
+namespace {
+
+constexpr Radians kView = degrees(30);  // one step of the discretized camera
+
+// The row of the 36 views that the camera is in: 0 down, 1 level, 2 up.
+std::uint32_t row(const Observation& seen) { return seen.view_index / 12; }
+
+std::optional<ViewpointIndex> next_on_path(const Observation& seen, ViewpointIndex goal) {
+  // Walks the predecessors from the goal, which ends one before the agent.
+  ViewpointIndex node = goal;
+  for (;;) {
+    const auto before = seen.graph->before(seen.viewpoint, node);
+    if (!before) return std::nullopt;
+    if (*before == seen.viewpoint) return node;
+    node = *before;
+  }
+}
+
+Decision towards_navigable(const Observation& seen, std::size_t index) {
+  const double right = seen.navigable.rel_heading[index];
+  const double up = seen.navigable.rel_elevation[index];
+  if (right > kView.value) return Decision::turn(1);
+  if (right < -kView.value) return Decision::turn(-1);
+  if (up > kView.value && row(seen) < 2) return Decision::turn(0, 1);
+  if (up < -kView.value && row(seen) > 0) return Decision::turn(0, -1);
+  return Decision::go(static_cast<std::uint32_t>(index));
+}
+
+// Level the camera first, then turn the shorter way, to the right if both are as short.
+Decision towards_hidden(const Observation& seen, ViewpointIndex next) {
+  if (row(seen) == 0) return Decision::turn(0, 1);
+  if (row(seen) == 2) return Decision::turn(0, -1);
+  const graph::Edge& edge = *seen.graph->edge(seen.viewpoint, next);
+  const double turn = wrap_difference(edge.heading - seen.heading).value;
+  return Decision::turn(turn < 0 ? -1 : 1);
+}
+
+}  // namespace
+
+Decision teacher_decision(const Observation& seen, ViewpointIndex goal) {
+  if (seen.viewpoint == goal) return Decision::stop_here();
+  const auto next = next_on_path(seen, goal);
+  if (!next) return Decision::stop_here();
+  const auto found = std::ranges::find(seen.navigable.viewpoint, *next);
+  if (found == seen.navigable.viewpoint.end()) return towards_hidden(seen, *next);
+  return towards_navigable(
+      seen, static_cast<std::size_t>(found - seen.navigable.viewpoint.begin()));
+}
+
+void ShortestAgent::act(std::span<const Observation> batch, std::span<Decision> decisions) {
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    if (!batch[i].ended) decisions[i] = teacher_decision(batch[i], batch[i].reference.back());
+  }
+}
+
+}  // namespace enfilade::agents

@@ -1,0 +1,377 @@
+#include "enfilade/draw/floor_plan.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/draw/detail/legend.h"
+#include "enfilade/draw/detail/marks.h"
+#include "enfilade/draw/detail/plan.h"
+#include "enfilade/draw/detail/trace.h"
+
+namespace enfilade::draw {
+namespace {
+
+using detail::append;
+using detail::Colour;
+using detail::LegendItem;
+using detail::Panel;
+using detail::Plan;
+using detail::Point;
+using detail::Step;
+using Role = PlannedPath::Role;
+
+constexpr double kBorder = 26;   // around everything, pixels
+constexpr double kHeading = 62;  // title and subtitle
+constexpr double kTitleSize = 21;
+constexpr double kNoteSize = 14;
+constexpr double kNoteLine = 20;
+constexpr double kNarrowest = 560;  // room for a title and two columns of legend
+constexpr std::array kReferenceColours{detail::kBlue, detail::kSky};
+constexpr std::array kAgentColours{detail::kVermilion, detail::kPurple};
+
+// A path as it is drawn: with its colour, and its steps beside those of the others.
+struct Overlay {
+  Role role = Role::kAgent;
+  ViewpointIndex start, end;
+  std::size_t length = 0;  // viewpoints
+  Colour colour;
+  std::string label;
+  std::vector<Step> steps;
+
+  bool has_goal() const { return role == Role::kReference && length > 1; }
+};
+
+void check_arguments(const graph::NavGraph& graph, const std::vector<PlannedPath>& paths,
+                     const FloorPlanOptions& options) {
+  const auto check_number = [](const char* name, double value) {
+    if (!(value >= 0) || !std::isfinite(value)) {
+      throw ArgumentError(fmt::format("{}: {}, not a finite number >= 0", name, value));
+    }
+  };
+  check_number("pixels_per_metre", options.pixels_per_metre);
+  check_number("success_distance", options.success_distance);
+  for (std::size_t p = 0; p < paths.size(); ++p) {
+    if (paths[p].viewpoints.empty()) {
+      throw ArgumentError(fmt::format("paths[{}]: empty, not at least one viewpoint", p));
+    }
+    for (std::size_t i = 0; i < paths[p].viewpoints.size(); ++i) {
+      if (paths[p].viewpoints[i].at() >= graph.size()) {
+        throw ArgumentError(
+            fmt::format("paths[{}].viewpoints[{}]: {}, not below {}, the size of {}", p, i,
+                        paths[p].viewpoints[i].at(), graph.size(), graph.scan()));
+      }
+    }
+  }
+}
+
+// Reference paths first, so that agents are seen over them.
+std::vector<Overlay> make_overlays(const std::vector<PlannedPath>& paths) {
+  std::vector<Overlay> overlays;
+  for (const Role role : {Role::kReference, Role::kAgent}) {
+    const bool reference = role == Role::kReference;
+    const auto& colours = reference ? kReferenceColours : kAgentColours;
+    std::vector<std::vector<ViewpointIndex>> routes;
+    const std::size_t first = overlays.size();
+    for (const PlannedPath& path : paths) {
+      if (path.role != role) continue;
+      const char* name = reference ? "reference path" : "agent\u2019s path";
+      overlays.push_back({role,
+                          path.viewpoints.front(),
+                          path.viewpoints.back(),
+                          path.viewpoints.size(),
+                          colours[routes.size() % colours.size()],
+                          path.label.empty() ? name : path.label,
+                          {}});
+      routes.push_back(path.viewpoints);
+    }
+    auto steps = detail::lanes(routes, reference ? detail::kBandWidth + 1 : 6.5);
+    for (std::size_t i = 0; i < steps.size(); ++i) overlays[first + i].steps = std::move(steps[i]);
+  }
+  return overlays;
+}
+
+class Painter {
+ public:
+  Painter(const graph::NavGraph& graph, const std::vector<PlannedPath>& paths,
+          const FloorPlanOptions& options)
+      : graph_(graph),
+        options_(options),
+        plan_(detail::make_plan(graph, options.show_excluded)),
+        overlays_(make_overlays(paths)),
+        layout_(detail::arrange(plan_, success_circles(), options.pixels_per_metre)) {}
+
+  std::string run() const {
+    const double width =
+        std::max({layout_.size.x, kNarrowest, 1.15 * detail::text_width(title(), kTitleSize)});
+    const std::vector<std::string> note = detail::wrap(options_.note, kNoteSize, width);
+    const double top = kBorder + kHeading + kNoteLine * static_cast<double>(note.size());
+    const double legend_top = top + layout_.size.y + 20;
+    const detail::Block legend =
+        detail::draw_legend(legend_items(), {kBorder, legend_top}, width, layout_.scale);
+    std::string out = open(width + 2 * kBorder, legend_top + legend.height + kBorder - 10);
+    out += draw_title(note);
+    append(out, "<g transform=\"translate({})\">\n", detail::pair({kBorder, top}));
+    for (const Panel& panel : layout_.panels) out += draw_panel(panel);
+    append(out, "</g>\n<path d=\"M{}h{}\" stroke=\"#e2e4e8\"/>\n",
+           detail::pair({kBorder, legend_top - 12}), detail::number(width));
+    return out + legend.svg + "</g>\n</svg>\n";
+  }
+
+ private:
+  std::vector<detail::Disc> success_circles() const {
+    std::vector<detail::Disc> circles;
+    for (const Overlay& o : overlays_) {
+      if (o.has_goal()) circles.push_back({o.end, options_.success_distance});
+    }
+    return circles;
+  }
+
+  Point place(const Panel& panel, ViewpointIndex v) const { return panel.at(graph_.position(v)); }
+  bool isolated(ViewpointIndex v) const { return !touched_by_edge(v); }
+
+  bool touched_by_edge(ViewpointIndex v) const {
+    return std::ranges::any_of(plan_.edges, [v](auto e) { return e.a == v || e.b == v; });
+  }
+
+  const std::string& title() const {
+    return options_.title.empty() ? graph_.scan() : options_.title;
+  }
+
+  std::string open(double width, double height) const {
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" "
+        "viewBox=\"0 0 {0} {1}\" role=\"img\">\n<title>Floor plan: {2}</title>\n"
+        "<rect width=\"{0}\" height=\"{1}\" rx=\"10\" fill=\"#fff\"/>\n"
+        "<g font-family=\"'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', sans-serif\">\n",
+        detail::number(std::ceil(width)), detail::number(std::ceil(height)),
+        detail::escape(title()));
+  }
+
+  std::string draw_title(const std::vector<std::string>& note) const {
+    const std::size_t storeys = plan_.storeys.size();
+    Point p{kBorder, kBorder + 16};
+    std::string out = detail::text(p, title(), kTitleSize, detail::kInk, true);
+    p.y += 22;
+    out +=
+        detail::text(p,
+                     fmt::format("{} viewpoints, {} edges, {} {}", graph_.included_count(),
+                                 plan_.edges.size(), storeys, storeys == 1 ? "storey" : "storeys"),
+                     13, detail::kFaintInk);
+    p.y += 3;
+    for (const std::string& line : note) {
+      p.y += kNoteLine;
+      out += detail::text(p, line, kNoteSize, detail::kInk);
+    }
+    return out;
+  }
+
+  std::string draw_panel(const Panel& panel) const {
+    std::string out = draw_caption(panel) + draw_floor(panel);
+    for (const Overlay& o : overlays_) {
+      if (o.has_goal()) out += draw_success_circle(panel, o.end);
+    }
+    out += draw_edges(panel);
+    for (const Overlay& o : overlays_) {
+      if (o.role == Role::kReference) out += detail::draw_band(plan_, panel, o.steps, o.colour);
+    }
+    for (const Overlay& o : overlays_) {
+      if (o.role == Role::kAgent) out += detail::draw_line(plan_, panel, o.steps, o.colour);
+    }
+    return out + draw_viewpoints(panel) + draw_stairs(panel) + draw_ends(panel) +
+           (options_.label_viewpoints ? draw_labels(panel) : "");
+  }
+
+  std::string draw_caption(const Panel& panel) const {
+    const auto [name, facts] = detail::caption(plan_, panel.storey);
+    const Point p = panel.corner + Point{0, 12};
+    return detail::text(p, name, 13, detail::kInk, true) +
+           detail::text(p + Point{detail::text_width(name, 13) + 10, 0}, facts, 12,
+                        detail::kFaintInk);
+  }
+
+  // Discs around the viewpoints and bands along the edges, in one colour, run together to a shape
+  // that looks like the floor; drawn twice, a little larger the first time, for its rim.
+  std::string draw_floor(const Panel& panel) const {
+    std::string path;
+    for (const ViewpointIndex v : plan_.storeys[panel.storey].viewpoints) {
+      path += "M" + detail::pair(place(panel, v)) + "h0";
+    }
+    for (const auto& [a, b] : plan_.edges) {
+      if (plan_.storey_of[a.at()] != panel.storey || plan_.between_storeys(a, b)) continue;
+      path += "M" + detail::pair(place(panel, a)) + "L" + detail::pair(place(panel, b));
+    }
+    if (path.empty()) return "";
+    const double width = 2 * detail::kFloorRadius * panel.scale;
+    return fmt::format(
+        "<g fill=\"none\" stroke-linecap=\"round\"><path d=\"{0}\" stroke=\"{1}\" "
+        "stroke-width=\"{2}\"/><path d=\"{0}\" stroke=\"{3}\" stroke-width=\"{4}\"/></g>\n",
+        path, detail::kFloorRim, detail::number(width + 3), detail::kFloor, detail::number(width));
+  }
+
+  std::string draw_success_circle(const Panel& panel, ViewpointIndex goal) const {
+    if (plan_.storey_of[goal.at()] != panel.storey || options_.success_distance == 0) return "";
+    const Point p = place(panel, goal);
+    return fmt::format(
+        "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{}\" fill-opacity=\"0.18\" stroke=\"#a89c00\" "
+        "stroke-dasharray=\"3 4\"/>\n",
+        detail::number(p.x), detail::number(p.y),
+        detail::number(options_.success_distance * panel.scale), detail::hex(detail::kYellow));
+  }
+
+  std::string draw_edges(const Panel& panel) const {
+    std::string level, stairs;
+    for (const auto& [a, b] : plan_.edges) {
+      if (!plan_.touches(panel.storey, a, b)) continue;
+      std::string& path = plan_.between_storeys(a, b) ? stairs : level;
+      path += "M" + detail::pair(place(panel, a)) + "L" + detail::pair(place(panel, b));
+    }
+    std::string out;
+    if (!level.empty()) append(out, "<path d=\"{}\" stroke=\"{}\"/>\n", level, detail::kEdge);
+    if (!stairs.empty()) {
+      append(out, "<path d=\"{}\" stroke=\"#6b7280\" stroke-dasharray=\"4 3\"/>\n", stairs);
+    }
+    return out;
+  }
+
+  std::string draw_viewpoints(const Panel& panel) const {
+    std::string out;
+    for (std::size_t i = 0; i < graph_.size(); ++i) {
+      const ViewpointIndex v(i);
+      if (plan_.storey_of[i] != panel.storey) continue;
+      const Point p = place(panel, v);
+      append(out, "<g><title>{} {}</title>{}</g>\n", i, detail::escape(graph_.id(v)),
+             !graph_.included(v) ? detail::excluded_mark(p)
+             : isolated(v)       ? detail::isolated_mark(p)
+                                 : detail::dot(p));
+    }
+    return out;
+  }
+
+  // Where the edges that leave the storey end, on another one.
+  std::string draw_stairs(const Panel& panel) const {
+    std::map<ViewpointIndex, bool> ends;  // whether up
+    for (const auto& [a, b] : plan_.edges) {
+      if (!plan_.touches(panel.storey, a, b) || !plan_.between_storeys(a, b)) continue;
+      const ViewpointIndex far = plan_.storey_of[a.at()] == panel.storey ? b : a;
+      ends[far] = plan_.storey_of[far.at()] > panel.storey;
+    }
+    std::string out;
+    for (const auto& [v, up] : ends) out += detail::stairs_mark(place(panel, v), up);
+    return out;
+  }
+
+  std::string draw_ends(const Panel& panel) const {
+    std::string out;
+    const auto here = [&](ViewpointIndex v) { return plan_.storey_of[v.at()] == panel.storey; };
+    for (const Overlay& o : overlays_) {
+      if (o.role == Role::kAgent && here(o.end)) {
+        out += detail::stop_mark(place(panel, o.end), o.colour);
+      }
+    }
+    for (const Overlay& o : overlays_) {
+      if (here(o.start)) out += detail::start_mark(place(panel, o.start));
+    }
+    for (const Overlay& o : overlays_) {
+      if (o.has_goal() && here(o.end)) out += detail::goal_mark(place(panel, o.end));
+    }
+    return out;
+  }
+
+  std::string draw_labels(const Panel& panel) const {
+    std::string out =
+        "<g font-size=\"10\" fill=\"#111\" stroke=\"#fff\" stroke-width=\"2.5\" "
+        "stroke-linejoin=\"round\" paint-order=\"stroke\">\n";
+    for (std::size_t i = 0; i < graph_.size(); ++i) {
+      if (plan_.storey_of[i] != panel.storey) continue;
+      const Point p = place(panel, ViewpointIndex(i)) + Point{5, -5};
+      append(out, "<text x=\"{}\" y=\"{}\">{}</text>\n", detail::number(p.x), detail::number(p.y),
+             i);
+    }
+    return out + "</g>\n";
+  }
+
+  std::vector<LegendItem> legend_items() const {
+    std::vector<LegendItem> items{{detail::dot({}), 8, "viewpoint"}};
+    const auto line = [](const char* attributes) {
+      return fmt::format("<path d=\"M-14,0h28\" {}/>", attributes);
+    };
+    items.push_back({line("stroke=\"#a7acb5\""), 28, "edge"});
+    add_graph_items(items, line("stroke=\"#6b7280\" stroke-dasharray=\"4 3\""));
+    for (const Overlay& o : overlays_) {
+      if (!o.steps.empty()) items.push_back({sample(o), 34, o.label});
+    }
+    add_end_items(items);
+    items.push_back({fmt::format("<rect x=\"-14\" y=\"-7\" width=\"28\" height=\"14\" rx=\"7\" "
+                                 "fill=\"{}\" stroke=\"{}\"/>",
+                                 detail::kFloor, detail::kFloorRim),
+                     28, fmt::format("within {} m of an edge or viewpoint", detail::kFloorRadius)});
+    return items;
+  }
+
+  void add_graph_items(std::vector<LegendItem>& items, const std::string& dashes) const {
+    const bool stairs = std::ranges::any_of(
+        plan_.edges, [this](auto e) { return plan_.between_storeys(e.a, e.b); });
+    bool excluded = false, alone = false;
+    for (std::size_t i = 0; i < graph_.size(); ++i) {
+      const ViewpointIndex v(i);
+      if (plan_.storey_of[i] == Plan::kNowhere) continue;
+      excluded = excluded || !graph_.included(v);
+      alone = alone || (graph_.included(v) && isolated(v));
+    }
+    if (stairs) {
+      items.push_back({dashes, 28, "edge to another storey"});
+      items.push_back({detail::stairs_mark({-9, 0}, true) + detail::stairs_mark({9, 0}, false), 32,
+                       "its other end, above or below"});
+    }
+    if (alone) items.push_back({detail::isolated_mark({}), 10, "viewpoint without edges"});
+    if (excluded) items.push_back({detail::excluded_mark({}), 8, "excluded"});
+  }
+
+  static std::string sample(const Overlay& o) {
+    if (o.role == Role::kReference) {
+      return fmt::format(
+          "<path d=\"M-12,0h24\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\" "
+          "opacity=\"0.4\"/>",
+          detail::hex(o.colour), detail::kBandWidth);
+    }
+    return fmt::format(
+        "<path d=\"M-16,0h32\" stroke=\"{0}\" stroke-width=\"{1}\"/><path d=\"M6,0l-11,5.5v-11z\" "
+        "fill=\"{0}\" stroke=\"#fff\" stroke-width=\"0.8\"/>",
+        detail::hex(o.colour), detail::kLineWidth);
+  }
+
+  void add_end_items(std::vector<LegendItem>& items) const {
+    if (overlays_.empty()) return;
+    items.push_back({detail::start_mark({}), 18, "start"});
+    const auto goal = std::ranges::find_if(overlays_, &Overlay::has_goal);
+    if (goal != overlays_.end()) {
+      items.push_back({detail::goal_mark({}), 20,
+                       fmt::format("goal, {:g} m around it", options_.success_distance)});
+    }
+    const auto agent = std::ranges::find(overlays_, Role::kAgent, &Overlay::role);
+    if (agent != overlays_.end()) {
+      items.push_back({detail::stop_mark({}, agent->colour), 28, "agent stops"});
+    }
+  }
+
+  const graph::NavGraph& graph_;
+  const FloorPlanOptions& options_;
+  Plan plan_;
+  std::vector<Overlay> overlays_;
+  detail::Layout layout_;
+};
+
+}  // namespace
+
+std::string floor_plan_svg(const graph::NavGraph& graph, const std::vector<PlannedPath>& paths,
+                           const FloorPlanOptions& options) {
+  check_arguments(graph, paths, options);
+  return Painter(graph, paths, options).run();
+}
+
+}  // namespace enfilade::draw

@@ -1,0 +1,348 @@
+#include "enfilade/r2r/results.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+#include "enfilade/core/detail/json.h"
+#include "enfilade/core/errors.h"
+
+namespace enfilade::r2r {
+namespace {
+
+using json::Element;
+using json::Faults;
+using json::Path;
+
+constexpr std::size_t kListedIds = 20;   // of missing ones; more and they are counted
+constexpr std::size_t kShownBytes = 40;  // of an id that a message repeats
+constexpr const char* kEntryForms =
+    "a viewpoint id, [viewpoint], [viewpoint, heading, elevation], or a list of those";
+
+enum FieldIndex : std::size_t { kInstructionId, kTrajectory, kFields };
+constexpr std::array<json::Field, kFields> kWanted{{{"instr_id"}, {"trajectory"}}};
+
+std::string shown(std::string_view text) {
+  return fmt::format("{:?}{}", text.substr(0, kShownBytes), text.size() > kShownBytes ? "..." : "");
+}
+
+bool is_nested(Element element) { return element.is_array() || element.is_object(); }
+
+// [viewpoint] or [viewpoint, heading, elevation], or meant as such: a list with something in it
+// that can be no part of a sub-path.
+bool is_point(simdjson::dom::array list) {
+  std::size_t count = 0;
+  bool scalar = false;
+  bool text_first = false;
+  for (const Element element : list) {
+    if (count == 0 && is_nested(element)) return false;
+    if (count == 0) text_first = element.is_string();
+    scalar = scalar || (!element.is_string() && !is_nested(element));
+    ++count;
+  }
+  return scalar || (count == 1 && text_first);
+}
+
+// Reads one trajectory. Where its episode is unknown only its form is checked.
+class TrajectoryReader {
+ public:
+  TrajectoryReader(const EpisodeSet& episodes, std::optional<std::size_t> episode, Faults& faults)
+      : faults_(faults) {
+    if (!episode) return;
+    reference_ = &episodes.path_of(episodes.episodes[*episode]);
+    graph_ = &episodes.graphs->graph(reference_->scan);
+  }
+
+  std::vector<TrajectoryPoint> read(Element element, const Path& path) {
+    const std::size_t errors = faults_.errors();
+    const auto entries = json::array(element, path, faults_);
+    if (!entries) return {};
+    read_list(*entries, path, 0);
+    if (!started_ && faults_.errors() == errors) {
+      faults_.error(path, "empty-trajectory", "no viewpoint; the start at least is expected");
+    }
+    return std::move(points_);
+  }
+
+ private:
+  void read_list(simdjson::dom::array list, const Path& path, int depth) {
+    std::size_t i = 0;
+    for (const Element element : list) read_entry(element, Path(path, i++), depth);
+  }
+
+  void read_entry(Element element, const Path& path, int depth) {
+    simdjson::dom::array list;
+    if (element.is_string()) {
+      add(element, path, {}, {});
+    } else if (element.get_array().get(list) != simdjson::SUCCESS) {
+      refuse(element, path);
+    } else if (is_point(list)) {
+      read_point(element, list, path);
+    } else if (depth == 0) {
+      read_list(list, path, depth + 1);
+    } else {
+      faults_.error(path, "bad-entry",
+                    fmt::format("{} inside a sub-path, not a viewpoint id, [viewpoint] or "
+                                "[viewpoint, heading, elevation]",
+                                json::describe(element)));
+    }
+  }
+
+  void read_point(Element element, simdjson::dom::array list, const Path& path) {
+    const std::size_t size = list.size();
+    if (size != 1 && size != 3) {
+      refuse(element, path);
+      return;
+    }
+    std::array<Radians, 2> angles{};
+    for (std::size_t k = 1; k < size; ++k) {
+      const auto angle = json::number(list.at(k).value_unsafe(), Path(path, k), faults_);
+      angles[k - 1] = Radians(angle.value_or(0));
+    }
+    add(list.at(0).value_unsafe(), Path(path, std::size_t{0}), angles[0], angles[1]);
+  }
+
+  void refuse(Element element, const Path& path) {
+    faults_.error(path, "bad-entry",
+                  fmt::format("{}, not {}", json::describe(element), kEntryForms));
+  }
+
+  void add(Element element, const Path& path, Radians heading, Radians elevation) {
+    const bool first = !std::exchange(started_, true);
+    const auto id = json::string(element, path, faults_);
+    const auto viewpoint = id && graph_ != nullptr ? find(*id, path) : std::nullopt;
+    if (viewpoint) {
+      if (first) check_start(*viewpoint, path);
+      if (last_) check_step(*viewpoint, path);
+      points_.push_back({*viewpoint, heading, elevation});
+    }
+    last_ = viewpoint;  // after a bad one, the next step can be from anywhere
+  }
+
+  std::optional<ViewpointIndex> find(std::string_view id, const Path& path) {
+    const auto found = graph_->find(id);
+    if (!found) {
+      faults_.error(path, "unknown-viewpoint",
+                    fmt::format("viewpoint {} is not one of the {} of scan {}", shown(id),
+                                graph_->size(), graph_->scan()));
+    } else if (!graph_->included(*found)) {
+      faults_.error(path, "excluded-viewpoint",
+                    fmt::format("viewpoint {} of scan {} exists but is excluded from its graph",
+                                shown(id), graph_->scan()));
+      return std::nullopt;
+    }
+    return found;
+  }
+
+  void check_start(ViewpointIndex viewpoint, const Path& path) {
+    const ViewpointIndex start = reference_->viewpoints.front();
+    if (viewpoint == start) return;
+    faults_.error(
+        path, "wrong-start",
+        fmt::format("starts at {}, but path {} starts at {}", shown(graph_->id(viewpoint)),
+                    reference_->path_id, shown(graph_->id(start))));
+  }
+
+  void check_step(ViewpointIndex viewpoint, const Path& path) {
+    if (viewpoint == *last_ || graph_->edge(*last_, viewpoint) != nullptr) return;
+    const float apart = length(graph_->position(viewpoint) - graph_->position(*last_));
+    const double walk = graph_->distance(*last_, viewpoint);
+    faults_.error(path, "not-adjacent",
+                  fmt::format("no edge leads from {} to {}: {:.2f} m apart, {}",
+                              shown(graph_->id(*last_)), shown(graph_->id(viewpoint)), apart,
+                              std::isfinite(walk) ? fmt::format("{:.2f} m to walk", walk)
+                                                  : std::string("out of reach")));
+  }
+
+  Faults& faults_;
+  const ReferencePath* reference_ = nullptr;
+  const graph::NavGraph* graph_ = nullptr;
+  std::optional<ViewpointIndex> last_;
+  bool started_ = false;
+  std::vector<TrajectoryPoint> points_;
+};
+
+// The episodes of a split by their ids, and where a results file has them.
+class Entries {
+ public:
+  explicit Entries(const EpisodeSet& episodes) : episodes_(episodes) {
+    by_id_.reserve(episodes.episodes.size());
+    for (std::size_t i = 0; i < episodes.episodes.size(); ++i) {
+      by_id_.emplace(episodes.episodes[i].instruction_id, i);
+    }
+    places_.resize(episodes.episodes.size());
+  }
+
+  std::optional<std::size_t> find(std::string_view id) const {
+    const auto found = by_id_.find(id);
+    if (found == by_id_.end()) return std::nullopt;
+    return found->second;
+  }
+
+  // "7_3" where "7_2" is scored: a fourth instruction, which data sets have for some paths and
+  // nobody scores.
+  bool is_unscored(std::string_view id) const {
+    const std::string fourth = fmt::format("_{}", kScoredInstructions);
+    if (!id.ends_with(fourth)) return false;
+    id.remove_suffix(fourth.size());
+    return by_id_.contains(fmt::format("{}_{}", id, kScoredInstructions - 1));
+  }
+
+  // False, and a fault, if the file had an entry for this episode before.
+  bool claim(std::size_t episode, std::size_t place, const Path& path, Faults& faults) {
+    if (!places_[episode]) {
+      places_[episode] = place;
+      return true;
+    }
+    faults.error(path, "repeated-instr-id",
+                 fmt::format("{:?} stands at $[{}] already; one entry each is allowed",
+                             episodes_.episodes[episode].instruction_id, *places_[episode]));
+    return false;
+  }
+
+  void report_missing(Faults& faults) const {
+    std::vector<std::string> missing;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (places_[i] || ++count > kListedIds) continue;
+      missing.push_back(fmt::format("{:?}", episodes_.episodes[i].instruction_id));
+    }
+    if (count > kListedIds) {
+      faults.error(
+          Path(), "missing-instr-id",
+          fmt::format("no entry for {} of the {} instr_ids of split {}: {} and {} more{}", count,
+                      places_.size(), episodes_.split, fmt::join(missing, ", "), count - kListedIds,
+                      count == places_.size() ? "; is it the file of another split?" : ""));
+      return;
+    }
+    for (const std::string& id : missing) {
+      faults.error(Path(), "missing-instr-id",
+                   fmt::format("no entry for instr_id {} of split {}", id, episodes_.split));
+    }
+  }
+
+ private:
+  const EpisodeSet& episodes_;
+  std::unordered_map<std::string_view, std::size_t> by_id_;
+  std::vector<std::optional<std::size_t>> places_;
+};
+
+class Reader {
+ public:
+  Reader(const EpisodeSet& episodes, const std::string& file)
+      : episodes_(episodes), faults_(file), entries_(episodes) {
+    results_.trajectories.resize(episodes.episodes.size());
+    for (std::size_t i = 0; i < episodes.episodes.size(); ++i) results_.trajectories[i].episode = i;
+  }
+
+  Results read(Element root) {
+    const Path path;
+    if (const auto entries = json::array(root, path, faults_)) {
+      std::size_t i = 0;
+      for (const Element entry : *entries) {
+        read_entry(entry, i, Path(path, i));
+        ++i;
+      }
+      entries_.report_missing(faults_);
+    }
+    faults_.throw_if_errors();
+    results_.warnings = faults_.take();
+    return std::move(results_);
+  }
+
+ private:
+  void read_entry(Element element, std::size_t place, const Path& path) {
+    std::array<std::optional<Element>, kFields> found;
+    json::fields(element, kWanted, found, path,
+                 faults_);  // what it lacks is reported; read the rest
+    std::optional<std::size_t> episode;
+    bool keep = false;
+    if (found[kInstructionId]) {
+      const Path id_path(path, "instr_id");
+      const auto id = json::string(*found[kInstructionId], id_path, faults_);
+      if (id && entries_.is_unscored(*id)) {
+        faults_.add(Severity::kWarning, id_path, "unscored-instruction",
+                    fmt::format("{} is not scored (the first {} instructions of a path are); left "
+                                "out",
+                                shown(*id), kScoredInstructions));
+        return;
+      }
+      if (id) episode = identify(*id, id_path);
+      keep = episode && entries_.claim(*episode, place, id_path, faults_);
+    }
+    if (!found[kTrajectory]) return;
+    auto points = TrajectoryReader(episodes_, episode, faults_)
+                      .read(*found[kTrajectory], Path(path, "trajectory"));
+    if (keep) results_.trajectories[*episode].points = std::move(points);
+  }
+
+  std::optional<std::size_t> identify(std::string_view id, const Path& path) {
+    const auto episode = entries_.find(id);
+    if (!episode) {
+      faults_.error(path, "unknown-instr-id",
+                    fmt::format("{} is not one of the {} of split {}", shown(id),
+                                episodes_.episodes.size(), episodes_.split));
+    }
+    return episode;
+  }
+
+  const EpisodeSet& episodes_;
+  Faults faults_;
+  Entries entries_;
+  Results results_;
+};
+
+std::string quoted(const std::string& text) {
+  try {
+    return nlohmann::json(text).dump();
+  } catch (const nlohmann::json::type_error&) {
+    throw ArgumentError(fmt::format("viewpoint {:?}: not UTF-8, which JSON is", text));
+  }
+}
+
+// The shortest text that reads back equal; adding 0 turns -0, which JSON readers take for an
+// integer, into 0.
+std::string number_json(double value, const std::string& instruction_id) {
+  if (std::isfinite(value)) return fmt::format("{}", value + 0.0);
+  throw ArgumentError(
+      fmt::format("trajectory of {}: angle {}, not a finite number", instruction_id, value));
+}
+
+}  // namespace
+
+Results load_results(const std::filesystem::path& file, const EpisodeSet& episodes) {
+  const json::Document document = json::Document::load(file);
+  return Reader(episodes, document.name()).read(document.root());
+}
+
+Results parse_results(std::string_view json, const std::string& file, const EpisodeSet& episodes) {
+  const json::Document document = json::Document::parse(json, file);
+  return Reader(episodes, document.name()).read(document.root());
+}
+
+std::string to_json(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes) {
+  std::string text = "[";
+  for (const Trajectory& trajectory : trajectories) {
+    const Episode& episode = episodes.episodes.at(trajectory.episode);
+    const graph::NavGraph& graph = episodes.graph_of(episode);
+    text += fmt::format("{}{{\"instr_id\": {}, \"trajectory\": [", text.size() == 1 ? "\n" : ",\n",
+                        quoted(episode.instruction_id));
+    bool first = true;
+    for (const TrajectoryPoint& point : trajectory.points) {
+      text += fmt::format("{}[{}, {}, {}]", std::exchange(first, false) ? "" : ", ",
+                          quoted(graph.id(point.viewpoint)),
+                          number_json(point.heading.value, episode.instruction_id),
+                          number_json(point.elevation.value, episode.instruction_id));
+    }
+    text += "]}";
+  }
+  return text + "\n]\n";
+}
+
+}  // namespace enfilade::r2r

@@ -1,0 +1,59 @@
+/// \file  The inner loop of the simulator: which neighbours a camera sees, at which angles, sorted.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "enfilade/core/ids.h"
+#include "enfilade/graph/nav_graph.h"
+#include "enfilade/sim/detail/camera_direction.h"
+
+namespace enfilade::sim::detail {
+
+/// Which neighbours are navigable: those whose cosine to the camera's direction reaches a bound.
+struct ViewLimit {
+  bool all = false;  ///< no bound
+  double min_cosine = 0;
+};
+
+/// Where one agent's list is written.
+struct NavigableRow {
+  std::uint32_t* target;  ///< the simulator's own copy of viewpoint
+  ViewpointIndex* viewpoint;
+  double* rel_heading;
+  double* rel_elevation;
+  double* distance;
+};
+
+/// The neighbours that a few agents see, worked on together: the arithmetic of all of them runs in
+/// vector registers, and nothing branches on what random agents do. Used in rounds of clear(),
+/// add() for each agent, compute(), write() for each in the same order. Allocates when made only.
+class NavigableViews {
+ public:
+  NavigableViews(std::size_t agents, std::size_t max_navigable);
+
+  void clear() noexcept;
+  /// \pre not more agents since clear(), nor edges, than the constructor was told
+  void add(std::span<const graph::Edge> edges, Direction camera, double elevation,
+           const ViewLimit& limit);
+  void compute();
+  /// Writes the list of the next agent, `here` first. Returns its length.
+  std::uint32_t write(ViewpointIndex here, const NavigableRow& row);
+
+ private:
+  // One element a neighbour; agent k's are [ends_[k - 1], ends_[k]).
+  std::vector<float> right_, ahead_;  // offset across and along the camera's direction
+  std::vector<float> rel_heading_;
+  std::vector<float> distance_;
+  std::vector<double> rel_elevation_;
+  std::vector<double> order_;  // what the list is sorted by
+  std::vector<std::uint32_t> target_;
+  std::vector<std::uint32_t> rank_;
+  std::vector<std::uint32_t> ends_;
+  std::size_t agents_ = 0;   // added
+  std::size_t written_ = 0;  // agents
+  std::size_t size_ = 0;     // neighbours
+};
+
+}  // namespace enfilade::sim::detail

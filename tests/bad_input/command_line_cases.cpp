@@ -1,0 +1,45 @@
+#include "tests/bad_input/harness.h"
+
+namespace enfilade::bad_input {
+namespace {
+
+Case line(std::string input, std::string command, int exit_code, std::string says) {
+  return {"Command lines", std::move(input), std::move(command), exit_code, std::move(says), {}};
+}
+
+}  // namespace
+
+std::vector<Case> command_line_cases() {
+  return {
+      line("no verb", "", 2, "A subcommand is required"),
+      line("a verb that is none", "fly", 2, "fly"),
+      line("an option that is none", "stats --data {} --colour", 2, "--colour"),
+      line("an option without its value", "run --agent", 2, "--agent"),
+      line("a number that is none", "run --data {} --batch many", 2, "batch"),
+      line("a negative number", "run --data {} --batch -5", 2, "batch"),
+      line("no data set", "stats", 2, "no data set: give --data DIR or set ENFILADE_DATA"),
+      line("a data set that is not there", "stats --data {}/none", 3, "{}/none: not a folder"),
+      line("a data set that is a file", "stats --data {}/results.json", 3, "not a folder"),
+      line("a data set with no annotations of the split", "run --data {} --split val_9", 3,
+           "holds no annotations of split \"val_9\"; tried: r2r/R2R_val_9.json"),
+      line("an agent that is none", "run --data {} --split made --agent clever", 2,
+           "agent \"clever\": there is none of that name; there are: random, shortest"),
+      line("a batch of none", "run --data {} --split made --batch 0", 2, "batch size 0"),
+      line("an oracle where goals are hidden", "run --data {} --split hidden --agent shortest", 2,
+           "agent shortest needs the goal, which split hidden hides"),
+      line("an output folder that is not there", "run --data {} --split made -o {}/no/r.json", 3,
+           "{}/no/r.json: cannot write: No such file or directory"),
+      line("an output that is a folder", "run --data {} --split made -o {}/r2r", 3,
+           "{}/r2r: cannot write: Is a directory"),
+      line("a full disk", "run --data {} --split made -o /dev/full", 3, "No space left on device"),
+      line("a scan that is not listed", "graph draw three --data {} -o {}/a.svg", 2,
+           "scan \"three\" is not one of the 2 scans"),
+      line("a folder without graphs", "graph check {}/r2r", 3,
+           "holds neither scans.txt nor any *_connectivity.json"),
+      line("no seeds", "demo --data {} --seeds 0", 2, "--seeds"),
+      line("limits that contradict each other",
+           "sample --data {} --min-edges 6 --max-edges 4 -o {}/new.json", 2, "edges"),
+  };
+}
+
+}  // namespace enfilade::bad_input

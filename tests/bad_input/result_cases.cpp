@@ -1,0 +1,63 @@
+#include "tests/bad_input/harness.h"
+
+namespace enfilade::bad_input {
+namespace {
+
+constexpr const char* kScore = "score {}/results.json --data {} --split made";
+
+Case refused(std::string input, std::string says, std::function<void(Files&)> damage) {
+  return {"Results", std::move(input), kScore, 1, std::move(says), std::move(damage)};
+}
+
+Case edited(std::string input, std::string says, const std::string& from, const std::string& to) {
+  return refused(std::move(input), std::move(says),
+                 [=](Files& files) { files.edit(kResults, from, to); });
+}
+
+}  // namespace
+
+std::vector<Case> result_cases() {
+  const std::string first =
+      "{\"instr_id\": \"1_0\", \"trajectory\": [[\"v0\", 1.5, 0], [\"v1\", 1.5, 0], "
+      "[\"v2\", 1.5, 0]]},\n ";
+  return {
+      refused("an empty file", "the file is empty, not JSON",
+              [](Files& f) { f.write(kResults, ""); }),
+      refused("a file cut off in the middle", "the file ends too early",
+              [](Files& f) { f.write(kResults, f.content(kResults).substr(0, 150)); }),
+      refused("an object instead of the array", "$: object, not an array",
+              [](Files& f) { f.write(kResults, "{}"); }),
+      edited("a heading that is NaN",
+             "$[0].trajectory[0][1]: line 1, column 46: NaN and Infinity are not JSON",
+             "[\"v0\", 1.5, 0]", "[\"v0\", NaN, 0]"),
+      edited("a heading in words", "$[0].trajectory[0][1]: string \"left\", not a number",
+             "[\"v0\", 1.5, 0]", "[\"v0\", \"left\", 0]"),
+      edited("no trajectory", "$[0]: has no field \"trajectory\"", "\"trajectory\"", "\"path\""),
+      edited("a trajectory that is a string", "$[0].trajectory: string \"v0\", not an array",
+             "[[\"v0\", 1.5, 0], [\"v1\", 1.5, 0], [\"v2\", 1.5, 0]]", "\"v0\""),
+      edited("an empty trajectory", "$[0].trajectory",
+             "[[\"v0\", 1.5, 0], [\"v1\", 1.5, 0], [\"v2\", 1.5, 0]]", "[]"),
+      edited("an entry of two", "$[0].trajectory[0]", "[\"v0\", 1.5, 0]", "[\"v0\", 1.5]"),
+      edited("an entry that is a number", "$[0].trajectory[0]", "[\"v0\", 1.5, 0]", "7"),
+      edited("an instr_id that is a number", "$[0].instr_id: number 10, not a string", "\"1_0\"",
+             "10"),
+      edited("an unknown instr_id", "$[0].instr_id", "\"1_0\"", "\"7_0\""),
+      edited("an instr_id twice", "$[1].instr_id", "\"1_1\"", "\"1_0\""),
+      edited("a missing instr_id", "1_0", first, ""),
+      edited("a wrong start", "$[0].trajectory[0]", "[\"v0\", 1.5, 0], [\"v1\", 1.5, 0]",
+             "[\"v1\", 1.5, 0]"),
+      edited("an unknown viewpoint", "$[0].trajectory[1]", "\"v1\"", "\"v9\""),
+      edited("an excluded viewpoint", "$[0].trajectory[2]", "\"v2\"", "\"v5\""),
+      edited("a jump", "$[0].trajectory[1]", "[\"v1\", 1.5, 0], ", ""),
+      {"Results", "a fourth instruction, which is not scored", kScore, 0, "warning",
+       [](Files& f) {
+         f.edit(kResults, "[{", "[{\"instr_id\": \"2_3\", \"trajectory\": [\"v0\"]}, {");
+       }},
+      {"Results", "no file", "score {}/none.json --data {} --split made", 3,
+       "{}/none.json: cannot open: No such file or directory", {}},
+      {"Results", "a split whose goals are hidden", "score {}/results.json --data {} --split hidden",
+       2, "hidden", {}},
+  };
+}
+
+}  // namespace enfilade::bad_input

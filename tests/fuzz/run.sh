@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# Runs every fuzzer of build/fuzz/fuzz for SECONDS each; exit 1 if one finds something.
+#   tests/fuzz/run.sh [SECONDS] [NAME...]
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+seconds=${1:-60}
+shift || true
+[ $# -gt 0 ] || set -- connectivity regions annotations results trace
+mkdir -p build/fuzz/found
+
+fuzz() {
+  local name=$1 corpus=build/fuzz/corpus/$1
+  mkdir -p "$corpus"
+  # 64 kB holds any structure; larger inputs only slow the search down.
+  if "build/fuzz/fuzz/fuzz_$name" -max_total_time="$seconds" -max_len=65536 -timeout=20 \
+    -rss_limit_mb=4096 -print_final_stats=1 -artifact_prefix="build/fuzz/found/$name-" \
+    "$corpus" "tests/fuzz/seeds/$name" >"build/fuzz/found/$name.log" 2>&1; then
+    echo "$name: nothing found in $(awk '/number_of_executed_units/ {print $2}' "build/fuzz/found/$name.log") runs of $seconds s"
+  else
+    echo "$name: FOUND SOMETHING, see build/fuzz/found/$name.log"
+    return 1
+  fi
+}
+export -f fuzz
+export seconds
+printf '%s\n' "$@" | xargs -P "$(nproc)" -I{} bash -c 'fuzz "$1"' _ {}
