@@ -1,6 +1,6 @@
 // An agent of one's own, run over a split and scored: walks straight on, six moves.
-#include <filesystem>
 #include <fmt/core.h>
+#include <filesystem>
 
 #include "enfilade/agents/run.h"
 #include "enfilade/graph/graph_set.h"
@@ -15,7 +15,9 @@ using namespace enfilade;
 class StraightOn : public agents::Agent {
  public:
   std::string_view name() const override { return "straight-on"; }
-  void start(std::span<const agents::Observation> batch) override { moves_.assign(batch.size(), 0); }
+  void start(std::span<const agents::Observation> batch) override {
+    moves_.assign(batch.size(), 0);
+  }
   void act(std::span<const agents::Observation> batch,
            std::span<agents::Decision> decisions) override {
     for (std::size_t i = 0; i < batch.size(); ++i) {

@@ -54,11 +54,11 @@ int main(int argc, char** argv) {
   app.add_option("--tolerance-metrics", options.tolerances.metrics,
                  "Largest difference of a metric")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(finite_number());
   app.add_option("--tolerance-nav", options.tolerances.nav,
                  "Largest difference of an angle (rad) or distance (m)")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(finite_number());
   app.footer(
       "Exit codes: 0 all agree, 1 mismatches, 2 command line, 3 a file that cannot be used.");
   app.callback([&] { status = check(options); });

@@ -1,12 +1,13 @@
 #include "apps/common/program.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <fmt/format.h>
 #include <memory>
-#include <unistd.h>
 #include <utility>
 
 #include "enfilade/core/file.h"
@@ -72,9 +73,23 @@ int fail(int code, const CLI::App& app, const char* what) {
   return code;
 }
 
+// CLI11 says "a subcommand is required" whatever stands in its place.
+void refuse_unknown_verb(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || app.get_require_subcommand_min() == 0) return;
+  const std::string verb = argv[1];
+  std::string names;
+  for (const CLI::App* one : app.get_subcommands({})) {
+    if (one->check_name(verb)) return;
+    names += (names.empty() ? "" : ", ") + one->get_name();
+  }
+  if (verb.starts_with('-')) return;
+  throw UsageError(fmt::format("{:?} is none of its verbs: {}", verb, names));
+}
+
 // Callbacks run inside parse(): this is the whole program.
 int parse_and_run(CLI::App& app, int argc, char** argv, const int& status) {
   try {
+    refuse_unknown_verb(app, argc, argv);
     app.parse(argc, argv);
     return status;
   } catch (const CLI::Success& help) {
@@ -108,6 +123,31 @@ scan::DataRoot open_data(const std::string& data) {
   if (!data.empty()) return scan::DataRoot(data);
   if (const auto root = scan::DataRoot::from_environment()) return *root;
   throw UsageError(kWhereTheDataIs);
+}
+
+CLI::Validator whole_number(std::uint64_t least) {
+  const std::string allowed = fmt::format("a whole number from {} on", least);
+  return {[=](const std::string& text) {
+            std::uint64_t value = 0;
+            const char* end = text.data() + text.size();
+            const auto [stop, code] = std::from_chars(text.data(), end, value);
+            const bool good = code == std::errc() && stop == end && value >= least;
+            return good ? std::string() : fmt::format("{:?} is not {}", text, allowed);
+          },
+          ""};
+}
+
+CLI::Validator finite_number(double least) {
+  return {[=](const std::string& text) {
+            double value = 0;
+            const char* end = text.data() + text.size();
+            const auto [stop, code] = std::from_chars(text.data(), end, value);
+            const bool good =
+                code == std::errc() && stop == end && std::isfinite(value) && value >= least;
+            return good ? std::string()
+                        : fmt::format("{:?} is not a finite number from {} on", text, least);
+          },
+          ""};
 }
 
 void set_examples(CLI::App& verb, const std::vector<std::string>& lines) {

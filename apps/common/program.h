@@ -1,6 +1,7 @@
 /// \file  What every program of Enfilade does alike: options, exit codes, error messages, progress.
 #pragma once
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -31,6 +32,11 @@ void add_data_option(CLI::App& verb, std::string& data);
 /// The data set of that option. \throws UsageError that says where the data is had if `data` is
 /// empty and ENFILADE_DATA is unset; FileError if it names no folder.
 scan::DataRoot open_data(const std::string& data);
+
+/// Refuses what CLI11 alone would take for an option of an unsigned type: "-5" as 2^64 - 5.
+CLI::Validator whole_number(std::uint64_t least = 0);
+/// Refuses NaN, infinities and numbers below `least`.
+CLI::Validator finite_number(double least = 0);
 
 /// "Examples:" below a verb's --help; each line a command.
 void set_examples(CLI::App& verb, const std::vector<std::string>& lines);

@@ -1,9 +1,9 @@
 // enfilade demo: the paper's table rows for the agents that learn nothing, beside ours.
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <fmt/format.h>
 #include <map>
 #include <memory>
 #include <optional>
@@ -228,8 +228,9 @@ void demo(const Options& options) {
 
 void add_demo(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
-      "demo", "The paper's table rows for Shortest and Random, beside ours; without data, on a "
-              "small synthetic data set");
+      "demo",
+      "The paper's table rows for Shortest and Random, beside ours; without data, on a "
+      "small synthetic data set");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   verb.add_option("-o,--output", options->output, "Folder for results and floor plans")
@@ -237,7 +238,7 @@ void add_demo(CLI::App& app, int& status) {
       ->type_name("DIR");
   verb.add_option("--seeds", options->seeds, "Of the random agent")
       ->capture_default_str()
-      ->check(CLI::Range(1, 10000));
+      ->check(whole_number(1));
   set_examples(verb, {"enfilade demo", "enfilade demo --data ~/data --seeds 100"});
   verb.callback([options, &status] {
     demo(*options);

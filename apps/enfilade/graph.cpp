@@ -271,6 +271,7 @@ void add_check(CLI::App& graph, int& status) {
       ->type_name("FILE");
   verb.add_option("--longest-edge", arguments->options.longest_edge,
                   "Longer edges are reported; metres")
+      ->check(finite_number())
       ->capture_default_str()
       ->type_name("M");
   verb.add_flag("--strict", arguments->strict, "Exit code 1 for warnings too");

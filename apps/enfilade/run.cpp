@@ -59,8 +59,10 @@ void add_run(CLI::App& app, int& status) {
                   "Results file, in the format of R2R's leaderboard; - for standard output")
       ->type_name("FILE");
   verb.add_option("--seed", options->run.seed, "Of the agent's random numbers")
+      ->check(whole_number())
       ->capture_default_str();
   verb.add_option("--batch", options->run.batch_size, "Episodes at once; changes no result")
+      ->check(whole_number(1))
       ->capture_default_str();
   set_examples(verb, {"enfilade run --agent random --split val_unseen -o results.json",
                       "enfilade run --agent shortest --split val_seen"});

@@ -124,14 +124,22 @@ void add_limits(CLI::App& verb, r2r::SamplingOptions& sampling) {
       ->check(CLI::IsMember({"rooms", "viewpoints"}))
       ->type_name("RULE");
   verb.add_option("--per-building", sampling.per_building, "Paths in a building, at most")
+      ->check(whole_number(1))
       ->capture_default_str();
   verb.add_option("--paths", sampling.paths, "Paths in all, at most (default: no limit)")
-      ->check(CLI::PositiveNumber);
-  verb.add_option("--min-edges", sampling.min_edges, "Of a path")->capture_default_str();
-  verb.add_option("--max-edges", sampling.max_edges, "Of a path")->capture_default_str();
-  verb.add_option("--min-length", sampling.min_length, "Of a path, in metres")
+      ->check(whole_number(1));
+  verb.add_option("--min-edges", sampling.min_edges, "Of a path")
+      ->check(whole_number(1))
       ->capture_default_str();
-  verb.add_option("--seed", sampling.seed, "One seed, one set of paths")->capture_default_str();
+  verb.add_option("--max-edges", sampling.max_edges, "Of a path")
+      ->check(whole_number(1))
+      ->capture_default_str();
+  verb.add_option("--min-length", sampling.min_length, "Of a path, in metres")
+      ->check(finite_number())
+      ->capture_default_str();
+  verb.add_option("--seed", sampling.seed, "One seed, one set of paths")
+      ->check(whole_number())
+      ->capture_default_str();
 }
 
 void add_options(CLI::App& verb, Options& options) {
@@ -155,6 +163,7 @@ void add_options(CLI::App& verb, Options& options) {
                   "61 11 18)")
       ->expected(3)
       ->needs(splits)
+      ->check(whole_number())
       ->type_name("N");
   verb.add_flag("--compare", options.compare,
                 "Print lengths and numbers of edges beside those of the data set's own paths");

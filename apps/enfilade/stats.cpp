@@ -71,6 +71,7 @@ void add_stats(CLI::App& app, int& status) {
                   "Write the numbers as JSON; - for standard output, without the table")
       ->type_name("FILE");
   verb.add_option("--top", options->top, "How many of the most frequent first four words to list")
+      ->check(whole_number())
       ->capture_default_str();
   set_examples(verb, {"enfilade stats", "enfilade stats --split train val_seen --json stats.json",
                       "enfilade stats --json - | jq .all.vocabulary"});

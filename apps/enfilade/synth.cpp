@@ -34,9 +34,11 @@ void add_synth(CLI::App& app, int& status) {
       ->required()
       ->type_name("DIR");
   verb.add_option("--buildings", options->buildings, "Two-storey houses, 3 to 1000")
+      ->check(whole_number())
       ->capture_default_str()
       ->type_name("N");
   verb.add_option("--seed", options->seed, "The same seed gives the same bytes")
+      ->check(whole_number())
       ->capture_default_str();
   set_examples(verb, {"enfilade synth -o my-data", "enfilade stats --data my-data",
                       "enfilade graph draw synth_1 --data my-data"});

@@ -105,7 +105,7 @@ int main(int argc, char** argv) {
                  "file's folder)")
       ->type_name("DIR");
   app.add_option("--tolerance", options.tolerance, "How far real numbers may be off")
-      ->check(CLI::Range(0.0, 1e3))
+      ->check(finite_number())
       ->capture_default_str();
   app.add_flag("--verbose", options.verbose,
                "Every mismatch, not the first 10, and the counts of each configuration");

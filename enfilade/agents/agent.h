@@ -32,8 +32,8 @@ struct Observation {
   std::uint32_t view_index = 0;
   std::uint32_t step = 0;  ///< actions so far
   NavigableView navigable;
-  Rng* rng = nullptr;      ///< this episode's own random numbers
-  bool ended = false;      ///< the episode is over; what the agent decides is not looked at
+  Rng* rng = nullptr;  ///< this episode's own random numbers
+  bool ended = false;  ///< the episode is over; what the agent decides is not looked at
 };
 
 /// What to do: stop for good, or go to an entry of the navigable list (0: stay) and turn.

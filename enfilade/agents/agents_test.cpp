@@ -7,10 +7,10 @@
 #include "enfilade/agents/run.h"
 #include "enfilade/agents/shortest.h"
 #include "enfilade/core/errors.h"
-#include "tests/support/graphs.h"
 #include "enfilade/r2r/score.h"
 #include "enfilade/r2r/statistics.h"
 #include "enfilade/scan/data_root.h"
+#include "tests/support/graphs.h"
 
 namespace enfilade::agents {
 namespace {
@@ -45,8 +45,8 @@ std::vector<ViewpointIndex> moves(const r2r::Trajectory& trajectory) {
 }
 
 TEST(ShortestAgent, TakesTheShortestPathWhateverItsHeading) {
-  const r2r::EpisodeSet set = episodes_on(
-      graph::testing::square(), {{0, 2}, {2, 0}, {1, 3}, {3, 1}, {0, 1}, {2, 3}});
+  const r2r::EpisodeSet set =
+      episodes_on(graph::testing::square(), {{0, 2}, {2, 0}, {1, 3}, {3, 1}, {0, 1}, {2, 3}});
   ShortestAgent agent;
   const auto trajectories = run_agent(agent, set);
   ASSERT_EQ(trajectories.size(), set.episodes.size());
@@ -69,10 +69,10 @@ TEST(ShortestAgent, LooksUpStairs) {
 TEST(ShortestAgent, TurnsTheShorterWayToWhatItCannotSee) {
   // From heading 0 the neighbour at 240 degrees is 4 views to the left, 8 to the right.
   const double a = degrees(240).value;
-  const r2r::EpisodeSet set = episodes_on(
-      graph::testing::connectivity("s", {{0, 0, 0}, {2 * std::sin(a), 2 * std::cos(a), 0}},
-                                   {{0, 1}}),
-      {{0, 1}});
+  const r2r::EpisodeSet set =
+      episodes_on(graph::testing::connectivity(
+                      "s", {{0, 0, 0}, {2 * std::sin(a), 2 * std::cos(a), 0}}, {{0, 1}}),
+                  {{0, 1}});
   ShortestAgent agent;
   const auto points = run_agent(agent, set).at(0).points;
   // Three turns bring it within 30 degrees (rel_heading -30 is not below -30), then it walks.
@@ -89,8 +89,8 @@ TEST(ShortestAgent, NeedsTheGoal) {
 }
 
 TEST(RandomAgent, MakesFiveMovesAndTurnsRightOnly) {
-  const r2r::EpisodeSet set = episodes_on(
-      graph::testing::square(), std::vector<std::pair<int, int>>(40, std::pair(0, 2)));
+  const r2r::EpisodeSet set =
+      episodes_on(graph::testing::square(), std::vector<std::pair<int, int>>(40, std::pair(0, 2)));
   RandomAgent agent;
   for (const r2r::Trajectory& one : run_agent(agent, set)) {
     int walked = 0;
@@ -115,8 +115,8 @@ TEST(RandomAgent, IsEndedWhereThereIsNowhereToGo) {
 }
 
 TEST(RunAgent, BatchSizeChangesNothingAndSeedsDo) {
-  const r2r::EpisodeSet set = episodes_on(
-      graph::testing::square(), std::vector<std::pair<int, int>>(30, std::pair(0, 2)));
+  const r2r::EpisodeSet set =
+      episodes_on(graph::testing::square(), std::vector<std::pair<int, int>>(30, std::pair(0, 2)));
   RandomAgent agent;
   const auto with = [&](std::size_t batch, std::uint64_t seed) {
     RunOptions options;

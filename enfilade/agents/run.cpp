@@ -1,8 +1,8 @@
 #include "enfilade/agents/run.h"
 
-#include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -104,8 +104,8 @@ class BatchRun {
         --running_;
       }
       const Decision& d = decisions_[i];
-      actions_[i] = seen.ended ? sim::Action{}
-                               : sim::Action{d.index, d.heading_change, d.elevation_change};
+      actions_[i] =
+          seen.ended ? sim::Action{} : sim::Action{d.index, d.heading_change, d.elevation_change};
     }
     if (running_ == 0) return;
     simulator_.step(actions_, state_);
@@ -115,8 +115,8 @@ class BatchRun {
   }
 
   void record(std::size_t slot) {
-    trajectories_[slot].points.push_back({state_.viewpoint[slot], Radians(state_.heading[slot]),
-                                          Radians(state_.elevation[slot])});
+    trajectories_[slot].points.push_back(
+        {state_.viewpoint[slot], Radians(state_.heading[slot]), Radians(state_.elevation[slot])});
   }
 
   Agent& agent_;

@@ -49,8 +49,8 @@ Decision teacher_decision(const Observation& seen, ViewpointIndex goal) {
   if (!next) return Decision::stop_here();
   const auto found = std::ranges::find(seen.navigable.viewpoint, *next);
   if (found == seen.navigable.viewpoint.end()) return towards_hidden(seen, *next);
-  return towards_navigable(
-      seen, static_cast<std::size_t>(found - seen.navigable.viewpoint.begin()));
+  return towards_navigable(seen,
+                           static_cast<std::size_t>(found - seen.navigable.viewpoint.begin()));
 }
 
 void ShortestAgent::act(std::span<const Observation> batch, std::span<Decision> decisions) {

@@ -20,20 +20,19 @@ std::string show_values(const A& a, const B& b) {
 
 }  // namespace enfilade::detail
 
-#define EN_CHECK(condition)                                                          \
-  do {                                                                               \
-    if (!(condition)) [[unlikely]]                                                   \
-      ::enfilade::detail::check_failed(__FILE__, __LINE__, #condition, "");          \
+#define EN_CHECK(condition)                                                 \
+  do {                                                                      \
+    if (!(condition)) [[unlikely]]                                          \
+      ::enfilade::detail::check_failed(__FILE__, __LINE__, #condition, ""); \
   } while (false)
 
-#define EN_CHECK_OP(a, op, b)                                                        \
-  do {                                                                               \
-    const auto& en_check_a = (a);                                                    \
-    const auto& en_check_b = (b);                                                    \
-    if (!(en_check_a op en_check_b)) [[unlikely]]                                    \
-      ::enfilade::detail::check_failed(                                              \
-          __FILE__, __LINE__, #a " " #op " " #b,                                     \
-          ::enfilade::detail::show_values(en_check_a, en_check_b));                  \
+#define EN_CHECK_OP(a, op, b)                                                                    \
+  do {                                                                                           \
+    const auto& en_check_a = (a);                                                                \
+    const auto& en_check_b = (b);                                                                \
+    if (!(en_check_a op en_check_b)) [[unlikely]]                                                \
+      ::enfilade::detail::check_failed(__FILE__, __LINE__, #a " " #op " " #b,                    \
+                                       ::enfilade::detail::show_values(en_check_a, en_check_b)); \
   } while (false)
 
 #define EN_CHECK_EQ(a, b) EN_CHECK_OP(a, ==, b)

@@ -1,11 +1,11 @@
 #include "enfilade/core/file.h"
 
+#include <unistd.h>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <system_error>
-#include <unistd.h>
 
 #include "enfilade/core/errors.h"
 

@@ -69,7 +69,8 @@ int available_threads() noexcept {
 
 void parallel_for(std::size_t count, std::size_t grain, int threads, RangeBody body) {
   if (count == 0) return;
-  const int wanted = threads <= 0 ? available_threads() : threads;
+  // More threads than cores gain nothing, and oneTBB would complain of them on stderr.
+  const int wanted = threads <= 0 ? available_threads() : std::min(threads, available_threads());
   if (wanted == 1 || count <= grain) {
     body(0, count);
     return;

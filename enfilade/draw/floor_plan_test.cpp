@@ -9,8 +9,8 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/graph/graph_set.h"
-#include "tests/support/graphs.h"
 #include "enfilade/scan/data_root.h"
+#include "tests/support/graphs.h"
 
 namespace enfilade::draw {
 namespace {

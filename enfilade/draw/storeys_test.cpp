@@ -5,8 +5,8 @@
 
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/graph/graph_set.h"
-#include "tests/support/graphs.h"
 #include "enfilade/scan/data_root.h"
+#include "tests/support/graphs.h"
 
 namespace enfilade::draw {
 namespace {

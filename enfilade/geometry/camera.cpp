@@ -1,7 +1,7 @@
 #include "enfilade/geometry/camera.h"
 
-#include <cmath>
 #include <fmt/format.h>
+#include <cmath>
 
 #include "enfilade/core/errors.h"
 

@@ -8,8 +8,8 @@ namespace enfilade {
 
 /// Size and opening of the pictures that an agent sees. A plain value: any thread.
 struct Camera {
-  std::uint32_t width = 640;                ///< pixels, > 0
-  std::uint32_t height = 480;               ///< pixels, > 0
+  std::uint32_t width = 640;                     ///< pixels, > 0
+  std::uint32_t height = 480;                    ///< pixels, > 0
   Radians vertical_field_of_view = degrees(60);  ///< in (0, pi)
 
   friend constexpr bool operator==(const Camera&, const Camera&) = default;

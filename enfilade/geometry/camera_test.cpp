@@ -24,10 +24,14 @@ TEST(Camera, FieldOfViewOfThePaper) {
 
 TEST(Camera, RefusesWhatCannotBeAPicture) {
   EXPECT_NO_THROW(validate(Camera{}));
-  EXPECT_THAT(([] { validate(Camera{0, 480, Radians(1)}); }),
+  EXPECT_THAT(([] {
+                validate(Camera{0, 480, Radians(1)});
+              }),
               ThrowsMessage<ArgumentError>(HasSubstr("camera size 0 x 480")));
   for (const double vfov : {0.0, -1.0, kPi, std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_THAT(([&] { validate(Camera{640, 480, Radians(vfov)}); }),
+    EXPECT_THAT(([&] {
+                  validate(Camera{640, 480, Radians(vfov)});
+                }),
                 ThrowsMessage<ArgumentError>(HasSubstr("field of view")));
   }
 }

@@ -1,8 +1,8 @@
 #include "enfilade/graph/check.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -33,8 +33,9 @@ class Checker {
     check_isolated();
     check_parts();
     if (to_excluded_ > 0) {
-      report(Severity::kNote, "$", "edge-to-excluded",
-             fmt::format("{} flags of excluded viewpoints are set; they are ignored", to_excluded_));
+      report(
+          Severity::kNote, "$", "edge-to-excluded",
+          fmt::format("{} flags of excluded viewpoints are set; they are ignored", to_excluded_));
     }
     return std::move(diagnostics_);
   }
@@ -219,16 +220,17 @@ std::vector<FileReport> check_folder(const std::filesystem::path& directory,
                                      const CheckOptions& options) {
   std::set<std::string> files = scans_with_files(directory);
   const bool listed = std::filesystem::exists(directory / "scans.txt");
-  const std::vector<std::string> scans = listed ? scan::load_scan_list(directory)
-                                                : std::vector<std::string>(files.begin(), files.end());
+  const std::vector<std::string> scans = listed
+                                             ? scan::load_scan_list(directory)
+                                             : std::vector<std::string>(files.begin(), files.end());
   std::vector<FileReport> reports;
   for (const std::string& scan : scans) {
     reports.push_back(check_file(directory, scan, options));
     files.erase(scan);
   }
   if (scans.empty()) {
-    throw FileError(fmt::format("{}: holds neither scans.txt nor any *_connectivity.json",
-                                directory.string()));
+    throw FileError(
+        fmt::format("{}: holds neither scans.txt nor any *_connectivity.json", directory.string()));
   }
   for (const std::string& scan : files) {
     FileReport report;

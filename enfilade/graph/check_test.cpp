@@ -6,8 +6,8 @@
 #include <map>
 
 #include "enfilade/core/file.h"
-#include "tests/support/graphs.h"
 #include "enfilade/scan/data_root.h"
+#include "tests/support/graphs.h"
 
 namespace enfilade::graph {
 namespace {
@@ -51,10 +51,10 @@ TEST(CheckGraph, FindsEachOddity) {
               ElementsAre("same-position $[0].unobstructed[1]"));
   EXPECT_THAT(places(testing::connectivity("s", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1}})),
               ElementsAre("isolated-viewpoint $[2]"));
-  EXPECT_THAT(places(testing::connectivity(
-                  "s", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}},
-                  {{0, 1}, {2, 3}, {3, 4}})),
-              ElementsAre("disconnected-part $[0]"));
+  EXPECT_THAT(
+      places(testing::connectivity("s", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}},
+                                   {{0, 1}, {2, 3}, {3, 4}})),
+      ElementsAre("disconnected-part $[0]"));
   EXPECT_THAT(places(scan::Connectivity{}), ElementsAre("no-viewpoints $"));
 }
 

@@ -1,7 +1,7 @@
 #include "enfilade/graph/graph_set.h"
 
-#include <atomic>
 #include <fmt/format.h>
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -68,8 +68,8 @@ std::optional<ScanIndex> GraphSet::find(std::string_view scan) const {
 
 ScanIndex GraphSet::at(std::string_view scan) const {
   if (const auto index = find(scan)) return *index;
-  throw LookupError(fmt::format("scan {:?} is not one of the {} scans of {}", scan, size(),
-                                origin_));
+  throw LookupError(
+      fmt::format("scan {:?} is not one of the {} scans of {}", scan, size(), origin_));
 }
 
 const NavGraph& GraphSet::graph(ScanIndex scan) const {
@@ -95,8 +95,8 @@ Location GraphSet::locate(std::string_view scan, std::string_view viewpoint) con
   const NavGraph& nav = graph(index);
   const auto found = nav.find(viewpoint);
   if (!found) {
-    throw LookupError(fmt::format("viewpoint {:?} is not one of the {} of scan {}", viewpoint,
-                                  nav.size(), scan));
+    throw LookupError(
+        fmt::format("viewpoint {:?} is not one of the {} of scan {}", viewpoint, nav.size(), scan));
   }
   if (!nav.included(*found)) {
     throw LookupError(

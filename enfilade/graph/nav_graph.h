@@ -42,7 +42,7 @@ class NavGraph {
   NavGraph& operator=(NavGraph&&) noexcept;
 
   const std::string& scan() const noexcept { return scan_; }
-  std::size_t size() const noexcept { return ids_.size(); }          ///< n, excluded ones counted
+  std::size_t size() const noexcept { return ids_.size(); }  ///< n, excluded ones counted
   std::size_t included_count() const noexcept { return included_count_; }
   std::size_t edge_count() const noexcept { return edges_.size(); }  ///< directed
   std::size_t max_degree() const noexcept { return max_degree_; }

@@ -9,8 +9,8 @@
 
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/graph_set.h"
-#include "tests/support/graphs.h"
 #include "enfilade/scan/data_root.h"
+#include "tests/support/graphs.h"
 
 namespace enfilade::graph {
 namespace {
@@ -20,8 +20,8 @@ using ::testing::ElementsAre;
 constexpr ViewpointIndex v(std::size_t i) { return ViewpointIndex(i); }
 
 TEST(NavGraph, EdgesHaveHeadingElevationAndDistance) {
-  const NavGraph graph(testing::connectivity("s", {{0, 0, 0}, {3, 0, 0}, {0, -2, 2}},
-                                             {{0, 1}, {0, 2}}));
+  const NavGraph graph(
+      testing::connectivity("s", {{0, 0, 0}, {3, 0, 0}, {0, -2, 2}}, {{0, 1}, {0, 2}}));
   ASSERT_EQ(graph.edges(v(0)).size(), 2U);
   const Edge& right = graph.edges(v(0))[0];
   EXPECT_EQ(right.target, v(1));

@@ -176,7 +176,7 @@ Annotations load_annotations(const std::filesystem::path& file, std::string spli
   return read(json::Document::load(file), std::move(split));
 }
 
-Annotations parse_annotations(std::string_view json, std::string file, std::string split) {
+Annotations parse_annotations(std::string_view json, const std::string& file, std::string split) {
   return read(json::Document::parse(json, file), std::move(split));
 }
 

@@ -42,7 +42,7 @@ struct Annotations {
 /// repeated or wrongly typed fields, an empty path, a negative distance, a path_id that another
 /// entry has
 Annotations load_annotations(const std::filesystem::path& file, std::string split);
-Annotations parse_annotations(std::string_view json, std::string file, std::string split);
+Annotations parse_annotations(std::string_view json, const std::string& file, std::string split);
 
 /// The file's content in R2R's format, an entry a line, which load_annotations() reads back equal.
 /// \throws ArgumentError for what JSON cannot say: an infinite number, text that is not UTF-8

@@ -35,8 +35,8 @@ EpisodeSet square_episodes() {
 }
 
 const EpisodeSet& episodes() {
-  static const EpisodeSet set = square_episodes();
-  return set;
+  static const EpisodeSet kSet = square_episodes();
+  return kSet;
 }
 
 // A file whose entry 7_0 has the given trajectory, and good ones for the rest.

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/rng.h"
-#include "tests/support/graphs.h"
 #include "enfilade/scan/data_root.h"
+#include "tests/support/graphs.h"
 
 namespace enfilade::r2r {
 namespace {

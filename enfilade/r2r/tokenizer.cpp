@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <ranges>
 #include <utility>
 
 #include "enfilade/core/errors.h"
@@ -145,9 +146,9 @@ std::uint32_t Vocabulary::id(std::string_view word) const {
 }
 
 std::vector<std::uint32_t> Vocabulary::encode(std::string_view text, std::size_t length) const {
-  const std::vector<std::string> tokens = tokenize(text);
   std::vector<std::uint32_t> ids;
-  for (auto token = tokens.rbegin(); token != tokens.rend(); ++token) ids.push_back(id(*token));
+  for (const std::string& token : tokenize(text)) ids.push_back(id(token));
+  std::ranges::reverse(ids);
   ids.push_back(kEnd);
   ids.resize(length, kPad);
   return ids;
@@ -155,10 +156,10 @@ std::vector<std::uint32_t> Vocabulary::encode(std::string_view text, std::size_t
 
 std::string Vocabulary::decode(std::span<const std::uint32_t> ids) const {
   std::string text;
-  for (auto i = ids.rbegin(); i != ids.rend(); ++i) {
-    if (*i == kPad || *i == kEnd) continue;
+  for (const std::uint32_t i : ids | std::views::reverse) {
+    if (i == kPad || i == kEnd) continue;
     if (!text.empty()) text += ' ';
-    text += words_[*i < words_.size() ? *i : kUnknown];
+    text += words_[i < words_.size() ? i : kUnknown];
   }
   return text;
 }

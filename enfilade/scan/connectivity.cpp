@@ -1,7 +1,7 @@
 #include "enfilade/scan/connectivity.h"
 
-#include <cmath>
 #include <fmt/format.h>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -20,12 +20,8 @@ using json::Faults;
 using json::Path;
 
 enum FieldIndex : std::size_t { kId, kPose, kIncluded, kVisible, kUnobstructed, kHeight, kFields };
-constexpr std::array<json::Field, kFields> kWanted{{{"image_id"},
-                                                    {"pose"},
-                                                    {"included"},
-                                                    {"visible"},
-                                                    {"unobstructed"},
-                                                    {"height", false}}};
+constexpr std::array<json::Field, kFields> kWanted{
+    {{"image_id"}, {"pose"}, {"included"}, {"visible"}, {"unobstructed"}, {"height", false}}};
 using Found = std::array<std::optional<Element>, kFields>;
 
 void read_pose(Element element, const Path& path, Faults& faults, std::array<double, 16>& pose) {
@@ -78,8 +74,7 @@ ConnectivityEntry read_entry(Element element, std::size_t n, const Path& path, F
     if (id->empty()) faults.error(id_path, "bad-id", "an empty id");
   }
   read_pose(*found[kPose], Path(path, "pose"), faults, entry.pose);
-  entry.included =
-      json::boolean(*found[kIncluded], Path(path, "included"), faults).value_or(false);
+  entry.included = json::boolean(*found[kIncluded], Path(path, "included"), faults).value_or(false);
   entry.visible = read_row(*found[kVisible], n, Path(path, "visible"), faults);
   entry.unobstructed = read_row(*found[kUnobstructed], n, Path(path, "unobstructed"), faults);
   if (found[kHeight]) {

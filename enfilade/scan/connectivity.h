@@ -38,8 +38,7 @@ struct Connectivity {
 Connectivity load_connectivity(const std::filesystem::path& directory, std::string_view scan);
 
 /// The same for a text in memory; `file` is its name in messages. \throws InvalidInput
-Connectivity parse_connectivity(std::string_view json, std::string scan,
-                                const std::string& file);
+Connectivity parse_connectivity(std::string_view json, std::string scan, const std::string& file);
 
 /// The file's content in Matterport3D's format, which load_connectivity() reads back equal.
 std::string to_json(const Connectivity& connectivity);

@@ -1,7 +1,7 @@
 #include "enfilade/scan/data_root.h"
 
-#include <cstdlib>
 #include <fmt/format.h>
+#include <cstdlib>
 #include <initializer_list>
 #include <utility>
 
@@ -28,7 +28,8 @@ fs::path first_existing(const fs::path& folder, std::string_view what,
 DataRoot::DataRoot(fs::path folder) : folder_(std::move(folder)) {
   std::error_code ignored;
   if (!fs::is_directory(folder_, ignored)) {
-    throw FileError(fmt::format("{}: not a folder (looked for a data set there)", folder_.string()));
+    throw FileError(
+        fmt::format("{}: not a folder (looked for a data set there)", folder_.string()));
   }
 }
 
@@ -49,9 +50,9 @@ fs::path DataRoot::connectivity() const {
 
 fs::path DataRoot::annotations(std::string_view split) const {
   const std::string name = fmt::format("R2R_{}.json", split);
-  return first_existing(folder_, fmt::format("annotations of split {:?}", split),
-                        {fs::path("r2r") / name, fs::path("tasks/R2R/data") / name,
-                         fs::path("R2R") / name, name});
+  return first_existing(
+      folder_, fmt::format("annotations of split {:?}", split),
+      {fs::path("r2r") / name, fs::path("tasks/R2R/data") / name, fs::path("R2R") / name, name});
 }
 
 fs::path DataRoot::regions() const {

@@ -22,9 +22,9 @@ class DataRoot {
   const std::filesystem::path& folder() const noexcept { return folder_; }
 
   // Each throws FileError naming every place that was tried.
-  std::filesystem::path connectivity() const;                      ///< folder with scans.txt
-  std::filesystem::path annotations(std::string_view split) const; ///< R2R_<split>.json
-  std::filesystem::path regions() const;                           ///< region_to_panorama.json
+  std::filesystem::path connectivity() const;                       ///< folder with scans.txt
+  std::filesystem::path annotations(std::string_view split) const;  ///< R2R_<split>.json
+  std::filesystem::path regions() const;                            ///< region_to_panorama.json
 
  private:
   std::filesystem::path folder_;

@@ -1,7 +1,7 @@
 #include "enfilade/scan/regions.h"
 
-#include <charconv>
 #include <fmt/format.h>
+#include <charconv>
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/file.h"

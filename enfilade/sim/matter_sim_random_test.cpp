@@ -12,9 +12,9 @@
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/graph/graph_set.h"
-#include "tests/support/graphs.h"
 #include "enfilade/scan/data_root.h"
 #include "enfilade/sim/simulator.h"
+#include "tests/support/graphs.h"
 
 namespace enfilade::sim {
 namespace {

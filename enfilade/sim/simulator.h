@@ -100,7 +100,7 @@ class ActionError : public ArgumentError {
 /// any number of simulators share a GraphSet. Making one costs microseconds.
 class Simulator {
  public:
-  /// \throws ArgumentError as validate()
+  /// \throws ArgumentError as validate(), or if `graphs` is null
   Simulator(std::shared_ptr<const graph::GraphSet> graphs, const SimulatorConfig& config);
   ~Simulator();
   Simulator(Simulator&&) noexcept;

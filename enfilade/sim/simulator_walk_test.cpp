@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "tests/support/graphs.h"
 #include "enfilade/scan/data_root.h"
 #include "enfilade/sim/detail/reference.h"
 #include "enfilade/sim/simulator.h"
+#include "tests/support/graphs.h"
 
 // GCC defines __SANITIZE_*__, clang tells through __has_feature.
 #if defined(__has_feature)

@@ -4,8 +4,8 @@ namespace enfilade::bad_input {
 namespace {
 
 Case refused(std::string input, std::string says, std::function<void(Files&)> damage) {
-  return {"Annotations", std::move(input), "stats --data {} --split made", 3, std::move(says),
-          std::move(damage)};
+  return {"Annotations",   std::move(input), "stats --data {} --split made", 3,
+          std::move(says), std::move(damage)};
 }
 
 Case edited(std::string input, std::string says, const std::string& from, const std::string& to) {
@@ -14,7 +14,11 @@ Case edited(std::string input, std::string says, const std::string& from, const 
 }
 
 Case regions(std::string input, std::string says, const std::string& content) {
-  return {"Region maps", std::move(input), "sample --data {} -o {}/new.json", 3, std::move(says),
+  return {"Region maps",
+          std::move(input),
+          "sample --data {} -o {}/new.json",
+          3,
+          std::move(says),
           [=](Files& files) { files.write(kRegions, content); }};
 }
 
@@ -34,8 +38,8 @@ std::vector<Case> annotation_cases() {
       edited("two entries of one path_id", "$[1].path_id", "\"path_id\":2", "\"path_id\":1"),
       edited("a heading in words", "$[0].heading: string \"north\", not a number",
              "\"heading\":1.5", "\"heading\":\"north\""),
-      edited("no instruction", "$[0].instructions",
-             "[\"Walk on.\",\"Go on and on.\",\"Straight on.\"]", "[]"),
+      edited("instructions that are no array", "$[0].instructions: string \"go\", not an array",
+             "[\"Walk on.\",\"Go on and on.\",\"Straight on.\"]", "\"go\""),
       edited("an instruction that is a number", "$[0].instructions[0]: number 3, not a string",
              "\"Walk on.\"", "3"),
       edited("a scan that is not listed", "$[0].scan", "\"scan\":\"one\"", "\"scan\":\"three\""),

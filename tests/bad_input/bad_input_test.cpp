@@ -1,8 +1,8 @@
-#include <cstring>
-#include <filesystem>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <cstring>
+#include <filesystem>
 
 #include "enfilade/core/file.h"
 #include "tests/bad_input/harness.h"

@@ -8,8 +8,8 @@ namespace {
 constexpr const char* kCheck = "graph check {}/connectivity";
 
 Case refused(std::string input, std::string says, std::function<void(Files&)> damage) {
-  return {"Graphs that are refused", std::move(input), kCheck, 1, std::move(says),
-          std::move(damage)};
+  return {"Graphs that are refused", std::move(input), kCheck, 1,
+          std::move(says),           std::move(damage)};
 }
 
 Case odd(std::string input, std::string says, std::function<void(Files&)> damage) {
@@ -33,15 +33,14 @@ std::vector<Case> broken_json() {
       refused("an empty file", "$: line 1, column 1: the file is empty, not JSON", replaced("")),
       refused("a file cut off in the middle", "the file ends too early",
               [](Files& f) { f.write(kGraph, f.content(kGraph).substr(0, 500)); }),
-      refused("NaN in a pose", "$[0].pose[1]: line 1, column 38: NaN and Infinity are not JSON",
+      refused("NaN in a pose", "$[0].pose[1]: line 1, column 31: NaN and Infinity are not JSON",
               edited("[1.0,0.0,", "[1.0,NaN,")),
       refused("a number past the range of doubles", "$[0].pose[0]", edited("[1.0,", "[1e999,")),
       refused("bytes that are not UTF-8", "one_connectivity.json: $",
               edited("\"v0\"", "\"\xff\xfe\"")),
       refused("brackets nested 5,000 deep", "one_connectivity.json: $",
               replaced(std::string(5000, '['))),
-      refused("text after the end", "not JSON at",
-              [](Files& f) { f.append(kGraph, "}"); }),
+      refused("text after the end", "not JSON at", [](Files& f) { f.append(kGraph, "}"); }),
       refused("a picture in its place", "not JSON at", replaced("\x89PNG\r\n\x1a\n")),
   };
 }
@@ -98,8 +97,7 @@ std::vector<Case> odd_graphs() {
                 .edit(kGraph, "\"unobstructed\":[true,", "\"unobstructed\":[false,");
           }),
       odd("a pose that stretches", "[bad-pose]", edited("[1.0,", "[2.0,")),
-      odd("two neighbours at one point", "[same-position]",
-          edited("0.0,0.0,2.0,", "0.0,0.0,0.0,")),
+      odd("two neighbours at one point", "[same-position]", edited("0.0,0.0,2.0,", "0.0,0.0,0.0,")),
       odd("a file that scans.txt does not name", "[unlisted-file]",
           [](Files& f) { f.write("connectivity/three_connectivity.json", "[]"); }),
   };

@@ -1,17 +1,17 @@
 #include "tests/bad_input/harness.h"
 
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <filesystem>
-#include <fmt/format.h>
 #include <stdexcept>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "enfilade/core/file.h"
-#include "tests/support/graphs.h"
 #include "enfilade/r2r/annotations.h"
+#include "tests/support/graphs.h"
 
 namespace enfilade::bad_input {
 namespace {
@@ -50,9 +50,10 @@ std::string annotations(bool hidden) {
 std::string results() {
   std::string text = "[";
   for (const char* id : {"1_0", "1_1", "1_2", "2_0", "2_1", "2_2"}) {
-    text += fmt::format("{}{{\"instr_id\": \"{}\", \"trajectory\": [[\"v0\", 1.5, 0], "
-                        "[\"v1\", 1.5, 0], [\"v2\", 1.5, 0]]}}",
-                        text.size() > 1 ? ",\n " : "", id);
+    text += fmt::format(
+        "{}{{\"instr_id\": \"{}\", \"trajectory\": [[\"v0\", 1.5, 0], "
+        "[\"v1\", 1.5, 0], [\"v2\", 1.5, 0]]}}",
+        text.size() > 1 ? ",\n " : "", id);
   }
   return text + "]\n";
 }
@@ -159,8 +160,8 @@ std::string docs_page() {
   for (const Case& one : all_cases()) {
     if (one.group != group) {
       group = one.group;
-      page += fmt::format("\n## {}\n\n| input | `enfilade ...` | exit | says |\n|---|---|---|---|\n",
-                          group);
+      page += fmt::format(
+          "\n## {}\n\n| input | `enfilade ...` | exit | says |\n|---|---|---|---|\n", group);
     }
     page += fmt::format("| {} | `{}` | {} | `{}` |\n", cell(one.input), cell(one.command),
                         one.exit_code, cell(one.says));

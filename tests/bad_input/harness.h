@@ -33,11 +33,11 @@ inline constexpr const char* kRegions = "regions/region_to_panorama.json";
 inline constexpr const char* kResults = "results.json";
 
 struct Case {
-  std::string group;   ///< heading in the docs: "Graphs"
-  std::string input;   ///< what is wrong, in words
-  std::string command; ///< arguments of `enfilade`; {} stands for the data set's folder
+  std::string group;    ///< heading in the docs: "Graphs"
+  std::string input;    ///< what is wrong, in words
+  std::string command;  ///< arguments of `enfilade`; {} stands for the data set's folder
   int exit_code = 0;
-  std::string says;    ///< part of what is printed; {} as above
+  std::string says;  ///< part of what is printed; {} as above
   std::function<void(Files&)> damage;
 };
 
@@ -48,8 +48,8 @@ std::vector<Case> command_line_cases();
 std::vector<Case> all_cases();
 
 struct Outcome {
-  int exit_code = 0;      ///< 128 + signal if the program was killed
-  std::string output;     ///< stdout and stderr, the data set's folder written as {}
+  int exit_code = 0;   ///< 128 + signal if the program was killed
+  std::string output;  ///< stdout and stderr, the data set's folder written as {}
 };
 /// Lays the files out in a fresh folder and runs the program on them.
 Outcome run(const Case& one);

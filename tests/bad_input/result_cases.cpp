@@ -28,7 +28,7 @@ std::vector<Case> result_cases() {
       refused("an object instead of the array", "$: object, not an array",
               [](Files& f) { f.write(kResults, "{}"); }),
       edited("a heading that is NaN",
-             "$[0].trajectory[0][1]: line 1, column 46: NaN and Infinity are not JSON",
+             "$[0].trajectory[0][1]: line 1, column 44: NaN and Infinity are not JSON",
              "[\"v0\", 1.5, 0]", "[\"v0\", NaN, 0]"),
       edited("a heading in words", "$[0].trajectory[0][1]: string \"left\", not a number",
              "[\"v0\", 1.5, 0]", "[\"v0\", \"left\", 0]"),
@@ -53,10 +53,18 @@ std::vector<Case> result_cases() {
        [](Files& f) {
          f.edit(kResults, "[{", "[{\"instr_id\": \"2_3\", \"trajectory\": [\"v0\"]}, {");
        }},
-      {"Results", "no file", "score {}/none.json --data {} --split made", 3,
-       "{}/none.json: cannot open: No such file or directory", {}},
-      {"Results", "a split whose goals are hidden", "score {}/results.json --data {} --split hidden",
-       2, "hidden", {}},
+      {"Results",
+       "no file",
+       "score {}/none.json --data {} --split made",
+       3,
+       "{}/none.json: cannot open: No such file or directory",
+       {}},
+      {"Results",
+       "a split whose goals are hidden",
+       "score {}/results.json --data {} --split hidden",
+       2,
+       "hidden",
+       {}},
   };
 }
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
-#include "tests/support/graphs.h"
 #include "enfilade/r2r/annotations.h"
+#include "tests/support/graphs.h"
 
 namespace enfilade::fuzz {
 
@@ -17,11 +17,10 @@ inline std::shared_ptr<const graph::GraphSet> graphs() {
 
 /// Path 1 over v0 v1 v2 with instructions 1_0 and 1_1.
 inline r2r::EpisodeSet episodes() {
-  return r2r::make_episodes(
-      r2r::parse_annotations(R"([{"path_id": 1, "scan": "s", "heading": 0.5,
+  return r2r::make_episodes(r2r::parse_annotations(R"([{"path_id": 1, "scan": "s", "heading": 0.5,
           "path": ["v0", "v1", "v2"], "instructions": ["Walk.", "Stop."]}])",
-                             "<made>", "made"),
-      graphs());
+                                                   "<made>", "made"),
+                            graphs());
 }
 
 }  // namespace enfilade::fuzz

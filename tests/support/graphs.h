@@ -18,8 +18,7 @@ inline scan::Connectivity connectivity(const std::string& scan, const std::vecto
     scan::ConnectivityEntry entry;
     entry.id = "v" + std::to_string(i);
     // Columns: right = +x, down = -z, look = +y.
-    entry.pose = {1, 0,  0, points[i].x, 0, 0, 1, points[i].y,
-                  0, -1, 0, points[i].z, 0, 0, 0, 1};
+    entry.pose = {1, 0, 0, points[i].x, 0, 0, 1, points[i].y, 0, -1, 0, points[i].z, 0, 0, 0, 1};
     entry.height = 1.5;
     for (std::size_t j = 0; j < points.size(); ++j) {
       for (const auto& [a, b] : edges) {

@@ -1,7 +1,7 @@
 #include "enfilade/core/detail/json.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
@@ -118,8 +118,7 @@ std::string expected(Element element, std::string_view allowed) {
 
 std::string Path::text() const {
   if (parent_ == nullptr) return "$";
-  return parent_->text() +
-         (key_.data() == nullptr ? fmt::format("[{}]", index_) : key_text(key_));
+  return parent_->text() + (key_.data() == nullptr ? fmt::format("[{}]", index_) : key_text(key_));
 }
 
 void Faults::add(Severity severity, const Path& path, std::string code, std::string message) {
@@ -160,7 +159,8 @@ std::string describe(Element element) {
       return fmt::format("number {}", element.get_double().value_unsafe());
     case simdjson::dom::element_type::STRING: {
       const std::string_view text = element.get_string().value_unsafe();
-      return fmt::format("string {:?}{}", text.substr(0, kShown), text.size() > kShown ? "..." : "");
+      return fmt::format("string {:?}{}", text.substr(0, kShown),
+                         text.size() > kShown ? "..." : "");
     }
     case simdjson::dom::element_type::BOOL:
       return element.get_bool().value_unsafe() ? "true" : "false";

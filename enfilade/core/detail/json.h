@@ -1,12 +1,12 @@
 /// \file  Reading JSON that strangers wrote: fast where it is right, exact about where it is wrong.
 /// Internal: public headers of Enfilade name no third party.
 #pragma once
+#include <simdjson.h>
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <simdjson.h>
 #include <string>
 #include <string_view>
 #include <vector>

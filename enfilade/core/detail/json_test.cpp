@@ -29,7 +29,8 @@ TEST(JsonPath, ReadsAsOneWouldWriteIt) {
 TEST(JsonDocument, SaysWhereItIsBroken) {
   EXPECT_THAT(fault_of(""), HasSubstr("the file is empty"));
   EXPECT_THAT(fault_of("[1, 2"), HasSubstr("ends too early"));
-  EXPECT_THAT(fault_of("[{\"a\": [1,\n 2, ?]}]"), HasSubstr("$[0].a[2]: line 2, column 5: not JSON"));
+  EXPECT_THAT(fault_of("[{\"a\": [1,\n 2, ?]}]"),
+              HasSubstr("$[0].a[2]: line 2, column 5: not JSON"));
   EXPECT_THAT(fault_of("[{\"a\": NaN}]"), HasSubstr("$[0].a: line 1, column 8: NaN and Infinity"));
   EXPECT_THAT(fault_of("[-Infinity]"), HasSubstr("NaN and Infinity"));
   EXPECT_THAT(fault_of("[1e999]"), HasSubstr("f.json: $[0]"));

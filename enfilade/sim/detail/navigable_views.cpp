@@ -20,7 +20,7 @@ void compute_order(const float* __restrict heading, const double* __restrict ele
                    double* __restrict order) {
   for (std::size_t i = 0; i < kLanes; ++i) {
     const double h = heading[i];
-    order[i] = h * h + elevation[i] * elevation[i];
+    order[i] = std::sqrt(h * h + elevation[i] * elevation[i]);
   }
 }
 
