@@ -33,8 +33,6 @@ struct Options {
 // What the demo shows of a score: TL and NE in metres, SR and OSR in per cent.
 constexpr std::size_t kColumns = 4;
 using Row = std::array<double, kColumns>;
-constexpr std::array<const char*, kColumns> kMetrics{"trajectory_length", "nav_error", "success",
-                                                     "oracle_success"};
 
 struct Published {
   const char* agent;
@@ -171,6 +169,7 @@ void draw_episode(const r2r::EpisodeSet& episodes, const r2r::Trajectory& trajec
   const graph::NavGraph& graph = episodes.graph_of(episode);
   draw::FloorPlanOptions options;
   options.title = fmt::format("{}, episode {}", graph.scan(), episode.instruction_id);
+  options.note = episode.text;
   write_file_atomically(file, draw::floor_plan_svg(graph, {reference, agent}, options));
 }
 
