@@ -201,6 +201,13 @@ void run_agents(const Options& options, const Data& data, const std::string& spl
   }
 }
 
+// As a reader can type it here: few have the program on their PATH.
+std::string own_path() {
+  std::error_code code;
+  const fs::path program = fs::read_symlink("/proc/self/exe", code);
+  return code ? "enfilade" : fs::proximate(program, code).string();
+}
+
 void demo(const Options& options) {
   std::error_code code;
   fs::create_directories(options.output, code);
@@ -218,9 +225,9 @@ void demo(const Options& options) {
   for (const char* split : {"val_seen", "val_unseen"}) run_agents(options, data, split, graphs);
   fmt::print(
       "\nIn {0}: results files of both agents, to score with\n"
-      "  enfilade score {0}/random_val_unseen.json --split val_unseen --data {1}\n"
+      "  {2} score {0}/random_val_unseen.json --split val_unseen --data {1}\n"
       "and two floor plans to look at: plan_val_seen.svg, plan_val_unseen.svg\n",
-      options.output, data.root.folder().string());
+      options.output, data.root.folder().string(), own_path());
 }
 
 }  // namespace
