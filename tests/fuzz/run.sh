@@ -4,8 +4,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds=${1:-60}
-shift || true
-[ $# -gt 0 ] || set -- connectivity regions annotations results trace
+if (($# > 0)); then shift; fi
+[ $# -gt 0 ] || set -- connectivity regions annotations results trace vectors
 mkdir -p build/fuzz/found
 
 fuzz() {
