@@ -156,7 +156,7 @@ void print_agent(const std::string& agent, const std::string& split, const Measu
   fmt::print("\n");
 }
 
-// Draws the first episode that the agent neither wins at once nor runs out of the picture.
+// A floor plan with the reference path and where the random agent went.
 void draw_episode(const r2r::EpisodeSet& episodes, const r2r::Trajectory& trajectory,
                   const fs::path& file) {
   const r2r::Episode& episode = episodes.episodes[trajectory.episode];

@@ -34,8 +34,7 @@ void run(const Options& options) {
   if (to_stdout) return;
   fmt::print("{} on {}: {} episodes{}\n", options.agent, options.split, trajectories.size(),
              options.output.empty() ? "" : " -> " + options.output);
-  const bool hidden = episodes.paths.empty() || episodes.paths.front().viewpoints.size() < 2;
-  if (hidden) {
+  if (goals_hidden(episodes)) {
     fmt::print("The goals of this split are hidden, so there is nothing to score it with.\n");
   } else {
     fmt::print("{}", to_table(compute_score(trajectories, episodes)));
