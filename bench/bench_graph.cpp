@@ -1,11 +1,11 @@
 // Opening navigation graphs, all-pairs shortest paths, and the viewpoint nearest to a point.
 #include <benchmark/benchmark.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <vector>
 
+#include "bench/main.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/scan/data_root.h"
@@ -89,14 +89,4 @@ void register_all() {
 }  // namespace
 }  // namespace enfilade
 
-int main(int argc, char** argv) {
-  if (!enfilade::scan::DataRoot::from_environment()) {
-    std::fputs("bench_graph: skipped: ENFILADE_DATA is not set: no real graphs to open\n", stderr);
-    return 0;
-  }
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  enfilade::register_all();
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-}
+int main(int argc, char** argv) { return enfilade::bench::run(argc, argv, enfilade::register_all); }

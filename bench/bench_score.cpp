@@ -4,10 +4,10 @@
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <vector>
 
+#include "bench/main.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/r2r/results.h"
@@ -140,15 +140,4 @@ void register_all() {
 }  // namespace
 }  // namespace enfilade
 
-int main(int argc, char** argv) {
-  if (!enfilade::scan::DataRoot::from_environment()) {
-    std::fputs("bench_score: skipped: ENFILADE_DATA is not set: no real annotations to score\n",
-               stderr);
-    return 0;
-  }
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  enfilade::register_all();
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-}
+int main(int argc, char** argv) { return enfilade::bench::run(argc, argv, enfilade::register_all); }

@@ -3,11 +3,11 @@
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "bench/main.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/scan/data_root.h"
@@ -132,14 +132,4 @@ void register_all() {
 }  // namespace
 }  // namespace enfilade
 
-int main(int argc, char** argv) {
-  if (!enfilade::scan::DataRoot::from_environment()) {
-    std::fputs("bench_sim: skipped: ENFILADE_DATA is not set: no real graphs to walk in\n", stderr);
-    return 0;
-  }
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  enfilade::register_all();
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-}
+int main(int argc, char** argv) { return enfilade::bench::run(argc, argv, enfilade::register_all); }
