@@ -1,0 +1,111 @@
+#include "enfilade/geometry/cube_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "enfilade/core/check.h"
+
+namespace enfilade {
+namespace {
+
+double dot(Vec3d a, Vec3d b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Vec3d scaled(double k, Vec3d v) { return {k * v.x, k * v.y, k * v.z}; }
+
+// Is the middle of a face inside the picture's cone?
+bool sees_middle(CubeFace face, const Camera& camera, const Mat3d& camera_from_panorama) {
+  const Vec3d eye = camera_from_panorama * kFaceAxes[index(face)].forward;
+  const double y = std::tan(camera.vertical_field_of_view.value / 2);
+  const double x = y * camera.width / camera.height;
+  return eye.z > 0 && std::abs(eye.x) <= x * eye.z && std::abs(eye.y) <= y * eye.z;
+}
+
+// The faces that the points from + u (to - from), u in [0, 1], are seen on. Where two faces meet,
+// two of the direction's parts are equal in size, which is linear in u for each pair and sign.
+std::uint8_t faces_along(Vec3d from, Vec3d to) {
+  constexpr double kMargin = 1e-9;  // both sides of an edge count if a line runs along it
+  const Vec3d step = to - from;
+  const auto change = [](double a, double b) { return b == 0 ? -1.0 : -a / b; };
+  const std::array<double, 8> candidates{0,
+                                         1,
+                                         change(from.x - from.y, step.x - step.y),
+                                         change(from.x + from.y, step.x + step.y),
+                                         change(from.x - from.z, step.x - step.z),
+                                         change(from.x + from.z, step.x + step.z),
+                                         change(from.y - from.z, step.y - step.z),
+                                         change(from.y + from.z, step.y + step.z)};
+  std::array<double, 8> at = candidates;
+  for (double& u : at) u = std::clamp(u, 0.0, 1.0);
+  std::ranges::sort(at);
+  std::uint8_t mask = 0;
+  const auto mark = [&](Vec3d d) {
+    const double largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    for (std::size_t k = 0; k < kCubeFaces; ++k) {
+      if (dot(kFaceAxes[k].forward, d) >= largest * (1 - kMargin)) {
+        mask = static_cast<std::uint8_t>(mask | 1U << k);
+      }
+    }
+  };
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    mark(from + scaled(at[k], step));
+    if (k > 0) mark(from + scaled((at[k - 1] + at[k]) / 2, step));
+  }
+  return mask;
+}
+
+}  // namespace
+
+Vec3d cube_direction(CubeFace face, double s, double t) {
+  const FaceAxes& axes = kFaceAxes[index(face)];
+  return axes.forward + scaled(2 * s - 1, axes.right) + scaled(2 * t - 1, axes.down);
+}
+
+FacePoint project_to_cube(Vec3d d) {
+  const double x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
+  CubeFace face = CubeFace::kFront;
+  if (y >= x && y >= z) {
+    face = d.y < 0 ? CubeFace::kUp : CubeFace::kDown;
+  } else if (x >= z) {
+    face = d.x < 0 ? CubeFace::kLeft : CubeFace::kRight;
+  } else {
+    face = d.z < 0 ? CubeFace::kBack : CubeFace::kFront;
+  }
+  const FaceAxes& axes = kFaceAxes[index(face)];
+  const double ahead = dot(axes.forward, d);
+  EN_CHECK(ahead > 0);
+  return {face, (dot(axes.right, d) / ahead + 1) / 2, (dot(axes.down, d) / ahead + 1) / 2};
+}
+
+Mat3d world_from_camera(Radians heading, Radians elevation) {
+  const double sh = std::sin(heading.value), ch = std::cos(heading.value);
+  const double se = std::sin(elevation.value), ce = std::cos(elevation.value);
+  const Vec3d right{ch, -sh, 0}, down{sh * se, ch * se, -ce}, forward{sh * ce, ch * ce, se};
+  return {{right.x, down.x, forward.x, right.y, down.y, forward.y, right.z, down.z, forward.z}};
+}
+
+PixelRays pixel_rays(const Camera& camera, const Mat3d& frame_from_camera) {
+  const double y = std::tan(camera.vertical_field_of_view.value / 2);
+  const double pixel = 2 * y / camera.height;  // square pixels: also across
+  const auto [width, height] = std::pair<double, double>(camera.width, camera.height);
+  return {frame_from_camera * Vec3d{(1 - width) / 2 * pixel, (1 - height) / 2 * pixel, 1},
+          frame_from_camera * Vec3d{0, pixel, 0}, frame_from_camera * Vec3d{pixel, 0, 0}};
+}
+
+std::uint8_t faces_in_view(const Camera& camera, const Mat3d& panorama_from_camera) {
+  const double y = std::tan(camera.vertical_field_of_view.value / 2);
+  const double x = y * camera.width / camera.height;
+  const std::array<Vec3d, 4> corners{
+      panorama_from_camera * Vec3d{-x, -y, 1}, panorama_from_camera * Vec3d{x, -y, 1},
+      panorama_from_camera * Vec3d{x, y, 1}, panorama_from_camera * Vec3d{-x, y, 1}};
+  std::uint8_t mask = 0;
+  for (std::size_t k = 0; k < 4; ++k) mask |= faces_along(corners[k], corners[(k + 1) % 4]);
+  // A face that meets the picture but not its outline lies inside it whole, so its middle does.
+  const Mat3d camera_from_panorama = transpose(panorama_from_camera);
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    if (sees_middle(cube_face(k), camera, camera_from_panorama)) {
+      mask = static_cast<std::uint8_t>(mask | 1U << k);
+    }
+  }
+  return mask;
+}
+
+}  // namespace enfilade

@@ -1,0 +1,69 @@
+/// \file  The six faces of a panorama, and which of them sees what.
+///
+/// Panorama frame: that of Matterport3D's poses, x right, y down, z forward, the eye at the origin;
+/// "forward" is the middle of face 3. See docs/conventions.md.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "enfilade/geometry/camera.h"
+#include "enfilade/geometry/mat.h"
+#include "enfilade/geometry/vec.h"
+
+namespace enfilade {
+
+/// In Matterport3D's order: `<viewpoint>_skybox<k>_sami.jpg`, and left to right in a strip.
+enum class CubeFace : std::uint8_t { kUp, kBack, kLeft, kFront, kRight, kDown };
+inline constexpr std::size_t kCubeFaces = 6;
+constexpr CubeFace cube_face(std::size_t k) { return static_cast<CubeFace>(k); }
+constexpr std::size_t index(CubeFace face) { return static_cast<std::size_t>(face); }
+
+/// Where a face's picture lies in the panorama frame: the point at (s, t) in [0, 1]^2, s from its
+/// left edge and t from its top edge, is seen along forward + (2 s - 1) right + (2 t - 1) down.
+struct FaceAxes {
+  Vec3d right, down, forward;
+};
+inline constexpr std::array<FaceAxes, kCubeFaces> kFaceAxes{{
+    {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}},  // up
+    {{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}},   // back
+    {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}},    // left
+    {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},     // front
+    {{0, 0, -1}, {0, 1, 0}, {1, 0, 0}},    // right
+    {{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}},    // down
+}};
+
+/// A point of a cube map.
+struct FacePoint {
+  CubeFace face = CubeFace::kFront;
+  double s = 0, t = 0;  ///< [0, 1], from the left and the top edge
+};
+
+/// The direction, in the panorama frame, of a point of a face; not of unit length: its part along
+/// the face's axis is 1. (s, t) outside [0, 1] lies on the face's plane beyond its edge.
+Vec3d cube_direction(CubeFace face, double s, double t);
+/// The face that a direction of the panorama frame meets, and where. Of two faces that meet it at
+/// their edge, the one whose axis comes first in y, x, z. \pre direction is not (0, 0, 0)
+FacePoint project_to_cube(Vec3d direction);
+
+/// Camera frame -> world: the columns are the camera's right, down and forward.
+Mat3d world_from_camera(Radians heading, Radians elevation);
+
+/// The rays of a picture's pixels in some frame: of the pixel in row i, column j (row 0 on top,
+/// through its middle) it is origin + i * row + j * column, not of unit length: its part along the
+/// optical axis is 1.
+struct PixelRays {
+  Vec3d origin, row, column;
+  Vec3d at(double i, double j) const {
+    return {origin.x + i * row.x + j * column.x, origin.y + i * row.y + j * column.y,
+            origin.z + i * row.z + j * column.z};
+  }
+};
+/// \pre camera is valid
+PixelRays pixel_rays(const Camera& camera, const Mat3d& frame_from_camera);
+
+/// The faces of which a picture could show a piece, as bits 1 << index(face). Never leaves out one
+/// that it shows.
+std::uint8_t faces_in_view(const Camera& camera, const Mat3d& panorama_from_camera);
+
+}  // namespace enfilade

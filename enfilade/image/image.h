@@ -1,0 +1,49 @@
+/// \file  Pictures in memory.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "enfilade/geometry/cube_map.h"
+
+namespace enfilade::image {
+
+/// A picture that owns its pixels: shape (height, width, channels), row 0 on top, no padding.
+/// A plain value. Colours are RGB.
+template <class T>
+struct Image {
+  std::uint32_t width = 0, height = 0, channels = 1;
+  std::vector<T> pixels;
+
+  Image() = default;
+  Image(std::uint32_t w, std::uint32_t h, std::uint32_t c)
+      : width(w), height(h), channels(c), pixels(std::size_t{w} * h * c) {}
+  T* at(std::size_t x, std::size_t y) { return pixels.data() + (y * width + x) * channels; }
+  const T* at(std::size_t x, std::size_t y) const {
+    return pixels.data() + (y * width + x) * channels;
+  }
+  friend bool operator==(const Image&, const Image&) = default;
+};
+using Image8 = Image<std::uint8_t>;
+using Image16 = Image<std::uint16_t>;
+using Image32 = Image<std::uint32_t>;
+using ImageF = Image<float>;
+
+/// Six square pictures of one size and channel count, by index(CubeFace).
+template <class T>
+using CubeMap = std::array<Image<T>, kCubeFaces>;
+
+/// Cuts a strip of six faces side by side. \throws ArgumentError unless width == 6 * height > 0
+template <class T>
+CubeMap<T> split_strip(const Image<T>& strip);
+/// Its inverse. \throws ArgumentError unless the faces are square and alike
+template <class T>
+Image<T> join_strip(const CubeMap<T>& faces);
+
+/// Area average, as Matterport3DSimulator's preprocessing shrinks sky-boxes (any ratio >= 1 in
+/// each direction; each pixel is the exact mean of the area it covers, rounded to nearest).
+/// \throws ArgumentError for a size of 0 or above the picture's
+Image8 shrink(const Image8& picture, std::uint32_t width, std::uint32_t height);
+
+}  // namespace enfilade::image
