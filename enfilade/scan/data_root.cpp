@@ -60,4 +60,14 @@ fs::path DataRoot::regions() const {
                         {"regions/region_to_panorama.json", "region_to_panorama.json"});
 }
 
+PanoramaPlaces DataRoot::panoramas() const {
+  PanoramaPlaces places{{}, connectivity()};
+  for (const char* name : {"store", "scans", "v1/scans", "data/v1/scans"}) {
+    std::error_code ignored;
+    if (fs::is_directory(folder_ / name, ignored)) places.images.push_back(folder_ / name);
+  }
+  places.images.push_back(folder_);
+  return places;
+}
+
 }  // namespace enfilade::scan

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "enfilade/scan/panorama_set.h"
+
 namespace enfilade::scan {
 
 /// A folder that holds connectivity graphs and R2R annotations, in one of the layouts found in the
@@ -25,6 +27,9 @@ class DataRoot {
   std::filesystem::path connectivity() const;                       ///< folder with scans.txt
   std::filesystem::path annotations(std::string_view split) const;  ///< R2R_<split>.json
   std::filesystem::path regions() const;                            ///< region_to_panorama.json
+  /// Where panoramas may be: those of `store`, `scans`, `v1/scans`, `data/v1/scans` and the folder
+  /// itself that are folders, in this order, and connectivity().
+  PanoramaPlaces panoramas() const;
 
  private:
   std::filesystem::path folder_;

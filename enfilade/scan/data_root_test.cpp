@@ -36,6 +36,13 @@ TEST(DataRoot, KnowsTheLayoutsInTheWild) {
   EXPECT_THAT([&] { DataRoot(root / "ours").regions(); },
               ThrowsMessage<FileError>(HasSubstr("holds no region map")));
   EXPECT_THROW(DataRoot(root / "absent"), FileError);
+
+  fs::create_directories(root / "ours/store");
+  fs::create_directories(root / "ours/v1/scans");
+  const PanoramaPlaces places = DataRoot(root / "ours").panoramas();
+  EXPECT_EQ(places.images,
+            (std::vector<fs::path>{root / "ours/store", root / "ours/v1/scans", root / "ours"}));
+  EXPECT_EQ(places.connectivity, root / "ours/connectivity");
   fs::remove_all(root);
 }
 

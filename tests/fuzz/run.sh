@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds=${1:-60}
 if (($# > 0)); then shift; fi
-[ $# -gt 0 ] || set -- connectivity regions annotations results trace vectors
+[ $# -gt 0 ] || set -- connectivity regions annotations results trace vectors store jpeg png hdr zip conf strip
 mkdir -p build/fuzz/found
 
 fuzz() {

@@ -1,0 +1,208 @@
+#include "enfilade/scan/depth_skybox.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "enfilade/core/threads.h"
+
+namespace enfilade::scan {
+namespace {
+
+/// Four pixels around a point lie on one surface if their depths are within this ratio. The floor
+/// at 10 m, from eyes at 1.5 m, changes by .6 % from one row to the next; a pillar in front of a
+/// wall usually by much more.
+constexpr double kSurfaceRatio = 1.03;
+/// Readings of two cameras are of one surface within 2 cm or 2 %: Matterport's camera errs by about
+/// 1 % of the depth.
+constexpr double kSameSurface = .02;
+/// A surface wins over a farther one if it has at least this share of its weight: of two that are
+/// there on one ray, the eye sees the nearer.
+constexpr double kNearerWins = .5;
+/// Where the search along a ray begins. The first is nearer than anything that the camera measures,
+/// so that of two surfaces on the ray the nearer is found; the others are asked if a pixel without
+/// a reading, or an edge, ended the search.
+constexpr std::array<double, 4> kStarts{.3, 1, 3, 1e6};  // metres
+/// Cameras stand centimetres from the eye, so that each step divides the error by ten or more on
+/// anything but a surface seen edge on.
+constexpr int kSteps = 12;
+constexpr double kSettled = kSameSurface / 400;  // metres; a fifth of the depth's unit
+
+/// A ray of the eye in the frame of one camera.
+struct Ray {
+  Vec3d origin, direction;  ///< metres; direction of length 1
+};
+
+struct Pixel {
+  double x, y;  ///< columns from the left, rows from the top
+};
+
+struct Reading {
+  double distance = 0;  ///< along the ray, metres
+  double weight = 0;    ///< (0, 1]
+};
+
+/// One picture, made ready for looking things up.
+class View {
+ public:
+  View(const DepthImage& image, const PanoramaPose& eye)
+      : image_(image.depth), fx_(image.camera.fx), fy_(image.camera.fy), cx_(image.camera.cx) {
+    cy_ = image_.height - 1 - image.camera.cy;  // the file counts rows from the bottom
+    const Mat3d camera_from_world = transpose(image.camera.world_from_camera);
+    origin_ = camera_from_world * (eye.position - image.camera.position);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d axis{k == 0 ? 1.0 : 0, k == 1 ? 1.0 : 0, k == 2 ? 1.0 : 0};
+      const Vec3d column = camera_from_world * (eye.world_from_panorama * axis);
+      camera_from_panorama_.m[k] = column.x;
+      camera_from_panorama_.m[3 + k] = column.y;
+      camera_from_panorama_.m[6 + k] = column.z;
+    }
+  }
+
+  /// The nearest surface along the ray that the picture shows. \param direction of length 1
+  std::optional<Reading> look(Vec3d direction_in_panorama) const {
+    const Ray ray{origin_, camera_from_panorama_ * direction_in_panorama};
+    if (!is_near_frame(ray)) return std::nullopt;
+    for (const double t : kStarts) {
+      const Vec3d start = point(ray, t);
+      if (start.z >= 0) continue;
+      if (const auto reading = follow(ray, project(start))) return reading;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static Vec3d point(const Ray& ray, double t) {
+    return {ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y,
+            ray.origin.z + t * ray.direction.z};
+  }
+
+  Pixel project(Vec3d p) const { return {cx_ - fx_ * p.x / p.z, cy_ + fy_ * p.y / p.z}; }
+
+  /// Could it be seen at any distance from the first start on? Generous: only spares work.
+  bool is_near_frame(const Ray& ray) const {
+    constexpr double kMargin = .35;  // of the frame; 10 cm beside the eye at .3 m are .3 of it
+    if (ray.direction.z > -.1) return false;
+    const Pixel p = project(ray.direction);
+    const double w = image_.width, h = image_.height;
+    return p.x > -kMargin * w && p.x < (1 + kMargin) * w && p.y > -kMargin * h &&
+           p.y < (1 + kMargin) * h;
+  }
+
+  bool is_inside(Pixel p) const {
+    return p.x >= 0 && p.y >= 0 && p.x <= image_.width - 1. && p.y <= image_.height - 1.;
+  }
+
+  /// z-distance, metres, of what is seen there, or 0. A plane's 1 / z is linear in the picture, so
+  /// that interpolating it is exact on planes; across a step in depth it would invent a surface,
+  /// so there, and beside pixels without a reading, the nearest pixel answers.
+  double depth_at(Pixel p) const {
+    // In this order also what is no number, from absurd intrinsics, comes out as 0.
+    const double x = std::min(std::max(0., p.x), image_.width - 1.);
+    const double y = std::min(std::max(0., p.y), image_.height - 1.);
+    const auto x0 = std::min(static_cast<std::size_t>(x), std::size_t{image_.width} - 2);
+    const auto y0 = std::min(static_cast<std::size_t>(y), std::size_t{image_.height} - 2);
+    const std::uint16_t* a = image_.at(x0, y0);
+    const std::uint16_t* b = image_.at(x0, y0 + 1);
+    const double u = x - static_cast<double>(x0), v = y - static_cast<double>(y0);
+    const auto [least, most] = std::minmax({a[0], a[1], b[0], b[1]});
+    if (least == 0 || most > kSurfaceRatio * least) {
+      return (v < .5 ? a : b)[u < .5 ? 0 : 1] / kDepthUnitsPerMetre;
+    }
+    const double inverse = (1 - v) * ((1 - u) / a[0] + u / a[1]) + v * ((1 - u) / b[0] + u / b[1]);
+    return 1 / (inverse * kDepthUnitsPerMetre);
+  }
+
+  /// From a first guess of the pixel: the depth there says where on the ray the surface is, and
+  /// that where it is seen; until both agree. Nothing if they don't come to, as beside an edge
+  /// behind which the camera does not see, or if there is no reading.
+  std::optional<Reading> follow(const Ray& ray, Pixel pixel) const {
+    double t = 0;
+    for (int step = 0; step < kSteps; ++step) {
+      const double z = depth_at(pixel);
+      if (z == 0) return std::nullopt;
+      const double next = (z + ray.origin.z) / -ray.direction.z;
+      const Vec3d p = point(ray, next);
+      if (next <= 0 || p.z >= 0) return std::nullopt;
+      pixel = project(p);
+      if (std::abs(next - t) < kSettled) {
+        if (!is_inside(pixel)) return std::nullopt;
+        return Reading{next, weight_at(pixel)};
+      }
+      t = next;
+    }
+    return std::nullopt;
+  }
+
+  /// 1 in the middle, falling to (almost) nothing at the frame, where lenses are at their worst.
+  double weight_at(Pixel p) const {
+    const double x = std::min(p.x, image_.width - 1. - p.x) / image_.width;
+    const double y = std::min(p.y, image_.height - 1. - p.y) / image_.height;
+    return std::max(2 * std::min(x, y), 1e-3);
+  }
+
+  const image::Image16& image_;
+  double fx_, fy_, cx_, cy_ = 0;
+  Vec3d origin_;  ///< of the eye, in the camera's frame
+  Mat3d camera_from_panorama_;
+};
+
+/// Of the readings of one ray, the mean of those of the surface that wins; 0 if there are none.
+double blend(std::vector<Reading>& readings) {
+  std::ranges::sort(readings, std::greater<>(), &Reading::distance);
+  double best = 0, behind = 0;  // behind: the most weight of a surface farther away
+  for (std::size_t i = 0; i < readings.size();) {
+    const double end = readings[i].distance - kSameSurface * std::max(1., readings[i].distance);
+    double sum = 0, weight = 0;
+    for (; i < readings.size() && readings[i].distance >= end; ++i) {
+      sum += readings[i].weight * readings[i].distance;
+      weight += readings[i].weight;
+    }
+    if (weight >= kNearerWins * behind) best = sum / weight;
+    behind = std::max(behind, weight);
+  }
+  return best;
+}
+
+std::uint16_t in_units(double metres) {
+  if (metres <= 0) return 0;
+  return static_cast<std::uint16_t>(
+      std::clamp(std::round(metres * kDepthUnitsPerMetre), 1., 65535.));
+}
+
+}  // namespace
+
+image::CubeMap<std::uint16_t> depth_skybox(std::span<const DepthImage> images,
+                                           const PanoramaPose& eye, std::uint32_t size,
+                                           int threads) {
+  std::vector<View> views;
+  for (const DepthImage& image : images) {
+    // Two pixels each way are what a surface can be interpolated from.
+    if (image.depth.width >= 2 && image.depth.height >= 2) views.emplace_back(image, eye);
+  }
+  image::CubeMap<std::uint16_t> result;
+  for (auto& face : result) face = image::Image16(size, size, 1);
+  parallel_for(kCubeFaces * size, 16, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Reading> readings;
+    for (std::size_t row = begin; row < end; ++row) {
+      const std::size_t face = row / size, y = row % size;
+      for (std::size_t x = 0; x < size; ++x) {
+        const Vec3d d = cube_direction(cube_face(face), (static_cast<double>(x) + .5) / size,
+                                       (static_cast<double>(y) + .5) / size);
+        const double scale = 1 / length(d);
+        readings.clear();
+        for (const View& view : views) {
+          const auto reading = view.look({scale * d.x, scale * d.y, scale * d.z});
+          if (reading) readings.push_back(*reading);
+        }
+        *result[face].at(x, y) = in_units(blend(readings));
+      }
+    }
+  });
+  return result;
+}
+
+}  // namespace enfilade::scan

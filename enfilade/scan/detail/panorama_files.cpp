@@ -1,0 +1,319 @@
+#include "enfilade/scan/detail/panorama_files.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/image/codecs.h"
+#include "enfilade/scan/depth_skybox.h"
+
+namespace enfilade::scan::detail {
+namespace {
+
+using image::bytes_of;
+using image::Shape;
+
+/// More than the header of any picture without an embedded thumbnail or colour profile.
+constexpr std::size_t kHeaderBytes = std::size_t{16} << 10;
+
+[[noreturn]] void refuse(const std::string& file, const char* code, std::string message) {
+  throw InvalidInput({{Severity::kError, file, "", code, std::move(message)}});
+}
+
+std::string strip_name(Layer layer, const std::string& viewpoint) {
+  switch (layer) {
+    case Layer::kColour:
+      return viewpoint + "_skybox_small.jpg";
+    case Layer::kDepth:
+      return viewpoint + "_skybox_depth_small.png";
+    case Layer::kClass:
+      return viewpoint + "_skybox_class_small.png";
+    case Layer::kInstance:
+      break;
+  }
+  return viewpoint + "_skybox_instance_small.png";
+}
+
+std::string face_name(const std::string& viewpoint, std::size_t face) {
+  return fmt::format("{}_skybox{}_sami.jpg", viewpoint, face);
+}
+
+/// What shape_of() says of a file; it is asked for all of it if its start does not do.
+template <class ShapeOf>
+std::pair<Shape, std::string> shape_of_file(const KindOfFiles& files, const std::string& name,
+                                            const ShapeOf& shape_of) {
+  auto file = files.read_start(name, kHeaderBytes);
+  if (!file) return {};
+  try {
+    return {shape_of(bytes_of(file->bytes), file->path), file->path};
+  } catch (const InvalidInput&) {  // its header is longer, or broken: the second reading tells
+    file = files.read(name);
+    if (!file) return {};
+    return {shape_of(bytes_of(file->bytes), file->path), file->path};
+  }
+}
+
+std::uint32_t check_strip(const Shape& shape, const std::string& file) {
+  if (shape.width != std::uint64_t{6} * shape.height) {
+    refuse(file, "bad-strip",
+           fmt::format("{} x {} pixels, not six square faces side by side", shape.width,
+                       shape.height));
+  }
+  return shape.height;
+}
+
+std::uint32_t check_face(const Shape& shape, const std::string& file) {
+  if (shape.width != shape.height) {
+    refuse(file, "bad-face", fmt::format("{} x {} pixels, not square", shape.width, shape.height));
+  }
+  return shape.width;
+}
+
+/// All six faces have the size of the first.
+class SameSize {
+ public:
+  void check(std::uint32_t size, const std::string& file) {
+    if (size_ == 0) size_ = size, first_ = file;
+    if (size == size_) return;
+    refuse(file, "mixed-sizes",
+           fmt::format("{} pixels wide, but {} is {}: the six faces of a "
+                       "panorama are of one size",
+                       size, first_, size_));
+  }
+  std::uint32_t size() const { return size_; }
+
+ private:
+  std::uint32_t size_ = 0;
+  std::string first_;
+};
+
+/// A strip's greyscale, as its layer has to be.
+void check_grey(Layer layer, const Shape& shape, const std::string& file) {
+  const bool grey = shape.channels == 1;
+  if (layer == Layer::kDepth && !(grey && shape.bits == 16)) {
+    refuse(file, "bad-bits",
+           fmt::format("{} channels of {} bits, not greyscale of 16 bits", shape.channels,
+                       shape.bits));
+  }
+  if (layer == Layer::kClass && !grey) {
+    refuse(file, "bad-colours", fmt::format("{} channels, not greyscale", shape.channels));
+  }
+  if (layer == Layer::kInstance && !grey && !(shape.channels == 4 && shape.bits == 8)) {
+    refuse(file, "bad-colours",
+           fmt::format("{} channels of {} bits, neither greyscale nor RGBA of "
+                       "8 bits",
+                       shape.channels, shape.bits));
+  }
+}
+
+image::Image32 widened(const image::Image16& grey) {
+  image::Image32 result(grey.width, grey.height, 1);
+  std::ranges::copy(grey.pixels, result.pixels.begin());
+  return result;
+}
+
+image::Image32 ids_of(const image::Image8& rgba) {
+  image::Image32 result(rgba.width, rgba.height, 1);
+  for (std::size_t i = 0; i < result.pixels.size(); ++i) {
+    const std::uint8_t* p = &rgba.pixels[4 * i];
+    result.pixels[i] =
+        p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
+  }
+  return result;
+}
+
+image::Image16 decode_depth(const FoundFile& file) {
+  check_grey(Layer::kDepth, image::png_shape(bytes_of(file.bytes), file.path), file.path);
+  return image::decode_png16(bytes_of(file.bytes), file.path);
+}
+
+}  // namespace
+
+// --- KindOfFiles ----------------------------------------------------------------------------
+
+bool KindOfFiles::contains(std::string_view name) const {
+  return std::ranges::any_of(trees_, [&](const auto& tree) { return tree->contains(name); });
+}
+
+std::optional<FoundFile> KindOfFiles::read(std::string_view name) const {
+  for (const auto& tree : trees_) {
+    if (auto bytes = tree->read(name)) return FoundFile{tree->path_of(name), *std::move(bytes)};
+  }
+  return std::nullopt;
+}
+
+std::optional<FoundFile> KindOfFiles::read_start(std::string_view name, std::size_t bytes) const {
+  for (const auto& tree : trees_) {
+    if (auto start = tree->read_start(name, bytes)) {
+      return FoundFile{tree->path_of(name), *std::move(start)};
+    }
+  }
+  return std::nullopt;
+}
+
+std::string KindOfFiles::tried(std::string_view name) const {
+  std::string text;
+  for (const auto& tree : trees_) text += "\n  " + tree->path_of(name);
+  return text;
+}
+
+std::string KindOfFiles::state() const {
+  std::string text;
+  for (const auto& tree : trees_) text += tree->state();
+  return text;
+}
+
+// --- SkyboxFiles ----------------------------------------------------------------------------
+
+bool SkyboxFiles::has_faces(const std::string& viewpoint) const {
+  std::size_t found = 0;
+  std::string missing;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    const std::string name = face_name(viewpoint, k);
+    if (files_.contains(name)) {
+      ++found;
+    } else {
+      missing = name;
+    }
+  }
+  if (found != 0 && found != kCubeFaces) {
+    throw FileError(
+        fmt::format("{}: no such file, though {} of the panorama's 6 faces are there; "
+                    "tried:{}",
+                    missing, found, files_.tried(missing)));
+  }
+  return found != 0;
+}
+
+std::uint32_t SkyboxFiles::size(Layer layer, const std::string& viewpoint) const {
+  const std::string name = strip_name(layer, viewpoint);
+  if (files_.contains(name)) {
+    const auto [shape, path] =
+        shape_of_file(files_, name, layer == Layer::kColour ? image::jpeg_shape : image::png_shape);
+    if (layer != Layer::kColour) check_grey(layer, shape, path);
+    return check_strip(shape, path);
+  }
+  if (layer != Layer::kColour || !has_faces(viewpoint)) return 0;
+  SameSize same;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    const auto [shape, path] = shape_of_file(files_, face_name(viewpoint, k), image::jpeg_shape);
+    same.check(check_face(shape, path), path);
+  }
+  return same.size();
+}
+
+std::optional<image::CubeMap<std::uint8_t>> SkyboxFiles::colour(
+    const std::string& viewpoint) const {
+  if (const auto strip = files_.read(strip_name(Layer::kColour, viewpoint))) {
+    const auto picture = image::decode_jpeg(bytes_of(strip->bytes), strip->path);
+    check_strip({picture.width, picture.height, 3, 8}, strip->path);
+    return image::split_strip(picture);
+  }
+  if (!has_faces(viewpoint)) return std::nullopt;
+  image::CubeMap<std::uint8_t> faces;
+  SameSize same;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    const auto file = files_.read(face_name(viewpoint, k));
+    if (!file) return std::nullopt;
+    faces[k] = image::decode_jpeg(bytes_of(file->bytes), file->path);
+    same.check(check_face({faces[k].width, faces[k].height, 3, 8}, file->path), file->path);
+  }
+  return faces;
+}
+
+std::optional<image::CubeMap<std::uint16_t>> SkyboxFiles::strip_16(
+    Layer layer, const std::string& viewpoint) const {
+  const auto file = files_.read(strip_name(layer, viewpoint));
+  if (!file) return std::nullopt;
+  const Shape shape = image::png_shape(bytes_of(file->bytes), file->path);
+  check_grey(layer, shape, file->path);
+  check_strip(shape, file->path);
+  return image::split_strip(image::decode_png16(bytes_of(file->bytes), file->path));
+}
+
+std::optional<image::CubeMap<std::uint32_t>> SkyboxFiles::instances(
+    const std::string& viewpoint) const {
+  const auto file = files_.read(strip_name(Layer::kInstance, viewpoint));
+  if (!file) return std::nullopt;
+  const Shape shape = image::png_shape(bytes_of(file->bytes), file->path);
+  check_grey(Layer::kInstance, shape, file->path);
+  check_strip(shape, file->path);
+  if (shape.channels == 1) {
+    return image::split_strip(widened(image::decode_png16(bytes_of(file->bytes), file->path)));
+  }
+  return image::split_strip(ids_of(image::decode_png8(bytes_of(file->bytes), file->path)));
+}
+
+std::optional<std::array<std::string, kCubeFaces>> SkyboxFiles::colour_jpegs(
+    const std::string& viewpoint) const {
+  std::array<std::string, kCubeFaces> jpegs;
+  if (const auto strip = files_.read(strip_name(Layer::kColour, viewpoint))) {
+    const auto cut = image::cut_jpeg_strip(bytes_of(strip->bytes), strip->path);
+    if (!cut) return std::nullopt;
+    for (std::size_t k = 0; k < kCubeFaces; ++k)
+      jpegs[k].assign((*cut)[k].begin(), (*cut)[k].end());
+    return jpegs;
+  }
+  if (!has_faces(viewpoint)) return std::nullopt;
+  SameSize same;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    auto file = files_.read(face_name(viewpoint, k));
+    if (!file) return std::nullopt;
+    const Shape shape = image::jpeg_shape(bytes_of(file->bytes), file->path);
+    same.check(check_face(shape, file->path), file->path);
+    jpegs[k] = std::move(file->bytes);
+  }
+  return jpegs;
+}
+
+std::string SkyboxFiles::tried(Layer layer, const std::string& viewpoint) const {
+  std::string text = files_.tried(strip_name(layer, viewpoint));
+  if (layer == Layer::kColour) text += files_.tried(viewpoint + "_skybox<0..5>_sami.jpg");
+  return text;
+}
+
+// --- UndistortedDepth -----------------------------------------------------------------------
+
+const std::vector<UndistortedCamera>& UndistortedDepth::cameras(
+    const std::string& viewpoint) const {
+  const std::lock_guard lock(mutex_);
+  if (!cameras_) {
+    Cameras all;
+    if (const auto file = parameters_.read(name_)) {
+      for (auto& camera : parse_undistorted_cameras(file->bytes, file->path).cameras) {
+        const std::string of(camera.viewpoint());
+        all[of].push_back(std::move(camera));
+      }
+    }
+    cameras_ = std::move(all);
+  }
+  static const std::vector<UndistortedCamera> kNone;
+  const auto found = cameras_->find(viewpoint);
+  return found == cameras_->end() ? kNone : found->second;
+}
+
+bool UndistortedDepth::contains(const std::string& viewpoint) const {
+  const auto& all = cameras(viewpoint);
+  return !all.empty() && images_.contains(all.front().depth_file);
+}
+
+image::CubeMap<std::uint16_t> UndistortedDepth::read(
+    const PanoramaPose& eye, const image::CubeMap<std::uint8_t>& colour) const {
+  std::vector<DepthImage> images;
+  for (const UndistortedCamera& camera : cameras(eye.viewpoint)) {
+    const auto file = images_.read(camera.depth_file);
+    if (!file) {
+      throw FileError(fmt::format("{}: no such file, though {} lists it; tried:{}",
+                                  camera.depth_file, name_, images_.tried(camera.depth_file)));
+    }
+    images.push_back({camera, decode_depth(*file)});
+  }
+  return fill_holes(depth_skybox(images, eye, colour[0].width, 1), colour, {}, 1);
+}
+
+std::string UndistortedDepth::tried(const std::string& viewpoint) const {
+  return parameters_.tried(name_) + images_.tried(viewpoint + "_d<cam>_<yaw>.png");
+}
+
+}  // namespace enfilade::scan::detail

@@ -1,0 +1,220 @@
+#include "enfilade/scan/detail/store_format.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+#include <cmath>
+#include <cstring>
+#include <set>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/scan/store.h"
+
+namespace enfilade::scan::detail {
+namespace {
+
+[[noreturn]] void refuse(const std::string& file, std::string where, std::string code,
+                         std::string message) {
+  throw InvalidInput(
+      {{Severity::kError, file, std::move(where), std::move(code), std::move(message)}});
+}
+
+// \pre offset + sizeof(T) <= bytes.size()
+template <class T>
+T read_at(image::Bytes bytes, std::uint64_t offset) {
+  T value;
+  std::memcpy(&value, bytes.data() + offset, sizeof(T));
+  return value;
+}
+
+Header read_header(image::Bytes bytes, const std::string& file) {
+  if (bytes.size() < sizeof(Header)) {
+    refuse(file, "header", "truncated",
+           fmt::format("{} bytes; a store has {} at least", bytes.size(), sizeof(Header)));
+  }
+  const auto header = read_at<Header>(bytes, 0);
+  if (header.magic != kMagic) {
+    refuse(file, "header", "not-a-store", "does not begin as an Enfilade store does");
+  }
+  if (header.byte_order != kByteOrder) {
+    refuse(file, "header", "wrong-byte-order",
+           "was damaged, or written on a machine of another byte order; pack it there anew");
+  }
+  if (header.version != kStoreVersion) {
+    refuse(file, "header", "wrong-version",
+           fmt::format("version {} of the format; this program reads version {}: pack it anew",
+                       header.version, kStoreVersion));
+  }
+  if (header.checksum != checksum_of(header)) {
+    refuse(file, "header", "bad-checksum", "the header was changed; pack it anew");
+  }
+  if (header.file_bytes == 0) {
+    refuse(file, "header", "unfinished", "packing was not finished; run it again");
+  }
+  if (header.file_bytes != bytes.size()) {
+    refuse(file, "header", "truncated",
+           fmt::format("{} bytes, not the {} that it was written with", bytes.size(),
+                       header.file_bytes));
+  }
+  return header;
+}
+
+// Sizes of the catalogue's parts add up to what is there; without overflow, as each is below it.
+bool parts_fit(const Header& header) {
+  const std::uint64_t end = header.file_bytes;
+  if (header.catalogue < sizeof(Header) || header.catalogue > end) return false;
+  std::uint64_t room = end - header.catalogue;
+  constexpr std::uint64_t kRow = sizeof(ViewpointRow) + sizeof(FaceEntries);
+  if (header.viewpoints > room / kRow) return false;
+  room -= header.viewpoints * kRow;
+  if (header.name_bytes > room || header.scan_bytes > header.name_bytes) return false;
+  room -= header.name_bytes;
+  return header.graph_bytes == room && header.graph_json_bytes <= kLargestGraph;
+}
+
+// The parts of the catalogue, in the order of the file.
+struct Parts {
+  image::Bytes rows, faces, names, graph;
+};
+
+Parts split_parts(image::Bytes bytes, const Header& header, const std::string& file) {
+  if (!parts_fit(header)) {
+    refuse(file, "header", "bad-index", "the parts of its catalogue don't fill the file");
+  }
+  auto part = [&, at = header.catalogue](std::uint64_t size) mutable {
+    at += size;
+    return bytes.subspan(at - size, size);
+  };
+  Parts parts;
+  parts.rows = part(header.viewpoints * sizeof(ViewpointRow));
+  parts.faces = part(header.viewpoints * sizeof(FaceEntries));
+  parts.names = part(header.name_bytes);
+  parts.graph = part(header.graph_bytes);
+  const std::size_t checked = parts.rows.size() + parts.faces.size() + parts.names.size();
+  if (checksum({parts.rows.data(), checked}) != header.catalogue_checksum) {
+    refuse(file, "catalogue", "bad-checksum", "the catalogue was changed; pack it anew");
+  }
+  return parts;
+}
+
+std::string_view name_at(image::Bytes names, std::uint64_t offset, std::uint64_t size) {
+  if (size == 0 || size > kLongestName || offset > names.size() || size > names.size() - offset) {
+    return {};
+  }
+  return {reinterpret_cast<const char*>(names.data()) + offset, size};
+}
+
+// What is wrong with a row; empty if nothing is.
+std::string fault_of(const ViewpointRow& row, std::string_view name) {
+  if (name.empty()) return "its id lies outside the names";
+  if (row.included > 1) return fmt::format("included is {}, not 0 or 1", row.included);
+  for (const double metres : row.position) {
+    // As in connectivity files: kept in single precision too.
+    if (!(std::abs(metres) <= 1e30)) return fmt::format("{} is no position in metres", metres);
+  }
+  return {};
+}
+
+bool is_possible(Coding coding, Layer layer) {
+  if (layer == Layer::kColour) return coding == Coding::kJpeg || coding == Coding::kRawRgb;
+  return coding >= Coding::kPlain && coding <= Coding::kGradient;
+}
+
+std::string fault_of(const FaceEntry& entry, Layer layer, std::uint64_t size, std::uint64_t end) {
+  if (size == 0) return entry == FaceEntry{} ? "" : "is listed, but the panorama lacks the layer";
+  const std::uint64_t all = entry.all_bytes();
+  if (entry.offset < sizeof(Header) || entry.offset > end || all > end - entry.offset) {
+    return "lies outside the records";
+  }
+  if (!is_possible(entry.coding, layer)) {
+    return fmt::format("has the unknown coding {}", static_cast<int>(entry.coding));
+  }
+  if (entry.coding == Coding::kRawRgb && entry.bytes != 3 * size * size) {
+    return fmt::format("is {} bytes of raw colour, not {}", entry.bytes, 3 * size * size);
+  }
+  if (layer != Layer::kColour && entry.border_bytes != 0) return "has a border, as colour only may";
+  return {};
+}
+
+}  // namespace
+
+std::uint64_t checksum(image::Bytes bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+
+bool is_scan_id(std::string_view scan) {
+  return !scan.empty() && scan.size() <= kLongestName && scan[0] != '.' &&
+         scan.find_first_of(std::string_view("/\\\0", 3)) == std::string_view::npos;
+}
+
+bool are_valid(const FaceSizes& sizes, const FaceEntries& faces, std::uint64_t end,
+               std::string& reason) {
+  for (std::size_t l = 0; l < kLayers; ++l) {
+    const auto layer = static_cast<Layer>(l);
+    if (sizes[l] > kLargestFace) {
+      reason = fmt::format("{}: faces of {} texels, more than {}", to_string(layer), sizes[l],
+                           kLargestFace);
+      return false;
+    }
+    for (std::size_t k = 0; k < kCubeFaces; ++k) {
+      const std::string fault = fault_of(faces[entry_index(layer, k)], layer, sizes[l], end);
+      if (fault.empty()) continue;
+      reason = fmt::format("{}, face {}: {}", to_string(layer), k, fault);
+      return false;
+    }
+  }
+  return true;
+}
+
+Catalogue read_catalogue(image::Bytes bytes, const std::string& file) {
+  Catalogue result;
+  result.header = read_header(bytes, file);
+  const Parts parts = split_parts(bytes, result.header, file);
+  result.graph = parts.graph;
+  result.scan = name_at(parts.names, 0, result.header.scan_bytes);
+  if (!is_scan_id(result.scan)) {
+    refuse(file, "catalogue", "bad-index", fmt::format("{:?} is no scan id", result.scan));
+  }
+  // poses_of() checks rotations, so the rows go through the form that it takes.
+  Connectivity rows{result.scan, file, {}};
+  std::set<std::string_view> seen;
+  for (std::uint64_t i = 0; i < result.header.viewpoints; ++i) {
+    const auto row = read_at<ViewpointRow>(parts.rows, i * sizeof(ViewpointRow));
+    const auto& faces =
+        result.faces.emplace_back(read_at<FaceEntries>(parts.faces, i * sizeof(FaceEntries)));
+    const std::string_view name = name_at(parts.names, row.name_offset, row.name_bytes);
+    std::string fault = fault_of(row, name);
+    if (fault.empty() && !seen.insert(name).second) fault = fmt::format("{:?} stands twice", name);
+    if (!fault.empty() || !are_valid(row.sizes, faces, result.header.catalogue, fault)) {
+      refuse(file, fmt::format("viewpoint {}", i), "bad-index", fault);
+    }
+    const auto& r = row.world_from_panorama;
+    const auto& p = row.position;
+    rows.entries.push_back({.id = std::string(name),
+                            .pose = {r[0], r[1], r[2], p[0], r[3], r[4], r[5], p[1],  //
+                                     r[6], r[7], r[8], p[2], 0, 0, 0, 1},
+                            .included = row.included == 1,
+                            .height = 0,
+                            .unobstructed = {},
+                            .visible = {}});
+    result.sizes.push_back(row.sizes);
+  }
+  result.poses = poses_of(rows);
+  return result;
+}
+
+std::optional<RecordHeader> read_record(image::Bytes bytes, std::uint64_t offset) {
+  if (offset > bytes.size() || bytes.size() - offset < sizeof(RecordHeader)) return std::nullopt;
+  const auto record = read_at<RecordHeader>(bytes, offset);
+  if (record.magic != kRecordMagic || record.checksum != checksum_of(record)) return std::nullopt;
+  std::string ignored;
+  if (!are_valid(record.sizes, record.faces, bytes.size(), ignored)) return std::nullopt;
+  std::uint64_t next = offset + sizeof(RecordHeader);
+  for (const FaceEntry& entry : record.faces) {
+    if (entry.coding == Coding::kAbsent) continue;
+    if (entry.offset != next) return std::nullopt;
+    next += entry.all_bytes();
+  }
+  if (next != offset + sizeof(RecordHeader) + record.payload_bytes) return std::nullopt;
+  return record;
+}
+
+}  // namespace enfilade::scan::detail

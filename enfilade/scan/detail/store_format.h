@@ -1,0 +1,120 @@
+/// \file  The bytes of a store, as docs/store.md defines them: header, a record a panorama,
+/// catalogue.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/image/codecs.h"
+#include "enfilade/scan/detail/face_coding.h"
+#include "enfilade/scan/panorama_source.h"
+
+namespace enfilade::scan::detail {
+
+inline constexpr std::array<char, 8> kMagic{'\x89', 'E', 'N', 'F', '\r', '\n', '\x1a', '\n'};
+inline constexpr std::array<char, 8> kRecordMagic{'P', 'A', 'N', 'O', 'R', 'A', 'M', 'A'};
+inline constexpr std::uint32_t kByteOrder = 0x01020304;
+/// Texels; above any panorama, below what would let a hostile index ask for all memory.
+inline constexpr std::uint32_t kLargestFace = 16384;
+inline constexpr std::uint32_t kLongestName = 255;
+inline constexpr std::uint64_t kLargestGraph = std::uint64_t{1} << 30;
+
+/// At byte 0. Written last: until then `file_bytes` is 0.
+struct Header {
+  std::array<char, 8> magic = kMagic;
+  std::uint32_t version = 0;
+  std::uint32_t byte_order = kByteOrder;
+  std::uint64_t file_bytes = 0;
+  std::uint64_t fingerprint = 0;  ///< of input and options; 0: unknown
+  std::uint64_t catalogue = 0;    ///< its offset, which is the end of the records
+  std::uint64_t viewpoints = 0;
+  std::uint64_t scan_bytes = 0;  ///< of name_bytes, the first
+  std::uint64_t name_bytes = 0;
+  std::uint64_t graph_bytes = 0;       ///< connectivity JSON, compressed
+  std::uint64_t graph_json_bytes = 0;  ///< and as it was
+  std::uint64_t graph_checksum = 0;
+  std::uint64_t catalogue_checksum = 0;  ///< all of it but the graph
+  std::array<std::uint64_t, 3> reserved{};
+  std::uint64_t checksum = 0;  ///< of the bytes before
+};
+static_assert(sizeof(Header) == 128);
+
+/// Where a face's bytes are, the border's after them.
+struct FaceEntry {
+  std::uint64_t offset = 0;
+  std::uint32_t bytes = 0;
+  std::uint32_t border_bytes = 0;  ///< colour only
+  Coding coding = Coding::kAbsent;
+  std::array<std::uint8_t, 7> reserved{};
+  std::uint64_t checksum = 0;  ///< of both
+  std::uint64_t all_bytes() const { return std::uint64_t{bytes} + border_bytes; }
+  friend bool operator==(const FaceEntry&, const FaceEntry&) = default;
+};
+static_assert(sizeof(FaceEntry) == 32);
+using FaceEntries = std::array<FaceEntry, kLayers * kCubeFaces>;
+constexpr std::size_t entry_index(Layer layer, std::size_t face) {
+  return index(layer) * kCubeFaces + face;
+}
+
+/// Begins the record of a panorama; its faces follow without gaps, in the order of the entries.
+struct RecordHeader {
+  std::array<char, 8> magic = kRecordMagic;
+  std::uint32_t viewpoint = 0;
+  std::uint32_t reserved = 0;
+  FaceSizes sizes{};
+  std::uint64_t payload_bytes = 0;
+  FaceEntries faces{};
+  std::uint64_t checksum = 0;  ///< of the bytes before
+};
+static_assert(sizeof(RecordHeader) == 816);
+
+/// A row of the catalogue's table of viewpoints.
+struct ViewpointRow {
+  std::array<double, 9> world_from_panorama{};
+  std::array<double, 3> position{};
+  std::uint32_t name_offset = 0;  ///< among the names
+  std::uint32_t name_bytes = 0;
+  std::uint32_t included = 0;
+  FaceSizes sizes{};
+  std::uint32_t reserved = 0;
+};
+static_assert(sizeof(ViewpointRow) == 128);
+
+/// What opening a store reads.
+struct Catalogue {
+  Header header;
+  std::string scan;
+  std::vector<PanoramaPose> poses;
+  std::vector<FaceSizes> sizes;
+  std::vector<FaceEntries> faces;
+  image::Bytes graph;  ///< a view of the file
+};
+
+/// XXH3, 64 bits, seed 0.
+std::uint64_t checksum(image::Bytes bytes);
+/// Of a Header or RecordHeader: of all but its last eight bytes.
+template <class T>
+std::uint64_t checksum_of(const T& header) {
+  return checksum({reinterpret_cast<const std::uint8_t*>(&header), sizeof(T) - 8});
+}
+
+/// Letters that are safe in a file's name.
+bool is_scan_id(std::string_view scan);
+
+/// Reads and checks header and catalogue: after it, every offset and size lies in the file.
+/// \throws InvalidInput naming `file`
+Catalogue read_catalogue(image::Bytes bytes, const std::string& file);
+
+/// The record at an offset if there is a whole one: its checksum is right, and its faces (whose
+/// checksums are not compared) lie in the file and right after one another.
+std::optional<RecordHeader> read_record(image::Bytes bytes, std::uint64_t offset);
+
+/// True if a panorama's sizes and faces are possible: known codings, faces between the header and
+/// `end`. Else `reason` says what is wrong.
+bool are_valid(const FaceSizes& sizes, const FaceEntries& faces, std::uint64_t end,
+               std::string& reason);
+
+}  // namespace enfilade::scan::detail

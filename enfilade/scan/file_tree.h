@@ -1,0 +1,44 @@
+/// \file  A folder, or a zip file that is read as if it were one.
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace enfilade::scan {
+
+/// Read-only. All functions may be called from any thread at once.
+class FileTree {
+ public:
+  virtual ~FileTree() = default;
+  /// A folder. \throws FileError if it is none
+  static std::shared_ptr<const FileTree> folder(const std::filesystem::path& path);
+  /// A zip file. Its list of entries is read now (100,000 entries: 0.25 s) and once more for each
+  /// further thread that reads at the same time. \throws FileError; InvalidInput if it is damaged,
+  /// cut off or encrypted
+  static std::shared_ptr<const FileTree> zip(const std::filesystem::path& path);
+  /// A zip file in memory; `name` for messages. \throws InvalidInput
+  static std::shared_ptr<const FileTree> zip_in_memory(std::string bytes, const std::string& name);
+
+  /// The content of a file by its bare name. In a zip it may lie in any folder: downloads put
+  /// `<scan>/<kind>/` before it. Nothing if there is none, or if the name has a '/' in it.
+  /// \throws FileError; InvalidInput for a damaged entry (checksums are compared), one that claims
+  /// more than 1 GiB, and a name that lies in two folders of the zip
+  std::optional<std::string> read(std::string_view name) const;
+  /// The first `bytes` of it, or all if it has fewer: enough for a header. What is left out is not
+  /// checked.
+  virtual std::optional<std::string> read_start(std::string_view name, std::size_t bytes) const = 0;
+  virtual bool contains(std::string_view name) const = 0;
+  /// Names of all files, sorted.
+  virtual std::vector<std::string> names() const = 0;
+  /// "path/to/folder/name" or "path/to.zip:name", for messages.
+  virtual std::string path_of(std::string_view name) const = 0;
+  /// Text that changes when a file does: names, sizes and times of a folder's files, size and time
+  /// of a zip file, as they are now. \throws FileError
+  virtual std::string state() const = 0;
+};
+
+}  // namespace enfilade::scan

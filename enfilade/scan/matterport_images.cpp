@@ -1,0 +1,228 @@
+#include "enfilade/scan/matterport_images.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/image/cube_border.h"
+#include "enfilade/scan/detail/panorama_files.h"
+
+namespace enfilade::scan {
+namespace {
+
+namespace fs = std::filesystem;
+using detail::KindOfFiles;
+
+/// The folders and zip files of one kind that there are. \param tried gets all that may be
+KindOfFiles find_kind(const fs::path& root, const std::string& scan, const std::string& kind,
+                      std::string& tried) {
+  std::vector<std::shared_ptr<const FileTree>> trees;
+  for (const fs::path& place : {root / scan / kind, root / "v1" / "scans" / scan / kind,
+                                root / "scans" / scan / kind, root / kind}) {
+    const std::string zip = place.string() + ".zip";
+    std::error_code ignored;
+    if (fs::is_directory(place, ignored)) trees.push_back(FileTree::folder(place));
+    if (fs::is_regular_file(zip, ignored)) trees.push_back(FileTree::zip(zip));
+    tried += fmt::format("\n  {}\n  {}", place.string(), zip);
+  }
+  return KindOfFiles(std::move(trees));
+}
+
+template <class T>
+void copy_faces(const image::CubeMap<T>& map, FaceMask wanted,
+                const std::array<T*, kCubeFaces>& buffers) {
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    if ((wanted >> k & 1) != 0) std::ranges::copy(map[k].pixels, buffers[k]);
+  }
+}
+
+}  // namespace
+
+struct MatterportImages::Impl {
+  /// Reads something of a viewpoint; what goes wrong names scan and viewpoint, too.
+  template <class Read>
+  static auto at(const MatterportImages& source, ViewpointIndex viewpoint, const Read& read);
+  FaceSizes sizes_at(ViewpointIndex viewpoint, const std::string& id) const;
+  /// The map, if it is there and has the size that face_sizes() said.
+  template <class T>
+  static image::CubeMap<T> checked(const MatterportImages& source, Layer layer,
+                                   ViewpointIndex viewpoint, std::optional<image::CubeMap<T>> map);
+  FaceSizes read_sizes(const std::string& viewpoint) const;
+  std::optional<image::CubeMap<std::uint16_t>> read_depth(const PanoramaPose& pose) const;
+  [[noreturn]] void throw_lacking(const MatterportImages& source, Layer layer,
+                                  const std::string& id) const;
+
+  fs::path connectivity;  ///< folder
+  detail::SkyboxFiles skybox;
+  detail::UndistortedDepth undistorted;
+  mutable std::mutex mutex{};
+  /// What face_sizes() said first: buffers were made for it, whatever the files become later.
+  mutable std::vector<std::optional<FaceSizes>> sizes{};
+};
+
+MatterportImages::MatterportImages(std::unique_ptr<Impl> impl, std::string origin,
+                                   std::vector<PanoramaPose> poses, std::string scan)
+    : PanoramaSource(std::move(scan), std::move(origin), std::move(poses)), impl_(std::move(impl)) {
+  impl_->sizes.resize(size());
+}
+
+MatterportImages::~MatterportImages() = default;
+
+template <class Read>
+auto MatterportImages::Impl::at(const MatterportImages& source, ViewpointIndex viewpoint,
+                                const Read& read) {
+  EN_CHECK_LT(viewpoint.at(), source.size());
+  const std::string place = fmt::format("scan {:?}, viewpoint {:?}", source.scan(),
+                                        source.poses()[viewpoint.at()].viewpoint);
+  try {
+    return read();
+  } catch (const InvalidInput& error) {
+    std::vector<Diagnostic> diagnostics = error.diagnostics();
+    for (Diagnostic& d : diagnostics) d.where = place + (d.where.empty() ? "" : ", ") + d.where;
+    throw InvalidInput(std::move(diagnostics));
+  } catch (const FileError& error) {
+    throw FileError(fmt::format("{}\n({})", error.what(), place));
+  }
+}
+
+FaceSizes MatterportImages::Impl::read_sizes(const std::string& viewpoint) const {
+  FaceSizes found{};
+  for (const Layer layer : {Layer::kColour, Layer::kDepth, Layer::kClass, Layer::kInstance}) {
+    found[index(layer)] = skybox.size(layer, viewpoint);
+  }
+  // Holes are filled by the colour's leave, and depth is made of its size.
+  const std::uint32_t colour = found[index(Layer::kColour)];
+  std::uint32_t& depth = found[index(Layer::kDepth)];
+  if (depth == 0 && colour != 0 && undistorted.contains(viewpoint)) depth = colour;
+  return found;
+}
+
+std::optional<image::CubeMap<std::uint16_t>> MatterportImages::Impl::read_depth(
+    const PanoramaPose& pose) const {
+  if (auto strip = skybox.strip_16(Layer::kDepth, pose.viewpoint)) return strip;
+  if (!undistorted.contains(pose.viewpoint)) return std::nullopt;
+  const auto colour = skybox.colour(pose.viewpoint);
+  if (!colour) return std::nullopt;
+  return undistorted.read(pose, *colour);
+}
+
+FaceSizes MatterportImages::Impl::sizes_at(ViewpointIndex viewpoint, const std::string& id) const {
+  {
+    const std::lock_guard lock(mutex);
+    if (const auto& known = sizes[viewpoint.at()]) return *known;
+  }
+  const FaceSizes read = read_sizes(id);
+  const std::lock_guard lock(mutex);
+  auto& first = sizes[viewpoint.at()];
+  if (!first) first = read;
+  return *first;
+}
+
+template <class T>
+image::CubeMap<T> MatterportImages::Impl::checked(const MatterportImages& source, Layer layer,
+                                                  ViewpointIndex viewpoint,
+                                                  std::optional<image::CubeMap<T>> map) {
+  const Impl& impl = *source.impl_;
+  const std::string& id = source.poses()[viewpoint.at()].viewpoint;
+  if (!map) impl.throw_lacking(source, layer, id);
+  const std::uint32_t size = impl.sizes_at(viewpoint, id)[index(layer)];
+  if ((*map)[0].width != size) {
+    throw InvalidInput({{Severity::kError, source.origin(), "", "changed",
+                         fmt::format("{}: faces of {} texels, but of {} when first looked at: the "
+                                     "files were changed",
+                                     to_string(layer), (*map)[0].width, size)}});
+  }
+  return *std::move(map);
+}
+
+void MatterportImages::Impl::throw_lacking(const MatterportImages& source, Layer layer,
+                                           const std::string& id) const {
+  throw LookupError(fmt::format("scan {:?}, viewpoint {:?}: no {}; tried:{}{}", source.scan(), id,
+                                to_string(layer), skybox.tried(layer, id),
+                                layer == Layer::kDepth ? undistorted.tried(id) : ""));
+}
+
+std::shared_ptr<const MatterportImages> MatterportImages::open(const fs::path& root,
+                                                               const fs::path& connectivity,
+                                                               const std::string& scan) {
+  std::string tried, ignored;
+  KindOfFiles skybox = find_kind(root, scan, "matterport_skybox_images", tried);
+  if (skybox.empty()) {
+    throw LookupError(
+        fmt::format("scan {:?}: no panoramas; tried as folders and zip files:{}", scan, tried));
+  }
+  std::vector<PanoramaPose> poses = poses_of(load_connectivity(connectivity, scan));
+  std::unique_ptr<Impl> impl(
+      new Impl{connectivity,
+               detail::SkyboxFiles(std::move(skybox)),
+               {scan, find_kind(root, scan, "undistorted_camera_parameters", ignored),
+                find_kind(root, scan, "undistorted_depth_images", ignored)}});
+  return std::shared_ptr<const MatterportImages>(
+      new MatterportImages(std::move(impl), root.string(), std::move(poses), scan));
+}
+
+Connectivity MatterportImages::connectivity() const {
+  return load_connectivity(impl_->connectivity, scan());
+}
+
+FaceSizes MatterportImages::face_sizes(ViewpointIndex viewpoint) const {
+  return Impl::at(*this, viewpoint,
+                  [&] { return impl_->sizes_at(viewpoint, poses()[viewpoint.at()].viewpoint); });
+}
+
+void MatterportImages::read_colour(
+    ViewpointIndex viewpoint, FaceMask wanted,
+    const std::array<image::BorderedFace, kCubeFaces>& buffers) const {
+  Impl::at(*this, viewpoint, [&] {
+    const auto faces = Impl::checked(*this, Layer::kColour, viewpoint,
+                                     impl_->skybox.colour(poses()[viewpoint.at()].viewpoint));
+    for (std::size_t k = 0; k < kCubeFaces; ++k) {
+      if ((wanted >> k & 1) == 0) continue;
+      image::write_face(buffers[k], faces[k]);
+      image::write_border(buffers[k], image::border_of(faces, cube_face(k)));
+    }
+  });
+}
+
+void MatterportImages::read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+                               const std::array<std::uint16_t*, kCubeFaces>& buffers) const {
+  EN_CHECK(layer == Layer::kDepth || layer == Layer::kClass);
+  Impl::at(*this, viewpoint, [&] {
+    const PanoramaPose& pose = poses()[viewpoint.at()];
+    auto faces = layer == Layer::kDepth ? impl_->read_depth(pose)
+                                        : impl_->skybox.strip_16(layer, pose.viewpoint);
+    copy_faces(Impl::checked(*this, layer, viewpoint, std::move(faces)), wanted, buffers);
+  });
+}
+
+void MatterportImages::read_instances(ViewpointIndex viewpoint, FaceMask wanted,
+                                      const std::array<std::uint32_t*, kCubeFaces>& buffers) const {
+  Impl::at(*this, viewpoint, [&] {
+    copy_faces(Impl::checked(*this, Layer::kInstance, viewpoint,
+                             impl_->skybox.instances(poses()[viewpoint.at()].viewpoint)),
+               wanted, buffers);
+  });
+}
+
+std::optional<std::array<std::string, kCubeFaces>> MatterportImages::colour_jpegs(
+    ViewpointIndex viewpoint) const {
+  return Impl::at(*this, viewpoint, [&] {
+    const std::string& id = poses()[viewpoint.at()].viewpoint;
+    auto jpegs = impl_->skybox.colour_jpegs(id);
+    if (!jpegs && impl_->skybox.size(Layer::kColour, id) == 0) {
+      impl_->throw_lacking(*this, Layer::kColour, id);
+    }
+    return jpegs;
+  });
+}
+
+std::string MatterportImages::state() const {
+  return impl_->skybox.state() + impl_->undistorted.state();
+}
+
+}  // namespace enfilade::scan

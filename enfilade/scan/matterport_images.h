@@ -1,0 +1,62 @@
+/// \file  Panoramas as Matterport3D ships them, and as Matterport3DSimulator prepares them.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "enfilade/scan/panorama_source.h"
+
+namespace enfilade::scan {
+
+/// Reads a scan's panoramas from folders or straight out of the `.zip` files of the download.
+///
+/// For a scan S below a root folder R, each of these is tried, first as a folder, then as a file
+/// with `.zip` added: `R/S/<kind>`, `R/v1/scans/S/<kind>`, `R/scans/S/<kind>`, `R/<kind>`. Kinds
+/// and files:
+///   matterport_skybox_images       <viewpoint>_skybox_small.jpg (strip of 6, RGB),
+///                                  <viewpoint>_skybox<0..5>_sami.jpg (one face each),
+///                                  <viewpoint>_skybox_depth_small.png (strip, 16 bit),
+///                                  <viewpoint>_skybox_class_small.png (strip, 8 or 16 bit grey),
+///                                  <viewpoint>_skybox_instance_small.png (strip, 16 bit grey, or
+///                                  8-bit RGBA: id = R + 256 G + 65536 B + 2^24 A)
+///   undistorted_camera_parameters  <scan>.conf                  depth where there is no strip,
+///   undistorted_depth_images       <viewpoint>_d<cam>_<yaw>.png built by depth_skybox.h
+/// Where several of them exist, a file is taken from the first that has it. A strip is preferred to
+/// faces, being what the old simulator rendered. The names of class and instance strips are
+/// Enfilade's own: Matterport3D ships no semantic pictures. Depth out of undistorted images has the
+/// colour's size and takes some seconds a panorama, on the caller's thread: pack the scan.
+class MatterportImages final : public PanoramaSource {
+ public:
+  /// \param root as above  \param connectivity folder of `<scan>_connectivity.json`
+  /// \throws LookupError if no folder or zip of sky-boxes is found, naming all that were tried;
+  /// FileError, InvalidInput for a broken zip or connectivity file
+  static std::shared_ptr<const MatterportImages> open(const std::filesystem::path& root,
+                                                      const std::filesystem::path& connectivity,
+                                                      const std::string& scan);
+  ~MatterportImages() override;
+
+  Connectivity connectivity() const override;
+  FaceSizes face_sizes(ViewpointIndex viewpoint) const override;
+  bool reads_whole_panoramas() const noexcept override { return true; }
+  void read_colour(ViewpointIndex viewpoint, FaceMask wanted,
+                   const std::array<image::BorderedFace, kCubeFaces>& buffers) const override;
+  void read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+               const std::array<std::uint16_t*, kCubeFaces>& buffers) const override;
+  void read_instances(ViewpointIndex viewpoint, FaceMask wanted,
+                      const std::array<std::uint32_t*, kCubeFaces>& buffers) const override;
+
+  /// The colour faces as the files' own JPEG bytes, by index(CubeFace), where nothing has to be
+  /// decoded for it: face files as they are, strips cut on their blocks' edges
+  /// (image::cut_jpeg_strip). Nothing otherwise. \throws as read_colour()
+  std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
+      ViewpointIndex viewpoint) const override;
+  std::string state() const override;  ///< names, sizes and times of all files
+
+ private:
+  struct Impl;
+  explicit MatterportImages(std::unique_ptr<Impl> impl, std::string origin,
+                            std::vector<PanoramaPose> poses, std::string scan);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace enfilade::scan

@@ -1,0 +1,59 @@
+/// \file  The panoramas of many scans, opened when they are needed and shared by everyone.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/core/ids.h"
+#include "enfilade/scan/panorama_source.h"
+
+namespace enfilade::scan {
+
+/// Where panoramas are looked for.
+struct PanoramaPlaces {
+  /// Folders that may hold `<scan>.enfilade` (a store) or Matterport3D's files in any layout of
+  /// matterport_images.h; the first that has the scan is used, a store before loose files.
+  std::vector<std::filesystem::path> images;
+  /// Folder of `<scan>_connectivity.json`, for loose files; stores bring their own graph.
+  std::filesystem::path connectivity;
+};
+
+/// Sources by ScanIndex, in the order of the list that it was opened with (a GraphSet's scans(), so
+/// that one ScanIndex serves both). Opening reads nothing; a scan is opened at its first use, once.
+/// All functions may be called from any thread. Sources live as long as the set.
+class PanoramaSet {
+ public:
+  static std::shared_ptr<const PanoramaSet> open(PanoramaPlaces places,
+                                                 std::vector<std::string> scans);
+  /// \throws ArgumentError if one is null or two have one scan id
+  static std::shared_ptr<const PanoramaSet> of(
+      std::vector<std::shared_ptr<const PanoramaSource>> sources);
+  ~PanoramaSet();
+  PanoramaSet(const PanoramaSet&) = delete;
+  PanoramaSet& operator=(const PanoramaSet&) = delete;
+
+  std::size_t size() const noexcept { return scans_.size(); }
+  const std::vector<std::string>& scans() const noexcept { return scans_; }
+  std::optional<ScanIndex> find(std::string_view scan) const;
+  ScanIndex at(std::string_view scan) const;  ///< \throws LookupError
+
+  /// Opens the scan if nobody has. \pre scan < size()
+  /// \throws LookupError naming the scan and every place that was tried; FileError, InvalidInput
+  const PanoramaSource& source(ScanIndex scan) const;
+
+ private:
+  struct Slot;
+  PanoramaSet(PanoramaPlaces places, std::vector<std::string> scans);
+  PanoramaPlaces places_;
+  std::vector<std::string> scans_;
+  std::unique_ptr<Slot[]> slots_;
+};
+
+/// One scan, opened from those places. \throws as PanoramaSet::source()
+std::shared_ptr<const PanoramaSource> open_panoramas(const PanoramaPlaces& places,
+                                                     const std::string& scan);
+
+}  // namespace enfilade::scan

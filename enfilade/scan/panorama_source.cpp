@@ -1,0 +1,272 @@
+#include "enfilade/scan/panorama_source.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
+
+namespace enfilade::scan {
+namespace {
+
+// Largest deviation of R^T R from the identity: files hold 6 digits.
+constexpr double kRotationTolerance = 1e-3;
+
+bool is_rotation(const Mat3d& r) {
+  const Mat3d t = transpose(r);
+  for (std::size_t column = 0; column < 3; ++column) {
+    const Vec3d v = t * Vec3d{r.m[column], r.m[3 + column], r.m[6 + column]};
+    const std::array<double, 3> product{v.x, v.y, v.z};
+    for (std::size_t row = 0; row < 3; ++row) {
+      const double wanted = row == column ? 1 : 0;
+      if (!(std::abs(product[row] - wanted) <= kRotationTolerance)) return false;
+    }
+  }
+  const auto& m = r.m;
+  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+             m[2] * (m[3] * m[7] - m[4] * m[6]) >
+         0;
+}
+
+template <class T>
+bool is_empty(const image::CubeMap<T>& map) {
+  return std::ranges::all_of(map, [](const auto& f) { return f.pixels.empty() && f.width == 0; });
+}
+
+template <class T>
+void check_map(const image::CubeMap<T>& map, std::uint32_t channels, Layer layer,
+               const std::string& viewpoint) {
+  if (is_empty(map)) return;
+  const std::uint32_t n = map[0].width;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    const auto& f = map[k];
+    if (n > 0 && f.width == n && f.height == n && f.channels == channels &&
+        f.pixels.size() == std::size_t{n} * n * channels) {
+      continue;
+    }
+    throw ArgumentError(
+        fmt::format("panoramas: viewpoint {:?}, {}, face {}: {} x {} pixels of {} channels in {} "
+                    "values; faces must be square, as face 0 ({} pixels wide), of {} channels",
+                    viewpoint, to_string(layer), k, f.width, f.height, f.channels, f.pixels.size(),
+                    n, channels));
+  }
+}
+
+template <class T>
+void copy_faces(const image::CubeMap<T>& map, FaceMask wanted,
+                const std::array<T*, kCubeFaces>& buffers) {
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    if ((wanted >> k & 1) != 0) std::ranges::copy(map[k].pixels, buffers[k]);
+  }
+}
+
+[[noreturn]] void throw_lacking(const PanoramaSource& source, ViewpointIndex viewpoint,
+                                Layer layer) {
+  throw LookupError(fmt::format("scan {:?}, viewpoint {:?}: no {} in {}", source.scan(),
+                                source.poses().at(viewpoint.at()).viewpoint, to_string(layer),
+                                source.origin()));
+}
+
+template <class T>
+std::uint64_t checksum_of_faces(const image::CubeMap<T>& map, std::uint64_t seed) {
+  for (const image::Image<T>& face : map) {
+    seed = XXH3_64bits_withSeed(face.pixels.data(), face.pixels.size() * sizeof(T), seed);
+  }
+  return seed;
+}
+
+// Room for one face with its border, RGBA.
+class FaceBuffer {
+ public:
+  explicit FaceBuffer(std::uint32_t size)
+      : stride_(4 * (std::size_t{size} + 2)), pixels_(stride_ * (std::size_t{size} + 2)) {
+    face_ = {pixels_.data() + stride_ + 4, stride_, size};
+  }
+  const image::BorderedFace& face() const { return face_; }
+  image::Image8 rgb() const {
+    image::Image8 picture(face_.size, face_.size, 3);
+    std::uint8_t* to = picture.pixels.data();
+    for (std::ptrdiff_t y = 0; y < std::ptrdiff_t{face_.size}; ++y) {
+      const std::uint8_t* from = face_.texel(0, y);
+      for (std::uint32_t x = 0; x < face_.size; ++x, from += 4, to += 3) std::copy_n(from, 3, to);
+    }
+    return picture;
+  }
+
+ private:
+  std::size_t stride_;
+  std::vector<std::uint8_t> pixels_;
+  image::BorderedFace face_;
+};
+
+image::CubeMap<std::uint8_t> read_colour_map(const PanoramaSource& source, ViewpointIndex viewpoint,
+                                             std::uint32_t size) {
+  std::vector<FaceBuffer> rooms(kCubeFaces, FaceBuffer(0));
+  std::array<image::BorderedFace, kCubeFaces> faces;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    rooms[k] = FaceBuffer(size);
+    faces[k] = rooms[k].face();
+  }
+  source.read_colour(viewpoint, kAllFaces, faces);
+  image::CubeMap<std::uint8_t> map;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) map[k] = rooms[k].rgb();
+  return map;
+}
+
+template <class T>
+std::array<T*, kCubeFaces> make_faces(image::CubeMap<T>& map, std::uint32_t size) {
+  std::array<T*, kCubeFaces> buffers{};
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    map[k] = image::Image<T>(size, size, 1);
+    buffers[k] = map[k].pixels.data();
+  }
+  return buffers;
+}
+
+}  // namespace
+
+std::string_view to_string(Layer layer) {
+  constexpr std::array<std::string_view, kLayers> kNames{"colour", "depth", "class", "instance"};
+  return kNames.at(index(layer));
+}
+
+PanoramaSource::PanoramaSource(std::string scan, std::string origin,
+                               std::vector<PanoramaPose> poses)
+    : scan_(std::move(scan)), origin_(std::move(origin)), poses_(std::move(poses)) {
+  by_id_.reserve(poses_.size());
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    const auto [at, fresh] = by_id_.emplace(poses_[i].viewpoint, i);
+    if (fresh) continue;
+    throw ArgumentError(fmt::format("scan {:?}: viewpoint {:?} is number {} and number {} of {}",
+                                    scan_, poses_[i].viewpoint, at->second.at(), i, origin_));
+  }
+}
+
+std::optional<ViewpointIndex> PanoramaSource::find(std::string_view viewpoint) const {
+  const auto found = by_id_.find(viewpoint);
+  if (found == by_id_.end()) return std::nullopt;
+  return found->second;
+}
+
+ViewpointIndex PanoramaSource::at(std::string_view viewpoint) const {
+  if (const auto found = find(viewpoint)) return *found;
+  throw LookupError(fmt::format("viewpoint {:?}: not one of the {} of scan {:?} in {}", viewpoint,
+                                size(), scan_, origin_));
+}
+
+std::optional<std::array<std::string, kCubeFaces>> PanoramaSource::colour_jpegs(
+    ViewpointIndex /*viewpoint*/) const {
+  return std::nullopt;
+}
+
+std::string PanoramaSource::state() const { return {}; }
+
+std::vector<PanoramaPose> poses_of(const Connectivity& connectivity) {
+  std::vector<PanoramaPose> poses;
+  poses.reserve(connectivity.entries.size());
+  std::vector<Diagnostic> faults;
+  for (std::size_t i = 0; i < connectivity.entries.size(); ++i) {
+    const ConnectivityEntry& entry = connectivity.entries[i];
+    const auto& p = entry.pose;
+    const Mat3d rotation{{p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10]}};
+    if (!is_rotation(rotation)) {
+      faults.push_back({Severity::kError, connectivity.file, fmt::format("$[{}].pose", i),
+                        "bad-pose",
+                        fmt::format("viewpoint {:?}: the upper left 3 x 3 part is no rotation "
+                                    "(orthonormal to {}, right-handed)",
+                                    entry.id, kRotationTolerance)});
+    }
+    poses.push_back({entry.id, rotation, entry.position(), entry.included});
+  }
+  if (!faults.empty()) throw InvalidInput(std::move(faults));
+  return poses;
+}
+
+FaceSizes Panorama::sizes() const noexcept {
+  return {colour[0].width, depth[0].width, classes[0].width, instances[0].width};
+}
+
+Panorama read_panorama(const PanoramaSource& source, ViewpointIndex viewpoint, LayerMask layers) {
+  const FaceSizes sizes = source.face_sizes(viewpoint);
+  const auto size = [&](Layer layer) {
+    return (layers >> index(layer) & 1) != 0 ? sizes[index(layer)] : 0;
+  };
+  Panorama result;
+  if (const auto n = size(Layer::kColour)) result.colour = read_colour_map(source, viewpoint, n);
+  if (const auto n = size(Layer::kDepth)) {
+    source.read_16(Layer::kDepth, viewpoint, kAllFaces, make_faces(result.depth, n));
+  }
+  if (const auto n = size(Layer::kClass)) {
+    source.read_16(Layer::kClass, viewpoint, kAllFaces, make_faces(result.classes, n));
+  }
+  if (const auto n = size(Layer::kInstance)) {
+    source.read_instances(viewpoint, kAllFaces, make_faces(result.instances, n));
+  }
+  return result;
+}
+
+MemoryPanoramas::MemoryPanoramas(Connectivity connectivity, std::vector<Panorama> panoramas)
+    : PanoramaSource(connectivity.scan, "<memory>", poses_of(connectivity)),
+      connectivity_(std::move(connectivity)),
+      panoramas_(std::move(panoramas)) {
+  if (panoramas_.size() != size()) {
+    throw ArgumentError(fmt::format("panoramas: {} of them, not {} (one for each viewpoint of {})",
+                                    panoramas_.size(), size(), scan()));
+  }
+  for (std::size_t i = 0; i < panoramas_.size(); ++i) {
+    const std::string& id = poses()[i].viewpoint;
+    check_map(panoramas_[i].colour, 3, Layer::kColour, id);
+    check_map(panoramas_[i].depth, 1, Layer::kDepth, id);
+    check_map(panoramas_[i].classes, 1, Layer::kClass, id);
+    check_map(panoramas_[i].instances, 1, Layer::kInstance, id);
+  }
+}
+
+FaceSizes MemoryPanoramas::face_sizes(ViewpointIndex viewpoint) const {
+  return panoramas_.at(viewpoint.at()).sizes();
+}
+
+void MemoryPanoramas::read_colour(
+    ViewpointIndex viewpoint, FaceMask wanted,
+    const std::array<image::BorderedFace, kCubeFaces>& buffers) const {
+  const image::CubeMap<std::uint8_t>& colour = panoramas_.at(viewpoint.at()).colour;
+  if (colour[0].width == 0) throw_lacking(*this, viewpoint, Layer::kColour);
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    if ((wanted >> k & 1) == 0) continue;
+    EN_CHECK_EQ(buffers[k].size, colour[k].width);
+    image::write_face(buffers[k], colour[k]);
+    image::write_border(buffers[k], image::border_of(colour, cube_face(k)));
+  }
+}
+
+void MemoryPanoramas::read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+                              const std::array<std::uint16_t*, kCubeFaces>& buffers) const {
+  EN_CHECK(layer == Layer::kDepth || layer == Layer::kClass);
+  const Panorama& panorama = panoramas_.at(viewpoint.at());
+  const auto& map = layer == Layer::kDepth ? panorama.depth : panorama.classes;
+  if (map[0].width == 0) throw_lacking(*this, viewpoint, layer);
+  copy_faces(map, wanted, buffers);
+}
+
+void MemoryPanoramas::read_instances(ViewpointIndex viewpoint, FaceMask wanted,
+                                     const std::array<std::uint32_t*, kCubeFaces>& buffers) const {
+  const auto& map = panoramas_.at(viewpoint.at()).instances;
+  if (map[0].width == 0) throw_lacking(*this, viewpoint, Layer::kInstance);
+  copy_faces(map, wanted, buffers);
+}
+
+std::string MemoryPanoramas::state() const {
+  std::uint64_t sum = 0;
+  for (const Panorama& p : panoramas_) {
+    sum = checksum_of_faces(p.colour, sum);
+    sum = checksum_of_faces(p.depth, sum);
+    sum = checksum_of_faces(p.classes, sum);
+    sum = checksum_of_faces(p.instances, sum);
+  }
+  return fmt::format("{:016x}", sum);
+}
+
+}  // namespace enfilade::scan

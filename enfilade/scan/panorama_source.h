@@ -1,0 +1,155 @@
+/// \file  What an agent could see at the viewpoints of one scan, wherever the pictures come from.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "enfilade/core/ids.h"
+#include "enfilade/geometry/cube_map.h"
+#include "enfilade/image/cube_border.h"
+#include "enfilade/image/image.h"
+#include "enfilade/scan/connectivity.h"
+
+namespace enfilade::scan {
+
+/// What is known of each direction of a panorama.
+enum class Layer : std::uint8_t {
+  kColour,    ///< RGB, 8 bit
+  kDepth,     ///< distance from the eye (along the ray), quarter millimetres, 16 bit; 0: unknown
+  kClass,     ///< object class, 16 bit; 0: none
+  kInstance,  ///< object instance, 32 bit; 0: none
+};
+inline constexpr std::size_t kLayers = 4;
+constexpr std::size_t index(Layer layer) { return static_cast<std::size_t>(layer); }
+std::string_view to_string(Layer layer);  ///< "colour", "depth", "class", "instance"
+
+/// Units of Layer::kDepth in a metre.
+inline constexpr double kDepthUnitsPerMetre = 4000;
+
+/// Edge lengths of a panorama's faces, texels, by index(Layer); 0 where it lacks the layer.
+using FaceSizes = std::array<std::uint32_t, kLayers>;
+
+/// Layers as bits 1 << index(Layer).
+using LayerMask = std::uint8_t;
+inline constexpr LayerMask kAllLayers = 15;
+
+/// Faces as bits 1 << index(CubeFace).
+using FaceMask = std::uint8_t;
+inline constexpr FaceMask kAllFaces = 63;
+
+/// Where the panorama of a viewpoint was taken.
+struct PanoramaPose {
+  std::string viewpoint;      ///< id
+  Mat3d world_from_panorama;  ///< a rotation
+  Vec3d position;             ///< metres, world frame
+  bool included = true;       ///< part of the navigation graph; others need have no pictures
+};
+
+/// The panoramas of one scan. Implementations: MatterportImages (files as downloaded), Store (one
+/// packed file), MemoryPanoramas. All functions may be called from any thread at once.
+class PanoramaSource {
+ public:
+  virtual ~PanoramaSource() = default;
+  PanoramaSource(const PanoramaSource&) = delete;
+  PanoramaSource& operator=(const PanoramaSource&) = delete;
+
+  const std::string& scan() const noexcept { return scan_; }
+  /// Where the pictures come from, for messages: a folder, a file, "<memory>".
+  const std::string& origin() const noexcept { return origin_; }
+  std::size_t size() const noexcept { return poses_.size(); }  ///< viewpoints, excluded ones too
+  const std::vector<PanoramaPose>& poses() const noexcept { return poses_; }  ///< by ViewpointIndex
+  std::optional<ViewpointIndex> find(std::string_view viewpoint) const;
+  /// As find(). \throws LookupError naming scan, viewpoint and origin
+  ViewpointIndex at(std::string_view viewpoint) const;
+
+  /// The scan's navigation graph as in its connectivity file. \throws FileError, InvalidInput
+  virtual Connectivity connectivity() const = 0;
+
+  /// Which layers the panorama has and how large; all 0 if it has no pictures. Reads headers only.
+  /// \pre viewpoint < size() (here and below)
+  /// \throws FileError, InvalidInput
+  virtual FaceSizes face_sizes(ViewpointIndex viewpoint) const = 0;
+
+  /// True if one face costs as much as all six (a strip): callers then ask for all at once.
+  virtual bool reads_whole_panoramas() const noexcept = 0;
+
+  /// Decodes the faces in `wanted` into buffers[index(face)], borders included; the others are not
+  /// looked at. \pre buffers have the size of face_sizes()
+  /// \throws LookupError if the panorama lacks the layer, naming scan, viewpoint and the files that
+  /// were tried; FileError; InvalidInput naming file, scan and viewpoint for broken ones
+  virtual void read_colour(ViewpointIndex viewpoint, FaceMask wanted,
+                           const std::array<image::BorderedFace, kCubeFaces>& buffers) const = 0;
+  /// Depth and class: n x n values a face, row-major, no border. \throws as read_colour()
+  virtual void read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+                       const std::array<std::uint16_t*, kCubeFaces>& buffers) const = 0;
+  /// Instances, likewise.
+  virtual void read_instances(ViewpointIndex viewpoint, FaceMask wanted,
+                              const std::array<std::uint32_t*, kCubeFaces>& buffers) const = 0;
+
+  /// The colour faces as JPEG, by index(CubeFace), where they are had without decoding and
+  /// encoding. Nothing otherwise. \throws as read_colour()
+  virtual std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
+      ViewpointIndex viewpoint) const;
+
+  /// Text that changes whenever the pictures do, as far as that can be told at once: names, sizes
+  /// and times of files, say. Empty if it can't be told; packing then neither resumes nor knows
+  /// that it is done. \throws FileError
+  virtual std::string state() const;
+
+ protected:
+  PanoramaSource(std::string scan, std::string origin, std::vector<PanoramaPose> poses);
+
+ private:
+  std::string scan_, origin_;
+  std::vector<PanoramaPose> poses_;
+  std::unordered_map<std::string_view, ViewpointIndex> by_id_;
+};
+
+/// The poses in a connectivity file. \throws InvalidInput if a pose's 3 x 3 part is no rotation
+/// (to 1e-3, as files of 6 digits hold it), naming its JSON path.
+std::vector<PanoramaPose> poses_of(const Connectivity& connectivity);
+
+/// A whole panorama in memory. Layers that it lacks are empty pictures.
+struct Panorama {
+  image::CubeMap<std::uint8_t> colour;      ///< 3 channels
+  image::CubeMap<std::uint16_t> depth;      ///< 1 channel; as Layer::kDepth (here and below)
+  image::CubeMap<std::uint16_t> classes;    ///< 1 channel
+  image::CubeMap<std::uint32_t> instances;  ///< 1 channel
+
+  FaceSizes sizes() const noexcept;
+};
+
+/// Reads those of the layers that the panorama has. \throws as the read functions
+Panorama read_panorama(const PanoramaSource& source, ViewpointIndex viewpoint,
+                       LayerMask layers = kAllLayers);
+
+/// Panoramas that are in memory already: made ones, tests', an import's. Immutable.
+class MemoryPanoramas final : public PanoramaSource {
+ public:
+  /// \param panoramas by ViewpointIndex, as connectivity.entries
+  /// \throws ArgumentError for other counts, faces that are not square and alike, wrong channels;
+  /// InvalidInput as poses_of()
+  MemoryPanoramas(Connectivity connectivity, std::vector<Panorama> panoramas);
+  Connectivity connectivity() const override { return connectivity_; }
+  FaceSizes face_sizes(ViewpointIndex viewpoint) const override;
+  bool reads_whole_panoramas() const noexcept override { return false; }
+  void read_colour(ViewpointIndex viewpoint, FaceMask wanted,
+                   const std::array<image::BorderedFace, kCubeFaces>& buffers) const override;
+  void read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+               const std::array<std::uint16_t*, kCubeFaces>& buffers) const override;
+  void read_instances(ViewpointIndex viewpoint, FaceMask wanted,
+                      const std::array<std::uint32_t*, kCubeFaces>& buffers) const override;
+  std::string state() const override;  ///< a checksum of all pixels
+
+ private:
+  Connectivity connectivity_;
+  std::vector<Panorama> panoramas_;
+};
+
+}  // namespace enfilade::scan

@@ -1,0 +1,297 @@
+#include "enfilade/scan/store.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+#include "enfilade/core/check.h"
+#include "enfilade/core/threads.h"
+#include "enfilade/scan/detail/mapped_file.h"
+#include "enfilade/scan/detail/store_format.h"
+
+namespace enfilade::scan {
+
+using detail::Coding;
+using detail::FaceEntry;
+using detail::Header;
+using detail::RecordHeader;
+
+namespace {
+
+// Which face of a store, for messages.
+struct FaceName {
+  const PanoramaSource& store;
+  ViewpointIndex viewpoint;
+  Layer layer;
+  std::size_t face;
+};
+
+constexpr const char* kChanged = "its bytes differ from those that were packed";
+
+Diagnostic fault(const FaceName& name, std::string code, std::string message) {
+  return {Severity::kError, name.store.origin(),
+          fmt::format("scan {:?}, viewpoint {:?}, {}, face {}", name.store.scan(),
+                      name.store.poses()[name.viewpoint.at()].viewpoint, to_string(name.layer),
+                      name.face),
+          std::move(code), std::move(message)};
+}
+
+[[noreturn]] void refuse(Diagnostic diagnostic) { throw InvalidInput({std::move(diagnostic)}); }
+
+// Of a thread, as large as its largest border so far.
+std::span<std::uint8_t> border_room(std::uint32_t size) {
+  thread_local std::vector<std::uint8_t> memory;
+  const std::size_t bytes = 3 * image::border_texels(size);
+  if (memory.size() < bytes) memory.resize(bytes);
+  return {memory.data(), bytes};
+}
+
+void copy_rgb(const std::uint8_t* rgb, const image::BorderedFace& face) {
+  for (std::ptrdiff_t y = 0; y < std::ptrdiff_t{face.size}; ++y) {
+    std::uint8_t* to = face.texel(0, y);
+    for (std::uint32_t x = 0; x < face.size; ++x, rgb += 3, to += 4) {
+      to[0] = rgb[0];
+      to[1] = rgb[1];
+      to[2] = rgb[2];
+      to[3] = 255;
+    }
+  }
+}
+
+}  // namespace
+
+struct Store::Impl {
+  explicit Impl(const std::filesystem::path& path)
+      : file(path), catalogue(detail::read_catalogue(file.bytes(), path.string())) {}
+
+  const FaceEntry& entry(const FaceName& name) const {
+    return catalogue.faces[name.viewpoint.at()][detail::entry_index(name.layer, name.face)];
+  }
+  // The border, if it has one, comes after it.
+  image::Bytes bytes_of(const FaceEntry& entry) const {
+    return file.bytes().subspan(entry.offset, entry.all_bytes());
+  }
+  bool is_whole(const FaceEntry& entry) const {
+    return detail::checksum(bytes_of(entry)) == entry.checksum;
+  }
+  const FaceEntry& whole_entry(const FaceName& name) const {
+    const FaceEntry& found = entry(name);
+    if (!is_whole(found)) refuse(fault(name, "bad-checksum", kChanged));
+    return found;
+  }
+
+  std::uint32_t size_of(const PanoramaSource& store, ViewpointIndex viewpoint, Layer layer) const;
+  void read_colour_face(const FaceName& name, const image::BorderedFace& face) const;
+  template <class T>
+  void read_faces(const PanoramaSource& store, Layer layer, ViewpointIndex viewpoint,
+                  FaceMask wanted, const std::array<T*, kCubeFaces>& buffers) const;
+  void verify_records(const std::string& origin, std::vector<Diagnostic>& faults) const;
+  void verify_faces(const PanoramaSource& store, ViewpointIndex viewpoint, std::mutex& mutex,
+                    std::vector<Diagnostic>& faults) const;
+
+  detail::MappedFile file;
+  detail::Catalogue catalogue;
+};
+
+std::uint32_t Store::Impl::size_of(const PanoramaSource& store, ViewpointIndex viewpoint,
+                                   Layer layer) const {
+  const std::uint32_t size = catalogue.sizes.at(viewpoint.at())[index(layer)];
+  if (size == 0) {
+    throw LookupError(fmt::format("scan {:?}, viewpoint {:?}: no {} in {}", store.scan(),
+                                  store.poses()[viewpoint.at()].viewpoint, to_string(layer),
+                                  store.origin()));
+  }
+  return size;
+}
+
+void Store::Impl::read_colour_face(const FaceName& name, const image::BorderedFace& face) const {
+  const FaceEntry& found = whole_entry(name);
+  const image::Bytes bytes = bytes_of(found);
+  const image::Bytes picture = bytes.first(found.bytes);
+  if (found.coding == Coding::kRawRgb) {
+    copy_rgb(picture.data(), face);
+  } else {
+    try {
+      image::decode_jpeg_rgba(picture, face.size, face.size, face.origin, face.stride,
+                              name.store.origin());
+    } catch (const Error& error) {  // which knows nothing of viewpoints
+      refuse(fault(name, "damaged-face", error.what()));
+    }
+  }
+  const std::span<std::uint8_t> border = border_room(face.size);
+  if (!detail::decompress(bytes.subspan(found.bytes), border)) {
+    refuse(fault(name, "damaged-face", "its border cannot be decompressed"));
+  }
+  image::write_border(face, border);
+}
+
+template <class T>
+void Store::Impl::read_faces(const PanoramaSource& store, Layer layer, ViewpointIndex viewpoint,
+                             FaceMask wanted, const std::array<T*, kCubeFaces>& buffers) const {
+  const std::uint32_t size = size_of(store, viewpoint, layer);
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    if ((wanted >> k & 1) == 0) continue;
+    const FaceName name{store, viewpoint, layer, k};
+    const FaceEntry& found = whole_entry(name);
+    if (!detail::decode_texels(found.coding, bytes_of(found), size, buffers[k])) {
+      refuse(fault(name, "damaged-face",
+                   fmt::format("cannot be decompressed to {} x {} values", size, size)));
+    }
+  }
+}
+
+// All records, one after another, say what the catalogue says and fill the file up to it.
+void Store::Impl::verify_records(const std::string& origin, std::vector<Diagnostic>& faults) const {
+  std::uint64_t at = sizeof(Header);
+  const auto report = [&](std::string message) {
+    faults.push_back({Severity::kError, origin, fmt::format("record at byte {}", at),
+                      "bad-checksum", std::move(message)});
+  };
+  std::vector<bool> seen(catalogue.faces.size(), false);
+  while (at < catalogue.header.catalogue) {
+    const auto record = detail::read_record(file.bytes().first(catalogue.header.catalogue), at);
+    if (!record) return report("its header was changed");
+    const std::size_t viewpoint = record->viewpoint;
+    if (viewpoint >= seen.size() || seen[viewpoint] ||
+        record->faces != catalogue.faces[viewpoint] ||
+        record->sizes != catalogue.sizes[viewpoint]) {
+      return report("its header and the catalogue differ");
+    }
+    seen[viewpoint] = true;
+    at += sizeof(RecordHeader) + record->payload_bytes;
+  }
+  for (std::size_t v = 0; v < seen.size(); ++v) {
+    if (seen[v] == (catalogue.sizes[v] == FaceSizes{})) {
+      report(fmt::format("viewpoint {} has no record, or one without pictures", v));
+    }
+  }
+}
+
+void Store::Impl::verify_faces(const PanoramaSource& store, ViewpointIndex viewpoint,
+                               std::mutex& mutex, std::vector<Diagnostic>& faults) const {
+  for (std::size_t l = 0; l < kLayers; ++l) {
+    for (std::size_t k = 0; k < kCubeFaces; ++k) {
+      const FaceName name{store, viewpoint, static_cast<Layer>(l), k};
+      const FaceEntry& found = entry(name);
+      if (found.coding == Coding::kAbsent || is_whole(found)) continue;
+      const std::scoped_lock lock(mutex);
+      faults.push_back(fault(name, "bad-checksum", kChanged));
+    }
+  }
+}
+
+std::filesystem::path store_file(const std::filesystem::path& directory, const std::string& scan) {
+  if (!detail::is_scan_id(scan)) {
+    throw LookupError(fmt::format("scan {:?}: not a scan id (letters, digits, _ and -)", scan));
+  }
+  return directory / (scan + ".enfilade");
+}
+
+Store::Store(std::unique_ptr<Impl> impl, std::string scan, std::string origin,
+             std::vector<PanoramaPose> poses)
+    : PanoramaSource(std::move(scan), std::move(origin), std::move(poses)),
+      impl_(std::move(impl)) {}
+
+Store::~Store() = default;
+
+std::shared_ptr<const Store> Store::open(const std::filesystem::path& file) {
+  auto impl = std::make_unique<Impl>(file);
+  std::string scan = impl->catalogue.scan;
+  std::vector<PanoramaPose> poses = std::move(impl->catalogue.poses);
+  return std::shared_ptr<Store>(
+      new Store(std::move(impl), std::move(scan), file.string(), std::move(poses)));
+}
+
+Connectivity Store::connectivity() const {
+  const auto refuse_graph = [&](std::string code, std::string message) {
+    refuse({Severity::kError, origin(), "graph", std::move(code), std::move(message)});
+  };
+  if (detail::checksum(impl_->catalogue.graph) != impl_->catalogue.header.graph_checksum) {
+    refuse_graph("bad-checksum", kChanged);
+  }
+  std::vector<std::uint8_t> json(impl_->catalogue.header.graph_json_bytes);
+  if (!detail::decompress(impl_->catalogue.graph, json)) {
+    refuse_graph("bad-index", "cannot be decompressed to the size that the header states");
+  }
+  Connectivity graph = parse_connectivity({reinterpret_cast<const char*>(json.data()), json.size()},
+                                          scan(), origin());
+  if (!std::ranges::equal(graph.entries, poses(), {}, &ConnectivityEntry::id,
+                          &PanoramaPose::viewpoint)) {
+    refuse_graph("bad-index", "its viewpoints are not those of the catalogue");
+  }
+  return graph;
+}
+
+FaceSizes Store::face_sizes(ViewpointIndex viewpoint) const {
+  return impl_->catalogue.sizes.at(viewpoint.at());
+}
+
+void Store::read_colour(ViewpointIndex viewpoint, FaceMask wanted,
+                        const std::array<image::BorderedFace, kCubeFaces>& buffers) const {
+  const std::uint32_t size = impl_->size_of(*this, viewpoint, Layer::kColour);
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    if ((wanted >> k & 1) == 0) continue;
+    EN_CHECK_EQ(buffers[k].size, size);
+    impl_->read_colour_face({*this, viewpoint, Layer::kColour, k}, buffers[k]);
+  }
+}
+
+void Store::read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+                    const std::array<std::uint16_t*, kCubeFaces>& buffers) const {
+  EN_CHECK(layer == Layer::kDepth || layer == Layer::kClass);
+  impl_->read_faces(*this, layer, viewpoint, wanted, buffers);
+}
+
+void Store::read_instances(ViewpointIndex viewpoint, FaceMask wanted,
+                           const std::array<std::uint32_t*, kCubeFaces>& buffers) const {
+  impl_->read_faces(*this, Layer::kInstance, viewpoint, wanted, buffers);
+}
+
+std::optional<std::array<std::string, kCubeFaces>> Store::colour_jpegs(
+    ViewpointIndex viewpoint) const {
+  impl_->size_of(*this, viewpoint, Layer::kColour);
+  std::array<std::string, kCubeFaces> jpegs;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    const FaceEntry& found = impl_->whole_entry({*this, viewpoint, Layer::kColour, k});
+    if (found.coding != Coding::kJpeg) return std::nullopt;
+    const image::Bytes bytes = impl_->bytes_of(found);
+    jpegs[k].assign(reinterpret_cast<const char*>(bytes.data()), found.bytes);
+  }
+  return jpegs;
+}
+
+std::string Store::state() const {
+  const Header& header = impl_->catalogue.header;
+  return fmt::format("{:016x} {:016x}", header.catalogue_checksum, header.graph_checksum);
+}
+
+std::vector<Diagnostic> Store::verify(int threads, const Progress& progress) const {
+  std::vector<Diagnostic> faults;
+  try {
+    connectivity();
+  } catch (const InvalidInput& error) {
+    faults = error.diagnostics();
+  }
+  impl_->verify_records(origin(), faults);
+  std::mutex mutex;
+  // Panoramas between two reports of progress.
+  constexpr std::size_t kWindow = 64;
+  for (std::size_t begin = 0; begin < size(); begin += kWindow) {
+    const std::size_t count = std::min(kWindow, size() - begin);
+    parallel_for(count, 1, threads, [&](std::size_t from, std::size_t to) {
+      for (std::size_t i = from; i < to; ++i) {
+        impl_->verify_faces(*this, ViewpointIndex(begin + i), mutex, faults);
+      }
+    });
+    if (progress) progress(begin + count, size());
+  }
+  // The same list at any number of threads.
+  std::ranges::stable_sort(faults, {}, &Diagnostic::where);
+  return faults;
+}
+
+std::uint64_t Store::bytes() const noexcept { return impl_->file.bytes().size(); }
+std::uint64_t Store::fingerprint() const noexcept { return impl_->catalogue.header.fingerprint; }
+
+}  // namespace enfilade::scan

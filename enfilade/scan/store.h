@@ -1,0 +1,90 @@
+/// \file  One scan in one file: `<scan>.enfilade`, mapped into memory and shared by all processes.
+/// Format: docs/store.md.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/progress.h"
+#include "enfilade/scan/panorama_source.h"
+
+namespace enfilade::scan {
+
+inline constexpr std::uint32_t kStoreVersion = 1;
+
+/// `<directory>/<scan>.enfilade`. \throws LookupError if `scan` cannot be part of a file name
+std::filesystem::path store_file(const std::filesystem::path& directory, const std::string& scan);
+
+/// How RGB faces are kept.
+enum class ColourCoding : std::uint8_t {
+  kKeep,  ///< the source's own JPEG bytes, where it has them at the wanted size; else kJpeg
+  kJpeg,  ///< encoded anew
+  kRaw,   ///< uncompressed: decoding is a copy, a panorama takes 4.5 MiB at 512
+};
+
+struct PackOptions {
+  ColourCoding colour = ColourCoding::kKeep;
+  std::uint32_t face_size = 0;  ///< texels; 0: as the source has them; larger ones are shrunk
+  int jpeg_quality = 95;        ///< 1 .. 100; 4:4:4 from 90 on
+  bool included_only = true;    ///< leave out the pictures (not the poses) of excluded viewpoints
+  int threads = 0;              ///< 0: all cores
+};
+
+struct PackReport {
+  std::filesystem::path file;
+  std::size_t panoramas = 0;  ///< with pictures
+  std::size_t resumed = 0;    ///< of them, taken from an earlier run that was killed
+  std::uint64_t bytes = 0;    ///< of the file
+  bool was_complete = false;  ///< the file was there and made of the same input; nothing done
+  std::vector<std::string> without;  ///< included viewpoints that have no pictures
+};
+
+/// Writes the source's store into `directory`, in the order of the viewpoints, so that the same
+/// input gives the same bytes at any number of threads. Work in progress is in
+/// `<scan>.enfilade.part`; the store appears, whole, by a rename. A part that a killed run left is
+/// continued if it was made of the same input with the same options, else begun anew. \throws what
+/// the source throws (the part is kept: mend the file, run again); FileError if the directory can't
+/// be written; ArgumentError for options out of range, or if no panorama has colour
+PackReport pack(const PanoramaSource& source, const std::filesystem::path& directory,
+                const PackOptions& options, const Progress& progress = {});
+
+/// A packed scan. Opening maps the file and checks header and index; the content of a face is
+/// checked against its checksum whenever it is decoded.
+class Store final : public PanoramaSource {
+ public:
+  /// \throws FileError; InvalidInput for a file that is no store, of another version, truncated, or
+  /// whose header or index was changed
+  static std::shared_ptr<const Store> open(const std::filesystem::path& file);
+  ~Store() override;
+
+  Connectivity connectivity() const override;
+  FaceSizes face_sizes(ViewpointIndex viewpoint) const override;
+  bool reads_whole_panoramas() const noexcept override { return false; }
+  void read_colour(ViewpointIndex viewpoint, FaceMask wanted,
+                   const std::array<image::BorderedFace, kCubeFaces>& buffers) const override;
+  void read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+               const std::array<std::uint16_t*, kCubeFaces>& buffers) const override;
+  void read_instances(ViewpointIndex viewpoint, FaceMask wanted,
+                      const std::array<std::uint32_t*, kCubeFaces>& buffers) const override;
+  std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
+      ViewpointIndex viewpoint) const override;
+  std::string state() const override;  ///< its checksums
+
+  /// Reads everything and compares all checksums; each fault is an error with code "bad-checksum".
+  std::vector<Diagnostic> verify(int threads = 0, const Progress& progress = {}) const;
+  std::uint64_t bytes() const noexcept;  ///< of the file
+  /// Of the input and options that it was packed from; 0 if that can't be told.
+  std::uint64_t fingerprint() const noexcept;
+
+ private:
+  struct Impl;
+  Store(std::unique_ptr<Impl> impl, std::string scan, std::string origin,
+        std::vector<PanoramaPose> poses);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace enfilade::scan

@@ -1,0 +1,40 @@
+/// \file  Reader of `undistorted_camera_parameters/<scan>.conf`.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/geometry/mat.h"
+
+namespace enfilade::scan {
+
+/// One picture that Matterport's camera took, undistorted. Camera frame of the file: x right, y up,
+/// looking along -z. A point (x, y, z) of it is seen at column cx - fx x / z and row cy - fy y / z,
+/// counted from the bottom; whole numbers are the middles of pixels (the file does not say; so it
+/// is in OpenCV, whose names the raw intrinsics use).
+struct UndistortedCamera {
+  std::string depth_file, colour_file;    ///< `<viewpoint>_d<cam>_<yaw>.png`, `_i<cam>_<yaw>.jpg`
+  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels; the file counts rows from the bottom (cy too)
+  Mat3d world_from_camera;
+  Vec3d position;  ///< metres, world frame
+
+  std::string_view viewpoint() const;  ///< the part of depth_file before "_d"
+};
+
+struct UndistortedCameras {
+  std::string depth_directory, colour_directory;  ///< as named in the file
+  std::vector<UndistortedCamera> cameras;         ///< in the file's order
+};
+
+/// Commands: `dataset`, `n_images`, `depth_directory`, `color_directory`, `intrinsics_matrix`, and
+/// `scan` or `image`, which are one. `rectangle`, `mesh` and `texture_directory`, which the
+/// reference reader takes too, have no effect on pictures and are passed over. Empty lines, and
+/// those that begin with '#', too. \param file its name in messages \throws InvalidInput naming the
+/// line of each: an unknown command, a wrong number of fields, a number that is none, a camera
+/// before its intrinsics (or after `intrinsics <file>`: that file is not read), a depth file's name
+/// of another form, a pose that is no rotation, or another number of `scan` lines than `n_images`
+UndistortedCameras parse_undistorted_cameras(std::string_view text, const std::string& file);
+
+}  // namespace enfilade::scan
