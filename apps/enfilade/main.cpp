@@ -14,8 +14,14 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done, 1 faults found in what was checked, 2 command line, 3 input or output\n"
       "files, 4 Enfilade's own failure.");
   int status = kSuccess;
+  add_contact_sheet(app, status);
   add_demo(app, status);
+  add_doctor(app, status);
   add_graph(app, status);
+  add_import(app, status);
+  add_pack(app, status);
+  add_panorama(app, status);
+  add_render(app, status);
   add_run(app, status);
   add_sample(app, status);
   add_score(app, status);

@@ -44,7 +44,9 @@ struct Case {
 std::vector<Case> graph_cases();
 std::vector<Case> annotation_cases();
 std::vector<Case> result_cases();
+std::vector<Case> render_cases();
 std::vector<Case> command_line_cases();
+std::vector<Case> import_cases();
 std::vector<Case> all_cases();
 
 struct Outcome {

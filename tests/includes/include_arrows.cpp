@@ -29,6 +29,14 @@ const std::vector<ThirdParty>& third_parties() {
       {"tbb/", {"enfilade/core/"}},
       {"nanoflann.hpp", {"enfilade/"}},
       {"zlib.h", {"apps/", "tests/"}},
+      {"hwy/", {"enfilade/render/", "apps/"}},
+      {"turbojpeg.h", {"enfilade/image/"}},
+      {"jpeglib.h", {"enfilade/image/"}},
+      {"spng.h", {"enfilade/image/"}},
+      {"zip.h", {"enfilade/scan/", "tests/"}},
+      {"zstd.h", {"enfilade/scan/"}},
+      {"xxhash.h", {"enfilade/scan/", "tests/"}},
+      {"epoxy/", {"enfilade/render/gl/"}},
       {"CLI/", {"apps/"}},
       {"benchmark/", {"bench/"}},
       {"gtest/", {"tests/"}},
@@ -44,8 +52,8 @@ bool is_standard(std::string_view name) {
 
 /// What a source may use of POSIX, but no public header.
 bool is_posix(std::string_view name) {
-  static const std::set<std::string_view> kPosix{"unistd.h", "fcntl.h", "signal.h", "dirent.h",
-                                                 "poll.h"};
+  static const std::set<std::string_view> kPosix{"unistd.h", "fcntl.h", "signal.h",
+                                                 "dirent.h", "poll.h",  "dlfcn.h"};
   return kPosix.contains(name) || name.starts_with("sys/");
 }
 

@@ -1,0 +1,365 @@
+#include "apps/bench_render/bench_render.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <functional>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "apps/common/program.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/threads.h"
+#include "enfilade/sim/observe.h"
+
+namespace enfilade::apps {
+namespace {
+
+using scan::Layer;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::shared_ptr<const graph::GraphSet> graphs_of(const scan::PanoramaSet& panoramas) {
+  std::vector<graph::NavGraph> graphs;
+  for (std::size_t s = 0; s < panoramas.size(); ++s) {
+    graphs.emplace_back(panoramas.source(ScanIndex(s)).connectivity());
+  }
+  return graph::GraphSet::of(std::move(graphs));
+}
+
+// A 3 x 3 grid of viewpoints whose neighbours are joined.
+scan::Connectivity synthetic_graph() {
+  constexpr std::size_t kSide = 3;
+  constexpr double kApart = 3;
+  scan::Connectivity c{"synthetic", "<memory>", {}};
+  for (std::size_t i = 0; i < kSide * kSide; ++i) {
+    scan::ConnectivityEntry entry;
+    const std::size_t column = i % kSide, row = i / kSide;
+    const double x = kApart * static_cast<double>(column), y = kApart * static_cast<double>(row);
+    entry.id = fmt::format("v{}", i);
+    entry.pose = {1, 0, 0, x, 0, 0, 1, y, 0, -1, 0, 1.5, 0, 0, 0, 1};
+    entry.height = 1.5;
+    for (std::size_t j = 0; j < kSide * kSide; ++j) {
+      const auto across = static_cast<int>(i % kSide) - static_cast<int>(j % kSide);
+      const auto along = static_cast<int>(i / kSide) - static_cast<int>(j / kSide);
+      if (across * across + along * along == 1) entry.unobstructed.emplace_back(j);
+    }
+    entry.visible = entry.unobstructed;
+    c.entries.push_back(std::move(entry));
+  }
+  return c;
+}
+
+scan::Panorama synthetic_panorama(std::size_t seed) {
+  constexpr std::uint32_t kSize = 512;
+  constexpr std::size_t kTexels = std::size_t{kSize} * kSize;
+  std::minstd_rand random(static_cast<std::uint32_t>(seed) + 1);
+  scan::Panorama panorama;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    panorama.colour[k] = image::Image8(kSize, kSize, 3);
+    panorama.depth[k] = image::Image16(kSize, kSize, 1);
+    panorama.classes[k] = image::Image16(kSize, kSize, 1);
+    panorama.instances[k] = image::Image32(kSize, kSize, 1);
+    for (std::size_t i = 0; i < kTexels; ++i) {
+      const auto bits = static_cast<std::uint32_t>(random());
+      for (std::size_t c = 0; c < 3; ++c) {
+        panorama.colour[k].pixels[3 * i + c] = static_cast<std::uint8_t>(bits >> (8 * c));
+      }
+      panorama.depth[k].pixels[i] = static_cast<std::uint16_t>(bits >> 8);
+      panorama.classes[k].pixels[i] = static_cast<std::uint16_t>(bits % 41);
+      panorama.instances[k].pixels[i] = bits % 300;
+    }
+  }
+  return panorama;
+}
+
+struct ColourWord {
+  const char* word;
+  render::ColourFormat format;
+};
+constexpr std::array<ColourWord, 5> kColourWords{{{"rgb", render::ColourFormat::kRgb8},
+                                                  {"bgr", render::ColourFormat::kBgr8},
+                                                  {"rgba", render::ColourFormat::kRgba8},
+                                                  {"f16", render::ColourFormat::kPlanarFloat16},
+                                                  {"f32", render::ColourFormat::kPlanarFloat32}}};
+
+std::vector<Layer> layers_of(const render::Outputs& outputs) {
+  std::vector<Layer> layers;
+  if (outputs.colour) layers.push_back(Layer::kColour);
+  if (outputs.depth) layers.push_back(Layer::kDepth);
+  if (outputs.classes) layers.push_back(Layer::kClass);
+  if (outputs.instances) layers.push_back(Layer::kInstance);
+  return layers;
+}
+
+std::size_t line_of_status(const std::string& status, const std::string& name) {
+  const std::size_t at = status.find(name + ":");
+  if (at == std::string::npos) return 0;
+  const std::size_t digits = status.find_first_of("0123456789", at);
+  std::size_t kilobytes = 0;
+  std::from_chars(status.data() + digits, status.data() + status.size(), kilobytes);
+  return kilobytes * 1024;
+}
+
+// A cache and a renderer on it.
+struct Setup {
+  std::shared_ptr<render::FaceCache> faces;
+  std::unique_ptr<render::Renderer> renderer;
+
+  Setup(const std::shared_ptr<const scan::PanoramaSet>& panoramas, const Combination& combination,
+        const BenchSettings& settings, std::size_t cache_bytes) {
+    render::FaceCacheConfig cache;
+    cache.bytes = cache_bytes;
+    cache.threads = combination.threads;
+    cache.prefetch_thread = settings.prefetch;
+    faces = std::make_shared<render::FaceCache>(panoramas, cache);
+    render::RendererConfig config;
+    config.backend = settings.backend;
+    config.threads = combination.threads;
+    config.gl_device = settings.gl_device;
+    renderer = render::make_renderer(faces, config);
+  }
+};
+
+// Times `repeat`, which draws a number of frames and returns it.
+Measurement time_repetitions(const Combination& combination, const BenchSettings& settings,
+                             Setup& setup, const std::function<std::size_t()>& repeat) {
+  Measurement m{
+      .combination = combination, .renderer = setup.renderer->description(), .per_second = {}};
+  const render::FaceCacheCounters before = setup.faces->counters();
+  double seconds = 0;
+  std::size_t frames = 0;
+  for (std::size_t i = 0; i < settings.repetitions; ++i) {
+    if (combination.cold) setup.faces->clear();
+    const Clock::time_point start = Clock::now();
+    const std::size_t drawn = repeat();
+    const double took = seconds_since(start);
+    m.per_second.push_back(static_cast<double>(drawn) / took);
+    seconds += took;
+    frames += drawn;
+  }
+  std::ranges::sort(m.per_second);
+  const render::FaceCacheCounters after = setup.faces->counters();
+  const int threads = combination.threads > 0 ? combination.threads : available_threads();
+  m.decoding_share = static_cast<double>(after.decode_nanoseconds - before.decode_nanoseconds) /
+                     1e9 / (seconds * threads);
+  m.faces_per_frame =
+      static_cast<double>(after.misses - before.misses + after.prefetched - before.prefetched) /
+      static_cast<double>(frames);
+  m.cache_bytes = after.bytes;
+  return m;
+}
+
+// The whole walk, frame by frame; `each` sees every step.
+std::size_t walk(const Buildings& buildings, const Combination& c, const BenchSettings& settings,
+                 Setup& setup, const render::Outputs& outputs,
+                 const std::function<void(const Walk&)>& each = {}) {
+  Walk walk(buildings, c.camera, c.batch);
+  const std::vector<Layer> layers = layers_of(outputs);
+  const std::size_t steps = std::max<std::size_t>(settings.frames / c.batch, 1);
+  for (std::size_t i = 0; i < steps; ++i) {
+    if (i > 0) walk.step();
+    setup.renderer->render(c.camera, walk.views(), outputs);
+    if (settings.prefetch) {
+      sim::prefetch_neighbours(walk.state(), walk.max_navigable(), c.camera, layers, *setup.faces);
+    }
+    if (each) each(walk);
+  }
+  return steps * c.batch;
+}
+
+}  // namespace
+
+std::size_t Buildings::viewpoints() const {
+  std::size_t count = 0;
+  for (std::size_t s = 0; s < graphs->size(); ++s) {
+    count += graphs->graph(ScanIndex(s)).included_count();
+  }
+  return count;
+}
+
+std::uint32_t Buildings::face_size() const {
+  const scan::PanoramaSource& source = panoramas->source(ScanIndex());
+  for (std::size_t v = 0; v < source.size(); ++v) {
+    const std::uint32_t size = source.face_sizes(ViewpointIndex(v))[index(Layer::kColour)];
+    if (size > 0) return size;
+  }
+  throw LookupError(fmt::format("scan {} in {} has no panorama", source.scan(), source.origin()));
+}
+
+Buildings open_buildings(const scan::PanoramaPlaces& places,
+                         const std::vector<std::string>& scans) {
+  Buildings buildings;
+  buildings.panoramas = scan::PanoramaSet::open(places, scans);
+  buildings.graphs = graphs_of(*buildings.panoramas);
+  buildings.origin = buildings.panoramas->source(ScanIndex()).origin();
+  return buildings;
+}
+
+Buildings synthetic_buildings() {
+  scan::Connectivity connectivity = synthetic_graph();
+  std::vector<scan::Panorama> panoramas;
+  for (std::size_t v = 0; v < connectivity.entries.size(); ++v) {
+    panoramas.push_back(synthetic_panorama(v));
+  }
+  Buildings buildings;
+  buildings.panoramas = scan::PanoramaSet::of(
+      {std::make_shared<scan::MemoryPanoramas>(std::move(connectivity), std::move(panoramas))});
+  buildings.graphs = graphs_of(*buildings.panoramas);
+  buildings.origin = "synthetic, in memory (nothing to decode)";
+  return buildings;
+}
+
+OutputMemory::OutputMemory(const std::string& words, const Camera& camera, std::size_t views) {
+  const std::size_t pixels = std::size_t{camera.width} * camera.height * views;
+  for (std::size_t begin = 0; begin <= words.size();) {
+    const std::size_t end = std::min(words.find('+', begin), words.size());
+    add(words.substr(begin, end - begin), pixels);
+    begin = end + 1;
+  }
+}
+
+void OutputMemory::add(const std::string& word, std::size_t pixels) {
+  const auto colour = std::ranges::find_if(
+      kColourWords, [&](const ColourWord& known) { return word == known.word; });
+  if (colour != kColourWords.end()) {
+    if (outputs_.colour) throw UsageError(fmt::format("--outputs: {} beside another colour", word));
+    colour_.resize(pixels * render::pixel_bytes(colour->format));
+    outputs_.colour = {colour->format, render::kImageNet, colour_};
+  } else if (word == "depth") {
+    constexpr auto kFormat = render::DepthFormat::kQuarterMillimetresUint16;
+    depth_.resize(pixels * render::pixel_bytes(kFormat));
+    outputs_.depth = {kFormat, render::DepthMeasure::kZ, depth_};
+  } else if (word == "class") {
+    constexpr auto kFormat = render::ClassFormat::kUint16;
+    classes_.resize(pixels * render::pixel_bytes(kFormat));
+    outputs_.classes = {kFormat, classes_};
+  } else if (word == "instance") {
+    instances_.resize(pixels);
+    outputs_.instances = {instances_};
+  } else {
+    throw UsageError(fmt::format(
+        "--outputs: {:?} is none of rgb, bgr, rgba, f16, f32, depth, class, instance", word));
+  }
+}
+
+Walk::Walk(const Buildings& buildings, const Camera& camera, std::size_t batch)
+    : simulator_(buildings.graphs,
+                 [&] {
+                   sim::SimulatorConfig config = sim::SimulatorConfig::room_to_room();
+                   config.batch_size = batch;
+                   config.camera = camera;
+                   return config;
+                 }()),
+      buffer_(batch, simulator_.config().max_navigable),
+      actions_(batch),
+      views_(batch) {
+  std::vector<sim::EpisodeStart> starts(batch);
+  for (std::size_t i = 0; i < batch; ++i) {
+    const ScanIndex scan(i % buildings.graphs->size());
+    const graph::NavGraph& graph = buildings.graphs->graph(scan);
+    ViewpointIndex viewpoint;
+    do {
+      viewpoint = ViewpointIndex(random_() % graph.size());
+    } while (!graph.included(viewpoint));
+    starts[i] = {{scan, viewpoint}, Radians(0), Radians(0)};
+  }
+  simulator_.new_episodes(starts, buffer_.spans());
+  look();
+}
+
+void Walk::step() {
+  const sim::StateSpans state = buffer_.spans();
+  const auto change = [&] { return Radians(static_cast<double>(random_() % 3) - 1); };
+  for (std::size_t i = 0; i < actions_.size(); ++i) {
+    actions_[i].index = static_cast<std::uint32_t>(random_() % state.navigable_count[i]);
+    actions_[i].heading_change = change();
+    actions_[i].elevation_change = change();
+  }
+  simulator_.step(actions_, state);
+  look();
+}
+
+void Walk::look() { sim::views_of(buffer_.spans(), views_); }
+
+Measurement measure(const Buildings& buildings, const Combination& combination,
+                    const BenchSettings& settings) {
+  const std::size_t cache =
+      combination.cold ? settings.cache_bytes : std::numeric_limits<std::size_t>::max() / 2;
+  Setup setup(buildings.panoramas, combination, settings, cache);
+  const OutputMemory memory(combination.outputs, combination.camera, combination.batch);
+  const auto repeat = [&] {
+    return walk(buildings, combination, settings, setup, memory.outputs());
+  };
+  repeat();  // decodes all that the walk sees, and grows what grows
+  return time_repetitions(combination, settings, setup, repeat);
+}
+
+Measurement measure_sweep(const Buildings& buildings, const Combination& combination,
+                          const BenchSettings& settings) {
+  Setup setup(buildings.panoramas, combination, settings, settings.cache_bytes);
+  const OutputMemory memory(combination.outputs, combination.camera, render::kDiscreteViews);
+  return time_repetitions(combination, settings, setup, [&] {
+    std::size_t frames = 0;
+    for (std::size_t s = 0; s < buildings.panoramas->size(); ++s) {
+      const ScanIndex scan(s);
+      const graph::NavGraph& graph = buildings.graphs->graph(scan);
+      for (std::size_t v = 0; v < graph.size(); ++v) {
+        if (!graph.included(ViewpointIndex(v))) continue;
+        const auto views = render::discrete_views(scan, ViewpointIndex(v));
+        setup.renderer->render(combination.camera, views, memory.outputs());
+        frames += views.size();
+      }
+    }
+    return frames;
+  });
+}
+
+Memory memory_now() {
+  const std::string status = read_file("/proc/self/status");
+  return {line_of_status(status, "RssAnon"), line_of_status(status, "RssFile"),
+          line_of_status(status, "VmHWM")};
+}
+
+WalkMemory measure_walk_memory(const Buildings& buildings, const Combination& combination,
+                               const BenchSettings& settings) {
+  WalkMemory result;
+  result.before = memory_now();
+  Setup setup(buildings.panoramas, combination, settings, settings.cache_bytes);
+  const OutputMemory memory(combination.outputs, combination.camera, combination.batch);
+  std::set<std::pair<ScanIndex, ViewpointIndex>> seen;
+  result.frames =
+      walk(buildings, combination, settings, setup, memory.outputs(), [&](const Walk& now) {
+        for (const render::View& view : now.views()) {
+          seen.emplace(view.scan, view.viewpoint);
+        }
+        const Memory used = memory_now();
+        result.most.anonymous = std::max(result.most.anonymous, used.anonymous);
+        result.most.file_backed = std::max(result.most.file_backed, used.file_backed);
+        result.most.peak = std::max(result.most.peak, used.peak);
+      });
+  result.viewpoints_seen = seen.size();
+  return result;
+}
+
+void draw_first_frame(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
+                      const Combination& combination, const BenchSettings& settings) {
+  Setup setup(panoramas, combination, settings, settings.cache_bytes);
+  const OutputMemory memory(combination.outputs, combination.camera, 1);
+  const scan::PanoramaSource& source = panoramas->source(ScanIndex());
+  for (std::size_t v = 0; v < source.size(); ++v) {
+    if (source.face_sizes(ViewpointIndex(v))[index(Layer::kColour)] == 0) continue;
+    const render::View view{ScanIndex(), ViewpointIndex(v), Radians(0), Radians(0)};
+    setup.renderer->render(combination.camera, std::span(&view, 1), memory.outputs());
+    return;
+  }
+  throw LookupError(fmt::format("scan {} in {} has no panorama", source.scan(), source.origin()));
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,125 @@
+/// \file  How fast panoramas are drawn: what is measured, and how.
+///
+/// Method of the old simulator's own figures, so that ours can stand beside them: agents with
+/// discretized views and an opening of 60 degrees walk at random (any navigable viewpoint or none,
+/// turn and tilt by -1, 0 or 1 step), the same walk in each repetition; a repetition is timed
+/// whole, its steps included.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/render/renderer.h"
+#include "enfilade/scan/panorama_set.h"
+#include "enfilade/sim/simulator.h"
+
+namespace enfilade::apps {
+
+/// Scans to walk in; one ScanIndex serves both sets.
+struct Buildings {
+  std::shared_ptr<const scan::PanoramaSet> panoramas;
+  std::shared_ptr<const graph::GraphSet> graphs;
+  std::string origin;  ///< for the report: "synthetic, in memory", or where they are
+
+  std::size_t viewpoints() const;   ///< included ones of all scans
+  std::uint32_t face_size() const;  ///< of the first panorama's colour, texels
+};
+/// \throws as scan::open_panoramas(), for each scan at once
+Buildings open_buildings(const scan::PanoramaPlaces& places, const std::vector<std::string>& scans);
+/// Nine viewpoints, 3 m apart, in a square, with noise-like pictures of 512 texels in all layers.
+/// There is nothing to decode: a cold cache costs a copy.
+Buildings synthetic_buildings();
+
+/// What is drawn, as the option names it: parts of rgb, bgr, rgba, f16, f32, depth, class and
+/// instance with + between; f16 and f32 are normalised as ImageNet's networks want it, depth is
+/// uint16.
+class OutputMemory {
+ public:
+  /// \throws UsageError for other words, or two that are colour
+  OutputMemory(const std::string& words, const Camera& camera, std::size_t views);
+  const render::Outputs& outputs() const noexcept { return outputs_; }
+
+ private:
+  void add(const std::string& word, std::size_t pixels);
+  std::vector<std::byte> colour_, depth_, classes_;
+  std::vector<std::uint32_t> instances_;
+  render::Outputs outputs_;
+};
+
+/// The same random walk each time it is made.
+class Walk {
+ public:
+  Walk(const Buildings& buildings, const Camera& camera, std::size_t batch);
+  void step();
+  std::span<const render::View> views() const noexcept { return views_; }
+  sim::StateSpans state() noexcept { return buffer_.spans(); }
+  std::size_t max_navigable() const noexcept { return simulator_.config().max_navigable; }
+
+ private:
+  void look();
+  sim::Simulator simulator_;
+  sim::StateBuffer buffer_;
+  std::mt19937 random_{12345};
+  std::vector<sim::Action> actions_;
+  std::vector<render::View> views_;
+};
+
+/// One row of the table.
+struct Combination {
+  Camera camera;
+  std::string outputs;
+  std::size_t batch = 1;
+  int threads = 0;
+  bool cold = false;  ///< nothing is decoded when a repetition starts
+};
+
+struct BenchSettings {
+  render::Backend backend = render::Backend::kCpu;
+  std::string gl_device;
+  std::size_t frames = 600, repetitions = 5;
+  std::size_t cache_bytes = render::FaceCacheConfig().bytes;  ///< of cold runs; hot ones keep all
+  bool prefetch = false;  ///< the faces of neighbours, after each step
+};
+
+struct Measurement {
+  Combination combination;
+  std::string renderer;            ///< its description
+  std::vector<double> per_second;  ///< frames, one a repetition, ascending
+  double decoding_share = 0;       ///< of the threads' time, over all repetitions
+  double faces_per_frame = 0;      ///< decoded
+  std::size_t cache_bytes = 0;     ///< in memory at the end
+  double median() const { return per_second[per_second.size() / 2]; }
+};
+
+Measurement measure(const Buildings& buildings, const Combination& combination,
+                    const BenchSettings& settings);
+
+/// All 36 views of every panorama, one after the other, each repetition from a cold cache.
+Measurement measure_sweep(const Buildings& buildings, const Combination& combination,
+                          const BenchSettings& settings);
+
+/// Of /proc/self/status, bytes; 0 where the system has no such line.
+struct Memory {
+  std::size_t anonymous = 0, file_backed = 0, peak = 0;  ///< RssAnon, RssFile, VmHWM
+};
+Memory memory_now();
+
+struct WalkMemory {
+  Memory before, most;  ///< after opening the scan; the largest of each while walking
+  std::size_t frames = 0, viewpoints_seen = 0;
+};
+/// Walks with settings.cache_bytes.
+WalkMemory measure_walk_memory(const Buildings& buildings, const Combination& combination,
+                               const BenchSettings& settings);
+
+/// One frame at the first viewpoint that has pictures.
+void draw_first_frame(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
+                      const Combination& combination, const BenchSettings& settings);
+
+}  // namespace enfilade::apps

@@ -1,0 +1,321 @@
+// enfilade doctor: what this machine can do, and what to do about what it cannot.
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/core/threads.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/render/gl_devices.h"
+#include "enfilade/render/renderer.h"
+#include "enfilade/scan/connectivity.h"
+#include "enfilade/scan/panorama_set.h"
+#include "enfilade/scan/regions.h"
+
+namespace enfilade::apps {
+namespace {
+
+constexpr const char* kMesaPackages = "libegl1 libegl-mesa0 libgl1-mesa-dri";
+
+enum class State { kFact, kWorks, kMissing };
+
+const char* to_string(State state) {
+  switch (state) {
+    case State::kWorks:
+      return "yes";
+    case State::kMissing:
+      return "no";
+    case State::kFact:
+      break;
+  }
+  return "";
+}
+
+// A line of the report.
+struct Finding {
+  std::string section, name;
+  State state = State::kFact;
+  std::string text;
+  std::string advice = {};  // what to do about it
+};
+
+class Report {
+ public:
+  void begin(std::string section) { section_ = std::move(section); }
+  void add(std::string name, State state, std::string text, std::string advice = {}) {
+    findings_.push_back({section_, std::move(name), state, std::move(text), std::move(advice)});
+  }
+  const std::vector<Finding>& findings() const { return findings_; }
+
+ private:
+  std::string section_;
+  std::vector<Finding> findings_;
+};
+
+double gigabytes(double bytes) { return bytes / (1U << 30); }
+
+// "model name : Intel ..." of Linux on x86; nothing elsewhere.
+std::string processor() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown";
+}
+
+void examine_machine(Report& report) {
+  report.begin("machine");
+  report.add("enfilade", State::kFact, EN_VERSION);
+  report.add("processor", State::kFact, processor());
+  report.add("cores", State::kFact, fmt::format("{} for this process", available_threads()));
+  report.add("SIMD", State::kFact, render::cpu_target());
+  const double page = static_cast<double>(sysconf(_SC_PAGESIZE));
+  report.add("memory", State::kFact,
+             fmt::format("{:.1f} GiB, {:.1f} GiB free",
+                         gigabytes(page * static_cast<double>(sysconf(_SC_PHYS_PAGES))),
+                         gigabytes(page * static_cast<double>(sysconf(_SC_AVPHYS_PAGES)))));
+}
+
+// A panorama of one colour, to try back ends on.
+std::shared_ptr<render::FaceCache> sample_faces() {
+  scan::Connectivity connectivity{"doctor", "<memory>", {}};
+  scan::ConnectivityEntry entry;
+  entry.id = "here";
+  entry.pose = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  connectivity.entries.push_back(entry);
+  scan::Panorama panorama;
+  for (image::Image8& face : panorama.colour) {
+    face = image::Image8(16, 16, 3);
+    std::ranges::fill(face.pixels, std::uint8_t{200});
+  }
+  return std::make_shared<render::FaceCache>(scan::PanoramaSet::of(
+      {std::make_shared<scan::MemoryPanoramas>(connectivity, std::vector{panorama})}));
+}
+
+// Draws a picture; says with what. \throws Error
+std::string try_backend(render::Backend backend) {
+  render::RendererConfig config;
+  config.backend = backend;
+  const auto renderer = render::make_renderer(sample_faces(), config);
+  const Camera camera{64, 48, degrees(60)};
+  const render::View view{ScanIndex(0), ViewpointIndex(0), Radians(1), Radians(0.5)};
+  std::vector<std::uint8_t> pixels(std::size_t{3} * 64 * 48);
+  render::Outputs outputs;
+  outputs.colour = render::ColourOutput{
+      render::ColourFormat::kRgb8, {}, std::as_writable_bytes(std::span(pixels))};
+  renderer->render(camera, {&view, 1}, outputs);
+  if (std::ranges::count(pixels, 200) != std::ssize(pixels)) {
+    throw Error(renderer->description() + " draws a plain picture wrong");
+  }
+  return renderer->description();
+}
+
+// True if at least one back end draws.
+bool examine_backends(Report& report) {
+  report.begin("rendering");
+  bool works = false;
+  for (const render::Backend backend : render::backends()) {
+    const std::string name(to_string(backend));
+    try {
+      report.add(name, State::kWorks, try_backend(backend));
+      works = true;
+    } catch (const Error& error) {
+      const bool gl = backend == render::Backend::kGl;
+      report.add(name, State::kMissing, error.what(),
+                 gl ? fmt::format("use the cpu back end, which needs no OpenGL, or: apt-get "
+                                  "install {}",
+                                  kMesaPackages)
+                    : "please report this");
+    }
+  }
+  return works;
+}
+
+void examine_gl(Report& report) {
+  report.begin("OpenGL through EGL");
+  const auto backends = render::backends();
+  if (std::ranges::find(backends, render::Backend::kGl) == backends.end()) {
+    report.add("EGL", State::kMissing, "this build has none",
+               "for OpenGL, build with -DEN_WITH_GL=ON (needs libepoxy-dev and libegl-dev)");
+    return;
+  }
+  const auto devices = render::gl_devices();
+  if (devices.empty()) {
+    report.add("EGL", State::kMissing, "libEGL.so.1 cannot be loaded",
+               fmt::format("for OpenGL: apt-get install {}, or the driver of your graphics card",
+                           kMesaPackages));
+  }
+  for (const render::GlDevice& device : devices) {
+    const bool numbered = device.name.find_first_not_of("0123456789") == std::string::npos;
+    const std::string name = numbered ? "device " + device.name : device.name;
+    std::string text =
+        device.works ? fmt::format("{}, OpenGL {}", device.renderer, device.version) : device.error;
+    if (!device.uuid.empty()) text += ", UUID " + device.uuid;
+    // No advice on a way of many that does not work: "default" never does without a display.
+    report.add(name, device.works ? State::kWorks : State::kMissing, std::move(text));
+  }
+}
+
+void examine_cuda(Report& report) {
+  report.begin("CUDA");
+  void* library = dlopen("libcuda.so.1", RTLD_LAZY | RTLD_LOCAL);
+  const bool loads = library != nullptr;
+  if (loads) dlclose(library);
+  report.add("driver", loads ? State::kWorks : State::kMissing,
+             loads ? "libcuda.so.1 loads" : "no libcuda.so.1");
+  std::error_code ignored;
+  const bool device = std::filesystem::exists("/dev/nvidiactl", ignored);
+  report.add("device", device ? State::kWorks : State::kMissing,
+             device ? "/dev/nvidiactl" : "no /dev/nvidiactl");
+  report.add("back end", State::kMissing, "this version of Enfilade has none",
+             loads && device ? "use the gl back end, which runs on this graphics card" : "");
+}
+
+// Adds what `look` tells, or that it is missing and why.
+template <class Look>
+void look_for(Report& report, std::string name, const Look& look, std::string advice) {
+  try {
+    report.add(std::move(name), State::kWorks, look());
+  } catch (const Error& error) {
+    report.add(std::move(name), State::kMissing, error.what(), std::move(advice));
+  }
+}
+
+void examine_annotations(Report& report, const scan::DataRoot& data) {
+  for (const std::string split : {"train", "val_seen", "val_unseen", "test"}) {
+    look_for(
+        report, "R2R " + split,
+        [&] {
+          const auto annotations = r2r::load_annotations(data.annotations(split), split);
+          std::size_t instructions = 0;
+          for (const auto& path : annotations.paths) instructions += path.instructions.size();
+          return fmt::format("{} paths, {} instructions", annotations.paths.size(), instructions);
+        },
+        fmt::format("R2R_{}.json is part of the R2R download; only work on it needs it", split));
+  }
+}
+
+void examine_panoramas(Report& report, const scan::DataRoot& data) {
+  look_for(
+      report, "panoramas",
+      [&] {
+        const auto scans = scan::load_scan_list(data.connectivity());
+        const scan::PanoramaPlaces places = data.panoramas();
+        std::size_t found = 0;
+        std::string why_not;
+        for (const std::string& scan : scans) {
+          try {
+            scan::open_panoramas(places, scan);
+            ++found;
+          } catch (const LookupError&) {  // not there
+          } catch (const Error& error) {
+            why_not += fmt::format("\n{}", error.what());
+          }
+        }
+        if (found == 0 || !why_not.empty()) {
+          throw LookupError(fmt::format("of {} of {} scans, below {}{}", found, scans.size(),
+                                        data.folder().string(), why_not));
+        }
+        return fmt::format("of {} of {} scans", found, scans.size());
+      },
+      "Matterport3D's pictures are had from niessner.github.io/Matterport; put them in v1/scans "
+      "below the data, or name their folder by --images. `enfilade import` takes your own.");
+}
+
+void examine_data(Report& report, const std::string& folder) {
+  report.begin("data");
+  std::optional<scan::DataRoot> data;
+  look_for(
+      report, "folder",
+      [&] {
+        data.emplace(open_data(folder));
+        return data->folder().string();
+      },
+      "set ENFILADE_DATA to a folder with connectivity/ and r2r/, or name it by --data");
+  if (!data) return;
+  look_for(
+      report, "connectivity",
+      [&] { return fmt::format("{} scans", scan::load_scan_list(data->connectivity()).size()); },
+      "copy connectivity/ of github.com/peteanderson80/Matterport3DSimulator into the folder");
+  examine_annotations(report, *data);
+  look_for(
+      report, "regions",
+      [&] {
+        const auto regions = scan::RegionMap::load(data->regions());
+        return fmt::format("{} regions in {} scans", regions.regions(), regions.scans().size());
+      },
+      "only `enfilade sample` needs them: region_to_panorama.json of CVDN");
+  examine_panoramas(report, *data);
+}
+
+std::string to_text(const Report& report) {
+  std::size_t width = 0;
+  for (const Finding& f : report.findings()) width = std::max(width, f.name.size());
+  std::string text, section, advice;
+  for (const Finding& f : report.findings()) {
+    if (f.section != section) text += fmt::format("{}{}\n", section.empty() ? "" : "\n", f.section);
+    section = f.section;
+    const std::string indent = fmt::format("  {:<{}}  {:<3}  ", "", width, "");
+    std::string lines = f.text;
+    for (std::size_t at = 0; (at = lines.find('\n', at)) != std::string::npos; ++at) {
+      lines.insert(at + 1, indent);
+    }
+    text += fmt::format("  {:<{}}  {:<3}  {}\n", f.name, width, to_string(f.state), lines);
+    if (!f.advice.empty()) advice += fmt::format("  {:<{}}  {}\n", f.name, width, f.advice);
+  }
+  return advice.empty() ? text : text + "\nwhat to do about what is missing\n" + advice;
+}
+
+std::string to_json(const Report& report, bool works) {
+  using Json = nlohmann::ordered_json;
+  Json json{{"renders", works}};
+  for (const Finding& f : report.findings()) {
+    Json finding{{"text", f.text}};
+    if (f.state != State::kFact) finding["works"] = f.state == State::kWorks;
+    if (!f.advice.empty()) finding["advice"] = f.advice;
+    json[f.section][f.name] = std::move(finding);
+  }
+  // Paths and drivers' names need not be UTF-8.
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+struct Arguments {
+  std::string data;
+  bool json = false;
+};
+
+int examine(const Arguments& arguments) {
+  Report report;
+  examine_machine(report);
+  const bool works = examine_backends(report);
+  examine_gl(report);
+  examine_cuda(report);
+  examine_data(report, arguments.data);
+  write_output("-", arguments.json ? to_json(report, works) : to_text(report));
+  return works ? kSuccess : kFaultsFound;
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "doctor",
+      "Print what this machine can do: processor, renderers, EGL devices, CUDA, data that are "
+      "found, and what to do about what is missing. Exit code 1 if no renderer works.");
+  const auto arguments = std::make_shared<Arguments>();
+  add_data_option(verb, arguments->data);
+  verb.add_flag("--json", arguments->json, "Print it as JSON");
+  set_examples(verb, {"enfilade doctor", "enfilade doctor --json | jq .rendering"});
+  verb.callback([arguments, &status] { status = examine(*arguments); });
+}
+
+}  // namespace enfilade::apps

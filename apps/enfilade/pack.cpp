@@ -1,0 +1,233 @@
+// enfilade pack: a data set's pictures into stores, one file a scan; and stores checked.
+#include <fmt/format.h>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/scan/connectivity.h"
+#include "enfilade/scan/panorama_set.h"
+#include "enfilade/scan/store.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::vector<std::string> scans;
+  std::string data;
+  std::vector<std::string> images;
+  std::string connectivity;
+  std::string output;
+  std::vector<std::string> check;
+  std::string colour = "keep";
+  bool excluded = false;
+  scan::PackOptions options;
+};
+
+scan::PackOptions options_of(const Arguments& a) {
+  scan::PackOptions options = a.options;
+  options.colour = a.colour == "keep"   ? scan::ColourCoding::kKeep
+                   : a.colour == "jpeg" ? scan::ColourCoding::kJpeg
+                                        : scan::ColourCoding::kRaw;
+  options.included_only = !a.excluded;
+  return options;
+}
+
+scan::PanoramaPlaces places_of(const Arguments& a) {
+  scan::PanoramaPlaces places;
+  if (a.images.empty()) places = open_data(a.data).panoramas();
+  if (!a.images.empty()) places.images.assign(a.images.begin(), a.images.end());
+  if (!a.connectivity.empty()) places.connectivity = a.connectivity;
+  if (places.connectivity.empty()) places.connectivity = open_data(a.data).connectivity();
+  // What this command wrote is no source of it.
+  std::erase_if(places.images, [&](const fs::path& folder) {
+    std::error_code ignored;
+    return fs::equivalent(folder, a.output, ignored);
+  });
+  return places;
+}
+
+std::string size_text(std::uint64_t bytes) {
+  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+}
+
+std::string counted(std::size_t n) { return fmt::format("{} panorama{}", n, n == 1 ? "" : "s"); }
+
+std::string summary(const scan::PackReport& report, double seconds) {
+  if (report.was_complete) {
+    return fmt::format("complete already: {}, {}", counted(report.panoramas),
+                       size_text(report.bytes));
+  }
+  const std::string resumed =
+      report.resumed == 0
+          ? ""
+          : fmt::format(" ({} of them kept from a run that was stopped)", report.resumed);
+  return fmt::format("{}{} in {:.1f} s, {}", counted(report.panoramas), resumed, seconds,
+                     size_text(report.bytes));
+}
+
+void list_without(const scan::PackReport& report) {
+  if (report.without.empty()) return;
+  constexpr std::size_t kShown = 5;
+  std::string ids;
+  for (std::size_t i = 0; i < std::min(kShown, report.without.size()); ++i) {
+    ids += "\n    " + report.without[i];
+  }
+  if (report.without.size() > kShown) ids += "\n    ...";
+  fmt::print(stderr, "  {} included viewpoint{} without pictures:{}\n", report.without.size(),
+             report.without.size() == 1 ? "" : "s", ids);
+}
+
+void pack_scan(const Arguments& a, const scan::PanoramaSource& source) {
+  const auto start = std::chrono::steady_clock::now();
+  const scan::PackReport report =
+      scan::pack(source, a.output, options_of(a), progress_bar("packing " + source.scan()));
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  fmt::print("{}: {}\n", report.file.string(), summary(report, seconds.count()));
+  std::fflush(stdout);
+  list_without(report);
+}
+
+struct Outcome {
+  std::size_t packed = 0, without = 0, failed = 0;
+};
+
+// One scan; what is wrong with it is printed, and the next one has its turn.
+void pack_scan(const Arguments& a, const scan::PanoramaPlaces& places, const std::string& scan,
+               Outcome& outcome) {
+  std::shared_ptr<const scan::PanoramaSource> source;
+  try {
+    try {
+      source = scan::open_panoramas(places, scan);
+    } catch (const LookupError&) {
+      if (!a.scans.empty()) throw;  // it was asked for by name
+      ++outcome.without;
+      return;
+    }
+    pack_scan(a, *source);
+    ++outcome.packed;
+  } catch (const InvalidInput& error) {
+    ++outcome.failed;
+    print_diagnostics(error.diagnostics());
+    fmt::print(stderr, "{}: not packed\n", scan);
+  } catch (const Error& error) {
+    ++outcome.failed;
+    fmt::print(stderr, "{}: not packed: {}\n", scan, error.what());
+  }
+}
+
+ExitCode pack_all(const Arguments& a) {
+  const scan::PanoramaPlaces places = places_of(a);
+  const std::vector<std::string> scans =
+      a.scans.empty() ? scan::load_scan_list(places.connectivity) : a.scans;
+  Outcome outcome;
+  for (const std::string& scan : scans) pack_scan(a, places, scan, outcome);
+  if (outcome.packed + outcome.failed == 0) {
+    std::string folders;
+    for (const fs::path& folder : places.images) folders += "\n  " + folder.string();
+    throw FileError("no pictures of any of the " + std::to_string(scans.size()) +
+                    " scans were found in:" + folders);
+  }
+  if (scans.size() > 1) {
+    fmt::print("{} scans packed, {} failed, {} have no pictures\n", outcome.packed, outcome.failed,
+               outcome.without);
+  }
+  return outcome.failed > 0 ? kInput : kSuccess;
+}
+
+// Prints what is wrong with a store; true if nothing is.
+bool check_file(const Arguments& a, const std::string& file) {
+  std::vector<Diagnostic> faults;
+  try {
+    const auto store = scan::Store::open(file);
+    faults = store->verify(a.options.threads, progress_bar("checking " + store->scan()));
+    if (faults.empty()) {
+      fmt::print("{}: sound: {} viewpoints, {}\n", file, store->size(), size_text(store->bytes()));
+    }
+  } catch (const InvalidInput& error) {
+    faults = error.diagnostics();
+  }
+  if (!faults.empty()) print_diagnostics(faults);
+  return faults.empty();
+}
+
+ExitCode check_all(const Arguments& a) {
+  bool sound = true;
+  for (const std::string& file : a.check) sound = check_file(a, file) && sound;
+  return sound ? kSuccess : kFaultsFound;
+}
+
+ExitCode run(const Arguments& a) {
+  if (!a.check.empty()) {
+    if (!a.scans.empty() || !a.output.empty()) {
+      throw UsageError("--check takes store files only, no SCAN and no --output");
+    }
+    return check_all(a);
+  }
+  if (a.output.empty()) throw UsageError("pack: where to? Give -o STORE_DIR");
+  return pack_all(a);
+}
+
+void add_options(CLI::App& verb, Arguments& a) {
+  verb.add_option("scans", a.scans, "Which (default: all of scans.txt that have pictures)")
+      ->type_name("SCAN...");
+  add_data_option(verb, a.data);
+  verb.add_option(
+          "--images", a.images,
+          "Folder with Matterport3D's files, unpacked or in .zip files as downloaded "
+          "(default: store, scans, v1/scans, data/v1/scans of the data set); may be repeated")
+      ->allow_extra_args(false)  // else a SCAN behind it would be taken for another
+      ->type_name("DIR");
+  verb.add_option("--connectivity", a.connectivity,
+                  "Folder of <scan>_connectivity.json (default: that of the data set)")
+      ->type_name("DIR");
+  verb.add_option("-o,--output", a.output, "Folder for the stores; made if it is not there")
+      ->type_name("STORE_DIR");
+  verb.add_option("--colour", a.colour,
+                  "keep: the files' own JPEGs where they are of the wanted size; jpeg: encoded "
+                  "anew; raw: not compressed, decodes fastest")
+      ->check(CLI::IsMember({"keep", "jpeg", "raw"}))
+      ->capture_default_str()
+      ->type_name("");
+  verb.add_option("--face-size", a.options.face_size,
+                  "Shrink larger faces to this many texels along an edge (0: leave as they are)")
+      ->check(whole_number())
+      ->capture_default_str();
+  verb.add_option("--quality", a.options.jpeg_quality,
+                  "Of JPEGs that are encoded, 1 to 100; with full chroma from 90 on")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  verb.add_flag("--excluded", a.excluded,
+                "Take the pictures of viewpoints that the graph excludes too");
+  verb.add_option("--threads", a.options.threads, "0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  verb.add_option("--check", a.check, "Read these stores and compare all checksums, nothing else")
+      ->type_name("FILE...");
+}
+
+}  // namespace
+
+void add_pack(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "pack",
+      "Pack the panoramas of scans into stores, one file a scan, which open in milliseconds and "
+      "are shared by all processes. A run that was stopped goes on where it was; a store that is "
+      "complete is left alone. Exit code 3 if a scan could not be packed, 1 if --check finds "
+      "faults.");
+  const auto arguments = std::make_shared<Arguments>();
+  add_options(verb, *arguments);
+  set_examples(verb, {"enfilade pack -o data/store",
+                      "enfilade pack 17DRP5sb8fy --images v1/scans --connectivity connectivity "
+                      "-o store",
+                      "enfilade pack --face-size 256 --colour jpeg --quality 90 -o small",
+                      "enfilade pack --check store/*.enfilade"});
+  verb.callback([arguments, &status] { status = run(*arguments); });
+}
+
+}  // namespace enfilade::apps

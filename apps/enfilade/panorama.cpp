@@ -1,0 +1,127 @@
+// enfilade panorama: all directions of a viewpoint in one picture.
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/picture_files.h"
+#include "apps/enfilade/verbs.h"
+
+namespace enfilade::apps {
+namespace {
+
+struct PanoramaArguments {
+  SceneOptions scene;
+  OutputOptions output;
+  std::string scan, viewpoint, cube;
+  std::uint32_t width = 2048;
+  double heading = 0;
+};
+
+// Where a face stands on the cross, in faces, and whether it is turned by half: the top and bottom
+// faces hang on the front one here, in the strip on the back one.
+struct CrossPlace {
+  std::uint32_t column, row;
+  bool turned;
+};
+constexpr std::array<CrossPlace, kCubeFaces> kCross{
+    {{1, 0, true}, {3, 1, false}, {0, 1, false}, {1, 1, false}, {2, 1, false}, {1, 2, true}}};
+
+template <class T>
+image::Image<T> join_cross(const image::CubeMap<T>& faces) {
+  const std::uint32_t n = faces[0].width;
+  image::Image<T> cross(4 * n, 3 * n, faces[0].channels);
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    const CrossPlace place = kCross[k];
+    for (std::uint32_t y = 0; y < n; ++y) {
+      for (std::uint32_t x = 0; x < n; ++x) {
+        const T* texel = place.turned ? faces[k].at(n - 1 - x, n - 1 - y) : faces[k].at(x, y);
+        std::copy_n(texel, cross.channels, cross.at(place.column * n + x, place.row * n + y));
+      }
+    }
+  }
+  return cross;
+}
+
+template <class T>
+image::Image<T> unfold(const image::CubeMap<T>& faces, bool cross) {
+  if (faces[0].pixels.empty()) return {};
+  return cross ? join_cross(faces) : image::join_strip(faces);
+}
+
+Drawn unfold_cube(const scan::PanoramaSource& source, ViewpointIndex viewpoint, bool cross) {
+  const scan::Panorama panorama = scan::read_panorama(source, viewpoint);
+  return {unfold(panorama.colour, cross), unfold(panorama.depth, cross),
+          unfold(panorama.classes, cross), unfold(panorama.instances, cross)};
+}
+
+void draw_panorama(const PanoramaArguments& a) {
+  if (!a.cube.empty() && a.cube != "cross" && a.cube != "strip") {
+    throw UsageError(fmt::format("--cube={}: cross or strip is allowed", a.cube));
+  }
+  if (a.width % 2 != 0 || a.width > image::kLongestEdge) {
+    throw UsageError(fmt::format("--width {}: an even number of pixels up to {} is allowed",
+                                 a.width, image::kLongestEdge));
+  }
+  const std::vector<PictureFile> files = picture_files(a.output);
+  const Scene scene = open_scene(a.scene, a.scan);
+  const ViewpointIndex viewpoint = find_viewpoint(scene.source(), a.viewpoint);
+  require_layers(scene.source(), viewpoint, files);
+  Drawn drawn;
+  if (!a.cube.empty()) {
+    drawn = unfold_cube(scene.source(), viewpoint, a.cube == "cross");
+  } else {
+    const Size size{a.width, a.width / 2};
+    render::Outputs outputs = outputs_into(drawn, files, size);
+    // There is no optical axis to measure along.
+    if (outputs.depth) outputs.depth->measure = render::DepthMeasure::kRay;
+    const render::View view{ScanIndex(), viewpoint, degrees(a.heading), {}};
+    render::render_equirectangular(scene.faces, view, size.width, size.height, outputs);
+  }
+  write_pictures(drawn, files, a.output, a.scene);
+}
+
+}  // namespace
+
+void add_panorama(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "panorama",
+      "Draw all directions of a viewpoint in one picture, equirectangular or as the "
+      "unfolded cube; depth is the distance along the ray");
+  const auto a = std::make_shared<PanoramaArguments>();
+  verb.add_option("scan", a->scan, "Which building")->required()->type_name("SCAN");
+  verb.add_option("viewpoint", a->viewpoint,
+                  "Its index, id, or the beginning of an id that no other one shares")
+      ->required()
+      ->type_name("VIEWPOINT");
+  CLI::Option* width = verb.add_option("--width", a->width, "Pixels; the height is half of it")
+                           ->check(whole_number(2))
+                           ->capture_default_str()
+                           ->type_name("N");
+  CLI::Option* heading = verb.add_option("--heading", a->heading,
+                                         "Of the middle column, clockwise from north, degrees")
+                             ->check(finite_number(-1e6))
+                             ->capture_default_str()
+                             ->type_name("DEG");
+  verb.add_flag("--cube{cross}", a->cube,
+                "The six faces as they are kept instead: a cross around the front one, or "
+                "--cube=strip in Matterport3D's order")
+      ->excludes(width)
+      ->excludes(heading);
+  add_output_options(verb, a->output, "panorama.png");
+  add_place_options(verb, a->scene);
+  set_examples(verb, {"enfilade panorama 17DRP5sb8fy 5 -o panorama.jpg",
+                      "enfilade panorama 17DRP5sb8fy 5b9b --width 4096 --heading 90",
+                      "enfilade panorama 17DRP5sb8fy 5b9b --outputs rgb,depth --cube -o cube.png",
+                      "enfilade panorama 17DRP5sb8fy 5b9b --outputs depth --raw --cube=strip -o "
+                      "5b9b_skybox_depth_small.png"});
+  verb.callback([a, &status] {
+    draw_panorama(*a);
+    status = kSuccess;
+  });
+}
+
+}  // namespace enfilade::apps

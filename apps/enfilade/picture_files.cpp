@@ -1,0 +1,421 @@
+#include "apps/enfilade/picture_files.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "enfilade/core/file.h"
+#include "enfilade/image/codecs.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using scan::Layer;
+
+// By index(Layer), as options call them.
+constexpr std::array<std::string_view, scan::kLayers> kLayerNames{"rgb", "depth", "class",
+                                                                  "instance"};
+
+std::string_view name_of(Layer layer) { return kLayerNames.at(index(layer)); }
+
+std::optional<Layer> find_layer(std::string_view name) {
+  const auto found = std::ranges::find(kLayerNames, name);
+  if (found == kLayerNames.end()) return std::nullopt;
+  return static_cast<Layer>(found - kLayerNames.begin());
+}
+
+std::optional<scan::DataRoot> data_root(const SceneOptions& options) {
+  if (!options.data.empty()) return scan::DataRoot(options.data);
+  return scan::DataRoot::from_environment();
+}
+
+scan::PanoramaPlaces places(const SceneOptions& options) {
+  scan::PanoramaPlaces places;
+  const std::optional<scan::DataRoot> data = data_root(options);
+  places.images.assign(options.images.begin(), options.images.end());
+  if (places.images.empty()) {
+    if (!data) {
+      throw UsageError(
+          "no panoramas: give --images DIR (a folder of stores, or of Matterport3D's scans), or "
+          "--data DIR or ENFILADE_DATA with a data set that has some");
+    }
+    places.images = data->panoramas().images;
+  }
+  if (!options.connectivity.empty()) {
+    places.connectivity = options.connectivity;
+  } else if (data) {
+    try {
+      places.connectivity = data->connectivity();
+    } catch (const FileError&) {  // NOLINT(bugprone-empty-catch): stores need no such folder
+    }
+  }
+  return places;
+}
+
+std::optional<std::uint32_t> whole(std::string_view text) {
+  std::uint32_t value = 0;
+  const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code != std::errc() || stop != text.data() + text.size() || text.empty()) return {};
+  return value;
+}
+
+std::vector<Layer> parse_layers(const std::string& text) {
+  std::vector<Layer> layers;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string name = text.substr(begin, end - begin);
+    const std::optional<Layer> layer = find_layer(name);
+    if (!layer) {
+      throw UsageError(fmt::format("--outputs {}: {:?} is none of {}", text, name,
+                                   fmt::join(kLayerNames, ", ")));
+    }
+    if (std::ranges::find(layers, *layer) != layers.end()) {
+      throw UsageError(fmt::format("--outputs {}: {:?} stands there twice", text, name));
+    }
+    layers.push_back(*layer);
+    begin = end + 1;
+  }
+  return layers;
+}
+
+bool is_jpeg(const fs::path& path) {
+  return path.extension() == ".jpg" || path.extension() == ".jpeg";
+}
+
+// "12 mpcat40 names a line": index, name, then what we don't need.
+draw::IdNames load_class_names(const fs::path& file) {
+  const std::string text = read_file(file);
+  draw::IdNames names;
+  std::size_t line = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view row = std::string_view(text).substr(begin, end - begin);
+    begin = end + 1;
+    if (++line == 1 || row.empty()) continue;  // the first names the columns
+    const std::size_t tab = std::min(row.find('\t'), row.size());
+    const std::size_t next = std::min(row.find_first_of("\t\r", tab + 1), row.size());
+    const auto id = whole(row.substr(0, tab));
+    if (!id || next <= tab + 1) {
+      throw InvalidInput(
+          {{Severity::kError, file.string(), fmt::format("line {}", line), "bad-label",
+            "not a whole number, a tab and a name, as mpcat40.tsv has them"}});
+    }
+    names[*id] = row.substr(tab + 1, next - tab - 1);
+  }
+  return names;
+}
+
+draw::IdNames class_names(const SceneOptions& options) {
+  const std::optional<scan::DataRoot> data = data_root(options);
+  if (!data) return {};
+  const fs::path file = data->folder() / "labels/mpcat40.tsv";
+  return fs::exists(file) ? load_class_names(file) : draw::IdNames();
+}
+
+std::string as_text(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
+
+// The source's own words for a layer that it lacks: they list the files that it tried.
+std::string what_is_missing(const scan::PanoramaSource& source, ViewpointIndex viewpoint,
+                            Layer layer) {
+  try {
+    if (layer == Layer::kColour) {
+      source.read_colour(viewpoint, scan::kAllFaces, {});
+    } else if (layer == Layer::kInstance) {
+      source.read_instances(viewpoint, scan::kAllFaces, {});
+    } else {
+      source.read_16(layer, viewpoint, scan::kAllFaces, {});
+    }
+  } catch (const LookupError& error) {
+    return error.what();
+  }
+  return "missing";
+}
+
+std::string encode_instances(const image::Image32& ids) {
+  if (std::ranges::all_of(ids.pixels, [](std::uint32_t id) { return id <= 65535; })) {
+    image::Image16 narrow(ids.width, ids.height, 1);
+    std::ranges::transform(ids.pixels, narrow.pixels.begin(),
+                           [](std::uint32_t id) { return static_cast<std::uint16_t>(id); });
+    return as_text(image::encode_png(narrow));
+  }
+  image::Image8 bytes(ids.width, ids.height, 4);
+  auto out = bytes.pixels.begin();
+  for (const std::uint32_t id : ids.pixels) {
+    for (unsigned shift = 0; shift < 32; shift += 8)
+      *out++ = static_cast<std::uint8_t>(id >> shift);
+  }
+  return as_text(image::encode_png(bytes));
+}
+
+}  // namespace
+
+void add_place_options(CLI::App& verb, SceneOptions& options) {
+  verb.add_option("--images", options.images,
+                  "Folder of stores (SCAN.enfilade) or of Matterport3D's scans, folders or zips; "
+                  "may be given more than once (default: those of the data set)")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+  verb.add_option("--connectivity", options.connectivity,
+                  "Folder of SCAN_connectivity.json, for loose files (default: that of the data "
+                  "set)")
+      ->type_name("DIR");
+  add_data_option(verb, options.data);
+}
+
+void add_renderer_options(CLI::App& verb, SceneOptions& options) {
+  verb.add_option("--backend", options.backend, "What draws: cpu, cpu-scalar (slow, plain), gl")
+      ->check(CLI::IsMember({"cpu", "cpu-scalar", "gl"}))
+      ->capture_default_str()
+      ->type_name("NAME");
+  verb.add_option("--gl-device", options.gl_device,
+                  "Index or UUID of an EGL device, as enfilade doctor lists them (default: the "
+                  "first that works)")
+      ->type_name("NAME");
+  verb.add_flag("--legacy", options.legacy,
+                "As the old simulator drew: seams between faces, depth in steps of 64 mm");
+}
+
+Scene open_scene(const SceneOptions& options, const std::string& scan) {
+  Scene scene;
+  const scan::PanoramaPlaces where = places(options);
+  try {
+    scene.panoramas = scan::PanoramaSet::of({scan::open_panoramas(where, scan)});
+  } catch (const FileError& error) {
+    if (!where.connectivity.empty()) throw;
+    throw FileError(
+        fmt::format("{}; loose files need --connectivity DIR, or a data set that has "
+                    "it, for their poses",
+                    error.what()));
+  }
+  // A verb draws once: there is nobody to decode ahead for.
+  scene.faces = std::make_shared<render::FaceCache>(
+      scene.panoramas, render::FaceCacheConfig{.prefetch_thread = false});
+  return scene;
+}
+
+std::unique_ptr<render::Renderer> make_renderer(const Scene& scene, const SceneOptions& options) {
+  const std::optional<render::Backend> backend = render::parse_backend(options.backend);
+  if (!backend) throw UsageError(fmt::format("--backend {}: there is none", options.backend));
+  render::RendererConfig config{.backend = *backend, .legacy = {}, .gl_device = options.gl_device};
+  config.legacy = {options.legacy, options.legacy};
+  return render::make_renderer(scene.faces, config);
+}
+
+ViewpointIndex find_viewpoint(const scan::PanoramaSource& source, const std::string& text) {
+  if (const auto v = source.find(text)) return *v;
+  if (const auto number = whole(text); number && *number < source.size()) {
+    return ViewpointIndex(*number);
+  }
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < source.size() && !text.empty(); ++i) {
+    if (source.poses()[i].viewpoint.starts_with(text)) found.push_back(i);
+  }
+  if (found.size() == 1) return ViewpointIndex(found[0]);
+  if (found.empty()) {
+    throw LookupError(fmt::format(
+        "viewpoint {:?}: scan {} has none whose id begins so; an id, the beginning of one, or an "
+        "index below {} is expected",
+        text, source.scan(), source.size()));
+  }
+  throw LookupError(fmt::format("viewpoint {:?}: {} of scan {} begin so: {}, {}{}", text,
+                                found.size(), source.scan(), source.poses()[found[0]].viewpoint,
+                                source.poses()[found[1]].viewpoint,
+                                found.size() > 2 ? ", ..." : ""));
+}
+
+Size parse_size(const std::string& option, const std::string& text) {
+  const std::size_t x = std::min(text.find('x'), text.size());
+  const auto width = whole(std::string_view(text).substr(0, x));
+  const auto height = whole(std::string_view(text).substr(std::min(x + 1, text.size())));
+  constexpr std::uint32_t kMost = 16384;  // a gigabyte of colour and depth
+  if (!width || !height || *width == 0 || *height == 0 || *width > kMost || *height > kMost) {
+    throw UsageError(
+        fmt::format("{} {:?}: WIDTHxHEIGHT in pixels is expected, such as 640x480, "
+                    "each from 1 to {}",
+                    option, text, kMost));
+  }
+  return {*width, *height};
+}
+
+void add_output_options(CLI::App& verb, OutputOptions& options, const std::string& default_file) {
+  options.file = default_file;
+  verb.add_option("--outputs", options.outputs,
+                  "What is drawn, commas between: rgb, depth, class, instance")
+      ->capture_default_str()
+      ->type_name("LIST");
+  verb.add_option("-o,--output", options.file,
+                  "PNG or JPEG file; with several outputs the others go beside it, as "
+                  "NAME-depth.png; - for standard output")
+      ->capture_default_str()
+      ->type_name("FILE");
+  verb.add_flag("--raw", options.raw,
+                "Values instead of colours: depth as 16-bit PNG, 4000 a metre, 0 for no reading; "
+                "classes and instances as 16-bit PNG (instances above 65535: RGBA, R + 256 G + "
+                "65536 B + 2^24 A)");
+}
+
+std::vector<PictureFile> picture_files(const OutputOptions& options) {
+  const std::vector<Layer> layers = parse_layers(options.outputs);
+  const fs::path path = options.file;
+  if (options.file == "-") {
+    if (layers.size() > 1) throw UsageError("-o -: standard output takes one of the --outputs");
+    return {{layers[0], "-"}};
+  }
+  if (path.extension() != ".png" && !is_jpeg(path)) {
+    throw UsageError(
+        fmt::format("-o {}: a name that ends in .png, .jpg or .jpeg is expected", options.file));
+  }
+  const bool values = std::ranges::any_of(layers, [](Layer l) { return l != Layer::kColour; });
+  if (options.raw && values && is_jpeg(path)) {
+    throw UsageError(
+        fmt::format("-o {}: --raw needs a .png: JPEG cannot keep values", options.file));
+  }
+  std::vector<PictureFile> files;
+  for (const Layer layer : layers) {
+    fs::path own = path;
+    if (layers.size() > 1 && layer != Layer::kColour) {
+      own.replace_filename(
+          fmt::format("{}-{}{}", path.stem().string(), name_of(layer), path.extension().string()));
+    }
+    files.push_back({layer, own.string()});
+  }
+  return files;
+}
+
+void require_layers(const scan::PanoramaSource& source, ViewpointIndex viewpoint,
+                    const std::vector<PictureFile>& files) {
+  const scan::FaceSizes sizes = source.face_sizes(viewpoint);
+  std::vector<std::string_view> known;
+  for (std::size_t i = 0; i < scan::kLayers; ++i) {
+    if (sizes[i] > 0) known.push_back(kLayerNames[i]);
+  }
+  for (const PictureFile& file : files) {
+    if (sizes[index(file.layer)] > 0) continue;
+    throw LookupError(
+        fmt::format("--outputs {}: {}\nthis panorama has {}", name_of(file.layer),
+                    what_is_missing(source, viewpoint, file.layer),
+                    known.empty() ? "no pictures" : fmt::format("{}", fmt::join(known, ", "))));
+  }
+}
+
+render::Outputs outputs_into(Drawn& drawn, const std::vector<PictureFile>& files, Size size,
+                             std::size_t views) {
+  render::Outputs outputs;
+  const auto height = static_cast<std::uint32_t>(size.height * views);
+  for (const PictureFile& file : files) {
+    switch (file.layer) {
+      case Layer::kColour:
+        drawn.colour = image::Image8(size.width, height, 3);
+        outputs.colour.emplace();
+        outputs.colour->pixels = std::as_writable_bytes(std::span(drawn.colour.pixels));
+        break;
+      case Layer::kDepth:
+        drawn.depth = image::Image16(size.width, height, 1);
+        outputs.depth.emplace();
+        outputs.depth->format = render::DepthFormat::kQuarterMillimetresUint16;
+        outputs.depth->pixels = std::as_writable_bytes(std::span(drawn.depth.pixels));
+        break;
+      case Layer::kClass:
+        drawn.classes = image::Image16(size.width, height, 1);
+        outputs.classes.emplace();
+        outputs.classes->pixels = std::as_writable_bytes(std::span(drawn.classes.pixels));
+        break;
+      case Layer::kInstance:
+        drawn.instances = image::Image32(size.width, height, 1);
+        outputs.instances.emplace();
+        outputs.instances->pixels = drawn.instances.pixels;
+        break;
+    }
+  }
+  return outputs;
+}
+
+Palette::Palette(const Drawn& drawn, const SceneOptions& options)
+    : farthest_(draw::farthest_depth(drawn.depth)),
+      classes_(draw::count_ids(drawn.classes)),
+      instances_(draw::count_ids(drawn.instances)) {
+  if (!classes_.empty()) class_names_ = class_names(options);
+}
+
+image::Image8 Palette::coloured(const Drawn& drawn, Layer layer) const {
+  switch (layer) {
+    case Layer::kColour:
+      return drawn.colour;
+    case Layer::kDepth:
+      return draw::colour_depth(drawn.depth, farthest_);
+    case Layer::kClass:
+      return draw::colour_ids(drawn.classes);
+    case Layer::kInstance:
+      return draw::colour_ids(drawn.instances);
+  }
+  return {};
+}
+
+image::Image8 Palette::with_legend(const image::Image8& picture, Layer layer) const {
+  switch (layer) {
+    case Layer::kColour:
+      break;
+    case Layer::kDepth:
+      return draw::with_depth_legend(picture, farthest_);
+    case Layer::kClass:
+      return draw::with_id_legend(picture, classes_, class_names_);
+    case Layer::kInstance:
+      return draw::with_id_legend(picture, instances_, {});
+  }
+  return picture;
+}
+
+std::string encode(const image::Image8& picture, const std::string& path) {
+  // Quality at which a picture of a sheet and its original look alike side by side.
+  constexpr int kQuality = 92;
+  return as_text(is_jpeg(path) ? image::encode_jpeg(picture, kQuality, true)
+                               : image::encode_png(picture));
+}
+
+std::string encode_raw(const Drawn& drawn, Layer layer) {
+  switch (layer) {
+    case Layer::kColour:
+      return as_text(image::encode_png(drawn.colour));
+    case Layer::kDepth:
+      return as_text(image::encode_png(drawn.depth));
+    case Layer::kClass:
+      return as_text(image::encode_png(drawn.classes));
+    case Layer::kInstance:
+      return encode_instances(drawn.instances);
+  }
+  return {};
+}
+
+void write_picture(const std::string& path, const std::string& content) {
+  write_output(path, content);
+  if (path != "-") fmt::print("{}\n", path);
+}
+
+void write_pictures(const Drawn& drawn, const std::vector<PictureFile>& files,
+                    const OutputOptions& output, const SceneOptions& scene) {
+  const Palette palette(drawn, scene);
+  for (const PictureFile& file : files) {
+    const bool as_values = output.raw && !is_jpeg(file.path);
+    write_picture(file.path,
+                  as_values
+                      ? encode_raw(drawn, file.layer)
+                      : encode(palette.with_legend(palette.coloured(drawn, file.layer), file.layer),
+                               file.path));
+  }
+}
+
+image::Image8 rows_of(const image::Image8& picture, std::size_t first, std::size_t count) {
+  image::Image8 part(picture.width, static_cast<std::uint32_t>(count), picture.channels);
+  std::copy_n(picture.at(0, first), part.pixels.size(), part.pixels.begin());
+  return part;
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,109 @@
+/// \file  What the verbs that draw panoramas share: where these are, what is drawn, how it is kept.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "enfilade/draw/colour_maps.h"
+#include "enfilade/image/codecs.h"
+#include "enfilade/image/image.h"
+#include "enfilade/render/renderer.h"
+#include "enfilade/scan/panorama_set.h"
+
+namespace enfilade::apps {
+
+/// Options that say where pictures come from and what draws them.
+struct SceneOptions {
+  std::vector<std::string> images;
+  std::string connectivity, data;
+  std::string backend = "cpu", gl_device;
+  bool legacy = false;
+};
+/// --images, --connectivity, --data
+void add_place_options(CLI::App& verb, SceneOptions& options);
+/// --backend, --gl-device, --legacy
+void add_renderer_options(CLI::App& verb, SceneOptions& options);
+
+/// One scan, and the faces of it that have been decoded.
+struct Scene {
+  std::shared_ptr<const scan::PanoramaSet> panoramas;
+  std::shared_ptr<render::FaceCache> faces;
+  const scan::PanoramaSource& source() const { return panoramas->source(ScanIndex()); }
+};
+/// \throws as scan::open_panoramas(); UsageError if no folder is known
+Scene open_scene(const SceneOptions& options, const std::string& scan);
+std::unique_ptr<render::Renderer> make_renderer(const Scene& scene, const SceneOptions& options);
+
+/// A viewpoint by its index, id, or beginning of an id that no other one shares.
+/// \throws LookupError
+ViewpointIndex find_viewpoint(const scan::PanoramaSource& source, const std::string& text);
+
+/// "640x480". \throws UsageError naming the option
+struct Size {
+  std::uint32_t width = 0, height = 0;
+};
+Size parse_size(const std::string& option, const std::string& text);
+
+/// What is drawn and where it goes.
+struct OutputOptions {
+  std::string outputs = "rgb";  ///< "rgb,depth"
+  std::string file;
+  bool raw = false;  ///< values, not colours
+};
+/// --outputs, --output, --raw
+void add_output_options(CLI::App& verb, OutputOptions& options, const std::string& default_file);
+
+/// A layer and the file that it goes to.
+struct PictureFile {
+  scan::Layer layer = scan::Layer::kColour;
+  std::string path;
+};
+/// \throws UsageError for layers or file names that make no sense
+std::vector<PictureFile> picture_files(const OutputOptions& options);
+/// \throws LookupError naming the option and the layers that there are, if the panorama lacks one
+void require_layers(const scan::PanoramaSource& source, ViewpointIndex viewpoint,
+                    const std::vector<PictureFile>& files);
+
+/// Pictures of n views, one above the other: (n h, w).
+struct Drawn {
+  image::Image8 colour;
+  image::Image16 depth;  ///< quarter millimetres
+  image::Image16 classes;
+  image::Image32 instances;
+};
+/// Makes room in `drawn` for the layers, as a renderer wants it.
+render::Outputs outputs_into(Drawn& drawn, const std::vector<PictureFile>& files, Size size,
+                             std::size_t views = 1);
+
+/// Colours of a layer and the legend to them; names of classes from the data set, if it has them.
+class Palette {
+ public:
+  Palette(const Drawn& drawn, const SceneOptions& options);
+  image::Image8 coloured(const Drawn& drawn, scan::Layer layer) const;
+  image::Image8 with_legend(const image::Image8& picture, scan::Layer layer) const;
+
+ private:
+  double farthest_;
+  std::vector<draw::IdArea> classes_, instances_;
+  draw::IdNames class_names_;
+};
+
+/// A PNG, or a JPEG for such a name.
+std::string encode(const image::Image8& picture, const std::string& path);
+/// PNG: depth and classes of 16 bits; instances of 16 bits, or RGBA (id = R + 256 G + 65536 B +
+/// 2^24 A) where an id is above 65535; colour of 8.
+std::string encode_raw(const Drawn& drawn, scan::Layer layer);
+/// Writes the layers as colours with a legend, or raw; then names the files on standard output.
+void write_pictures(const Drawn& drawn, const std::vector<PictureFile>& files,
+                    const OutputOptions& output, const SceneOptions& scene);
+/// Writes one file and names it on standard output, unless that is where it goes.
+void write_picture(const std::string& path, const std::string& content);
+
+/// Rows `first` to `first` + `count` of a picture.
+image::Image8 rows_of(const image::Image8& picture, std::size_t first, std::size_t count);
+
+}  // namespace enfilade::apps

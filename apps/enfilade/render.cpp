@@ -1,0 +1,131 @@
+// enfilade render: what an agent sees at a viewpoint.
+#include <fmt/format.h>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/picture_files.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/draw/contact_sheet.h"
+
+namespace enfilade::apps {
+namespace {
+
+struct RenderArguments {
+  SceneOptions scene;
+  OutputOptions output;
+  std::string scan, viewpoint, size = "640x480";
+  double heading = 0, elevation = 0, vfov = 60;
+  bool discrete = false;
+};
+
+void validate(const RenderArguments& a) {
+  if (a.elevation < -90 || a.elevation > 90) {
+    throw UsageError(fmt::format("--elevation {}: -90 to 90 degrees are allowed", a.elevation));
+  }
+  if (!(a.vfov > 0 && a.vfov < 180)) {
+    throw UsageError(
+        fmt::format("--vfov {}: more than 0 and less than 180 degrees are allowed", a.vfov));
+  }
+  if (a.discrete && (a.heading != 0 || a.elevation != 0)) {
+    throw UsageError(
+        "--discrete has headings and elevations of its own: leave out --heading and "
+        "--elevation");
+  }
+  if (a.discrete && a.output.raw) throw UsageError("--discrete and --raw exclude each other");
+}
+
+// The 36 views as people look at them: up on top, heading 0 on the left.
+std::vector<draw::SheetPicture> discrete_pictures(const image::Image8& views,
+                                                  std::uint32_t height) {
+  constexpr std::size_t kHeadings = 12;
+  std::vector<draw::SheetPicture> pictures;
+  for (std::size_t row = 3; row-- > 0;) {
+    for (std::size_t step = 0; step < kHeadings; ++step) {
+      const std::size_t view = row * kHeadings + step;
+      pictures.push_back(
+          {rows_of(views, view * height, height),
+           fmt::format("{}: {}, {}", view, step * 30, static_cast<int>(row) * 30 - 30)});
+    }
+  }
+  return pictures;
+}
+
+void write_discrete(const Drawn& drawn, const std::vector<PictureFile>& files,
+                    const RenderArguments& a, std::uint32_t height, const std::string& title) {
+  const Palette palette(drawn, a.scene);
+  for (const PictureFile& file : files) {
+    const image::Image8 sheet =
+        draw::contact_sheet(discrete_pictures(palette.coloured(drawn, file.layer), height),
+                            {.columns = 12, .title = title});
+    write_picture(file.path, encode(palette.with_legend(sheet, file.layer), file.path));
+  }
+}
+
+void render(const RenderArguments& a) {
+  validate(a);
+  const std::vector<PictureFile> files = picture_files(a.output);
+  const Size size = parse_size("--size", a.size);
+  const Camera camera{size.width, size.height, degrees(a.vfov)};
+  const Scene scene = open_scene(a.scene, a.scan);
+  const ViewpointIndex viewpoint = find_viewpoint(scene.source(), a.viewpoint);
+  require_layers(scene.source(), viewpoint, files);
+  const auto renderer = make_renderer(scene, a.scene);
+  Drawn drawn;
+  if (a.discrete) {
+    const auto views = render::discrete_views(ScanIndex(), viewpoint);
+    renderer->render(camera, views, outputs_into(drawn, files, size, views.size()));
+    write_discrete(drawn, files, a, size.height,
+                   fmt::format("{} {}: view: heading, elevation in degrees", a.scan,
+                               scene.source().poses()[viewpoint.at()].viewpoint));
+    return;
+  }
+  const render::View view{ScanIndex(), viewpoint, degrees(a.heading), degrees(a.elevation)};
+  renderer->render(camera, std::span(&view, 1), outputs_into(drawn, files, size));
+  write_pictures(drawn, files, a.output, a.scene);
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "render", "Draw what an agent sees at a viewpoint: colour, depth, classes, instances");
+  const auto a = std::make_shared<RenderArguments>();
+  verb.add_option("scan", a->scan, "Which building")->required()->type_name("SCAN");
+  verb.add_option("viewpoint", a->viewpoint,
+                  "Its index, id, or the beginning of an id that no other one shares")
+      ->required()
+      ->type_name("VIEWPOINT");
+  verb.add_option("--heading", a->heading, "Clockwise from north (+y), degrees")
+      ->check(finite_number(-1e6))
+      ->capture_default_str()
+      ->type_name("DEG");
+  verb.add_option("--elevation", a->elevation, "Above the horizon, degrees, -90 to 90")
+      ->check(finite_number(-1e6))
+      ->capture_default_str()
+      ->type_name("DEG");
+  verb.add_option("--size", a->size, "Of the picture, pixels")
+      ->capture_default_str()
+      ->type_name("WxH");
+  verb.add_option("--vfov", a->vfov, "Angle that the picture spans from top to bottom, degrees")
+      ->check(finite_number())
+      ->capture_default_str()
+      ->type_name("DEG");
+  verb.add_flag("--discrete", a->discrete,
+                "All 36 views of the discretized viewpoint on one sheet, each of --size");
+  add_output_options(verb, a->output, "out.png");
+  add_place_options(verb, a->scene);
+  add_renderer_options(verb, a->scene);
+  set_examples(verb, {"enfilade render 17DRP5sb8fy 5 --heading 90 -o view.png",
+                      "enfilade render 17DRP5sb8fy 5b9b --outputs rgb,depth -o view.png",
+                      "enfilade render 17DRP5sb8fy 5b9b --outputs depth --raw -o depth.png",
+                      "enfilade render 17DRP5sb8fy 5b9b --discrete --size 160x120 -o sheet.png",
+                      "enfilade render 17DRP5sb8fy 5 --images stores -o - | display"});
+  verb.callback([a, &status] {
+    render(*a);
+    status = kSuccess;
+  });
+}
+
+}  // namespace enfilade::apps

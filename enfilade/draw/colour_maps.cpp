@@ -1,0 +1,256 @@
+#include "enfilade/draw/colour_maps.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/draw/detail/bitmap_text.h"
+#include "enfilade/scan/panorama_source.h"  // kDepthUnitsPerMetre
+
+namespace enfilade::draw {
+namespace {
+
+// Viridis at 1, 14/15, ... 0.
+constexpr std::array<Rgb, 16> kDepthColours{{{253, 231, 37},
+                                             {210, 226, 27},
+                                             {165, 219, 54},
+                                             {122, 209, 81},
+                                             {84, 197, 104},
+                                             {53, 183, 121},
+                                             {34, 168, 132},
+                                             {31, 152, 139},
+                                             {35, 136, 142},
+                                             {42, 120, 142},
+                                             {49, 104, 142},
+                                             {57, 86, 140},
+                                             {65, 68, 135},
+                                             {71, 47, 125},
+                                             {72, 26, 108},
+                                             {68, 1, 84}}};
+
+std::uint8_t to_level(double value) {
+  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+}
+
+// Smith 1978. Each in [0, 1].
+Rgb from_hsv(double hue, double saturation, double value) {
+  const auto channel = [&](double turn) {
+    const double sector = std::fmod(turn + hue * 6, 6.0);
+    const double fall = std::clamp(std::min(sector, 4 - sector), 0.0, 1.0);
+    return to_level(255 * value * (1 - saturation * fall));
+  };
+  return {channel(5), channel(3), channel(1)};
+}
+
+template <class T>
+void expect_one_channel(const image::Image<T>& picture) {
+  if (picture.channels == 1) return;
+  throw ArgumentError(fmt::format("picture: {} channels; 1 is allowed", picture.channels));
+}
+
+template <class T, class Colour>
+image::Image8 coloured(const image::Image<T>& values, const Colour& colour_of) {
+  expect_one_channel(values);
+  image::Image8 picture(values.width, values.height, 3);
+  auto out = picture.pixels.begin();
+  for (const T value : values.pixels) out = std::ranges::copy(colour_of(value), out).out;
+  return picture;
+}
+
+// Neighbours mostly have one id: its colour is worked out once a run.
+template <class T>
+image::Image8 coloured_ids(const image::Image<T>& ids) {
+  std::uint32_t last = 0;
+  Rgb colour = kNothing;
+  return coloured(ids, [&](T id) {
+    if (id != last) colour = id_colour(last = id);
+    return colour;
+  });
+}
+
+template <class T>
+std::vector<IdArea> counted(const image::Image<T>& ids) {
+  expect_one_channel(ids);
+  std::unordered_map<std::uint32_t, std::size_t> pixels;
+  for (const T id : ids.pixels) {
+    if (id != 0) ++pixels[id];
+  }
+  std::vector<IdArea> areas;
+  for (const auto& [id, count] : pixels) areas.push_back({id, count});
+  std::ranges::sort(areas, [](const IdArea& a, const IdArea& b) {
+    return a.pixels != b.pixels ? a.pixels > b.pixels : a.id < b.id;
+  });
+  return areas;
+}
+
+// Sizes of a legend below a picture, in pixels.
+struct Layout {
+  std::uint32_t scale;   // pixels along the edge of a letter's dot
+  std::uint32_t margin;  // around everything
+  std::uint32_t line;    // from a line of text to the next
+  std::uint32_t width;   // of the sheet: a legend needs some, however small the picture
+
+  explicit Layout(const image::Image8& picture)
+      : scale(1U + (picture.width >= 480 ? 1 : 0) + (picture.width >= 2000 ? 1 : 0)),
+        margin(6 * scale),
+        line((detail::kLetterHeight + 4) * scale),
+        width(std::max(picture.width, 240U)) {}
+};
+
+// The picture with empty paper below.
+image::Image8 sheet_of(const image::Image8& picture, const Layout& layout, std::uint32_t below) {
+  EN_CHECK_EQ(picture.channels, 3U);
+  image::Image8 sheet = detail::filled(layout.width, picture.height + below, detail::kPaper);
+  detail::paste(sheet, picture, 0, 0);
+  return sheet;
+}
+
+// The smallest of 0.1, 0.2, 0.5, 1, ... metres of which at most `most` make the bar: numbers must
+// not touch.
+double tick_step(double farthest, double most) {
+  double step = 0.1;
+  for (std::size_t i = 0; farthest / step > most; ++i) step *= i % 3 == 1 ? 2.5 : 2;
+  return step;
+}
+
+// Numbers below a bar whose left end is at `left` and which is `length` pixels long.
+void draw_scale(image::Image8& sheet, const Layout& layout, std::uint32_t left, std::uint32_t top,
+                std::uint32_t length, double farthest) {
+  const double number_width = 5.0 * detail::kLetterAdvance * layout.scale;
+  const double step = tick_step(farthest, length / number_width);
+  for (std::size_t i = 0; static_cast<double>(i) * step <= farthest * (1 + 1e-9); ++i) {
+    const double metres = static_cast<double>(i) * step;
+    const auto x = static_cast<std::uint32_t>(std::lround(metres / farthest * (length - 1)));
+    const std::string label = fmt::format("{:.6g}{}", metres, i == 0 ? " m" : "");
+    const std::uint32_t half = i == 0 ? 0 : detail::text_pixels(label, layout.scale) / 2;
+    detail::fill(sheet, left + x, top, layout.scale, 3 * layout.scale, detail::kPictureInk);
+    detail::draw_text(sheet, left + x - std::min(half, x), top + 5 * layout.scale, label,
+                      detail::kPictureInk, layout.scale);
+  }
+}
+
+constexpr std::size_t kMostRows = 12;  // of ids
+
+std::vector<std::string> labels_of(std::span<const IdArea> ids, const IdNames& names) {
+  std::vector<std::string> labels;
+  for (const IdArea& area : ids) {
+    const auto name = names.find(area.id);
+    labels.push_back(fmt::format("{}{}", area.id, name == names.end() ? "" : " " + name->second));
+  }
+  return labels;
+}
+
+// And two letters of air; no narrower than the words that may stand in a label's place.
+std::string longest(const std::vector<std::string>& labels) {
+  std::string found = "nothing known here";
+  if (!labels.empty()) found = "+ 99 more";
+  for (const std::string& label : labels) {
+    if (label.size() > found.size()) found = label;
+  }
+  return found + "  ";
+}
+
+}  // namespace
+
+Rgb depth_colour(double share) {
+  const double place = std::clamp(share, 0.0, 1.0) * (kDepthColours.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(place), kDepthColours.size() - 2);
+  const double part = place - static_cast<double>(i);
+  Rgb colour;
+  for (std::size_t c = 0; c < colour.size(); ++c) {
+    colour[c] = to_level((1 - part) * kDepthColours[i][c] + part * kDepthColours[i + 1][c]);
+  }
+  return colour;
+}
+
+Rgb id_colour(std::uint32_t id) {
+  if (id == 0) return kNothing;
+  constexpr double kGolden = 0.61803398874989485;
+  // Four kinds of saturation and value, so that ids of like hue (21, 34, 55 apart) differ in them.
+  constexpr std::array<std::array<double, 2>, 4> kKinds{
+      {{0.75, 0.95}, {0.5, 0.85}, {0.9, 0.6}, {0.55, 1.0}}};
+  const double hue = std::fmod(id * kGolden, 1.0);
+  const auto [saturation, value] = kKinds[id % kKinds.size()];
+  return from_hsv(hue, saturation, value);
+}
+
+double farthest_depth(const image::Image16& depth) {
+  if (depth.pixels.empty()) return 1;
+  return std::max(1.0, std::ceil(std::ranges::max(depth.pixels) / scan::kDepthUnitsPerMetre));
+}
+
+image::Image8 colour_depth(const image::Image16& depth, double farthest) {
+  if (!(farthest > 0) || !std::isfinite(farthest)) {
+    throw ArgumentError(fmt::format("farthest: {} metres; more than 0 is expected", farthest));
+  }
+  std::vector<Rgb> colours(std::size_t{1} << 16);
+  for (std::size_t units = 1; units < colours.size(); ++units) {
+    colours[units] =
+        depth_colour(static_cast<double>(units) / scan::kDepthUnitsPerMetre / farthest);
+  }
+  colours[0] = kNothing;
+  return coloured(depth, [&](std::uint16_t units) { return colours[units]; });
+}
+
+image::Image8 colour_ids(const image::Image16& ids) { return coloured_ids(ids); }
+image::Image8 colour_ids(const image::Image32& ids) { return coloured_ids(ids); }
+std::vector<IdArea> count_ids(const image::Image16& ids) { return counted(ids); }
+std::vector<IdArea> count_ids(const image::Image32& ids) { return counted(ids); }
+
+image::Image8 with_depth_legend(const image::Image8& picture, double farthest) {
+  const Layout layout(picture);
+  const std::uint32_t bar = 10 * layout.scale;
+  image::Image8 sheet = sheet_of(picture, layout, 2 * layout.margin + bar + layout.line);
+  const std::uint32_t top = picture.height + layout.margin;
+  constexpr std::string_view kNoReading = "no reading";
+  const std::uint32_t words = detail::text_pixels(kNoReading, layout.scale);
+  const std::uint32_t length = layout.width - words - 4 * layout.margin;
+  for (std::uint32_t x = 0; x < length; ++x) {
+    const double share = static_cast<double>(x) / (length - 1);
+    detail::fill(sheet, layout.margin + x, top, 1, bar, depth_colour(share));
+  }
+  draw_scale(sheet, layout, layout.margin, top + bar, length, farthest);
+  const std::uint32_t right = layout.width - layout.margin - words;
+  detail::fill(sheet, right, top, words, bar, kNothing);
+  detail::draw_text(sheet, right, top + bar + 5 * layout.scale, kNoReading, detail::kPictureInk,
+                    layout.scale);
+  return sheet;
+}
+
+image::Image8 with_id_legend(const image::Image8& picture, std::span<const IdArea> ids,
+                             const IdNames& names) {
+  const Layout layout(picture);
+  const std::vector<std::string> labels = labels_of(ids, names);
+  const std::uint32_t swatch = 10 * layout.scale;
+  const std::uint32_t inner = layout.width - 2 * layout.margin;
+  const std::uint32_t item =
+      std::min(inner, swatch + layout.margin + detail::text_pixels(longest(labels), layout.scale));
+  const std::size_t columns = inner / item, room = columns * kMostRows;
+  const std::size_t shown = labels.size() <= room ? labels.size() : room - 1;
+  // One more for the words in place of the rest, or of all.
+  const std::size_t cells = shown < labels.size() || shown == 0 ? shown + 1 : shown;
+  const auto rows = static_cast<std::uint32_t>((cells + columns - 1) / columns);
+  image::Image8 sheet = sheet_of(picture, layout, 2 * layout.margin + rows * layout.line);
+  for (std::size_t i = 0; i < cells; ++i) {
+    const auto x = layout.margin + static_cast<std::uint32_t>(i % columns) * item;
+    const auto y =
+        picture.height + layout.margin + static_cast<std::uint32_t>(i / columns) * layout.line;
+    std::string label = labels.empty() ? std::string("nothing known here")
+                                       : fmt::format("+ {} more", labels.size() - shown);
+    std::uint32_t indent = 0;
+    if (i < shown) {
+      detail::fill(sheet, x, y, swatch, swatch, id_colour(ids[i].id));
+      label = labels[i];
+      indent = swatch + 4 * layout.scale;
+    }
+    detail::draw_text(sheet, x + indent, y + layout.scale,
+                      detail::cut_text(label, item - indent, layout.scale), detail::kPictureInk,
+                      layout.scale);
+  }
+  return sheet;
+}
+
+}  // namespace enfilade::draw

@@ -1,0 +1,175 @@
+// The vector kernels against their plain twin; threads; allocations.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <new>
+#include <thread>
+
+#include "enfilade/render/cpu/kernels.h"
+#include "enfilade/render/cpu/sampling.h"
+#include "tests/support/made_panoramas.h"
+
+namespace enfilade::render {
+namespace {
+
+using testing::cache_of;
+using testing::Pictures;
+using testing::random_view;
+
+// A panorama in which no texel is like its neighbours.
+scan::Panorama noise(std::uint32_t size, std::uint64_t seed) {
+  scan::Panorama p = testing::made_panorama(size);
+  Rng rng(seed, 0);
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    for (auto& v : p.colour[k].pixels) v = static_cast<std::uint8_t>(rng.below(256));
+    for (auto& v : p.depth[k].pixels) v = static_cast<std::uint16_t>(rng.below(65536));
+    for (auto& v : p.instances[k].pixels) v = static_cast<std::uint32_t>(rng.below(1ULL << 32));
+  }
+  return p;
+}
+
+TEST(CpuRenderer, VectorsAndTheirTwinGiveTheSameBytes) {
+  for (const std::uint32_t size : {1U, 2U, 31U, 256U}) {
+    const auto cache = cache_of({noise(size, 1), noise(size, 2)});
+    for (const Legacy legacy : {Legacy{}, Legacy{true, true}}) {
+      const auto simd = make_renderer(cache, {Backend::kCpu, 1, legacy, {}});
+      const auto twin = make_renderer(cache, {Backend::kCpuScalar, 1, legacy, {}});
+      Rng rng(21, size);
+      for (int k = 0; k < 60; ++k) {
+        const Camera camera{1 + static_cast<std::uint32_t>(rng.below(700)),
+                            1 + static_cast<std::uint32_t>(rng.below(30)),
+                            degrees(1 + 170 * rng.uniform())};
+        const std::vector<View> views{random_view(rng, 2), random_view(rng, 2)};
+        Pictures a(camera, 2), b(camera, 2);
+        simd->render(camera, views, a.outputs());
+        twin->render(camera, views, b.outputs());
+        ASSERT_EQ(a, b) << "faces of " << size << ", view " << k;
+      }
+    }
+  }
+}
+
+TEST(CpuRenderer, PackersAgreeAtEveryLengthAndAlignment) {
+  const cpu::Kernels& simd = cpu::simd_kernels();
+  const cpu::Kernels& twin = cpu::scalar_kernels();
+  Rng rng(22, 0);
+  cpu::ColourBlock block;
+  cpu::Block16 depth;
+  std::array<float, cpu::kBlock> factor;
+  for (auto& v : block.rgba) v = static_cast<std::uint32_t>(rng.below(1ULL << 32));
+  for (auto& v : depth.values) v = static_cast<std::uint16_t>(rng.below(65536));
+  for (auto& v : factor) v = static_cast<float>(rng.uniform());
+  const cpu::PlanarScale scale{{0.017F, 0.0175F, 0.0174F}, {-2.1F, -2.03F, -1.8F}};
+  constexpr std::uint8_t kUntouched = 0xA5;
+  for (std::size_t count = 0; count < 80; ++count) {
+    std::vector<std::uint8_t> a(4096, kUntouched), b(4096, kUntouched);
+    const auto both = [&](auto call) {
+      call(simd, a.data() + 64);
+      call(twin, b.data() + 64);
+      ASSERT_EQ(a, b) << "count " << count;
+    };
+    both([&](const cpu::Kernels& k, std::uint8_t* out) {
+      k.pack_rgb(block.rgba.data(), count, out + 1);
+      k.pack_bgr(block.rgba.data(), count, out + 301);
+    });
+    both([&](const cpu::Kernels& k, std::uint8_t* out) {
+      k.pack_planar16(block.rgba.data(), count, scale, 100,
+                      reinterpret_cast<std::uint16_t*>(out + 2));
+      k.pack_planar32(block.rgba.data(), count, scale, 100, reinterpret_cast<float*>(out + 1024));
+    });
+    both([&](const cpu::Kernels& k, std::uint8_t* out) {
+      k.pack_metres(depth.values.data(), factor.data(), count, reinterpret_cast<float*>(out + 4));
+      k.pack_units(depth.values.data(), factor.data(), count,
+                   reinterpret_cast<std::uint16_t*>(out + 1026));
+      k.pack_legacy_units(depth.values.data(), factor.data(), count,
+                          reinterpret_cast<std::uint16_t*>(out + 2050));
+    });
+    both([&](const cpu::Kernels& k, std::uint8_t* out) {
+      k.stream(reinterpret_cast<std::byte*>(out), reinterpret_cast<const std::byte*>(&block),
+               4 * count);
+      k.stream_end();
+    });
+  }
+}
+
+TEST(CpuRenderer, HalvesAreRoundedToNearestEven) {
+  EXPECT_EQ(cpu::to_half(0.0F), 0x0000);
+  EXPECT_EQ(cpu::to_half(-0.0F), 0x8000);
+  EXPECT_EQ(cpu::to_half(1.0F), 0x3C00);
+  EXPECT_EQ(cpu::to_half(-2.0F), 0xC000);
+  EXPECT_EQ(cpu::to_half(65504.0F), 0x7BFF);            // the largest
+  EXPECT_EQ(cpu::to_half(65520.0F), 0x7C00);            // half way to the next: infinity
+  EXPECT_EQ(cpu::to_half(1.0F + 1.0F / 2048), 0x3C00);  // half way, to even
+  EXPECT_EQ(cpu::to_half(1.0F + 3.0F / 2048), 0x3C02);
+  EXPECT_EQ(cpu::to_half(std::ldexp(1.0F, -24)), 0x0001);
+  EXPECT_EQ(cpu::to_half(std::ldexp(1.0F, -25)), 0x0000);  // half way, to even
+  EXPECT_EQ(cpu::to_half(std::numeric_limits<float>::infinity()), 0x7C00);
+  EXPECT_GT(cpu::to_half(std::numeric_limits<float>::quiet_NaN()), 0x7C00);
+}
+
+TEST(CpuRenderer, ThreadsDoNotChangeABit) {
+  const auto cache = cache_of({noise(64, 1), noise(64, 2), noise(64, 3)});
+  const Camera camera{320, 240, degrees(60)};
+  Rng rng(23, 0);
+  std::vector<View> views;
+  for (int k = 0; k < 7; ++k) views.push_back(random_view(rng, 3));
+  Pictures first(camera, views.size());
+  make_renderer(cache, {Backend::kCpu, 1, {}, {}})->render(camera, views, first.outputs());
+  for (const int threads : {2, 0}) {
+    Pictures other(camera, views.size());
+    make_renderer(cache, {Backend::kCpu, threads, {}, {}})->render(camera, views, other.outputs());
+    EXPECT_EQ(first, other) << threads << " threads";
+  }
+}
+
+TEST(CpuRenderer, TwoInTwoThreadsShareASmallCacheInPeace) {
+  FaceCacheConfig config;
+  config.bytes = 150'000;  // each pushes out what the other has just used
+  std::vector<scan::Panorama> panoramas;
+  for (std::uint64_t k = 0; k < 5; ++k) panoramas.push_back(noise(32, k));
+  const auto cache = cache_of(std::move(panoramas), config);
+  const Camera camera{60, 40, degrees(60)};
+  const auto draw = [&](std::uint64_t seed) {
+    const auto renderer = make_renderer(cache, {Backend::kCpu, 1, {}, {}});
+    Rng rng(24, seed);
+    std::vector<Pictures> all;
+    for (int k = 0; k < 40; ++k) {
+      const std::vector<View> views{random_view(rng, 5), random_view(rng, 5)};
+      all.emplace_back(camera, 2);
+      renderer->render(camera, views, all.back().outputs());
+    }
+    return all;
+  };
+  const auto alone_a = draw(1), alone_b = draw(2);
+  std::vector<Pictures> a, b;
+  {
+    const std::jthread one([&] { a = draw(1); });
+    const std::jthread two([&] { b = draw(2); });
+  }
+  EXPECT_EQ(a, alone_a);
+  EXPECT_EQ(b, alone_b);
+}
+
+TEST(CpuRenderer, LargeBatchesAreStreamedToTheSameBytes) {
+  const auto cache = cache_of({noise(32, 1)});
+  const auto renderer = make_renderer(cache, {Backend::kCpu, 1, {}, {}});
+  const Camera camera{256, 256, degrees(60)};  // above 4 MiB at 30 views; rows of whole lines
+  Rng rng(25, 0);
+  std::vector<View> views;
+  for (int k = 0; k < 30; ++k) views.push_back(random_view(rng));
+  Pictures all(camera, views.size()), one(camera, 1);
+  renderer->render(camera, views, all.outputs());
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    renderer->render(camera, {&views[k], 1}, one.outputs());
+    for (std::size_t p = 0; p < one.pixels; ++p) {
+      ASSERT_EQ(all.channel(k * one.pixels + p, 1), one.channel(p, 1));
+      ASSERT_EQ(all.depth[k * one.pixels + p], one.depth[p]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace enfilade::render

@@ -1,0 +1,77 @@
+/// \file  The inner loops of the CPU back end: one table for each instruction set, and the plain
+/// twin that they are held against. All give the same bytes.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "enfilade/render/cpu/row_plan.h"
+#include "enfilade/render/face_cache.h"
+
+namespace enfilade::render::cpu {
+
+/// Kernels work on pieces of a row of at most this many pixels, in buffers on the stack.
+inline constexpr std::size_t kBlock = 512;
+/// Kernels may write so many values beyond the pixels that they were asked for.
+inline constexpr std::size_t kSlack = 64;
+
+/// Values of a piece of a row, before they are packed into the caller's format.
+struct ColourBlock {
+  alignas(64) std::array<std::uint32_t, kBlock + kSlack> rgba;
+};
+struct Block16 {
+  alignas(64) std::array<std::uint16_t, kBlock + kSlack> values;
+};
+struct Block32 {
+  alignas(64) std::array<std::uint32_t, kBlock + kSlack> values;
+};
+
+/// Columns begin .. end-1 of a row; at most kBlock of them.
+struct Piece {
+  std::uint32_t begin = 0, end = 0;
+  std::uint32_t size() const noexcept { return end - begin; }
+};
+
+/// Multiplies and adds so that an 8-bit value becomes (value / 255 - mean) / deviation.
+struct PlanarScale {
+  std::array<float, 3> factor, offset;
+};
+
+struct Kernels {
+  const char* name;
+
+  // Texels of one face for the pixels of a piece that lies on it.
+  /// Bilinear, 15-bit weights, through the face's border; clamped: not beyond the outer texels'
+  /// middles. RGBA, A = 255.
+  void (*colour)(const FaceLine&, const Face&, bool clamped, Piece, std::uint32_t* out);
+  void (*nearest16)(const FaceLine&, const Face&, Piece, std::uint16_t* out);
+  void (*nearest32)(const FaceLine&, const Face&, Piece, std::uint32_t* out);
+
+  // From a block to the caller's memory, `count` pixels; never writes beyond them.
+  void (*pack_rgb)(const std::uint32_t* rgba, std::size_t count, std::uint8_t* out);
+  void (*pack_bgr)(const std::uint32_t* rgba, std::size_t count, std::uint8_t* out);
+  /// `plane` values lie between a pixel's R, G and B.
+  void (*pack_planar16)(const std::uint32_t* rgba, std::size_t count, const PlanarScale&,
+                        std::size_t plane, std::uint16_t* out);
+  void (*pack_planar32)(const std::uint32_t* rgba, std::size_t count, const PlanarScale&,
+                        std::size_t plane, float* out);
+  /// A copy that leaves the caches to the texels; visible to other threads after stream_end().
+  void (*stream)(std::byte* out, const std::byte* from, std::size_t bytes);
+  void (*stream_end)();
+  // Depth: `factor[k]` turns a ray's length into what is asked for.
+  void (*pack_metres)(const std::uint16_t* units, const float* factor, std::size_t count,
+                      float* out);
+  void (*pack_units)(const std::uint16_t* units, const float* factor, std::size_t count,
+                     std::uint16_t* out);
+  /// round(z / 257) * 257: an 8-bit colour buffer's steps
+  void (*pack_legacy_units)(const std::uint16_t* units, const float* factor, std::size_t count,
+                            std::uint16_t* out);
+  void (*pack_legacy_metres)(const std::uint16_t* units, const float* factor, std::size_t count,
+                             float* out);
+};
+
+const Kernels& scalar_kernels() noexcept;
+/// For the best instruction set that this machine has.
+const Kernels& simd_kernels() noexcept;
+
+}  // namespace enfilade::render::cpu

@@ -1,0 +1,232 @@
+#include "enfilade/render/cpu/renderer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "enfilade/core/threads.h"
+#include "enfilade/render/cpu/footprint.h"
+#include "enfilade/render/cpu/pack.h"
+#include "enfilade/render/cpu/row_plan.h"
+#include "enfilade/render/detail/batch.h"
+#include "enfilade/render/gl_devices.h"
+
+namespace enfilade::render::cpu {
+namespace {
+
+using detail::PreparedView;
+using scan::Layer;
+
+// Rows a task draws: enough work to be worth handing out, small enough to share one picture.
+constexpr std::uint32_t kTileRows = 120;
+
+// Above this the first pictures of a batch would have left the second-level cache when the caller
+// comes to read them, after pushing out the texels.
+constexpr std::size_t kStreamBytes = std::size_t{4} << 20;
+
+std::size_t bytes_of(const Outputs& outputs) {
+  return (outputs.colour ? outputs.colour->pixels.size() : 0) +
+         (outputs.depth ? outputs.depth->pixels.size() : 0) +
+         (outputs.classes ? outputs.classes->pixels.size() : 0) +
+         (outputs.instances ? outputs.instances->pixels.size_bytes() : 0);
+}
+
+// For each pixel, 1 / the length of its ray: what turns a distance along it into a z-distance.
+std::vector<float> inverse_ray_lengths(const Camera& camera) {
+  const PixelRays rays = pixel_rays(camera, Mat3d{});
+  std::vector<float> lengths(std::size_t{camera.width} * camera.height);
+  for (std::uint32_t i = 0; i < camera.height; ++i) {
+    for (std::uint32_t j = 0; j < camera.width; ++j) {
+      lengths[std::size_t{i} * camera.width + j] = static_cast<float>(1 / length(rays.at(i, j)));
+    }
+  }
+  return lengths;
+}
+
+// What all rows of a batch have in common.
+struct Job {
+  const Kernels& kernels;
+  const Camera& camera;
+  const Legacy& legacy;
+  const Outputs& outputs;
+  const float* depth_factor;  // one a pixel, or a block of ones
+  PlanarScale scale;
+  std::span<const PreparedView> views;
+  std::span<const Face> faces;
+  bool stream;  // write past the caches
+};
+
+class RowDrawer {
+ public:
+  RowDrawer(const Job& job, std::size_t view, std::uint32_t row, const PlannedRow& planned)
+      : job_(job),
+        view_(job.views[view]),
+        planned_(planned),
+        place_{view, std::size_t{row} * job.camera.width, 0,
+               std::size_t{job.camera.width} * job.camera.height, job.stream} {}
+
+  void draw() {
+    const std::uint32_t width = job_.camera.width;
+    for (std::uint32_t begin = 0; begin < width; begin += kBlock) {
+      const Piece block{begin, std::min<std::uint32_t>(begin + kBlock, width)};
+      place_.count = block.size();
+      if (job_.outputs.colour) draw_colour(block);
+      if (job_.outputs.depth) draw_depth(block);
+      if (job_.outputs.classes) draw_classes(block);
+      if (job_.outputs.instances) draw_instances(block);
+      place_.first += block.size();
+    }
+  }
+
+ private:
+  // Calls body(line, face, piece, place in the block) for each stretch of the block.
+  template <class Body>
+  void for_stretches(Layer layer, Piece block, const Body& body) const {
+    for (const Stretch& stretch : planned_.plan.stretches()) {
+      const Piece piece{std::max(stretch.begin, block.begin), std::min(stretch.end, block.end)};
+      if (piece.begin >= piece.end) continue;
+      const std::size_t k = index(stretch.face);
+      const Face& face = job_.faces[view_.face[index(layer)][k]];
+      body(planned_.lines[k], face, piece, piece.begin - block.begin);
+    }
+  }
+
+  void draw_colour(Piece block) const {
+    ColourBlock pixels;
+    for_stretches(Layer::kColour, block,
+                  [&](const FaceLine& line, const Face& face, Piece piece, std::uint32_t at) {
+                    job_.kernels.colour(line, face, job_.legacy.clamped_edges, piece,
+                                        pixels.rgba.data() + at);
+                  });
+    pack_colour(job_.kernels, *job_.outputs.colour, job_.scale, pixels.rgba.data(), place_);
+  }
+
+  void read_16(Layer layer, Piece block, Block16& out) const {
+    for_stretches(layer, block,
+                  [&](const FaceLine& line, const Face& face, Piece piece, std::uint32_t at) {
+                    job_.kernels.nearest16(line, face, piece, out.values.data() + at);
+                  });
+  }
+
+  void draw_depth(Piece block) const {
+    Block16 pixels;
+    read_16(Layer::kDepth, block, pixels);
+    const bool along_ray = job_.outputs.depth->measure == DepthMeasure::kRay;
+    const float* factor = job_.depth_factor + (along_ray ? 0 : place_.first);
+    pack_depth(job_.kernels, *job_.outputs.depth, job_.legacy.eight_bit_depth, pixels.values.data(),
+               factor, place_);
+  }
+
+  void draw_classes(Piece block) const {
+    Block16 pixels;
+    read_16(Layer::kClass, block, pixels);
+    pack_classes(*job_.outputs.classes, pixels.values.data(), place_);
+  }
+
+  void draw_instances(Piece block) const {
+    Block32 pixels;
+    for_stretches(Layer::kInstance, block,
+                  [&](const FaceLine& line, const Face& face, Piece piece, std::uint32_t at) {
+                    job_.kernels.nearest32(line, face, piece, pixels.values.data() + at);
+                  });
+    pack_instances(*job_.outputs.instances, pixels.values.data(), place_);
+  }
+
+  const Job& job_;
+  const PreparedView& view_;
+  const PlannedRow& planned_;
+  Place place_;
+};
+
+void prefetch(const Job& job, const PreparedView& view, std::span<const PlannedRow> rows) {
+  constexpr std::array<std::size_t, scan::kLayers> kTexelBytes{4, 2, 2, 4};
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    if ((view.mask >> k & 1U) == 0) continue;
+    std::optional<Footprint> footprint;
+    for (std::size_t layer = 0; layer < scan::kLayers; ++layer) {
+      if (!detail::wants(job.outputs, static_cast<Layer>(layer))) continue;
+      const Face& face = job.faces[view.face[layer][k]];
+      if (!footprint || footprint->size() != face.size) {
+        footprint.emplace(rows, cube_face(k), face.size);
+      }
+      footprint->prefetch(face, kTexelBytes[layer]);
+    }
+  }
+}
+
+class CpuRenderer final : public Renderer {
+ public:
+  CpuRenderer(std::shared_ptr<FaceCache> faces, const RendererConfig& config)
+      : config_(config),
+        kernels_(config.backend == Backend::kCpu ? simd_kernels() : scalar_kernels()),
+        batch_(std::move(faces)),
+        ones_(kBlock, 1.0F) {}
+
+  void render(const Camera& camera, std::span<const View> views, const Outputs& outputs) override {
+    validate(camera, views, outputs, batch_.cache().panoramas());
+    if (outputs.depth && outputs.depth->measure == DepthMeasure::kZ && !(camera == camera_)) {
+      inverse_ray_lengths_ = inverse_ray_lengths(camera);
+      camera_ = camera;
+    }
+    for (std::size_t first = 0; first < views.size();) {
+      const std::size_t count =
+          batch_.fill(camera, views.subspan(first), outputs, batch_.cache().config().bytes);
+      draw(camera, detail::slice(camera, outputs, first, count));
+      first += count;
+    }
+    batch_.clear();
+  }
+
+  std::string description() const override {
+    const int threads = config_.threads == 0 ? available_threads() : config_.threads;
+    const bool simd = config_.backend == Backend::kCpu;
+    return fmt::format("{} ({}, {} thread{})", to_string(config_.backend),
+                       simd ? cpu_target() : "no SIMD", threads, threads == 1 ? "" : "s");
+  }
+
+ private:
+  void draw(const Camera& camera, const Outputs& outputs) {
+    const bool rays = outputs.depth && outputs.depth->measure == DepthMeasure::kRay;
+    Job job{kernels_,       camera,         config_.legacy,
+            outputs,        nullptr,        {},
+            batch_.views(), batch_.faces(), bytes_of(outputs) > kStreamBytes};
+    job.depth_factor = rays ? ones_.data() : inverse_ray_lengths_.data();
+    if (outputs.colour) job.scale = planar_scale(outputs.colour->normalisation);
+    const std::size_t tiles = (camera.height + kTileRows - 1) / kTileRows;
+    parallel_for(batch_.views().size() * tiles, 1, config_.threads,
+                 [&](std::size_t begin, std::size_t end) {
+                   for (std::size_t k = begin; k < end; ++k) draw_tile(job, k / tiles, k % tiles);
+                 });
+  }
+
+  static void draw_tile(const Job& job, std::size_t view, std::size_t tile) {
+    const auto begin = static_cast<std::uint32_t>(tile) * kTileRows;
+    const std::uint32_t count = std::min(kTileRows, job.camera.height - begin);
+    std::array<PlannedRow, kTileRows> rows;
+    for (std::uint32_t k = 0; k < count; ++k) {
+      rows[k].lines = face_lines(job.views[view].rays, begin + k);
+      rows[k].plan = RowPlan(job.views[view].rays, begin + k, job.camera.width);
+    }
+    prefetch(job, job.views[view], std::span(rows).first(count));
+    for (std::uint32_t k = 0; k < count; ++k) RowDrawer(job, view, begin + k, rows[k]).draw();
+    if (job.stream) job.kernels.stream_end();
+  }
+
+  RendererConfig config_;
+  const Kernels& kernels_;
+  detail::Batch batch_;
+  Camera camera_{0, 0, Radians(0)};  // of inverse_ray_lengths_
+  std::vector<float> inverse_ray_lengths_;
+  std::vector<float> ones_;
+};
+
+}  // namespace
+
+std::unique_ptr<Renderer> make_cpu_renderer(std::shared_ptr<FaceCache> faces,
+                                            const RendererConfig& config) {
+  return std::make_unique<CpuRenderer>(std::move(faces), config);
+}
+
+}  // namespace enfilade::render::cpu

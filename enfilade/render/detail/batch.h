@@ -1,0 +1,65 @@
+/// \file  What every back end works out about a batch before it draws.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "enfilade/render/renderer.h"
+
+namespace enfilade::render::detail {
+
+/// One view, ready to be drawn.
+struct PreparedView {
+  PixelRays rays;           ///< in the panorama frame
+  scan::FaceMask mask = 0;  ///< faces that it may show
+  /// Where its faces are in Batch::faces, by index(Layer), index(CubeFace); only those of `mask`.
+  std::array<std::array<std::uint32_t, kCubeFaces>, scan::kLayers> face{};
+};
+
+/// Views that are drawn together: those whose faces fit into the cache at once. Holds these faces
+/// until it is destroyed or filled anew. Its vectors keep their memory, so that a renderer that has
+/// one allocates nothing.
+class Batch {
+ public:
+  explicit Batch(std::shared_ptr<FaceCache> cache) : cache_(std::move(cache)) {}
+  ~Batch() { clear(); }
+  Batch(const Batch&) = delete;
+  Batch& operator=(const Batch&) = delete;
+
+  /// Takes as many of the first views as have their faces within `bytes`, at least one, and makes
+  /// the faces ready. \returns how many it took
+  /// \pre validate() was called  \throws as FaceCache::acquire()
+  std::size_t fill(const Camera& camera, std::span<const View> views, const Outputs& outputs,
+                   std::size_t bytes);
+  /// All faces of one panorama, whatever the view shows of them.
+  void fill_whole(const View& view, const Outputs& outputs);
+  void clear() noexcept;
+
+  std::span<const PreparedView> views() const noexcept { return views_; }
+  std::span<const FaceKey> keys() const noexcept { return keys_; }  ///< of faces(), sorted
+  std::span<const Face> faces() const noexcept { return faces_; }
+  FaceCache& cache() noexcept { return *cache_; }
+
+ private:
+  std::size_t add_keys(const View& view, const PreparedView& prepared, const Outputs& outputs);
+  void hold_faces(std::span<const View> views, const Outputs& outputs);
+  void place_faces(const View& view, PreparedView& prepared, const Outputs& outputs) const;
+
+  std::shared_ptr<FaceCache> cache_;
+  bool held_ = false;
+  std::vector<PreparedView> views_;
+  std::vector<FaceKey> keys_;
+  std::vector<Face> faces_;
+};
+
+/// Is this layer among the outputs?
+bool wants(const Outputs& outputs, scan::Layer layer) noexcept;
+
+/// The part of the outputs that belongs to `count` views from the one at `first` on.
+Outputs slice(const Camera& camera, const Outputs& outputs, std::size_t first, std::size_t count);
+
+}  // namespace enfilade::render::detail

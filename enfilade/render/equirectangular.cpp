@@ -1,0 +1,136 @@
+// All directions of a panorama in one picture: one pixel after another, on all cores.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/threads.h"
+#include "enfilade/render/cpu/pack.h"
+#include "enfilade/render/cpu/sampling.h"
+#include "enfilade/render/detail/batch.h"
+#include "enfilade/render/renderer.h"
+
+namespace enfilade::render {
+namespace {
+
+using scan::Layer;
+
+// A pixel as the row kernels see a whole row: of one column.
+struct Pixel {
+  CubeFace face;
+  cpu::FaceLine line;
+};
+
+Pixel pixel_towards(Vec3d direction) {
+  const CubeFace face = project_to_cube(direction).face;
+  return {face, cpu::face_lines({direction, {}, {}}, 0)[index(face)]};
+}
+
+class Drawer {
+ public:
+  Drawer(const detail::Batch& batch, const View& view, const Mat3d& panorama_from_world,
+         std::uint32_t width, std::uint32_t height, const Outputs& outputs)
+      : faces_(batch.faces()),
+        view_(batch.views().front()),
+        heading_(view.heading),
+        panorama_from_world_(panorama_from_world),
+        width_(width),
+        height_(height),
+        outputs_(outputs) {
+    if (outputs.colour) scale_ = cpu::planar_scale(outputs.colour->normalisation);
+    ones_.fill(1.0F);
+  }
+
+  void draw_row(std::uint32_t row) const {
+    for (std::uint32_t begin = 0; begin < width_; begin += cpu::kBlock) {
+      const std::uint32_t end = std::min<std::uint32_t>(begin + cpu::kBlock, width_);
+      std::array<Pixel, cpu::kBlock> pixels;
+      for (std::uint32_t j = begin; j < end; ++j) pixels[j - begin] = at(row, j);
+      const std::span<const Pixel> block(pixels.data(), end - begin);
+      draw_block(block, {0, std::size_t{row} * width_ + begin, block.size(),
+                         std::size_t{width_} * height_});
+    }
+  }
+
+ private:
+  Pixel at(std::uint32_t row, std::uint32_t column) const {
+    const double heading = heading_.value + ((column + 0.5) / width_ - 0.5) * 2 * kPi;
+    const double elevation = (0.5 - (row + 0.5) / height_) * kPi;
+    const double level = std::cos(elevation);
+    return pixel_towards(panorama_from_world_ * Vec3d{level * std::sin(heading),
+                                                      level * std::cos(heading),
+                                                      std::sin(elevation)});
+  }
+
+  const Face& face(Layer layer, CubeFace face) const {
+    return faces_[view_.face[index(layer)][index(face)]];
+  }
+
+  template <class T>
+  void read(Layer layer, std::span<const Pixel> pixels, T* out) const {
+    for (const Pixel& p : pixels) {
+      const Face& f = face(layer, p.face);
+      *out++ = cpu::sample_nearest<T>(f, cpu::texel_point(p.line, cpu::nearest_scale(f.size), 0));
+    }
+  }
+
+  void draw_block(std::span<const Pixel> pixels, const cpu::Place& place) const {
+    const cpu::Kernels& kernels = cpu::simd_kernels();
+    std::array<std::uint32_t, cpu::kBlock> wide;
+    std::array<std::uint16_t, cpu::kBlock> narrow;
+    if (outputs_.colour) {
+      std::uint32_t* out = wide.data();
+      for (const Pixel& p : pixels) {
+        const Face& f = face(Layer::kColour, p.face);
+        *out++ =
+            cpu::sample_colour(f, cpu::texel_point(p.line, cpu::linear_scale(f.size, false), 0));
+      }
+      cpu::pack_colour(kernels, *outputs_.colour, scale_, wide.data(), place);
+    }
+    if (outputs_.depth) {
+      read(Layer::kDepth, pixels, narrow.data());
+      cpu::pack_depth(kernels, *outputs_.depth, false, narrow.data(), ones_.data(), place);
+    }
+    if (outputs_.classes) {
+      read(Layer::kClass, pixels, narrow.data());
+      cpu::pack_classes(*outputs_.classes, narrow.data(), place);
+    }
+    if (outputs_.instances) {
+      read(Layer::kInstance, pixels, wide.data());
+      cpu::pack_instances(*outputs_.instances, wide.data(), place);
+    }
+  }
+
+  std::span<const Face> faces_;
+  const detail::PreparedView& view_;
+  Radians heading_;
+  Mat3d panorama_from_world_;
+  std::uint32_t width_, height_;
+  const Outputs& outputs_;
+  cpu::PlanarScale scale_{};
+  std::array<float, cpu::kBlock> ones_{};
+};
+
+}  // namespace
+
+void render_equirectangular(const std::shared_ptr<FaceCache>& faces, const View& view,
+                            std::uint32_t width, std::uint32_t height, const Outputs& outputs,
+                            int threads) {
+  if (!faces) throw ArgumentError("faces: null, but panoramas come from a FaceCache");
+  const Camera size{width, height, degrees(90)};
+  validate(size, {&view, 1}, outputs, faces->panoramas());
+  detail::Batch batch(faces);
+  batch.fill_whole(view, outputs);
+  const auto& poses = faces->panoramas().source(view.scan).poses();
+  const Drawer drawer(batch, view, transpose(poses[view.viewpoint.at()].world_from_panorama), width,
+                      height, outputs);
+  parallel_for(height, 8, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) {
+      drawer.draw_row(static_cast<std::uint32_t>(row));
+    }
+  });
+}
+
+}  // namespace enfilade::render

@@ -1,0 +1,383 @@
+#include "enfilade/render/face_cache.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <list>
+#include <mutex>
+#include <new>
+#include <thread>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/threads.h"
+
+namespace enfilade::render {
+namespace {
+
+using scan::Layer;
+
+// Rows begin on a multiple of what the widest registers hold; nothing depends on it but speed.
+constexpr std::size_t kAlignment = 64;
+
+struct Memory {
+  std::size_t bytes = 0;
+  std::uint8_t* address = nullptr;
+
+  explicit Memory(std::size_t n)
+      : bytes(n),
+        address(static_cast<std::uint8_t*>(::operator new(n, std::align_val_t{kAlignment}))) {}
+  ~Memory() { ::operator delete(address, std::align_val_t{kAlignment}); }
+  Memory(const Memory&) = delete;
+  Memory& operator=(const Memory&) = delete;
+};
+
+std::size_t texel_bytes(Layer layer) {
+  return layer == Layer::kColour || layer == Layer::kInstance ? 4 : 2;
+}
+
+// Colour has a border of one texel around it, and 8-byte loads at its last texel reach beyond it.
+std::size_t border(Layer layer) { return layer == Layer::kColour ? 1 : 0; }
+
+std::size_t row_bytes(Layer layer, std::uint32_t size) {
+  const std::size_t bytes = (size + 2 * border(layer)) * texel_bytes(layer);
+  return (bytes + 15) / 16 * 16;
+}
+
+std::size_t face_bytes(Layer layer, std::uint32_t size) {
+  return row_bytes(layer, size) * (size + 2 * border(layer)) + kAlignment;
+}
+
+struct KeyHash {
+  std::size_t operator()(const FaceKey& key) const noexcept {
+    std::uint64_t x = std::uint64_t{key.scan.value} << 38 ^
+                      std::uint64_t{key.viewpoint.value} << 6 ^
+                      static_cast<std::uint64_t>(key.layer) << 3 ^ index(key.face);
+    x *= 0x9E3779B97F4A7C15U;  // the golden ratio's bits, to spread neighbours
+    return static_cast<std::size_t>(x ^ x >> 32);
+  }
+};
+
+enum class State : std::uint8_t { kLoading, kReady, kFailed };
+
+struct Entry {
+  FaceKey key;
+  std::unique_ptr<Memory> memory;
+  std::uint32_t size = 0;
+  State state = State::kLoading;
+  std::uint32_t holders = 0;  // that have acquired it and not released it, loaders included
+  std::exception_ptr failure;
+  std::list<Entry*>::iterator place;  // in `idle` if holders == 0, else in `held`
+};
+
+Face face_of(const Entry& entry) {
+  const std::size_t stride = row_bytes(entry.key.layer, entry.size);
+  const std::size_t frame = border(entry.key.layer);
+  return {entry.memory->address + frame * (stride + texel_bytes(entry.key.layer)),
+          static_cast<std::uint32_t>(stride), entry.size};
+}
+
+// Faces of one panorama and layer that are decoded by one call to the source.
+struct Unit {
+  std::array<Entry*, kCubeFaces> entries{};
+  FaceKey first;
+};
+
+template <class T>
+std::array<T*, kCubeFaces> addresses(const Unit& unit) {
+  std::array<T*, kCubeFaces> buffers{};
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    if (unit.entries[k] != nullptr) {
+      buffers[k] = reinterpret_cast<T*>(unit.entries[k]->memory->address);
+    }
+  }
+  return buffers;
+}
+
+}  // namespace
+
+struct FaceCache::Impl {
+  Impl(std::shared_ptr<const scan::PanoramaSet> set, const FaceCacheConfig& c)
+      : panoramas(std::move(set)), config(c) {}
+
+  using Lock = std::unique_lock<std::mutex>;
+
+  void acquire(std::span<const FaceKey> keys, std::span<Face> faces, int threads, bool ahead);
+  void release(const Lock&, Entry& entry) noexcept;
+  void hold(const Lock&, Entry& entry);
+  Entry& add(Lock& lock, const FaceKey& key, std::uint32_t size);
+  void plan(Lock& lock, std::span<const FaceKey> keys, std::vector<Unit>& units, bool ahead);
+  void plan_one(Lock& lock, const FaceKey& key, std::vector<Unit>& units);
+  void load(const Unit& unit);
+  void decode(const Unit& unit);
+  void make_room(const Lock&, std::size_t bytes, std::unique_ptr<Memory>& memory);
+  void forget(const Lock&, Entry& entry) noexcept;
+  void work_ahead(const std::stop_token& stop);
+
+  std::shared_ptr<const scan::PanoramaSet> panoramas;
+  FaceCacheConfig config;
+
+  std::mutex mutex;
+  std::condition_variable_any changed;  // an entry became ready or failed; wishes came
+  std::unordered_map<FaceKey, std::unique_ptr<Entry>, KeyHash> entries;
+  // Entries move between these as nodes, so that nothing is allocated.
+  std::list<Entry*> held;
+  std::list<Entry*> idle;  // nobody holds these; the least recently used first
+  FaceCacheCounters counters;
+  std::vector<FaceKey> wishes;  // of prefetch(), the next one last
+  std::jthread helper;          // last: it ends before what it uses
+};
+
+void FaceCache::Impl::hold(const Lock&, Entry& entry) {
+  if (entry.holders++ == 0) held.splice(held.end(), idle, entry.place);
+}
+
+void FaceCache::Impl::release(const Lock& lock, Entry& entry) noexcept {
+  if (--entry.holders > 0) return;
+  if (entry.state == State::kFailed) {
+    forget(lock, entry);
+    return;
+  }
+  idle.splice(idle.end(), held, entry.place);
+}
+
+// \pre nobody holds it any more, but it is in `held` still
+void FaceCache::Impl::forget(const Lock&, Entry& entry) noexcept {
+  counters.bytes -= entry.memory->bytes;
+  held.erase(entry.place);
+  entries.erase(FaceKey(entry.key));
+}
+
+// Throws out faces until `bytes` more fit; if one that goes has just that size, its memory is kept.
+void FaceCache::Impl::make_room(const Lock& lock, std::size_t bytes,
+                                std::unique_ptr<Memory>& memory) {
+  while (counters.bytes + bytes > config.bytes && !idle.empty() && !memory) {
+    Entry& oldest = *idle.front();
+    idle.pop_front();
+    const std::size_t freed = oldest.memory->bytes;
+    if (freed == bytes) memory = std::move(oldest.memory);
+    counters.bytes -= freed;
+    entries.erase(FaceKey(oldest.key));
+  }
+  static_cast<void>(lock);
+}
+
+Entry& FaceCache::Impl::add(Lock& lock, const FaceKey& key, std::uint32_t size) {
+  auto entry = std::make_unique<Entry>();
+  const std::size_t bytes = face_bytes(key.layer, size);
+  make_room(lock, bytes, entry->memory);
+  if (!entry->memory) entry->memory = std::make_unique<Memory>(bytes);
+  counters.bytes += bytes;
+  entry->key = key;
+  entry->size = size;
+  entry->holders = 1;
+  entry->place = held.insert(held.end(), entry.get());
+  Entry& added = *entry;
+  entries.emplace(key, std::move(entry));
+  return added;
+}
+
+void FaceCache::Impl::plan_one(Lock& lock, const FaceKey& key, std::vector<Unit>& units) {
+  const scan::PanoramaSource& source = panoramas->source(key.scan);
+  const std::uint32_t size = source.face_sizes(key.viewpoint)[index(key.layer)];
+  if (size == 0) {  // asking for it anyway makes the source say where it looked
+    Unit none;
+    none.first = key;
+    decode(none);
+  }
+  Unit& unit = units.emplace_back();  // first, so that what follows is undone if it throws
+  unit.first = key;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    const FaceKey face{key.scan, key.viewpoint, key.layer, cube_face(k)};
+    const bool wanted = face == key || source.reads_whole_panoramas();
+    if (wanted && !entries.contains(face)) unit.entries[k] = &add(lock, face, size);
+  }
+}
+
+// Decides what has to be decoded, so that each face is by one thread only.
+void FaceCache::Impl::plan(Lock& lock, std::span<const FaceKey> keys, std::vector<Unit>& units,
+                           bool ahead) {
+  std::size_t done = 0;
+  try {
+    for (const FaceKey& key : keys) {
+      const auto found = entries.find(key);
+      if (found != entries.end()) {
+        hold(lock, *found->second);
+        if (!ahead) ++counters.hits;
+      } else {
+        plan_one(lock, key, units);
+        hold(lock, *entries.find(key)->second);
+        ++(ahead ? counters.prefetched : counters.misses);
+      }
+      ++done;
+    }
+  } catch (...) {
+    for (const Unit& unit : units) {
+      for (Entry* entry : unit.entries) {
+        if (entry == nullptr) continue;
+        entry->state = State::kFailed;
+        entry->failure = std::current_exception();
+        release(lock, *entry);
+      }
+    }
+    for (const FaceKey& key : keys.first(done)) release(lock, *entries.find(key)->second);
+    changed.notify_all();
+    throw;
+  }
+}
+
+void FaceCache::Impl::decode(const Unit& unit) {
+  const scan::PanoramaSource& source = panoramas->source(unit.first.scan);
+  scan::FaceMask mask = 0;
+  std::array<image::BorderedFace, kCubeFaces> colour;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    if (unit.entries[k] == nullptr) continue;
+    mask = static_cast<scan::FaceMask>(mask | 1U << k);
+    const Face face = face_of(*unit.entries[k]);
+    colour[k] = {const_cast<std::uint8_t*>(face.origin), face.stride, face.size};
+  }
+  if (mask == 0) mask = static_cast<scan::FaceMask>(1U << index(unit.first.face));
+  switch (unit.first.layer) {
+    case Layer::kColour:
+      return source.read_colour(unit.first.viewpoint, mask, colour);
+    case Layer::kDepth:
+    case Layer::kClass:
+      return source.read_16(unit.first.layer, unit.first.viewpoint, mask,
+                            addresses<std::uint16_t>(unit));
+    case Layer::kInstance:
+      return source.read_instances(unit.first.viewpoint, mask, addresses<std::uint32_t>(unit));
+  }
+}
+
+// Decodes, and tells everybody who waits. Does not throw: what failed is in the entries.
+void FaceCache::Impl::load(const Unit& unit) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::exception_ptr failure;
+  try {
+    decode(unit);
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  const auto spent = std::chrono::steady_clock::now() - begin;
+  const Lock lock(mutex);
+  counters.decode_nanoseconds += static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(spent).count());
+  for (Entry* entry : unit.entries) {
+    if (entry == nullptr) continue;
+    entry->state = failure ? State::kFailed : State::kReady;
+    entry->failure = failure;
+    release(lock, *entry);  // the loader's own hold
+  }
+  changed.notify_all();
+}
+
+void FaceCache::Impl::acquire(std::span<const FaceKey> keys, std::span<Face> faces, int threads,
+                              bool ahead) {
+  std::vector<Unit> units;  // allocates only if something is missing
+  Lock lock(mutex);
+  plan(lock, keys, units, ahead);
+  if (!units.empty()) {
+    lock.unlock();
+    parallel_for(units.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) load(units[k]);
+    });
+    lock.lock();
+  }
+  std::exception_ptr failure;
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    Entry& entry = *entries.find(keys[k])->second;
+    changed.wait(lock, [&] { return entry.state != State::kLoading; });
+    if (entry.state == State::kFailed && !failure) failure = entry.failure;
+    faces[k] = face_of(entry);
+  }
+  if (!failure) return;
+  for (const FaceKey& key : keys) release(lock, *entries.find(key)->second);
+  std::rethrow_exception(failure);
+}
+
+void FaceCache::Impl::work_ahead(const std::stop_token& stop) {
+  for (;;) {
+    FaceKey wish;
+    {
+      Lock lock(mutex);
+      changed.wait(lock, stop, [&] { return !wishes.empty(); });
+      if (stop.stop_requested()) return;
+      wish = wishes.back();
+      wishes.pop_back();
+      if (entries.contains(wish)) continue;
+    }
+    Face face;
+    try {
+      acquire({&wish, 1}, {&face, 1}, 1, true);
+      const Lock lock(mutex);
+      release(lock, *entries.find(wish)->second);
+    } catch (const std::exception&) {
+      // Whoever needs the face will be told.
+    }
+  }
+}
+
+FaceCache::FaceCache(std::shared_ptr<const scan::PanoramaSet> panoramas,
+                     const FaceCacheConfig& config)
+    : impl_(std::make_unique<Impl>(std::move(panoramas), config)) {
+  if (!impl_->panoramas) throw ArgumentError("panoramas: null, but a cache needs a PanoramaSet");
+  if (config.threads < 0) throw ArgumentError("config.threads: below 0");
+}
+
+FaceCache::~FaceCache() = default;
+
+const scan::PanoramaSet& FaceCache::panoramas() const noexcept { return *impl_->panoramas; }
+const FaceCacheConfig& FaceCache::config() const noexcept { return impl_->config; }
+
+void FaceCache::acquire(std::span<const FaceKey> keys, std::span<Face> faces) {
+  EN_CHECK_EQ(keys.size(), faces.size());
+  impl_->acquire(keys, faces, impl_->config.threads, false);
+}
+
+void FaceCache::release(std::span<const FaceKey> keys) noexcept {
+  const Impl::Lock lock(impl_->mutex);
+  for (const FaceKey& key : keys) impl_->release(lock, *impl_->entries.find(key)->second);
+}
+
+void FaceCache::prefetch(std::span<const FaceKey> keys) {
+  if (!impl_->config.prefetch_thread) return;
+  const Impl::Lock lock(impl_->mutex);
+  // More than half of the memory would push out what is being looked at.
+  std::size_t bytes = 0;
+  impl_->wishes.clear();
+  for (const FaceKey& key : keys) {
+    if (impl_->entries.contains(key)) continue;
+    const scan::PanoramaSource& source = impl_->panoramas->source(key.scan);
+    const std::uint32_t size = source.face_sizes(key.viewpoint)[index(key.layer)];
+    bytes += face_bytes(key.layer, size);
+    if (size == 0 || bytes > impl_->config.bytes / 2) continue;
+    impl_->wishes.push_back(key);
+  }
+  std::ranges::reverse(impl_->wishes);
+  if (impl_->wishes.empty()) return;
+  if (!impl_->helper.joinable()) {
+    impl_->helper = std::jthread([this](const std::stop_token& stop) { impl_->work_ahead(stop); });
+  }
+  impl_->changed.notify_all();
+}
+
+FaceCacheCounters FaceCache::counters() const {
+  const Impl::Lock lock(impl_->mutex);
+  return impl_->counters;
+}
+
+void FaceCache::clear() {
+  const Impl::Lock lock(impl_->mutex);
+  for (Entry* entry : impl_->idle) {
+    impl_->counters.bytes -= entry->memory->bytes;
+    impl_->entries.erase(FaceKey(entry->key));
+  }
+  impl_->idle.clear();
+}
+
+}  // namespace enfilade::render

@@ -1,0 +1,118 @@
+#include "enfilade/render/face_cache.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "enfilade/core/errors.h"
+#include "tests/support/made_panoramas.h"
+
+namespace enfilade::render {
+namespace {
+
+using scan::Layer;
+
+FaceKey key(std::size_t viewpoint, Layer layer, std::size_t face) {
+  return {ScanIndex(0), ViewpointIndex(viewpoint), layer, cube_face(face)};
+}
+
+TEST(FaceCache, GivesFacesWithTheirBorders) {
+  const scan::Panorama made = testing::made_panorama(8);
+  const auto cache = testing::cache_of({made});
+  const std::array<FaceKey, 3> keys{key(0, Layer::kColour, 2), key(0, Layer::kDepth, 1),
+                                    key(0, Layer::kInstance, 5)};
+  std::array<Face, 3> faces;
+  cache->acquire(keys, faces);
+  EXPECT_EQ(faces[0].size, 8U);
+  for (std::uint32_t y = 0; y < 8; ++y) {
+    for (std::uint32_t x = 0; x < 8; ++x) {
+      EXPECT_EQ(
+          std::memcmp(faces[0].origin + y * faces[0].stride + 4 * x, made.colour[2].at(x, y), 3),
+          0);
+      EXPECT_EQ(
+          std::memcmp(faces[1].origin + y * faces[1].stride + 2 * x, made.depth[1].at(x, y), 2), 0);
+      EXPECT_EQ(
+          std::memcmp(faces[2].origin + y * faces[2].stride + 4 * x, made.instances[5].at(x, y), 4),
+          0);
+    }
+  }
+  // Left of face 2 is the right column of face 1.
+  EXPECT_EQ(std::memcmp(faces[0].origin + 3 * faces[0].stride - 4, made.colour[1].at(7, 3), 3), 0);
+  cache->release(keys);
+}
+
+TEST(FaceCache, KeepsToItsBytesAndForgetsTheOldestFirst) {
+  std::vector<scan::Panorama> panoramas(4, testing::made_panorama(32));
+  FaceCacheConfig config;
+  config.bytes = 3 * 5200;  // three colour faces of 34 x 34 texels
+  const auto cache = testing::cache_of(std::move(panoramas), config);
+  const auto touch = [&](std::size_t viewpoint) {
+    const FaceKey k = key(viewpoint, Layer::kColour, 0);
+    Face face;
+    const auto before = cache->counters().misses;
+    cache->acquire({&k, 1}, {&face, 1});
+    cache->release({&k, 1});
+    return cache->counters().misses > before;
+  };
+  EXPECT_TRUE(touch(0));
+  EXPECT_TRUE(touch(1));
+  EXPECT_TRUE(touch(2));
+  EXPECT_FALSE(touch(0));  // now 1 is the oldest
+  EXPECT_TRUE(touch(3));
+  EXPECT_FALSE(touch(0));
+  EXPECT_TRUE(touch(1));
+  EXPECT_LE(cache->counters().bytes, config.bytes);
+}
+
+TEST(FaceCache, WhatIsHeldStaysEvenBeyondItsBytes) {
+  FaceCacheConfig config;
+  config.bytes = 1;
+  const auto cache = testing::cache_of({testing::made_panorama(16)}, config);
+  std::array<FaceKey, 6> keys;
+  std::array<Face, 6> faces;
+  for (std::size_t k = 0; k < 6; ++k) keys[k] = key(0, Layer::kColour, k);
+  cache->acquire(keys, faces);
+  EXPECT_GT(cache->counters().bytes, 6U * 18 * 18 * 4);
+  cache->clear();  // forgets only what nobody holds
+  EXPECT_GT(cache->counters().bytes, 6U * 18 * 18 * 4);
+  cache->release(keys);
+  cache->clear();
+  EXPECT_EQ(cache->counters().bytes, 0U);
+}
+
+TEST(FaceCache, PrefetchedFacesAreThereWhenAsked) {
+  const auto cache = testing::made_cache(16, 2);
+  const std::array<FaceKey, 2> keys{key(1, Layer::kColour, 3), key(1, Layer::kDepth, 3)};
+  cache->prefetch(keys);
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (cache->counters().prefetched < 2 && std::chrono::steady_clock::now() < limit) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  std::array<Face, 2> faces;
+  cache->acquire(keys, faces);
+  cache->release(keys);
+  EXPECT_EQ(cache->counters().misses, 0U);
+  EXPECT_EQ(cache->counters().hits, 2U);
+}
+
+TEST(FaceCache, AFailureLeavesNothingHeldAndCanBeTriedAgain) {
+  scan::Panorama half = testing::made_panorama(8);
+  half.classes = {};
+  const auto cache = testing::cache_of({half});
+  const std::array<FaceKey, 2> keys{key(0, Layer::kColour, 0), key(0, Layer::kClass, 0)};
+  std::array<Face, 2> faces;
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_THROW(cache->acquire(keys, faces), LookupError);
+    cache->clear();
+    EXPECT_EQ(cache->counters().bytes, 0U);
+  }
+  cache->prefetch(keys);  // not there: passed over
+}
+
+TEST(FaceCache, NeedsPanoramas) { EXPECT_THROW(FaceCache(nullptr), ArgumentError); }
+
+}  // namespace
+}  // namespace enfilade::render

@@ -1,0 +1,80 @@
+/// \file  OpenGL contexts without a window or a display server.
+#pragma once
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace enfilade::render::gl {
+
+/// A way to an EGL display.
+struct Way {
+  enum class Kind { kDevice, kSurfaceless, kDefault };
+  Kind kind = Kind::kDefault;
+  std::string name;  ///< "0", "1", ...; "surfaceless"; "default"
+  std::string uuid;  ///< 32 hex digits, if EGL tells
+  bool software = false;
+  EGLDeviceEXT device = nullptr;
+};
+
+/// In the order in which they are to be tried: hardware devices, the software device, surfaceless,
+/// default. Empty without an EGL library.
+std::vector<Way> ways();
+
+/// What to say where ways() is empty.
+inline constexpr std::string_view kNoEgl =
+    "no EGL library (libEGL.so.1) could be loaded; on Debian and Ubuntu: apt-get install "
+    "libegl1 libegl-mesa0 libgl1-mesa-dri, or the graphics card's own driver";
+
+/// A context of OpenGL 4.3 core or later. Belongs to no thread: Current lends it to one.
+class Context {
+ public:
+  /// \throws Error naming the way and what EGL or OpenGL said
+  explicit Context(const Way& way);
+  ~Context();
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  const std::string& renderer() const noexcept { return renderer_; }  ///< GL_RENDERER
+  const std::string& version() const noexcept { return version_; }    ///< GL_VERSION
+  const std::string& uuid() const noexcept { return uuid_; }  ///< as EGL tells it, else OpenGL
+
+ private:
+  friend class Current;
+  void create(const Way& way);
+  void describe();
+  void destroy() noexcept;
+
+  EGLDisplay display_ = EGL_NO_DISPLAY;
+  EGLContext context_ = EGL_NO_CONTEXT;
+  EGLSurface surface_ = EGL_NO_SURFACE;
+  std::string renderer_, version_, uuid_;
+};
+
+/// Makes a context the thread's current one as long as it lives, then the one that was before.
+class Current {
+ public:
+  /// \throws Error
+  explicit Current(const Context& context);
+  ~Current();
+  Current(const Current&) = delete;
+  Current& operator=(const Current&) = delete;
+
+ private:
+  EGLenum api_;
+  EGLDisplay display_, previous_display_;
+  EGLContext previous_;
+  EGLSurface previous_draw_, previous_read_;
+};
+
+/// The context of a device by index or UUID, or, if `device` is empty, of the first way that works.
+/// \throws ArgumentError listing the devices if there is none of that name; Error
+std::unique_ptr<Context> make_context(const std::string& device);
+
+/// \throws Error if OpenGL has noted one, naming it and what was being done
+void check_gl(std::string_view doing);
+
+}  // namespace enfilade::render::gl

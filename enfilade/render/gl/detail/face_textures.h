@@ -1,0 +1,105 @@
+/// \file  Faces in the graphics card's memory, as many as fit a number of bytes.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "enfilade/render/face_cache.h"
+#include "enfilade/render/gl/detail/context.h"
+
+namespace enfilade::render::gl {
+
+struct FaceKeyHash {
+  std::size_t operator()(const FaceKey& key) const noexcept;
+};
+
+/// The faces of one layer and size: layers ("slots") of one array texture. It grows up to a number
+/// of slots, then the least recently used face goes first. Belongs to the current context.
+class FacePool {
+ public:
+  FacePool(scan::Layer layer, std::uint32_t size);
+  FacePool(const FacePool&) = delete;
+  FacePool& operator=(const FacePool&) = delete;
+
+  scan::Layer layer() const noexcept { return layer_; }
+  std::uint32_t size() const noexcept { return size_; }  ///< texels, border not counted
+  GLuint texture() const noexcept { return texture_; }
+  std::size_t face_bytes() const noexcept;
+
+  /// Sets how many slots there may be; forgets everything if there are more already.
+  void limit(std::size_t slots);
+
+  struct Claim {
+    std::int32_t slot = -1;  ///< -1: all slots are claimed in this turn
+    bool fresh = false;      ///< the face is not there yet: upload() it, or drop() it
+  };
+  /// The slot of a face, kept for it until the turn changes. \throws Error if out of memory
+  Claim claim(const FaceKey& key, std::uint64_t turn);
+  void upload(std::int32_t slot, const Face& face);
+  void drop(const FaceKey& key);
+
+ private:
+  struct Slot {
+    FaceKey key;
+    std::uint64_t turn = 0;  ///< of the last claim; 0: free
+    std::int32_t newer = -1, older = -1;
+  };
+  std::int32_t free_slot(std::uint64_t turn);
+  void grow();
+  void unlink(std::int32_t slot);
+  void make_newest(std::int32_t slot);
+
+  scan::Layer layer_;
+  std::uint32_t size_;
+  std::size_t limit_ = 0;
+  GLuint texture_ = 0;
+  std::vector<Slot> slots_;
+  std::int32_t newest_ = -1, oldest_ = -1;
+  std::unordered_map<FaceKey, std::int32_t, FaceKeyHash> places_;
+};
+
+/// All pools of a renderer. What views need is claimed view by view, then brought in from the face
+/// cache in one go, so that faces are decoded in parallel.
+class FaceTextures {
+ public:
+  /// `bytes`: of all pools together; six faces of each are kept in any case.
+  FaceTextures(std::shared_ptr<FaceCache> faces, std::size_t bytes);
+
+  /// Slots are kept for what is claimed until the next call.
+  void begin_turn() noexcept;
+  /// The panorama's faces' sizes, 0 where it lacks a layer. \throws FileError, InvalidInput
+  const scan::FaceSizes& sizes(ScanIndex scan, ViewpointIndex viewpoint);
+  /// For a layer that the panorama lacks: \throws what the face cache has to say of it
+  [[noreturn]] void complain_of(const FaceKey& key);
+  /// Makes room for faces of a layer and size. Not in the middle of a turn: it may forget faces.
+  void prepare(scan::Layer layer, std::uint32_t size);
+  /// \returns the face's slot; -1 if no more faces fit in this turn. \pre prepare()
+  std::int32_t claim(const FaceKey& key, std::uint32_t size);
+  /// Uploads what was claimed in this turn and is not there. \throws as FaceCache::acquire(), Error
+  void bring_in();
+  GLuint texture(scan::Layer layer, std::uint32_t size) { return pool(layer, size)->texture(); }
+
+ private:
+  struct Missing {
+    FacePool* pool;
+    std::int32_t slot;
+  };
+  FacePool* pool(scan::Layer layer, std::uint32_t size) noexcept;
+  void share_out();
+  void bring_in(std::size_t first, std::size_t count);
+
+  std::shared_ptr<FaceCache> faces_;
+  std::size_t bytes_;
+  std::uint64_t turn_ = 0;
+  std::vector<std::unique_ptr<FacePool>> pools_;
+  std::vector<FaceKey> missing_keys_;
+  std::vector<Missing> missing_;
+  std::vector<Face> acquired_;
+  std::unordered_map<std::uint64_t, scan::FaceSizes> sizes_;  // by scan << 32 | viewpoint
+};
+
+}  // namespace enfilade::render::gl

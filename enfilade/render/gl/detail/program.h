@@ -1,0 +1,50 @@
+/// \file  The shaders, one program for each set of outputs.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "enfilade/render/gl/detail/context.h"
+#include "enfilade/scan/panorama_source.h"
+
+namespace enfilade::render::gl {
+
+/// Layers as bits 1 << index(Layer).
+using LayerMask = std::uint8_t;
+constexpr LayerMask bit(scan::Layer layer) { return static_cast<LayerMask>(1U << index(layer)); }
+constexpr bool has(LayerMask mask, std::size_t layer) { return (mask >> layer & 1U) != 0; }
+
+/// A corner of a triangle. All but `position` is the same for the whole piece of a picture.
+struct Vertex {
+  std::array<float, 2> position;                  ///< of the target, -1..1
+  std::array<float, 2> middle;                    ///< of the picture, pixels of the target
+  std::array<std::array<float, 3>, 3> forms;      ///< FaceForms: right, down, forward
+  std::array<std::int32_t, scan::kLayers> slots;  ///< layers of the face textures
+};
+
+/// What a program does.
+struct ProgramKey {
+  LayerMask layers = 0;
+  bool clamped = false;  ///< Legacy::clamped_edges
+};
+
+/// Links each program at its first use. Belongs to the context that is current then.
+class Programs {
+ public:
+  /// Makes the program current and tells it the faces' sizes (border not counted) by layer.
+  /// Colour is sampled from texture unit 0, depth 1, class 2, instance 3; outputs have these
+  /// numbers too. \throws Error with the compiler's or linker's log
+  void use(const ProgramKey& key, const scan::FaceSizes& sizes);
+
+ private:
+  struct Entry {
+    GLuint program = 0;
+    GLint sizes = -1;
+  };
+  std::array<Entry, 32> entries_{};
+};
+
+/// Describes Vertex to the vertex array object that is bound, for the buffer that is bound.
+void describe_vertices();
+
+}  // namespace enfilade::render::gl

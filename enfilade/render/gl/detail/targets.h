@@ -1,0 +1,51 @@
+/// \file  What is drawn into, and how it comes back.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "enfilade/render/gl/detail/program.h"
+
+namespace enfilade::render::gl {
+
+/// Bytes a pixel takes in a target: RGBA, or the texel of the layer as it is.
+constexpr std::array<std::size_t, scan::kLayers> kPixelBytes{4, 2, 2, 4};
+
+/// One picture for each layer, all drawn at once, and the buffers that they are read back through.
+/// Views lie below one another, so that a whole batch is one picture of the driver's and one
+/// read-back, on any hardware. Belongs to the current context.
+class Target {
+ public:
+  /// Makes the target the one that is drawn into, with at least this size.
+  /// \throws Error if it is too large for the device, incomplete, or out of memory
+  void begin(LayerMask layers, std::uint32_t width, std::uint32_t height);
+  /// Starts to copy the first rows into the buffers. Does not wait where the driver can copy by
+  /// itself. \throws Error
+  void start_reading(std::uint32_t rows);
+  /// What was drawn, by layer; waits for it. Rows from the top, no padding. Valid until
+  /// finish_reading(). \throws Error
+  std::array<const std::byte*, scan::kLayers> map();
+  /// \throws Error if the driver lost the pixels meanwhile
+  void finish_reading();
+
+ private:
+  void allocate(std::size_t layer);
+  void attach();
+
+  GLuint framebuffer_ = 0;
+  LayerMask layers_ = 0, attached_ = 0;
+  std::uint32_t width_ = 0, height_ = 0;
+  struct Picture {
+    GLuint texture = 0, buffer = 0;
+    std::uint32_t width = 0, height = 0;
+    std::size_t buffer_bytes = 0;
+    bool mapped = false;
+  };
+  std::array<Picture, scan::kLayers> pictures_{};
+};
+
+/// The most rows that a target may have. \throws Error if a picture is too wide or high
+std::uint32_t most_rows(std::uint32_t width, std::uint32_t height);
+
+}  // namespace enfilade::render::gl

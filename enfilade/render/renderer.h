@@ -1,0 +1,162 @@
+/// \file  Pictures of what agents see.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/core/ids.h"
+#include "enfilade/geometry/angle.h"
+#include "enfilade/geometry/camera.h"
+#include "enfilade/render/face_cache.h"
+
+namespace enfilade::render {
+
+/// Where an agent stands and looks. Any heading; elevation in [-pi/2, pi/2], up positive.
+struct View {
+  ScanIndex scan;  ///< of the PanoramaSet
+  ViewpointIndex viewpoint;
+  Radians heading;
+  Radians elevation;
+};
+
+/// Layouts of colour for n views of h x w pixels; rows from the top, no padding.
+enum class ColourFormat : std::uint8_t {
+  kRgb8,           ///< (n, h, w, 3) uint8
+  kBgr8,           ///< (n, h, w, 3) uint8, as OpenCV has it
+  kRgba8,          ///< (n, h, w, 4) uint8, A = 255
+  kPlanarFloat16,  ///< (n, 3, h, w) IEEE half, R G B: (value / 255 - mean) / deviation
+  kPlanarFloat32,  ///< (n, 3, h, w) float, likewise
+};
+
+/// What planar formats subtract and divide by, R G B, for values in [0, 1]. Default: nothing.
+struct Normalisation {
+  std::array<float, 3> mean{0, 0, 0};
+  std::array<float, 3> deviation{1, 1, 1};  ///< > 0
+};
+/// Of ImageNet, as torchvision's models are trained with it.
+inline constexpr Normalisation kImageNet{{0.485F, 0.456F, 0.406F}, {0.229F, 0.224F, 0.225F}};
+
+struct ColourOutput {
+  ColourFormat format = ColourFormat::kRgb8;
+  Normalisation normalisation;  ///< of planar formats
+  std::span<std::byte> pixels;  ///< of exactly the format's size; aligned as its values need
+};
+
+enum class DepthFormat : std::uint8_t {
+  kMetresFloat32,             ///< (n, h, w) float
+  kQuarterMillimetresUint16,  ///< (n, h, w) uint16, 4000 a metre, rounded to nearest
+};
+enum class DepthMeasure : std::uint8_t {
+  kZ,    ///< along the optical axis: what depth cameras give, and the old simulator
+  kRay,  ///< along the pixel's ray
+};
+/// 0 = no reading.
+struct DepthOutput {
+  DepthFormat format = DepthFormat::kMetresFloat32;
+  DepthMeasure measure = DepthMeasure::kZ;
+  std::span<std::byte> pixels;
+};
+
+enum class ClassFormat : std::uint8_t {
+  kUint8,   ///< (n, h, w); classes above 255 become 255
+  kUint16,  ///< (n, h, w)
+};
+struct ClassOutput {
+  ClassFormat format = ClassFormat::kUint16;
+  std::span<std::byte> pixels;
+};
+struct InstanceOutput {
+  std::span<std::uint32_t> pixels;  ///< (n, h, w)
+};
+
+/// Memory of the caller for any set of outputs. Colour is filtered linearly; depth, class and
+/// instance are those of the nearest texel.
+struct Outputs {
+  std::optional<ColourOutput> colour;
+  std::optional<DepthOutput> depth;
+  std::optional<ClassOutput> classes;
+  std::optional<InstanceOutput> instances;
+};
+
+/// Bytes a pixel takes in each format, over all channels.
+std::size_t pixel_bytes(ColourFormat format) noexcept;
+std::size_t pixel_bytes(DepthFormat format) noexcept;
+std::size_t pixel_bytes(ClassFormat format) noexcept;
+
+/// Ways of the old simulator that are worse, for people who must match features made with it. See
+/// docs/mattersim.md.
+struct Legacy {
+  bool clamped_edges = false;    ///< colour is not filtered across the edges of faces
+  bool eight_bit_depth = false;  ///< z-depth in steps of 257 quarter millimetres (64 mm)
+};
+
+/// Draws batches of views. A renderer may be used from any one thread at a time; different ones
+/// don't disturb each other, also where they share a FaceCache.
+class Renderer {
+ public:
+  virtual ~Renderer() = default;
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  /// Fills the outputs. The same view gives the same bytes in any batch, with any number of
+  /// threads. Allocates nothing once it has seen the camera, the batch size and the panoramas, but
+  /// for what oneTBB takes for its tasks with several threads.
+  /// \throws ArgumentError for an invalid camera, a view with an unknown scan or viewpoint or an
+  /// angle that is not finite or out of range (naming its place), outputs of another size, or a
+  /// deviation that is not positive, before anything is drawn; LookupError, FileError,
+  /// InvalidInput for panoramas that lack a layer or are broken: the outputs are then unspecified
+  virtual void render(const Camera& camera, std::span<const View> views,
+                      const Outputs& outputs) = 0;
+
+  /// What it runs on: "cpu (AVX3, 2 threads)", "gl (llvmpipe, OpenGL 4.5)".
+  virtual std::string description() const = 0;
+
+ protected:
+  Renderer() = default;
+};
+
+enum class Backend : std::uint8_t {
+  kCpu,        ///< SIMD, the best instruction set of this machine
+  kCpuScalar,  ///< the plain twin: slow, and what the others are held against
+  kGl,         ///< OpenGL through EGL; needs no display
+};
+std::string_view to_string(Backend backend);  ///< "cpu", "cpu-scalar", "gl"
+std::optional<Backend> parse_backend(std::string_view name);
+std::vector<Backend> backends();  ///< those of this build
+
+struct RendererConfig {
+  Backend backend = Backend::kCpu;
+  int threads = 0;  ///< that draw (cpu); 0: all cores
+  Legacy legacy;
+  std::string gl_device;  ///< index or UUID of an EGL device ("0"); empty: the first that works
+};
+
+/// \throws ArgumentError for a backend that this build lacks, or a null cache; Error with EGL's or
+/// OpenGL's words if no device, context or shader can be had
+std::unique_ptr<Renderer> make_renderer(std::shared_ptr<FaceCache> faces,
+                                        const RendererConfig& config = {});
+
+/// \throws as render() does for its arguments. For implementations and bindings.
+void validate(const Camera& camera, std::span<const View> views, const Outputs& outputs,
+              const scan::PanoramaSet& panoramas);
+
+/// The 36 discretized views of a viewpoint in the order of MatterSim's viewIndex: 12 headings from
+/// 0 in steps of 30 degrees, at elevation -30, then 0, then 30 degrees.
+inline constexpr std::size_t kDiscreteViews = 36;
+std::array<View, kDiscreteViews> discrete_views(ScanIndex scan, ViewpointIndex viewpoint);
+
+/// All directions at once, (height, width): the middle column looks along view.heading, the middle
+/// row along the horizon, the top row up; view.elevation is not used. One view in each output;
+/// depth is along the ray, whatever its measure. \throws as Renderer::render(); ArgumentError for a
+/// size of 0
+void render_equirectangular(const std::shared_ptr<FaceCache>& faces, const View& view,
+                            std::uint32_t width, std::uint32_t height, const Outputs& outputs,
+                            int threads = 0);
+
+}  // namespace enfilade::render
