@@ -260,16 +260,19 @@ void pack_planar16(const std::uint32_t* rgba, std::size_t count, const PlanarSca
 }
 
 void stream(std::byte* out, const std::byte* from, std::size_t bytes) {
+  constexpr std::size_t kLine = 64;
   const hn::ScalableTag<std::uint8_t> d;
-  const std::size_t n = hn::Lanes(d);
-  // Half a cache line would cost more than it saves.
-  if (reinterpret_cast<std::uintptr_t>(out) % 64 != 0 || bytes % 64 != 0) {
-    std::memcpy(out, from, bytes);
-    return;
+  // Only whole cache lines can go past the caches.
+  const std::size_t head =
+      std::min(bytes, (kLine - reinterpret_cast<std::uintptr_t>(out) % kLine) % kLine);
+  const std::size_t whole = (bytes - head) / kLine * kLine, tail = bytes - head - whole;
+  std::memcpy(out, from, head);
+  auto* to = reinterpret_cast<std::uint8_t*>(out + head);
+  const auto* source = reinterpret_cast<const std::uint8_t*>(from + head);
+  for (std::size_t k = 0; k < whole; k += hn::Lanes(d)) {
+    hn::Stream(hn::LoadU(d, source + k), d, to + k);
   }
-  auto* to = reinterpret_cast<std::uint8_t*>(out);
-  const auto* source = reinterpret_cast<const std::uint8_t*>(from);
-  for (std::size_t k = 0; k < bytes; k += n) hn::Stream(hn::Load(d, source + k), d, to + k);
+  std::memcpy(to + whole, source + whole, tail);
 }
 
 void stream_end() { hwy::FlushStream(); }
