@@ -54,7 +54,8 @@ TEST(RowPlan, LinesMeetThePlaneOfTheirFace) {
   const PixelRays rays = pixel_rays(camera, world_from_camera(Radians(0.4), Radians(0.2)));
   for (std::uint32_t row = 0; row < camera.height; ++row) {
     const FaceLines lines = face_lines(rays, row);
-    for (const Stretch& stretch : RowPlan(rays, row, camera.width).stretches()) {
+    const RowPlan plan(rays, row, camera.width);
+    for (const Stretch& stretch : plan.stretches()) {
       const FaceLine& line = lines[index(stretch.face)];
       const float j = static_cast<float>(stretch.begin), ahead = line.d0 + j * line.d1;
       const FacePoint point = project_to_cube(rays.at(row, stretch.begin));
