@@ -28,9 +28,9 @@ if(EN_WITH_TBB)
   enfilade_require(TBB libtbb-dev)
 endif()
 enfilade_require(hwy libhwy-dev)
-enfilade_require(libjpeg-turbo libturbojpeg0-dev)
-# Debian's libzip-config.cmake wants three programs of other packages to be there.
-enfilade_require(zstd libzstd-dev)
+# By pkg-config, as Debian's CMake files of libzip and libjpeg-turbo want files of other packages.
+enfilade_require_pc(libturbojpeg libturbojpeg0-dev)
+enfilade_require_pc(libzstd libzstd-dev)
 enfilade_require_pc(libzip libzip-dev)
 enfilade_require_pc(spng libspng-dev)
 enfilade_require_pc(libxxhash libxxhash-dev)
