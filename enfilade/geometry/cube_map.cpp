@@ -60,15 +60,7 @@ Vec3d cube_direction(CubeFace face, double s, double t) {
 }
 
 FacePoint project_to_cube(Vec3d d) {
-  const double x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
-  CubeFace face = CubeFace::kFront;
-  if (y >= x && y >= z) {
-    face = d.y < 0 ? CubeFace::kUp : CubeFace::kDown;
-  } else if (x >= z) {
-    face = d.x < 0 ? CubeFace::kLeft : CubeFace::kRight;
-  } else {
-    face = d.z < 0 ? CubeFace::kBack : CubeFace::kFront;
-  }
+  const CubeFace face = face_towards(d);
   const FaceAxes& axes = kFaceAxes[index(face)];
   const double ahead = dot(axes.forward, d);
   EN_CHECK(ahead > 0);

@@ -4,6 +4,7 @@
 /// "forward" is the middle of face 3. See docs/conventions.md.
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -42,8 +43,15 @@ struct FacePoint {
 /// The direction, in the panorama frame, of a point of a face; not of unit length: its part along
 /// the face's axis is 1. (s, t) outside [0, 1] lies on the face's plane beyond its edge.
 Vec3d cube_direction(CubeFace face, double s, double t);
-/// The face that a direction of the panorama frame meets, and where. Of two faces that meet it at
-/// their edge, the one whose axis comes first in y, x, z. \pre direction is not (0, 0, 0)
+/// The face that a direction of the panorama frame meets. Of two faces that meet it at their edge,
+/// the one whose axis comes first in y, x, z. \pre direction is not (0, 0, 0)
+inline CubeFace face_towards(Vec3d direction) {
+  const double x = std::abs(direction.x), y = std::abs(direction.y), z = std::abs(direction.z);
+  if (y >= x && y >= z) return direction.y < 0 ? CubeFace::kUp : CubeFace::kDown;
+  if (x >= z) return direction.x < 0 ? CubeFace::kLeft : CubeFace::kRight;
+  return direction.z < 0 ? CubeFace::kBack : CubeFace::kFront;
+}
+/// face_towards(), and where on it. \pre direction is not (0, 0, 0)
 FacePoint project_to_cube(Vec3d direction);
 
 /// Camera frame -> world: the columns are the camera's right, down and forward.

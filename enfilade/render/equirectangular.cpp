@@ -24,7 +24,7 @@ struct Pixel {
 };
 
 Pixel pixel_towards(Vec3d direction) {
-  const CubeFace face = project_to_cube(direction).face;
+  const CubeFace face = face_towards(direction);
   return {face, cpu::face_lines({direction, {}, {}}, 0)[index(face)]};
 }
 
@@ -72,7 +72,7 @@ class Drawer {
   void read(Layer layer, std::span<const Pixel> pixels, T* out) const {
     for (const Pixel& p : pixels) {
       const Face& f = face(layer, p.face);
-      *out++ = cpu::sample_nearest<T>(f, cpu::texel_point(p.line, cpu::nearest_scale(f.size), 0));
+      *out++ = cpu::sample_nearest<T>(f, cpu::texel_point(p.line, f.size, 0));
     }
   }
 
@@ -84,8 +84,8 @@ class Drawer {
       std::uint32_t* out = wide.data();
       for (const Pixel& p : pixels) {
         const Face& f = face(Layer::kColour, p.face);
-        *out++ =
-            cpu::sample_colour(f, cpu::texel_point(p.line, cpu::linear_scale(f.size, false), 0));
+        *out++ = cpu::sample_colour(f, cpu::linear_range(f.size, false),
+                                    cpu::texel_point(p.line, f.size, 0));
       }
       cpu::pack_colour(kernels, *outputs_.colour, scale_, wide.data(), place);
     }

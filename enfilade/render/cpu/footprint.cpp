@@ -11,6 +11,10 @@ namespace {
 constexpr std::size_t kRowStep = 8;
 constexpr std::size_t kCacheLine = 64;
 
+// A load that nobody uses. A prefetch instruction would do, but processors drop those when more
+// than a few dozen are on their way; of loads they drop none.
+void read(const std::uint8_t* p) { asm volatile("" : : "r"(*p)); }
+
 }  // namespace
 
 Footprint::Footprint(std::span<const PlannedRow> rows, CubeFace face, std::uint32_t size)
@@ -26,11 +30,15 @@ void Footprint::add_row(const PlannedRow& row, CubeFace face) {
   const auto stretches = row.plan.stretches();
   const auto found = std::ranges::find(stretches, face, &Stretch::face);
   if (found == stretches.end()) return;
-  const TexelScale scale = nearest_scale(size_);
   const FaceLine& line = row.lines[index(face)];
-  const TexelPoint a = texel_point(line, scale, found->begin);
-  const TexelPoint b = texel_point(line, scale, found->end - 1);
-  const Point left{a.x, a.y}, right{b.x, b.y};
+  const auto point = [&](std::uint32_t column) {
+    constexpr float kTexels = 1.0F / 32768;
+    const TexelPoint p = texel_point(line, size_, column);
+    const float last = static_cast<float>(size_ - 1);
+    return Point{std::min(static_cast<float>(p.x) * kTexels, last),
+                 std::min(static_cast<float>(p.y) * kTexels, last)};
+  };
+  const Point left = point(found->begin), right = point(found->end - 1);
   add_edge(left, right);
   if (started_) {
     add_edge(left_, left);
@@ -56,7 +64,7 @@ void Footprint::add_edge(Point a, Point b) {
   }
 }
 
-void Footprint::prefetch(const Face& face, std::size_t texel_bytes) const {
+void Footprint::bring(const Face& face, std::size_t texel_bytes) const {
   for (std::int32_t y = top_; y <= bottom_; ++y) {
     const auto k = static_cast<std::size_t>(y);
     if (end_[k] < begin_[k]) continue;
@@ -64,7 +72,7 @@ void Footprint::prefetch(const Face& face, std::size_t texel_bytes) const {
     const std::uint8_t* last = row + static_cast<std::size_t>(end_[k] + 1) * texel_bytes;
     for (const std::uint8_t* p = row + static_cast<std::size_t>(begin_[k]) * texel_bytes; p < last;
          p += kCacheLine) {
-      __builtin_prefetch(p);
+      read(p);
     }
   }
 }

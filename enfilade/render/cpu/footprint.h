@@ -1,4 +1,4 @@
-/// \file  Which texels a band of rows will need, asked from the memory before they are needed.
+/// \file  Which texels a band of rows will need, brought into the caches before they are needed.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -24,9 +24,9 @@ class Footprint {
   Footprint(std::span<const PlannedRow> rows, CubeFace face, std::uint32_t size);
 
   std::uint32_t size() const noexcept { return size_; }
-  /// Asks for all of it, run by run: memory gives neighbouring lines several times as fast as it
-  /// would give the same lines in the order of pixels.
-  void prefetch(const Face& face, std::size_t texel_bytes) const;
+  /// Brings all of it into the caches, run by run: memory gives neighbouring lines several times as
+  /// fast as it would give the same lines in the order of pixels.
+  void bring(const Face& face, std::size_t texel_bytes) const;
 
  private:
   struct Point {

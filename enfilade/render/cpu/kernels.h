@@ -26,6 +26,11 @@ struct Block32 {
   alignas(64) std::array<std::uint32_t, kBlock + kSlack> values;
 };
 
+/// texel_point() of each pixel of a piece.
+struct Points {
+  alignas(64) std::array<std::int32_t, kBlock + kSlack> x, y;
+};
+
 /// Columns begin .. end-1 of a row; at most kBlock of them.
 struct Piece {
   std::uint32_t begin = 0, end = 0;
@@ -40,12 +45,14 @@ struct PlanarScale {
 struct Kernels {
   const char* name;
 
-  // Texels of one face for the pixels of a piece that lies on it.
+  /// Where a piece that lies on one face meets it; `size` of the face, in texels. What follows
+  /// reads texels at these points, of faces of that size.
+  void (*points)(const FaceLine&, std::uint32_t size, Piece, Points& out);
   /// Bilinear, 15-bit weights, through the face's border; clamped: not beyond the outer texels'
   /// middles. RGBA, A = 255.
-  void (*colour)(const FaceLine&, const Face&, bool clamped, Piece, std::uint32_t* out);
-  void (*nearest16)(const FaceLine&, const Face&, Piece, std::uint16_t* out);
-  void (*nearest32)(const FaceLine&, const Face&, Piece, std::uint32_t* out);
+  void (*colour)(const Points&, const Face&, bool clamped, std::size_t count, std::uint32_t* out);
+  void (*nearest16)(const Points&, const Face&, std::size_t count, std::uint16_t* out);
+  void (*nearest32)(const Points&, const Face&, std::size_t count, std::uint32_t* out);
 
   // From a block to the caller's memory, `count` pixels; never writes beyond them.
   void (*pack_rgb)(const std::uint32_t* rgba, std::size_t count, std::uint8_t* out);

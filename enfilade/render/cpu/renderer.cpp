@@ -72,75 +72,78 @@ class RowDrawer {
     for (std::uint32_t begin = 0; begin < width; begin += kBlock) {
       const Piece block{begin, std::min<std::uint32_t>(begin + kBlock, width)};
       place_.count = block.size();
-      if (job_.outputs.colour) draw_colour(block);
-      if (job_.outputs.depth) draw_depth(block);
-      if (job_.outputs.classes) draw_classes(block);
-      if (job_.outputs.instances) draw_instances(block);
+      for (const Stretch& stretch : planned_.plan.stretches()) {
+        const Piece piece{std::max(stretch.begin, block.begin), std::min(stretch.end, block.end)};
+        if (piece.begin < piece.end) read(index(stretch.face), piece, piece.begin - block.begin);
+      }
+      pack();
       place_.first += block.size();
     }
   }
 
  private:
-  // Calls body(line, face, piece, place in the block) for each stretch of the block.
-  template <class Body>
-  void for_stretches(Layer layer, Piece block, const Body& body) const {
-    for (const Stretch& stretch : planned_.plan.stretches()) {
-      const Piece piece{std::max(stretch.begin, block.begin), std::min(stretch.end, block.end)};
-      if (piece.begin >= piece.end) continue;
-      const std::size_t k = index(stretch.face);
+  // The points of a piece, made again only for layers of another size.
+  const Points& points_for(const Face& face, std::size_t k, Piece piece) {
+    if (size_ != face.size) job_.kernels.points(planned_.lines[k], face.size, piece, points_);
+    size_ = face.size;
+    return points_;
+  }
+
+  // Texels of face `k` for a piece, to place `at` of the block.
+  void read(std::size_t k, Piece piece, std::uint32_t at) {
+    const Kernels& kernels = job_.kernels;
+    const std::size_t count = piece.size();
+    size_ = 0;
+    const auto with = [&](Layer layer, auto&& body) {
       const Face& face = job_.faces[view_.face[index(layer)][k]];
-      body(planned_.lines[k], face, piece, piece.begin - block.begin);
+      body(points_for(face, k, piece), face);
+    };
+    if (job_.outputs.colour) {
+      with(Layer::kColour, [&](const Points& points, const Face& face) {
+        kernels.colour(points, face, job_.legacy.clamped_edges, count, &colour_.rgba[at]);
+      });
+    }
+    if (job_.outputs.depth) {
+      with(Layer::kDepth, [&](const Points& points, const Face& face) {
+        kernels.nearest16(points, face, count, &depth_.values[at]);
+      });
+    }
+    if (job_.outputs.classes) {
+      with(Layer::kClass, [&](const Points& points, const Face& face) {
+        kernels.nearest16(points, face, count, &classes_.values[at]);
+      });
+    }
+    if (job_.outputs.instances) {
+      with(Layer::kInstance, [&](const Points& points, const Face& face) {
+        kernels.nearest32(points, face, count, &instances_.values[at]);
+      });
     }
   }
 
-  void draw_colour(Piece block) const {
-    ColourBlock pixels;
-    for_stretches(Layer::kColour, block,
-                  [&](const FaceLine& line, const Face& face, Piece piece, std::uint32_t at) {
-                    job_.kernels.colour(line, face, job_.legacy.clamped_edges, piece,
-                                        pixels.rgba.data() + at);
-                  });
-    pack_colour(job_.kernels, *job_.outputs.colour, job_.scale, pixels.rgba.data(), place_);
-  }
-
-  void read_16(Layer layer, Piece block, Block16& out) const {
-    for_stretches(layer, block,
-                  [&](const FaceLine& line, const Face& face, Piece piece, std::uint32_t at) {
-                    job_.kernels.nearest16(line, face, piece, out.values.data() + at);
-                  });
-  }
-
-  void draw_depth(Piece block) const {
-    Block16 pixels;
-    read_16(Layer::kDepth, block, pixels);
-    const bool along_ray = job_.outputs.depth->measure == DepthMeasure::kRay;
-    const float* factor = job_.depth_factor + (along_ray ? 0 : place_.first);
-    pack_depth(job_.kernels, *job_.outputs.depth, job_.legacy.eight_bit_depth, pixels.values.data(),
-               factor, place_);
-  }
-
-  void draw_classes(Piece block) const {
-    Block16 pixels;
-    read_16(Layer::kClass, block, pixels);
-    pack_classes(*job_.outputs.classes, pixels.values.data(), place_);
-  }
-
-  void draw_instances(Piece block) const {
-    Block32 pixels;
-    for_stretches(Layer::kInstance, block,
-                  [&](const FaceLine& line, const Face& face, Piece piece, std::uint32_t at) {
-                    job_.kernels.nearest32(line, face, piece, pixels.values.data() + at);
-                  });
-    pack_instances(*job_.outputs.instances, pixels.values.data(), place_);
+  void pack() const {
+    const Outputs& out = job_.outputs;
+    if (out.colour) pack_colour(job_.kernels, *out.colour, job_.scale, colour_.rgba.data(), place_);
+    if (out.depth) {
+      const bool along_ray = out.depth->measure == DepthMeasure::kRay;
+      pack_depth(job_.kernels, *out.depth, job_.legacy.eight_bit_depth, depth_.values.data(),
+                 job_.depth_factor + (along_ray ? 0 : place_.first), place_);
+    }
+    if (out.classes) pack_classes(*out.classes, classes_.values.data(), place_);
+    if (out.instances) pack_instances(*out.instances, instances_.values.data(), place_);
   }
 
   const Job& job_;
   const PreparedView& view_;
   const PlannedRow& planned_;
   Place place_;
+  std::uint32_t size_ = 0;  // of the face that points_ are on
+  Points points_;
+  ColourBlock colour_;
+  Block16 depth_, classes_;
+  Block32 instances_;
 };
 
-void prefetch(const Job& job, const PreparedView& view, std::span<const PlannedRow> rows) {
+void bring_texels(const Job& job, const PreparedView& view, std::span<const PlannedRow> rows) {
   constexpr std::array<std::size_t, scan::kLayers> kTexelBytes{4, 2, 2, 4};
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     if ((view.mask >> k & 1U) == 0) continue;
@@ -151,7 +154,7 @@ void prefetch(const Job& job, const PreparedView& view, std::span<const PlannedR
       if (!footprint || footprint->size() != face.size) {
         footprint.emplace(rows, cube_face(k), face.size);
       }
-      footprint->prefetch(face, kTexelBytes[layer]);
+      footprint->bring(face, kTexelBytes[layer]);
     }
   }
 }
@@ -209,7 +212,7 @@ class CpuRenderer final : public Renderer {
       rows[k].lines = face_lines(job.views[view].rays, begin + k);
       rows[k].plan = RowPlan(job.views[view].rays, begin + k, job.camera.width);
     }
-    prefetch(job, job.views[view], std::span(rows).first(count));
+    bring_texels(job, job.views[view], std::span(rows).first(count));
     for (std::uint32_t k = 0; k < count; ++k) RowDrawer(job, view, begin + k, rows[k]).draw();
     if (job.stream) job.kernels.stream_end();
   }

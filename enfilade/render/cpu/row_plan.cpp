@@ -59,9 +59,7 @@ RowPlan::RowPlan(const PixelRays& rays, std::uint32_t row, std::uint32_t width) 
 // pixels at both ends are asked themselves.
 void RowPlan::add_piece(const PixelRays& rays, std::uint32_t row, std::uint32_t begin,
                         std::uint32_t end) {
-  const auto face_at = [&](std::uint32_t column) {
-    return project_to_cube(rays.at(row, column)).face;
-  };
+  const auto face_at = [&](std::uint32_t column) { return face_towards(rays.at(row, column)); };
   const CubeFace face = face_at(begin + (end - begin) / 2);
   const CubeFace first = face_at(begin), last = face_at(end - 1);
   if (first != face) {

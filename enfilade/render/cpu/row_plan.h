@@ -13,15 +13,15 @@ namespace enfilade::render::cpu {
 /// face's plane is ((s0 + j s1) / D, (t0 + j t1) / D), each in [-1, 1] if the face is met, and D is
 /// positive. Single precision: what all kernels compute with, so that they agree to the bit.
 struct FaceLine {
-  float s0 = 0, s1 = 0, t0 = 0, t1 = 0, d0 = 0, d1 = 0;
+  float s0, s1, t0, t1, d0, d1;
 };
 using FaceLines = std::array<FaceLine, kCubeFaces>;
 
 FaceLines face_lines(const PixelRays& rays, std::uint32_t row);
 
 struct Stretch {
-  std::uint32_t begin = 0, end = 0;  ///< columns, end excluded
-  CubeFace face = CubeFace::kFront;
+  std::uint32_t begin, end;  ///< columns, end excluded
+  CubeFace face;
 };
 
 /// project_to_cube() for a whole row: stretches from left to right that cover it, found from where
@@ -38,7 +38,7 @@ class RowPlan {
 
   // A straight line meets each face at most once, but rounding may let two faces alternate where
   // a row runs along their edge: at most three for each of the 7 pieces between 6 crossings.
-  std::array<Stretch, 24> stretches_{};
+  std::array<Stretch, 24> stretches_;  // the first count_ are set
   std::size_t count_ = 0;
 };
 

@@ -12,40 +12,37 @@
 
 namespace enfilade::render::cpu {
 
-/// Points on a face for the pixels of a row, in `unit` steps a texel: (0, 0) is the face's top left
-/// corner, moved by `shift` texels.
-struct TexelScale {
-  float half, middle, low, high;
-};
+/// A point of a face in 32768ths of a texel from its top left corner, 0 .. size << 15: a texel's
+/// number and the place in it are the upper and the lower bits of one whole number.
 struct TexelPoint {
-  float x, y;
+  std::int32_t x, y;
 };
 
-inline TexelPoint texel_point(const FaceLine& line, const TexelScale& scale, std::uint32_t column) {
+inline TexelPoint texel_point(const FaceLine& line, std::uint32_t size, std::uint32_t column) {
   const float j = static_cast<float>(column);
-  const float ratio = scale.half / (line.d0 + j * line.d1);
-  const float x = (line.s0 + j * line.s1) * ratio + scale.middle;
-  const float y = (line.t0 + j * line.t1) * ratio + scale.middle;
+  const float half = static_cast<float>(size) * 16384.0F, whole = half + half;
+  const float ratio = half / (line.d0 + j * line.d1);
+  const float x = (line.s0 + j * line.s1) * ratio + half;
+  const float y = (line.t0 + j * line.t1) * ratio + half;
   // Outside this range only rounding can have put it.
-  return {std::min(std::max(x, scale.low), scale.high),
-          std::min(std::max(y, scale.low), scale.high)};
+  return {static_cast<std::int32_t>(std::min(std::max(x, 0.0F), whole)),
+          static_cast<std::int32_t>(std::min(std::max(y, 0.0F), whole))};
 }
 
-/// For nearest texels: truncated, a point's numbers are its texel's.
-inline TexelScale nearest_scale(std::uint32_t size) {
-  const float n = static_cast<float>(size);
-  return {n * 0.5F, n * 0.5F, 0, n - 1};
+/// From texels' corners to their middles, and on to the border's first texel: what turns a point
+/// into the number of the left or upper of two texels, plus 1, and its weight.
+inline constexpr std::int32_t kLinearShift = 16384;
+
+/// What the shifted numbers are held to. Clamped: not beyond the middles of the outer texels.
+struct LinearRange {
+  std::int32_t low, high;
+};
+inline LinearRange linear_range(std::uint32_t size, bool clamped) {
+  const auto whole = static_cast<std::int32_t>(size << 15);
+  return clamped ? LinearRange{32768, whole} : LinearRange{0, whole + kLinearShift};
 }
 
-/// For linear filtering: 32768ths of a texel, counted from the middle of the border's texel -1, so
-/// that the number of the left or upper texel, plus 1, and its weight are the upper and the lower
-/// bits of one truncated number. Clamped: not beyond the middles of the outer texels.
-inline TexelScale linear_scale(std::uint32_t size, bool clamped) {
-  const float n = static_cast<float>(size), beyond = clamped ? 0.0F : 0.5F;
-  return {n * 0.5F * 32768, (n + 1) * 0.5F * 32768, (1 - beyond) * 32768, (n + beyond) * 32768};
-}
-
-/// The texel (-1, -1), where the numbers of linear_scale() begin.
+/// The texel (-1, -1), where the shifted numbers begin.
 inline const std::uint8_t* border_origin(const Face& face) { return face.origin - face.stride - 4; }
 
 /// (a * b) / 2^15, rounded to nearest: what one vector instruction does to 16-bit numbers.
@@ -57,9 +54,9 @@ inline std::int32_t mix15(std::int32_t a, std::int32_t b, std::int32_t weight) {
 }
 
 /// Bilinear; the texels around come from the face's border. RGBA in memory order, A = 255.
-/// \pre p is of linear_scale()
-inline std::uint32_t sample_colour(const Face& face, TexelPoint p) {
-  const auto x = static_cast<std::int32_t>(p.x), y = static_cast<std::int32_t>(p.y);
+inline std::uint32_t sample_colour(const Face& face, LinearRange range, TexelPoint p) {
+  const std::int32_t x = std::clamp(p.x + kLinearShift, range.low, range.high);
+  const std::int32_t y = std::clamp(p.y + kLinearShift, range.low, range.high);
   const std::int32_t wx = x & 32767, wy = y & 32767;
   const std::uint8_t* top = border_origin(face) + static_cast<std::size_t>(y >> 15) * face.stride +
                             static_cast<std::size_t>(x >> 15) * 4;
@@ -74,10 +71,12 @@ inline std::uint32_t sample_colour(const Face& face, TexelPoint p) {
   return rgba;
 }
 
-/// The texel that holds the point. \pre p is of nearest_scale()
+/// The texel that holds the point.
 template <class T>
 T sample_nearest(const Face& face, TexelPoint p) {
-  const auto x = static_cast<std::size_t>(p.x), y = static_cast<std::size_t>(p.y);
+  const auto last = static_cast<std::int32_t>(face.size << 15) - 1;
+  const auto x = static_cast<std::size_t>(std::min(p.x, last) >> 15);
+  const auto y = static_cast<std::size_t>(std::min(p.y, last) >> 15);
   T value;
   std::memcpy(&value, face.origin + y * face.stride + x * sizeof(T), sizeof(T));
   return value;

@@ -8,18 +8,26 @@
 namespace enfilade::render::cpu {
 namespace {
 
-void colour(const FaceLine& line, const Face& face, bool clamped, Piece piece, std::uint32_t* out) {
-  const TexelScale scale = linear_scale(face.size, clamped);
-  for (std::uint32_t j = piece.begin; j < piece.end; ++j) {
-    *out++ = sample_colour(face, texel_point(line, scale, j));
+void points(const FaceLine& line, std::uint32_t size, Piece piece, Points& out) {
+  for (std::uint32_t k = 0; k < piece.size(); ++k) {
+    const TexelPoint p = texel_point(line, size, piece.begin + k);
+    out.x[k] = p.x;
+    out.y[k] = p.y;
+  }
+}
+
+void colour(const Points& points, const Face& face, bool clamped, std::size_t count,
+            std::uint32_t* out) {
+  const LinearRange range = linear_range(face.size, clamped);
+  for (std::size_t k = 0; k < count; ++k) {
+    out[k] = sample_colour(face, range, {points.x[k], points.y[k]});
   }
 }
 
 template <class T>
-void nearest(const FaceLine& line, const Face& face, Piece piece, T* out) {
-  const TexelScale scale = nearest_scale(face.size);
-  for (std::uint32_t j = piece.begin; j < piece.end; ++j) {
-    *out++ = sample_nearest<T>(face, texel_point(line, scale, j));
+void nearest(const Points& points, const Face& face, std::size_t count, T* out) {
+  for (std::size_t k = 0; k < count; ++k) {
+    out[k] = sample_nearest<T>(face, {points.x[k], points.y[k]});
   }
 }
 
@@ -100,20 +108,9 @@ void pack_legacy_metres(const std::uint16_t* units, const float* factor, std::si
 }
 
 constexpr Kernels kScalar{
-    "scalar",
-    colour,
-    nearest<std::uint16_t>,
-    nearest<std::uint32_t>,
-    pack_rgb,
-    pack_bgr,
-    pack_planar16,
-    pack_planar32,
-    stream,
-    stream_end,
-    pack_metres,
-    pack_units,
-    pack_legacy_units,
-    pack_legacy_metres,
+    "scalar",   points,      colour,        nearest<std::uint16_t>, nearest<std::uint32_t>,
+    pack_rgb,   pack_bgr,    pack_planar16, pack_planar32,          stream,
+    stream_end, pack_metres, pack_units,    pack_legacy_units,      pack_legacy_metres,
 };
 
 }  // namespace

@@ -27,40 +27,44 @@ using VF = hn::Vec<DF>;
 using VI = hn::Vec<DI>;
 using VU = hn::Vec<DU>;
 
+// Of numbers from 0 to 2^31 - 256: without ConvertTo's care for others, which costs four
+// instructions.
+HWY_INLINE VI truncated(VF v) {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  return VI{_mm512_cvttps_epi32(v.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  return VI{_mm256_cvttps_epi32(v.raw)};
+#elif HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_SSSE3
+  return VI{_mm_cvttps_epi32(v.raw)};
+#else
+  return hn::ConvertTo(DI(), v);
+#endif
+}
+
 // texel_point() for as many columns as a register holds. Multiplications and additions are kept
-// apart, as a fused one would round differently from the twin.
-class TexelPoints {
- public:
-  TexelPoints(const FaceLine& line, const TexelScale& scale, Piece piece)
-      : line_(line),
-        scale_(scale),
-        first_(hn::Add(hn::ConvertTo(DF(), hn::Iota(DI(), 0)),
-                       hn::Set(DF(), static_cast<float>(piece.begin)))),
-        last_(static_cast<float>(piece.end - 1)) {}
-
-  // From the `k`-th pixel of the piece on, truncated; beyond the end, the last one's again, so that
-  // no lane leaves the face.
-  HWY_INLINE void at(std::size_t k, VI& x, VI& y) const {
-    const DF d;
-    const VF j = hn::Min(hn::Add(first_, hn::Set(d, static_cast<float>(k))), hn::Set(d, last_));
-    const VF ahead = hn::Add(hn::Set(d, line_.d0), hn::Mul(j, hn::Set(d, line_.d1)));
-    const VF ratio = hn::Div(hn::Set(d, scale_.half), ahead);
-    const VF s = hn::Add(hn::Set(d, line_.s0), hn::Mul(j, hn::Set(d, line_.s1)));
-    const VF t = hn::Add(hn::Set(d, line_.t0), hn::Mul(j, hn::Set(d, line_.t1)));
-    x = hn::ConvertTo(DI(), clamped(hn::Add(hn::Mul(s, ratio), hn::Set(d, scale_.middle))));
-    y = hn::ConvertTo(DI(), clamped(hn::Add(hn::Mul(t, ratio), hn::Set(d, scale_.middle))));
+// apart, as a fused one would round differently from the twin. Beyond the piece's end the last
+// column's again, so that no lane leaves the face.
+void points(const FaceLine& line, std::uint32_t size, Piece piece, Points& out) {
+  const DF d;
+  const DI di;
+  const float half = static_cast<float>(size) * 16384.0F;
+  const VF middle = hn::Set(d, half), whole = hn::Set(d, half + half), zero = hn::Zero(d);
+  const VF last = hn::Set(d, static_cast<float>(piece.end - 1));
+  const VF step = hn::Set(d, static_cast<float>(hn::Lanes(d)));
+  VF column =
+      hn::Add(hn::ConvertTo(d, hn::Iota(di, 0)), hn::Set(d, static_cast<float>(piece.begin)));
+  for (std::size_t k = 0; k < piece.size(); k += hn::Lanes(d)) {
+    const VF j = hn::Min(column, last);
+    const VF ahead = hn::Add(hn::Set(d, line.d0), hn::Mul(j, hn::Set(d, line.d1)));
+    const VF ratio = hn::Div(middle, ahead);
+    const VF s = hn::Add(hn::Set(d, line.s0), hn::Mul(j, hn::Set(d, line.s1)));
+    const VF t = hn::Add(hn::Set(d, line.t0), hn::Mul(j, hn::Set(d, line.t1)));
+    const VF x = hn::Add(hn::Mul(s, ratio), middle), y = hn::Add(hn::Mul(t, ratio), middle);
+    hn::Store(truncated(hn::Min(hn::Max(x, zero), whole)), di, out.x.data() + k);
+    hn::Store(truncated(hn::Min(hn::Max(y, zero), whole)), di, out.y.data() + k);
+    column = hn::Add(column, step);
   }
-
- private:
-  HWY_INLINE VF clamped(VF v) const {
-    return hn::Min(hn::Max(v, hn::Set(DF(), scale_.low)), hn::Set(DF(), scale_.high));
-  }
-
-  FaceLine line_;
-  TexelScale scale_;
-  VF first_;
-  float last_;
-};
+}
 
 using Offsets = std::array<std::int32_t, kBlock + kSlack>;
 
@@ -71,7 +75,6 @@ using Offsets = std::array<std::int32_t, kBlock + kSlack>;
 struct Taps {
   alignas(64) Offsets offset;
   alignas(64) std::array<std::uint32_t, kBlock + kSlack> wx, wy;  // twice in each lane
-  alignas(64) std::array<std::uint64_t, kBlock + kSlack> top, bottom;
 };
 
 HWY_INLINE VU weight_twice(VI fixed) {
@@ -79,14 +82,16 @@ HWY_INLINE VU weight_twice(VI fixed) {
   return hn::Or(w, hn::ShiftLeft<16>(w));
 }
 
-void find_taps(const FaceLine& line, const Face& face, bool clamped, Piece piece, Taps& taps) {
+void find_taps(const Points& points, const Face& face, LinearRange range, std::size_t count,
+               Taps& taps) {
   const DI di;
   const DU du;
-  const TexelPoints points(line, linear_scale(face.size, clamped), piece);
   const VI stride = hn::Set(di, static_cast<std::int32_t>(face.stride));
-  for (std::size_t k = 0; k < piece.size(); k += hn::Lanes(di)) {
-    VI x, y;
-    points.at(k, x, y);
+  const VI low = hn::Set(di, range.low), high = hn::Set(di, range.high);
+  const VI shift = hn::Set(di, kLinearShift);
+  for (std::size_t k = 0; k < count; k += hn::Lanes(di)) {
+    const VI x = hn::Min(hn::Max(hn::Add(hn::Load(di, points.x.data() + k), shift), low), high);
+    const VI y = hn::Min(hn::Max(hn::Add(hn::Load(di, points.y.data() + k), shift), low), high);
     const VI row = hn::Mul(hn::ShiftRight<15>(y), stride);
     hn::Store(hn::Add(row, hn::ShiftLeft<2>(hn::ShiftRight<15>(x))), di, taps.offset.data() + k);
     hn::Store(weight_twice(x), du, taps.wx.data() + k);
@@ -94,21 +99,18 @@ void find_taps(const FaceLine& line, const Face& face, bool clamped, Piece piece
   }
 }
 
-// Two texels lie side by side in 8 bytes: one load a row of texels. In pairs of pixels, said
-// outright: left alone, gcc 12 shuffles more than it loads. An odd last pixel's partner is there,
-// as offsets are found for whole registers.
-void fetch(const Face& face, std::size_t count, Taps& taps) {
-  const hn::Full64<std::uint64_t> d64;
-  const hn::Full128<std::uint64_t> d128;
-  const std::uint8_t* top = border_origin(face);
-  const std::uint8_t* bottom = top + face.stride;
-  const auto load = [d64](const std::uint8_t* texel) HWY_ATTR {
-    return hn::LoadU(d64, reinterpret_cast<const std::uint64_t*>(texel));
-  };
-  for (std::size_t k = 0; k < count; k += 2) {
-    const std::ptrdiff_t a = taps.offset[k], b = taps.offset[k + 1];
-    hn::Store(hn::Combine(d128, load(top + b), load(top + a)), d128, taps.top.data() + k);
-    hn::Store(hn::Combine(d128, load(bottom + b), load(bottom + a)), d128, taps.bottom.data() + k);
+// Two texels lie side by side in 8 bytes: one load a row of texels. Said outright, pair by pair:
+// left alone, gcc 12 shuffles more than it loads.
+template <std::size_t kPixels>
+HWY_INLINE hn::Vec<hn::FixedTag<std::uint64_t, kPixels>> load_pairs(const std::uint8_t* texels,
+                                                                    const std::int32_t* offset) {
+  if constexpr (kPixels == 1) {
+    const hn::Full64<std::uint64_t> d;
+    return hn::LoadU(d, reinterpret_cast<const std::uint64_t*>(texels + *offset));
+  } else {
+    const hn::FixedTag<std::uint64_t, kPixels> d;
+    return hn::Combine(d, load_pairs<kPixels / 2>(texels, offset + kPixels / 2),
+                       load_pairs<kPixels / 2>(texels, offset));
   }
 }
 
@@ -125,14 +127,13 @@ struct Quad {
   VU left_top, right_top, left_bottom, right_bottom;
 };
 
-HWY_INLINE Quad load_quad(const Taps& taps, std::size_t k) {
-  const DU du;
-  const auto* top = reinterpret_cast<const std::uint32_t*>(taps.top.data() + k);
-  const auto* bottom = reinterpret_cast<const std::uint32_t*>(taps.bottom.data() + k);
-  Quad quad;
-  hn::LoadInterleaved2(du, top, quad.left_top, quad.right_top);
-  hn::LoadInterleaved2(du, bottom, quad.left_bottom, quad.right_bottom);
-  return quad;
+HWY_INLINE void load_row(const std::uint8_t* texels, const std::int32_t* offset, VU& left,
+                         VU& right) {
+  constexpr std::size_t kHalf = hn::MaxLanes(DU()) / 2;
+  const VU low = hn::BitCast(DU(), load_pairs<kHalf>(texels, offset));
+  const VU high = hn::BitCast(DU(), load_pairs<kHalf>(texels, offset + kHalf));
+  left = hn::ConcatEven(DU(), high, low);
+  right = hn::ConcatOdd(DU(), high, low);
 }
 
 // Red and blue, or green and alpha, as 64ths of a level in 16-bit halves.
@@ -150,11 +151,15 @@ HWY_INLINE VU mix_quad(const Quad& q, VU wx, VU wy, Split split) {
   return hn::Add(mix(left, right, wx), hn::Set(DU(), 0x00200020U));
 }
 
-void filter(const Taps& taps, std::size_t count, std::uint32_t* out) {
+void filter(const Face& face, const Taps& taps, std::size_t count, std::uint32_t* out) {
   const DU du;
+  const std::uint8_t* top = border_origin(face);
+  const std::uint8_t* bottom = top + face.stride;
   for (std::size_t k = 0; k < count; k += hn::Lanes(du)) {
     const VU wx = hn::Load(du, taps.wx.data() + k), wy = hn::Load(du, taps.wy.data() + k);
-    const Quad quad = load_quad(taps, k);
+    Quad quad;
+    load_row(top, taps.offset.data() + k, quad.left_top, quad.right_top);
+    load_row(bottom, taps.offset.data() + k, quad.left_bottom, quad.right_bottom);
     const VU rb = mix_quad(quad, wx, wy, [](VU v) HWY_ATTR { return red_blue(v); });
     const VU ga = mix_quad(quad, wx, wy, [](VU v) HWY_ATTR { return green_alpha(v); });
     const VU low = hn::And(hn::ShiftRight<6>(rb), hn::Set(du, 0x00FF00FFU));
@@ -163,33 +168,32 @@ void filter(const Taps& taps, std::size_t count, std::uint32_t* out) {
   }
 }
 
-void colour(const FaceLine& line, const Face& face, bool clamped, Piece piece, std::uint32_t* out) {
+void colour(const Points& points, const Face& face, bool clamped, std::size_t count,
+            std::uint32_t* out) {
   Taps taps;
-  find_taps(line, face, clamped, piece, taps);
-  fetch(face, piece.size(), taps);
-  filter(taps, piece.size(), out);
+  find_taps(points, face, linear_range(face.size, clamped), count, taps);
+  filter(face, taps, count, out);
 }
 
-// --- nearest
-// --------------------------------------------------------------------------------------
+// --- nearest ------------------------------------------------------------------------------------
 
 template <class T>
-void nearest(const FaceLine& line, const Face& face, Piece piece, T* out) {
+void nearest(const Points& points, const Face& face, std::size_t count, T* out) {
   const DI di;
   alignas(64) Offsets offset;
-  const TexelPoints points(line, nearest_scale(face.size), piece);
   const VI stride = hn::Set(di, static_cast<std::int32_t>(face.stride / sizeof(T)));
-  for (std::size_t k = 0; k < piece.size(); k += hn::Lanes(di)) {
-    VI x, y;
-    points.at(k, x, y);
+  const VI last = hn::Set(di, static_cast<std::int32_t>(face.size << 15) - 1);
+  for (std::size_t k = 0; k < count; k += hn::Lanes(di)) {
+    const VI x = hn::ShiftRight<15>(hn::Min(hn::Load(di, points.x.data() + k), last));
+    const VI y = hn::ShiftRight<15>(hn::Min(hn::Load(di, points.y.data() + k), last));
     hn::Store(hn::Add(hn::Mul(y, stride), x), di, offset.data() + k);
   }
   const T* texels = reinterpret_cast<const T*>(face.origin);
-  for (std::size_t k = 0; k < piece.size(); ++k) out[k] = texels[offset[k]];
+#pragma GCC unroll 8
+  for (std::size_t k = 0; k < count; ++k) out[k] = texels[offset[k]];
 }
 
-// --- packing
-// --------------------------------------------------------------------------------------
+// --- packing ------------------------------------------------------------------------------------
 
 // Four pixels of 128 bits lose their fourth bytes; the 4 bytes beyond the 12 are overwritten by the
 // next four pixels, so the last ones of the caller's memory are done one by one.
@@ -350,6 +354,7 @@ void pack_legacy_metres(const std::uint16_t* units, const float* factor, std::si
 const Kernels* kernels() {
   static constexpr Kernels kKernels{
       "",
+      points,
       colour,
       nearest<std::uint16_t>,
       nearest<std::uint32_t>,

@@ -256,7 +256,7 @@ void GlRenderer::draw_edges_again(const Frame& frame, const PixelRays& rays,
   find_pixels_at_edges(frame.camera, rays, 4 * mesh_, edge_pixels_);
   const double i0 = (frame.camera.height - 1) / 2.0, j0 = (frame.camera.width - 1) / 2.0;
   for (const auto [x, y] : edge_pixels_) {
-    const auto& look = looks[index(project_to_cube(rays.at(y + i0, x + j0)).face)];
+    const auto& look = looks[index(face_towards(rays.at(y + i0, x + j0)))];
     if (!look) continue;
     // Around this pixel's middle, and no other's.
     const std::array<PicturePoint, 3> triangle{
