@@ -29,6 +29,9 @@ build libnanoflann-dev   header  nanoflann.hpp
 build zlib1g-dev         header  zlib.h
 build pkg-config         command pkg-config
 build libhwy-dev         header  hwy/highway.h
+build libembree-dev      package -
+build libtinygltf-dev    header  tiny_gltf.h
+build librecast-dev      package -
 build libturbojpeg0-dev  header  turbojpeg.h
 build libspng-dev        header  spng.h
 build libzip-dev         header  zip.h

@@ -5,7 +5,8 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds=${1:-60}
 if (($# > 0)); then shift; fi
-[ $# -gt 0 ] || set -- connectivity regions annotations results trace vectors store jpeg png hdr zip conf strip
+[ $# -gt 0 ] || set -- connectivity corrections regions annotations results trace vectors store jpeg png hdr zip conf strip \
+  mesh_gltf mesh_obj mesh_ply house segmentation
 mkdir -p build/fuzz/found
 
 fuzz() {

@@ -1,0 +1,108 @@
+/// \file  Matterport3D's `.house` files: levels, rooms, panoramas, objects of a building.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/geometry/vec.h"
+
+namespace enfilade::mesh {
+
+/// A box with sides along the axes.
+struct HouseBox {
+  Vec3d low, high;
+};
+struct HouseLevel {
+  std::string label;  ///< empty in files: "-"
+  Vec3d position;
+  HouseBox box;
+};
+struct HouseRegion {
+  std::int32_t level = -1;
+  char label = '-';  ///< room type: 'b' bedroom, 'k' kitchen, ... (kRegionTypes)
+  Vec3d position;
+  HouseBox box;
+  double height = 0;  ///< metres from the floor polygon; <= 0: to the house's top
+};
+struct HousePortal {
+  std::int32_t region0 = -1, region1 = -1;
+  std::string label;
+  Vec3d p0, p1;
+};
+struct HouseSurface {
+  std::int32_t region = -1;
+  char label = 'F';
+  Vec3d position, normal;
+  HouseBox box;
+};
+struct HouseVertex {
+  std::int32_t surface = -1;
+  std::string label;
+  Vec3d position, normal;
+};
+struct HousePanorama {
+  std::string name;  ///< viewpoint id
+  std::int32_t region = -1;
+  Vec3d position;
+};
+struct HouseImage {
+  std::int32_t panorama = -1;
+  std::string name;
+  std::int32_t camera = 0, yaw = 0;
+  std::array<double, 16> camera_from_world{};  ///< row-major; the camera looks along -z, y up
+  std::array<double, 9> intrinsics{};
+  std::uint32_t width = 0, height = 0;
+  Vec3d position;
+};
+struct HouseCategory {
+  std::int32_t mapping_index = 0;  ///< row of category_mapping.tsv
+  std::string mapping_name;
+  std::int32_t mpcat40_index = 0;
+  std::string mpcat40_name;
+};
+struct HouseObject {
+  std::int32_t region = -1, category = -1;  ///< -1: none
+  Vec3d position, axis0, axis1, radii;      ///< a box that may stand askew; axis2 = axis0 x axis1
+};
+struct HouseSegment {
+  std::int32_t object = -1;
+  std::int32_t id = 0;  ///< of the segmentation's faces
+  double area = 0;
+  Vec3d position;
+  HouseBox box;
+};
+
+/// A whole file. An entry's place is its index in the file.
+struct House {
+  std::string name, label;
+  HouseBox box;
+  std::vector<HouseLevel> levels;
+  std::vector<HouseRegion> regions;
+  std::vector<HousePortal> portals;
+  std::vector<HouseSurface> surfaces;
+  std::vector<HouseVertex> vertices;
+  std::vector<HousePanorama> panoramas;
+  std::vector<HouseImage> images;
+  std::vector<HouseCategory> categories;
+  std::vector<HouseObject> objects;
+  std::vector<HouseSegment> segments;
+};
+
+/// \param file its name in messages
+/// \throws InvalidInput naming line and field of each fault: another first line than `ASCII 1.x`, a
+/// record of another length, a number that is none, an index that is not its place or points to
+/// nothing, another number of records than the H line says
+House parse_house(std::string_view text, const std::string& file);
+/// The text that parse_house() reads back equal. Blanks in names become '#'.
+std::string to_text(const House& house);
+
+struct RegionType {
+  char letter;
+  std::string_view name;  ///< "bedroom"
+};
+/// Matterport3D's room types by letter (formats: region labels of the data organisation).
+std::vector<RegionType> region_types();
+
+}  // namespace enfilade::mesh

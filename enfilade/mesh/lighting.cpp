@@ -1,0 +1,216 @@
+#include "enfilade/mesh/lighting.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "enfilade/core/check.h"
+#include "enfilade/mesh/detail/bake.h"
+#include "enfilade/mesh/detail/sources.h"
+#include "enfilade/mesh/detail/vector.h"
+
+namespace enfilade::mesh {
+namespace {
+
+constexpr std::size_t kBlock = 256;  // rays that are worked on together, on the stack
+
+void check_range(const char* name, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  throw ArgumentError(fmt::format("{}: {}, not from {} to {}", name, value, least, most));
+}
+
+void check_finite(const char* name, Vec3f v, float least) {
+  const auto ok = [least](float x) { return std::isfinite(x) && x >= least; };
+  if (ok(v.x) && ok(v.y) && ok(v.z)) return;
+  throw ArgumentError(fmt::format("lights: {}: ({}, {}, {}), not finite and at least {}", name, v.x,
+                                  v.y, v.z, least));
+}
+
+void check_lights(const Lights& lights) {
+  constexpr float kAny = std::numeric_limits<float>::lowest();
+  check_finite("sky.zenith", lights.sky.zenith, 0);
+  check_finite("sky.horizon", lights.sky.horizon, 0);
+  check_finite("sky.ground", lights.sky.ground, 0);
+  check_finite("sun.towards", lights.sun.towards, kAny);
+  check_finite("sun.irradiance", lights.sun.irradiance, 0);
+  check_finite("ambient", lights.ambient, 0);
+  for (const Lamp& lamp : lights.lamps) {
+    check_finite("lamp.position", lamp.position, kAny);
+    check_finite("lamp.power", lamp.power, 0);
+    check_range("lamp.radius", lamp.radius, 0, 100);
+  }
+  for (const Portal& portal : lights.portals) {
+    check_finite("portal.corner", portal.corner, kAny);
+    check_finite("portal.edge0", portal.edge0, kAny);
+    check_finite("portal.edge1", portal.edge1, kAny);
+  }
+}
+
+// Rays that go on from where others ended, and whose they are.
+struct Onward {
+  std::array<Ray, kBlock> rays;
+  std::array<std::uint32_t, kBlock> of;
+  std::array<Vec3f, kBlock> share;  ///< of what they find
+  std::size_t count = 0;
+
+  void add(std::size_t ray, Vec3f origin, Vec3f direction, Vec3f weight) {
+    rays[count] = {origin, direction};
+    of[count] = static_cast<std::uint32_t>(ray);
+    share[count++] = weight;
+  }
+  std::span<const Ray> all() const { return std::span(rays).first(count); }
+};
+
+// Off a surface, on the side that `direction` comes from.
+Vec3f lifted(Vec3f at, Vec3f normal) {
+  const float far = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
+  return at + (3e-4F + 1e-6F * far) * normal;
+}
+
+}  // namespace
+
+struct LitMesh::Impl {
+  Impl(std::shared_ptr<const RayTracer> with, Lights of, const BakeOptions& options,
+       const Progress& progress)
+      : tracer(std::move(with)),
+        lights(std::move(of)),
+        sun(unit(lights.sun.towards)),
+        sunny(luminance(lights.sun.irradiance) > 0),
+        surfaces(tracer->mesh()),
+        baked(bake(*tracer, surfaces, lights, options, progress)) {}
+
+  void look(std::span<const Ray> rays, std::span<const Hit> hits, std::span<Vec3f> radiance,
+            float spread, bool mirrors) const;
+  Vec3f light_at(const Hit& hit, LightPoint side) const;
+  void shine_sun(const Onward& towards, std::span<Vec3f> radiance) const;
+  void look_in_mirrors(const Onward& mirrored, std::span<Vec3f> radiance, float spread) const;
+
+  std::shared_ptr<const RayTracer> tracer;
+  Lights lights;
+  Vec3f sun;
+  bool sunny;
+  Surfaces surfaces;
+  BakedLight baked;
+};
+
+Vec3f LitMesh::Impl::light_at(const Hit& hit, LightPoint side) const {
+  const LightMesh::Place place = baked.mesh.locate(hit.triangle, hit.u, hit.v);
+  const auto& corners = baked.mesh.pieces()[place.piece].front;
+  return place.weights[0] * baked.light[corners[0] ^ side] +
+         place.weights[1] * baked.light[corners[1] ^ side] +
+         place.weights[2] * baked.light[corners[2] ^ side];
+}
+
+// \pre at most kBlock rays
+void LitMesh::Impl::look(std::span<const Ray> rays, std::span<const Hit> hits,
+                         std::span<Vec3f> radiance, float spread, bool mirrors) const {
+  Onward to_sun, mirrored;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Hit& hit = hits[i];
+    const Vec3f way = rays[i].direction;
+    if (!hit) {
+      radiance[i] = sky_radiance(lights.sky, unit(way));
+      continue;
+    }
+    const Material& material = surfaces.material(hit.triangle);
+    const Vec3f geometric = surfaces.normal(hit.triangle);
+    const float across = dot(way, geometric), size = length(way);
+    const LightPoint side = across > 0 ? 1 : 0;
+    // Seen at a slant, a texel covers less of the picture one way: the mean of both ways.
+    const float slant = std::sqrt(std::max(std::abs(across) / size, 0.05F));
+    const Vec3f colour =
+        (1 - material.mirror) *
+        surfaces.colour(hit.triangle, hit.u, hit.v, spread * hit.distance * size / slant);
+    radiance[i] = colour * light_at(hit, side) + material.emission;
+    const bool reflects = mirrors && material.mirror > 0;
+    if (!sunny && !reflects) continue;
+    const float turned = side == 1 ? -1.0F : 1.0F;
+    const Vec3f normal = turned * surfaces.normal(hit.triangle, hit.u, hit.v);
+    const Vec3f from = lifted(surfaces.position(hit.triangle, hit.u, hit.v), turned * geometric);
+    const float cosine = dot(normal, sun);
+    if (sunny && cosine > 0 && turned * dot(geometric, sun) > 0) {
+      constexpr float kPi = 3.14159265F;
+      to_sun.add(i, from, sun, cosine / kPi * colour * lights.sun.irradiance);
+    }
+    if (reflects) {
+      const Vec3f back = way - 2 * dot(way, normal) * normal;
+      mirrored.add(i, from, back, material.mirror * Vec3f{1, 1, 1});
+    } else if (material.mirror > 0) {
+      // A mirror in a mirror is as bright as a white wall there.
+      radiance[i] += material.mirror * light_at(hit, side);
+    }
+  }
+  if (to_sun.count > 0) shine_sun(to_sun, radiance);
+  if (mirrored.count > 0) look_in_mirrors(mirrored, radiance, spread);
+}
+
+void LitMesh::Impl::shine_sun(const Onward& towards, std::span<Vec3f> radiance) const {
+  std::array<std::uint8_t, kBlock> blocked;
+  tracer->blocked(towards.all(), std::span(blocked).first(towards.count));
+  for (std::size_t k = 0; k < towards.count; ++k) {
+    if (blocked[k] == 0) radiance[towards.of[k]] += towards.share[k];
+  }
+}
+
+void LitMesh::Impl::look_in_mirrors(const Onward& mirrored, std::span<Vec3f> radiance,
+                                    float spread) const {
+  std::array<Hit, kBlock> hits;
+  std::array<Vec3f, kBlock> seen;
+  const auto found = std::span(hits).first(mirrored.count);
+  tracer->trace(mirrored.all(), found);
+  look(mirrored.all(), found, std::span(seen).first(mirrored.count), spread, false);
+  for (std::size_t k = 0; k < mirrored.count; ++k) {
+    radiance[mirrored.of[k]] += mirrored.share[k] * seen[k];
+  }
+}
+
+LitMesh::LitMesh(std::shared_ptr<const RayTracer> tracer, Lights lights, const BakeOptions& options,
+                 const Progress& progress) {
+  if (tracer == nullptr) throw ArgumentError("tracer: none");
+  check_range("spacing", options.spacing, 0.01, 100);
+  check_range("detail", options.detail, 0.01, 1);
+  check_range("rays", options.rays, 1, 65536);
+  check_range("bounces", options.bounces, 0, 100);
+  check_lights(lights);
+  impl_ = std::make_unique<Impl>(std::move(tracer), std::move(lights), options, progress);
+}
+
+LitMesh::~LitMesh() = default;
+
+const RayTracer& LitMesh::tracer() const noexcept { return *impl_->tracer; }
+const Lights& LitMesh::lights() const noexcept { return impl_->lights; }
+float LitMesh::key() const noexcept { return impl_->baked.key; }
+
+void LitMesh::look(std::span<const Ray> rays, std::span<Vec3f> radiance, float spread) const {
+  EN_CHECK_EQ(rays.size(), radiance.size());
+  std::array<Hit, kBlock> hits;
+  for (std::size_t first = 0; first < rays.size(); first += kBlock) {
+    const std::size_t n = std::min(kBlock, rays.size() - first);
+    const auto found = std::span(hits).first(n);
+    impl_->tracer->trace(rays.subspan(first, n), found);
+    impl_->look(rays.subspan(first, n), found, radiance.subspan(first, n), spread, true);
+  }
+}
+
+void LitMesh::look(std::span<const Ray> rays, std::span<const Hit> hits, std::span<Vec3f> radiance,
+                   float spread) const {
+  EN_CHECK_EQ(rays.size(), radiance.size());
+  EN_CHECK_EQ(rays.size(), hits.size());
+  for (std::size_t first = 0; first < rays.size(); first += kBlock) {
+    const std::size_t n = std::min(kBlock, rays.size() - first);
+    impl_->look(rays.subspan(first, n), hits.subspan(first, n), radiance.subspan(first, n), spread,
+                true);
+  }
+}
+
+Lights studio_lights(const Mesh&) {
+  Lights lights;
+  lights.sky = {{1.0F, 1.0F, 1.05F}, {0.9F, 0.9F, 0.9F}, {0.5F, 0.48F, 0.45F}};
+  lights.ambient = {0.6F, 0.6F, 0.6F};
+  return lights;
+}
+
+}  // namespace enfilade::mesh

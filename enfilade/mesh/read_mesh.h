@@ -1,0 +1,49 @@
+/// \file  Meshes from people's files: glTF, OBJ, PLY.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/mesh/mesh.h"
+
+namespace enfilade::mesh {
+
+enum class UpAxis : std::uint8_t {
+  kFormat,  ///< as the format says: y for glTF; z for OBJ and PLY, which say nothing
+  kY,
+  kZ,
+};
+
+struct ReadOptions {
+  double scale = 1;  ///< metres per unit of the file; > 0
+  UpAxis up = UpAxis::kFormat;
+};
+
+struct ReadResult {
+  Mesh mesh;                         ///< objects: one for each named node or group of the file
+  std::vector<Diagnostic> warnings;  ///< as of check(), and what was left out (lines, cameras, ...)
+};
+
+/// By the name's ending: .glb, .gltf (2.0: all nodes of the default scene, triangles, strips and
+/// fans, base colour and emission and their textures, vertex colours, alpha masks), .obj (with .mtl
+/// and its textures; polygons become fans), .ply (ASCII and binary, polygons become fans; colours
+/// of vertices are taken as sRGB). Of .mtl: Kd, Ke, map_Kd, cut-outs where map_d is the same file,
+/// and Ks as a mirror under illum 3 and 5. Textures are JPEG or PNG; those that are missing or
+/// broken are a warning, and the material keeps its colour. \throws FileError; InvalidInput naming
+/// file and place for what is broken, what check() calls an error, or an extension (glTF's
+/// extensionsRequired) that is not known; ArgumentError for options out of range or an unknown
+/// ending
+ReadResult read_mesh(const std::filesystem::path& file, const ReadOptions& options = {});
+
+/// The same of bytes in memory, whose textures and other parts lie inside: `name` ends as the file
+/// would. \throws as above
+ReadResult parse_mesh(std::string_view bytes, const std::string& name,
+                      const ReadOptions& options = {});
+
+/// Writes NAME.obj, NAME.mtl and the textures as JPEG (PNG where they have cut-outs) into a folder,
+/// as Matterport3D ships its textured meshes. Groups are objects (`g <place>_<name>`).
+/// \throws FileError
+void write_obj(const Mesh& mesh, const std::filesystem::path& folder, const std::string& name);
+
+}  // namespace enfilade::mesh

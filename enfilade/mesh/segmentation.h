@@ -1,0 +1,53 @@
+/// \file  Matterport3D's `house_segmentations`: which object each triangle of a building is of.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/mesh/house.h"
+#include "enfilade/mesh/mesh.h"
+
+namespace enfilade::mesh {
+
+/// `<scan>.ply` of a segmentation: faces with three numbers each.
+struct LabelledMesh {
+  Mesh mesh;                                ///< one material; colours of vertices; no objects
+  std::vector<std::int32_t> face_segment;   ///< one a triangle; -1: none (here and below)
+  std::vector<std::int32_t> face_object;    ///< "material" in files: the object's place in .house
+  std::vector<std::int32_t> face_category;  ///< row of category_mapping.tsv
+  std::vector<std::uint32_t> face;          ///< the file's face that each triangle was part of
+  std::size_t faces = 0;                    ///< that the file has
+};
+/// Property names as shipped (`material_id`, `segment_id`, `category_id`) or as documented
+/// (`face_material`, ...). \throws InvalidInput
+LabelledMesh parse_labelled_ply(std::string_view bytes, const std::string& file);
+/// Binary, little-endian, with normals left out; each triangle is a face. \pre the three lists of
+/// numbers are as long as the triangles
+std::string to_labelled_ply(const LabelledMesh& mesh);
+
+/// `.fsegs.json`: the segment of each face. Numbers or texts. \throws InvalidInput
+std::vector<std::int32_t> parse_face_segments(std::string_view json, const std::string& file);
+std::string face_segments_json(const std::vector<std::int32_t>& segments, const std::string& scan);
+
+/// An object of `.semseg.json`: its raw label and segments.
+struct SegmentGroup {
+  std::int32_t id = -1;
+  std::string label;
+  std::vector<std::int32_t> segments;
+};
+std::vector<SegmentGroup> parse_segment_groups(std::string_view json, const std::string& file);
+std::string segment_groups_json(const std::vector<SegmentGroup>& groups, const std::string& scan);
+
+/// A scan's mesh with its objects, out of SCAN.house, SCAN.ply, SCAN.fsegs.json and
+/// SCAN.semseg.json of a folder: triangle -> segment (fsegs; of the face it is part of) -> object
+/// (the .house's E records; semseg where there is none) -> category (O and C records; mpcat40).
+/// Names of objects are semseg's labels, else the category's. Objects are those of the .house in
+/// its order, then those that only semseg knows; a category that mpcat40 does not have becomes
+/// void. \throws FileError; InvalidInput, also if the files disagree (faces, segments in two
+/// objects)
+Mesh read_house_mesh(const std::filesystem::path& folder, const std::string& scan);
+
+}  // namespace enfilade::mesh

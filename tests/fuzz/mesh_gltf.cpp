@@ -1,0 +1,18 @@
+// The reader of glTF, binary and as text: any bytes are a mesh that rays may meet, or refused.
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "enfilade/core/check.h"
+#include "enfilade/mesh/read_mesh.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace enfilade;
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  try {
+    const auto result = mesh::parse_mesh(bytes, bytes.starts_with("glTF") ? "f.glb" : "f.gltf");
+    EN_CHECK_EQ(count(mesh::check(result.mesh, "<read>"), Severity::kError), 0U);
+  } catch (const Error&) {
+  }
+  return 0;
+}
