@@ -11,6 +11,7 @@
 #include "enfilade/draw/detail/legend.h"
 #include "enfilade/draw/detail/marks.h"
 #include "enfilade/draw/detail/plan.h"
+#include "enfilade/draw/detail/sheet.h"
 #include "enfilade/draw/detail/trace.h"
 
 namespace enfilade::draw {
@@ -25,12 +26,8 @@ using detail::Point;
 using detail::Step;
 using Role = PlannedPath::Role;
 
-constexpr double kBorder = 26;   // around everything, pixels
-constexpr double kHeading = 62;  // title and subtitle
-constexpr double kTitleSize = 21;
 constexpr double kNoteSize = 14;
 constexpr double kNoteLine = 20;
-constexpr double kNarrowest = 560;  // room for a title and two columns of legend
 constexpr std::array kReferenceColours{detail::kBlue, detail::kSky};
 constexpr std::array kAgentColours{detail::kVermilion, detail::kPurple};
 
@@ -106,19 +103,21 @@ class Painter {
         layout_(detail::arrange(plan_, success_circles(), options.pixels_per_metre)) {}
 
   std::string run() const {
-    const double width =
-        std::max({layout_.size.x, kNarrowest, 1.15 * detail::text_width(title(), kTitleSize)});
+    const double width = std::max({layout_.size.x, detail::kNarrowest,
+                                   1.15 * detail::text_width(title(), detail::kTitleSize)});
     const std::vector<std::string> note = detail::wrap(options_.note, kNoteSize, width);
-    const double top = kBorder + kHeading + kNoteLine * static_cast<double>(note.size());
+    const double top =
+        detail::kBorder + detail::kHeading + kNoteLine * static_cast<double>(note.size());
     const double legend_top = top + layout_.size.y + 20;
     const detail::Block legend =
-        detail::draw_legend(legend_items(), {kBorder, legend_top}, width, layout_.scale);
-    std::string out = open(width + 2 * kBorder, legend_top + legend.height + kBorder - 10);
+        detail::draw_legend(legend_items(), {detail::kBorder, legend_top}, width, layout_.scale);
+    std::string out = detail::open_sheet(
+        title(), {width + 2 * detail::kBorder, legend_top + legend.height + detail::kBorder - 10});
     out += draw_title(note);
-    append(out, "<g transform=\"translate({})\">\n", detail::pair({kBorder, top}));
+    append(out, "<g transform=\"translate({})\">\n", detail::pair({detail::kBorder, top}));
     for (const Panel& panel : layout_.panels) out += draw_panel(panel);
     append(out, "</g>\n<path d=\"M{}h{}\" stroke=\"#e2e4e8\"/>\n",
-           detail::pair({kBorder, legend_top - 12}), detail::number(width));
+           detail::pair({detail::kBorder, legend_top - 12}), detail::number(width));
     return out + legend.svg + "</g>\n</svg>\n";
   }
 
@@ -142,20 +141,10 @@ class Painter {
     return options_.title.empty() ? graph_.scan() : options_.title;
   }
 
-  std::string open(double width, double height) const {
-    return fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" "
-        "viewBox=\"0 0 {0} {1}\" role=\"img\">\n<title>Floor plan: {2}</title>\n"
-        "<rect width=\"{0}\" height=\"{1}\" rx=\"10\" fill=\"#fff\"/>\n"
-        "<g font-family=\"'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', sans-serif\">\n",
-        detail::number(std::ceil(width)), detail::number(std::ceil(height)),
-        detail::escape(title()));
-  }
-
   std::string draw_title(const std::vector<std::string>& note) const {
     const std::size_t storeys = plan_.storeys.size();
-    Point p{kBorder, kBorder + 16};
-    std::string out = detail::text(p, title(), kTitleSize, detail::kInk, true);
+    Point p{detail::kBorder, detail::kBorder + 16};
+    std::string out = detail::text(p, title(), detail::kTitleSize, detail::kInk, true);
     p.y += 22;
     out +=
         detail::text(p,
@@ -171,7 +160,7 @@ class Painter {
   }
 
   std::string draw_panel(const Panel& panel) const {
-    std::string out = draw_caption(panel) + draw_floor(panel);
+    std::string out = detail::draw_caption(plan_, panel) + detail::draw_floor(plan_, panel);
     for (const Overlay& o : overlays_) {
       if (o.has_goal()) out += draw_success_circle(panel, o.end);
     }
@@ -183,34 +172,7 @@ class Painter {
       if (o.role == Role::kAgent) out += detail::draw_line(plan_, panel, o.steps, o.colour);
     }
     return out + draw_viewpoints(panel) + draw_stairs(panel) + draw_ends(panel) +
-           (options_.label_viewpoints ? draw_labels(panel) : "");
-  }
-
-  std::string draw_caption(const Panel& panel) const {
-    const auto [name, facts] = detail::caption(plan_, panel.storey);
-    const Point p = panel.corner + Point{0, 12};
-    return detail::text(p, name, 13, detail::kInk, true) +
-           detail::text(p + Point{detail::text_width(name, 13) + 10, 0}, facts, 12,
-                        detail::kFaintInk);
-  }
-
-  // Discs around the viewpoints and bands along the edges, in one colour, run together to a shape
-  // that looks like the floor; drawn twice, a little larger the first time, for its rim.
-  std::string draw_floor(const Panel& panel) const {
-    std::string path;
-    for (const ViewpointIndex v : plan_.storeys[panel.storey].viewpoints) {
-      path += "M" + detail::pair(place(panel, v)) + "h0";
-    }
-    for (const auto& [a, b] : plan_.edges) {
-      if (plan_.storey_of[a.at()] != panel.storey || plan_.between_storeys(a, b)) continue;
-      path += "M" + detail::pair(place(panel, a)) + "L" + detail::pair(place(panel, b));
-    }
-    if (path.empty()) return "";
-    const double width = 2 * detail::kFloorRadius * panel.scale;
-    return fmt::format(
-        "<g fill=\"none\" stroke-linecap=\"round\"><path d=\"{0}\" stroke=\"{1}\" "
-        "stroke-width=\"{2}\"/><path d=\"{0}\" stroke=\"{3}\" stroke-width=\"{4}\"/></g>\n",
-        path, detail::kFloorRim, detail::number(width + 3), detail::kFloor, detail::number(width));
+           (options_.label_viewpoints ? detail::draw_labels(plan_, panel) : "");
   }
 
   std::string draw_success_circle(const Panel& panel, ViewpointIndex goal) const {
@@ -280,19 +242,6 @@ class Painter {
       if (o.has_goal() && here(o.end)) out += detail::goal_mark(place(panel, o.end));
     }
     return out;
-  }
-
-  std::string draw_labels(const Panel& panel) const {
-    std::string out =
-        "<g font-size=\"10\" fill=\"#111\" stroke=\"#fff\" stroke-width=\"2.5\" "
-        "stroke-linejoin=\"round\" paint-order=\"stroke\">\n";
-    for (std::size_t i = 0; i < graph_.size(); ++i) {
-      if (plan_.storey_of[i] != panel.storey) continue;
-      const Point p = place(panel, ViewpointIndex(i)) + Point{5, -5};
-      append(out, "<text x=\"{}\" y=\"{}\">{}</text>\n", detail::number(p.x), detail::number(p.y),
-             i);
-    }
-    return out + "</g>\n";
   }
 
   std::vector<LegendItem> legend_items() const {

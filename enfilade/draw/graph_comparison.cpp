@@ -1,0 +1,143 @@
+#include "enfilade/draw/graph_comparison.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/draw/detail/legend.h"
+#include "enfilade/draw/detail/marks.h"
+#include "enfilade/draw/detail/plan.h"
+#include "enfilade/draw/detail/sheet.h"
+
+namespace enfilade::draw {
+namespace {
+
+using detail::Panel;
+using detail::Plan;
+using detail::Point;
+using graph::ComparedEdge;
+using graph::GraphComparison;
+using graph::NavGraph;
+
+constexpr double kNoteLine = 20;
+constexpr const char* kCommonStyle = "stroke=\"#a7acb5\"";
+constexpr const char* kExtraStyle = "stroke=\"#d62728\" stroke-width=\"2.5\"";
+constexpr const char* kMissingStyle =
+    "stroke=\"#0072b2\" stroke-width=\"2.5\" stroke-dasharray=\"6 4\"";
+
+void check_edges(const NavGraph& found, const GraphComparison& comparison) {
+  for (const auto* edges : {&comparison.extra, &comparison.missing}) {
+    for (const ComparedEdge& e : *edges) {
+      if (std::max(e.a, e.b).at() < found.size()) continue;
+      throw ArgumentError(fmt::format("comparison: edge {} - {}, and graph {} has {} viewpoints",
+                                      e.a.at(), e.b.at(), found.scan(), found.size()));
+    }
+  }
+}
+
+class Painter {
+ public:
+  Painter(const NavGraph& found, const GraphComparison& comparison,
+          const ComparisonPlanOptions& options)
+      : found_(found),
+        comparison_(comparison),
+        options_(options),
+        plan_(detail::make_plan(found, false)),
+        layout_(detail::arrange(plan_, {}, 0)) {
+    for (const ComparedEdge& e : comparison.extra) extra_.insert({e.a, e.b});
+  }
+
+  std::string run() const {
+    using detail::kBorder;
+    const double width = std::max({layout_.size.x, detail::kNarrowest,
+                                   1.15 * detail::text_width(title(), detail::kTitleSize),
+                                   detail::text_width(options_.note, 14)});
+    const double top = kBorder + detail::kHeading + (options_.note.empty() ? 0 : kNoteLine);
+    const double legend_top = top + layout_.size.y + 20;
+    const detail::Block legend =
+        detail::draw_legend(legend_items(), {kBorder, legend_top}, width, layout_.scale);
+    std::string out = detail::open_sheet(
+        title(), {width + 2 * kBorder, legend_top + legend.height + kBorder - 10});
+    out += draw_title();
+    detail::append(out, "<g transform=\"translate({})\">\n", detail::pair({kBorder, top}));
+    for (const Panel& panel : layout_.panels) out += draw_panel(panel);
+    return out + "</g>\n" + legend.svg + "</g>\n</svg>\n";
+  }
+
+ private:
+  const std::string& title() const {
+    return options_.title.empty() ? found_.scan() : options_.title;
+  }
+
+  std::string draw_title() const {
+    Point p{detail::kBorder, detail::kBorder + 16};
+    std::string out = detail::text(p, title(), detail::kTitleSize, detail::kInk, true);
+    p.y += 22;
+    out += detail::text(
+        p,
+        fmt::format("precision {:.3f}, recall {:.3f}, F1 {:.3f}: {} edges in both, {} extra, {} "
+                    "missing",
+                    comparison_.precision(), comparison_.recall(), comparison_.f1(),
+                    comparison_.common, comparison_.extra.size(), comparison_.missing.size()),
+        13, detail::kFaintInk);
+    p.y += 23;
+    if (!options_.note.empty()) out += detail::text(p, options_.note, 14, detail::kInk);
+    return out;
+  }
+
+  std::string line(const Panel& panel, ViewpointIndex a, ViewpointIndex b) const {
+    if (!plan_.touches(panel.storey, a, b)) return "";
+    return "M" + detail::pair(panel.at(found_.position(a))) + "L" +
+           detail::pair(panel.at(found_.position(b)));
+  }
+
+  static std::string path(const std::string& lines, const char* style) {
+    if (lines.empty()) return "";
+    return fmt::format("<path d=\"{}\" {} fill=\"none\"/>\n", lines, style);
+  }
+
+  std::string draw_panel(const Panel& panel) const {
+    std::string common, extra, missing, dots;
+    for (const auto& [a, b] : plan_.edges) {
+      const bool is_extra = extra_.contains({std::min(a, b), std::max(a, b)});
+      (is_extra ? extra : common) += line(panel, a, b);
+    }
+    for (const ComparedEdge& e : comparison_.missing) missing += line(panel, e.a, e.b);
+    for (const ViewpointIndex v : plan_.storeys[panel.storey].viewpoints) {
+      detail::append(dots, "<g><title>{} {}</title>{}</g>\n", v.at(), detail::escape(found_.id(v)),
+                     detail::dot(panel.at(found_.position(v))));
+    }
+    return detail::draw_caption(plan_, panel) + detail::draw_floor(plan_, panel) +
+           path(common, kCommonStyle) + path(extra, kExtraStyle) + path(missing, kMissingStyle) +
+           dots + (options_.label_viewpoints ? detail::draw_labels(plan_, panel) : "");
+  }
+
+  std::vector<detail::LegendItem> legend_items() const {
+    const auto sample = [](const char* style) {
+      return fmt::format("<path d=\"M-14,0h28\" {}/>", style);
+    };
+    return {{detail::dot({}), 8, "viewpoint"},
+            {sample(kCommonStyle), 28, "edge in both"},
+            {sample(kExtraStyle), 28, "extra: found, and not in the truth"},
+            {sample(kMissingStyle), 28, "missing: in the truth, and not found"}};
+  }
+
+  const NavGraph& found_;
+  const GraphComparison& comparison_;
+  const ComparisonPlanOptions& options_;
+  Plan plan_;
+  detail::Layout layout_;
+  std::set<std::pair<ViewpointIndex, ViewpointIndex>> extra_;
+};
+
+}  // namespace
+
+std::string graph_comparison_svg(const NavGraph& found, const GraphComparison& comparison,
+                                 const ComparisonPlanOptions& options) {
+  check_edges(found, comparison);
+  return Painter(found, comparison, options).run();
+}
+
+}  // namespace enfilade::draw
