@@ -7,6 +7,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/scan/depth_skybox.h"
+#include "enfilade/scan/matterport_names.h"
 
 namespace enfilade::scan::detail {
 namespace {
@@ -19,24 +20,6 @@ constexpr std::size_t kHeaderBytes = std::size_t{16} << 10;
 
 [[noreturn]] void refuse(const std::string& file, const char* code, std::string message) {
   throw InvalidInput({{Severity::kError, file, "", code, std::move(message)}});
-}
-
-std::string strip_name(Layer layer, const std::string& viewpoint) {
-  switch (layer) {
-    case Layer::kColour:
-      return viewpoint + "_skybox_small.jpg";
-    case Layer::kDepth:
-      return viewpoint + "_skybox_depth_small.png";
-    case Layer::kClass:
-      return viewpoint + "_skybox_class_small.png";
-    case Layer::kInstance:
-      break;
-  }
-  return viewpoint + "_skybox_instance_small.png";
-}
-
-std::string face_name(const std::string& viewpoint, std::size_t face) {
-  return fmt::format("{}_skybox{}_sami.jpg", viewpoint, face);
 }
 
 /// What shape_of() says of a file; it is asked for all of it if its start does not do.
@@ -170,7 +153,7 @@ bool SkyboxFiles::has_faces(const std::string& viewpoint) const {
   std::size_t found = 0;
   std::string missing;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    const std::string name = face_name(viewpoint, k);
+    const std::string name = skybox_face_name(viewpoint, k);
     if (files_.contains(name)) {
       ++found;
     } else {
@@ -187,7 +170,7 @@ bool SkyboxFiles::has_faces(const std::string& viewpoint) const {
 }
 
 std::uint32_t SkyboxFiles::size(Layer layer, const std::string& viewpoint) const {
-  const std::string name = strip_name(layer, viewpoint);
+  const std::string name = skybox_strip_name(viewpoint, layer);
   if (files_.contains(name)) {
     const auto [shape, path] =
         shape_of_file(files_, name, layer == Layer::kColour ? image::jpeg_shape : image::png_shape);
@@ -197,7 +180,8 @@ std::uint32_t SkyboxFiles::size(Layer layer, const std::string& viewpoint) const
   if (layer != Layer::kColour || !has_faces(viewpoint)) return 0;
   SameSize same;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    const auto [shape, path] = shape_of_file(files_, face_name(viewpoint, k), image::jpeg_shape);
+    const auto [shape, path] =
+        shape_of_file(files_, skybox_face_name(viewpoint, k), image::jpeg_shape);
     same.check(check_face(shape, path), path);
   }
   return same.size();
@@ -205,7 +189,7 @@ std::uint32_t SkyboxFiles::size(Layer layer, const std::string& viewpoint) const
 
 std::optional<image::CubeMap<std::uint8_t>> SkyboxFiles::colour(
     const std::string& viewpoint) const {
-  if (const auto strip = files_.read(strip_name(Layer::kColour, viewpoint))) {
+  if (const auto strip = files_.read(skybox_strip_name(viewpoint, Layer::kColour))) {
     const auto picture = image::decode_jpeg(bytes_of(strip->bytes), strip->path);
     check_strip({picture.width, picture.height, 3, 8}, strip->path);
     return image::split_strip(picture);
@@ -214,7 +198,7 @@ std::optional<image::CubeMap<std::uint8_t>> SkyboxFiles::colour(
   image::CubeMap<std::uint8_t> faces;
   SameSize same;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    const auto file = files_.read(face_name(viewpoint, k));
+    const auto file = files_.read(skybox_face_name(viewpoint, k));
     if (!file) return std::nullopt;
     faces[k] = image::decode_jpeg(bytes_of(file->bytes), file->path);
     same.check(check_face({faces[k].width, faces[k].height, 3, 8}, file->path), file->path);
@@ -224,7 +208,7 @@ std::optional<image::CubeMap<std::uint8_t>> SkyboxFiles::colour(
 
 std::optional<image::CubeMap<std::uint16_t>> SkyboxFiles::strip_16(
     Layer layer, const std::string& viewpoint) const {
-  const auto file = files_.read(strip_name(layer, viewpoint));
+  const auto file = files_.read(skybox_strip_name(viewpoint, layer));
   if (!file) return std::nullopt;
   const Shape shape = image::png_shape(bytes_of(file->bytes), file->path);
   check_grey(layer, shape, file->path);
@@ -234,7 +218,7 @@ std::optional<image::CubeMap<std::uint16_t>> SkyboxFiles::strip_16(
 
 std::optional<image::CubeMap<std::uint32_t>> SkyboxFiles::instances(
     const std::string& viewpoint) const {
-  const auto file = files_.read(strip_name(Layer::kInstance, viewpoint));
+  const auto file = files_.read(skybox_strip_name(viewpoint, Layer::kInstance));
   if (!file) return std::nullopt;
   const Shape shape = image::png_shape(bytes_of(file->bytes), file->path);
   check_grey(Layer::kInstance, shape, file->path);
@@ -248,7 +232,7 @@ std::optional<image::CubeMap<std::uint32_t>> SkyboxFiles::instances(
 std::optional<std::array<std::string, kCubeFaces>> SkyboxFiles::colour_jpegs(
     const std::string& viewpoint) const {
   std::array<std::string, kCubeFaces> jpegs;
-  if (const auto strip = files_.read(strip_name(Layer::kColour, viewpoint))) {
+  if (const auto strip = files_.read(skybox_strip_name(viewpoint, Layer::kColour))) {
     const auto cut = image::cut_jpeg_strip(bytes_of(strip->bytes), strip->path);
     if (!cut) return std::nullopt;
     for (std::size_t k = 0; k < kCubeFaces; ++k)
@@ -258,7 +242,7 @@ std::optional<std::array<std::string, kCubeFaces>> SkyboxFiles::colour_jpegs(
   if (!has_faces(viewpoint)) return std::nullopt;
   SameSize same;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    auto file = files_.read(face_name(viewpoint, k));
+    auto file = files_.read(skybox_face_name(viewpoint, k));
     if (!file) return std::nullopt;
     const Shape shape = image::jpeg_shape(bytes_of(file->bytes), file->path);
     same.check(check_face(shape, file->path), file->path);
@@ -268,7 +252,7 @@ std::optional<std::array<std::string, kCubeFaces>> SkyboxFiles::colour_jpegs(
 }
 
 std::string SkyboxFiles::tried(Layer layer, const std::string& viewpoint) const {
-  std::string text = files_.tried(strip_name(layer, viewpoint));
+  std::string text = files_.tried(skybox_strip_name(viewpoint, layer));
   if (layer == Layer::kColour) text += files_.tried(viewpoint + "_skybox<0..5>_sami.jpg");
   return text;
 }
