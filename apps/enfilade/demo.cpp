@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/home_pictures.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/file.h"
@@ -17,7 +18,7 @@
 #include "enfilade/r2r/results.h"
 #include "enfilade/r2r/score.h"
 #include "enfilade/r2r/statistics.h"
-#include "enfilade/synth/small_building.h"
+#include "enfilade/synth/home_set.h"
 
 namespace enfilade::apps {
 namespace {
@@ -82,15 +83,23 @@ Measured measure(const std::vector<Row>& rows) {
 Data find_data(const Options& options) {
   if (!options.data.empty()) return {scan::DataRoot(options.data)};
   if (const auto root = scan::DataRoot::from_environment()) return {*root};
-  const fs::path folder = fs::path(options.output) / "synthetic";
+  const fs::path folder = fs::path(options.output) / "homes";
   fmt::print(
       "No real data: ENFILADE_DATA is not set. The 90 Matterport3D graphs are the folder\n"
       "connectivity/ of peteanderson80/Matterport3DSimulator on GitHub, and its\n"
       "tasks/R2R/data/download.sh fetches the Room-to-Room annotations. Put them into one folder\n"
       "and set ENFILADE_DATA to it.\n\n"
-      "Until then: a few small SYNTHETIC buildings, made now in {}.\n\n",
+      "Until then: SYNTHETIC model homes, made now in {} (about three minutes on two\n"
+      "cores; the next demo finds them there).\n\n",
       folder.string());
-  synth::write_small_dataset(folder);
+  const Progress homes = progress_bar("model homes"), paths = progress_bar("instructions");
+  const auto bar = [](const Progress& progress) {
+    return [&progress](const std::string&, std::size_t done, std::size_t total) {
+      if (progress) progress(done, total);
+    };
+  };
+  synth::write_homes(folder, synth::home_set_preset("demo"), bar(homes));
+  synth::write_home_paths(folder, {}, bar(paths));
   return {scan::DataRoot(folder), true};
 }
 
@@ -228,6 +237,12 @@ void demo(const Options& options) {
       "  {2} score {0}/random_val_unseen.json --split val_unseen --data {1}\n"
       "and two floor plans to look at: plan_val_seen.svg, plan_val_unseen.svg\n",
       options.output, data.root.folder().string(), own_path());
+  if (!data.synthetic) return;
+  fmt::print("Pictures of the homes, to look at:");
+  for (const std::string& file : draw_homes(data.root.folder(), options.output)) {
+    fmt::print(" {}", file);
+  }
+  fmt::print("\n");
 }
 
 }  // namespace
@@ -236,7 +251,7 @@ void add_demo(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "demo",
       "The paper's table rows for Shortest and Random, beside ours; without data, on a "
-      "small synthetic data set");
+      "set of synthetic model homes");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   verb.add_option("-o,--output", options->output, "Folder for results and floor plans")

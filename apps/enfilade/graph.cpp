@@ -9,6 +9,7 @@
 #include <set>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/graph_verbs.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/graph/check.h"
@@ -312,10 +313,13 @@ void add_draw(CLI::App& graph, int& status) {
 }  // namespace
 
 void add_graph(CLI::App& app, int& status) {
-  CLI::App& verb = *app.add_subcommand("graph", "Check navigation graphs, draw floor plans");
+  CLI::App& verb =
+      *app.add_subcommand("graph", "Build, check and compare navigation graphs, draw floor plans");
   verb.require_subcommand(1);
   add_check(verb, status);
   add_draw(verb, status);
+  add_graph_build(verb, status);
+  add_graph_compare(verb, status);
 }
 
 }  // namespace enfilade::apps

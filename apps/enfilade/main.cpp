@@ -15,15 +15,18 @@ int main(int argc, char** argv) {
       "files, 4 Enfilade's own failure.");
   int status = kSuccess;
   add_contact_sheet(app, status);
+  add_dataset(app, status);
   add_demo(app, status);
   add_doctor(app, status);
   add_graph(app, status);
+  add_homes(app, status);
   add_import(app, status);
   add_pack(app, status);
   add_panorama(app, status);
   add_render(app, status);
   add_run(app, status);
   add_sample(app, status);
+  add_scan_mesh(app, status);
   add_score(app, status);
   add_stats(app, status);
   add_synth(app, status);

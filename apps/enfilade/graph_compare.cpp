@@ -1,0 +1,90 @@
+// enfilade graph compare: how far two graphs of one building agree.
+#include <fmt/format.h>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/graph_verbs.h"
+#include "enfilade/core/file.h"
+#include "enfilade/draw/graph_comparison.h"
+#include "enfilade/graph/compare.h"
+
+namespace enfilade::apps {
+namespace {
+
+using graph::ComparedEdge;
+using graph::NavGraph;
+
+struct CompareArguments {
+  std::string found, truth, plan;
+  std::optional<double> least_f1;
+  bool labels = false;
+};
+
+NavGraph load(const std::string& file) {
+  constexpr std::string_view kSuffix = "_connectivity.json";
+  std::string scan = std::filesystem::path(file).filename().string();
+  if (scan.ends_with(kSuffix)) scan.resize(scan.size() - kSuffix.size());
+  return NavGraph(scan::parse_connectivity(read_file(file), scan, file));
+}
+
+std::string list(const NavGraph& found, const std::vector<ComparedEdge>& edges, const char* what) {
+  std::string text;
+  for (const ComparedEdge& e : edges) {
+    text += fmt::format("{:<9}{:>5} - {:<5}{:>6.2f} m  {} {}\n", what, e.a.at(), e.b.at(), e.length,
+                        found.id(e.a), found.id(e.b));
+  }
+  return text;
+}
+
+int run(const CompareArguments& a) {
+  const NavGraph found = load(a.found), truth = load(a.truth);
+  const graph::GraphComparison c = graph::compare(found, truth);
+  const std::string report =
+      list(found, c.extra, "extra") + list(found, c.missing, "missing") +
+      fmt::format("viewpoints  {} in both, {} only in A, {} only in B\n", c.matched,
+                  c.only_found.size(), c.only_truth.size()) +
+      fmt::format("edges       {} in both, {} extra, {} missing\n", c.common, c.extra.size(),
+                  c.missing.size()) +
+      fmt::format("precision   {:.4f}\nrecall      {:.4f}\nF1          {:.4f}\n", c.precision(),
+                  c.recall(), c.f1());
+  if (a.plan != "-") fmt::print("{}", report);
+  if (!a.plan.empty()) {
+    draw::ComparisonPlanOptions options;
+    options.title = found.scan() + " against " + truth.scan();
+    options.label_viewpoints = a.labels;
+    write_output(a.plan, draw::graph_comparison_svg(found, c, options));
+    if (a.plan != "-") fmt::print("{}\n", a.plan);
+  }
+  return a.least_f1 && c.f1() < *a.least_f1 ? kFaultsFound : kSuccess;
+}
+
+}  // namespace
+
+void add_graph_compare(CLI::App& graph, int& status) {
+  CLI::App& verb = *graph.add_subcommand(
+      "compare",
+      "Compare the edges of graph A with those of graph B, the truth: precision, recall, F1, and "
+      "the edges that differ. Viewpoints are matched by id or, if they share none, by place.");
+  const auto a = std::make_shared<CompareArguments>();
+  verb.add_option("A", a->found, "Connectivity file")->required()->type_name("FILE");
+  verb.add_option("B", a->truth, "Connectivity file to compare with")
+      ->required()
+      ->type_name("FILE");
+  verb.add_option("--plan", a->plan,
+                  "Draw the difference as SVG: extra edges red, missing ones dashed blue; - for "
+                  "standard output instead of the report")
+      ->type_name("FILE");
+  verb.add_flag("--labels", a->labels, "Write its index beside each viewpoint on the plan");
+  verb.add_option("--least-f1", a->least_f1, "Exit code 1 if F1 is below")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("X");
+  set_examples(verb, {"enfilade graph compare built/x_connectivity.json x_connectivity.json",
+                      "enfilade graph compare A.json B.json --plan difference.svg",
+                      "enfilade graph compare A.json B.json --least-f1 0.98"});
+  verb.callback([a, &status] { status = run(*a); });
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,134 @@
+// enfilade homes: makes a data set of model homes.
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/synth/home_set.h"
+
+namespace enfilade::apps {
+namespace {
+
+struct Options {
+  std::string output, preset = "demo", kind;
+  std::optional<std::size_t> homes;
+  std::optional<std::uint64_t> seed;
+  std::optional<std::uint32_t> size, samples;
+  std::optional<double> area;
+  std::size_t paths = synth::HomePathOptions().per_home;
+  int threads = 0;
+};
+
+const std::map<std::string, synth::HomeKind>& kinds() {
+  static const std::map<std::string, synth::HomeKind> kKinds{
+      {"house", synth::HomeKind::kHouse},
+      {"flat", synth::HomeKind::kFlat},
+      {"office", synth::HomeKind::kOffice},
+      {"hotel", synth::HomeKind::kHotelFloor}};
+  return kKinds;
+}
+
+synth::HomeSetOptions set_of(const Options& o) {
+  synth::HomeSetOptions set = synth::home_set_preset(o.preset);
+  if (o.homes) set.homes = *o.homes;
+  if (o.seed) set.seed = *o.seed;
+  if (!o.kind.empty()) set.kind = kinds().at(o.kind);
+  if (o.area) set.least_area = set.most_area = *o.area;
+  if (o.size) set.face_size = *o.size;
+  if (o.samples) set.samples = *o.samples;
+  set.threads = o.threads;
+  return set;
+}
+
+// One bar for the whole, named after what is being done.
+synth::SetProgress bar(const std::string& what) {
+  return [progress = progress_bar(what)](const std::string&, std::size_t done, std::size_t total) {
+    if (progress) progress(done, total);
+  };
+}
+
+void print_homes(const std::vector<synth::HomeEntry>& homes) {
+  fmt::print("{:<12}{:<8}{:>7}{:>12}{:>8}{:>11}\n", "SYNTHETIC", "kind", "rooms", "viewpoints",
+             "edges", "triangles");
+  std::array<std::size_t, 3> sums{};
+  for (const synth::HomeEntry& home : homes) {
+    fmt::print("{:<12}{:<8}{:>7}{:>12}{:>8}{:>11}\n", home.scan, home.kind, home.rooms.size(),
+               home.viewpoints, home.edges, home.triangles);
+    sums[0] += home.rooms.size();
+    sums[1] += home.viewpoints;
+    sums[2] += home.edges;
+  }
+  fmt::print("{:<12}{:<8}{:>7}{:>12}{:>8}\n", fmt::format("{} homes", homes.size()), "", sums[0],
+             sums[1], sums[2]);
+}
+
+void make(const Options& options) {
+  const auto homes = synth::write_homes(options.output, set_of(options), bar("homes"));
+  print_homes(homes);
+  if (options.paths == 0) return;
+  if (homes.size() < 3) {
+    fmt::print("no paths: splits by building need 3 homes, these are {}\n", homes.size());
+    return;
+  }
+  synth::HomePathOptions paths;
+  paths.per_home = options.paths;
+  paths.threads = options.threads;
+  if (options.seed) paths.seed = *options.seed;
+  const auto report = synth::write_home_paths(options.output, paths, bar("paths"));
+  fmt::print("{} paths, {} instructions, all SYNTHETIC\n", report.paths, report.instructions);
+}
+
+void add_options(CLI::App& verb, Options& o) {
+  verb.add_option("-o,--output", o.output, "A new or empty folder, or one to complete")
+      ->required()
+      ->type_name("DIR");
+  verb.add_option("--preset", o.preset,
+                  "small: 2 flats for tests; demo: 16 homes of 25 to 40 viewpoints; full: 90 homes "
+                  "of 117 viewpoints on average, 512-texel faces")
+      ->check(CLI::IsMember(synth::home_set_presets()))
+      ->capture_default_str();
+  verb.add_option("--homes", o.homes, "How many, instead of the preset's")
+      ->check(whole_number(1))
+      ->type_name("N");
+  verb.add_option("--kind", o.kind, "house, flat, office or hotel; else a mixture")
+      ->check(CLI::IsMember(std::vector<std::string>{"house", "flat", "office", "hotel"}));
+  verb.add_option("--area", o.area, "Of all storeys of a home, square metres, 60 to 3000")
+      ->check(finite_number(60));
+  verb.add_option("--size", o.size, "Texels of a panorama's faces; 0: no pictures")
+      ->check(whole_number());
+  verb.add_option("--samples", o.samples, "Colour rays a texel: 1, 4, 9 or 16")
+      ->check(whole_number(1));
+  verb.add_option("--seed", o.seed, "The same seed gives the same bytes")->check(whole_number());
+  verb.add_option("--paths", o.paths, "Room-to-Room paths a home, at most; 0: none")
+      ->check(whole_number())
+      ->capture_default_str();
+  verb.add_option("--threads", o.threads, "0: all cores")
+      ->check(whole_number())
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_homes(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "homes", "Make model homes: synthetic buildings with panoramas, graphs and instructions");
+  const auto options = std::make_shared<Options>();
+  add_options(verb, *options);
+  set_examples(verb, {"enfilade homes -o homes", "enfilade homes -o two --preset small --paths 0",
+                      "enfilade contact-sheet home_0001 --data homes -o home.png",
+                      "enfilade graph draw home_0001 --data homes -o plan.svg"});
+  verb.footer(
+      verb.get_footer() +
+      "\nA run that was stopped goes on where it was. All of it is synthetic, and says so.");
+  verb.callback([options, &status] {
+    make(*options);
+    status = kSuccess;
+  });
+}
+
+}  // namespace enfilade::apps

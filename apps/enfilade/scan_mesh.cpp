@@ -1,0 +1,288 @@
+// enfilade scan-mesh: a walkable scan in Matterport3D's files, out of any mesh.
+#include <fmt/format.h>
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/core/file.h"
+#include "enfilade/graph/build.h"
+#include "enfilade/mesh/lighting.h"
+#include "enfilade/mesh/read_mesh.h"
+#include "enfilade/mesh/segmentation.h"
+#include "enfilade/mesh/walkable.h"
+#include "enfilade/scan/connectivity.h"
+#include "enfilade/synth/plain_room.h"
+#include "enfilade/synth/scan_files.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string mesh, output, scan, graph, labels;
+  std::vector<std::string> parts;
+  std::string up = "format";
+  mesh::ReadOptions read;
+  synth::ScanFilesOptions files;
+  std::size_t limit = 0;
+  bool room = false;
+};
+
+constexpr const char* kGraphSuffix = "_connectivity.json";
+
+// "low_poly_tavern_interior" of a mesh's file name, "17DRP5sb8fy" of a graph's.
+std::string scan_of(const Arguments& a) {
+  if (!a.scan.empty()) return a.scan;
+  if (!a.graph.empty()) {
+    const std::string name = fs::path(a.graph).filename().string();
+    if (name.ends_with(kGraphSuffix)) return name.substr(0, name.size() - 18);
+  }
+  std::string name = fs::path(a.mesh).stem().string();
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::isalnum(c) == 0 && c != '_' && c != '-'; }, '_');
+  return name;
+}
+
+synth::ScanParts parts_of(const Arguments& a) {
+  std::vector<std::string> names = a.parts;
+  if (names.empty()) names = {"skybox", "strips", "mesh"};
+  if (a.parts.empty() && a.labels.empty()) names.emplace_back("house");
+  synth::ScanParts parts;
+  for (const std::string& name : names) {
+    const bool all = name == "all", strips = name == "strips";
+    parts.faces |= all || name == "skybox";
+    parts.colour_strip |= all || strips;
+    parts.depth_strip |= all || strips || name == "depth";
+    parts.label_strips |= all || strips || name == "labels";
+    parts.undistorted |= all || name == "undistorted";
+    parts.house |= (all && a.labels.empty()) || name == "house";
+    parts.mesh |= all || name == "mesh";
+  }
+  if (parts.house && !a.labels.empty()) {
+    throw UsageError("--parts house: those files are what --labels gives");
+  }
+  return parts;
+}
+
+mesh::Mesh read(const Arguments& a) {
+  mesh::ReadOptions options = a.read;
+  options.up = a.up == "y"   ? mesh::UpAxis::kY
+               : a.up == "z" ? mesh::UpAxis::kZ
+                             : mesh::UpAxis::kFormat;
+  mesh::ReadResult result = mesh::read_mesh(a.mesh, options);
+  if (!result.warnings.empty()) print_diagnostics(result.warnings);
+  const mesh::Box box = mesh::bounds(result.mesh);
+  fmt::print("{}: {} triangles, {} materials, {} objects, {:.1f} x {:.1f} x {:.1f} m\n", a.mesh,
+             result.mesh.triangles.size(), result.mesh.materials.size(), result.mesh.objects.size(),
+             box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z);
+  std::fflush(stdout);
+  if (a.room) synth::add_plain_room(result.mesh);
+  return std::move(result.mesh);
+}
+
+scan::Connectivity graph_of(const Arguments& a, const mesh::RayTracer& tracer,
+                            const std::string& scan) {
+  if (!a.graph.empty()) {
+    scan::Connectivity graph = scan::parse_connectivity(read_file(a.graph), scan, a.graph);
+    std::size_t taken = 0;
+    for (scan::ConnectivityEntry& entry : graph.entries) {
+      if (entry.included && a.limit != 0) entry.included = taken++ < a.limit;
+    }
+    return graph;
+  }
+  const mesh::WalkableFloor floor(tracer.mesh());
+  std::vector<graph::PlacedViewpoint> viewpoints = graph::place_viewpoints(tracer, floor);
+  if (a.limit != 0 && viewpoints.size() > a.limit) viewpoints.resize(a.limit);
+  return graph::connect_viewpoints(tracer, floor, viewpoints, scan, {}, a.files.threads,
+                                   progress_bar("graph"));
+}
+
+// Of directions below the horizon, the share in which viewpoints see nothing at all.
+double emptiness(const mesh::RayTracer& tracer, const scan::Connectivity& graph) {
+  constexpr int kAround = 16;
+  std::size_t rays = 0, empty = 0;
+  for (const scan::ConnectivityEntry& entry : graph.entries) {
+    if (!entry.included) continue;
+    const Vec3d eye = entry.position();
+    for (int k = 0; k < kAround; ++k, ++rays) {
+      const double angle = 2 * 3.141592653589793 * k / kAround;
+      const mesh::Ray ray{
+          {static_cast<float>(eye.x), static_cast<float>(eye.y), static_cast<float>(eye.z)},
+          {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), -.5F}};
+      empty += !tracer.trace(ray);
+    }
+  }
+  return rays == 0 ? 0 : static_cast<double>(empty) / static_cast<double>(rays);
+}
+
+void warn_of_emptiness(const mesh::RayTracer& tracer, const scan::Connectivity& graph) {
+  const double empty = emptiness(tracer, graph);
+  if (empty < .5) return;
+  fmt::print(stderr,
+             "warning: looking down from the viewpoints, {:.0f} % of directions meet nothing: has "
+             "the mesh no floor, or another axis up (--up)? --room puts things into a plain room\n",
+             100 * empty);
+}
+
+std::size_t edges(const scan::Connectivity& graph) {
+  std::size_t directed = 0;
+  for (const scan::ConnectivityEntry& entry : graph.entries) {
+    if (!entry.included) continue;
+    directed += static_cast<std::size_t>(std::ranges::count_if(
+        entry.unobstructed, [&](ViewpointIndex to) { return graph.entries[to.at()].included; }));
+  }
+  return directed / 2;
+}
+
+// For a mesh that is never looked at for its light.
+mesh::BakeOptions hardly_any_light() {
+  mesh::BakeOptions bake;
+  bake.spacing = 100;
+  bake.rays = 1;
+  bake.bounces = 1;
+  return bake;
+}
+
+std::unique_ptr<mesh::LitMesh> label_mesh(const Arguments& a, const std::string& scan) {
+  if (a.labels.empty()) return nullptr;
+  const auto tracer = std::make_shared<const mesh::RayTracer>(
+      std::make_shared<const mesh::Mesh>(mesh::read_house_mesh(a.labels, scan)));
+  return std::make_unique<mesh::LitMesh>(tracer, mesh::Lights{}, hardly_any_light());
+}
+
+void report(const Arguments& a, const scan::Connectivity& graph,
+            const synth::ScanFilesReport& report, double seconds) {
+  fmt::print("{}: {} viewpoints, {} edges; {} pictures{} in {:.1f} s, {:.1f} MB\n",
+             report.folder.string(), report.viewpoints, edges(graph), report.written,
+             report.kept == 0 ? "" : fmt::format(" ({} more were there)", report.kept), seconds,
+             static_cast<double>(report.bytes) / 1e6);
+  fmt::print(
+      "Next:\n"
+      "  enfilade contact-sheet {0} --data {1} -o {0}.png\n"
+      "  enfilade graph draw {0} --data {1}\n"
+      "  enfilade render {0} 0 --data {1}\n"
+      "  enfilade pack --data {1} -o {1}/store\n",
+      graph.scan, a.output);
+}
+
+void run(Arguments a) {
+  const auto start = std::chrono::steady_clock::now();
+  a.files.parts = parts_of(a);
+  const std::string scan = scan_of(a);
+  const auto tracer =
+      std::make_shared<const mesh::RayTracer>(std::make_shared<const mesh::Mesh>(read(a)));
+  const scan::Connectivity graph = graph_of(a, *tracer, scan);
+  warn_of_emptiness(*tracer, graph);
+  const synth::ScanParts& parts = a.files.parts;
+  const bool coloured = parts.faces || parts.colour_strip || parts.undistorted;
+  mesh::BakeOptions bake = coloured ? mesh::BakeOptions{} : hardly_any_light();
+  bake.threads = a.files.threads;
+  const mesh::LitMesh lit(tracer, mesh::studio_lights(tracer->mesh()), bake, progress_bar("light"));
+  const std::unique_ptr<mesh::LitMesh> labels = label_mesh(a, scan);
+  a.files.label_mesh = labels.get();
+  const auto files = write_scan(lit, graph, a.output, a.files, progress_bar("pictures"));
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  report(a, graph, files, seconds.count());
+}
+
+void add_source_options(CLI::App& verb, Arguments& a) {
+  verb.add_option("mesh", a.mesh, "glTF 2.0 (.glb, .gltf), .obj with .mtl, or .ply")
+      ->required()
+      ->type_name("MESH");
+  verb.add_option("-o,--output", a.output,
+                  "Data set to write into; made if it is not there. Other scans in it stay")
+      ->required()
+      ->type_name("ROOT");
+  verb.add_option("--scan", a.scan, "Scan id (default: the mesh's file name)")->type_name("ID");
+  verb.add_option("--scale", a.read.scale, "Metres per unit of the mesh")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb.add_option("--up", a.up, "Axis that points up; format: y for glTF, z for OBJ and PLY")
+      ->check(CLI::IsMember({"format", "y", "z"}))
+      ->capture_default_str()
+      ->type_name("");
+  verb.add_flag("--room", a.room,
+                "Put the mesh into a plain room with floor, walls and ceiling: for things that "
+                "were modelled without");
+  verb.add_option("--graph", a.graph,
+                  "Viewpoints and edges (default: placed on the mesh's walkable floor)")
+      ->check(CLI::ExistingFile)
+      ->type_name("CONNECTIVITY.json");
+  verb.add_option("--limit", a.limit, "Take the first N viewpoints only (0: all)")
+      ->check(whole_number())
+      ->capture_default_str()
+      ->type_name("N");
+  verb.add_option("--labels", a.labels,
+                  "Matterport3D's house_segmentations of this scan: classes and instances are "
+                  "those of its .house, .ply and .json files")
+      ->check(CLI::ExistingDirectory)
+      ->type_name("DIR");
+}
+
+void add_picture_options(CLI::App& verb, Arguments& a) {
+  verb.add_option("--parts", a.parts,
+                  "What to write, with commas between: skybox (six JPEGs a viewpoint), strips "
+                  "(colour, depth, classes, instances), depth, labels (those strips alone), "
+                  "undistorted (18 colour and depth images a viewpoint with cameras: takes ten "
+                  "times as long), house (.house and its files), mesh (.obj), all (default: "
+                  "skybox,strips,house,mesh)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(
+          {"skybox", "strips", "depth", "labels", "undistorted", "house", "mesh", "all"}))
+      ->type_name("PART,...");
+  verb.add_option("--size", a.files.face_size, "Texels along the edge of a sky-box's face")
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
+  verb.add_option("--image-width", a.files.image_width,
+                  "Of undistorted images, pixels; heights are 4/5 of it")
+      ->check(CLI::Range(10, 4096))
+      ->capture_default_str();
+  verb.add_option("--samples", a.files.samples, "Colour rays a pixel")
+      ->check(CLI::IsMember({1, 4, 9, 16}))
+      ->capture_default_str()
+      ->type_name("1|4|9|16");
+  verb.add_option("--exposure", a.files.exposure, "Stops brighter (or darker) than by itself")
+      ->check(finite_number(-10))
+      ->capture_default_str();
+  verb.add_option("--quality", a.files.jpeg_quality, "Of JPEGs, 1 to 100")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  verb.add_option("--threads", a.files.threads, "0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_scan_mesh(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "scan-mesh",
+      "Make a walkable scan of any mesh, in Matterport3D's files: viewpoints over its floor and "
+      "the edges between them, panoramas with light, exact depth, classes and instances. A run "
+      "that was stopped goes on where it was; parts and viewpoints may be added later.");
+  const auto arguments = std::make_shared<Arguments>();
+  add_source_options(verb, *arguments);
+  add_picture_options(verb, *arguments);
+  set_examples(
+      verb, {"enfilade scan-mesh house.glb -o my-scans",
+             "enfilade scan-mesh tavern_furniture.glb -o my-scans --room",
+             "enfilade scan-mesh flat.obj -o my-scans --scale 0.01 --up y --limit 4 --size 256",
+             "enfilade scan-mesh house.glb -o my-scans --parts all",
+             "enfilade scan-mesh S/house_segmentations/S.ply --scan S --labels "
+             "S/house_segmentations --graph S_connectivity.json --parts labels,depth -o labels"});
+  verb.callback([arguments, &status] {
+    run(*arguments);
+    status = kSuccess;
+  });
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,66 @@
+/// \file  Clauses for what happens along a path, each in many ways. Internal.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "enfilade/synth/detail/naming.h"
+#include "enfilade/synth/detail/path_story.h"
+#include "enfilade/synth/detail/phrases.h"
+
+namespace enfilade::synth::detail {
+
+/// Draws words for one speaker. Clauses are imperative, without capital and full stop.
+class Wording {
+ public:
+  Wording(const SpokenHome& home, Speaker speaker, std::uint64_t seed)
+      : home_(home), naming_(home), speaker_(speaker), rng_(seed) {}
+
+  Rng& rng() noexcept { return rng_; }
+  const Naming& naming() const noexcept { return naming_; }
+  bool chance(double share) { return rng_.uniform() < share; }
+  std::string say(std::string_view pattern, const Slots& slots = {}) {
+    return expand(pattern, slots, rng_);
+  }
+
+  std::string turn(double degrees);
+  std::string straight();
+  /// "walk about four metres"
+  std::string walk(double metres);
+  /// Along a hall, after the stretch's turn or with it in one.
+  std::string along(const Stretch& stretch, bool with_turn);
+  std::string stairs(const Stretch& stretch);
+  /// Through an opening, with the turn right before it if that is to be said in one.
+  std::string cross(const Happening& crossing);
+  std::string turn_and_cross(const Stretch& stretch, const Happening& crossing);
+  std::string through(const Happening& first, const Happening& second);
+  std::string into(const Happening& crossing);
+  std::string pass(const std::string& thing, bool on_right);
+  std::string between(const std::string& a, const std::string& b);
+  std::string over(const std::string& thing);
+  std::string towards(const std::string& thing);
+  /// A lead for the first clause: "with the bed behind you"; nothing if it is at none of four
+  /// sides.
+  std::optional<std::string> at_start(const std::string& thing, double bearing);
+  /// Where to stop, without the verb: "next to the sink".
+  std::string stop(const std::string& where);
+  std::string beside(const std::string& thing, const Neighbour& n);
+  std::string in_doorway(std::size_t opening);
+  std::string by_door(std::size_t opening, std::size_t room);
+  std::string room(std::size_t room) { return naming_.room(room, rng_); }
+  /// "bedroom with the red rug", where there are several bedrooms
+  std::string room_with(std::size_t room);
+  std::optional<std::string> thing(std::size_t thing, ViewpointIndex from);
+
+ private:
+  /// Few words: who speaks of things says little of doors and turns.
+  bool brief();
+  std::string door(const Happening& crossing);
+  bool leaves(const Happening& crossing) const;
+
+  SpokenHome home_;
+  Naming naming_;
+  Speaker speaker_;
+  Rng rng_;
+};
+
+}  // namespace enfilade::synth::detail

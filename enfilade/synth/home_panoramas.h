@@ -1,0 +1,43 @@
+/// \file  A model home's panoramas, taken when they are asked for.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "enfilade/mesh/capture.h"
+#include "enfilade/scan/panorama_source.h"
+
+namespace enfilade::synth {
+
+/// Panoramas of a lit mesh at the viewpoints of its graph, all four layers. Nothing is kept but
+/// each thread's last panorama, so that reading its layers one after another takes one capture.
+class MeshPanoramas final : public scan::PanoramaSource {
+ public:
+  /// \param state  what the pictures depend on, as text: PanoramaSource::state()
+  /// \param capture its `threads` are not looked at: a panorama is taken on the caller's thread
+  /// \throws ArgumentError for a face size of 0; InvalidInput as scan::poses_of()
+  MeshPanoramas(std::shared_ptr<const mesh::LitMesh> mesh, scan::Connectivity connectivity,
+                std::uint32_t face_size, const mesh::CaptureOptions& capture, std::string state);
+
+  scan::Connectivity connectivity() const override { return connectivity_; }
+  scan::FaceSizes face_sizes(ViewpointIndex viewpoint) const override;
+  bool reads_whole_panoramas() const noexcept override { return true; }
+  void read_colour(ViewpointIndex viewpoint, scan::FaceMask wanted,
+                   const std::array<image::BorderedFace, kCubeFaces>& buffers) const override;
+  void read_16(scan::Layer layer, ViewpointIndex viewpoint, scan::FaceMask wanted,
+               const std::array<std::uint16_t*, kCubeFaces>& buffers) const override;
+  void read_instances(ViewpointIndex viewpoint, scan::FaceMask wanted,
+                      const std::array<std::uint32_t*, kCubeFaces>& buffers) const override;
+  std::string state() const override { return state_; }
+
+ private:
+  const mesh::CubeCapture& capture(ViewpointIndex viewpoint) const;
+
+  std::shared_ptr<const mesh::LitMesh> mesh_;
+  scan::Connectivity connectivity_;
+  std::uint32_t face_size_;
+  mesh::CaptureOptions options_;
+  std::string state_;
+  std::uint64_t serial_;  // tells this source from one that had its address before
+};
+
+}  // namespace enfilade::synth

@@ -1,0 +1,81 @@
+/// \file  A data set of model homes: buildings, graphs, panoramas, Room-to-Room.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/synth/plan.h"
+
+namespace enfilade::synth {
+
+struct HomeSetOptions {
+  std::size_t homes = 16;
+  std::uint64_t seed = 1;
+  std::optional<HomeKind> kind;          ///< none: a mixture, most of them houses
+  double least_area = 0, most_area = 0;  ///< m2, drawn between; 0: as usual for the kind
+  std::uint32_t face_size = 256;         ///< texels of a panorama's faces; 0: no pictures
+  std::uint32_t samples = 4;             ///< colour rays a texel
+  int jpeg_quality = 92;
+  int threads = 0;  ///< 0: all cores; never changes a byte
+};
+
+/// "small": 2 homes, a few viewpoints, for tests; "demo": 16 homes of 25 to 40 viewpoints; "full":
+/// 90 homes of 117 viewpoints on average, 512-texel faces. \throws ArgumentError for another word
+HomeSetOptions home_set_preset(std::string_view name);
+std::vector<std::string> home_set_presets();
+
+/// A room of a home in a list.
+struct RoomEntry {
+  char type = '-';  ///< Matterport3D's region letter
+  std::string name;
+  unsigned storey = 0;
+  std::vector<std::string> viewpoints;  ///< ids of those that stand in it
+};
+
+/// One home as the folder's list has it.
+struct HomeEntry {
+  std::string scan;  ///< "home_0001", ...
+  PlanOptions plan;  ///< gives make_home() the same home again
+  std::string kind;
+  std::size_t viewpoints = 0, edges = 0, triangles = 0;
+  std::vector<RoomEntry> rooms;  ///< in the order of the plan: a room's place is its region
+};
+
+/// Told of progress: what is being done, and how much of everything.
+using SetProgress =
+    std::function<void(const std::string& what, std::size_t done, std::size_t total)>;
+
+/// Makes, or completes, a folder that the rest of Enfilade reads by `--data`: `connectivity/`,
+/// `regions/region_to_panorama.json`, `store/<scan>.enfilade` (panoramas, packed), `homes.json`
+/// (the list), README.md (that all of it is synthetic). Homes that are there complete, of the same
+/// options, are not made again, so that a killed run goes on where it was. The same options give
+/// the same bytes. Paths and instructions come by write_home_paths(). \throws FileError if the
+/// folder holds something else, or homes of other options (naming the first that differs);
+/// ArgumentError for options out of range
+std::vector<HomeEntry> write_homes(const std::filesystem::path& folder,
+                                   const HomeSetOptions& options, const SetProgress& progress = {});
+
+/// The list of a folder. \throws FileError, InvalidInput
+std::vector<HomeEntry> read_home_list(const std::filesystem::path& folder);
+
+struct HomePathOptions {
+  std::size_t per_home = 60;  ///< paths at most
+  std::uint64_t seed = 1;
+  double val_seen_share = 0.15;
+  int threads = 0;
+};
+struct HomePathReport {
+  std::size_t paths = 0, instructions = 0;
+};
+/// Room-to-Room for a folder of homes: `r2r/R2R_{train,val_seen,val_unseen,test}.json`, three
+/// instructions a path, one by each speaker (speaker.h), splits by building in the paper's
+/// proportions; whole test paths in `hidden/R2R_test.json`. Graphs are read from the folder, so
+/// that corrections made there count. \throws as write_homes(); InvalidInput
+HomePathReport write_home_paths(const std::filesystem::path& folder, const HomePathOptions& options,
+                                const SetProgress& progress = {});
+
+}  // namespace enfilade::synth

@@ -1,0 +1,101 @@
+// Speakers in whole model homes: thousands of instructions, all of them checked.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "enfilade/core/rng.h"
+#include "enfilade/synth/built_home.h"
+#include "enfilade/synth/detail/instruction_checker_for_test.h"
+#include "enfilade/synth/detail/instruction_reader_for_test.h"
+#include "enfilade/synth/detail/path_story.h"
+#include "enfilade/synth/speaker.h"
+
+namespace enfilade::synth {
+namespace {
+
+constexpr std::size_t kHomes = 16, kPathsPerHome = 30;
+
+struct Totals {
+  std::size_t instructions = 0, wrong = 0, alike = 0;
+  std::set<std::string> vocabulary;
+  std::map<Speaker, std::size_t> words, count;
+};
+
+bool is_word(const std::string& w) { return w != "," && w != "."; }
+
+// The path's story, to look for what went wrong.
+std::string explain(const SpokenHome& home, const std::vector<ViewpointIndex>& path,
+                    double heading) {
+  std::string text;
+  const detail::PathStory story = detail::tell_path(home, path, heading);
+  for (const detail::Stretch& s : story.stretches) {
+    text += fmt::format("[{} to {}: turn {:.0f}, {:.1f} m, climb {}", s.first, s.last, s.turn,
+                        s.metres, s.climb);
+    for (const detail::Happening& h : s.happenings) {
+      if (h.kind == detail::Happening::Kind::kCross) {
+        text += fmt::format(", {} at {:.1f}", home.home.plan.rooms[h.to].name, h.metres);
+      }
+    }
+    text += "] ";
+  }
+  return text;
+}
+
+void speak_in(std::uint64_t seed, Totals& totals) {
+  PlanOptions options;
+  options.seed = seed;
+  const BuiltHome built = build_home(options);
+  const graph::NavGraph graph(build_graph(built, "home", 0));
+  const Sights sights(built.home, *built.tracer, graph);
+  const SpokenHome home{built.home, graph, sights};
+  const testing::InstructionChecker checker(built.home, *built.tracer, graph);
+  Rng rng(seed);
+  std::size_t paths = 0;
+  for (std::size_t tries = 0; tries < 5000 && paths < kPathsPerHome; ++tries) {
+    const ViewpointIndex a(rng.below(graph.size())), b(rng.below(graph.size()));
+    const auto path = graph.path(a, b);
+    if (!path || path->size() < 5 || path->size() > 7 || sights.room(a) == sights.room(b)) continue;
+    ++paths;
+    const double heading = 6.283 * rng.uniform();
+    std::set<std::string> texts;
+    for (const Speaker speaker : kSpeakers) {
+      const std::string text = describe(home, *path, heading, speaker, rng.next());
+      texts.insert(text);
+      ++totals.instructions;
+      ++totals.count[speaker];
+      for (const std::string& w : testing::split_words(text)) {
+        if (!is_word(w)) continue;
+        totals.vocabulary.insert(w);
+        ++totals.words[speaker];
+      }
+      const auto faults = checker.check(text, *path, heading);
+      if (faults.empty()) continue;
+      if (++totals.wrong <= 40) {
+        ADD_FAILURE() << "home " << seed << ": " << text << "\n  "
+                      << ::testing::PrintToString(faults) << "\n  "
+                      << explain(home, *path, heading);
+      }
+    }
+    if (texts.size() < 3) ++totals.alike;
+  }
+}
+
+TEST(DescribeHomes, AThousandInstructionsAreTrueAndRichInWords) {
+  Totals totals;
+  for (std::uint64_t seed = 1; seed <= kHomes; ++seed) speak_in(seed, totals);
+  EXPECT_GE(totals.instructions, 1000U);
+  EXPECT_EQ(totals.wrong, 0U);
+  EXPECT_EQ(totals.alike, 0U);
+  EXPECT_GE(totals.vocabulary.size(), 400U);
+  RecordProperty("vocabulary", static_cast<int>(totals.vocabulary.size()));
+  for (const auto& [speaker, words] : totals.words) {
+    RecordProperty(fmt::format("words_of_speaker_{}", static_cast<int>(speaker)),
+                   static_cast<int>(words / totals.count[speaker]));
+  }
+}
+
+}  // namespace
+}  // namespace enfilade::synth
