@@ -100,6 +100,7 @@ std::vector<RoomSpace> room_spaces(const Plan& plan) {
     }
     for (const Stairs& s : plan.stairs) {
       if (s.room_below != r && s.room_above != r) continue;
+      space.no_way.push_back(s.flight);
       // The flight or its hole, and landings as long as it is wide.
       constexpr double kLanding = 1.0, kBeside = 0.1;
       const bool x = s.climbs_towards % 2 == 0;

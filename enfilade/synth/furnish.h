@@ -22,6 +22,7 @@ struct RoomSpace {
     double sill = 0, head = 2.1;  ///< above the floor; a sill of 0 is a door or an arch
   };
   std::vector<WallHole> holes;
+  std::vector<Rect> no_way;      ///< flights and their holes: nobody walks across
   std::vector<Rect> keep_clear;  ///< where doors swing, stairs begin, people pass: nothing stands
 };
 

@@ -163,9 +163,11 @@ bool ways_are_open(const RoomSpace& space, const std::vector<Rect>& standing) {
   const double way = std::min(kHalfWay, half - 0.8 * kCell), body = std::min(kBody, way);
   if (way <= 0) return standing.empty();
   FloorGrid wide(space.floor, way), narrow(space.floor, body);
-  for (const Rect& r : standing) {
-    wide.block(r);
-    narrow.block(r);
+  for (const auto* blocked : {&standing, &space.no_way}) {
+    for (const Rect& r : *blocked) {
+      wide.block(r);
+      narrow.block(r);
+    }
   }
   return connected(space, wide, way) && cut_off(space, narrow, body) <= kLeastPocket;
 }
