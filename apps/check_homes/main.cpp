@@ -169,8 +169,7 @@ int check(const Options& options) {
     if (progress) progress(i + 1, options.homes);
   }
   if (options.build_only) {
-    fmt::print("{} homes built; {} of them in one piece or more: {} pieces\n", totals.homes,
-               totals.homes, totals.parts);
+    fmt::print("{} homes built, graphs of {} pieces in all\n", totals.homes, totals.parts);
     return totals.parts == totals.homes ? kSuccess : kFaultsFound;
   }
   fmt::print(
