@@ -60,12 +60,8 @@ scan::Panorama synthetic_panorama(std::size_t seed) {
   constexpr std::uint32_t kSize = 512;
   constexpr std::size_t kTexels = std::size_t{kSize} * kSize;
   std::minstd_rand random(static_cast<std::uint32_t>(seed) + 1);
-  scan::Panorama panorama;
+  scan::Panorama panorama = scan::make_panorama(kSize);
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    panorama.colour[k] = image::Image8(kSize, kSize, 3);
-    panorama.depth[k] = image::Image16(kSize, kSize, 1);
-    panorama.classes[k] = image::Image16(kSize, kSize, 1);
-    panorama.instances[k] = image::Image32(kSize, kSize, 1);
     for (std::size_t i = 0; i < kTexels; ++i) {
       const auto bits = static_cast<std::uint32_t>(random());
       for (std::size_t c = 0; c < 3; ++c) {

@@ -4,7 +4,6 @@
 #include <unistd.h>
 #include <charconv>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -68,6 +67,12 @@ std::string counted(std::size_t n, const char* what) {
   return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
+template <class T>
+std::string range(T least, T most) {
+  return most == std::numeric_limits<T>::max() ? fmt::format("from {} on", least)
+                                               : fmt::format("from {} to {}", least, most);
+}
+
 int fail(int code, const CLI::App& app, const char* what) {
   fmt::print(stderr, "{}: {}\n", app.get_name(), what);
   return code;
@@ -125,27 +130,26 @@ scan::DataRoot open_data(const std::string& data) {
   throw UsageError(kWhereTheDataIs);
 }
 
-CLI::Validator whole_number(std::uint64_t least) {
-  const std::string allowed = fmt::format("a whole number from {} on", least);
+CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
+  const std::string allowed = "a whole number " + range(least, most);
   return {[=](const std::string& text) {
             std::uint64_t value = 0;
             const char* end = text.data() + text.size();
             const auto [stop, code] = std::from_chars(text.data(), end, value);
-            const bool good = code == std::errc() && stop == end && value >= least;
+            const bool good = code == std::errc() && stop == end && value >= least && value <= most;
             return good ? std::string() : fmt::format("{:?} is not {}", text, allowed);
           },
           ""};
 }
 
-CLI::Validator finite_number(double least) {
+CLI::Validator finite_number(double least, double most) {
+  const std::string allowed = "a finite number " + range(least, most);
   return {[=](const std::string& text) {
             double value = 0;
             const char* end = text.data() + text.size();
             const auto [stop, code] = std::from_chars(text.data(), end, value);
-            const bool good =
-                code == std::errc() && stop == end && std::isfinite(value) && value >= least;
-            return good ? std::string()
-                        : fmt::format("{:?} is not a finite number from {} on", text, least);
+            const bool good = code == std::errc() && stop == end && value >= least && value <= most;
+            return good ? std::string() : fmt::format("{:?} is not {}", text, allowed);
           },
           ""};
 }

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -34,9 +35,10 @@ void add_data_option(CLI::App& verb, std::string& data);
 scan::DataRoot open_data(const std::string& data);
 
 /// Refuses what CLI11 alone would take for an option of an unsigned type: "-5" as 2^64 - 5.
-CLI::Validator whole_number(std::uint64_t least = 0);
-/// Refuses NaN, infinities and numbers below `least`.
-CLI::Validator finite_number(double least = 0);
+CLI::Validator whole_number(std::uint64_t least = 0,
+                            std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+/// Refuses NaN, which CLI11's own ranges let pass, infinities and numbers outside.
+CLI::Validator finite_number(double least = 0, double most = std::numeric_limits<double>::max());
 
 /// "Examples:" below a verb's --help; each line a command.
 void set_examples(CLI::App& verb, const std::vector<std::string>& lines);

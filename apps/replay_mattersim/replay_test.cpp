@@ -14,6 +14,7 @@
 #include "apps/replay_mattersim/trace.h"
 #include "enfilade/core/file.h"
 #include "tests/support/graphs.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::apps {
 namespace {
@@ -47,8 +48,6 @@ std::string changed(std::string line, const std::string& from, const std::string
 
 class Traces : public ::testing::Test {
  protected:
-  ~Traces() override { std::filesystem::remove_all(folder_); }
-
   std::filesystem::path write(const std::string& content) {
     write_file_atomically(folder_ / "trace.jsonl", content);
     return folder_ / "trace.jsonl";
@@ -80,17 +79,14 @@ class Traces : public ::testing::Test {
   }
 
  private:
-  static std::filesystem::path new_folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "enfilade_XXXXXX").string();
-    return ::mkdtemp(name.data());
-  }
   static std::shared_ptr<const graph::GraphSet> square() {
     std::vector<graph::NavGraph> graphs;
     graphs.emplace_back(graph::testing::square());
     return graph::GraphSet::of(std::move(graphs));
   }
 
-  std::filesystem::path folder_ = new_folder();
+  const tests::TemporaryFolder made_{"traces"};
+  const std::filesystem::path& folder_ = made_.path();
   std::shared_ptr<const graph::GraphSet> graphs_ = square();
 };
 

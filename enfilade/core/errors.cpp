@@ -1,5 +1,6 @@
 #include "enfilade/core/errors.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -23,6 +24,11 @@ std::string summarise(const std::vector<Diagnostic>& diagnostics) {
 }
 
 }  // namespace
+
+void check_range(std::string_view name, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  throw ArgumentError(fmt::format("{}: {}, not from {} to {}", name, value, least, most));
+}
 
 std::string to_string(Severity severity) {
   switch (severity) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace enfilade {
@@ -20,6 +21,9 @@ class ArgumentError : public Error {
  public:
   using Error::Error;
 };
+
+/// \throws ArgumentError "NAME: VALUE, not from LEAST to MOST" for a value outside, NaN included
+void check_range(std::string_view name, double value, double least, double most);
 
 /// A name (scan, viewpoint, split, instruction) that does not exist; what() says where it was
 /// looked for.

@@ -2,12 +2,23 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <limits>
 
 namespace enfilade {
 namespace {
 
 using testing::HasSubstr;
 using testing::Not;
+using testing::ThrowsMessage;
+
+TEST(CheckRange, LetsBothEndsPassAndNamesWhatIsOutside) {
+  check_range("share", 0, 0, 1);
+  check_range("share", 1, 0, 1);
+  EXPECT_THAT([] { check_range("body.step", 2.5, 0.02, 2); },
+              ThrowsMessage<ArgumentError>("body.step: 2.5, not from 0.02 to 2"));
+  EXPECT_THROW(check_range("share", -1e-300, 0, 1), ArgumentError);
+  EXPECT_THROW(check_range("share", std::numeric_limits<double>::quiet_NaN(), 0, 1), ArgumentError);
+}
 
 TEST(Diagnostic, NamesSeverityFilePlaceAndCode) {
   const Diagnostic d{Severity::kWarning, "a.json", "$[3].pose", "bad-pose", "9 numbers, not 16"};

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "enfilade/core/errors.h"
 
@@ -17,6 +19,9 @@ struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
+
+// Of a file that is being written: "a.json.part4711", by the process's number.
+constexpr std::string_view kPart = ".part";
 
 [[noreturn]] void fail(const fs::path& path, const char* doing, int reason) {
   throw FileError(path.string() + ": cannot " + doing + ": " +
@@ -66,7 +71,7 @@ void write_file_atomically(const fs::path& path, std::string_view content) {
     return;
   }
   fs::path part = target;
-  part += ".part" + std::to_string(::getpid());
+  part += std::string(kPart) + std::to_string(::getpid());
   try {
     write_whole(part, content, path);
   } catch (const FileError&) {
@@ -78,6 +83,26 @@ void write_file_atomically(const fs::path& path, std::string_view content) {
     std::error_code ignored;
     fs::remove(part, ignored);
     fail(path, "write", code.value());
+  }
+}
+
+void make_folder(const fs::path& path) {
+  std::error_code code;
+  fs::create_directories(path, code);
+  if (code) fail(path, "make the folder", code.value());
+}
+
+void remove_unfinished(const fs::path& folder) {
+  std::error_code code;
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(folder, code)) {
+    const std::string ending = entry.path().extension().string();
+    const bool is_part = ending.size() > kPart.size() && ending.starts_with(kPart) &&
+                         ending.find_first_not_of("0123456789", kPart.size()) == std::string::npos;
+    if (is_part && entry.is_regular_file(code)) found.push_back(entry.path());
+  }
+  for (const fs::path& file : found) {
+    if (!fs::remove(file, code) && code) fail(file, "remove", code.value());
   }
 }
 

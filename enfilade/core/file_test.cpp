@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "enfilade/core/errors.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade {
 namespace {
@@ -14,16 +15,8 @@ using testing::ThrowsMessage;
 
 class FileTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ =
-        fs::path(testing::TempDir()) /
-        (std::string("file_test_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path folder_;
+  const tests::TemporaryFolder made_{"file"};
+  const fs::path& folder_ = made_.path();
 };
 
 TEST_F(FileTest, ComesBackAsWritten) {
@@ -51,6 +44,39 @@ TEST_F(FileTest, SaysWhichFileAndWhy) {
               ThrowsMessage<FileError>(HasSubstr("such: cannot write: No such file")));
   EXPECT_THAT([&] { write_file_atomically(folder_, "x"); },
               ThrowsMessage<FileError>(HasSubstr("Is a directory")));
+}
+
+TEST_F(FileTest, MakesAFolderWithThoseAboveIt) {
+  make_folder(folder_ / "a" / "b");
+  EXPECT_TRUE(fs::is_directory(folder_ / "a" / "b"));
+  write_file_atomically(folder_ / "a" / "b" / "c", "kept");
+  make_folder(folder_ / "a" / "b");  // it is there
+  EXPECT_EQ(read_file(folder_ / "a" / "b" / "c"), "kept");
+  fs::create_directory_symlink("a", folder_ / "link");
+  make_folder(folder_ / "link");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+}
+
+TEST_F(FileTest, SaysWhyAFolderCannotBeMade) {
+  write_file_atomically(folder_ / "file", "");
+  for (const fs::path& path : {folder_ / "file", folder_ / "file" / "below"}) {
+    EXPECT_THAT(
+        [&] { make_folder(path); },
+        ThrowsMessage<FileError>(path.string() + ": cannot make the folder: Not a directory"));
+  }
+}
+
+TEST_F(FileTest, RemovesWhatKilledProcessesLeft) {
+  fs::create_directories(folder_ / "below" / "b.part1");
+  for (const char* name : {"a.json.part4711", "a.json", "a.part", "a.part12b", "part12", "a.12",
+                           "below/a.json.part4711"}) {
+    write_file_atomically(folder_ / name, "");
+  }
+  remove_unfinished(folder_);
+  EXPECT_FALSE(fs::exists(folder_ / "a.json.part4711"));
+  EXPECT_EQ(std::distance(fs::recursive_directory_iterator(folder_), {}), 8) << "all the others";
+  remove_unfinished(folder_ / "none");
+  remove_unfinished(folder_ / "a.json");
 }
 
 TEST_F(FileTest, AFullDiskIsAnError) {

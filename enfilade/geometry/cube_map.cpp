@@ -8,9 +8,6 @@
 namespace enfilade {
 namespace {
 
-double dot(Vec3d a, Vec3d b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Vec3d scaled(double k, Vec3d v) { return {k * v.x, k * v.y, k * v.z}; }
-
 // Is the middle of a face inside the picture's cone?
 bool sees_middle(CubeFace face, const Camera& camera, const Mat3d& camera_from_panorama) {
   const Vec3d eye = camera_from_panorama * kFaceAxes[index(face)].forward;
@@ -46,8 +43,8 @@ std::uint8_t faces_along(Vec3d from, Vec3d to) {
     }
   };
   for (std::size_t k = 0; k < at.size(); ++k) {
-    mark(from + scaled(at[k], step));
-    if (k > 0) mark(from + scaled((at[k - 1] + at[k]) / 2, step));
+    mark(from + at[k] * step);
+    if (k > 0) mark(from + (at[k - 1] + at[k]) / 2 * step);
   }
   return mask;
 }
@@ -56,7 +53,7 @@ std::uint8_t faces_along(Vec3d from, Vec3d to) {
 
 Vec3d cube_direction(CubeFace face, double s, double t) {
   const FaceAxes& axes = kFaceAxes[index(face)];
-  return axes.forward + scaled(2 * s - 1, axes.right) + scaled(2 * t - 1, axes.down);
+  return axes.forward + (2 * s - 1) * axes.right + (2 * t - 1) * axes.down;
 }
 
 FacePoint project_to_cube(Vec3d d) {

@@ -34,4 +34,12 @@ constexpr Mat3d transpose(const Mat3d& a) {
   return {{a.m[0], a.m[3], a.m[6], a.m[1], a.m[4], a.m[7], a.m[2], a.m[5], a.m[8]}};
 }
 
+/// Largest deviation of R^T R from the identity in what counts as a rotation. Six digits, as poses'
+/// files hold them, leave errors of 1e-6 in the products; a scale or a sheared frame shows far
+/// above this.
+inline constexpr double kRotationTolerance = 1e-3;
+
+/// Orthonormal to kRotationTolerance, and right-handed. False where a number is not finite.
+bool is_rotation(const Mat3d& a);
+
 }  // namespace enfilade

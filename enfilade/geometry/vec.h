@@ -11,6 +11,9 @@ struct Vec3 {
   friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
   friend constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
   friend constexpr Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend constexpr Vec3 operator-(Vec3 v) { return {-v.x, -v.y, -v.z}; }
+  friend constexpr Vec3 operator*(T k, Vec3 v) { return {k * v.x, k * v.y, k * v.z}; }
+  friend constexpr Vec3& operator+=(Vec3& a, Vec3 b) { return a = a + b; }
 };
 
 /// Single precision: what the simulator, like MatterSim, computes views with.
@@ -19,8 +22,25 @@ using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;
 
 template <class T>
-T length(Vec3<T> v) {
-  return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+constexpr T dot(Vec3<T> a, Vec3<T> b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
 }
+
+/// Right-handed: x cross y is z. As long as the parallelogram of both is large.
+template <class T>
+constexpr Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+template <class T>
+T length(Vec3<T> v) {
+  return std::sqrt(dot(v, v));
+}
+
+/// Each part rounded to the nearest. \pre none is beyond what a float holds
+constexpr Vec3f to_float(Vec3d v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+constexpr Vec3d to_double(Vec3f v) { return {v.x, v.y, v.z}; }
 
 }  // namespace enfilade

@@ -316,9 +316,7 @@ TEST(BuildGraph, HangsTogetherWhereTheFloorDoes) {
     const NavGraph graph(building.connect(viewpoints));
     std::vector<std::uint32_t> area;
     for (const PlacedViewpoint& v : viewpoints) {
-      const Vec3f eye{static_cast<float>(v.eye.x), static_cast<float>(v.eye.y),
-                      static_cast<float>(v.eye.z)};
-      area.push_back(building.floor.cells()[building.floor.below(eye).value()].area);
+      area.push_back(building.floor.cells()[building.floor.below(to_float(v.eye)).value()].area);
     }
     for (std::size_t i = 0; i < viewpoints.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {

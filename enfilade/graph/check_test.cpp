@@ -8,6 +8,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/scan/data_root.h"
 #include "tests/support/graphs.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::graph {
 namespace {
@@ -59,9 +60,8 @@ TEST(CheckGraph, FindsEachOddity) {
 }
 
 TEST(CheckFolder, ReportsFilesThatCannotBeUsedAndGoesOn) {
-  const fs::path folder = fs::path(::testing::TempDir()) / "check_folder_test";
-  fs::remove_all(folder);
-  fs::create_directories(folder);
+  const tests::TemporaryFolder made("check_folder");
+  const fs::path& folder = made.path();
   EXPECT_THROW(check_folder(folder), FileError);
   write_file_atomically(folder / "good_connectivity.json", to_json(testing::square("good")));
   EXPECT_EQ(check_folder(folder).size(), 1U) << "without scans.txt, the files that are there";
@@ -75,7 +75,6 @@ TEST(CheckFolder, ReportsFilesThatCannotBeUsedAndGoesOn) {
   EXPECT_TRUE(reports[2].diagnostics.empty());
   EXPECT_EQ(reports[2].edges, 4U);
   EXPECT_EQ(reports[3].diagnostics.at(0).code, "unlisted-file");
-  fs::remove_all(folder);
 }
 
 TEST(CheckFolder, CountsTheOdditiesOfTheRealGraphs) {

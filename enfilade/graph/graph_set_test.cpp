@@ -9,6 +9,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "tests/support/graphs.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::graph {
 namespace {
@@ -20,15 +21,12 @@ using ::testing::ThrowsMessage;
 class GraphSetTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::create_directories(folder_);
     write_file_atomically(folder_ / "scans.txt", "one\ntwo\n");
     write_file_atomically(folder_ / "one_connectivity.json", to_json(testing::square("one")));
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  fs::path folder_;
+  const tests::TemporaryFolder made_{"graph_set"};
+  const fs::path& folder_ = made_.path();
 };
 
 TEST_F(GraphSetTest, ReadsAGraphWhenItIsAskedFor) {

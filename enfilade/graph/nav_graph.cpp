@@ -38,13 +38,9 @@ struct Cloud {
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud, double>,
                                                  Cloud, 3, std::uint32_t>;
 
-Vec3f to_single(Vec3d p) {
-  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
-
 // The order of operations is MatterSim's, which recorded bits depend on (docs/graph.md).
 Edge make_edge(Vec3d from_exact, Vec3d to_exact, ViewpointIndex target) {
-  const Vec3f offset = to_single(to_exact) - to_single(from_exact);
+  const Vec3f offset = to_float(to_exact) - to_float(from_exact);
   const float squared = offset.x * offset.x + offset.y * offset.y;
   const float inverse = 1.0F / std::sqrt(squared);
   Edge edge;
@@ -109,7 +105,7 @@ NavGraph::NavGraph(const scan::Connectivity& connectivity)
   for (const scan::ConnectivityEntry& entry : connectivity.entries) {
     const ViewpointIndex index(ids_.size());
     lazy_->by_id.emplace(ids_.emplace_back(entry.id), index);
-    positions_.push_back(to_single(entry.position()));
+    positions_.push_back(to_float(entry.position()));
     heights_.push_back(static_cast<float>(entry.height));
     included_.push_back(entry.included ? 1 : 0);
     included_count_ += entry.included ? 1 : 0;

@@ -33,13 +33,9 @@ constexpr double kTightSpacing = 1.4;  // times that between places next to wall
 constexpr double kFloorOfOne = 0.85;   // m2 that a viewpoint has, per separation squared
 
 void check_options(const ViewpointOptions& o) {
-  const auto check = [](const char* name, double value, double least, double most) {
-    if (value >= least && value <= most) return;
-    throw ArgumentError(fmt::format("{}: {}, not from {} to {}", name, value, least, most));
-  };
-  check("separation", o.separation, 0.2, 100);
-  check("eye_height", o.eye_height, 0.1, 10);
-  check("least_clearance", o.least_clearance, 0, 10);
+  check_range("separation", o.separation, 0.2, 100);
+  check_range("eye_height", o.eye_height, 0.1, 10);
+  check_range("least_clearance", o.least_clearance, 0, 10);
 }
 
 // A cell at which a viewpoint could stand.

@@ -128,4 +128,13 @@ void write_face(const BorderedFace& face, const Image8& picture) {
   }
 }
 
+void write_faces(const CubeMap<std::uint8_t>& faces, std::uint8_t wanted,
+                 const std::array<BorderedFace, kCubeFaces>& to) {
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    if ((wanted >> k & 1) == 0) continue;
+    write_face(to[k], faces[k]);
+    write_border(to[k], border_of(faces, cube_face(k)));
+  }
+}
+
 }  // namespace enfilade::image

@@ -1,6 +1,7 @@
 /// \file  The frame of texels around a face, taken from its neighbours, with which linear filtering
 /// has no seams and needs no test for edges.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -35,5 +36,10 @@ void write_border(const BorderedFace& face, std::span<const std::uint8_t> border
 
 /// Copies a face (3 channels) to its place, alpha 255, without the border.
 void write_face(const BorderedFace& face, const Image8& picture);
+
+/// Both, for the faces in `wanted` (bits 1 << index(CubeFace)); the other places are not looked at.
+/// \pre faces are square, alike and of 3 channels; each place has their size
+void write_faces(const CubeMap<std::uint8_t>& faces, std::uint8_t wanted,
+                 const std::array<BorderedFace, kCubeFaces>& to);
 
 }  // namespace enfilade::image

@@ -27,8 +27,10 @@ CubeMap<std::uint8_t> labelled(std::uint32_t size) {
 
 struct Bordered {
   explicit Bordered(std::uint32_t size)
-      : memory(std::size_t{size + 2} * (size + 2) * 4),
-        face{memory.data() + (size + 3) * std::size_t{4}, (size + 2) * std::size_t{4}, size} {}
+      : memory(std::size_t{size + 2} * (size + 2) * 4), face(face_in(memory, size)) {}
+  static BorderedFace face_in(std::vector<std::uint8_t>& memory, std::uint32_t size) {
+    return {memory.data() + (size + 3) * std::size_t{4}, (size + 2) * std::size_t{4}, size};
+  }
   std::vector<std::uint8_t> memory;
   BorderedFace face;
 };
@@ -55,7 +57,7 @@ TEST(CubeBorder, HasTheClosestTexelBeyondEachEdge) {
         for (std::size_t v = 0; v < kSize; ++v) {
           for (std::size_t u = 0; u < kSize; ++u) {
             const Vec3d d = unit(cube_direction(cube_face(other), middle(u), middle(v)));
-            const double cosine = d.x * wanted.x + d.y * wanted.y + d.z * wanted.z;
+            const double cosine = dot(d, wanted);
             if (cosine > best) {
               best = cosine;
               std::copy_n(faces[other].at(u, v), 3, colour.begin());
@@ -104,6 +106,23 @@ TEST(CubeBorder, OfFacesOfOneTexelIsTheirNeighbours) {
   EXPECT_EQ(bordered.face.texel(0, 1)[0], 40 * index(CubeFace::kDown));
   EXPECT_EQ(bordered.face.texel(-1, 0)[0], 40 * index(CubeFace::kLeft));
   EXPECT_EQ(bordered.face.texel(1, 0)[0], 40 * index(CubeFace::kRight));
+}
+
+TEST(WriteFaces, WritesThoseThatAreWantedWithTheirBorders) {
+  constexpr std::uint32_t kSize = 5;
+  const CubeMap<std::uint8_t> faces = labelled(kSize);
+  std::vector<Bordered> places(kCubeFaces, Bordered(kSize)), expected = places;
+  std::array<BorderedFace, kCubeFaces> to;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    to[k] = Bordered::face_in(places[k].memory, kSize);
+    const BorderedFace face = Bordered::face_in(expected[k].memory, kSize);
+    if (k != 1 && k != 4) continue;
+    write_face(face, faces[k]);
+    write_border(face, border_of(faces, cube_face(k)));
+  }
+  to[0] = {};  // not looked at
+  write_faces(faces, 1U << 1 | 1U << 4, to);
+  for (std::size_t k = 0; k < kCubeFaces; ++k) EXPECT_EQ(places[k].memory, expected[k].memory) << k;
 }
 
 TEST(WriteFace, LeavesTheBorderAlone) {

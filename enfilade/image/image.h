@@ -1,5 +1,6 @@
 /// \file  Pictures in memory.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -33,6 +34,16 @@ using ImageF = Image<float>;
 /// Six square pictures of one size and channel count, by index(CubeFace).
 template <class T>
 using CubeMap = std::array<Image<T>, kCubeFaces>;
+
+/// Copies the pixels of the faces in `wanted` (bits 1 << index(CubeFace)) to where there is room
+/// for as many; the other places are not looked at.
+template <class T>
+void copy_faces(const CubeMap<T>& faces, std::uint8_t wanted,
+                const std::array<T*, kCubeFaces>& to) {
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    if ((wanted >> k & 1) != 0) std::ranges::copy(faces[k].pixels, to[k]);
+  }
+}
 
 /// Cuts a strip of six faces side by side. \throws ArgumentError unless width == 6 * height > 0
 template <class T>

@@ -91,6 +91,21 @@ TEST(Shrink, WeighsPixelsByTheAreaThatIsCovered) {
   }
 }
 
+TEST(CopyFaces, LooksOnlyAtThoseThatAreWanted) {
+  CubeMap<std::uint16_t> faces;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    faces[k] = Image16(2, 2, 1);
+    std::ranges::fill(faces[k].pixels, static_cast<std::uint16_t>(1000 * k + 1));
+  }
+  std::array<std::uint16_t, 4> second{}, fifth{};
+  std::array<std::uint16_t*, kCubeFaces> to{};  // the others have no place
+  to[2] = second.data();
+  to[5] = fifth.data();
+  copy_faces(faces, 1U << 2 | 1U << 5, to);
+  EXPECT_EQ(second, (std::array<std::uint16_t, 4>{2001, 2001, 2001, 2001}));
+  EXPECT_EQ(fifth, (std::array<std::uint16_t, 4>{5001, 5001, 5001, 5001}));
+}
+
 TEST(Shrink, KeepsAConstantAndTheSameSize) {
   Image8 flat(37, 23, 3);
   std::ranges::fill(flat.pixels, std::uint8_t{255});

@@ -1,10 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 #include <filesystem>
 
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::image {
 namespace {
@@ -15,16 +15,9 @@ using testing::ThrowsMessage;
 
 class LoadPicture : public testing::Test {
  protected:
-  LoadPicture()
-      : folder_(std::filesystem::temp_directory_path() /
-                ("enfilade_load_test." + std::to_string(getpid()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~LoadPicture() override { std::filesystem::remove_all(folder_); }
-
   // Every file has the same name, which says nothing.
   std::string write(std::string_view content) const {
-    const std::filesystem::path path = folder_ / "picture";
+    const std::filesystem::path path = folder_.path() / "picture";
     write_file_atomically(path, content);
     return path.string();
   }
@@ -33,7 +26,7 @@ class LoadPicture : public testing::Test {
   }
 
  private:
-  std::filesystem::path folder_;
+  const tests::TemporaryFolder folder_{"load_picture"};
 };
 
 TEST_F(LoadPicture, TellsFormatsByTheirFirstBytes) {

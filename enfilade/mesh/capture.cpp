@@ -8,7 +8,7 @@
 #include <span>
 
 #include "enfilade/core/threads.h"
-#include "enfilade/mesh/detail/srgb.h"
+#include "enfilade/image/tone.h"
 #include "enfilade/mesh/detail/vector.h"
 
 namespace enfilade::mesh {
@@ -19,25 +19,18 @@ constexpr std::uint32_t kTile = 8;  // pixels across
 constexpr std::size_t kTilePixels = kTile * kTile;
 constexpr std::size_t kRays = 256;  // looked along at once
 
-// --- tone: the curve of image::tone_map(), for colours that are averaged after it
-// -----------------
+// --- tone, of colours that are averaged after it ----------------------------------------------
 
-constexpr float kMidGrey = 0.18F;  // what a light meter takes the world for
-
-// Straight up to the knee, then bent towards white.
-float shoulder(float x) {
-  constexpr float kKnee = 0.4F;
-  if (x <= kKnee) return std::max(x, 0.0F);
-  return kKnee + (1 - kKnee) * (1 - std::exp((kKnee - x) / (1 - kKnee)));
+Vec3f shoulder(Vec3f c) {
+  return {image::shoulder(c.x), image::shoulder(c.y), image::shoulder(c.z)};
 }
-Vec3f shoulder(Vec3f c) { return {shoulder(c.x), shoulder(c.y), shoulder(c.z)}; }
 
 // sRGB of linear values in steps fine enough that no byte is left out.
 constexpr std::size_t kSteps = 1U << 14U;
 std::array<std::uint8_t, kSteps + 1> make_srgb_table() {
   std::array<std::uint8_t, kSteps + 1> table{};
   for (std::size_t i = 0; i <= kSteps; ++i) {
-    table[i] = srgb8_from_linear(static_cast<float>(i) / kSteps);
+    table[i] = image::srgb8_from_linear(static_cast<float>(i) / kSteps);
   }
   return table;
 }
@@ -46,8 +39,7 @@ std::uint8_t srgb_byte(float x) {
   return kTable[static_cast<std::size_t>(std::clamp(x, 0.0F, 1.0F) * kSteps + 0.5F)];
 }
 
-// --- pixels
-// ---------------------------------------------------------------------------------------
+// --- pixels ---------------------------------------------------------------------------------
 
 // Where a pixel's rays go through it, from its top left corner, in pixels. Each has a row and a
 // column of the n x n grid of finer parts to itself, so that nearly upright and nearly level edges
@@ -90,8 +82,7 @@ struct View {
   std::uint32_t* instances = nullptr;
 
   Vec3f towards(double x, double y) const {
-    const Vec3d d{corner.x + x * across.x + y * down.x, corner.y + x * across.y + y * down.y,
-                  corner.z + x * across.z + y * down.z};
+    const Vec3d d = corner + x * across + y * down;
     const double size = length(d);
     return to_float({d.x / size, d.y / size, d.z / size});
   }
@@ -103,7 +94,7 @@ class Photographer {
  public:
   Photographer(const LitMesh& mesh, Vec3d eye, const CaptureOptions& options)
       : mesh_(mesh), eye_(to_float(eye)), options_(options), pattern_(pattern_of(options.samples)) {
-    scale_ = kMidGrey / mesh.key() * std::exp2(options.exposure);
+    scale_ = image::kMidGrey<float> / mesh.key() * std::exp2(options.exposure);
   }
 
   void take(std::span<const View> views) const {
@@ -208,10 +199,7 @@ class Photographer {
   static std::uint16_t quarter_millimetres(const View& view, const Ray& ray, const Hit& hit) {
     constexpr double kUnits = 4000;
     double metres = hit.distance;
-    if (view.forward != Vec3d{}) {
-      const Vec3f d = ray.direction;
-      metres *= d.x * view.forward.x + d.y * view.forward.y + d.z * view.forward.z;
-    }
+    if (view.forward != Vec3d{}) metres *= dot(to_double(ray.direction), view.forward);
     // Something was met, so never the 0 that says that nothing was.
     return static_cast<std::uint16_t>(std::clamp(std::round(kUnits * metres), 1.0, 65535.0));
   }
@@ -244,8 +232,6 @@ void check_size(const char* name, std::uint32_t size) {
   throw ArgumentError(fmt::format("{}: {}, not 1 .. {}", name, size, kLargestFace));
 }
 
-Vec3d times(double k, Vec3d v) { return {k * v.x, k * v.y, k * v.z}; }
-
 // Makes a picture where one is wanted.
 template <class T>
 T* begin(image::Image<T>& picture, bool wanted, std::uint32_t width, std::uint32_t height,
@@ -267,8 +253,8 @@ CubeCapture capture_cube(const LitMesh& mesh, const Mat3d& world_from_panorama, 
     const FaceAxes& axes = kFaceAxes[k];
     View& view = views[k];
     view.corner = world_from_panorama * cube_direction(cube_face(k), 0, 0);
-    view.across = world_from_panorama * times(2.0 / size, axes.right);
-    view.down = world_from_panorama * times(2.0 / size, axes.down);
+    view.across = world_from_panorama * (2.0 / size * axes.right);
+    view.down = world_from_panorama * (2.0 / size * axes.down);
     view.width = view.height = size;
     view.colour = begin(capture.colour[k], options.colour, size, size, 3);
     view.depth = begin(capture.depth[k], options.depth, size, size, 1);

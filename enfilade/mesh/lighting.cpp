@@ -17,11 +17,6 @@ namespace {
 
 constexpr std::size_t kBlock = 256;  // rays that are worked on together, on the stack
 
-void check_range(const char* name, double value, double least, double most) {
-  if (value >= least && value <= most) return;
-  throw ArgumentError(fmt::format("{}: {}, not from {} to {}", name, value, least, most));
-}
-
 void check_finite(const char* name, Vec3f v, float least) {
   const auto ok = [least](float x) { return std::isfinite(x) && x >= least; };
   if (ok(v.x) && ok(v.y) && ok(v.z)) return;

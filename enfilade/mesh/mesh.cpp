@@ -14,12 +14,8 @@ bool within(float value, float low, float high) { return value >= low && value <
 
 /// In double precision: squares of a sliver's sides leave float's range.
 Vec3d twice_area(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
-  const auto corner = [&](std::size_t k) {
-    const Vec3f p = mesh.positions[triangle[k]];
-    return Vec3d{p.x, p.y, p.z};
-  };
-  const Vec3d a = corner(1) - corner(0), b = corner(2) - corner(0);
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  const auto corner = [&](std::size_t k) { return to_double(mesh.positions[triangle[k]]); };
+  return cross(corner(1) - corner(0), corner(2) - corner(0));
 }
 
 Vec3f normal_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {

@@ -117,19 +117,15 @@ TEST(RayTracer, SeesUpToSurfacesWithinTheSlack) {
 
 // Moeller and Trumbore in double precision over all triangles.
 std::optional<double> slow_distance(const Mesh& mesh, const Ray& ray) {
-  const auto wide = [](Vec3f v) { return Vec3d{v.x, v.y, v.z}; };
-  const auto cross = [](Vec3d a, Vec3d b) {
-    return Vec3d{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-  };
-  const auto dot = [](Vec3d a, Vec3d b) { return a.x * b.x + a.y * b.y + a.z * b.z; };
-  const Vec3d direction = wide(ray.direction);
+  const Vec3d direction = to_double(ray.direction);
   std::optional<double> nearest;
   for (const auto& corners : mesh.triangles) {
-    const Vec3d a = wide(mesh.positions[corners[0]]);
-    const Vec3d u = wide(mesh.positions[corners[1]]) - a, v = wide(mesh.positions[corners[2]]) - a;
+    const Vec3d a = to_double(mesh.positions[corners[0]]);
+    const Vec3d u = to_double(mesh.positions[corners[1]]) - a,
+                v = to_double(mesh.positions[corners[2]]) - a;
     const Vec3d p = cross(direction, v);
     const double determinant = dot(u, p);
-    const Vec3d from = wide(ray.origin) - a, q = cross(from, u);
+    const Vec3d from = to_double(ray.origin) - a, q = cross(from, u);
     const double s = dot(from, p) / determinant, r = dot(direction, q) / determinant;
     const double t = dot(v, q) / determinant;
     if (s < 0 || r < 0 || s + r > 1 || t < 0) continue;

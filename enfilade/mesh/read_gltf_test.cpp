@@ -10,6 +10,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/mesh/read_mesh.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::mesh {
 namespace {
@@ -326,9 +327,8 @@ TEST(ReadGltf, ManyInstancesOfALargeMeshAreRefused) {
 }
 
 TEST(ReadGltf, ReadsTextWithPartsInsideAndBeside) {
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / "enfilade_gltf_parts";
-  std::filesystem::create_directories(folder);
+  const tests::TemporaryFolder made("gltf");
+  const std::filesystem::path& folder = made.path();
   const std::string text =
       with(kJson, R"({"byteLength":92})", R"({"byteLength":92,"uri":"my%20part.bin"})");
   write_file_atomically(folder / "a.gltf", text);
@@ -337,7 +337,6 @@ TEST(ReadGltf, ReadsTextWithPartsInsideAndBeside) {
   write_file_atomically(folder / "my part.bin", binary());
   EXPECT_EQ(read_mesh(folder / "a.gltf").mesh.triangles.size(), 2U);
   EXPECT_THROW(parse_mesh(text, "a.gltf"), InvalidInput) << "in memory there is nothing beside";
-  std::filesystem::remove_all(folder);
   // 92 bytes in base64: 30 groups of 3 and one of 2. All zeros but the format's own texts.
   const std::string zeros =
       with(kJson, R"({"byteLength":92})",

@@ -8,9 +8,9 @@
 #include <set>
 #include <unordered_map>
 
+#include "enfilade/image/tone.h"
 #include "enfilade/mesh/detail/mtl.h"
 #include "enfilade/mesh/detail/reader.h"
-#include "enfilade/mesh/detail/srgb.h"
 #include "enfilade/mesh/detail/text.h"
 
 namespace enfilade::mesh {
@@ -97,7 +97,7 @@ class ObjReader {
     // Colours follow the position in files of many programs, though the format knows none.
     const bool coloured = n >= 6;
     mesh_.coloured = mesh_.coloured || coloured;
-    const auto linear = [](float c) { return linear_from_srgb(std::clamp(c, 0.0F, 1.0F)); };
+    const auto linear = [](float c) { return image::linear_from_srgb(std::clamp(c, 0.0F, 1.0F)); };
     mesh_.mesh.colours.push_back(coloured ? Vec3f{linear(v[3]), linear(v[4]), linear(v[5])}
                                           : Vec3f{1, 1, 1});
   }

@@ -5,6 +5,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/mesh/read_mesh.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::mesh {
 namespace {
@@ -121,12 +122,6 @@ TEST(ReadObj, WarnsOfAbsurdScaleAndTakesAnother) {
 /// Files beside an OBJ.
 class ObjFolder : public testing::Test {
  protected:
-  ObjFolder() {
-    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
-    folder_ = std::filesystem::path(testing::TempDir()) / ("enfilade_obj_" + name);
-    std::filesystem::create_directories(folder_);
-  }
-  ~ObjFolder() override { std::filesystem::remove_all(folder_); }
   void write(const char* name, std::string_view text) const {
     write_file_atomically(folder_ / name, text);
   }
@@ -134,7 +129,8 @@ class ObjFolder : public testing::Test {
     write(name, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   }
   ReadResult read(const char* name) const { return read_mesh(folder_ / name); }
-  std::filesystem::path folder_;
+  const tests::TemporaryFolder made_{"obj"};
+  const std::filesystem::path& folder_ = made_.path();
 };
 
 TEST_F(ObjFolder, ReadsMaterialsAndTextures) {

@@ -11,8 +11,8 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/detail/json.h"
+#include "enfilade/image/tone.h"
 #include "enfilade/mesh/detail/ply.h"
-#include "enfilade/mesh/detail/srgb.h"
 #include "enfilade/mesh/detail/text.h"
 
 namespace enfilade::mesh {
@@ -156,7 +156,7 @@ std::string to_labelled_ply(const LabelledMesh& labelled) {
     put(out, p.x);
     put(out, p.y);
     put(out, p.z);
-    for (const float share : {c.x, c.y, c.z}) put(out, srgb8_from_linear(share));
+    for (const float share : {c.x, c.y, c.z}) put(out, image::srgb8_from_linear(share));
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     put(out, std::uint8_t{3});

@@ -6,6 +6,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::mesh {
 namespace {
@@ -109,9 +110,6 @@ TEST(SegmentGroups, ReadsEitherNameOfTheId) {
 class HouseMesh : public testing::Test {
  protected:
   HouseMesh() {
-    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
-    folder_ = std::filesystem::path(testing::TempDir()) / ("enfilade_house_" + name);
-    std::filesystem::create_directories(folder_);
     write(".ply", kDocumented);
     write(".fsegs.json", R"({"segIndices": [70, 71]})");
     write(".semseg.json", R"({"segGroups": [{"id": 0, "label": "red rug", "segments": [70]},
@@ -124,7 +122,6 @@ class HouseMesh : public testing::Test {
           "O 1 0 1 0 0 0 1 0 0 0 1 0 1 1 1 0 0 0 0 0 0 0 0\n"
           "E 0 1 70 1 0 0 0 0 0 0 1 1 1 0 0 0 0 0\nE 1 -1 71 1 0 0 0 0 0 0 1 1 1 0 0 0 0 0\n");
   }
-  ~HouseMesh() override { std::filesystem::remove_all(folder_); }
   void write(const char* ending, std::string_view text) const {
     write_file_atomically(folder_ / (std::string("s") + ending), text);
   }
@@ -132,7 +129,8 @@ class HouseMesh : public testing::Test {
     EXPECT_THAT([this] { read_house_mesh(folder_, "s"); },
                 ThrowsMessage<InvalidInput>(HasSubstr(says)));
   }
-  std::filesystem::path folder_;
+  const tests::TemporaryFolder made_{"house"};
+  const std::filesystem::path& folder_ = made_.path();
 };
 
 TEST_F(HouseMesh, JoinsTheFourFiles) {

@@ -24,11 +24,6 @@ constexpr int kMargin = 2;            // columns around the mesh, so that its ri
 constexpr double kIndoors = 8;        // m2 below a ceiling that make a mesh a building
 constexpr double kAboveFloor = 0.05;  // points this far below the floor are still on it
 
-void check_range(const char* name, double value, double least, double most) {
-  if (value >= least && value <= most) return;
-  throw ArgumentError(fmt::format("{}: {}, not from {} to {}", name, value, least, most));
-}
-
 void check_options(const WalkableOptions& o) {
   check_range("cell", o.cell, 0.005, 1);
   check_range("least_area", o.least_area, 0, 1e6);

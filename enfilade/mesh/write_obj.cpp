@@ -2,11 +2,10 @@
 #include <algorithm>
 #include <iterator>
 #include <numeric>
-#include <system_error>
 
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
-#include "enfilade/mesh/detail/srgb.h"
+#include "enfilade/image/tone.h"
 #include "enfilade/mesh/read_mesh.h"
 
 namespace enfilade::mesh {
@@ -68,8 +67,8 @@ void write_points(const Mesh& mesh, fmt::memory_buffer& out) {
     fmt::format_to(to, "v {} {} {}", p.x, p.y, p.z);
     if (!mesh.colours.empty()) {
       const Vec3f c = mesh.colours[i];
-      fmt::format_to(to, " {} {} {}", srgb_from_linear(c.x), srgb_from_linear(c.y),
-                     srgb_from_linear(c.z));
+      fmt::format_to(to, " {} {} {}", image::srgb_from_linear(c.x), image::srgb_from_linear(c.y),
+                     image::srgb_from_linear(c.z));
     }
     out.push_back('\n');
   }
@@ -117,9 +116,7 @@ void write_faces(const Mesh& mesh, fmt::memory_buffer& out) {
 }  // namespace
 
 void write_obj(const Mesh& mesh, const std::filesystem::path& folder, const std::string& name) {
-  std::error_code code;
-  std::filesystem::create_directories(folder, code);
-  if (code) throw FileError(folder.string() + ": cannot make the folder: " + code.message());
+  make_folder(folder);
   write_materials(mesh, folder, name);
   fmt::memory_buffer out;
   fmt::format_to(std::back_inserter(out), "mtllib {}.mtl\n", name);

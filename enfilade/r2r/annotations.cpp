@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <unordered_map>
 #include <utility>
@@ -202,14 +203,17 @@ std::vector<ReferencePath> look_up_paths(const Annotations& annotations,
 }
 
 EpisodeSet make_episodes(const Annotations& annotations,
-                         std::shared_ptr<const graph::GraphSet> graphs) {
+                         std::shared_ptr<const graph::GraphSet> graphs, Instructions instructions) {
+  const std::size_t most = instructions == Instructions::kScored
+                               ? kScoredInstructions
+                               : std::numeric_limits<std::size_t>::max();
   EpisodeSet set{annotations.split, std::move(graphs), {}, {}};
   Faults faults(annotations.file);
   set.paths = look_up(annotations, *set.graphs, faults);
   const Path root;
   for (std::size_t i = 0; i < annotations.paths.size(); ++i) {
     const PathAnnotation& entry = annotations.paths[i];
-    const std::size_t n = std::min(entry.instructions.size(), kScoredInstructions);
+    const std::size_t n = std::min(entry.instructions.size(), most);
     if (n == 0) {
       faults.error(Path(Path(root, i), "instructions"), "no-instruction",
                    fmt::format("path {} has none to follow", entry.path_id));

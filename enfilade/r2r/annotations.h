@@ -67,12 +67,18 @@ struct Episode {
   std::string text;
 };
 
-/// The scored episodes of a split, with graphs to walk in. Immutable: any thread.
+/// Which instructions of a path become episodes.
+enum class Instructions {
+  kScored,  ///< the first kScoredInstructions
+  kAll,     ///< fourth ones too, for training
+};
+
+/// The episodes of a split, with graphs to walk in. Immutable: any thread.
 struct EpisodeSet {
   std::string split;
   std::shared_ptr<const graph::GraphSet> graphs;
   std::vector<ReferencePath> paths;
-  std::vector<Episode> episodes;  ///< in file order; the first kScoredInstructions of each path
+  std::vector<Episode> episodes;  ///< in file order
 
   const ReferencePath& path_of(const Episode& e) const { return paths[e.path]; }
   const graph::NavGraph& graph_of(const Episode& e) const { return graphs->graph(path_of(e).scan); }
@@ -87,6 +93,7 @@ std::vector<ReferencePath> look_up_paths(const Annotations& annotations,
 /// look_up_paths() and the instructions to follow.
 /// \throws as look_up_paths(); InvalidInput also for each path without an instruction
 EpisodeSet make_episodes(const Annotations& annotations,
-                         std::shared_ptr<const graph::GraphSet> graphs);
+                         std::shared_ptr<const graph::GraphSet> graphs,
+                         Instructions instructions = Instructions::kScored);
 
 }  // namespace enfilade::r2r

@@ -9,6 +9,7 @@
 
 #include "enfilade/core/file.h"
 #include "tests/support/graphs.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::r2r {
 namespace {
@@ -229,7 +230,8 @@ TEST(Results, LeaveAFourthInstructionOut) {
 }
 
 TEST(Results, NameTheirFile) {
-  const auto file = std::filesystem::path(::testing::TempDir()) / "results_test.json";
+  const tests::TemporaryFolder folder("results");
+  const auto file = folder.path() / "results.json";
   write_file_atomically(file, file_with(R"(["v0", "v1"])"));
   EXPECT_EQ(load_results(file, episodes()).trajectories.size(), 4U);
   write_file_atomically(file, "[");

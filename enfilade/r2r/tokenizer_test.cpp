@@ -10,6 +10,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/r2r/annotations.h"
 #include "enfilade/scan/data_root.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::r2r {
 namespace {
@@ -84,7 +85,6 @@ TEST(Vocabulary, DecodesInReadingOrder) {
 
 class VocabularyFileTest : public ::testing::Test {
  protected:
-  void TearDown() override { fs::remove(file_); }
   std::string faults_of(const std::string& content) {
     write_file_atomically(file_, content);
     try {
@@ -95,7 +95,8 @@ class VocabularyFileTest : public ::testing::Test {
     return "accepted";
   }
 
-  fs::path file_ = fs::path(::testing::TempDir()) / "vocabulary_test.txt";
+  const tests::TemporaryFolder folder_{"vocabulary"};
+  const fs::path file_ = folder_.path() / "vocabulary.txt";
 };
 
 TEST_F(VocabularyFileTest, ReadsWhatItWrites) {

@@ -107,11 +107,12 @@ Connectivity read(const json::Document& document, std::string scan) {
   return result;
 }
 
-bool names_a_file(std::string_view scan) {
-  return !scan.empty() && scan.find_first_of("/\\") == std::string_view::npos && scan[0] != '.';
-}
-
 }  // namespace
+
+bool is_scan_id(std::string_view scan) {
+  return !scan.empty() && scan[0] != '.' &&
+         scan.find_first_of(std::string_view("/\\\0", 3)) == std::string_view::npos;
+}
 
 std::filesystem::path connectivity_file(const std::filesystem::path& directory,
                                         std::string_view scan) {
@@ -119,7 +120,7 @@ std::filesystem::path connectivity_file(const std::filesystem::path& directory,
 }
 
 Connectivity load_connectivity(const std::filesystem::path& directory, std::string_view scan) {
-  if (!names_a_file(scan)) {
+  if (!is_scan_id(scan)) {
     throw LookupError(fmt::format("scan {:?}: not a scan id (letters, digits, _ and -)", scan));
   }
   return read(json::Document::load(connectivity_file(directory, scan)), std::string(scan));
@@ -156,7 +157,7 @@ std::vector<std::string> load_scan_list(const std::filesystem::path& directory) 
   Faults faults(file.string());
   const Path root;
   for (std::string scan; words >> scan; scans.push_back(scan)) {
-    if (!names_a_file(scan)) {
+    if (!is_scan_id(scan)) {
       faults.error(root, "bad-scan-id",
                    fmt::format("{:?} is not a scan id (letters, digits, _ and -)", scan));
     } else if (!seen.insert(scan).second) {

@@ -31,6 +31,10 @@ struct Connectivity {
   std::vector<ConnectivityEntry> entries;
 };
 
+/// Can the name be part of a file's name, in any folder? Not empty, nor with a slash (of either
+/// kind), a zero byte or a dot in front.
+bool is_scan_id(std::string_view scan);
+
 /// Reads `<directory>/<scan>_connectivity.json`.
 /// \throws FileError if it cannot be read; InvalidInput listing every fault with its JSON path if
 /// it is not JSON or has a missing, repeated or wrongly typed field, a pose that isn't 16 numbers,

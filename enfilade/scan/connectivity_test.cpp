@@ -8,6 +8,7 @@
 
 #include "enfilade/core/file.h"
 #include "enfilade/scan/data_root.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::scan {
 namespace {
@@ -93,12 +94,22 @@ TEST(Connectivity, HeightIsOptional) {
 TEST(Connectivity, AScanIdIsNoPath) {
   EXPECT_THROW(load_connectivity(".", "../etc"), LookupError);
   EXPECT_THROW(load_connectivity(".", ""), LookupError);
-  EXPECT_THROW(load_connectivity(testing::TempDir(), "absent"), FileError);
+  EXPECT_THROW(load_connectivity(tests::TemporaryFolder("empty").path(), "absent"), FileError);
+}
+
+TEST(IsScanId, WantsAPartOfAFilesName) {
+  for (const char* id : {"17DRP5sb8fy", "home_0001", "a.b", "-", "my house"}) {
+    EXPECT_TRUE(is_scan_id(id)) << id;
+  }
+  for (const std::string_view id : {"", ".", "..", ".hidden", "a/b", "a\\b", "/", "../a"}) {
+    EXPECT_FALSE(is_scan_id(id)) << id;
+  }
+  EXPECT_FALSE(is_scan_id(std::string_view("a\0b", 3)));
 }
 
 TEST(ScanList, RefusesWhatIsNoList) {
-  const fs::path folder = fs::path(testing::TempDir()) / "scan_list_test";
-  fs::create_directories(folder);
+  const tests::TemporaryFolder made("scan_list");
+  const fs::path& folder = made.path();
   const auto message = [&](const std::string& content) -> std::string {
     write_file_atomically(folder / "scans.txt", content);
     try {
@@ -111,7 +122,6 @@ TEST(ScanList, RefusesWhatIsNoList) {
   EXPECT_THAT(message(" \n"), HasSubstr("lists no scan"));
   EXPECT_THAT(message("a b a"), HasSubstr("\"a\" stands in the list twice"));
   EXPECT_THAT(message("../a"), HasSubstr("not a scan id"));
-  fs::remove_all(folder);
 }
 
 TEST(Connectivity, ReadsAllRealGraphs) {

@@ -5,6 +5,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::scan {
 namespace {
@@ -14,8 +15,8 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 TEST(DataRoot, KnowsTheLayoutsInTheWild) {
-  const fs::path root = fs::path(testing::TempDir()) / "data_root_test";
-  fs::remove_all(root);
+  const tests::TemporaryFolder made("data_root");
+  const fs::path& root = made.path();
   fs::create_directories(root / "ours/connectivity");
   fs::create_directories(root / "ours/r2r");
   fs::create_directories(root / "checkout/connectivity");
@@ -43,7 +44,6 @@ TEST(DataRoot, KnowsTheLayoutsInTheWild) {
   EXPECT_EQ(places.images,
             (std::vector<fs::path>{root / "ours/store", root / "ours/v1/scans", root / "ours"}));
   EXPECT_EQ(places.connectivity, root / "ours/connectivity");
-  fs::remove_all(root);
 }
 
 }  // namespace

@@ -12,8 +12,6 @@
 namespace enfilade::scan {
 namespace {
 
-Vec3d scaled(double k, Vec3d v) { return {k * v.x, k * v.y, k * v.z}; }
-
 struct Box {
   Vec3d low, high;
 };
@@ -109,7 +107,7 @@ void for_texels(const image::CubeMap<std::uint16_t>& map, const F& each) {
         const Vec3d d = cube_direction(cube_face(k), (static_cast<double>(x) + .5) / n,
                                        (static_cast<double>(y) + .5) / n);
         each(*map[k].at(x, y) / kDepthUnitsPerMetre,
-             eye().world_from_panorama * scaled(1 / length(d), d));
+             eye().world_from_panorama * (1 / length(d) * d));
       }
     }
   }
@@ -133,7 +131,7 @@ TEST(DepthSkybox, IsTrueInARoomOfKnownWalls) {
   std::size_t seen = 0, wrong_holes = 0, invented = 0;
   for_texels(map, [&](double found, Vec3d direction) {
     const double truth = room.wall(eye().position, direction);
-    const double inside = best_inside(images, eye().position + scaled(truth, direction));
+    const double inside = best_inside(images, eye().position + truth * direction);
     // At the very frame the last digits of the projection decide.
     if (inside > .05) ++seen, wrong_holes += found == 0;
     if (inside < -.05) invented += found != 0;
@@ -182,7 +180,7 @@ TEST(DepthSkybox, PutsNothingBetweenAPillarAndTheWall) {
     const double truth = room.seen(p, direction);
     on_pillar += truth < room.wall(p, direction);
     if (found == 0) {
-      missing += best_inside(images, p + scaled(truth, direction)) > .05;
+      missing += best_inside(images, p + truth * direction) > .05;
       return;
     }
     // Nearest pixels stand for their surroundings: half a pixel on a surface seen at a slant.
@@ -218,7 +216,7 @@ TEST(DepthSkybox, HasHolesOnlyWhereNoPictureHasAReading) {
       for (std::uint32_t x = 0; x < image.depth.width; ++x) {
         // Spots all over, and a window in the wall that no camera has a reading of.
         const Vec3d p = ray_of_pixel(image.camera, image.depth, x, y);
-        const Vec3d at = image.camera.position + scaled(room.wall(image.camera.position, p), p);
+        const Vec3d at = image.camera.position + room.wall(image.camera.position, p) * p;
         const bool spot = x % 40 < 12 && y % 40 < 12;
         if (spot || (at.y > 2.99 && std::abs(at.x) < .5)) *image.depth.at(x, y) = 0;
       }
@@ -227,7 +225,7 @@ TEST(DepthSkybox, HasHolesOnlyWhereNoPictureHasAReading) {
   std::size_t window = 0, invented = 0, readings = 0, lost = 0;
   for_texels(depth_skybox(images, eye(), 96), [&](double found, Vec3d direction) {
     const Vec3d p = eye().position;
-    const Vec3d at = p + scaled(room.wall(p, direction), direction);
+    const Vec3d at = p + room.wall(p, direction) * direction;
     // Less its frame, a nearest pixel of 1 cm, seen at a slant.
     if (at.y > 2.99 && std::abs(at.x) < .47 && at.z > .03 && at.z < 2.67) {
       ++window;

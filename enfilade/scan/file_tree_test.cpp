@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <functional>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/zip_bytes.h"
 
@@ -22,21 +22,10 @@ using ::testing::HasSubstr;
 using ::testing::Optional;
 using ::testing::StartsWith;
 using testing::zip_of;
+using tests::refusal;
 using tests::TemporaryFolder;
 
 constexpr std::size_t kMany = 200;
-
-template <class Expected>
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Expected& error) {
-    return error.what();
-  } catch (const std::exception& error) {
-    return std::string("another type: ") + error.what();
-  }
-  return "accepted";
-}
 
 std::string small_zip() {
   return zip_of({{"s/kind/b.txt", "of b"}, {"s/kind/", ""}, {"a.txt", std::string(5000, 'a')}});

@@ -33,14 +33,6 @@ KindOfFiles find_kind(const fs::path& root, const std::string& scan, const std::
   return KindOfFiles(std::move(trees));
 }
 
-template <class T>
-void copy_faces(const image::CubeMap<T>& map, FaceMask wanted,
-                const std::array<T*, kCubeFaces>& buffers) {
-  for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    if ((wanted >> k & 1) != 0) std::ranges::copy(map[k].pixels, buffers[k]);
-  }
-}
-
 }  // namespace
 
 struct MatterportImages::Impl {
@@ -181,11 +173,7 @@ void MatterportImages::read_colour(
   Impl::at(*this, viewpoint, [&] {
     const auto faces = Impl::checked(*this, Layer::kColour, viewpoint,
                                      impl_->skybox.colour(poses()[viewpoint.at()].viewpoint));
-    for (std::size_t k = 0; k < kCubeFaces; ++k) {
-      if ((wanted >> k & 1) == 0) continue;
-      image::write_face(buffers[k], faces[k]);
-      image::write_border(buffers[k], image::border_of(faces, cube_face(k)));
-    }
+    image::write_faces(faces, wanted, buffers);
   });
 }
 
@@ -196,16 +184,16 @@ void MatterportImages::read_16(Layer layer, ViewpointIndex viewpoint, FaceMask w
     const PanoramaPose& pose = poses()[viewpoint.at()];
     auto faces = layer == Layer::kDepth ? impl_->read_depth(pose)
                                         : impl_->skybox.strip_16(layer, pose.viewpoint);
-    copy_faces(Impl::checked(*this, layer, viewpoint, std::move(faces)), wanted, buffers);
+    image::copy_faces(Impl::checked(*this, layer, viewpoint, std::move(faces)), wanted, buffers);
   });
 }
 
 void MatterportImages::read_instances(ViewpointIndex viewpoint, FaceMask wanted,
                                       const std::array<std::uint32_t*, kCubeFaces>& buffers) const {
   Impl::at(*this, viewpoint, [&] {
-    copy_faces(Impl::checked(*this, Layer::kInstance, viewpoint,
-                             impl_->skybox.instances(poses()[viewpoint.at()].viewpoint)),
-               wanted, buffers);
+    image::copy_faces(Impl::checked(*this, Layer::kInstance, viewpoint,
+                                    impl_->skybox.instances(poses()[viewpoint.at()].viewpoint)),
+                      wanted, buffers);
   });
 }
 

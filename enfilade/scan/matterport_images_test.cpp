@@ -12,6 +12,7 @@
 #include "enfilade/image/codecs.h"
 #include "enfilade/scan/depth_skybox.h"
 #include "tests/support/panoramas.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/zip_bytes.h"
 
@@ -98,14 +99,7 @@ class MatterportImagesTest : public ::testing::Test {
   }
   template <class Expected>
   std::string refusal(const std::function<void(const MatterportImages&)>& action) const {
-    try {
-      action(*open());
-    } catch (const Expected& error) {
-      return error.what();
-    } catch (const std::exception& error) {
-      return std::string("another type: ") + error.what();
-    }
-    return "accepted";
+    return tests::refusal<Expected>([&] { action(*open()); });
   }
   /// What reading v0 with these files says.
   template <class Expected>

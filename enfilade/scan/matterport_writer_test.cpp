@@ -60,7 +60,7 @@ TEST(RigCameras, LookAlongTheFacesThatTheFormatNames) {
   EXPECT_LT(length(ahead(cameras[6 + 5]) - face(CubeFace::kBack)), 1e-12);   // i1_5: face 1
   // The rig turns to the right: turn 3 lies between front (2) and back (5), on the right's side.
   const Vec3d right = face(CubeFace::kRight), d = ahead(cameras[6 + 3]);
-  EXPECT_NEAR(right.x * d.x + right.y * d.y + right.z * d.z, std::sqrt(.75), 1e-12);
+  EXPECT_NEAR(dot(right, d), std::sqrt(.75), 1e-12);
 }
 
 TEST(RigCameras, StandCentimetresBesideTheEyeAndHaveTheirOwnIntrinsics) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "enfilade/core/check.h"
@@ -11,25 +10,6 @@
 
 namespace enfilade::scan {
 namespace {
-
-// Largest deviation of R^T R from the identity: files hold 6 digits.
-constexpr double kRotationTolerance = 1e-3;
-
-bool is_rotation(const Mat3d& r) {
-  const Mat3d t = transpose(r);
-  for (std::size_t column = 0; column < 3; ++column) {
-    const Vec3d v = t * Vec3d{r.m[column], r.m[3 + column], r.m[6 + column]};
-    const std::array<double, 3> product{v.x, v.y, v.z};
-    for (std::size_t row = 0; row < 3; ++row) {
-      const double wanted = row == column ? 1 : 0;
-      if (!(std::abs(product[row] - wanted) <= kRotationTolerance)) return false;
-    }
-  }
-  const auto& m = r.m;
-  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
-             m[2] * (m[3] * m[7] - m[4] * m[6]) >
-         0;
-}
 
 template <class T>
 bool is_empty(const image::CubeMap<T>& map) {
@@ -52,14 +32,6 @@ void check_map(const image::CubeMap<T>& map, std::uint32_t channels, Layer layer
                     "values; faces must be square, as face 0 ({} pixels wide), of {} channels",
                     viewpoint, to_string(layer), k, f.width, f.height, f.channels, f.pixels.size(),
                     n, channels));
-  }
-}
-
-template <class T>
-void copy_faces(const image::CubeMap<T>& map, FaceMask wanted,
-                const std::array<T*, kCubeFaces>& buffers) {
-  for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    if ((wanted >> k & 1) != 0) std::ranges::copy(map[k].pixels, buffers[k]);
   }
 }
 
@@ -185,6 +157,16 @@ std::vector<PanoramaPose> poses_of(const Connectivity& connectivity) {
   return poses;
 }
 
+Panorama make_panorama(std::uint32_t size) {
+  Panorama panorama;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    panorama.colour[k] = image::Image8(size, size, 3);
+    panorama.depth[k] = panorama.classes[k] = image::Image16(size, size, 1);
+    panorama.instances[k] = image::Image32(size, size, 1);
+  }
+  return panorama;
+}
+
 FaceSizes Panorama::sizes() const noexcept {
   return {colour[0].width, depth[0].width, classes[0].width, instances[0].width};
 }
@@ -234,12 +216,7 @@ void MemoryPanoramas::read_colour(
     const std::array<image::BorderedFace, kCubeFaces>& buffers) const {
   const image::CubeMap<std::uint8_t>& colour = panoramas_.at(viewpoint.at()).colour;
   if (colour[0].width == 0) throw_lacking(*this, viewpoint, Layer::kColour);
-  for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    if ((wanted >> k & 1) == 0) continue;
-    EN_CHECK_EQ(buffers[k].size, colour[k].width);
-    image::write_face(buffers[k], colour[k]);
-    image::write_border(buffers[k], image::border_of(colour, cube_face(k)));
-  }
+  image::write_faces(colour, wanted, buffers);
 }
 
 void MemoryPanoramas::read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
@@ -248,14 +225,14 @@ void MemoryPanoramas::read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wa
   const Panorama& panorama = panoramas_.at(viewpoint.at());
   const auto& map = layer == Layer::kDepth ? panorama.depth : panorama.classes;
   if (map[0].width == 0) throw_lacking(*this, viewpoint, layer);
-  copy_faces(map, wanted, buffers);
+  image::copy_faces(map, wanted, buffers);
 }
 
 void MemoryPanoramas::read_instances(ViewpointIndex viewpoint, FaceMask wanted,
                                      const std::array<std::uint32_t*, kCubeFaces>& buffers) const {
   const auto& map = panoramas_.at(viewpoint.at()).instances;
   if (map[0].width == 0) throw_lacking(*this, viewpoint, Layer::kInstance);
-  copy_faces(map, wanted, buffers);
+  image::copy_faces(map, wanted, buffers);
 }
 
 std::string MemoryPanoramas::state() const {

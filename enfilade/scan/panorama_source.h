@@ -125,6 +125,9 @@ struct Panorama {
   FaceSizes sizes() const noexcept;
 };
 
+/// All four layers, of size x size texels a face: black, without depth, classes and instances.
+Panorama make_panorama(std::uint32_t size);
+
 /// Reads those of the layers that the panorama has. \throws as the read functions
 Panorama read_panorama(const PanoramaSource& source, ViewpointIndex viewpoint,
                        LayerMask layers = kAllLayers);

@@ -52,6 +52,18 @@ TEST(Poses, OfTheRealBuildingsAreRotations) {
   EXPECT_GE(n, 10'000U);
 }
 
+TEST(MakePanorama, HasAllLayersAndNothingInThem) {
+  const Panorama p = make_panorama(3);
+  EXPECT_EQ(p.sizes(), (FaceSizes{3, 3, 3, 3}));
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    EXPECT_EQ(p.colour[k], image::Image8(3, 3, 3));
+    EXPECT_EQ(p.depth[k], image::Image16(3, 3, 1));
+    EXPECT_EQ(p.classes[k], image::Image16(3, 3, 1));
+    EXPECT_EQ(p.instances[k], image::Image32(3, 3, 1));
+  }
+  EXPECT_NO_THROW(MemoryPanoramas(testing::row_of_viewpoints("scan", 1), {p}));
+}
+
 TEST(MemoryPanoramas, FindViewpointsById) {
   const auto source = testing::memory_panoramas("scan", 3, 4);
   EXPECT_EQ(source->size(), 3U);

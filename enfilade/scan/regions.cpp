@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 #include <charconv>
+#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/file.h"
@@ -92,6 +94,26 @@ std::size_t RegionMap::viewpoints() const noexcept {
   std::size_t n = 0;
   for (const auto& [scan, viewpoints] : scans_) n += viewpoints.size();
   return n;
+}
+
+std::string to_json(const std::vector<ScanRegions>& scans) {
+  const auto quoted = [](const std::string& text) { return nlohmann::json(text).dump(); };
+  std::string json = "{";
+  for (const ScanRegions& scan : scans) {
+    json += fmt::format("{}\n{}: {{", json.size() > 1 ? "," : "", quoted(scan.scan));
+    std::string_view comma;
+    for (std::size_t r = 0; r < scan.viewpoints.size(); ++r) {
+      if (scan.viewpoints[r].empty()) continue;
+      json += fmt::format("{}\"{}\": [", std::exchange(comma, ", "), r);
+      std::string_view between;
+      for (const std::string& id : scan.viewpoints[r]) {
+        json += fmt::format("{}{}", std::exchange(between, ", "), quoted(id));
+      }
+      json += "]";
+    }
+    json += "}";
+  }
+  return json + "\n}\n";
 }
 
 }  // namespace enfilade::scan

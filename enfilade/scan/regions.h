@@ -31,4 +31,14 @@ class RegionMap {
   std::size_t regions_ = 0;
 };
 
+/// Which viewpoints stand in which region of a scan.
+struct ScanRegions {
+  std::string scan;
+  std::vector<std::vector<std::string>> viewpoints;  ///< ids, by region index
+};
+
+/// The file of these scans, a line each, which RegionMap reads. Regions without viewpoints are left
+/// out. \pre all ids are UTF-8, each scan is given once
+std::string to_json(const std::vector<ScanRegions>& scans);
+
 }  // namespace enfilade::scan

@@ -36,6 +36,21 @@ TEST(RegionMap, RefusesWhatIsNoMap) {
               ThrowsMessage<InvalidInput>(HasSubstr("\"a\" is in region 1 already")));
 }
 
+TEST(RegionsToJson, WritesALineAScanAndIsReadBack) {
+  const std::string json = to_json(
+      std::vector<ScanRegions>{{"s", {{"a", "b"}, {}, {"c"}}}, {"r", {{}}}, {"t\"", {{"a\\"}}}});
+  EXPECT_EQ(json,
+            "{\n\"s\": {\"0\": [\"a\", \"b\"], \"2\": [\"c\"]},\n\"r\": {},\n"
+            "\"t\\\"\": {\"0\": [\"a\\\\\"]}\n}\n");
+  const RegionMap map = RegionMap::parse(json, "f");
+  EXPECT_THAT(map.scans(), ElementsAre("r", "s", "t\""));
+  EXPECT_EQ(map.find("s", "b"), 0U);
+  EXPECT_EQ(map.find("s", "c"), 2U);
+  EXPECT_EQ(map.find("t\"", "a\\"), 0U);
+  EXPECT_EQ(map.viewpoints(), 4U);
+  EXPECT_TRUE(RegionMap::parse(to_json(std::vector<ScanRegions>{}), "f").scans().empty());
+}
+
 TEST(RegionMap, ReadsTheRealMap) {
   const auto data = DataRoot::from_environment();
   if (!data) GTEST_SKIP() << "ENFILADE_DATA is not set: no real region map";

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
+#include "enfilade/core/detail/mapped_file.h"
 #include "enfilade/core/threads.h"
-#include "enfilade/scan/detail/mapped_file.h"
 #include "enfilade/scan/detail/store_format.h"
 
 namespace enfilade::scan {
@@ -90,7 +90,7 @@ struct Store::Impl {
   void verify_faces(const PanoramaSource& store, ViewpointIndex viewpoint, std::mutex& mutex,
                     std::vector<Diagnostic>& faults) const;
 
-  detail::MappedFile file;
+  MappedFile file;
   detail::Catalogue catalogue;
 };
 
@@ -182,7 +182,7 @@ void Store::Impl::verify_faces(const PanoramaSource& store, ViewpointIndex viewp
 }
 
 std::filesystem::path store_file(const std::filesystem::path& directory, const std::string& scan) {
-  if (!detail::is_scan_id(scan)) {
+  if (!is_scan_id(scan) || scan.size() > detail::kLongestName) {
     throw LookupError(fmt::format("scan {:?}: not a scan id (letters, digits, _ and -)", scan));
   }
   return directory / (scan + ".enfilade");

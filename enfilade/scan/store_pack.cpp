@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 #include <algorithm>
-#include <system_error>
 #include <utility>
 
+#include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/scan/detail/panorama_coding.h"
 #include "enfilade/scan/detail/store_writer.h"
@@ -149,11 +149,7 @@ PackReport pack(const PanoramaSource& source, const std::filesystem::path& direc
   if (const auto store = complete_store(report.file, fingerprint)) return report_of(*store);
 
   const std::vector<PlannedPanorama> plan = make_plan(source, options);
-  std::error_code reason;
-  std::filesystem::create_directories(directory, reason);
-  if (reason) {
-    throw FileError(fmt::format("{}: cannot be made: {}", directory.string(), reason.message()));
-  }
+  make_folder(directory);
   detail::StoreWriter writer(report.file, fingerprint, plan);
   report.resumed = writer.panoramas();
   write_panoramas(source, options, plan, writer, progress);

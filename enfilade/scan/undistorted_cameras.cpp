@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/geometry/mat.h"
 
 namespace enfilade::scan {
 namespace {
@@ -42,20 +43,6 @@ std::optional<T> number(std::string_view word) {
     if (!std::isfinite(value)) return std::nullopt;
   }
   return value;
-}
-
-/// Six digits, as such files hold them, leave errors of 1e-6 in the products; a scale or a sheared
-/// frame shows far above this.
-constexpr double kRotationTolerance = 1e-3;
-
-bool is_rotation(const Mat3d& a) {
-  const Vec3d x{a.m[0], a.m[3], a.m[6]}, y{a.m[1], a.m[4], a.m[7]}, z{a.m[2], a.m[5], a.m[8]};
-  const auto dot = [](Vec3d p, Vec3d q) { return p.x * q.x + p.y * q.y + p.z * q.z; };
-  const Vec3d cross{x.y * y.z - x.z * y.y, x.z * y.x - x.x * y.z, x.x * y.y - x.y * y.x};
-  // Squares, cosines and the handedness in one: z = x cross y, both of length 1 and upright.
-  return std::abs(dot(x, x) - 1) < kRotationTolerance &&
-         std::abs(dot(y, y) - 1) < kRotationTolerance && std::abs(dot(x, y)) < kRotationTolerance &&
-         length(cross - z) < kRotationTolerance;
 }
 
 /// Who has so many has no such file, and each takes memory.

@@ -1,14 +1,12 @@
 // The reader of OBJ, and that of its materials: the same bytes once as either.
-#include <unistd.h>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <string>
 #include <string_view>
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/file.h"
 #include "enfilade/mesh/read_mesh.h"
+#include "tests/support/temporary_folder.h"
 
 namespace {
 
@@ -17,20 +15,15 @@ using namespace enfilade;
 /// A folder of an OBJ that names a material file.
 class Folder {
  public:
-  Folder()
-      : path_(std::filesystem::temp_directory_path() / ("fuzz_obj_" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(path_);
+  Folder() {
     write_file_atomically(
-        path_ / "f.obj",
+        made_.path() / "f.obj",
         "mtllib f.mtl\nv 0 0 0\nv 2 0 0\nv 0 2 0\nvt 0 0\nusemtl oak\nf 1/1 2 3\n");
   }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return made_.path(); }
 
  private:
-  std::filesystem::path path_;
+  const tests::TemporaryFolder made_{"fuzz_obj"};
 };
 
 void expect_usable(const mesh::ReadResult& result) {

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
@@ -13,6 +12,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/scan/matterport_images.h"
+#include "tests/support/temporary_folder.h"
 
 namespace {
 
@@ -23,9 +23,6 @@ namespace fs = std::filesystem;
 class OneFile {
  public:
   OneFile() {
-    std::string name = (fs::temp_directory_path() / "fuzz_strip_XXXXXX").string();
-    EN_CHECK(mkdtemp(name.data()) != nullptr);
-    folder_ = name;
     fs::create_directory(folder_ / "matterport_skybox_images");
     add("colour", {"small.jpg"});
     add("depth", {"depth_small.png"});
@@ -35,12 +32,6 @@ class OneFile {
         {"0_sami.jpg", "1_sami.jpg", "2_sami.jpg", "3_sami.jpg", "4_sami.jpg", "5_sami.jpg"});
     write_file_atomically(folder_ / "s_connectivity.json", to_json(graph_));
   }
-  ~OneFile() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  OneFile(const OneFile&) = delete;
-  OneFile& operator=(const OneFile&) = delete;
 
   std::shared_ptr<const scan::MatterportImages> open(const std::uint8_t* data,
                                                      std::size_t size) const {
@@ -64,7 +55,8 @@ class OneFile {
     }
   }
 
-  fs::path folder_;
+  const tests::TemporaryFolder made_{"fuzz_strip"};
+  const fs::path& folder_ = made_.path();
   scan::Connectivity graph_{"s", "<fuzz>", {}};
 };
 

@@ -37,13 +37,9 @@ struct Room {
 /// Colours of directions, the room's depth, the face's number + 1 as class, and instances that tell
 /// face, row and column.
 inline scan::Panorama made_panorama(std::uint32_t size) {
-  scan::Panorama p;
+  scan::Panorama p = scan::make_panorama(size);
   const Room room;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    p.colour[k] = image::Image8(size, size, 3);
-    p.depth[k] = image::Image16(size, size, 1);
-    p.classes[k] = image::Image16(size, size, 1);
-    p.instances[k] = image::Image32(size, size, 1);
     for (std::uint32_t y = 0; y < size; ++y) {
       for (std::uint32_t x = 0; x < size; ++x) {
         const Vec3d d = cube_direction(cube_face(k), (x + 0.5) / size, (y + 0.5) / size);

@@ -33,13 +33,9 @@ inline Connectivity row_of_viewpoints(const std::string& scan, std::size_t count
 /// All four layers: smooth colours and depths that depend on place, face and seed, with holes in
 /// depth; a few classes; instances above 2^24.
 inline Panorama panorama(std::uint32_t size, std::uint64_t seed) {
-  Panorama p;
+  Panorama p = make_panorama(size);
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     Rng rng(seed, k);
-    p.colour[k] = image::Image8(size, size, 3);
-    p.depth[k] = image::Image16(size, size, 1);
-    p.classes[k] = image::Image16(size, size, 1);
-    p.instances[k] = image::Image32(size, size, 1);
     const std::uint64_t base = rng.below(200);
     for (std::uint32_t y = 0; y < size; ++y) {
       for (std::uint32_t x = 0; x < size; ++x) {

@@ -1,21 +1,24 @@
-/// \file  A folder for one test.
+/// \file  A folder for one test, or for one run of a program that tests.
 #pragma once
-#include <gtest/gtest.h>
 #include <unistd.h>
+#include <cerrno>
 #include <filesystem>
 #include <string>
+#include <system_error>
 
 namespace enfilade::tests {
 
-/// Fresh and empty, gone with this object. Its name is the process's own, as the tests of a fixture
-/// run at the same time.
+/// Fresh and empty, gone with this object. No two share a name, as tests run at the same time.
+/// \throws std::system_error
 class TemporaryFolder {
  public:
-  explicit TemporaryFolder(const std::string& name)
-      : path_(std::filesystem::path(::testing::TempDir()) /
-              (name + "_" + std::to_string(getpid()))) {
-    std::filesystem::remove_all(path_);
-    std::filesystem::create_directories(path_);
+  explicit TemporaryFolder(const std::string& name) {
+    std::string made =
+        (std::filesystem::temp_directory_path() / ("enfilade_" + name + "_XXXXXX")).string();
+    if (mkdtemp(made.data()) == nullptr) {
+      throw std::system_error(errno, std::generic_category(), made);
+    }
+    path_ = made;
   }
   ~TemporaryFolder() {
     std::error_code ignored;

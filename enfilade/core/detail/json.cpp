@@ -133,6 +133,7 @@ void Faults::throw_if_errors() {
 Document::Document(std::string_view text, std::string name)
     : name_(std::move(name)), parser_(std::make_unique<simdjson::dom::parser>()) {
   text = without_byte_order_mark(text);
+  if (text.empty()) text = "";  // a view of nothing may point nowhere, which memcpy may not
   // simdjson copies the text to where it may read past the end.
   const simdjson::error_code code = parser_->parse(text.data(), text.size()).get(root_);
   if (code == simdjson::MEMALLOC) throw std::bad_alloc();

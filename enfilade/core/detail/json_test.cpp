@@ -28,6 +28,7 @@ TEST(JsonPath, ReadsAsOneWouldWriteIt) {
 
 TEST(JsonDocument, SaysWhereItIsBroken) {
   EXPECT_THAT(fault_of(""), HasSubstr("the file is empty"));
+  EXPECT_THROW(Document::parse({}, "f.json"), InvalidInput) << "a view that points nowhere";
   EXPECT_THAT(fault_of("[1, 2"), HasSubstr("ends too early"));
   EXPECT_THAT(fault_of("[{\"a\": [1,\n 2, ?]}]"),
               HasSubstr("$[0].a[2]: line 2, column 5: not JSON"));

@@ -13,11 +13,6 @@ namespace {
 // A way is bent where the floor leaves the straight line by more: treads are under half of that.
 constexpr double kStraight = 0.15;
 
-void check_range(const char* name, double value, double least, double most) {
-  if (value >= least && value <= most) return;
-  throw ArgumentError(fmt::format("{}: {}, not from {} to {}", name, value, least, most));
-}
-
 void check_options(const EdgeOptions& o) {
   check_range("longest", o.longest, 0.1, 1000);
   check_range("width", o.width, 0, 5);
@@ -27,13 +22,7 @@ void check_options(const EdgeOptions& o) {
   check_range("rows", o.rows, 1, 64);
 }
 
-Vec3d between(Vec3d a, Vec3d b, double share) {
-  return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), a.z + share * (b.z - a.z)};
-}
-
-Vec3f narrow(Vec3d v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
+Vec3d between(Vec3d a, Vec3d b, double share) { return a + share * (b - a); }
 
 // Keeps the corners of a profile (Douglas and Peucker), heights only: it is straight in plan.
 void add_corners(const std::vector<Vec3d>& profile, std::size_t first, std::size_t last,
@@ -71,7 +60,7 @@ Passage::Passage(const mesh::RayTracer& tracer, const mesh::WalkableFloor& floor
 }
 
 bool Passage::in_sight(const PlacedViewpoint& a, const PlacedViewpoint& b) const {
-  return tracer_.sees(narrow(a.eye), narrow(b.eye));
+  return tracer_.sees(to_float(a.eye), to_float(b.eye));
 }
 
 bool Passage::is_free(const PlacedViewpoint& a, const PlacedViewpoint& b) const {
@@ -101,9 +90,9 @@ std::vector<Vec3d> Passage::floor_profile(Vec3d a, Vec3d b) const {
   for (std::size_t i = 1; i <= pieces; ++i) {
     Vec3d p = between(a, b, static_cast<double>(i) / static_cast<double>(pieces));
     p.z = profile.back().z + step;
-    std::optional<std::size_t> cell = floor_.below(narrow(p), 2 * step);
-    if (!cell) cell = floor_.below(narrow(p + right), 2 * step);
-    if (!cell) cell = floor_.below(narrow(p - right), 2 * step);
+    std::optional<std::size_t> cell = floor_.below(to_float(p), 2 * step);
+    if (!cell) cell = floor_.below(to_float(p + right), 2 * step);
+    if (!cell) cell = floor_.below(to_float(p - right), 2 * step);
     if (!cell) return {};
     p.z = floor_.cells()[*cell].position.z;
     profile.push_back(p);
@@ -124,7 +113,7 @@ bool Passage::has_room(const std::vector<Vec3d>& way) const {
       for (std::uint32_t r = 0; r < options_.rows; ++r) {
         const Vec3d shift{side * right.x, side * right.y,
                           at(options_.lowest, options_.highest, r, options_.rows)};
-        rays.push_back({narrow(way[i - 1] + shift), narrow(way[i] - way[i - 1]), 0, 1});
+        rays.push_back({to_float(way[i - 1] + shift), to_float(way[i] - way[i - 1]), 0, 1});
       }
     }
   }

@@ -88,10 +88,7 @@ void set_exact_heights(const Mesh& mesh, const Columns& columns, std::span<Floor
   Sweep sweep(columns, cells);
   for (const auto& triangle : mesh.triangles) {
     std::array<Vec3d, 3> corners;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3f p = mesh.positions[triangle[i]];
-      corners[i] = {p.x, p.y, p.z};
-    }
+    for (std::size_t i = 0; i < 3; ++i) corners[i] = to_double(mesh.positions[triangle[i]]);
     sweep.add(corners);
   }
   for (std::size_t c = 0; c < cells.size(); ++c) {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <set>
 
+#include "enfilade/image/tone.h"
 #include "enfilade/mesh/detail/gltf.h"
-#include "enfilade/mesh/detail/srgb.h"
 #include "enfilade/mesh/detail/text.h"
 
 namespace enfilade::mesh {
@@ -166,7 +166,7 @@ class MaterialReader {
     std::array<double, 3> sum{};
     std::array<double, 256> linear{};
     for (std::size_t v = 0; v < 256; ++v) {
-      linear[v] = static_cast<double>(linear_from_srgb(static_cast<float>(v) / 255));
+      linear[v] = static_cast<double>(image::linear_from_srgb(static_cast<float>(v) / 255));
     }
     const std::size_t pixels = std::size_t{picture.width} * picture.height;
     for (std::size_t i = 0; i < pixels; ++i) {

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "enfilade/image/tone.h"
 #include "enfilade/mesh/detail/ply.h"
-#include "enfilade/mesh/detail/srgb.h"
 #include "enfilade/mesh/detail/text.h"
 
 namespace enfilade::mesh::ply {
@@ -46,7 +46,7 @@ void read_colours(const Element& vertices, Mesh& mesh) {
   const auto linear = [](const Column& column, std::size_t row) {
     const double share = column.values[row] / most(column.type);
     // Not std::clamp: not a number has to stay one, for check() to find.
-    return linear_from_srgb(static_cast<float>(share < 0 ? 0 : share > 1 ? 1 : share));
+    return image::linear_from_srgb(static_cast<float>(share < 0 ? 0 : share > 1 ? 1 : share));
   };
   mesh.colours.reserve(vertices.rows);
   for (std::size_t i = 0; i < vertices.rows; ++i) {

@@ -27,7 +27,7 @@ image::Image8 as_colour(image::Image8 picture) {
 }
 
 Vec3f unit(Vec3f v) {
-  const double size = length(Vec3d{v.x, v.y, v.z});
+  const double size = length(to_double(v));
   if (!(size > 0)) return {};
   return {static_cast<float>(v.x / size), static_cast<float>(v.y / size),
           static_cast<float>(v.z / size)};

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "enfilade/mesh/detail/srgb.h"
+#include "enfilade/image/tone.h"
 #include "enfilade/mesh/detail/vector.h"
 
 namespace enfilade::mesh {
@@ -13,7 +13,7 @@ namespace {
 std::array<float, 256> make_linear_table() {
   std::array<float, 256> table{};
   for (std::size_t i = 0; i < table.size(); ++i) {
-    table[i] = linear_from_srgb(static_cast<float>(i) / 255);
+    table[i] = image::linear_from_srgb(static_cast<float>(i) / 255);
   }
   return table;
 }
@@ -23,7 +23,7 @@ Vec3f colour_of(std::uint32_t texel) {
   return {kLinear[texel & 255U], kLinear[texel >> 8U & 255U], kLinear[texel >> 16U & 255U]};
 }
 std::uint32_t texel_of(Vec3f colour) {
-  const auto byte = [](float linear) { return std::uint32_t{srgb8_from_linear(linear)}; };
+  const auto byte = [](float linear) { return std::uint32_t{image::srgb8_from_linear(linear)}; };
   return byte(colour.x) | byte(colour.y) << 8U | byte(colour.z) << 16U;
 }
 

@@ -6,11 +6,6 @@
 #include "enfilade/core/check.h"
 
 namespace enfilade::render::cpu {
-namespace {
-
-double dot(Vec3d a, Vec3d b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
-}  // namespace
 
 FaceLines face_lines(const PixelRays& rays, std::uint32_t row) {
   const Vec3d origin = rays.at(row, 0);

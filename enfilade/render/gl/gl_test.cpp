@@ -13,6 +13,7 @@
 #include "enfilade/render/gl/detail/pieces.h"
 #include "enfilade/render/gl/renderer.h"
 #include "enfilade/render/gl_devices.h"
+#include "tests/support/refusal.h"
 
 namespace enfilade::render {
 namespace {
@@ -65,12 +66,8 @@ image::CubeMap<std::uint8_t> plain(std::uint32_t size, Texels colour) {
 // Noise in every layer: the worst that filtering can meet.
 scan::Panorama noise(std::uint32_t size, std::uint32_t seed) {
   std::mt19937 random(seed);
-  scan::Panorama p;
+  scan::Panorama p = scan::make_panorama(size);
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    p.colour[k] = image::Image8(size, size, 3);
-    p.depth[k] = image::Image16(size, size, 1);
-    p.classes[k] = image::Image16(size, size, 1);
-    p.instances[k] = image::Image32(size, size, 1);
     for (auto& v : p.colour[k].pixels) v = static_cast<std::uint8_t>(random());
     for (auto& v : p.depth[k].pixels) v = static_cast<std::uint16_t>(random());
     for (auto& v : p.classes[k].pixels) v = static_cast<std::uint16_t>(random());
@@ -513,16 +510,6 @@ TEST_F(Gl, GoesOnAfterAFailure) {
   EXPECT_TRUE(draw(*renderer, camera, fresh) == draw(*gl_renderer(cache), camera, fresh));
 }
 
-template <class Exception, class F>
-std::string message_of(F f) {
-  try {
-    f();
-  } catch (const Exception& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
-}
-
 TEST_F(Gl, ChoosesADeviceByIndexOrUuid) {
   const auto cache = cache_of({noise(16, 1)});
   RendererConfig config;
@@ -530,7 +517,7 @@ TEST_F(Gl, ChoosesADeviceByIndexOrUuid) {
   for (const GlDevice& device : gl_devices()) {
     config.gl_device = device.name;
     if (!device.works) {
-      EXPECT_THAT(message_of<Error>([&] { gl::make_gl_renderer(cache, config); }),
+      EXPECT_THAT(tests::refusal<Error>([&] { gl::make_gl_renderer(cache, config); }),
                   HasSubstr(device.error));
       continue;
     }
@@ -545,8 +532,8 @@ TEST_F(Gl, AnUnknownDeviceIsRefusedWithAListOfThoseThereAre) {
   RendererConfig config;
   for (const std::string name : {"77", "nvidia", "00000000-0000-0000-0000-0000000000ff"}) {
     config.gl_device = name;
-    const std::string message =
-        message_of<ArgumentError>([&] { gl::make_gl_renderer(cache_of({noise(16, 1)}), config); });
+    const std::string message = tests::refusal<ArgumentError>(
+        [&] { gl::make_gl_renderer(cache_of({noise(16, 1)}), config); });
     EXPECT_THAT(message, HasSubstr(name));
     for (const GlDevice& device : gl_devices()) EXPECT_THAT(message, HasSubstr(device.name));
   }
@@ -555,7 +542,7 @@ TEST_F(Gl, AnUnknownDeviceIsRefusedWithAListOfThoseThereAre) {
 TEST_F(Gl, TooLargePicturesAreRefusedWithTheLimit) {
   const auto renderer = gl_renderer(cache_of({noise(16, 1)}));
   const Camera camera{1U << 20, 1, degrees(60)};
-  EXPECT_THAT(message_of<Error>([&] { draw(*renderer, camera, random_views(1, 1, 1)); }),
+  EXPECT_THAT(tests::refusal<Error>([&] { draw(*renderer, camera, random_views(1, 1, 1)); }),
               HasSubstr("1048576 x 1 pixels: the device draws at most"));
 }
 

@@ -8,8 +8,6 @@
 namespace enfilade::render::gl {
 namespace {
 
-double dot(Vec3d a, Vec3d b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
 // Middles of pixels near the line c + x * a + y * b = 0, which is no flatter than steep: it passes
 // each row once. `flip`: x and y are exchanged.
 void add_along(double c, double a, double b, double width, double height, double distance,

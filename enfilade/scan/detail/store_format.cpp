@@ -140,11 +140,6 @@ std::string fault_of(const FaceEntry& entry, Layer layer, std::uint64_t size, st
 
 std::uint64_t checksum(image::Bytes bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
-bool is_scan_id(std::string_view scan) {
-  return !scan.empty() && scan.size() <= kLongestName && scan[0] != '.' &&
-         scan.find_first_of(std::string_view("/\\\0", 3)) == std::string_view::npos;
-}
-
 bool are_valid(const FaceSizes& sizes, const FaceEntries& faces, std::uint64_t end,
                std::string& reason) {
   for (std::size_t l = 0; l < kLayers; ++l) {

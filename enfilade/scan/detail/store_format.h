@@ -101,9 +101,6 @@ std::uint64_t checksum_of(const T& header) {
   return checksum({reinterpret_cast<const std::uint8_t*>(&header), sizeof(T) - 8});
 }
 
-/// Letters that are safe in a file's name.
-bool is_scan_id(std::string_view scan);
-
 /// Reads and checks header and catalogue: after it, every offset and size lies in the file.
 /// \throws InvalidInput naming `file`
 Catalogue read_catalogue(image::Bytes bytes, const std::string& file);

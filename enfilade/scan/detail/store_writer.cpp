@@ -1,17 +1,9 @@
 #include "enfilade/scan/detail/store_writer.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-#include <cerrno>
 #include <cstring>
-#include <system_error>
 #include <utility>
 
-#include "enfilade/core/errors.h"
-#include "enfilade/scan/detail/mapped_file.h"
+#include "enfilade/core/detail/mapped_file.h"
 #include "enfilade/scan/store.h"
 
 namespace enfilade::scan::detail {
@@ -63,72 +55,24 @@ std::vector<std::uint8_t> catalogue_of(const Connectivity& graph,
   return bytes;
 }
 
-// A new name outlives a power cut only once its folder is on the disk; where folders can't be
-// synchronised there is nothing to be done.
-void synchronise_folder(const std::filesystem::path& folder) {
-  const int descriptor =
-      open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  fsync(descriptor);
-  close(descriptor);
-}
-
 }  // namespace
 
-void StoreWriter::fail(const char* doing) const {
-  throw FileError(fmt::format("{}: cannot be {}: {}", part_.string(), doing,
-                              std::generic_category().message(errno)));
-}
-
-StoreWriter::StoreWriter(std::filesystem::path file, std::uint64_t fingerprint,
+StoreWriter::StoreWriter(const std::filesystem::path& file, std::uint64_t fingerprint,
                          std::span<const PlannedPanorama> plan)
-    : file_(std::move(file)), part_(file_.string() + ".part"), fingerprint_(fingerprint) {
-  open_locked();
-  try {
-    end_ = resume(plan);
-    if (end_ == 0) {
-      cut(0);
-      end_ = sizeof(Header);
-    }
-    // Also over the final header of a run that was killed just before it renamed.
-    write_at(0, bytes_of(unfinished(fingerprint_)));
-    cut(end_);
-  } catch (...) {
-    close(descriptor_);
-    throw;
+    : part_(file), fingerprint_(fingerprint) {
+  end_ = resume(plan);
+  if (end_ == 0) {
+    part_.resize(0);
+    end_ = sizeof(Header);
   }
-}
-
-StoreWriter::~StoreWriter() { close(descriptor_); }  // and with it, the lock
-
-void StoreWriter::open_locked() {
-  while (true) {
-    descriptor_ = open(part_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) fail("written");
-    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-      const bool busy = errno == EWOULDBLOCK;
-      close(descriptor_);
-      if (busy) {
-        throw FileError(
-            fmt::format("{}: another process is packing this scan just now", part_.string()));
-      }
-      fail("locked");
-    }
-    // Whoever held the lock may have finished and renamed the file meanwhile: then what is open is
-    // the store itself.
-    struct stat opened {
-    }, named{};
-    if (fstat(descriptor_, &opened) == 0 && stat(part_.c_str(), &named) == 0 &&
-        opened.st_ino == named.st_ino && opened.st_dev == named.st_dev) {
-      return;
-    }
-    close(descriptor_);
-  }
+  // Also over the final header of a run that was killed just before it renamed.
+  write_at(0, bytes_of(unfinished(fingerprint_)));
+  part_.resize(end_);
 }
 
 // The end of the records that are kept; 0 if the part is of no use.
 std::uint64_t StoreWriter::resume(std::span<const PlannedPanorama> plan) {
-  const MappedFile part(part_);
+  const MappedFile part(part_.path());
   const image::Bytes bytes = part.bytes();
   Header header;
   if (fingerprint_ == 0 || bytes.size() < sizeof(Header)) return 0;
@@ -157,20 +101,7 @@ std::uint64_t StoreWriter::resume(std::span<const PlannedPanorama> plan) {
 }
 
 void StoreWriter::write_at(std::uint64_t offset, image::Bytes bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written =
-        pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (written < 0) {
-      if (errno == EINTR) continue;
-      fail("written");
-    }
-    offset += static_cast<std::uint64_t>(written);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
-}
-
-void StoreWriter::cut(std::uint64_t bytes) {
-  if (ftruncate(descriptor_, static_cast<off_t>(bytes)) != 0) fail("cut");
+  part_.write_at(offset, std::as_bytes(bytes));
 }
 
 void StoreWriter::append(EncodedPanorama panorama) {
@@ -202,12 +133,9 @@ std::uint64_t StoreWriter::finish(const Connectivity& graph) {
   header.checksum = checksum_of(header);
   write_at(end_, catalogue);
   write_at(end_ + catalogue.size(), packed_json);
-  // On the disk before the header that vouches for it.
-  if (fsync(descriptor_) != 0) fail("written");
+  part_.synchronise();  // before the header that vouches for it
   write_at(0, bytes_of(header));
-  if (fsync(descriptor_) != 0) fail("written");
-  if (std::rename(part_.c_str(), file_.c_str()) != 0) fail("renamed");
-  synchronise_folder(file_.parent_path());
+  part_.finish();
   return header.file_bytes;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "enfilade/core/detail/part_file.h"
 #include "enfilade/core/ids.h"
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/detail/store_format.h"
@@ -30,11 +31,8 @@ class StoreWriter {
   /// Continues a part of the same fingerprint: keeps as many of its records as are whole and are
   /// `plan`'s first, and cuts off the rest. Any other part, and all if the fingerprint is 0, is
   /// begun anew. \throws FileError, also if another process is writing it
-  StoreWriter(std::filesystem::path file, std::uint64_t fingerprint,
+  StoreWriter(const std::filesystem::path& file, std::uint64_t fingerprint,
               std::span<const PlannedPanorama> plan);
-  ~StoreWriter();
-  StoreWriter(const StoreWriter&) = delete;
-  StoreWriter& operator=(const StoreWriter&) = delete;
 
   std::size_t panoramas() const noexcept { return records_.size(); }  ///< kept or appended
 
@@ -44,15 +42,11 @@ class StoreWriter {
   std::uint64_t finish(const Connectivity& graph);
 
  private:
-  void open_locked();
   std::uint64_t resume(std::span<const PlannedPanorama> plan);
   void write_at(std::uint64_t offset, image::Bytes bytes);
-  void cut(std::uint64_t bytes);
-  [[noreturn]] void fail(const char* doing) const;
 
-  std::filesystem::path file_, part_;
+  PartFile part_;
   std::uint64_t fingerprint_;
-  int descriptor_ = -1;
   std::uint64_t end_ = 0;  // of the records
   std::vector<RecordHeader> records_;
 };

@@ -1,4 +1,4 @@
-#include "enfilade/scan/detail/mapped_file.h"
+#include "enfilade/core/detail/mapped_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 
 #include "enfilade/core/errors.h"
 
-namespace enfilade::scan::detail {
+namespace enfilade {
 namespace {
 
 class Descriptor {
@@ -52,4 +52,4 @@ MappedFile::~MappedFile() {
   if (!bytes_.empty()) munmap(const_cast<std::uint8_t*>(bytes_.data()), bytes_.size());
 }
 
-}  // namespace enfilade::scan::detail
+}  // namespace enfilade

@@ -1,10 +1,10 @@
 /// \file  A file as memory.
 #pragma once
+#include <cstdint>
 #include <filesystem>
+#include <span>
 
-#include "enfilade/image/codecs.h"
-
-namespace enfilade::scan::detail {
+namespace enfilade {
 
 /// Read-only, shared with every process that maps the same file. The file may be renamed or removed
 /// meanwhile; it must not be cut shorter: reading beyond its new end kills the process (SIGBUS).
@@ -16,10 +16,10 @@ class MappedFile {
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
 
-  image::Bytes bytes() const noexcept { return bytes_; }
+  std::span<const std::uint8_t> bytes() const noexcept { return bytes_; }
 
  private:
-  image::Bytes bytes_;
+  std::span<const std::uint8_t> bytes_;
 };
 
-}  // namespace enfilade::scan::detail
+}  // namespace enfilade
