@@ -2,6 +2,7 @@
 // itself knows of walls, doors, furniture and stairs.
 #include <fmt/format.h>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <queue>
 #include <string>
@@ -104,6 +105,7 @@ std::string not_reached(const synth::Home& home, const scan::Connectivity& graph
 
 struct Totals {
   std::size_t homes = 0, viewpoints = 0, common = 0, extra = 0, missing = 0, parts = 0;
+  double home_seconds = 0, graph_seconds = 0;  // making meshes; floors, viewpoints and edges
   double f1() const {
     return 2.0 * static_cast<double>(common) /
            std::max(1.0, static_cast<double>(2 * common + extra + missing));
@@ -125,26 +127,43 @@ void list_differences(const synth::Home& home, const scan::Connectivity& found,
   for (const auto& edge : compared.missing) print("missing", edge, false);
 }
 
-void check_home(const Options& options, std::uint64_t seed, Totals& totals) {
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+struct Made {
+  synth::BuiltHome built;
+  scan::Connectivity graph;
+};
+
+Made make(const Options& options, std::uint64_t seed, Totals& totals) {
   synth::PlanOptions plan;
   plan.seed = seed;
   plan.area = options.area;
-  const synth::BuiltHome built = synth::build_home(plan);
-  const auto found = synth::build_graph(built, fmt::format("seed_{}", seed), 0);
+  const auto start = std::chrono::steady_clock::now();
+  Made made{synth::build_home(plan), {}};
+  totals.home_seconds += seconds_since(start);
+  const auto built = std::chrono::steady_clock::now();
+  made.graph = synth::build_graph(made.built, fmt::format("seed_{}", seed), 0);
+  totals.graph_seconds += seconds_since(built);
+  ++totals.homes;
+  totals.viewpoints += made.graph.entries.size();
+  totals.parts += components(made.graph);
+  return made;
+}
+
+void check_home(const Options& options, std::uint64_t seed, Totals& totals) {
+  const auto [built, found] = make(options, seed, totals);
   const auto truth = true_graph(built.home, found);
   const auto compared = graph::compare(graph::NavGraph(found), graph::NavGraph(truth));
-  const std::size_t parts = components(found);
   fmt::print("{:>8} {:<7}{:>3}{:>7}{:>7}{:>7}{:>7}{:>9.4f}{:>7}   {}\n", seed,
              to_string(built.home.plan.kind), built.home.plan.storeys.size(), found.entries.size(),
-             compared.common, compared.extra.size(), compared.missing.size(), compared.f1(), parts,
-             not_reached(built.home, found));
+             compared.common, compared.extra.size(), compared.missing.size(), compared.f1(),
+             components(found), not_reached(built.home, found));
   if (options.list) list_differences(built.home, found, compared);
-  ++totals.homes;
-  totals.viewpoints += found.entries.size();
   totals.common += compared.common;
   totals.extra += compared.extra.size();
   totals.missing += compared.missing.size();
-  totals.parts += parts;
 }
 
 int check(const Options& options) {
@@ -156,18 +175,14 @@ int check(const Options& options) {
   }
   for (std::size_t i = 0; i < options.homes; ++i) {
     if (options.build_only) {
-      synth::PlanOptions plan;
-      plan.seed = options.seed + i;
-      plan.area = options.area;
-      const auto built = synth::build_home(plan);
-      const auto graph = synth::build_graph(built, "built", 0);
-      totals.parts += components(graph);
-      ++totals.homes;
+      make(options, options.seed + i, totals);
     } else {
       check_home(options, options.seed + i, totals);
     }
     if (progress) progress(i + 1, options.homes);
   }
+  fmt::print("{} viewpoints; {:.2f} s for homes, {:.2f} s for floors, viewpoints and edges\n",
+             totals.viewpoints, totals.home_seconds, totals.graph_seconds);
   if (options.build_only) {
     fmt::print("{} homes built, graphs of {} pieces in all\n", totals.homes, totals.parts);
     return totals.parts == totals.homes ? kSuccess : kFaultsFound;
@@ -196,7 +211,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--area", options.area, "Square metres; 0: drawn")->check(finite_number());
   app.add_option("--least-f1", options.least_f1, "Below it, exit status 1")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(finite_number(0, 1))
       ->capture_default_str();
   app.add_flag("--list", options.list, "Each edge that differs, and by how much");
   app.add_flag("--build-only", options.build_only, "Only see that homes and graphs get built");

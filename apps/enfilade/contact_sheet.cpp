@@ -4,17 +4,14 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/drawn_path.h"
 #include "apps/enfilade/picture_files.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/draw/contact_sheet.h"
-#include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/results.h"
 
 namespace enfilade::apps {
 namespace {
@@ -22,8 +19,7 @@ namespace {
 struct SheetArguments {
   SceneOptions scene;
   std::string scan, output = "sheet.png", thumb = "200x150";
-  std::string split, instruction, results;
-  std::optional<std::int64_t> path;
+  PathOptions path;
   std::size_t columns = 0, headings = 1;
   double heading = 0, vfov = 60;
 };
@@ -41,16 +37,7 @@ struct Plan {
 };
 
 void validate(const SheetArguments& a) {
-  const bool named = !a.instruction.empty() || a.path.has_value();
-  if (a.scan.empty() && !named) {
-    throw UsageError("name a SCAN, or a path of it with --split and --instr or --path");
-  }
-  if (!a.instruction.empty() && a.path) throw UsageError("--instr and --path exclude each other");
-  if (named && a.split.empty()) throw UsageError("--instr and --path need --split");
-  if (!named && !a.split.empty()) throw UsageError("--split needs --instr or --path");
-  if (!a.results.empty() && a.instruction.empty()) {
-    throw UsageError("--results needs --split and --instr: trajectories are of instructions");
-  }
+  validate(a.path, a.scan);
   constexpr std::uint32_t kLargest = 2048;  // three times as large is what is drawn
   const Size thumb = parse_size("--thumb", a.thumb);
   if (std::max(thumb.width, thumb.height) > kLargest) {
@@ -151,53 +138,15 @@ std::vector<Shot> shots_of_trajectory(const graph::NavGraph& graph, const r2r::T
   return shots;
 }
 
-r2r::EpisodeSet load_episodes(const SheetArguments& a) {
+Plan plan_of_path(const SheetArguments& a) {
   const scan::DataRoot data = open_data(a.scene.data);
-  return r2r::make_episodes(r2r::load_annotations(data.annotations(a.split), a.split),
-                            graph::GraphSet::open(data.connectivity()));
-}
-
-Plan plan_of_path(const SheetArguments& a, const r2r::EpisodeSet& episodes) {
-  const auto path = std::ranges::find(episodes.paths, *a.path, &r2r::ReferencePath::path_id);
-  if (path == episodes.paths.end()) {
-    throw LookupError(fmt::format("--path {}: not one of the {} paths of {}", *a.path,
-                                  episodes.paths.size(), episodes.split));
-  }
-  const graph::NavGraph& graph = episodes.graphs->graph(path->scan);
-  return {graph.scan(), fmt::format("{}, path {} of {}", graph.scan(), *a.path, episodes.split),
-          shots_of_path(graph, *path), a.columns};
-}
-
-Plan plan_of_instruction(const SheetArguments& a, const r2r::EpisodeSet& episodes) {
-  const auto episode =
-      std::ranges::find(episodes.episodes, a.instruction, &r2r::Episode::instruction_id);
-  if (episode == episodes.episodes.end()) {
-    throw LookupError(fmt::format("--instr {:?}: not one of the {} scored instructions of {}",
-                                  a.instruction, episodes.episodes.size(), episodes.split));
-  }
-  const graph::NavGraph& graph = episodes.graph_of(*episode);
-  const r2r::ReferencePath& path = episodes.path_of(*episode);
-  Plan plan{graph.scan(),
-            fmt::format("{}, instruction {} of {}: {}", graph.scan(), a.instruction, episodes.split,
-                        episode->text),
-            {},
-            a.columns};
-  if (a.results.empty()) {
-    plan.shots = shots_of_path(graph, path);
-  } else {
-    const r2r::Results results = r2r::load_results(a.results, episodes);
-    const auto place = static_cast<std::size_t>(episode - episodes.episodes.begin());
-    plan.shots = shots_of_trajectory(graph, results.trajectories.at(place), path.heading);
-  }
-  return plan;
-}
-
-Plan plan_of_trajectory(const SheetArguments& a) {
-  const r2r::EpisodeSet episodes = load_episodes(a);
-  Plan plan = a.path ? plan_of_path(a, episodes) : plan_of_instruction(a, episodes);
-  if (!a.scan.empty() && a.scan != plan.scan) {
-    throw UsageError(fmt::format("SCAN {}: that path is in {}", a.scan, plan.scan));
-  }
+  const DrawnPath drawn =
+      find_path(a.path, a.scan, data, graph::GraphSet::open(data.connectivity()));
+  const graph::NavGraph& graph = drawn.graph();
+  Plan plan{graph.scan(), drawn.title(), {}, a.columns};
+  if (drawn.episode) plan.title += ": " + drawn.text();
+  plan.shots = drawn.walk ? shots_of_trajectory(graph, *drawn.walk, drawn.path().heading)
+                          : shots_of_path(graph, drawn.path());
   // One row for a path (R2R's have 5 to 7 viewpoints), rows of ten for an agent's long walk.
   constexpr std::size_t kLongestRow = 10;
   if (plan.columns == 0) plan.columns = std::min(plan.shots.size(), kLongestRow);
@@ -241,8 +190,8 @@ std::vector<draw::SheetPicture> draw_shots(const Plan& plan, const Scene& scene,
 void draw_sheet(const SheetArguments& a) {
   validate(a);
   (void)picture_files({.file = a.output});  // refuses a name that is no picture's
-  const bool trajectory = !a.split.empty();
-  Plan plan = trajectory ? plan_of_trajectory(a) : Plan{};
+  const bool trajectory = !a.path.split.empty();
+  Plan plan = trajectory ? plan_of_path(a) : Plan{};
   const Scene scene = open_scene(a.scene, trajectory ? plan.scan : a.scan);
   if (!trajectory) plan = plan_of_scan(a, scene.source());
   if (plan.shots.empty()) {
@@ -253,26 +202,13 @@ void draw_sheet(const SheetArguments& a) {
   write_picture(a.output, encode(sheet, a.output));
 }
 
-void add_trajectory_options(CLI::App& verb, SheetArguments& a) {
-  verb.add_option("--split", a.split, "Annotations that --instr or --path is in")
-      ->type_name("NAME");
-  verb.add_option("--instr", a.instruction, "Draw the reference path of this instruction")
-      ->type_name("ID");
-  verb.add_option("--path", a.path, "Draw the reference path of this path_id")
-      ->type_name("PATH_ID");
-  verb.add_option("--results", a.results,
-                  "Results file of the split: draw the agent's trajectory for --instr instead")
-      ->type_name("FILE");
-}
-
 }  // namespace
 
 void add_contact_sheet(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "contact-sheet", "Draw every viewpoint of a scan, or a trajectory, as small pictures");
   const auto a = std::make_shared<SheetArguments>();
-  verb.add_option("scan", a->scan, "Which building; may be left out with --instr or --path")
-      ->type_name("SCAN");
+  add_scan_argument(verb, a->scan);
   verb.add_option("-o,--output", a->output, "PNG or JPEG file; - for standard output")
       ->capture_default_str()
       ->type_name("FILE");
@@ -294,7 +230,7 @@ void add_contact_sheet(CLI::App& app, int& status) {
       ->check(finite_number())
       ->capture_default_str()
       ->type_name("DEG");
-  add_trajectory_options(verb, *a);
+  add_path_options(verb, a->path, "draw the agent's trajectory for --instr instead");
   add_place_options(verb, a->scene);
   add_renderer_options(verb, a->scene);
   set_examples(verb, {"enfilade contact-sheet 17DRP5sb8fy -o sheet.jpg",

@@ -42,10 +42,10 @@ void add_dataset(CLI::App& app, int& status) {
       ->capture_default_str();
   verb.add_option("--val-seen", options->paths.val_seen_share,
                   "Share of the training homes' paths, 0 to 1")
-      ->check(CLI::Range(0.0, 0.99))
+      ->check(finite_number(0, 0.99))
       ->capture_default_str();
   verb.add_option("--threads", options->paths.threads, "0: all cores")
-      ->check(whole_number())
+      ->check(whole_number(0, 1024))
       ->capture_default_str();
   set_examples(verb, {"enfilade homes -o homes --paths 0", "enfilade dataset homes --paths 100",
                       "enfilade stats --data homes"});

@@ -218,11 +218,7 @@ std::string own_path() {
 }
 
 void demo(const Options& options) {
-  std::error_code code;
-  fs::create_directories(options.output, code);
-  if (code) {
-    throw FileError(fmt::format("{}: cannot make the folder: {}", options.output, code.message()));
-  }
+  make_folder(options.output);
   const Data data = find_data(options);
   const auto graphs = graph::GraphSet::open(data.root.connectivity());
   graphs->load_all();

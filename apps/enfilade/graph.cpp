@@ -5,17 +5,15 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <set>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/drawn_path.h"
 #include "apps/enfilade/graph_verbs.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/graph/check.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/results.h"
 
 namespace enfilade::apps {
 namespace {
@@ -133,25 +131,9 @@ struct DrawArguments {
   std::string scan;
   std::string output;
   std::string data;
-  std::string split;
-  std::string instruction;
-  std::string results;
-  std::optional<std::int64_t> path;
+  PathOptions path;
   bool labels = false;
 };
-
-void validate(const DrawArguments& a) {
-  const bool named = !a.instruction.empty() || a.path.has_value();
-  if (a.scan.empty() && !named) {
-    throw UsageError("name a SCAN, or a path of it with --split and --instr or --path");
-  }
-  if (!a.instruction.empty() && a.path) throw UsageError("--instr and --path exclude each other");
-  if (named && a.split.empty()) throw UsageError("--instr and --path need --split");
-  if (!named && !a.split.empty()) throw UsageError("--split needs --instr or --path");
-  if (!a.results.empty() && a.instruction.empty()) {
-    throw UsageError("--results needs --split and --instr: trajectories are of instructions");
-  }
-}
 
 // What is drawn over the plan.
 struct Overlay {
@@ -168,13 +150,6 @@ double length_of(const graph::NavGraph& graph, const std::vector<ViewpointIndex>
 PlannedPath reference(const graph::NavGraph& graph, const r2r::ReferencePath& path) {
   return {PlannedPath::Role::kReference, path.viewpoints,
           fmt::format("reference path, {:.1f} m", length_of(graph, path.viewpoints))};
-}
-
-// "17DRP5sb8fy, path 5 of test, goal hidden".
-std::string title(const graph::NavGraph& graph, const r2r::EpisodeSet& episodes,
-                  const std::string& what, const r2r::ReferencePath& path) {
-  return fmt::format("{}, {} of {}{}", graph.scan(), what, episodes.split,
-                     path.viewpoints.size() < 2 ? ", goal hidden" : "");
 }
 
 std::string quoted(const std::string& text) {
@@ -199,54 +174,23 @@ PlannedPath agent(const graph::NavGraph& graph, const r2r::ReferencePath& path,
   return found;
 }
 
-Overlay overlay_of_path(const r2r::EpisodeSet& episodes, std::int64_t id) {
-  const auto path = std::ranges::find(episodes.paths, id, &r2r::ReferencePath::path_id);
-  if (path == episodes.paths.end()) {
-    throw LookupError(fmt::format("--path {}: not one of the {} paths of {}", id,
-                                  episodes.paths.size(), episodes.split));
-  }
-  const graph::NavGraph& graph = episodes.graphs->graph(path->scan);
-  return {graph.scan(),
-          title(graph, episodes, fmt::format("path {}", id), *path),
-          "",
-          {reference(graph, *path)}};
-}
-
-Overlay overlay_of_instruction(const r2r::EpisodeSet& episodes, const std::string& id,
-                               const std::string& results) {
-  const auto episode = std::ranges::find(episodes.episodes, id, &r2r::Episode::instruction_id);
-  if (episode == episodes.episodes.end()) {
-    throw LookupError(fmt::format("--instr {:?}: not one of the {} scored instructions of {}", id,
-                                  episodes.episodes.size(), episodes.split));
-  }
-  const graph::NavGraph& graph = episodes.graph_of(*episode);
-  const r2r::ReferencePath& path = episodes.path_of(*episode);
+Overlay overlay_of(const DrawnPath& drawn) {
+  const graph::NavGraph& graph = drawn.graph();
+  const bool hidden = drawn.path().viewpoints.size() < 2;
   Overlay overlay{graph.scan(),
-                  title(graph, episodes, "instruction " + id, path),
-                  quoted(episode->text),
-                  {reference(graph, path)}};
-  if (!results.empty()) {
-    const r2r::Results loaded = r2r::load_results(results, episodes);
-    const auto place = static_cast<std::size_t>(episode - episodes.episodes.begin());
-    overlay.paths.push_back(agent(graph, path, loaded.trajectories.at(place)));
-  }
+                  drawn.title() + (hidden ? ", goal hidden" : ""),
+                  quoted(drawn.text()),
+                  {reference(graph, drawn.path())}};
+  if (drawn.walk) overlay.paths.push_back(agent(graph, drawn.path(), *drawn.walk));
   return overlay;
 }
 
 void draw_plan(const DrawArguments& a) {
-  validate(a);
+  validate(a.path, a.scan);
   const scan::DataRoot data = open_data(a.data);
   const auto graphs = graph::GraphSet::open(data.connectivity());
   Overlay overlay{a.scan, "", "", {}};
-  if (!a.split.empty()) {
-    const r2r::EpisodeSet episodes =
-        r2r::make_episodes(r2r::load_annotations(data.annotations(a.split), a.split), graphs);
-    overlay = a.path ? overlay_of_path(episodes, *a.path)
-                     : overlay_of_instruction(episodes, a.instruction, a.results);
-    if (!a.scan.empty() && a.scan != overlay.scan) {
-      throw UsageError(fmt::format("SCAN {}: that path is in {}", a.scan, overlay.scan));
-    }
-  }
+  if (!a.path.split.empty()) overlay = overlay_of(find_path(a.path, a.scan, data, graphs));
   draw::FloorPlanOptions options;
   options.title = overlay.title;
   options.note = overlay.note;
@@ -285,20 +229,11 @@ void add_draw(CLI::App& graph, int& status) {
   CLI::App& verb = *graph.add_subcommand(
       "draw", "Draw a floor plan as SVG, a panel a storey, with paths over it");
   const auto a = std::make_shared<DrawArguments>();
-  verb.add_option("scan", a->scan, "Which building; may be left out with --instr or --path")
-      ->type_name("SCAN");
+  add_scan_argument(verb, a->scan);
   verb.add_option("-o,--output", a->output, "SVG file (default: SCAN.svg); - for standard output")
       ->type_name("FILE");
   add_data_option(verb, a->data);
-  verb.add_option("--split", a->split, "Annotations that --instr or --path is in")
-      ->type_name("NAME");
-  verb.add_option("--instr", a->instruction, "Draw the reference path of this instruction")
-      ->type_name("ID");
-  verb.add_option("--path", a->path, "Draw the reference path of this path_id")
-      ->type_name("PATH_ID");
-  verb.add_option("--results", a->results,
-                  "Results file of the split: draw the agent's path of --instr too")
-      ->type_name("FILE");
+  add_path_options(verb, a->path, "draw the agent's path of --instr too");
   verb.add_flag("--labels", a->labels, "Write its index beside each viewpoint");
   set_examples(verb,
                {"enfilade graph draw 17DRP5sb8fy -o plan.svg",

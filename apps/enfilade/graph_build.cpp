@@ -10,12 +10,12 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/graph_verbs.h"
+#include "apps/enfilade/mesh_files.h"
 #include "enfilade/core/file.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/graph/build.h"
 #include "enfilade/graph/check.h"
 #include "enfilade/graph/corrections.h"
-#include "enfilade/mesh/read_mesh.h"
 
 namespace enfilade::apps {
 namespace {
@@ -24,25 +24,13 @@ namespace fs = std::filesystem;
 using graph::NavGraph;
 
 struct BuildArguments {
-  std::string mesh, output, scan, up, corrections, plan;
-  mesh::ReadOptions read;
+  MeshOptions mesh;
+  std::string output, corrections, plan;
   mesh::WalkableOptions walk;
   graph::ViewpointOptions viewpoints;
   graph::EdgeOptions edges;
   int threads = 0;
 };
-
-// Names of files and lists are made of it.
-std::string scan_of(const BuildArguments& a) {
-  const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; };
-  if (!a.scan.empty()) {
-    if (std::ranges::all_of(a.scan, allowed) && a.scan.front() != '-') return a.scan;
-    throw UsageError(fmt::format("--scan {:?}: letters, digits, _ and - are allowed", a.scan));
-  }
-  std::string name = fs::path(a.mesh).stem().string();
-  std::ranges::replace_if(name, std::not_fn(allowed), '_');
-  return name;
-}
 
 class Stopwatch {
  public:
@@ -62,21 +50,13 @@ struct Built {
   double seconds = 0;  // without reading the mesh
 };
 
-mesh::ReadResult read_mesh(const BuildArguments& a) {
-  mesh::ReadOptions options = a.read;
-  if (!a.up.empty()) options.up = a.up == "y" ? mesh::UpAxis::kY : mesh::UpAxis::kZ;
-  return mesh::read_mesh(a.mesh, options);
-}
-
 Built build(const BuildArguments& a, const std::string& scan) {
   graph::Corrections corrections;
   if (!a.corrections.empty()) corrections = graph::load_corrections(a.corrections);
-  mesh::ReadResult read = read_mesh(a);
-  if (!read.warnings.empty()) print_diagnostics(read.warnings);
+  const auto made = std::make_shared<const mesh::Mesh>(read_mesh_file(a.mesh));
   const Stopwatch watch;
-  const auto made = std::make_shared<const mesh::Mesh>(std::move(read.mesh));
   const mesh::RayTracer tracer(made);
-  const mesh::WalkableFloor floor(*made, a.walk);
+  const mesh::WalkableFloor floor = find_floor(*made, a.mesh, a.walk);
   const auto viewpoints = graph::place_viewpoints(tracer, floor, a.viewpoints);
   Built built{graph::connect_viewpoints(tracer, floor, viewpoints, scan, a.edges, a.threads,
                                         progress_bar("edges")),
@@ -148,11 +128,10 @@ void list_scan(const fs::path& folder, const std::string& scan) {
 }
 
 void run(const BuildArguments& a) {
-  const std::string scan = scan_of(a);
+  const std::string scan = scan_of(a.mesh);
   const Built built = build(a, scan);
   const fs::path folder = a.output;
-  std::error_code failed;
-  fs::create_directories(folder, failed);  // a failure shows when the files are written
+  make_folder(folder);
   const fs::path file = scan::connectivity_file(folder, scan);
   write_file_atomically(file, scan::to_json(built.connectivity));
   list_scan(folder, scan);
@@ -183,18 +162,6 @@ void add_body(CLI::App& verb, BuildArguments& a) {
   add_metres(verb, "--body-width", a.edges.width, "Of the bundle of rays along an edge");
 }
 
-void add_mesh(CLI::App& verb, BuildArguments& a) {
-  verb.add_option("mesh", a.mesh, "Mesh with z or y up: .glb, .gltf, .obj, .ply")
-      ->required()
-      ->type_name("MESH");
-  verb.add_option("--up", a.up, "Which axis is up (default: y for glTF, else z)")
-      ->check(CLI::IsMember({"y", "z"}))
-      ->type_name("AXIS");
-  verb.add_option("--scale", a.read.scale, "Metres per unit of the mesh")
-      ->check(finite_number())
-      ->capture_default_str();
-}
-
 }  // namespace
 
 void add_graph_build(CLI::App& graph, int& status) {
@@ -203,12 +170,10 @@ void add_graph_build(CLI::App& graph, int& status) {
       "Find where one can walk in a mesh, spread viewpoints over it, trace the edges between them, "
       "and write a connectivity file and scans.txt");
   const auto a = std::make_shared<BuildArguments>();
-  add_mesh(verb, *a);
+  add_mesh_options(verb, a->mesh);
   verb.add_option("-o,--output", a->output, "Folder; made if it is not there")
       ->required()
       ->type_name("DIR");
-  verb.add_option("--scan", a->scan, "Id of the building (default: the mesh's file name)")
-      ->type_name("ID");
   add_metres(verb, "--separation", a->viewpoints.separation,
              "Mean length of edges in furnished homes");
   add_metres(verb, "--eye-height", a->viewpoints.eye_height, "Above the floor");

@@ -79,7 +79,7 @@ void add_graph_compare(CLI::App& graph, int& status) {
       ->type_name("FILE");
   verb.add_flag("--labels", a->labels, "Write its index beside each viewpoint on the plan");
   verb.add_option("--least-f1", a->least_f1, "Exit code 1 if F1 is below")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(finite_number(0, 1))
       ->type_name("X");
   set_examples(verb, {"enfilade graph compare built/x_connectivity.json x_connectivity.json",
                       "enfilade graph compare A.json B.json --plan difference.svg",

@@ -4,15 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 #include <utility>
 
 #include "apps/enfilade/picture_files.h"
 #include "enfilade/draw/contact_sheet.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/mesh/house.h"
 #include "enfilade/r2r/annotations.h"
 #include "enfilade/synth/home_set.h"
+#include "enfilade/synth/plan.h"
 
 namespace enfilade::apps {
 namespace {
@@ -20,11 +19,18 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr Size kThumb{400, 300};
-constexpr double kVfov = 65;  // degrees
+constexpr Size kPanorama{600, 300};
+constexpr double kVfov = 65;            // degrees
+constexpr Radians kDown = degrees(-8);  // as people look across a room
 
 struct Pose {
   ViewpointIndex viewpoint;
   Radians heading;
+};
+
+struct Look {
+  Pose pose;
+  double worth = 0;
 };
 
 // All homes of a folder, drawn by one renderer.
@@ -40,7 +46,7 @@ class Artist {
   const scan::DataRoot& data() const { return data_; }
   const std::shared_ptr<const graph::GraphSet>& graphs() const { return graphs_; }
 
-  image::Image8 look(const std::string& scan, Pose pose, Radians elevation = degrees(-8)) {
+  image::Image8 look(const std::string& scan, Pose pose, Radians elevation = kDown) {
     Drawn drawn;
     const render::Outputs outputs = outputs_into(drawn, {{scan::Layer::kColour, ""}}, kThumb);
     const render::View view{panoramas_->at(scan), pose.viewpoint, pose.heading, elevation};
@@ -48,45 +54,74 @@ class Artist {
     return std::move(drawn.colour);
   }
 
-  // Where one looks across a room: of the viewpoints in it, and the ways to their neighbours and
-  // between them, that with the most to see at a middle distance.
-  std::optional<Pose> best_view(const std::string& scan, const synth::RoomEntry& room) {
+  // All around, the middle looking along the pose; half as high as wide.
+  image::Image8 look_around(const std::string& scan, Pose pose) {
+    Drawn drawn;
+    const render::Outputs outputs = outputs_into(drawn, {{scan::Layer::kColour, ""}}, kPanorama);
+    const render::View view{panoramas_->at(scan), pose.viewpoint, pose.heading, {}};
+    render::render_equirectangular(faces_, view, kPanorama.width, kPanorama.height, outputs);
+    return std::move(drawn.colour);
+  }
+
+  // Where one sees most of a room, from the viewpoints in it.
+  std::optional<Look> best_look(const std::string& scan, const synth::RoomEntry& room,
+                                const synth::Rect& floor) {
     const graph::NavGraph& graph = graphs_->graph(scan);
     constexpr std::size_t kHeadings = 12;
-    std::optional<Pose> best;
-    double most = 0;
+    std::optional<Look> best;
     for (const std::string& id : room.viewpoints) {
       const auto v = graph.find(id);
       if (!v) continue;
       for (std::size_t k = 0; k < kHeadings; ++k) {
         const Pose pose{*v, degrees(360.0 * static_cast<double>(k) / kHeadings)};
-        const double seen = interest(scan, pose);
-        if (seen <= most) continue;
-        most = seen;
-        best = pose;
+        const double worth = interest(scan, pose, floor);
+        if (worth > (best ? best->worth : 0)) best = Look{pose, worth};
       }
     }
     return best;
   }
 
  private:
-  // Many things, none of them right before one's eyes.
-  double interest(const std::string& scan, Pose pose) {
+  // Many things of this room, and little of other rooms or right before one's eyes.
+  double interest(const std::string& scan, Pose pose, const synth::Rect& floor) {
     constexpr Size kSmall{64, 48};
     Drawn drawn;
     const render::Outputs outputs =
         outputs_into(drawn, {{scan::Layer::kDepth, ""}, {scan::Layer::kInstance, ""}}, kSmall);
-    const render::View view{panoramas_->at(scan), pose.viewpoint, pose.heading, degrees(-8)};
+    const render::View view{panoramas_->at(scan), pose.viewpoint, pose.heading, kDown};
     renderer_->render({kSmall.width, kSmall.height, degrees(kVfov)}, {&view, 1}, outputs);
+    const Vec3f eye = graphs_->graph(scan).positions()[pose.viewpoint.at()];
     std::map<std::uint32_t, std::size_t> counts;
-    double near = 0;
+    double near = 0, inside = 0;
     for (std::size_t i = 0; i < drawn.depth.pixels.size(); ++i) {
+      const double depth = drawn.depth.pixels[i] / double{scan::kDepthUnitsPerMetre};
+      if (depth < 1.0) near += 1;
+      if (!lies_on(floor, eye, pose.heading, kSmall, i, depth)) continue;
       ++counts[drawn.instances.pixels[i]];
-      if (drawn.depth.pixels[i] < 1.0 * scan::kDepthUnitsPerMetre) near += 1;
+      inside += 1;
     }
     double things = 0;
     for (const auto& [id, pixels] : counts) things += pixels >= 12 ? 1 : 0;
-    return things * (1 - near / static_cast<double>(drawn.depth.pixels.size()));
+    const auto all = static_cast<double>(drawn.depth.pixels.size());
+    return things * (1 - near / all) * (inside / all);
+  }
+
+  // Is what a pixel shows above this floor, or in the walls around it?
+  static bool lies_on(const synth::Rect& floor, Vec3f eye, Radians heading, Size size,
+                      std::size_t pixel, double depth) {
+    constexpr double kWall = 0.15;  // metres: pictures and windows are in or before the walls
+    const double tangent = std::tan(degrees(kVfov).value / 2);
+    const double height = size.height;
+    const double right =
+        tangent * (2.0 * static_cast<double>(pixel % size.width) + 1 - size.width) / height;
+    const double up =
+        tangent * (height - 2.0 * static_cast<double>(pixel / size.width) - 1) / height;
+    const double ahead = std::cos(kDown.value) - up * std::sin(kDown.value);
+    const double sine = std::sin(heading.value), cosine = std::cos(heading.value);
+    const double x = eye.x + depth * (ahead * sine + right * cosine);
+    const double y = eye.y + depth * (ahead * cosine - right * sine);
+    return x > floor.x0 - kWall && x < floor.x1 + kWall && y > floor.y0 - kWall &&
+           y < floor.y1 + kWall;
   }
 
   scan::DataRoot data_;
@@ -104,45 +139,55 @@ void write_sheet(const fs::path& file, const std::vector<draw::SheetPicture>& pi
   write_output(file.string(), encode(draw::contact_sheet(pictures, options), file.string()));
 }
 
-// The room that people spend their days in, else the one with most viewpoints.
-const synth::RoomEntry* main_room(const synth::HomeEntry& home) {
+// The place of the room that people spend their days in, else of that with most viewpoints.
+std::optional<std::size_t> main_room(const synth::HomeEntry& home) {
+  const auto& rooms = home.rooms;
   for (const char type : {'l', 'f', 'n', 'm', 'o', 'b'}) {
-    for (const synth::RoomEntry& room : home.rooms) {
-      if (room.type == type && !room.viewpoints.empty()) return &room;
+    for (std::size_t r = 0; r < rooms.size(); ++r) {
+      if (rooms[r].type == type && !rooms[r].viewpoints.empty()) return r;
     }
   }
+  if (rooms.empty()) return std::nullopt;
   const auto most = std::ranges::max_element(
-      home.rooms, {}, [](const synth::RoomEntry& room) { return room.viewpoints.size(); });
-  return most == home.rooms.end() ? nullptr : &*most;
+      rooms, {}, [](const synth::RoomEntry& room) { return room.viewpoints.size(); });
+  return static_cast<std::size_t>(most - rooms.begin());
 }
 
 std::vector<draw::SheetPicture> views_of_homes(Artist& artist,
                                                const std::vector<synth::HomeEntry>& homes) {
   std::vector<draw::SheetPicture> pictures;
   for (const synth::HomeEntry& home : homes) {
-    const synth::RoomEntry* room = main_room(home);
-    const auto pose = room == nullptr ? std::nullopt : artist.best_view(home.scan, *room);
-    if (!pose) continue;
-    pictures.push_back({artist.look(home.scan, *pose),
-                        fmt::format("{}, {}\n{}", home.scan, home.kind, room->name)});
+    const auto room = main_room(home);
+    if (!room) continue;
+    const synth::Plan plan = synth::make_plan(home.plan);
+    const auto look = artist.best_look(home.scan, home.rooms[*room], plan.rooms.at(*room).floor);
+    if (!look) continue;
+    pictures.push_back({artist.look(home.scan, look->pose),
+                        fmt::format("{}, {}\n{}", home.scan, home.kind, home.rooms[*room].name)});
   }
   return pictures;
 }
 
-std::vector<draw::SheetPicture> views_of_rooms(Artist& artist,
-                                               const std::vector<synth::HomeEntry>& homes) {
-  std::vector<draw::SheetPicture> pictures;
-  std::set<char> shown;
+struct RoomLook {
+  std::string scan, name;
+  Look look;
+};
+
+// Of each type of room the one, in any home, of which one sees most.
+std::map<char, RoomLook> best_rooms(Artist& artist, const std::vector<synth::HomeEntry>& homes) {
+  std::map<char, RoomLook> best;
   for (const synth::HomeEntry& home : homes) {
-    for (const synth::RoomEntry& room : home.rooms) {
-      if (shown.contains(room.type)) continue;
-      const auto pose = artist.best_view(home.scan, room);
-      if (!pose) continue;
-      shown.insert(room.type);
-      pictures.push_back({artist.look(home.scan, *pose), room.name + "\n" + home.scan});
+    const synth::Plan plan = synth::make_plan(home.plan);
+    for (std::size_t r = 0; r < home.rooms.size(); ++r) {
+      const synth::RoomEntry& room = home.rooms[r];
+      const auto look = artist.best_look(home.scan, room, plan.rooms.at(r).floor);
+      if (!look) continue;
+      const auto known = best.find(room.type);
+      if (known != best.end() && known->second.look.worth >= look->worth) continue;
+      best[room.type] = {home.scan, room.name, *look};
     }
   }
-  return pictures;
+  return best;
 }
 
 // What one sees along a path.
@@ -188,7 +233,14 @@ std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& outp
   };
   sheet("homes.png", views_of_homes(artist, homes),
         fmt::format("{} model homes (synthetic)", homes.size()));
-  sheet("rooms.png", views_of_rooms(artist, homes), "Rooms of model homes (synthetic)");
+  std::vector<draw::SheetPicture> views, panoramas;
+  for (const auto& [type, room] : best_rooms(artist, homes)) {
+    const std::string caption = room.name + "\n" + room.scan;
+    views.push_back({artist.look(room.scan, room.look.pose), caption});
+    panoramas.push_back({artist.look_around(room.scan, room.look.pose), caption});
+  }
+  sheet("rooms.png", views, "Rooms of model homes (synthetic)");
+  sheet("panoramas.png", panoramas, "A panorama of each type of room (synthetic)");
   std::error_code code;
   if (fs::exists(folder / "r2r" / "R2R_val_unseen.json", code) &&
       draw_walk(artist, output / "walk.png")) {

@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
@@ -15,7 +17,7 @@ namespace enfilade::apps {
 namespace {
 
 struct Options {
-  std::string output, preset = "demo", kind;
+  std::string output, preset = "demo", kind, corrections, shard;
   std::optional<std::size_t> homes;
   std::optional<std::uint64_t> seed;
   std::optional<std::uint32_t> size, samples;
@@ -33,6 +35,26 @@ const std::map<std::string, synth::HomeKind>& kinds() {
   return kKinds;
 }
 
+// "3/16": the third of sixteen.
+synth::HomeShard parse_shard(const std::string& text) {
+  if (text.empty()) return {};
+  synth::HomeShard shard{0, 0};
+  std::size_t number = 0;
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  const auto read = [](std::string_view digits, std::size_t& value) {
+    const auto [stop, code] = std::from_chars(digits.begin(), digits.end(), value);
+    return code == std::errc() && stop == digits.end();
+  };
+  const std::string_view all = text;
+  if (slash == all.size() || !read(all.substr(0, slash), number) ||
+      !read(all.substr(slash + 1), shard.count) || number < 1 || number > shard.count) {
+    throw UsageError(
+        fmt::format("--shard {:?}: K/N is expected, the K-th of N shares, K from 1 to N", text));
+  }
+  shard.index = number - 1;
+  return shard;
+}
+
 synth::HomeSetOptions set_of(const Options& o) {
   synth::HomeSetOptions set = synth::home_set_preset(o.preset);
   if (o.homes) set.homes = *o.homes;
@@ -41,6 +63,8 @@ synth::HomeSetOptions set_of(const Options& o) {
   if (o.area) set.least_area = set.most_area = *o.area;
   if (o.size) set.face_size = *o.size;
   if (o.samples) set.samples = *o.samples;
+  set.corrections = o.corrections;
+  set.shard = parse_shard(o.shard);
   set.threads = o.threads;
   return set;
 }
@@ -68,11 +92,19 @@ void print_homes(const std::vector<synth::HomeEntry>& homes) {
 }
 
 void make(const Options& options) {
-  const auto homes = synth::write_homes(options.output, set_of(options), bar("homes"));
+  const synth::HomeSetOptions set = set_of(options);
+  const auto [homes, notes] = synth::write_homes(options.output, set, bar("homes"));
   print_homes(homes);
+  if (!notes.empty()) print_diagnostics(notes);
+  if (set.shard.count > 1) {
+    fmt::print("share {} of the set; run without --shard when all shares are made\n",
+               options.shard);
+    return;
+  }
   if (options.paths == 0) return;
-  if (homes.size() < 3) {
-    fmt::print("no paths: splits by building need 3 homes, these are {}\n", homes.size());
+  if (homes.size() < synth::kLeastHomes) {
+    fmt::print("no paths: splits by building need {} homes, these are {}\n", synth::kLeastHomes,
+               homes.size());
     return;
   }
   synth::HomePathOptions paths;
@@ -93,22 +125,30 @@ void add_options(CLI::App& verb, Options& o) {
       ->check(CLI::IsMember(synth::home_set_presets()))
       ->capture_default_str();
   verb.add_option("--homes", o.homes, "How many, instead of the preset's")
-      ->check(whole_number(1))
+      ->check(whole_number(1, 10000))
       ->type_name("N");
   verb.add_option("--kind", o.kind, "house, flat, office or hotel; else a mixture")
       ->check(CLI::IsMember(std::vector<std::string>{"house", "flat", "office", "hotel"}));
   verb.add_option("--area", o.area, "Of all storeys of a home, square metres, 60 to 3000")
-      ->check(finite_number(60));
+      ->check(finite_number(synth::kLeastArea, synth::kMostArea));
   verb.add_option("--size", o.size, "Texels of a panorama's faces; 0: no pictures")
-      ->check(whole_number());
+      ->check(whole_number(0, 4096));
   verb.add_option("--samples", o.samples, "Colour rays a texel: 1, 4, 9 or 16")
       ->check(whole_number(1));
   verb.add_option("--seed", o.seed, "The same seed gives the same bytes")->check(whole_number());
+  verb.add_option("--corrections", o.corrections,
+                  "Folder of what people added to graphs and took away, SCAN_corrections.json: "
+                  "docs/graph.md. Also applied to homes that are there; without it none are")
+      ->type_name("DIR");
+  verb.add_option("--shard", o.shard,
+                  "Make the K-th of N shares of the set only, beside other runs; then run once "
+                  "without it")
+      ->type_name("K/N");
   verb.add_option("--paths", o.paths, "Room-to-Room paths a home, at most; 0: none")
       ->check(whole_number())
       ->capture_default_str();
   verb.add_option("--threads", o.threads, "0: all cores")
-      ->check(whole_number())
+      ->check(whole_number(0, 1024))
       ->capture_default_str();
 }
 
@@ -120,6 +160,8 @@ void add_homes(CLI::App& app, int& status) {
   const auto options = std::make_shared<Options>();
   add_options(verb, *options);
   set_examples(verb, {"enfilade homes -o homes", "enfilade homes -o two --preset small --paths 0",
+                      "enfilade homes -o homes --corrections homes-corrections",
+                      "enfilade homes -o homes --preset full --shard 3/16",
                       "enfilade contact-sheet home_0001 --data homes -o home.png",
                       "enfilade graph draw home_0001 --data homes -o plan.svg"});
   verb.footer(

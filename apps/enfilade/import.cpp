@@ -328,15 +328,6 @@ void list_scan(const fs::path& connectivity, const std::string& scan) {
   write_file_atomically(file, content + scan + "\n");
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) {
-    throw FileError(
-        fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
-  }
-}
-
 // Pictures first: a graph never names a panorama that is not there.
 void write(const Arguments& a, const std::vector<Panorama>& panoramas, const Connectivity& graph) {
   const fs::path images = fs::path(a.output) / a.scan / "matterport_skybox_images";

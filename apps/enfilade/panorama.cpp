@@ -92,11 +92,7 @@ void add_panorama(CLI::App& app, int& status) {
       "Draw all directions of a viewpoint in one picture, equirectangular or as the "
       "unfolded cube; depth is the distance along the ray");
   const auto a = std::make_shared<PanoramaArguments>();
-  verb.add_option("scan", a->scan, "Which building")->required()->type_name("SCAN");
-  verb.add_option("viewpoint", a->viewpoint,
-                  "Its index, id, or the beginning of an id that no other one shares")
-      ->required()
-      ->type_name("VIEWPOINT");
+  add_viewpoint_arguments(verb, a->scan, a->viewpoint);
   CLI::Option* width = verb.add_option("--width", a->width, "Pixels; the height is half of it")
                            ->check(whole_number(2))
                            ->capture_default_str()

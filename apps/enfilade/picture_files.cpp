@@ -157,6 +157,14 @@ std::string encode_instances(const image::Image32& ids) {
 
 }  // namespace
 
+void add_viewpoint_arguments(CLI::App& verb, std::string& scan, std::string& viewpoint) {
+  verb.add_option("scan", scan, "Which building")->required()->type_name("SCAN");
+  verb.add_option("viewpoint", viewpoint,
+                  "Its index, id, or the beginning of an id that no other one shares")
+      ->required()
+      ->type_name("VIEWPOINT");
+}
+
 void add_place_options(CLI::App& verb, SceneOptions& options) {
   verb.add_option("--images", options.images,
                   "Folder of stores (SCAN.enfilade) or of Matterport3D's scans, folders or zips; "

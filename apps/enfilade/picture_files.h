@@ -23,6 +23,8 @@ struct SceneOptions {
   std::string backend = "cpu", gl_device;
   bool legacy = false;
 };
+/// SCAN and VIEWPOINT
+void add_viewpoint_arguments(CLI::App& verb, std::string& scan, std::string& viewpoint);
 /// --images, --connectivity, --data
 void add_place_options(CLI::App& verb, SceneOptions& options);
 /// --backend, --gl-device, --legacy

@@ -92,11 +92,7 @@ void add_render(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "render", "Draw what an agent sees at a viewpoint: colour, depth, classes, instances");
   const auto a = std::make_shared<RenderArguments>();
-  verb.add_option("scan", a->scan, "Which building")->required()->type_name("SCAN");
-  verb.add_option("viewpoint", a->viewpoint,
-                  "Its index, id, or the beginning of an id that no other one shares")
-      ->required()
-      ->type_name("VIEWPOINT");
+  add_viewpoint_arguments(verb, a->scan, a->viewpoint);
   verb.add_option("--heading", a->heading, "Clockwise from north (+y), degrees")
       ->check(finite_number(-1e6))
       ->capture_default_str()

@@ -6,6 +6,7 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/core/file.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/r2r/path_comparison.h"
 #include "enfilade/r2r/path_sampling.h"
@@ -63,11 +64,7 @@ void write_splits(const Options& options, const std::vector<r2r::PathAnnotation>
     split_options.test_scans = options.shares[2];
   }
   const auto splits = split_by_building(paths, split_options);
-  std::error_code code;
-  fs::create_directories(options.output, code);
-  if (code) {
-    throw FileError(fmt::format("{}: cannot make the folder: {}", options.output, code.message()));
-  }
+  make_folder(options.output);
   for (const auto& [name, split] : splits) {
     const fs::path file = fs::path(options.output) / split.file;
     write_output(file.string(), to_json(split));

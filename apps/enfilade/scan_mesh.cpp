@@ -1,7 +1,6 @@
 // enfilade scan-mesh: a walkable scan in Matterport3D's files, out of any mesh.
 #include <fmt/format.h>
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -11,13 +10,12 @@
 #include <utility>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/mesh_files.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/core/file.h"
 #include "enfilade/graph/build.h"
 #include "enfilade/mesh/lighting.h"
-#include "enfilade/mesh/read_mesh.h"
 #include "enfilade/mesh/segmentation.h"
-#include "enfilade/mesh/walkable.h"
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/synth/plain_room.h"
 #include "enfilade/synth/scan_files.h"
@@ -28,29 +26,13 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string mesh, output, scan, graph, labels;
+  MeshOptions mesh;
+  std::string output, graph, labels;
   std::vector<std::string> parts;
-  std::string up = "format";
-  mesh::ReadOptions read;
   synth::ScanFilesOptions files;
   std::size_t limit = 0;
   bool room = false;
 };
-
-constexpr const char* kGraphSuffix = "_connectivity.json";
-
-// "low_poly_tavern_interior" of a mesh's file name, "17DRP5sb8fy" of a graph's.
-std::string scan_of(const Arguments& a) {
-  if (!a.scan.empty()) return a.scan;
-  if (!a.graph.empty()) {
-    const std::string name = fs::path(a.graph).filename().string();
-    if (name.ends_with(kGraphSuffix)) return name.substr(0, name.size() - 18);
-  }
-  std::string name = fs::path(a.mesh).stem().string();
-  std::ranges::replace_if(
-      name, [](unsigned char c) { return std::isalnum(c) == 0 && c != '_' && c != '-'; }, '_');
-  return name;
-}
 
 synth::ScanParts parts_of(const Arguments& a) {
   std::vector<std::string> names = a.parts;
@@ -74,19 +56,14 @@ synth::ScanParts parts_of(const Arguments& a) {
 }
 
 mesh::Mesh read(const Arguments& a) {
-  mesh::ReadOptions options = a.read;
-  options.up = a.up == "y"   ? mesh::UpAxis::kY
-               : a.up == "z" ? mesh::UpAxis::kZ
-                             : mesh::UpAxis::kFormat;
-  mesh::ReadResult result = mesh::read_mesh(a.mesh, options);
-  if (!result.warnings.empty()) print_diagnostics(result.warnings);
-  const mesh::Box box = mesh::bounds(result.mesh);
-  fmt::print("{}: {} triangles, {} materials, {} objects, {:.1f} x {:.1f} x {:.1f} m\n", a.mesh,
-             result.mesh.triangles.size(), result.mesh.materials.size(), result.mesh.objects.size(),
+  mesh::Mesh mesh = read_mesh_file(a.mesh);
+  const mesh::Box box = mesh::bounds(mesh);
+  fmt::print("{}: {} triangles, {} materials, {} objects, {:.1f} x {:.1f} x {:.1f} m\n",
+             a.mesh.file, mesh.triangles.size(), mesh.materials.size(), mesh.objects.size(),
              box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z);
   std::fflush(stdout);
-  if (a.room) synth::add_plain_room(result.mesh);
-  return std::move(result.mesh);
+  if (a.room) synth::add_plain_room(mesh);
+  return mesh;
 }
 
 scan::Connectivity graph_of(const Arguments& a, const mesh::RayTracer& tracer,
@@ -99,7 +76,7 @@ scan::Connectivity graph_of(const Arguments& a, const mesh::RayTracer& tracer,
     }
     return graph;
   }
-  const mesh::WalkableFloor floor(tracer.mesh());
+  const mesh::WalkableFloor floor = find_floor(tracer.mesh(), a.mesh);
   std::vector<graph::PlacedViewpoint> viewpoints = graph::place_viewpoints(tracer, floor);
   if (a.limit != 0 && viewpoints.size() > a.limit) viewpoints.resize(a.limit);
   return graph::connect_viewpoints(tracer, floor, viewpoints, scan, {}, a.files.threads,
@@ -116,7 +93,7 @@ double emptiness(const mesh::RayTracer& tracer, const scan::Connectivity& graph)
     for (int k = 0; k < kAround; ++k, ++rays) {
       const double angle = 2 * 3.141592653589793 * k / kAround;
       const mesh::Ray ray{
-          {static_cast<float>(eye.x), static_cast<float>(eye.y), static_cast<float>(eye.z)},
+          to_float(eye),
           {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), -.5F}};
       empty += !tracer.trace(ray);
     }
@@ -177,7 +154,7 @@ void report(const Arguments& a, const scan::Connectivity& graph,
 void run(Arguments a) {
   const auto start = std::chrono::steady_clock::now();
   a.files.parts = parts_of(a);
-  const std::string scan = scan_of(a);
+  const std::string scan = scan_of(a.mesh, a.graph);
   const auto tracer =
       std::make_shared<const mesh::RayTracer>(std::make_shared<const mesh::Mesh>(read(a)));
   const scan::Connectivity graph = graph_of(a, *tracer, scan);
@@ -195,21 +172,11 @@ void run(Arguments a) {
 }
 
 void add_source_options(CLI::App& verb, Arguments& a) {
-  verb.add_option("mesh", a.mesh, "glTF 2.0 (.glb, .gltf), .obj with .mtl, or .ply")
-      ->required()
-      ->type_name("MESH");
+  add_mesh_options(verb, a.mesh);
   verb.add_option("-o,--output", a.output,
                   "Data set to write into; made if it is not there. Other scans in it stay")
       ->required()
       ->type_name("ROOT");
-  verb.add_option("--scan", a.scan, "Scan id (default: the mesh's file name)")->type_name("ID");
-  verb.add_option("--scale", a.read.scale, "Metres per unit of the mesh")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  verb.add_option("--up", a.up, "Axis that points up; format: y for glTF, z for OBJ and PLY")
-      ->check(CLI::IsMember({"format", "y", "z"}))
-      ->capture_default_str()
-      ->type_name("");
   verb.add_flag("--room", a.room,
                 "Put the mesh into a plain room with floor, walls and ceiling: for things that "
                 "were modelled without");

@@ -38,10 +38,6 @@ PlanOptions some_options(std::uint64_t seed) {
   }
 }
 
-Vec3f narrow(Vec3d v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
 Vec3d middle_of(const Home& home, std::size_t room, double above) {
   const Rect& f = home.plan.rooms[room].floor;
   return {(f.x0 + f.x1) / 2, (f.y0 + f.y1) / 2,
@@ -73,7 +69,7 @@ TEST(Architecture, RoomsAreClosedAndFacesLookInward) {
         const double z = 2 * rng.uniform() - 1, a = 2 * std::numbers::pi * rng.uniform();
         const double s = std::sqrt(1 - z * z);
         const Vec3d way{s * std::cos(a), s * std::sin(a), z};
-        const mesh::Hit hit = tracer.trace({narrow(eye), narrow(way)});
+        const mesh::Hit hit = tracer.trace({to_float(eye), to_float(way)});
         ++rays;
         const Rect& out = home.plan.outline;
         const double reach = hit ? double(hit.distance) : 1e3;
@@ -132,7 +128,7 @@ TEST(Architecture, EverythingSolidIsAnObstacle) {
         }
         const double a = 2 * std::numbers::pi * rng.uniform();
         const Vec3d way{std::cos(a), std::sin(a), 0};
-        const mesh::Hit hit = tracer.trace({narrow(eye), narrow(way)});
+        const mesh::Hit hit = tracer.trace({to_float(eye), to_float(way)});
         if (!hit) continue;
         const double d = double(hit.distance);
         const Vec3d at{eye.x + d * way.x, eye.y + d * way.y, eye.z};

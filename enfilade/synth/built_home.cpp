@@ -35,9 +35,7 @@ scan::Connectivity build_graph(const BuiltHome& built, const std::string& scan, 
   auto viewpoints = graph::place_viewpoints(*built.tracer, floor);
   // Beds and tables are floor to a mesh, but nobody gets there.
   std::erase_if(viewpoints, [&](const graph::PlacedViewpoint& v) {
-    const Vec3f eye{static_cast<float>(v.eye.x), static_cast<float>(v.eye.y),
-                    static_cast<float>(v.eye.z)};
-    const auto cell = floor.below(eye);
+    const auto cell = floor.below(to_float(v.eye));
     return !cell || floor.cells()[*cell].area != 0;
   });
   return graph::connect_viewpoints(*built.tracer, floor, viewpoints, scan, {}, threads);

@@ -30,11 +30,6 @@ struct Workshop {
   }
 };
 
-Vec3d wide(Vec3f v) { return {v.x, v.y, v.z}; }
-Vec3d cross(Vec3d a, Vec3d b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 /// Is a point in an obstacle that is `slack` larger on all sides?
 bool inside(const Obstacle& o, Vec3d p, double slack) {
   const double c = std::cos(o.turned), s = std::sin(o.turned);
@@ -70,13 +65,15 @@ TEST(Shapes, AreSoundAndKeepToTheirSize) {
     EXPECT_LE(n, 2200U);
     for (std::size_t i = first; i < shop.mesh.triangles.size(); ++i) {
       const auto& t = shop.mesh.triangles[i];
-      const Vec3d a = wide(shop.mesh.positions[t[0]]), b = wide(shop.mesh.positions[t[1]]),
-                  c = wide(shop.mesh.positions[t[2]]);
+      const Vec3d a = to_double(shop.mesh.positions[t[0]]),
+                  b = to_double(shop.mesh.positions[t[1]]),
+                  c = to_double(shop.mesh.positions[t[2]]);
       const Vec3d facing = cross(b - a, c - a);
       for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3d p = wide(shop.mesh.positions[t[k]]), normal = wide(shop.mesh.normals[i][k]);
+        const Vec3d p = to_double(shop.mesh.positions[t[k]]),
+                    normal = to_double(shop.mesh.normals[i][k]);
         ASSERT_NEAR(length(normal), 1, 1e-4);
-        ASSERT_GT(facing.x * normal.x + facing.y * normal.y + facing.z * normal.z, -1e-9);
+        ASSERT_GT(dot(facing, normal), -1e-9);
         // Handles and trims may stand out by a finger.
         ASSERT_LE(std::abs(p.x), shape.size.w / 2 + 0.03);
         ASSERT_LE(std::abs(p.y), shape.size.d / 2 + 0.03);
@@ -101,7 +98,7 @@ TEST(Shapes, ObstaclesAndThingsHoldWhatTheyStandFor) {
     const bool touchable = shape.size.h > 0.065 && shape.size.d > 0.065;
     EXPECT_EQ(shop.obstacles.empty(), !touchable);
     for (std::size_t i = first; i < shop.mesh.positions.size(); ++i) {
-      const Vec3d p = wide(shop.mesh.positions[i]);
+      const Vec3d p = to_double(shop.mesh.positions[i]);
       ASSERT_TRUE(p.x >= thing.low.x && p.y >= thing.low.y && p.z >= thing.low.z &&
                   p.x <= thing.high.x && p.y <= thing.high.y && p.z <= thing.high.z);
       if (!touchable || p.z < 0.35 || p.z > 1.55) continue;

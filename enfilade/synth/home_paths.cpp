@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <system_error>
 #include <utility>
 
 #include "enfilade/core/errors.h"
@@ -50,12 +49,7 @@ void speak_in(const HomeEntry& entry, const graph::GraphSet& graphs, const HomeP
 }
 
 void write_splits(const fs::path& folder, const std::map<std::string, r2r::Annotations>& splits) {
-  std::error_code code;
-  for (const char* part : {"r2r", "hidden"}) {
-    if (!fs::create_directories(folder / part, code) && code) {
-      throw FileError(fmt::format("{}: {}", (folder / part).string(), code.message()));
-    }
-  }
+  for (const char* part : {"r2r", "hidden"}) make_folder(folder / part);
   for (const char* split : {"train", "val_seen", "val_unseen", "test"}) {
     write_file_atomically(folder / "r2r" / fmt::format("R2R_{}.json", split),
                           to_json(splits.at(split)));
@@ -68,6 +62,10 @@ void write_splits(const fs::path& folder, const std::map<std::string, r2r::Annot
 HomePathReport write_home_paths(const fs::path& folder, const HomePathOptions& options,
                                 const SetProgress& progress) {
   const std::vector<HomeEntry> homes = read_home_list(folder);
+  if (homes.size() < kLeastHomes) {
+    throw FileError(fmt::format("{}: {} homes, but splits by building need {} at least",
+                                folder.string(), homes.size(), kLeastHomes));
+  }
   const auto graphs = graph::GraphSet::open(folder / "connectivity");
   r2r::SamplingOptions sampling;
   sampling.per_building = options.per_home;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -10,18 +11,22 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/rng.h"
+#include "enfilade/graph/corrections.h"
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/mesh/lighting.h"
 #include "enfilade/scan/connectivity.h"
+#include "enfilade/scan/regions.h"
 #include "enfilade/scan/store.h"
 #include "enfilade/synth/built_home.h"
+#include "enfilade/synth/detail/home_corrections.h"
 #include "enfilade/synth/detail/home_list.h"
-#include "enfilade/synth/home_panoramas.h"
+#include "enfilade/synth/mesh_panoramas.h"
 
 namespace enfilade::synth {
 namespace {
 
 namespace fs = std::filesystem;
+using detail::HomeCorrections;
 using detail::HomeList;
 
 constexpr std::string_view kMarker = "# Model homes: a SYNTHETIC data set made by Enfilade\n";
@@ -30,6 +35,10 @@ constexpr std::size_t kMostHomes = 10000;
 constexpr int kGeneration = 1;
 // Shares of a home's work, for progress: building and graph, light, pictures.
 constexpr std::size_t kUnits = 100, kBuilt = 8, kLit = 28;
+// Lists of one home each, of runs of shards, until a run of the whole set gathers them.
+constexpr const char* kShards = "shards";
+// In an entry's place for a checksum: its graph is just being corrected anew.
+constexpr const char* kUnfinished = "unfinished";
 
 struct Preset {
   std::string_view name;
@@ -63,11 +72,26 @@ void validate(const HomeSetOptions& o) {
   };
   check(o.homes >= 1 && o.homes <= kMostHomes,
         fmt::format("homes: {}, not from 1 to {}", o.homes, kMostHomes));
-  check(o.least_area >= 0 && o.most_area >= o.least_area,
-        fmt::format("area: {} to {} m2, not a range of numbers >= 0", o.least_area, o.most_area));
+  check((o.least_area == 0 && o.most_area == 0) ||
+            (o.least_area >= kLeastArea && o.most_area <= kMostArea && o.least_area <= o.most_area),
+        fmt::format("area: {} to {} m2, not a range within {} to {}, or 0", o.least_area,
+                    o.most_area, kLeastArea, kMostArea));
   check(o.face_size <= 4096, fmt::format("face_size: {}, not from 0 to 4096", o.face_size));
+  check(o.samples == 1 || o.samples == 4 || o.samples == 9 || o.samples == 16,
+        fmt::format("samples: {}, not 1, 4, 9 or 16", o.samples));
   check(o.jpeg_quality >= 1 && o.jpeg_quality <= 100,
         fmt::format("jpeg_quality: {}, not from 1 to 100", o.jpeg_quality));
+  check(o.shard.index < o.shard.count && o.shard.count <= kMostHomes,
+        fmt::format("shard: index {} of {}, not below it or not from 1 to {}", o.shard.index,
+                    o.shard.count, kMostHomes));
+}
+
+std::string scan_name(std::size_t home) { return fmt::format("home_{:04}", home + 1); }
+
+std::vector<std::string> scan_names(std::size_t homes) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < homes; ++i) names.push_back(scan_name(i));
+  return names;
 }
 
 // What is drawn for one home of a set depends on the set's seed and its number only, so that a
@@ -108,23 +132,51 @@ std::string readme(const HomeSetOptions& o) {
       kMarker, o.homes, o.seed, o.face_size);
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code code;
-  if (!fs::create_directories(folder, code) && code) {
-    throw FileError(fmt::format("{}: {}", folder.string(), code.message()));
+// Homes by their places in the set.
+using Homes = std::map<std::size_t, HomeEntry>;
+
+// Adds what a list of an earlier run has. \throws FileError if that was of another set
+void add_list(const fs::path& file, const fs::path& folder, const HomeSetOptions& options,
+              Homes& homes) {
+  HomeList list = detail::parse_home_list(read_file(file), file.string());
+  const std::string differs = detail::difference(list.options, options);
+  if (!differs.empty()) {
+    throw FileError(fmt::format("{}: holds homes made with other options ({}); name another folder",
+                                folder.string(), differs));
+  }
+  const std::vector<std::string> names = scan_names(options.homes);
+  for (std::size_t i = 0; i < list.homes.size(); ++i) {
+    HomeEntry& home = list.homes[i];
+    const auto name = std::ranges::find(names, home.scan);
+    if (name == names.end()) {
+      throw InvalidInput(
+          {{Severity::kError, file.string(), fmt::format("$.homes[{}].scan", i), "unknown-scan",
+            fmt::format("{:?} is none of the {} homes of this set: {} to {}", home.scan,
+                        names.size(), names.front(), names.back())}});
+    }
+    homes[static_cast<std::size_t>(name - names.begin())] = std::move(home);
   }
 }
 
-// The list of an earlier run with the same options, or an empty one in a folder that is claimed.
-HomeList claim(const fs::path& folder, const HomeSetOptions& options) {
+void write_list(const fs::path& file, const HomeSetOptions& options, const Homes& homes) {
+  HomeList list{options, {}};
+  for (const auto& [place, home] : homes) list.homes.push_back(home);
+  write_file_atomically(file, detail::to_json(list));
+}
+
+// The homes of earlier runs with the same options, or none in a folder that is claimed.
+Homes claim(const fs::path& folder, const HomeSetOptions& options) {
+  Homes homes;
   std::error_code code;
   const fs::path list_file = folder / "homes.json";
   if (fs::exists(list_file, code)) {
-    HomeList list = detail::parse_home_list(read_file(list_file), list_file.string());
-    const std::string differs = detail::difference(list.options, options);
-    if (differs.empty()) return list;
-    throw FileError(fmt::format("{}: holds homes made with other options ({}); name another folder",
-                                folder.string(), differs));
+    add_list(list_file, folder, options, homes);
+    if (fs::is_directory(folder / kShards, code)) {
+      for (const auto& entry : fs::directory_iterator(folder / kShards)) {
+        if (entry.path().extension() == ".json") add_list(entry.path(), folder, options, homes);
+      }
+    }
+    return homes;
   }
   if (fs::is_directory(folder, code) && !fs::is_empty(folder, code)) {
     const fs::path marker = folder / "README.md";
@@ -137,7 +189,9 @@ HomeList claim(const fs::path& folder, const HomeSetOptions& options) {
   }
   make_folder(folder);
   write_file_atomically(folder / "README.md", readme(options));
-  return {options, {}};
+  // Before any home: what a killed run leaves must not pass for that of other options.
+  write_list(list_file, options, homes);
+  return homes;
 }
 
 HomeEntry describe(const BuiltHome& built, const PlanOptions& plan,
@@ -192,55 +246,143 @@ void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivit
   });
 }
 
-HomeEntry write_home(const fs::path& folder, const HomeSetOptions& options, std::size_t place,
-                     const SetProgress& progress) {
-  const std::string scan = fmt::format("home_{:04}", place + 1);
-  const PlanOptions plan = plan_of(options, place);
-  const auto tell = [&](std::size_t units) {
-    if (progress) progress(scan, place * kUnits + units, options.homes * kUnits);
-  };
-  tell(0);
-  const BuiltHome built = build_home(plan);
-  const scan::Connectivity connectivity = build_graph(built, scan, options.threads);
-  write_file_atomically(scan::connectivity_file(folder / "connectivity", scan),
-                        to_json(connectivity));
-  tell(kBuilt);
-  if (options.face_size > 0) {
-    take_pictures(built, connectivity, options, folder,
-                  [&](std::size_t done, std::size_t) { tell(kBuilt + done); });
+std::vector<scan::ScanRegions> regions_of(const Homes& homes) {
+  std::vector<scan::ScanRegions> scans;
+  for (const auto& [place, home] : homes) {
+    scan::ScanRegions regions{home.scan, {}};
+    for (const RoomEntry& room : home.rooms) regions.viewpoints.push_back(room.viewpoints);
+    scans.push_back(std::move(regions));
   }
-  tell(kUnits);
-  return describe(built, plan, connectivity);
+  return scans;
 }
 
-// RegionMap's layout, out of the list.
-std::string regions_of(const HomeList& list) {
-  std::string json = "{";
-  for (const HomeEntry& home : list.homes) {
-    json += fmt::format("{}\n\"{}\": {{", json.size() > 1 ? "," : "", home.scan);
-    bool first = true;
-    for (std::size_t r = 0; r < home.rooms.size(); ++r) {
-      if (home.rooms[r].viewpoints.empty()) continue;
-      json += fmt::format("{}\"{}\": [", first ? "" : ", ", r);
-      for (std::size_t k = 0; k < home.rooms[r].viewpoints.size(); ++k) {
-        json += fmt::format("{}\"{}\"", k > 0 ? ", " : "", home.rooms[r].viewpoints[k]);
+// One run over the homes of a shard.
+class HomeWriter {
+ public:
+  HomeWriter(const fs::path& folder, const HomeSetOptions& options, const SetProgress& progress)
+      : folder_(folder), options_(options), progress_(progress) {}
+
+  HomeSetReport run() {
+    corrections_ = detail::load_home_corrections(options_.corrections, scan_names(options_.homes));
+    homes_ = claim(folder_, options_);
+    for (const char* part : {"connectivity", "regions"}) make_folder(folder_ / part);
+    if (whole()) gather();
+    for (std::size_t i = options_.shard.index; i < options_.homes; i += options_.shard.count) {
+      const auto found = homes_.find(i);
+      if (found == homes_.end()) {
+        make(i);
+      } else if (found->second.corrections != wanted(i)) {
+        correct_again(i);
       }
-      json += "]";
-      first = false;
+      report_.homes.push_back(homes_.at(i));
     }
-    json += "}";
+    return std::move(report_);
   }
-  return json + "\n}\n";
-}
 
-void write_list(const fs::path& folder, const HomeList& list) {
-  std::string scans;
-  for (const HomeEntry& home : list.homes) scans += home.scan + "\n";
-  write_file_atomically(folder / "regions" / "region_to_panorama.json", regions_of(list));
-  write_file_atomically(folder / "connectivity" / "scans.txt", scans);
-  write_file_atomically(folder / "homes.json",
-                        detail::to_json(list));  // last: it says what is done
-}
+ private:
+  bool whole() const { return options_.shard.count == 1; }
+
+  const HomeCorrections* corrections_of(std::size_t home) const {
+    const auto found = corrections_.find(scan_name(home));
+    return found == corrections_.end() ? nullptr : &found->second;
+  }
+  std::string wanted(std::size_t home) const {
+    const HomeCorrections* corrections = corrections_of(home);
+    return corrections == nullptr ? "" : corrections->checksum;
+  }
+
+  // Takes the shards' homes into the list, and what killed runs left half written away.
+  void gather() {
+    if (!homes_.empty()) save_list();
+    std::error_code code;
+    fs::remove_all(folder_ / kShards, code);
+    if (code) {
+      throw FileError(
+          fmt::format("{}: cannot remove: {}", (folder_ / kShards).string(), code.message()));
+    }
+    for (const char* part : {".", "connectivity", "regions", "r2r", "hidden"}) {
+      remove_unfinished(folder_ / part);
+    }
+  }
+
+  void make(std::size_t home) {
+    const PlanOptions plan = plan_of(options_, home);
+    const auto tell = [&](std::size_t units) {
+      if (progress_) {
+        progress_(scan_name(home), home * kUnits + units, options_.homes * kUnits);
+      }
+    };
+    tell(0);
+    const BuiltHome built = build(home, plan);
+    const scan::Connectivity found = build_graph(built, scan_name(home), options_.threads);
+    const scan::Connectivity corrected = write_graph(home, found);
+    tell(kBuilt);
+    if (options_.face_size > 0) {
+      // Of the graph as it was found: people correct it when they have seen the pictures.
+      take_pictures(built, found, options_, folder_,
+                    [&](std::size_t done, std::size_t) { tell(kBuilt + done); });
+    }
+    tell(kUnits);
+    save(home, describe(built, plan, corrected), wanted(home));
+  }
+
+  void correct_again(std::size_t home) {
+    const HomeEntry old = homes_.at(home);
+    save(home, old, kUnfinished);
+    const BuiltHome built = build(home, old.plan);
+    const scan::Connectivity found = build_graph(built, old.scan, options_.threads);
+    save(home, describe(built, old.plan, write_graph(home, found)), wanted(home));
+  }
+
+  BuiltHome build(std::size_t home, const PlanOptions& plan) const {
+    try {
+      return build_home(plan);
+    } catch (const NoPlan& none) {
+      throw NoPlan(fmt::format("{}: {}. {} homes made before are kept in {}", scan_name(home),
+                               none.what(), homes_.size(), folder_.string()));
+    }
+  }
+
+  // With the corrections that there are.
+  scan::Connectivity write_graph(std::size_t home, scan::Connectivity graph) {
+    if (const HomeCorrections* there = corrections_of(home)) {
+      graph::Corrected corrected = apply(graph, there->corrections, there->file.string());
+      report_.notes.insert(report_.notes.end(), corrected.notes.begin(), corrected.notes.end());
+      graph = std::move(corrected.connectivity);
+    }
+    write_file_atomically(scan::connectivity_file(folder_ / "connectivity", graph.scan),
+                          to_json(graph));
+    return graph;
+  }
+
+  void save(std::size_t home, HomeEntry entry, std::string corrections) {
+    entry.corrections = std::move(corrections);
+    homes_[home] = std::move(entry);
+    if (whole()) {
+      save_list();
+    } else {
+      make_folder(folder_ / kShards);
+      write_list(folder_ / kShards / (scan_name(home) + ".json"), options_,
+                 {{home, homes_.at(home)}});
+    }
+  }
+
+  void save_list() const {
+    std::string scans;
+    for (const auto& [place, home] : homes_) scans += home.scan + "\n";
+    write_file_atomically(folder_ / "regions" / "region_to_panorama.json",
+                          to_json(regions_of(homes_)));
+    write_file_atomically(folder_ / "connectivity" / "scans.txt", scans);
+    write_list(folder_ / "homes.json", options_, homes_);  // last: it says what is done
+  }
+
+  const fs::path& folder_;
+  const HomeSetOptions& options_;
+  const SetProgress& progress_;
+  std::map<std::string, HomeCorrections> corrections_;
+  Homes homes_;
+  HomeSetReport report_;
+};
 
 }  // namespace
 
@@ -257,16 +399,10 @@ std::vector<std::string> home_set_presets() {
   return names;
 }
 
-std::vector<HomeEntry> write_homes(const fs::path& folder, const HomeSetOptions& options,
-                                   const SetProgress& progress) {
+HomeSetReport write_homes(const fs::path& folder, const HomeSetOptions& options,
+                          const SetProgress& progress) {
   validate(options);
-  HomeList list = claim(folder, options);
-  for (const char* part : {"connectivity", "regions"}) make_folder(folder / part);
-  for (std::size_t i = list.homes.size(); i < options.homes; ++i) {
-    list.homes.push_back(write_home(folder, options, i, progress));
-    write_list(folder, list);
-  }
-  return list.homes;
+  return HomeWriter(folder, options, progress).run();
 }
 
 std::vector<HomeEntry> read_home_list(const fs::path& folder) {

@@ -8,9 +8,16 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/synth/plan.h"
 
 namespace enfilade::synth {
+
+/// A share of a set, so that many machines make it together: of `count` shares, that of homes
+/// `index`, `index` + `count`, ..., from 0.
+struct HomeShard {
+  std::size_t index = 0, count = 1;
+};
 
 struct HomeSetOptions {
   std::size_t homes = 16;
@@ -20,6 +27,12 @@ struct HomeSetOptions {
   std::uint32_t face_size = 256;         ///< texels of a panorama's faces; 0: no pictures
   std::uint32_t samples = 4;             ///< colour rays a texel
   int jpeg_quality = 92;
+
+  // What follows is of one run; another may differ in it.
+  /// Folder of `<scan>_corrections.json` (graph/corrections.h), applied on top of the graphs, also
+  /// of homes that are there already; empty: none, and none stay applied.
+  std::filesystem::path corrections;
+  HomeShard shard;
   int threads = 0;  ///< 0: all cores; never changes a byte
 };
 
@@ -43,6 +56,12 @@ struct HomeEntry {
   std::string kind;
   std::size_t viewpoints = 0, edges = 0, triangles = 0;
   std::vector<RoomEntry> rooms;  ///< in the order of the plan: a room's place is its region
+  std::string corrections;       ///< a checksum of those that its graph has; empty: none
+};
+
+struct HomeSetReport {
+  std::vector<HomeEntry> homes;   ///< of the shard, in their order
+  std::vector<Diagnostic> notes;  ///< warnings: corrections that change nothing
 };
 
 /// Told of progress: what is being done, and how much of everything.
@@ -52,15 +71,21 @@ using SetProgress =
 /// Makes, or completes, a folder that the rest of Enfilade reads by `--data`: `connectivity/`,
 /// `regions/region_to_panorama.json`, `store/<scan>.enfilade` (panoramas, packed), `homes.json`
 /// (the list), README.md (that all of it is synthetic). Homes that are there complete, of the same
-/// options, are not made again, so that a killed run goes on where it was. The same options give
-/// the same bytes. Paths and instructions come by write_home_paths(). \throws FileError if the
-/// folder holds something else, or homes of other options (naming the first that differs);
-/// ArgumentError for options out of range
-std::vector<HomeEntry> write_homes(const std::filesystem::path& folder,
-                                   const HomeSetOptions& options, const SetProgress& progress = {});
+/// options, are not made again, so that a killed run goes on where it was. The same options and
+/// corrections give the same bytes. Paths and instructions come by write_home_paths().
+///
+/// Runs of different shards may share the folder at the same time; a run of the whole set after
+/// them, alone, makes what they left out and the list. \throws FileError if the folder holds
+/// something else, or homes of other options (naming the first that differs); ArgumentError for
+/// options out of range; NoPlan, naming the home, whose set has to be made with another seed or
+/// area; InvalidInput for a broken list or broken corrections. Homes made until then stay
+HomeSetReport write_homes(const std::filesystem::path& folder, const HomeSetOptions& options,
+                          const SetProgress& progress = {});
 
 /// The list of a folder. \throws FileError, InvalidInput
 std::vector<HomeEntry> read_home_list(const std::filesystem::path& folder);
+
+inline constexpr std::size_t kLeastHomes = 3;  ///< that splits by building take
 
 struct HomePathOptions {
   std::size_t per_home = 60;  ///< paths at most
@@ -74,7 +99,8 @@ struct HomePathReport {
 /// Room-to-Room for a folder of homes: `r2r/R2R_{train,val_seen,val_unseen,test}.json`, three
 /// instructions a path, one by each speaker (speaker.h), splits by building in the paper's
 /// proportions; whole test paths in `hidden/R2R_test.json`. Graphs are read from the folder, so
-/// that corrections made there count. \throws as write_homes(); InvalidInput
+/// that corrections made there count. \throws as read_home_list(), graph::GraphSet; FileError if
+/// there are fewer than kLeastHomes or the splits cannot be written
 HomePathReport write_home_paths(const std::filesystem::path& folder, const HomePathOptions& options,
                                 const SetProgress& progress = {});
 

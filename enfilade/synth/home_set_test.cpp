@@ -1,21 +1,30 @@
 #include "enfilade/synth/home_set.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <map>
 #include <string>
+#include <vector>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/graph/corrections.h"
+#include "enfilade/graph/nav_graph.h"
 #include "enfilade/r2r/annotations.h"
+#include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/data_root.h"
 #include "enfilade/scan/store.h"
+#include "tests/support/folder_content.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::synth {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::HasSubstr;
+using tests::content_of;
+using tests::TemporaryFolder;
 
 HomeSetOptions tiny(std::size_t homes, std::uint32_t face_size) {
   HomeSetOptions options;
@@ -27,19 +36,19 @@ HomeSetOptions tiny(std::size_t homes, std::uint32_t face_size) {
   return options;
 }
 
-std::map<std::string, std::string> bytes_in(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file()) {
-      files[fs::relative(entry.path(), folder).string()] = read_file(entry.path());
-    }
-  }
-  return files;
+// A folder of corrections of the first home.
+void correct(const fs::path& folder, const std::vector<graph::Correction>& list) {
+  fs::create_directories(folder);
+  write_file_atomically(folder / "home_0001_corrections.json", graph::to_json({"home_0001", list}));
+}
+
+graph::NavGraph graph_of(const fs::path& folder, const std::string& scan) {
+  return graph::NavGraph(scan::load_connectivity(folder / "connectivity", scan));
 }
 
 TEST(HomeSet, HasPicturesAtEveryViewpointAndTheSameBytesAgain) {
-  const tests::TemporaryFolder a("homes_a"), b("homes_b");
-  const auto homes = write_homes(a.path(), tiny(1, 8));
+  const TemporaryFolder a("homes_a"), b("homes_b");
+  const auto homes = write_homes(a.path(), tiny(1, 8)).homes;
   ASSERT_EQ(homes.size(), 1U);
   EXPECT_GT(homes[0].viewpoints, 5U);
   const auto store = scan::Store::open(scan::store_file(a.path() / "store", homes[0].scan));
@@ -51,20 +60,20 @@ TEST(HomeSet, HasPicturesAtEveryViewpointAndTheSameBytesAgain) {
   HomeSetOptions one_thread = tiny(1, 8);
   one_thread.threads = 1;
   write_homes(b.path(), one_thread);
-  EXPECT_EQ(bytes_in(a.path()), bytes_in(b.path()));
+  EXPECT_EQ(content_of(a.path()), content_of(b.path()));
 }
 
 TEST(HomeSet, GoesOnWhereItWasAndRefusesWhatIsNotItsOwn) {
-  const tests::TemporaryFolder folder("homes");
+  const TemporaryFolder folder("homes");
   write_homes(folder.path(), tiny(1, 0));
-  const auto whole = bytes_in(folder.path());
+  const auto whole = content_of(folder.path());
   // Killed after the graph was written and before the list was.
   fs::remove(folder.path() / "homes.json");
   write_homes(folder.path(), tiny(1, 0));
-  EXPECT_EQ(bytes_in(folder.path()), whole);
+  EXPECT_EQ(content_of(folder.path()), whole);
   EXPECT_THROW(write_homes(folder.path(), tiny(2, 0)), FileError);
 
-  const tests::TemporaryFolder other("homes_other");
+  const TemporaryFolder other("homes_other");
   write_file_atomically(other.path() / "thesis.tex", "years of work");
   EXPECT_THROW(write_homes(other.path(), tiny(1, 0)), FileError);
   EXPECT_THROW(write_homes(other.path() / "new", tiny(0, 0)), ArgumentError);
@@ -72,8 +81,118 @@ TEST(HomeSet, GoesOnWhereItWasAndRefusesWhatIsNotItsOwn) {
   EXPECT_THROW(read_home_list(folder.path()), InvalidInput);
 }
 
+TEST(HomeSet, KeepsHomesMadeBeforeAFailure) {
+  const TemporaryFolder folder("homes"), whole("homes");
+  struct Stopped {};
+  EXPECT_THROW(write_homes(folder.path(), tiny(3, 0),
+                           [](const std::string& home, std::size_t, std::size_t) {
+                             if (home == "home_0003") throw Stopped();
+                           }),
+               Stopped);
+  EXPECT_EQ(read_home_list(folder.path()).size(), 2U);
+  std::vector<std::string> made;
+  write_homes(folder.path(), tiny(3, 0), [&](const std::string& home, std::size_t, std::size_t) {
+    if (made.empty() || made.back() != home) made.push_back(home);
+  });
+  EXPECT_THAT(made, testing::ElementsAre("home_0003"));
+  write_homes(whole.path(), tiny(3, 0));
+  EXPECT_EQ(content_of(folder.path()), content_of(whole.path()));
+}
+
+TEST(HomeSet, SharesMakeTheSameSetInAnyOrder) {
+  const TemporaryFolder whole("homes"), shared("homes");
+  write_homes(whole.path(), tiny(5, 0));
+  HomeSetOptions share = tiny(5, 0);
+  share.shard = {1, 2};
+  const auto second = write_homes(shared.path(), share).homes;
+  ASSERT_EQ(second.size(), 2U);
+  EXPECT_EQ(second[0].scan, "home_0002");
+  EXPECT_EQ(second[1].scan, "home_0004");
+  EXPECT_TRUE(read_home_list(shared.path()).empty()) << "gathered by a run of the whole set";
+  // Made by the third of three: the third home; the first is left to the run of the whole set.
+  share.shard = {2, 3};
+  EXPECT_EQ(write_homes(shared.path(), share).homes.size(), 1U);
+  share.shard = {4, 5};
+  EXPECT_EQ(write_homes(shared.path(), share).homes.size(), 1U);
+  std::size_t steps = 0;
+  write_homes(shared.path(), tiny(5, 0), [&](const std::string& home, std::size_t, std::size_t) {
+    EXPECT_EQ(home, "home_0001");
+    ++steps;
+  });
+  EXPECT_GT(steps, 0U);
+  EXPECT_EQ(content_of(shared.path()), content_of(whole.path()));
+  share.shard = {2, 2};
+  EXPECT_THAT(tests::refusal<ArgumentError>([&] { write_homes(shared.path(), share); }),
+              HasSubstr("shard: index 2 of 2"));
+}
+
+TEST(HomeSet, CorrectionsAreAppliedOnTopAndTakenBack) {
+  const TemporaryFolder folder("homes"), corrections("corrections"), fresh("homes");
+  HomeSetOptions options = tiny(2, 0);
+  write_homes(folder.path(), options);
+  const auto as_found = content_of(folder.path());
+  const graph::NavGraph found = graph_of(folder.path(), "home_0001");
+  const ViewpointIndex a(0), b = found.edges(a)[0].target;
+  using Action = graph::Correction::Action;
+  correct(corrections.path(),
+          {{Action::kRemoveEdge, found.id(a), found.id(b), "Ada", "a rope", ""},
+           {Action::kExclude, found.id(ViewpointIndex(3)), "", "Ben", "in a cupboard", ""},
+           {Action::kInclude, found.id(a), "", "Ben", "it is", ""}});
+  options.corrections = corrections.path();
+  const HomeSetReport report = write_homes(folder.path(), options);
+  ASSERT_EQ(report.notes.size(), 1U);
+  EXPECT_EQ(report.notes[0].where, "$.corrections[2]");
+  const graph::NavGraph corrected = graph_of(folder.path(), "home_0001");
+  EXPECT_EQ(corrected.edge(a, b), nullptr);
+  EXPECT_FALSE(corrected.included(ViewpointIndex(3)));
+  EXPECT_EQ(report.homes[0].viewpoints, found.included_count() - 1);
+  EXPECT_EQ(read_home_list(folder.path())[0].edges, corrected.edge_count() / 2);
+  EXPECT_EQ(read_home_list(folder.path())[1].corrections, "");
+  // The same as if they had been there from the start; and without them as if they never had been.
+  write_homes(fresh.path(), options);
+  EXPECT_EQ(content_of(fresh.path()), content_of(folder.path()));
+  options.corrections.clear();
+  write_homes(folder.path(), options);
+  EXPECT_EQ(content_of(folder.path()), as_found);
+}
+
+TEST(HomeSet, AHalfCorrectedGraphIsCorrectedAgain) {
+  const TemporaryFolder folder("homes"), corrections("corrections");
+  HomeSetOptions options = tiny(1, 0);
+  write_homes(folder.path(), options);
+  const auto as_found = content_of(folder.path());
+  correct(corrections.path(),
+          {{graph::Correction::Action::kExclude, "nobody", "", "Ada", "a rope", ""}});
+  options.corrections = corrections.path();
+  // What a killed run leaves, too: the list says that the graph's state is unknown.
+  EXPECT_THAT(tests::refusal<InvalidInput>([&] { write_homes(folder.path(), options); }),
+              HasSubstr("$.corrections[0].from: \"nobody\" is no viewpoint of home_0001"));
+  EXPECT_EQ(read_home_list(folder.path())[0].corrections, "unfinished");
+  write_file_atomically(folder.path() / "connectivity" / "home_0001_connectivity.json", "[]");
+  options.corrections.clear();
+  write_homes(folder.path(), options);
+  EXPECT_EQ(content_of(folder.path()), as_found);
+}
+
+TEST(HomeSet, RefusesOptionsOutOfRangeBeforeItMakesAFolder) {
+  const TemporaryFolder made("homes");
+  const fs::path folder = made.path() / "new";
+  const auto refused = [&](auto change) {
+    HomeSetOptions options = tiny(1, 0);
+    change(options);
+    return tests::refusal<ArgumentError>([&] { write_homes(folder, options); });
+  };
+  EXPECT_EQ(refused([](auto& o) { o.homes = 10001; }), "homes: 10001, not from 1 to 10000");
+  EXPECT_EQ(refused([](auto& o) { o.most_area = 3001; }),
+            "area: 60 to 3001 m2, not a range within 60 to 3000, or 0");
+  EXPECT_THAT(refused([](auto& o) { o.least_area = 59; }), HasSubstr("area: 59 to 60 m2"));
+  EXPECT_EQ(refused([](auto& o) { o.samples = 3; }), "samples: 3, not 1, 4, 9 or 16");
+  EXPECT_EQ(refused([](auto& o) { o.face_size = 4097; }), "face_size: 4097, not from 0 to 4096");
+  EXPECT_FALSE(fs::exists(folder));
+}
+
 TEST(HomeSet, PathsHaveThreeInstructionsAndHiddenGoals) {
-  const tests::TemporaryFolder folder("homes");
+  const TemporaryFolder folder("homes");
   write_homes(folder.path(), tiny(3, 0));
   HomePathOptions options;
   options.per_home = 6;

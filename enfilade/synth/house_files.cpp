@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/image/tone.h"
 #include "enfilade/scan/matterport_writer.h"
 #include "enfilade/synth/detail/mpcat40.h"
 
@@ -21,8 +21,6 @@ using detail::kMpcat40Size;
 using detail::mpcat40;
 using mesh::HouseBox;
 using mesh::Mesh;
-
-Vec3d wide(Vec3f v) { return {v.x, v.y, v.z}; }
 
 Vec3d middle(const HouseBox& box) {
   return {(box.low.x + box.high.x) / 2, (box.low.y + box.high.y) / 2, (box.low.z + box.high.z) / 2};
@@ -113,10 +111,7 @@ std::vector<std::int32_t> pieces(const Mesh& mesh) {
 
 // --- colours --------------------------------------------------------------------------------
 
-float linear(std::uint8_t srgb) {
-  const float v = static_cast<float>(srgb) / 255;
-  return v <= .04045F ? v / 12.92F : std::pow((v + .055F) / 1.055F, 2.4F);
-}
+float linear(std::uint8_t srgb) { return image::linear_from_srgb(static_cast<float>(srgb) / 255); }
 
 /// Of a surface of the material, without its light.
 Vec3f mean_colour(const mesh::Material& material) {
@@ -182,7 +177,7 @@ class HouseMaker {
              const std::vector<ScanRoom>& rooms, std::uint32_t image_width)
       : mesh_(mesh), connectivity_(connectivity), rooms_(rooms), image_width_(image_width) {
     for (const auto& corners : mesh.triangles) {
-      for (const std::uint32_t v : corners) include(house_.box, wide(mesh.positions[v]));
+      for (const std::uint32_t v : corners) include(house_.box, to_double(mesh.positions[v]));
     }
     one_room_ = rooms.empty();
     if (one_room_) rooms_.push_back(everything(house_.box));
@@ -282,7 +277,7 @@ class HouseMaker {
       const std::uint32_t object = object_of(mesh_, t);
       if (object == mesh::kNoObject) continue;
       for (const std::uint32_t v : mesh_.triangles[t]) {
-        include(boxes[object], wide(mesh_.positions[v]));
+        include(boxes[object], to_double(mesh_.positions[v]));
       }
     }
     for (std::size_t k = 0; k < boxes.size(); ++k) {
@@ -314,11 +309,11 @@ class HouseMaker {
       }
       mesh::HouseSegment& s = house_.segments[segment];
       const auto& corners = mesh_.triangles[t];
-      const Vec3d a = wide(mesh_.positions[corners[0]]), b = wide(mesh_.positions[corners[1]]) - a,
-                  c = wide(mesh_.positions[corners[2]]) - a;
-      s.area +=
-          length(Vec3d{b.y * c.z - b.z * c.y, b.z * c.x - b.x * c.z, b.x * c.y - b.y * c.x}) / 2;
-      for (const std::uint32_t v : corners) include(s.box, wide(mesh_.positions[v]));
+      const Vec3d a = to_double(mesh_.positions[corners[0]]),
+                  b = to_double(mesh_.positions[corners[1]]) - a,
+                  c = to_double(mesh_.positions[corners[2]]) - a;
+      s.area += length(cross(b, c)) / 2;
+      for (const std::uint32_t v : corners) include(s.box, to_double(mesh_.positions[v]));
     }
     for (mesh::HouseSegment& s : house_.segments) s.position = middle(s.box);
   }
@@ -375,6 +370,10 @@ class HouseMaker {
 HouseFiles make_house_files(const Mesh& mesh, const scan::Connectivity& connectivity,
                             const std::vector<ScanRoom>& rooms, std::uint32_t image_width) {
   return HouseMaker(mesh, connectivity, rooms, image_width).make();
+}
+
+std::string_view class_name(std::size_t category) noexcept {
+  return category < detail::kMpcat40Size ? mpcat40(category).name : "unknown";
 }
 
 }  // namespace enfilade::synth

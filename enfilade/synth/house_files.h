@@ -1,7 +1,9 @@
 /// \file  A mesh's rooms, objects and segments as Matterport3D's `house_segmentations` have them.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "enfilade/mesh/house.h"
@@ -39,5 +41,9 @@ struct HouseFiles {
 /// scan::poses_of()
 HouseFiles make_house_files(const mesh::Mesh& mesh, const scan::Connectivity& connectivity,
                             const std::vector<ScanRoom>& rooms, std::uint32_t image_width = 1280);
+
+/// "chest_of_drawers" for 13: object classes as mpcat40 has them, 0 void to 41 unlabeled; "unknown"
+/// for larger numbers.
+std::string_view class_name(std::size_t mpcat40) noexcept;
 
 }  // namespace enfilade::synth

@@ -12,17 +12,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-Vec3d scaled(Vec3d a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-double dot(Vec3d a, Vec3d b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Vec3d cross(Vec3d a, Vec3d b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 Vec3d unit(Vec3d a) {
   const double size = length(a);
-  return size > 0 ? scaled(a, 1 / size) : Vec3d{0, 0, 1};
-}
-Vec3f narrow(Vec3d a) {
-  return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
+  return size > 0 ? 1 / size * a : Vec3d{0, 0, 1};
 }
 
 /// cos and sin, exact for quarter turns: most furniture stands along the axes, and its sides shall
@@ -68,7 +60,7 @@ std::uint32_t MeshBuilder::begin_object(std::string name, std::uint16_t category
 }
 
 std::uint32_t MeshBuilder::vertex(Vec3d local) {
-  Vec3f p = narrow(placement_.to_world(local));
+  Vec3f p = to_float(placement_.to_world(local));
   // Circles' last and first corners, and -0: one place, one key.
   const std::array<float, 3> key{p.x + 0.0F, p.y + 0.0F, p.z + 0.0F};
   const auto [at, fresh] =
@@ -89,7 +81,7 @@ void MeshBuilder::face(MaterialId material, const Corner& a, const Corner& b, co
   for (std::size_t i = 0; i < 3; ++i) {
     points[i] = {static_cast<float>(corners[i]->u * scale),
                  static_cast<float>(corners[i]->v * scale)};
-    normals[i] = narrow(unit(synth::turned(corners[i]->normal, placement_.turned)));
+    normals[i] = to_float(unit(synth::turned(corners[i]->normal, placement_.turned)));
   }
   mesh_.triangles.push_back(at);
   mesh_.triangle_material.push_back(material.value);
@@ -184,7 +176,7 @@ void MeshBuilder::soft_box(MaterialId material, Vec3d low, Vec3d high, double ro
     const Vec3d meant = c[0].normal + c[1].normal + c[2].normal;
     if (dot(out, meant) < 0) {
       std::reverse(c.begin(), c.begin() + n);
-      out = scaled(out, -1);
+      out = -out;
     }
     project(material, std::span(c).first(n), out);
     face(material, c[0], c[1], c[2]);
@@ -215,7 +207,7 @@ void MeshBuilder::disc(MaterialId material, Vec3d middle, Vec3d axis_u, Vec3d ax
   const double ru = length(axis_u), rv = length(axis_v);
   const auto corner = [&](double c, double s) {
     const double u = once ? 0.5 + c / 2 : c * ru, v = once ? 0.5 - s / 2 : -s * rv;
-    return Corner{middle + scaled(axis_u, c) + scaled(axis_v, s), normal, u, v};
+    return Corner{middle + c * axis_u + s * axis_v, normal, u, v};
   };
   const bool right = dot(cross(axis_u, axis_v), normal) > 0;
   for (unsigned i = 0; i < sides; ++i) {
@@ -299,17 +291,17 @@ void MeshBuilder::bar(MaterialId material, Vec3d a, Vec3d b, double radius, unsi
   const bool once = texture_size(material) == 0;
   const auto corner = [&](unsigned i, Vec3d end, double at) {
     const auto [c, s] = on_circle(i, sides);
-    const Vec3d n = scaled(u, c) + scaled(v, s);
+    const Vec3d n = c * u + s * v;
     const double round = double(i) / sides;
-    return Corner{end + scaled(n, radius), n, once ? round : at,
+    return Corner{end + radius * n, n, once ? round : at,
                   once ? 1 - at / size : -round * 2 * kPi * radius};
   };
   for (unsigned i = 0; i < sides; ++i) {
     patch(material,
           {corner(i, a, 0), corner(i + 1, a, 0), corner(i + 1, b, size), corner(i, b, size)});
   }
-  disc(material, a, scaled(u, radius), scaled(v, radius), scaled(along, -1), sides);
-  disc(material, b, scaled(u, radius), scaled(v, radius), along, sides);
+  disc(material, a, radius * u, radius * v, -along, sides);
+  disc(material, b, radius * u, radius * v, along, sides);
 }
 
 }  // namespace enfilade::synth

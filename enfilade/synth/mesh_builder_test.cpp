@@ -13,12 +13,6 @@
 namespace enfilade::synth {
 namespace {
 
-Vec3d wide(Vec3f v) { return {v.x, v.y, v.z}; }
-Vec3d cross(Vec3d a, Vec3d b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-double dot(Vec3d a, Vec3d b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
 struct Built {
   mesh::Mesh mesh;
   MeshBuilder builder{mesh};
@@ -30,7 +24,8 @@ struct Built {
 double volume(const mesh::Mesh& m) {
   double sum = 0;
   for (const auto& t : m.triangles) {
-    sum += dot(wide(m.positions[t[0]]), cross(wide(m.positions[t[1]]), wide(m.positions[t[2]])));
+    sum += dot(to_double(m.positions[t[0]]),
+               cross(to_double(m.positions[t[1]]), to_double(m.positions[t[2]])));
   }
   return sum / 6;
 }
@@ -55,11 +50,11 @@ void expect_sound(const mesh::Mesh& m) {
   ASSERT_EQ(m.texture_points.size(), m.triangles.size());
   for (std::size_t i = 0; i < m.triangles.size(); ++i) {
     const auto& t = m.triangles[i];
-    const Vec3d a = wide(m.positions[t[0]]);
-    const Vec3d facing = cross(wide(m.positions[t[1]]) - a, wide(m.positions[t[2]]) - a);
+    const Vec3d a = to_double(m.positions[t[0]]);
+    const Vec3d facing = cross(to_double(m.positions[t[1]]) - a, to_double(m.positions[t[2]]) - a);
     for (const Vec3f n : m.normals[i]) {
-      EXPECT_NEAR(length(n), 1, 1e-5);         // single precision
-      EXPECT_GT(dot(wide(n), facing), -1e-9);  // shading normals may lean, never look inwards
+      EXPECT_NEAR(length(n), 1, 1e-5);              // single precision
+      EXPECT_GT(dot(to_double(n), facing), -1e-9);  // shading normals may lean, never look inwards
     }
   }
 }

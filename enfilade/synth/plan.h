@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/geometry/vec.h"
 
 namespace enfilade::synth {
@@ -18,6 +19,14 @@ struct PlanOptions {
   std::optional<unsigned> storeys;  ///< 1 .. 3 (flats and hotel floors have 1); none: drawn
   double area =
       0;  ///< m2 of all storeys, 60 .. 3000 and, with stairs, 85 or more a storey; 0: drawn
+};
+
+inline constexpr double kLeastArea = 60, kMostArea = 3000;  ///< m2 of all storeys
+
+/// No plan was found for options that are in range; what() names them.
+class NoPlan : public Error {
+ public:
+  using Error::Error;
 };
 
 /// A rectangle with sides along the axes, metres.
@@ -82,12 +91,16 @@ struct Plan {
   Rect outline;                                 ///< outer faces
 };
 
+/// \throws ArgumentError for options out of range
+void check_options(const PlanOptions& options);
+
 /// Rooms along a sensible plan: front door to hall; living, dining and kitchen beside each other
 /// and open to each other now and then; bedrooms and baths off corridors; offices with meeting
 /// rooms; hotel corridors with rooms that have baths of their own. Every room is reached from every
 /// other without passing bedrooms or baths (but a bath that belongs to a bedroom is reached through
 /// it), storeys by stairs. Windows in outer walls. The same options give the same plan on every
-/// platform. \throws ArgumentError for options out of range
+/// platform. \throws as check_options(); NoPlan if none of many draws works
+/// out, as may be where the rooms of a kind hardly fit into the area
 Plan make_plan(const PlanOptions& options);
 
 }  // namespace enfilade::synth

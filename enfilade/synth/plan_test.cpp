@@ -8,6 +8,8 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/synth/detail/plan_check.h"
+#include "enfilade/synth/detail/plan_draws.h"
+#include "tests/support/refusal.h"
 
 namespace enfilade::synth {
 namespace {
@@ -123,6 +125,15 @@ TEST(Plan, FaultsAreFound) {
   Plan apart = good;
   apart.stairs.clear();
   EXPECT_FALSE(detail::plan_faults(apart).empty());
+}
+
+TEST(Plan, SaysSoIfNoDrawWorksOut) {
+  const PlanOptions options{7, HomeKind::kHouse, 3U, 300};
+  EXPECT_EQ(tests::refusal<NoPlan>([&] { detail::make_plan(options, 1); }),
+            "no plan of a house of 300 m2 on 3 storeys with seed 7: rooms, doors and stairs fitted "
+            "in none of 1 draws. Take another seed or more area, 3000 m2 at most");
+  // What the first draws give stays with more of them to come.
+  EXPECT_EQ(text_of(detail::make_plan(options, 1000)), text_of(make_plan(options)));
 }
 
 TEST(Plan, OptionsOutOfRangeAreRefused) {

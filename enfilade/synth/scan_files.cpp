@@ -375,12 +375,6 @@ class ScanWriter {
 
 // --- files ----------------------------------------------------------------------------------
 
-void make_folder(const fs::path& folder) {
-  std::error_code code;
-  fs::create_directories(folder, code);
-  if (code) throw FileError(fmt::format("{}: cannot make: {}", folder.string(), code.message()));
-}
-
 bool is_there(const fs::path& file) {
   std::error_code ignored;
   return fs::exists(file, ignored);

@@ -18,6 +18,7 @@
 #include "enfilade/scan/matterport_images.h"
 #include "enfilade/scan/undistorted_cameras.h"
 #include "tests/support/furnished_room.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::synth {
@@ -25,6 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using tests::refusal;
 using tests::TemporaryFolder;
 
 std::shared_ptr<const mesh::LitMesh> lit(mesh::Mesh mesh) {
@@ -269,15 +271,6 @@ TEST(ScanFiles, AreTheSameForAnyNumberOfThreads) {
   }
 }
 
-std::string message_of(const std::function<void()>& run) {
-  try {
-    run();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
 TEST(ScanFiles, LeaveAloneWhatTheyDidNotMake) {
   const TemporaryFolder root("scan_files");
   const auto graph = tests::furnished_room_graph();
@@ -285,14 +278,14 @@ TEST(ScanFiles, LeaveAloneWhatTheyDidNotMake) {
   fs::create_directories(folder);
   write_file_atomically(folder / "b_skybox2_sami.jpg", "a download");
   const auto options = small([](ScanParts& p) { p.faces = true; });
-  EXPECT_THAT(message_of([&] { write_scan(rooms(), graph, root.path(), options); }),
+  EXPECT_THAT(refusal([&] { write_scan(rooms(), graph, root.path(), options); }),
               HasSubstr("b_skybox2_sami.jpg: is in the way: not made by Enfilade"));
   EXPECT_EQ(read_file(folder / "b_skybox2_sami.jpg"), "a download");
   EXPECT_EQ(files_below(root.path()), 1U);
   // But what a download lacks may be put beside it.
   const auto labels = small([](ScanParts& p) { p.label_strips = true; });
   EXPECT_EQ(write_scan(rooms(), graph, root.path(), labels).written, 4U);
-  EXPECT_THAT(message_of([&] { write_scan(rooms(), graph, root.path(), options); }),
+  EXPECT_THAT(refusal([&] { write_scan(rooms(), graph, root.path(), options); }),
               HasSubstr("b_skybox2_sami.jpg: is in the way: not made by Enfilade"));
 }
 
@@ -302,15 +295,15 @@ TEST(ScanFiles, DoNotMixScansOfOtherOptions) {
   auto options = small([](ScanParts& p) { p.depth_strip = true; });
   write_scan(rooms(), graph, root.path(), options);
   options.samples = 4;
-  EXPECT_THAT(message_of([&] { write_scan(rooms(), graph, root.path(), options); }),
+  EXPECT_THAT(refusal([&] { write_scan(rooms(), graph, root.path(), options); }),
               HasSubstr("rooms: is in the way: a scan made of another mesh or with other options"));
   options.samples = 1;
   mesh::Mesh other = tests::furnished_rooms();
   other.positions[0].x += .01F;
-  EXPECT_THAT(message_of([&] { write_scan(*lit(other), graph, root.path(), options); }),
+  EXPECT_THAT(refusal([&] { write_scan(*lit(other), graph, root.path(), options); }),
               HasSubstr("a scan made of another mesh"));
   graph.entries[1].pose[3] += .01;
-  EXPECT_THAT(message_of([&] { write_scan(rooms(), graph, root.path(), options); }),
+  EXPECT_THAT(refusal([&] { write_scan(rooms(), graph, root.path(), options); }),
               HasSubstr("its viewpoint b stands elsewhere"));
 }
 
@@ -320,7 +313,7 @@ TEST(ScanFiles, RefuseArgumentsOutOfRange) {
                         const std::string& scan = "rooms") {
     auto options = small([](ScanParts& p) { p.depth_strip = true; });
     change(options);
-    return message_of(
+    return refusal(
         [&] { write_scan(rooms(), tests::furnished_room_graph(scan), root.path(), options); });
   };
   EXPECT_THAT(with([](auto& o) { o.face_size = 0; }), HasSubstr("face_size: 0, not from 1"));

@@ -2,10 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <nlohmann/json.hpp>
 #include <numbers>
-#include <string>
 
 #include "enfilade/core/threads.h"
 #include "enfilade/geometry/angle.h"
@@ -14,8 +11,6 @@ namespace enfilade::synth {
 namespace {
 
 constexpr std::uint32_t kFewestRays = 3;
-constexpr double kFromFloor = 0.5;  // metres below a storey's floor that still belong to it
-constexpr double kThreshold = 0.5;  // metres off a room's floor that are still its doorway
 constexpr std::size_t kNoThing = static_cast<std::size_t>(-1);
 
 // A Fibonacci lattice, in an order in which neighbours lie together (rays are traced in packets):
@@ -99,8 +94,7 @@ class Looker {
     for (std::size_t i = 0; i < hits.size(); ++i) {
       const std::size_t thing = thing_at(hits[i]);
       if (thing == kNoThing) continue;
-      const Vec3f d = directions_[i];
-      sums[thing].direction = sums[thing].direction + Vec3d{d.x, d.y, d.z};
+      sums[thing].direction += to_double(directions_[i]);
       sums[thing].distance += static_cast<double>(hits[i].distance);
       ++sums[thing].rays;
     }
@@ -121,35 +115,6 @@ class Looker {
   std::vector<Vec3f> directions_;
 };
 
-unsigned storey_of(const Plan& plan, double floor_z) {
-  unsigned storey = 0;
-  for (unsigned s = 0; s < plan.storeys.size(); ++s) {
-    if (plan.storeys[s].floor <= floor_z + kFromFloor) storey = s;
-  }
-  return storey;
-}
-
-double distance_to(const Rect& rect, double x, double y) {
-  return std::hypot(std::max({rect.x0 - x, 0.0, x - rect.x1}),
-                    std::max({rect.y0 - y, 0.0, y - rect.y1}));
-}
-
-std::optional<std::size_t> room_at(const Plan& plan, Vec3f eye, double height) {
-  const unsigned storey = storey_of(plan, static_cast<double>(eye.z) - height);
-  std::optional<std::size_t> nearest;
-  double best = kThreshold;
-  for (std::size_t i = 0; i < plan.rooms.size(); ++i) {
-    if (plan.rooms[i].storey != storey) continue;
-    const double distance =
-        distance_to(plan.rooms[i].floor, static_cast<double>(eye.x), static_cast<double>(eye.y));
-    if (distance < best) {
-      best = distance;
-      nearest = i;
-    }
-  }
-  return nearest;
-}
-
 }  // namespace
 
 Sights::Sights(const Home& home, const mesh::RayTracer& tracer, const graph::NavGraph& graph,
@@ -161,27 +126,11 @@ Sights::Sights(const Home& home, const mesh::RayTracer& tracer, const graph::Nav
       const ViewpointIndex v(i);
       if (!graph.included(v)) continue;
       sights_[i] = looker.from(graph.position(v));
-      rooms_[i] = room_at(home.plan, graph.position(v), static_cast<double>(graph.height(v)));
+      Vec3d foot = to_double(graph.position(v));
+      foot.z -= static_cast<double>(graph.height(v));
+      rooms_[i] = room_at(home.plan, foot);
     }
   });
-}
-
-std::string regions_json(
-    const std::vector<std::pair<const graph::NavGraph*, const Sights*>>& homes) {
-  nlohmann::ordered_json scans = nlohmann::ordered_json::object();
-  for (const auto& [graph, sights] : homes) {
-    std::vector<std::pair<std::size_t, std::string>> members;  // room, viewpoint
-    for (std::size_t i = 0; i < graph->size(); ++i) {
-      const ViewpointIndex v(i);
-      const auto room = sights->room(v);
-      if (graph->included(v) && room) members.emplace_back(*room, graph->id(v));
-    }
-    std::ranges::stable_sort(members, {}, &std::pair<std::size_t, std::string>::first);
-    nlohmann::ordered_json rooms = nlohmann::ordered_json::object();
-    for (const auto& [room, id] : members) rooms[std::to_string(room)].push_back(id);
-    scans[graph->scan()] = std::move(rooms);
-  }
-  return scans.dump(1) + "\n";
 }
 
 }  // namespace enfilade::synth

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "enfilade/core/ids.h"
@@ -31,17 +30,12 @@ class Sights {
          std::size_t rays = 8192, int threads = 0);
   /// Largest share first.
   std::span<const Sight> at(ViewpointIndex v) const { return sights_[v.at()]; }
-  /// The room whose floor the viewpoint stands on; nothing if it stands in no room (on a threshold,
-  /// the room it is nearer to).
+  /// room_at() of the floor below the viewpoint.
   std::optional<std::size_t> room(ViewpointIndex v) const { return rooms_[v.at()]; }
 
  private:
   std::vector<std::vector<Sight>> sights_;
   std::vector<std::optional<std::size_t>> rooms_;
 };
-
-/// The file's regions: room index -> viewpoints, as R2R's sampling wants it (JSON of RegionMap).
-std::string regions_json(
-    const std::vector<std::pair<const graph::NavGraph*, const Sights*>>& homes);
 
 }  // namespace enfilade::synth

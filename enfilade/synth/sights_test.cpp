@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "enfilade/scan/regions.h"
 #include "enfilade/synth/detail/box_home_for_test.h"
 #include "enfilade/synth/mesh_builder.h"
 #include "tests/support/graphs.h"
@@ -95,19 +94,6 @@ TEST(Sights, KnowTheStorey) {
   EXPECT_EQ(sights.room(ViewpointIndex(1)), 7U);  // the landing above it
   EXPECT_EQ(sights.room(ViewpointIndex(2)), 5U);  // half-way up: the lower stairs
   EXPECT_EQ(sights.room(ViewpointIndex(3)), 6U);
-}
-
-TEST(RegionsJson, IsReadBack) {
-  const Home home = two_cubes();
-  const auto tracer = testing::tracer_of(home);
-  const graph::NavGraph graph = graph_at({{0, 0, 1.5}, {2, 0, 1.5}, {0.5, 0, 1.5}, {0, 4, 1.5}});
-  const Sights sights(home, *tracer, graph);
-  const auto map = scan::RegionMap::parse(regions_json({{&graph, &sights}}), "regions.json");
-  EXPECT_EQ(map.viewpoints(), 3U);
-  EXPECT_EQ(map.find("scan", "v0"), 0U);
-  EXPECT_EQ(map.find("scan", "v1"), 1U);
-  EXPECT_EQ(map.find("scan", "v2"), 0U);
-  EXPECT_EQ(map.find("scan", "v3"), std::nullopt);
 }
 
 }  // namespace

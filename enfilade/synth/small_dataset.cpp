@@ -2,7 +2,6 @@
 #include <array>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <system_error>
 #include <unordered_map>
 #include <utility>
@@ -57,26 +56,18 @@ void claim(const fs::path& folder) {
                       folder.string()));
     }
   }
-  for (const char* part : {"connectivity", "regions", "r2r"}) {
-    if (!fs::create_directories(folder / part, code) && code) {
-      throw FileError(fmt::format("{}: {}", (folder / part).string(), code.message()));
-    }
-  }
+  for (const char* part : {"connectivity", "regions", "r2r"}) make_folder(folder / part);
 }
 
-std::string regions_json(const std::vector<SmallBuilding>& buildings) {
-  nlohmann::ordered_json scans = nlohmann::ordered_json::object();
-  for (const SmallBuilding& b : buildings) {
-    nlohmann::ordered_json regions = nlohmann::ordered_json::object();
-    for (std::size_t r = 0; r < b.rooms.size(); ++r) {
-      auto& ids = regions[std::to_string(r)] = nlohmann::ordered_json::array();
-      for (const ViewpointIndex v : b.rooms[r].viewpoints) {
-        ids.push_back(b.connectivity.entries[v.at()].id);
-      }
+scan::ScanRegions regions_of(const SmallBuilding& building) {
+  scan::ScanRegions regions{building.connectivity.scan, {}};
+  for (const Room& room : building.rooms) {
+    std::vector<std::string>& ids = regions.viewpoints.emplace_back();
+    for (const ViewpointIndex v : room.viewpoints) {
+      ids.push_back(building.connectivity.entries[v.at()].id);
     }
-    scans[b.connectivity.scan] = std::move(regions);
   }
-  return scans.dump() + "\n";
+  return regions;
 }
 
 // Viewpoint -> the name of its room.
@@ -134,15 +125,17 @@ void write_small_dataset(const fs::path& folder, std::size_t buildings, std::uin
   write_file_atomically(folder / "README.md", readme(buildings, seed));  // first: the claim
   Rng seeds(seed, stream_of("buildings", 9));
   std::vector<SmallBuilding> made;
+  std::vector<scan::ScanRegions> rooms;
   std::string scans;
   for (std::size_t i = 1; i <= buildings; ++i) {
     made.push_back(make_small_building(seeds.next(), fmt::format("synth_{}", i)));
+    rooms.push_back(regions_of(made.back()));
     const scan::Connectivity& c = made.back().connectivity;
     write_file_atomically(scan::connectivity_file(folder / "connectivity", c.scan), to_json(c));
     scans += c.scan + "\n";
   }
   write_file_atomically(folder / "connectivity" / "scans.txt", scans);
-  const std::string regions = regions_json(made);
+  const std::string regions = to_json(rooms);
   write_file_atomically(folder / "regions" / "region_to_panorama.json", regions);
   const auto splits = make_splits(made, regions, seed);
   for (const char* split : kSplits) {

@@ -12,6 +12,8 @@
 #include "enfilade/scan/data_root.h"
 #include "enfilade/scan/regions.h"
 #include "enfilade/synth/small_building.h"
+#include "tests/support/folder_content.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::synth {
 namespace {
@@ -19,27 +21,12 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
+using tests::content_of;
 
 class SmallDatasetTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  // Every file of a folder, by its path in it.
-  static std::map<std::string, std::string> files(const fs::path& folder) {
-    std::map<std::string, std::string> found;
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-      if (!entry.is_regular_file()) continue;
-      found[fs::relative(entry.path(), folder).string()] = read_file(entry.path());
-    }
-    return found;
-  }
-
-  fs::path folder_;
+  const tests::TemporaryFolder made_{"small_dataset"};
+  const fs::path folder_ = made_.path() / "new";
 };
 
 TEST_F(SmallDatasetTest, ReadsBackWithNothingOdd) {
@@ -92,11 +79,11 @@ TEST_F(SmallDatasetTest, WritesTheSameBytesForTheSameSeed) {
   write_small_dataset(folder_ / "a", 3, 5);
   write_small_dataset(folder_ / "b", 3, 5);
   write_small_dataset(folder_ / "c", 3, 6);
-  EXPECT_EQ(files(folder_ / "a"), files(folder_ / "b"));
-  EXPECT_NE(files(folder_ / "a").at("r2r/R2R_train.json"),
-            files(folder_ / "c").at("r2r/R2R_train.json"));
+  EXPECT_EQ(content_of(folder_ / "a"), content_of(folder_ / "b"));
+  EXPECT_NE(content_of(folder_ / "a").at("r2r/R2R_train.json"),
+            content_of(folder_ / "c").at("r2r/R2R_train.json"));
   write_small_dataset(folder_ / "c", 3, 5);  // an earlier one may be written over
-  EXPECT_EQ(files(folder_ / "a"), files(folder_ / "c"));
+  EXPECT_EQ(content_of(folder_ / "a"), content_of(folder_ / "c"));
 }
 
 TEST_F(SmallDatasetTest, SaysThatItIsSynthetic) {

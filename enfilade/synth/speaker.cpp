@@ -1,59 +1,34 @@
 #include "enfilade/synth/speaker.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string_view>
 #include <vector>
 
+#include "enfilade/synth/detail/habits.h"
 #include "enfilade/synth/detail/wording.h"
 
 namespace enfilade::synth {
 namespace {
 
+using detail::Habits;
 using detail::Happening;
 using detail::Neighbour;
 using detail::PathStory;
+using detail::Rivals;
 using detail::Slots;
 using detail::Stretch;
 using detail::Turn;
 using detail::turn_of;
 using detail::Wording;
 
-// What the three kinds of people say and leave out.
-struct Habits {
-  double least_turn;        // degrees: smaller ones are not spoken of
-  double start;             // how often they begin with what is around them
-  double towards;           // how often they name what they head for
-  double things;            // how often they name a thing that is passed
-  std::size_t most_things;  // in a stretch
-  double distance;          // how often they say how far
-  double merge;             // how often two rooms make one clause
-  double skip;              // how often they say nothing of a hall that they come into
-  std::size_t clauses;      // in a sentence, at most
-  std::size_t all_things;   // in an instruction, those at its ends not counted
-  double openings;          // how often a sentence begins with "then" and the like
-};
-
 // Degrees: a bend that somebody who looks for "turn left" could take for it.
 constexpr double kMustBeSaid = 38, kMostUnsaid = 50;
-
-const Habits& habits_of(Speaker speaker) {
-  static const Habits kTerse{kMustBeSaid, 0, 0.05, 0.02, 1, 0, 0.8, 0.85, 3, 1, 0};
-  static const Habits kLandmarks{kMustBeSaid, 0.2, 0.2, 0.4, 1, 0, 0.7, 0.85, 2, 2, 0.12};
-  static const Habits kStepByStep{30, 0.1, 0.06, 0.12, 1, 0.2, 0.3, 0.4, 2, 1, 0.25};
-  switch (speaker) {
-    case Speaker::kTerse:
-      return kTerse;
-    case Speaker::kLandmarks:
-      return kLandmarks;
-    case Speaker::kStepByStep:
-      break;
-  }
-  return kStepByStep;
-}
 
 // What a clause leaves the reader with, for how the next may begin.
 enum class After : std::uint8_t { kAnything, kRoom, kStairsTop, kStairsBottom, kTurn };
@@ -64,35 +39,78 @@ struct Clause {
   std::optional<std::size_t> room;  // entered by it
 };
 
+// Words, and some more for what reads badly: clauses in a row that begin alike.
+std::size_t cost_of(const std::string& text) {
+  constexpr std::size_t kAlike = 5;
+  std::size_t cost = 0, alike = 0;
+  std::string before, opening, word;
+  std::size_t place = 0;  // of the word in its clause
+  std::istringstream in(text);
+  while (in >> word) {
+    ++cost;
+    const bool ends = word.ends_with(',') || word.ends_with('.');
+    if (ends) word.pop_back();
+    word.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(word.front())));
+    const bool links = word == "and" || word == "then";
+    if (!links && place < 2) opening += word + " ";
+    if (!links && ++place == 2 && opening == before) ++alike;
+    if (!ends && !links) continue;
+    if (place > 0) before = opening;
+    opening.clear();
+    place = 0;
+  }
+  return cost + kAlike * alike;
+}
+
 class Describer {
  public:
-  Describer(const SpokenHome& home, std::span<const ViewpointIndex> path, double heading,
-            Speaker speaker, std::uint64_t seed)
-      : story_(detail::tell_path(home, path, heading)),
+  Describer(const SpokenHome& home, const PathStory& story, std::span<const ViewpointIndex> path,
+            Speaker speaker, const Habits& habits, std::uint64_t seed)
+      : story_(story),
         path_(path),
         speaker_(speaker),
-        habits_(habits_of(speaker)),
-        words_(home, speaker, seed),
+        habits_(habits),
+        words_(home, speaker, habits.brevity, seed),
         end_room_(story_.end.room) {}
 
   std::string text() {
+    words_.set_goal_room(end_room_);
+    words_.been_in(story_.start.room);
     choose_goal();
     const std::string lead = start();
     for (std::size_t i = 0; i < story_.stretches.size(); ++i) {
       story_.stretches[i].climb != 0 ? climb(i) : walk(i);
+      for (const Happening& h : story_.stretches[i].happenings) {
+        if (h.kind == Happening::Kind::kCross) words_.been_in(h.to);
+      }
     }
     clauses_.push_back({stop(), After::kAnything, std::nullopt});
     return compose(lead);
   }
 
  private:
-  // Small bends need not be said, unless they add up.
-  bool says_turn(const Stretch& s) {
+  // Small bends need not be said, unless they add up; nor one before a room that one enters then,
+  // nor one that nobody takes for the next turn.
+  bool says_turn(std::size_t i, bool enters) {
+    const Stretch& s = story_.stretches[i];
+    if (turn_of(s.turn) == Turn::kSlight && (enters || !is_mistakable(i)) &&
+        words_.chance(habits_.bend)) {
+      unsaid_ = 0;
+      return false;
+    }
     unsaid_ += s.turn;
-    const bool large = std::abs(s.turn) >= habits_.least_turn || std::abs(unsaid_) >= kMostUnsaid;
+    const bool large = std::abs(s.turn) >= kMustBeSaid || std::abs(unsaid_) >= kMostUnsaid;
     if (turn_of(s.turn) == Turn::kStraight || !large) return false;
     unsaid_ = 0;
     return true;
+  }
+  // Does a real turn to the same side come next?
+  bool is_mistakable(std::size_t i) const {
+    for (std::size_t k = i + 1; k < story_.stretches.size(); ++k) {
+      const double next = story_.stretches[k].turn;
+      if (turn_of(next) == Turn::kFull) return next * story_.stretches[i].turn > 0;
+    }
+    return false;
   }
   void add(std::string text, After after = After::kAnything,
            std::optional<std::size_t> room = std::nullopt) {
@@ -102,7 +120,7 @@ class Describer {
   std::string start() {
     if (!words_.chance(habits_.start)) return "";
     for (const Neighbour& n : story_.start.around) {
-      const auto name = words_.thing(n.thing, path_.front());
+      const auto name = words_.thing(n.thing, path_.front(), Rivals::kNearby);
       if (!name) continue;
       if (auto lead = words_.at_start(*name, n.bearing)) {
         mentioned_.insert(n.thing);
@@ -114,11 +132,11 @@ class Describer {
 
   // The thing to stop by, which is then kept for the end.
   void choose_goal() {
-    if (!words_.chance(speaker_ == Speaker::kTerse ? 0.6 : 0.9)) return;
+    if (!words_.chance(habits_.goal)) return;
     const std::vector<Neighbour>& near = story_.end.near;
     for (std::size_t k = 0; k < near.size() && k < kGoals; ++k) {
-      const auto name = words_.thing(near[k].thing, path_.back());
-      if (!name) continue;
+      const auto name = words_.thing(near[k].thing, path_.back(), Rivals::kHere);
+      if (!name || (k + 1 < near.size() && words_.chance(0.2))) continue;
       goal_ = near[k];
       names_[goal_->thing] = *name;
       mentioned_.insert(goal_->thing);
@@ -128,7 +146,7 @@ class Describer {
 
   void climb(std::size_t i) {
     const Stretch& s = story_.stretches[i];
-    if (says_turn(s)) {
+    if (says_turn(i, false)) {
       add(words_.turn(s.turn) + " and " + words_.stairs(s), stairs_after(s));
     } else {
       add(words_.stairs(s), stairs_after(s));
@@ -164,37 +182,35 @@ class Describer {
   }
   const Happening* last_crossing() const {
     const Happening* last = nullptr;
-    for (const Stretch& s : story_.stretches) {
-      for (const Happening& h : s.happenings) {
-        if (h.kind == Happening::Kind::kCross) last = &h;
+    for (std::size_t i = 0; i < story_.stretches.size(); ++i) {
+      for (const Happening& h : story_.stretches[i].happenings) {
+        if (is_spoken(h, i)) last = &h;
       }
     }
     return last;
   }
 
   // Crossings, and some of the things, of a stretch.
-  std::vector<Happening> chosen(std::size_t i, bool turns) {
+  std::vector<Happening> chosen(std::size_t i) {
     const Stretch& s = story_.stretches[i];
-    const auto first = std::ranges::find(s.happenings, Happening::Kind::kCross, &Happening::kind);
     std::vector<Happening> things, found;
     for (const Happening& h : s.happenings) {
-      // What one turns to is said.
-      const bool skips = may_skip(h) && !(turns && &h == &*first) && words_.chance(habits_.skip);
+      const bool skips = may_skip(h) && words_.chance(habits_.skip);
       if (is_spoken(h, i) && !skips) found.push_back(h);
       if (h.kind != Happening::Kind::kCross && !mentioned_.contains(h.thing)) things.push_back(h);
     }
     std::ranges::stable_sort(things, std::ranges::greater(), &Happening::salience);
-    std::size_t said = 0;
+    if (things.size() > 1 && words_.chance(0.3)) std::swap(things[0], things[1]);
     for (const Happening& h : things) {
-      if (said == habits_.most_things || things_said_ >= habits_.all_things) break;
+      if (things_said_ >= habits_.all_things) break;
       if (mentioned_.contains(h.thing) || !words_.chance(habits_.things)) continue;
-      const auto name = words_.thing(h.thing, h.seen_from);
+      const auto name = words_.thing(h.thing, h.seen_from, Rivals::kNearby);
       if (!name) continue;
       mentioned_.insert(h.thing);
       names_[h.thing] = *name;
       found.push_back(h);
-      ++said;
       ++things_said_;
+      break;  // one a stretch
     }
     std::ranges::stable_sort(found, {}, &Happening::metres);
     return found;
@@ -202,28 +218,55 @@ class Describer {
 
   void walk(std::size_t i) {
     const Stretch& s = story_.stretches[i];
-    const bool turns = says_turn(s);
-    const std::vector<Happening> all = chosen(i, turns);
+    const std::vector<Happening> all = chosen(i);
+    const bool enters =
+        !all.empty() && all[0].kind == Happening::Kind::kCross && in_first_leg(s, all[0]);
+    const bool turns = says_turn(i, enters);
     std::size_t next = 0;
-    const bool crosses_first = !all.empty() && all[0].kind == Happening::Kind::kCross;
-    if (turns) {
-      if (crosses_first && in_first_leg(s, all[0])) {
-        add(words_.turn_and_cross(s, all[0]), After::kRoom, all[0].to);
-        next = 1;
-      } else if (all.empty() && is_hall(s) && turn_of(s.turn) == Turn::kFull &&
-                 words_.chance(0.6)) {
-        add(words_.along(s, true));
-        return;
-      } else {
-        add(words_.turn(s.turn), After::kTurn);
-      }
+    if (turns && enters) {
+      add(words_.turn_and_cross(s, all[0]), After::kRoom, all[0].to);
+      join_turns(s);
+      next = 1;
+    } else if (turns && all.empty() && is_hall(s) && turn_of(s.turn) == Turn::kFull &&
+               words_.chance(habits_.distance)) {
+      add(words_.along(s, true));
+      return;
+    } else if (turns) {
+      add(words_.turn(s.turn), After::kTurn);
+      join_turns(s);
     }
     if (next == 0) go_on(i, all, turns);
+    const bool straight = turn_of(s.turn) == Turn::kStraight;
     for (; next < all.size(); ++next) {
-      if (add_pair(all, next))
+      if (add_pair(all, next, straight)) {
         ++next;
-      else
-        add_one(all[next]);
+      } else {
+        add_one(all[next], straight && next == 0 && enters);
+      }
+    }
+  }
+
+  // "Turn left, then right into the kitchen": two turns in a row need one verb.
+  void join_turns(const Stretch& s) {
+    if (clauses_.size() < 2 || turn_of(s.turn) != Turn::kFull) return;
+    const Clause& last = clauses_.back();
+    Clause& before = clauses_[clauses_.size() - 2];
+    const std::string side = s.turn > 0 ? "right" : "left";
+    if ((before.text != "turn left" && before.text != "turn right" && before.text != "go left" &&
+         before.text != "go right") ||
+        !words_.chance(habits_.elide)) {
+      return;
+    }
+    for (const char* verb : {"turn ", "go "}) {
+      if (!last.text.starts_with(verb + side)) continue;
+      const std::string rest = last.text.substr((verb + side).size());
+      const bool again = before.text.ends_with(side);
+      Clause joined = last;
+      joined.text = before.text + (words_.chance(0.5) ? ", then " : " and then ") + side +
+                    (again ? " again" : "") + rest;
+      clauses_.resize(clauses_.size() - 2);
+      clauses_.push_back(std::move(joined));
+      return;
     }
   }
 
@@ -238,7 +281,7 @@ class Describer {
     if (s.metres >= 1.5 && things_said_ < habits_.all_things && words_.chance(habits_.towards)) {
       for (const std::size_t thing : s.ahead) {
         if (mentioned_.contains(thing)) continue;
-        const auto name = words_.thing(thing, path_[s.first]);
+        const auto name = words_.thing(thing, path_[s.first], Rivals::kNearby);
         if (!name) continue;
         mentioned_.insert(thing);
         ++things_said_;
@@ -247,9 +290,10 @@ class Describer {
       }
     }
     if (!all.empty()) return;
-    if (is_hall(s) && words_.chance(0.6)) {
+    if (is_hall(s) && words_.chance(habits_.distance)) {
       add(words_.along(s, false));
-    } else if ((turns || i == 0) && s.metres > 1 && words_.chance(habits_.distance)) {
+    } else if ((turns || (i == 0 && turn_of(s.turn) == Turn::kStraight)) && s.metres > 1 &&
+               words_.chance(habits_.distance / 2)) {
       add(words_.walk(s.metres));
     } else if (turn_of(s.turn) == Turn::kStraight && i == 0) {
       add(words_.straight());
@@ -261,7 +305,7 @@ class Describer {
   }
 
   // Two things on either side, or a room that is only passed through.
-  bool add_pair(const std::vector<Happening>& all, std::size_t k) {
+  bool add_pair(const std::vector<Happening>& all, std::size_t k, bool straight) {
     if (k + 1 >= all.size()) return false;
     const Happening &a = all[k], &b = all[k + 1];
     if (a.kind == Happening::Kind::kPass && b.kind == Happening::Kind::kPass &&
@@ -275,14 +319,18 @@ class Describer {
         words_.naming().same_room_name(a.from, a.to) || !words_.chance(habits_.merge)) {
       return false;
     }
-    add(words_.through(a, b), After::kRoom, b.to);
+    if (speaker_ == Speaker::kTerse && words_.chance(0.5)) {
+      add(words_.into(b), After::kRoom, b.to);
+    } else {
+      add(words_.through(a, b, straight), After::kRoom, b.to);
+    }
     return true;
   }
 
-  void add_one(const Happening& h) {
+  void add_one(const Happening& h, bool straight) {
     switch (h.kind) {
       case Happening::Kind::kCross:
-        add(words_.cross(h), After::kRoom, h.to);
+        add(words_.cross(h, straight), After::kRoom, h.to);
         break;
       case Happening::Kind::kPass:
         add(words_.pass(names_[h.thing], h.on_right));
@@ -309,37 +357,57 @@ class Describer {
     }
     const bool fresh = !clauses_.empty() && clauses_.back().room == e.room;
     if (e.at_end) return words_.stop(words_.say("at the end of the $room", room));
-    if (e.just_inside && fresh && words_.chance(0.7)) {
+    if (fresh && words_.naming().is_way(e.room)) {
+      // Who was told to leave the kitchen has not heard of the hallway.
+      return clauses_.back().text.ends_with(words_.room(e.room))
+                 ? words_.say("[stop|wait] there")
+                 : words_.stop(words_.say("in the $room", room));
+    }
+    if (e.just_inside && fresh) {
       return words_.say(
-          "[stop|wait|halt] [just|right] inside|stop [once|as soon as] you are inside|"
-          "wait inside|stop there|wait there|stop as soon as you are in the $room",
+          "[stop|wait|stop|wait|halt] [just|right] inside|stop once you are inside|"
+          "[stop|wait] [inside|there]|[stop|wait|stand] just inside the $room",
           room);
     }
     if (e.in_middle)
       return words_.stop(words_.say("in the [middle|center|centre] of the $room", room));
-    return words_.stop(
-        words_.say(words_.naming().is_stairs(e.room) ? "by the stairs" : "in the $room", room));
+    if (words_.naming().is_stairs(e.room)) return words_.stop("by the stairs");
+    return fresh ? words_.say("[stop|wait] [there|inside]")
+                 : words_.stop(words_.say("in the $room", room));
   }
 
   // Clauses become sentences.
   std::string compose(const std::string& lead) {
     std::string text;
     for (std::size_t i = 0; i < clauses_.size();) {
-      const std::size_t left = clauses_.size() - i;
-      std::size_t n = std::min<std::size_t>(left, 1 + words_.rng().below(habits_.clauses));
-      if (left == n + 1 && speaker_ == Speaker::kTerse) n = left;  // no lonely stop
+      const std::size_t n = sentence_length(i);
       std::vector<std::string> parts;
       for (std::size_t k = i; k < i + n; ++k) parts.push_back(clauses_[k].text);
-      std::string one = detail::join_clauses(parts, words_.rng());
+      std::string one = detail::join_clauses(parts, habits_.links, words_.rng());
       if (i == 0 && !lead.empty()) {
         one = lead + ", " + one;
-      } else if (i > 0) {
+      } else if (i == 0 && n < clauses_.size() && words_.chance(habits_.openings / 3)) {
+        one = words_.say("[first,|to start,|to begin,]") + " " + one;
+      } else if (i > 0 && !stands_alone(clauses_[i]) && one.find("then ") == std::string::npos) {
         one = opening(clauses_[i - 1], i + n == clauses_.size()) + one;
       }
       text += (text.empty() ? "" : " ") + detail::sentence(one);
       i += n;
     }
     return text;
+  }
+
+  // "You will see" is no clause that commands, and goes with none.
+  static bool stands_alone(const Clause& clause) { return clause.text.starts_with("you "); }
+  // How many clauses a sentence that begins with clause i has.
+  std::size_t sentence_length(std::size_t i) {
+    const std::size_t left = clauses_.size() - i;
+    std::size_t n = std::min<std::size_t>(left, 1 + words_.rng().below(habits_.clauses));
+    if (left == n + 1 && words_.chance(habits_.brevity)) n = left;  // no lonely stop
+    for (std::size_t k = 0; k < n; ++k) {
+      if (stands_alone(clauses_[i + k])) return std::max<std::size_t>(k, 1);
+    }
+    return n;
   }
 
   // How a sentence may follow another.
@@ -368,10 +436,10 @@ class Describer {
   // Metres: a door that comes sooner after a turn is said in one breath with it.
   static constexpr double kSameBreath = 2.5;
 
-  PathStory story_;
+  const PathStory& story_;
   std::span<const ViewpointIndex> path_;
   Speaker speaker_;
-  const Habits& habits_;
+  Habits habits_;
   Wording words_;
   std::size_t end_room_;
   std::vector<Clause> clauses_;
@@ -386,7 +454,23 @@ class Describer {
 
 std::string describe(const SpokenHome& home, std::span<const ViewpointIndex> viewpoints,
                      double heading, Speaker speaker, std::uint64_t seed) {
-  return Describer(home, viewpoints, heading, speaker, seed).text();
+  constexpr int kTries = 10;
+  const PathStory story = detail::tell_path(home, viewpoints, heading);
+  const Habits habits = detail::habits_of(speaker);
+  Rng rng(seed, static_cast<std::uint64_t>(speaker));
+  const std::size_t words =
+      habits.least_words + rng.below(habits.most_words - habits.least_words + 1);
+  std::string best;
+  std::size_t least = 0;
+  for (int k = 0; k < kTries && (best.empty() || least > words); ++k) {
+    const Habits lean = detail::leaner_habits(habits, static_cast<double>(k) / (kTries - 1));
+    std::string text = Describer(home, story, viewpoints, speaker, lean, rng.next()).text();
+    const std::size_t cost = cost_of(text);
+    if (!best.empty() && cost >= least) continue;
+    least = cost;
+    best = std::move(text);
+  }
+  return best;
 }
 
 }  // namespace enfilade::synth

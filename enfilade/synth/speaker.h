@@ -30,8 +30,9 @@ struct SpokenHome {
 /// An instruction for a path, from its first viewpoint, looking to `heading` (radians, world), to
 /// its last. Everything said is true at that point of the path: turns (against the direction one
 /// faces there), doors and stairs in the order met, things in view and on the side said, rooms
-/// entered and left, where to stop. The same arguments give the same words. \pre viewpoints has at
-/// least 2
+/// entered and left, where to stop. What says least is left out, down to the length that the
+/// speaker cares for (detail/habits.h). The same arguments give the same words. \pre viewpoints has
+/// at least 2
 std::string describe(const SpokenHome& home, std::span<const ViewpointIndex> viewpoints,
                      double heading, Speaker speaker, std::uint64_t seed);
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <set>
@@ -20,6 +21,7 @@ constexpr std::size_t kHomes = 16, kPathsPerHome = 30;
 
 struct Totals {
   std::size_t instructions = 0, wrong = 0, alike = 0;
+  std::size_t longest = 0;  // words
   std::set<std::string> vocabulary;
   std::map<Speaker, std::size_t> words, count;
 };
@@ -66,11 +68,14 @@ void speak_in(std::uint64_t seed, Totals& totals) {
       texts.insert(text);
       ++totals.instructions;
       ++totals.count[speaker];
+      std::size_t words = 0;
       for (const std::string& w : testing::split_words(text)) {
         if (!is_word(w)) continue;
         totals.vocabulary.insert(w);
-        ++totals.words[speaker];
+        ++words;
       }
+      totals.words[speaker] += words;
+      totals.longest = std::max(totals.longest, words);
       const auto faults = checker.check(text, *path, heading);
       if (faults.empty()) continue;
       if (++totals.wrong <= 40) {
@@ -90,10 +95,18 @@ TEST(DescribeHomes, AThousandInstructionsAreTrueAndRichInWords) {
   EXPECT_EQ(totals.wrong, 0U);
   EXPECT_EQ(totals.alike, 0U);
   EXPECT_GE(totals.vocabulary.size(), 400U);
+  // Room-to-Room's mean is 26 words without punctuation; bounds are wide, against drifting.
+  std::size_t words = 0;
+  for (const auto& [speaker, said] : totals.words) words += said;
+  const double mean = static_cast<double>(words) / static_cast<double>(totals.instructions);
+  EXPECT_GT(mean, 20);
+  EXPECT_LT(mean, 32);
+  EXPECT_LT(totals.words[Speaker::kTerse], 8 * totals.words[Speaker::kLandmarks] / 10);
+  EXPECT_LT(totals.longest, 60U);
   RecordProperty("vocabulary", static_cast<int>(totals.vocabulary.size()));
-  for (const auto& [speaker, words] : totals.words) {
+  for (const auto& [speaker, said] : totals.words) {
     RecordProperty(fmt::format("words_of_speaker_{}", static_cast<int>(speaker)),
-                   static_cast<int>(words / totals.count[speaker]));
+                   static_cast<int>(said / totals.count[speaker]));
   }
 }
 

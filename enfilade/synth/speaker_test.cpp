@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cctype>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <string>
@@ -13,6 +14,7 @@
 #include "enfilade/synth/detail/box_home_for_test.h"
 #include "enfilade/synth/detail/instruction_checker_for_test.h"
 #include "enfilade/synth/detail/instruction_reader_for_test.h"
+#include "enfilade/synth/detail/path_story.h"
 
 namespace enfilade::synth {
 namespace {
@@ -74,10 +76,11 @@ std::optional<std::string> exchange(const std::string& text, const std::vector<s
   for (const std::string& word : words) {
     for (const std::size_t at : places_of(text, word)) places.emplace_back(at, word);
   }
-  // "right inside", "right before" are no sides.
+  // "right inside", "right before", "right next to" are no sides.
   std::erase_if(places, [&](const auto& p) {
     const std::string rest = text.substr(p.first);
-    return p.first == 0 || rest.starts_with("right inside") || rest.starts_with("right before");
+    return p.first == 0 || rest.starts_with("right inside") || rest.starts_with("right before") ||
+           rest.starts_with("right next");
   });
   if (places.empty()) return std::nullopt;
   const auto [at, word] = places[rng.below(places.size())];
@@ -121,6 +124,7 @@ TEST(InstructionChecker, FindsWhatWasDamaged) {
       {"order", reorder, {}},
       {"colour", exchange, {"green", "red", "white", "brown", "black", "blue", "silver"}},
       {"room", exchange, {"kitchen", "bedroom", "office", "bathroom", "living room"}},
+      {"another", exchange, {"into the", "into another"}},
       {"stairs", exchange, {"upstairs", "downstairs"}},
       {"noun", exchange, {"bench", "sofa", "bed", "desk", "plant", "fridge", "wardrobe"}}};
   for (const Damage& damage : damages) {
@@ -141,6 +145,27 @@ TEST(InstructionChecker, FindsWhatWasDamaged) {
     EXPECT_GT(made, 20U) << damage.name;
     EXPECT_GT(static_cast<double>(found), 0.95 * static_cast<double>(made)) << damage.name;
   }
+}
+
+TEST(InstructionChecker, FindsSharpTurnsThatAreNone) {
+  const Stage& stage = small_stage();
+  Rng rng(4);
+  std::size_t made = 0;
+  for (const Path& path : paths_in(stage.graph, stage.sights, 300, 9)) {
+    const auto story = detail::tell_path(stage.spoken, path.viewpoints, path.heading);
+    const double turn = story.stretches.front().turn;
+    if (std::abs(turn) < 65 || std::abs(turn) > 125) continue;
+    const std::string text =
+        describe(stage.spoken, path.viewpoints, path.heading, Speaker::kTerse, rng.next());
+    const std::string plain = turn > 0 ? "Turn right" : "Turn left";
+    if (!text.starts_with(plain)) continue;
+    const std::string sharp = "Turn sharp" + text.substr(std::string("Turn").size());
+    ++made;
+    EXPECT_EQ(stage.checker.check(sharp, path.viewpoints, path.heading).empty(),
+              std::abs(turn) >= 90)
+        << sharp << " " << turn;
+  }
+  EXPECT_GT(made, 10U);
 }
 
 TEST(Describe, SaysOnlyWhatIsTrueInASmallHome) {

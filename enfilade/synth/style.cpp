@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <map>
 #include <span>
 #include <string_view>
 #include <utility>
 
+#include "enfilade/image/tone.h"
 #include "enfilade/synth/detail/textures.h"
 
 namespace enfilade::synth {
@@ -70,9 +70,7 @@ constexpr std::array<NamedColour, 8> kPaints{{{"red", {0.70, 0.16, 0.14}},
                                               {"cream", {0.91, 0.87, 0.77}},
                                               {"brown", {0.42, 0.29, 0.19}}}};
 
-float linear(double srgb) {
-  return static_cast<float>(srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4));
-}
+float linear(double srgb) { return static_cast<float>(image::linear_from_srgb(srgb)); }
 Vec3f linear(Rgb c) { return {linear(c.r), linear(c.g), linear(c.b)}; }
 
 /// Adds materials; what they are made of is drawn from one stream.

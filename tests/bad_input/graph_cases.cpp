@@ -114,76 +114,11 @@ std::vector<Case> scan_lists() {
   };
 }
 
-// Meshes in OBJ's text: z up.
-constexpr const char* kFloor = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4\n";
-constexpr const char* kWall = "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nf 1 2 3 4\n";
-
-Case built(std::string input, const std::string& options, int exit_code, std::string says,
-           const std::string& mesh = kFloor, const std::string& corrections = "") {
-  return {"Graphs from meshes",
-          std::move(input),
-          "graph build {}/m.obj -o {}/built " + options,
-          exit_code,
-          std::move(says),
-          [=](Files& f) { f.write("m.obj", mesh).write("c.json", corrections); }};
-}
-
-std::vector<Case> meshes() {
-  const std::string correct = "--corrections {}/c.json";
-  return {
-      built("a mesh without a level surface", "", 3, "no-floor", kWall),
-      built("a floor in the wrong units", "--scale 0.01", 3, "no-floor"),
-      built("a mesh far too large for its cells", "--scale 1000", 2, "cell: 0.07 m on a mesh of"),
-      built("no room for the body", "--body-radius 3", 3,
-            "no surface has room for a body of radius 3 m"),
-      built("a separation of 0", "--separation 0", 2, "separation: 0, not from 0.2 to 100"),
-      built("an axis that is none", "--up w", 2, "--up"),
-      built("a scan id that is a path", "--scan ../x", 2, "letters, digits, _ and - are allowed"),
-      built("corrections that are not there", "--corrections {}/none.json", 3, "cannot open"),
-      built("corrections that are no JSON", correct, 3, "not JSON", kFloor, "add 1 2"),
-      built("a correction nobody signed", correct, 3, "$.corrections[0].who: is empty", kFloor,
-            R"({"scan":"m","corrections":[{"action":"exclude","from":"a","who":"","why":"b"}]})"),
-      built("corrections of another building", correct, 3, "and the graph is of \"m\"", kFloor,
-            R"({"scan":"n","corrections":[]})"),
-      built("a correction of a viewpoint that is not there", correct, 3,
-            "\"a\" is no viewpoint of m", kFloor,
-            R"({"scan":"m","corrections":[{"action":"exclude","from":"a","who":"c","why":"b"}]})"),
-  };
-}
-
-Case compared(std::string input, std::string command, int exit_code, std::string says,
-              std::function<void(Files&)> damage = {}) {
-  return {"Graphs that are compared",
-          std::move(input),
-          "graph compare " + command,
-          exit_code,
-          std::move(says),
-          std::move(damage)};
-}
-
-std::vector<Case> comparisons() {
-  const std::string one = std::string("{}/") + kGraph;
-  return {
-      compared("a graph that is not there", one + " {}/none.json", 3, "cannot open"),
-      compared("a graph that is annotations", one + " {}/r2r/R2R_made.json", 3, "missing-field"),
-      compared("buildings that share nothing", one + " {}/b.json", 2, "no viewpoint of one",
-               [](Files& f) { f.write("b.json", "[]"); }),
-      compared("graphs that agree less than asked",
-               one + " {}/connectivity/two_connectivity.json --least-f1 1", 1,
-               "edges       3 in both, 0 extra, 1 missing",
-               [](Files& f) {
-                 f.edit(kGraph, "\"unobstructed\":[false,true,", "\"unobstructed\":[false,false,")
-                     .edit(kGraph, "\"unobstructed\":[true,", "\"unobstructed\":[false,");
-               }),
-  };
-}
-
 }  // namespace
 
 std::vector<Case> graph_cases() {
   std::vector<Case> all;
-  for (const auto& part :
-       {broken_json(), broken_fields(), odd_graphs(), scan_lists(), meshes(), comparisons()}) {
+  for (const auto& part : {broken_json(), broken_fields(), odd_graphs(), scan_lists()}) {
     all.insert(all.end(), part.begin(), part.end());
   }
   return all;

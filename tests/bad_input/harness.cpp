@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/wait.h>
-#include <unistd.h>
 #include <algorithm>
-#include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
@@ -12,6 +10,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/r2r/annotations.h"
 #include "tests/support/graphs.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::bad_input {
 namespace {
@@ -117,20 +116,18 @@ Files& Files::remove(const std::string& file) {
 
 std::vector<Case> all_cases() {
   std::vector<Case> all;
-  for (const auto& group : {graph_cases(), annotation_cases(), result_cases(), command_line_cases(),
-                            import_cases(), render_cases()}) {
+  for (const auto& group : {graph_cases(), mesh_cases(), annotation_cases(), result_cases(),
+                            command_line_cases(), home_cases(), import_cases(), render_cases()}) {
     all.insert(all.end(), group.begin(), group.end());
   }
   return all;
 }
 
 Outcome run(const Case& one) {
-  static std::atomic<int> count = 0;
-  const fs::path folder =
-      fs::temp_directory_path() / fmt::format("enfilade_bad_input_{}_{}", getpid(), ++count);
+  const tests::TemporaryFolder made("bad_input");
+  const fs::path& folder = made.path();
   Files files;
   if (one.damage) one.damage(files);
-  fs::create_directories(folder);
   for (const auto& [name, content] : files.all()) {
     fs::create_directories((folder / name).parent_path());
     write_file_atomically(folder / name, content);
@@ -140,10 +137,8 @@ Outcome run(const Case& one) {
       fmt::format("cd {} && env -u ENFILADE_DATA {} {} > {} 2>&1", folder.string(), EN_PROGRAM,
                   replaced(one.command, "{}", folder.string()), output.string());
   const int status = std::system(command.c_str());  // NOLINT(concurrency-mt-unsafe)
-  Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-                  replaced(read_file(output), folder.string(), "{}")};
-  fs::remove_all(folder);
-  return outcome;
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+          replaced(read_file(output), folder.string(), "{}")};
 }
 
 std::string docs_page() {

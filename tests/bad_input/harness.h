@@ -42,11 +42,13 @@ struct Case {
 };
 
 std::vector<Case> graph_cases();
+std::vector<Case> mesh_cases();
 std::vector<Case> annotation_cases();
 std::vector<Case> result_cases();
 std::vector<Case> render_cases();
 std::vector<Case> command_line_cases();
 std::vector<Case> import_cases();
+std::vector<Case> home_cases();
 std::vector<Case> all_cases();
 
 struct Outcome {

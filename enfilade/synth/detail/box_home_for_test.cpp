@@ -74,10 +74,6 @@ scan::ConnectivityEntry viewpoint(std::size_t i, Vec3d eye, double height) {
   return entry;
 }
 
-Vec3f single(Vec3d p) {
-  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
-
 // Edges where two rays, at the eyes and at the knees, get through.
 graph::NavGraph connect(const std::vector<Vec3d>& eyes, const mesh::RayTracer& tracer,
                         const std::string& scan) {
@@ -88,7 +84,8 @@ graph::NavGraph connect(const std::vector<Vec3d>& eyes, const mesh::RayTracer& t
       const Vec3d a = eyes[i], b = eyes[k];
       if (i == k || length(b - a) > 4) continue;
       const Vec3d down{0, 0, std::abs(a.z - b.z) > 0.3 ? 0.9 : 1.2};
-      if (tracer.sees(single(a), single(b)) && tracer.sees(single(a - down), single(b - down))) {
+      if (tracer.sees(to_float(a), to_float(b)) &&
+          tracer.sees(to_float(a - down), to_float(b - down))) {
         c.entries[i].unobstructed.emplace_back(k);
       }
     }
@@ -200,7 +197,7 @@ graph::NavGraph grid_graph(const Plan& plan, const mesh::RayTracer& tracer,
   std::vector<Vec3d> eyes;
   const auto add = [&](Vec3d p) {
     const bool near = std::ranges::any_of(eyes, [&](Vec3d e) { return length(e - p) < 1.1; });
-    const bool free = tracer.sees(single(p), single({p.x, p.y, p.z - kEye + 0.05}), 0);
+    const bool free = tracer.sees(to_float(p), to_float({p.x, p.y, p.z - kEye + 0.05}), 0);
     if (!near && free) eyes.push_back(p);
   };
   for (const Opening& o : plan.openings) {

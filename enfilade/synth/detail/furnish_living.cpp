@@ -178,6 +178,21 @@ void arrange_corner(Seating& s, const Shape& corner, double depth) {
   s.group.w = f.w;
 }
 
+/// What lies between the seats. The table is the third thing, where there was room for one.
+void dress_middle(FurnishedRoom& room, const Spot& spot, const Seating& s) {
+  const Shape& rug =
+      room.chance(0.7) ? FurnishedRoom::pick("rug", 0) : FurnishedRoom::pick("rug", 1);
+  const double wide = room.between(2.2, 2.8);
+  const bool round = rug.build == FurnishedRoom::pick("rug", 1).build;
+  const bool has_table = s.group.items.size() > 2;
+  room.lay(rug, {round ? 2.0 : wide, round ? 2.0 : 1.8, rug.size.h}, spot.frame,
+           has_table ? s.group.items[2].x : 0, s.table_y + 0.1);
+  if (!has_table) return;
+  Item table = s.group.items[2];
+  table.size.w *= 0.8;
+  clutter(room, spot.frame, table, "table");
+}
+
 void dress_seating(FurnishedRoom& room, const Spot& spot, const Seating& s, bool television) {
   const Item& focal = s.group.items[0];
   const Item& sofa = s.group.items[1];
@@ -196,15 +211,7 @@ void dress_seating(FurnishedRoom& room, const Spot& spot, const Seating& s, bool
     room.hang(above, above.size, spot.wall, spot.along, focal.size.h + 0.4, 0.2);
   }
   const bool corner = sofa.shape->noun == "corner sofa";
-  const Shape& rug =
-      room.chance(0.7) ? FurnishedRoom::pick("rug", 0) : FurnishedRoom::pick("rug", 1);
-  const double wide = room.between(2.2, 2.8);
-  const bool round = rug.build == FurnishedRoom::pick("rug", 1).build;
-  room.lay(rug, {round ? 2.0 : wide, round ? 2.0 : 1.8, rug.size.h}, spot.frame, s.group.items[2].x,
-           s.table_y + 0.1);
-  Item table = s.group.items[2];
-  table.size.w *= 0.8;
-  clutter(room, spot.frame, table, "table");
+  dress_middle(room, spot, s);
   const int cushions = 2 + static_cast<int>(room.rng().below(2));
   for (int i = 0; i < cushions && !corner; ++i) {
     const Shape& cushion = FurnishedRoom::pick("cushion", 0);

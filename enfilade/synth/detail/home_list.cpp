@@ -39,15 +39,17 @@ Json to_json(const HomeEntry& home) {
                      {"storey", room.storey},
                      {"viewpoints", room.viewpoints}});
   }
-  return {{"scan", home.scan},
-          {"kind", home.kind},
-          {"seed", home.plan.seed},
-          {"storeys", home.plan.storeys ? Json(*home.plan.storeys) : Json()},
-          {"area", home.plan.area},
-          {"viewpoints", home.viewpoints},
-          {"edges", home.edges},
-          {"triangles", home.triangles},
-          {"rooms", std::move(rooms)}};
+  Json json{{"scan", home.scan},
+            {"kind", home.kind},
+            {"seed", home.plan.seed},
+            {"storeys", home.plan.storeys ? Json(*home.plan.storeys) : Json()},
+            {"area", home.plan.area},
+            {"viewpoints", home.viewpoints},
+            {"edges", home.edges},
+            {"triangles", home.triangles},
+            {"rooms", std::move(rooms)}};
+  if (!home.corrections.empty()) json["corrections"] = home.corrections;
+  return json;
 }
 
 // Reads fields of one object into values of many types, reporting what is wrong.
@@ -72,11 +74,11 @@ class Reader {
   // Seeds use all 64 bits.
   void seed(std::string_view name, std::uint64_t& value) {
     const auto element = find(name);
-    if (!element) return;
-    if (element->is<std::uint64_t>()) {
+    if (element && element->is<std::uint64_t>()) {
       value = element->get_uint64().value();
-    } else {
-      static_cast<void>(json::integer(*element, Path(path_, name), faults_));
+    } else if (element) {
+      std::int64_t negative = 0;  // or no number at all
+      whole(name, negative);
     }
   }
   void real(std::string_view name, double& value) {
@@ -93,6 +95,9 @@ class Reader {
   std::optional<Element> optional(std::string_view name) {
     const auto element = find(name);
     return element && !element->is_null() ? element : std::nullopt;
+  }
+  bool has(std::string_view name) const {
+    return object_ && object_->at_key(name).error() == simdjson::SUCCESS;
   }
   // Calls body(element, path) for each item.
   template <class Body>
@@ -149,7 +154,11 @@ RoomEntry read_room(Element element, const Path& path, Faults& faults) {
   Reader reader(element, path, faults);
   std::string type;
   reader.text("type", type);
-  if (type.size() == 1) room.type = type[0];
+  if (type.size() == 1) {
+    room.type = type[0];
+  } else {
+    faults.error(path, "bad-type", fmt::format("type {:?}, not one letter", type));
+  }
   reader.text("name", room.name);
   reader.whole("storey", room.storey);
   reader.each("viewpoints", [&](Element id, const Path& here) {
@@ -162,17 +171,23 @@ HomeEntry read_home(Element element, const Path& path, Faults& faults) {
   HomeEntry home;
   Reader reader(element, path, faults);
   reader.text("scan", home.scan);
-  reader.text("kind", home.kind);
   home.plan.kind = reader.kind("kind");
+  if (home.plan.kind) home.kind = to_string(*home.plan.kind);
   reader.seed("seed", home.plan.seed);
   if (reader.optional("storeys")) reader.whole("storeys", home.plan.storeys.emplace());
   reader.real("area", home.plan.area);
+  try {
+    check_options(home.plan);
+  } catch (const ArgumentError& error) {
+    faults.error(path, "bad-plan", error.what());
+  }
   reader.whole("viewpoints", home.viewpoints);
   reader.whole("edges", home.edges);
   reader.whole("triangles", home.triangles);
   reader.each("rooms", [&](Element room, const Path& here) {
     home.rooms.push_back(read_room(room, here, faults));
   });
+  if (reader.has("corrections")) reader.text("corrections", home.corrections);
   return home;
 }
 

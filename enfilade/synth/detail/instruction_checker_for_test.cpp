@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "enfilade/synth/detail/instruction_reader_for_test.h"
 
@@ -12,7 +13,8 @@ namespace {
 
 // Degrees. People's words are wide: "left" may be anything from half to one and a half right
 // angles, and what bends by more than 75 is a turn that must not be left out.
-constexpr double kLeastTurn = 40, kMostTurn = 150, kLeastSlight = 8, kMostSlight = 75;
+constexpr double kLeastSharp = 90, kLeastTurn = 40, kMostTurn = 150, kLeastSlight = 8,
+                 kMostSlight = 75;
 constexpr double kLeastAround = 115, kMostStraight = 50, kMustBeSaid = 75;
 // Metres: nobody is on the stairs who is no step off a floor, nor at their end two steps off.
 constexpr double kThere = 0.2, kAboutThere = 0.45;
@@ -99,6 +101,7 @@ class Walk : private Route {
     switch (c.kind) {
       case Kind::kTurn:
         turn(c.side, c.slight);
+        if (c.sharp && !is_sharp(c.side)) wrong("no sharp turn");
         break;
       case Kind::kAround:
         around();
@@ -180,6 +183,12 @@ class Walk : private Route {
     wrong("no such turn");
     return false;
   }
+  // Of the turn that was said last.
+  bool is_sharp(Side side) const {
+    const auto i = static_cast<std::size_t>(now_);
+    return i < legs() && turned_[i] &&
+           (side == Side::kRight ? turns_[i] : -turns_[i]) >= kLeastSharp;
+  }
   void around() {
     for (std::size_t i = 0; i < legs(); ++i) {
       const auto when = static_cast<double>(i);
@@ -210,6 +219,7 @@ class Walk : private Route {
         wrong(fmt::format("door {} is number {} (from {:.2f})", c.nth, doors_to(p, c.side),
                           left_from));
       }
+      if (c.another && !is_another(p, *c.to)) wrong("not another room of that name");
       last_passage_ = p.when;
       return;
     }
@@ -219,6 +229,17 @@ class Walk : private Route {
                           home_->plan.rooms[p.to].name, p.opening ? "" : "?");
     }
     wrong(fmt::format("no such way into another room at {} of{}", now_, ways));
+  }
+  // Has one been in a room of that name, but never in this one?
+  bool is_another(const Passage& entry, const std::set<std::size_t>& named) const {
+    bool in_one = named.contains(room(at(0)));
+    bool in_this = room(at(0)) == entry.to;
+    for (const Passage& p : passages_) {
+      if (p.when >= entry.when) break;
+      in_one = in_one || named.contains(p.to);
+      in_this = in_this || (p.to == entry.to && !p.slight);
+    }
+    return in_one && !in_this;
   }
   bool fits_opening(const Claim& c, const Passage& p) const {
     if (!p.opening) return false;

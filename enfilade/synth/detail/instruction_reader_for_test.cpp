@@ -26,7 +26,9 @@ bool is_one(const std::string& word, std::initializer_list<const char*> list) {
   return std::ranges::any_of(list, [&](const char* w) { return word == w; });
 }
 
-bool is_determiner(const std::string& w) { return is_one(w, {"the", "a", "an", "your"}); }
+bool is_determiner(const std::string& w) {
+  return is_one(w, {"the", "a", "an", "your", "another"});
+}
 
 // Words that end a noun phrase.
 bool ends_phrase(const std::string& w) {
@@ -46,7 +48,7 @@ struct Piece {
   Words adjectives;
   ThingNamed thing;
   std::set<std::size_t> rooms;
-  bool indefinite = false;
+  bool another = false;
   bool used = false;
 };
 
@@ -83,13 +85,14 @@ class Chunker {
   // "chest of drawers" and "flight of stairs" are one.
   static bool joins_of(const Words& words, std::size_t begin, std::size_t at) {
     return words[at] == "of" && at > begin && at + 1 < words.size() &&
-           is_one(words[at - 1], {"chest", "flight", "piece", "set", "pair"}) &&
-           is_one(words[at + 1], {"drawers", "stairs", "art", "shelves"});
+           is_one(words[at - 1], {"chest", "flight", "bowl", "bunch", "rack", "pair", "pile"}) &&
+           is_one(words[at + 1],
+                  {"drawers", "stairs", "fruit", "flowers", "clothes", "shoes", "books"});
   }
 
   Piece phrase(const Words& words, std::size_t begin, std::size_t end) const {
     Piece piece;
-    piece.indefinite = words[begin] != "the" && words[begin] != "your";
+    piece.another = words[begin] == "another";
     for (std::size_t from = begin + 1; from < end; ++from) {
       std::string head = words[from];
       for (std::size_t k = from + 1; k < end; ++k) head += " " + words[k];
@@ -113,7 +116,7 @@ class Chunker {
       return true;
     }
     if (is_one(head, {"door", "doorway", "archway", "arch", "opening", "front door",
-                      "entrance door", "door frame"})) {
+                      "entrance door", "threshold"})) {
       piece.kind = Piece::Kind::kDoor;
       return true;
     }
@@ -126,14 +129,23 @@ class Chunker {
     }
     // To people, "the toilet" is the thing.
     if (head == "toilet" && fill_thing(piece, head)) return true;
-    piece.rooms = rooms_called(head);
+    // "The room" may be any.
+    piece.rooms = head == "room" && piece.adjectives.empty() ? all_rooms() : rooms_called(head);
     if (!piece.rooms.empty()) {
       piece.kind = Piece::Kind::kRoom;
+      piece.another = piece.another || std::ranges::any_of(piece.adjectives, [](const auto& a) {
+                        return is_one(a, {"other", "different", "next"});
+                      });
       return true;
     }
     return fill_thing(piece, head);
   }
 
+  std::set<std::size_t> all_rooms() const {
+    std::set<std::size_t> all;
+    for (std::size_t i = 0; i < home_.plan.rooms.size(); ++i) all.insert(i);
+    return all;
+  }
   std::set<std::size_t> rooms_called(const std::string& name) const {
     const auto also = other_rooms().find(name);
     std::set<std::size_t> found;
@@ -158,8 +170,13 @@ class Chunker {
       known = true;
       const Words looks = words_of(lower(t.colour + " " + t.material));
       // All of a colour's words or none: a dark blue chair is not "the dark chair".
-      const bool fits = std::ranges::all_of(
-          piece.adjectives, [&](const std::string& a) { return std::ranges::count(looks, a) > 0; });
+      const bool fits = std::ranges::all_of(piece.adjectives, [&](const std::string& a) {
+        const auto colour = other_colours().find(a);
+        const Words stands_for = colour == other_colours().end() ? Words{a} : colour->second;
+        return std::ranges::all_of(stands_for, [&](const std::string& word) {
+          return std::ranges::count(looks, word) > 0;
+        });
+      });
       if (fits) piece.thing.fits.push_back(i);
     }
     if (!known) return false;
@@ -294,7 +311,7 @@ class Reader {
     if (c[i].kind == Piece::Kind::kSide) return true;
     if (c[i].kind != Piece::Kind::kWord || !is_one(c[i].text, {"left", "right"})) return false;
     const std::string next = word_at(c, i + 1);
-    return !(c[i].text == "right" && is_one(next, {"before", "inside"}));
+    return !(c[i].text == "right" && is_one(next, {"before", "inside", "next"}));
   }
 
   void read_view(Clause& c) {
@@ -351,7 +368,7 @@ class Reader {
       if (is_side(c, k)) claim.side = side_named(c[k]);
     }
     push(claim);
-    if (any(words, {"front", "facing", "before"})) {
+    if (any(words, {"front", "facing", "before", "opposite", "across"})) {
       claim.kind = Kind::kAhead;
       push(claim);
     }
@@ -359,7 +376,8 @@ class Reader {
 
   void place_by_door(Clause& c, std::size_t i, const Words& words) {
     Claim claim;
-    claim.kind = any(words, {"in"}) && !any(words, {"front"}) ? Kind::kInDoorway : Kind::kByDoor;
+    claim.kind =
+        any(words, {"in", "on"}) && !any(words, {"front"}) ? Kind::kInDoorway : Kind::kByDoor;
     claim.opening = kind_of_door(c[i]);
     for (std::size_t k = i + 1; k < c.size(); ++k) {
       if (c[k].rooms.empty()) continue;
@@ -380,6 +398,7 @@ class Reader {
   }
 
   static std::optional<Opening::Kind> kind_of_door(const Piece& p) {
+    if (p.text == "threshold") return std::nullopt;
     if (is_one(p.text, {"archway", "arch", "opening"})) return Opening::Kind::kArch;
     if (is_one(p.text, {"front door", "entrance door"})) return Opening::Kind::kEntrance;
     return Opening::Kind::kDoor;
@@ -417,9 +436,10 @@ class Reader {
   }
 
   void read_turn(Clause& c) {
-    const bool turns = has(c, {"turn", "spin", "u-turn", "about-face", "complete turn around"});
-    const bool round = has(
-        c, {"around", "u-turn", "about-face", "complete turn around", "other way", "way around"});
+    const bool turns =
+        has(c, {"turn", "spin", "reverse", "u-turn", "about-face", "complete turn around"});
+    const bool round = has(c, {"around", "u-turn", "about-face", "complete turn around",
+                               "other way", "way around", "reverse"});
     if (turns && round) {
       make(Kind::kAround);
       return;
@@ -431,10 +451,11 @@ class Reader {
       claim.slight = has(c, {"bear", "veer", "angle", "curve", "drift", "slightly", "little", "bit",
                              "gently"}) ||
                      any(c[i].adjectives, {"slight", "little", "bit"});
+      claim.sharp = has(c, {"sharp", "sharply"}) || any(c[i].adjectives, {"sharp", "hard"});
       c[i].used = true;
       return;
     }
-    if (has(c, {"straight", "forward", "onward"})) make(Kind::kStraight);
+    if (has(c, {"straight", "forward", "onward", "directly"})) make(Kind::kStraight);
   }
 
   // "the sofa on your left", "to the left of the sofa"
@@ -466,9 +487,10 @@ class Reader {
           cross.from = c[i].rooms;
           found = true;
         } else if (any(words, {"through", "along", "down", "follow", "end"})) {
-          make(any(words, {"end"}) ? Kind::kEndOf : Kind::kInside).to = c[i].rooms;
+          make(has(c, {"end", "all"}) ? Kind::kEndOf : Kind::kInside).to = c[i].rooms;
         } else {
           cross.to = with_mark(c, i);
+          cross.another = c[i].another;
           found = true;
         }
         noun = i;
@@ -505,8 +527,8 @@ class Reader {
       }
       const Words words = before(c, i);
       claim.thing = c[i].thing;
-      claim.kind = any(words, {"between"})                   ? Kind::kBetween
-                   : any(words, {"over", "across", "cross"}) ? Kind::kOver
+      claim.kind = any(words, {"between"})                                       ? Kind::kBetween
+                   : any(words, {"over", "across", "cross", "traverse", "onto"}) ? Kind::kOver
                    : any(words, {"towards", "toward", "direction", "aim", "approach", "for"})
                        ? Kind::kTowards
                        : Kind::kPass;
@@ -523,11 +545,13 @@ class Reader {
 
   void read_distance(const Clause& c) {
     static const std::map<std::string, double> kNumbers{
-        {"one", 1},   {"two", 2},   {"three", 3}, {"four", 4}, {"five", 5},    {"six", 6},
-        {"seven", 7}, {"eight", 8}, {"nine", 9},  {"ten", 10}, {"eleven", 11}, {"twelve", 12}};
+        {"one", 1},     {"two", 2},     {"three", 3},    {"four", 4},    {"five", 5},
+        {"six", 6},     {"seven", 7},   {"eight", 8},    {"nine", 9},    {"ten", 10},
+        {"eleven", 11}, {"twelve", 12}, {"fifteen", 15}, {"twenty", 20}, {"thirty", 30}};
+    const double unit = has(c, {"feet"}) ? 0.3048 : 1;
     for (const Piece& p : c) {
       const auto number = kNumbers.find(p.text);
-      if (number != kNumbers.end()) make(Kind::kWalk).metres = number->second;
+      if (number != kNumbers.end()) make(Kind::kWalk).metres = unit * number->second;
       if (is_one(p.text, {"couple", "short way", "little way"})) make(Kind::kWalk).metres = 1.7;
       if (is_one(p.text, {"long way", "distance"})) make(Kind::kWalk).metres = 15;
     }

@@ -46,10 +46,11 @@ struct Claim {
   Kind kind = Kind::kStop;
   bool at_start = false, at_stop = false;
   Side side = Side::kNone;
-  bool slight = false;
+  bool slight = false, sharp = false;
   bool up = false;
   bool to_end = false, partly = false;            // of the flight
   std::optional<std::set<std::size_t>> from, to;  // rooms that fit the names
+  bool another = false;                           // than the one left, of the same name
   bool by_opening = false;                        // through a door or an arch that is spoken of
   std::optional<Opening::Kind> opening;
   unsigned nth = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <sstream>
 #include <string_view>
@@ -15,70 +16,118 @@ using Group = std::vector<std::string_view>;
 // it is.
 const std::vector<Group>& thing_groups() {
   static const std::vector<Group> kGroups{
-      {"sofa", "couch", "settee"},
-      {"armchair", "easy chair"},
-      {"bookshelf", "bookcase"},
-      {"television", "TV", "tv", "flat screen"},
+      {"sofa", "couch", "settee", "divan"},
+      {"armchair", "easy chair", "lounge chair", "club chair"},
+      {"bookshelf", "bookcase", "bookshelves"},
+      {"television", "TV", "tv", "flat screen", "television set"},
       {"fridge", "refrigerator"},
-      {"plant", "potted plant", "house plant"},
+      {"plant", "potted plant", "house plant", "houseplant"},
       {"nightstand", "bedside table", "night table"},
-      {"chest of drawers", "dresser"},
+      {"chest of drawers", "dresser", "bureau"},
       {"painting", "picture", "framed picture"},
-      {"rug", "area rug"},
+      {"rug", "area rug", "carpet"},
+      {"runner", "hall runner", "carpet runner", "long rug"},
+      {"bath mat", "bath rug"},
+      {"doormat", "welcome mat", "entrance mat"},
       {"bathtub", "tub"},
-      {"sink", "washbasin", "basin"},
-      {"counter", "countertop", "worktop"},
+      {"toilet", "lavatory", "commode"},
+      {"sink", "washbasin", "basin", "hand basin"},
+      {"utility sink", "laundry sink"},
+      {"sink cabinet", "vanity", "vanity unit", "washstand"},
+      {"bathroom cabinet", "bathroom cupboard"},
+      {"medicine cabinet", "mirror cabinet"},
+      {"wall cabinet", "wall cupboard"},
+      {"counter", "countertop", "worktop", "work surface"},
+      {"kitchen cabinet", "kitchen cupboard"},
       {"kitchen island", "island"},
-      {"washing machine", "washer"},
+      {"washing machine", "washer", "laundry machine"},
       {"dryer", "tumble dryer"},
-      {"stove", "cooker"},
+      {"clothes dryer", "tumble dryer"},
+      {"stove", "cooker", "oven", "cooking range"},
+      {"range hood", "cooker hood", "extractor hood", "extractor fan"},
+      {"microwave", "microwave oven"},
+      {"coffee maker", "coffee machine", "espresso machine"},
+      {"fruit bowl", "bowl of fruit"},
+      {"flowers", "bouquet", "blossoms", "bunch of flowers"},
       {"curtain", "drape"},
       {"curtains", "drapes"},
-      {"cushion", "throw pillow"},
+      {"blinds", "window shades", "window blinds"},
+      {"cushion", "throw pillow", "scatter cushion"},
       {"bin", "wastebasket"},
-      {"trash can", "rubbish bin"},
-      {"sideboard", "credenza"},
+      {"trash can", "rubbish bin", "garbage can", "dustbin", "trash bin"},
+      {"basket", "hamper"},
+      {"box", "storage box", "crate", "carton"},
+      {"toy box", "toy chest"},
+      {"sideboard", "credenza", "buffet"},
+      {"console table", "hall table", "narrow table", "side table"},
       {"ottoman", "footstool", "pouffe"},
       {"exercise bike", "stationary bike"},
       {"treadmill", "running machine"},
       {"column", "pillar"},
-      {"coat rack", "coat stand"},
+      {"coat rack", "coat stand", "hat stand"},
+      {"coat", "jacket", "overcoat", "raincoat"},
+      {"books", "pile of books"},
+      {"vase", "flower vase"},
+      {"toilet paper", "toilet roll"},
+      {"cups", "mugs"},
+      {"bowl", "dish"},
+      {"round table", "circular table"},
+      {"towel rack", "towel rail"},
+      {"hanging clothes", "clothes rail", "rack of clothes", "garments"},
+      {"bathrobe", "robe", "dressing gown"},
+      {"towel", "bath towel", "hand towel"},
+      {"shoes", "pair of shoes", "footwear"},
       {"statue", "sculpture"},
       {"filing cabinet", "file cabinet"},
       {"office chair", "swivel chair", "desk chair"},
-      {"desk", "writing desk"},
+      {"desk", "writing desk", "workstation"},
+      {"desk lamp", "reading lamp"},
+      {"wall lamp", "wall light", "sconce"},
       {"printer", "copier"},
       {"wall tv", "wall-mounted TV"},
       {"radiator", "heater"},
       {"chandelier", "hanging light"},
       {"floor lamp", "standing lamp"},
+      {"standing mirror", "full-length mirror"},
+      {"mirror", "wall mirror"},
+      {"clock", "wall clock"},
+      {"candles", "candlesticks"},
       {"monitor", "computer screen"},
-      {"wardrobe", "armoire"},
+      {"laptop", "notebook computer"},
+      {"notice board", "bulletin board", "pinboard"},
+      {"whiteboard", "dry-erase board"},
+      {"wardrobe", "armoire", "clothes cupboard"},
       {"fireplace", "hearth"},
       {"pool table", "billiard table"},
-      {"shower", "shower stall"},
+      {"shower", "shower stall", "shower cubicle", "shower enclosure"},
       {"coffee table", "low table"},
+      {"dining table", "dinner table"},
+      {"conference table", "meeting table"},
       {"shoe rack", "shoe shelf"},
-      {"loveseat", "small sofa"},
+      {"storage shelf", "storage rack", "shelving unit"},
+      {"loveseat", "small sofa", "two-seater"},
       {"corner sofa", "sectional sofa", "sectional"},
       {"ping pong table", "table tennis table"},
       {"display cabinet", "china cabinet"},
-      {"tv stand", "TV stand", "entertainment center"},
+      {"single bed", "twin bed"},
+      {"bunk bed", "bunks"},
+      {"tv stand", "TV stand", "entertainment center", "media console"},
   };
   return kGroups;
 }
 
 const std::vector<Group>& room_groups() {
   static const std::vector<Group> kGroups{
-      {"living room", "lounge", "sitting room"},
+      {"living room", "lounge", "sitting room", "front room"},
       {"hallway", "hall", "corridor", "passage", "passageway"},
       {"bathroom", "bath", "washroom"},
-      {"toilet", "powder room", "restroom", "half bath", "WC"},
-      {"dining room", "dining area"},
-      {"entrance hall", "entryway", "foyer", "entry", "vestibule", "room entry"},
+      {"toilet", "powder room", "restroom", "half bath", "WC", "water closet"},
+      {"dining room", "dining area", "eating area"},
+      {"entrance hall", "entryway", "foyer", "entry", "vestibule", "front hall", "room entry"},
       {"office", "study"},
-      {"laundry room", "laundry", "wash room"},
-      {"closet", "walk-in closet"},
+      {"laundry room", "laundry"},
+      {"closet", "walk-in closet", "dressing room"},
+      {"coat closet", "cloakroom"},
       {"gym", "home gym", "exercise room", "workout room", "fitness room"},
       {"library", "reading room"},
       {"family room", "den"},
@@ -86,8 +135,9 @@ const std::vector<Group>& room_groups() {
       {"game room", "games room", "rec room"},
       {"TV room", "tv room", "media room"},
       {"utility room", "utility area"},
-      {"master bedroom", "main bedroom"},
+      {"master bedroom", "main bedroom", "primary bedroom"},
       {"guest room", "guest bedroom", "spare bedroom"},
+      {"hotel room", "suite"},
       {"child's bedroom", "kid's room", "child's room"},
       {"board room", "boardroom"},
       {"terrace", "patio"},
@@ -112,6 +162,16 @@ Group words_for(const std::vector<Group>& groups, std::string_view word) {
   return group ? *group : Group{word};
 }
 
+// The same colour in another word; the generator's own two times out of three.
+std::string spoken_colour(const std::string& colour, Rng& rng) {
+  static const std::map<std::string_view, std::string_view> kAlso{
+      {"grey", "gray"},       {"cream", "ivory"},   {"light blue", "pale blue"},
+      {"light brown", "tan"}, {"golden", "gold"},   {"turquoise", "teal"},
+      {"dark blue", "navy"},  {"purple", "violet"}, {"mustard yellow", "mustard"}};
+  const auto also = kAlso.find(colour);
+  return also != kAlso.end() && rng.below(3) == 0 ? std::string(also->second) : colour;
+}
+
 // Spellings that are known but not said: "TV" is.
 bool is_sayable(std::string_view word) {
   static const std::set<std::string_view> kNot{"tv", "tv stand", "wall tv"};
@@ -124,6 +184,31 @@ bool is_sayable_room(std::string_view word) { return word != "tv room" && word !
 constexpr double kLargeThing = 0.8;  // metres: seen at once when one comes in
 
 constexpr double kFar = 9;  // metres: beyond, things are not mistaken for near ones
+
+// Is a point of a storey in a room, or in a doorway?
+bool is_open(const Plan& plan, unsigned storey, double x, double y) {
+  constexpr double kWall = 0.3;  // metres: no wall is as thick
+  const auto in_room = [&](const PlanRoom& r) {
+    return r.storey == storey && r.floor.contains(x, y);
+  };
+  return std::ranges::any_of(plan.rooms, in_room) ||
+         std::ranges::any_of(plan.openings, [&](const Opening& o) {
+           const double along = o.along_x ? x : y, across = o.along_x ? y : x;
+           return o.kind != Opening::Kind::kWindow && plan.rooms[o.room0].storey == storey &&
+                  std::abs(across - o.wall) < kWall && along > o.from && along < o.to;
+         });
+}
+
+bool is_open_between(const Plan& plan, unsigned storey, double x0, double y0, double x1,
+                     double y1) {
+  constexpr double kStep = 0.05;  // metres: thinner than any wall
+  const double steps = std::ceil(std::hypot(x1 - x0, y1 - y0) / kStep);
+  for (double k = 1; k < steps; ++k) {
+    const double share = k / steps;
+    if (!is_open(plan, storey, x0 + share * (x1 - x0), y0 + share * (y1 - y0))) return false;
+  }
+  return true;
+}
 
 Vec3d middle_of(const Thing& t) {
   return {(t.low.x + t.high.x) / 2, (t.low.y + t.high.y) / 2, (t.low.z + t.high.z) / 2};
@@ -143,6 +228,10 @@ bool is_spoken_material(std::string_view material) {
   static const std::set<std::string_view> kSpoken{"wooden", "leather", "marble", "metal", "glass",
                                                   "brick",  "stone",   "clay",   "wicker"};
   return kSpoken.contains(material);
+}
+
+std::string spoken_material(const std::string& material, Rng& rng) {
+  return material == "wooden" && rng.below(3) == 0 ? "wood" : material;
 }
 
 std::string material_of(const Thing& thing) {
@@ -231,8 +320,44 @@ std::vector<std::size_t> Naming::others(std::size_t thing, ViewpointIndex from) 
   return {found.begin(), found.end()};
 }
 
+// By the plan alone: what a body hides is not known.
+bool Naming::is_behind_walls(std::size_t thing, ViewpointIndex from) const {
+  const Plan& plan = home_.home.plan;
+  const Thing& t = home_.home.things[thing];
+  const auto here = home_.sights.room(from);
+  if (!here || t.room == *here) return false;
+  if (std::ranges::count(home_.sights.at(from), thing, &Sight::thing) > 0) return false;
+  const Vec3f eye = home_.graph.position(from);
+  const Vec3d middle = middle_of(t);
+  for (const double x : {t.low.x, middle.x, t.high.x}) {
+    for (const double y : {t.low.y, middle.y, t.high.y}) {
+      if (is_open_between(plan, plan.rooms[*here].storey, static_cast<double>(eye.x),
+                          static_cast<double>(eye.y), x, y)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+std::vector<std::size_t> Naming::rivals_of(std::size_t thing, std::string_view noun,
+                                           ViewpointIndex from, Rivals rivals) const {
+  const Home& home = home_.home;
+  const auto storey = [&](std::size_t t) { return home.plan.rooms[home.things[t].room].storey; };
+  const std::vector<std::size_t> near = others(thing, from);
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < home.things.size(); ++i) {
+    if (i == thing || !fits_any(noun, home.things[i])) continue;
+    const bool rival = rivals == Rivals::kHere && storey(i) == storey(thing)
+                           ? !is_behind_walls(i, from)
+                           : std::ranges::count(near, i) > 0;
+    if (rival) found.push_back(i);
+  }
+  return found;
+}
+
 std::optional<std::string> Naming::thing(std::size_t thing, ViewpointIndex from, Detail detail,
-                                         Rng& rng) const {
+                                         Rivals rivals, Rng& rng) const {
   const Thing& t = home_.home.things[thing];
   const Group group = words_for(thing_groups(), t.noun);
   std::vector<std::string_view> nouns(group.begin(), group.end());
@@ -241,11 +366,11 @@ std::optional<std::string> Naming::thing(std::size_t thing, ViewpointIndex from,
   const std::string_view noun = rng.below(2) == 0 && is_sayable(t.noun)
                                     ? std::string_view(t.noun)
                                     : nouns[rng.below(nouns.size())];
-  bool plain = true, colour = !t.colour.empty(), material = !material_of(t).empty();
+  bool plain = true, colour = !t.colour.empty() && noun.find(t.colour) == std::string_view::npos,
+       material = !material_of(t).empty();
   bool both = colour && material;
-  for (const std::size_t other : others(thing, from)) {
+  for (const std::size_t other : rivals_of(thing, noun, from, rivals)) {
     const Thing& o = home_.home.things[other];
-    if (!fits_any(noun, o)) continue;
     const bool colour_same = looks(o, t.colour), material_same = looks(o, t.material);
     plain = false;
     colour = colour && !colour_same;
@@ -253,12 +378,13 @@ std::optional<std::string> Naming::thing(std::size_t thing, ViewpointIndex from,
     both = both && !(colour_same && material_same);
   }
   std::vector<std::string> choices;
-  const std::string made_of = material_of(t);
+  const std::string made_of = spoken_material(material_of(t), rng);
   if (plain && detail == Detail::kPlain) choices.emplace_back(noun);
-  if (colour) choices.push_back(joined({t.colour, noun}));
+  const std::string of_colour = spoken_colour(t.colour, rng);
+  if (colour) choices.push_back(joined({of_colour, noun}));
   if (material) choices.push_back(joined({made_of, noun}));
   if (both && (choices.empty() || detail == Detail::kColour)) {
-    choices.push_back(joined({t.colour, made_of, noun}));
+    choices.push_back(joined({of_colour, made_of, noun}));
   }
   if (choices.empty() && plain) choices.emplace_back(noun);
   if (choices.empty()) return std::nullopt;
@@ -316,6 +442,14 @@ bool Naming::same_room_name(std::size_t a, std::size_t b) const {
   return x == y || (group != nullptr && group == group_of(room_groups(), y));
 }
 
+bool Naming::is_one_of_two(std::size_t room) const {
+  std::size_t alike = 0;
+  for (std::size_t i = 0; i < home_.home.plan.rooms.size(); ++i) {
+    if (same_room_name(i, room)) ++alike;
+  }
+  return alike == 2;
+}
+
 bool Naming::is_way(std::size_t room) const {
   const char type = home_.home.plan.rooms[room].type;
   return type == 'h' || type == 'e' || type == 's';
@@ -328,7 +462,8 @@ double weight_of(const Home& home, std::size_t thing) {
 }
 
 bool is_plural(std::string_view name) {
-  return name.ends_with("s") && !name.ends_with("ss") && !name.ends_with("chest of drawers");
+  return name.ends_with("s") && !name.ends_with("ss") &&
+         name.find(" of ") == std::string_view::npos;
 }
 
 bool is_rug(const Thing& thing) {

@@ -14,7 +14,7 @@ constexpr double kOnFloor = 0.3;        // metres above or below a storey's floo
 constexpr double kClearlyAside = 0.2;   // metres that a box keeps off the line walked
 constexpr double kPassedWithin = 2.2;   // metres to its nearest corner
 constexpr double kSeenShare = 0.0008;   // of the sphere: about 7 of 8,192 rays
-constexpr double kAroundShare = 0.002;  // things that one starts by
+constexpr double kAroundShare = 0.002;  // things that one starts or stops by
 constexpr double kOverhead = 1.9;       // metres: what hangs higher is not passed at a side
 constexpr double kReach = 1.6;          // metres to what one stops by
 constexpr double kInDoorway = 0.4, kByDoor = 1.2, kByStairs = 1.5, kJustInside = 2.5;
@@ -343,7 +343,7 @@ class Teller {
       const Thing& t = thing(sight.thing);
       const double weight = sight.share * weight_of(home_.home, sight.thing);
       const double distance = gap(t.low, t.high, at(i));
-      if (sight.share < kSeenShare || weight <= 0 || t.room != e.room || is_rug(t) ||
+      if (sight.share < kAroundShare || weight <= 0 || t.room != e.room || is_rug(t) ||
           t.low.z > floor_at(i) + kOverhead || distance > kReach) {
         continue;
       }

@@ -107,16 +107,17 @@ TEST(Naming, TellsThingsApartOrSaysNothing) {
   Rng rng(1);
   // Two armchairs: the brown leather one and the red one. One sofa.
   for (int i = 0; i < 50; ++i) {
-    EXPECT_THAT(naming.thing(5, ViewpointIndex(0), Detail::kPlain, rng).value(),
+    EXPECT_THAT(naming.thing(5, ViewpointIndex(0), Detail::kPlain, Rivals::kNearby, rng).value(),
                 ::testing::AnyOf(::testing::StartsWith("brown"), ::testing::StartsWith("leather")));
-    EXPECT_THAT(naming.thing(4, ViewpointIndex(0), Detail::kPlain, rng).value(),
-                ::testing::AnyOf("sofa", "couch", "settee"));
+    EXPECT_THAT(naming.thing(4, ViewpointIndex(0), Detail::kPlain, Rivals::kNearby, rng).value(),
+                ::testing::AnyOf("sofa", "couch", "settee", "divan"));
   }
   Home twins = w.home;
   twins.things[6].colour = twins.things[5].colour;
   twins.things[6].material = twins.things[5].material;
   const Naming puzzled({twins, w.graph, w.sights});
-  EXPECT_EQ(puzzled.thing(5, ViewpointIndex(0), Detail::kColour, rng), std::nullopt);
+  EXPECT_EQ(puzzled.thing(5, ViewpointIndex(0), Detail::kColour, Rivals::kNearby, rng),
+            std::nullopt);
 }
 
 TEST(Phrases, ExpandChoicesAndSlots) {
@@ -133,9 +134,12 @@ TEST(Phrases, ExpandChoicesAndSlots) {
 
 TEST(Phrases, JoinClausesWithoutTwoAnds) {
   Rng rng(1);
-  EXPECT_EQ(join_clauses({"turn left"}, rng), "turn left");
+  const std::vector<std::string> parts{"turn left and go in", "stop"};
   for (int i = 0; i < 20; ++i) {
-    EXPECT_EQ(join_clauses({"turn left and go in", "stop"}, rng), "turn left and go in, then stop");
+    EXPECT_EQ(join_clauses({"turn left"}, Links::kAny, rng), "turn left");
+    EXPECT_EQ(join_clauses(parts, Links::kAny, rng), "turn left and go in, then stop");
+    EXPECT_THAT(join_clauses(parts, Links::kShort, rng),
+                ::testing::AnyOf("turn left and go in, stop", "turn left and go in, then stop"));
   }
 }
 

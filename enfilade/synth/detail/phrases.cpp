@@ -93,7 +93,7 @@ std::string sentence(std::string text) {
   return text + ".";
 }
 
-std::string join_clauses(const std::vector<std::string>& clauses, Rng& rng) {
+std::string join_clauses(const std::vector<std::string>& clauses, Links links, Rng& rng) {
   const bool apart = std::ranges::any_of(clauses, [](const std::string& clause) {
     return clause.find(" and ") != std::string::npos || clause.find(',') != std::string::npos;
   });
@@ -102,11 +102,13 @@ std::string join_clauses(const std::vector<std::string>& clauses, Rng& rng) {
     const bool last = i + 1 == clauses.size();
     if (!last) {
       text += ", ";
+    } else if (links == Links::kShort && rng.below(4) != 0) {
+      text += apart ? ", " : " and ";
     } else if (apart) {
       text += ", then ";
     } else {
-      const std::string_view links[] = {" and ", " and ", ", then ", " and then ", ", and "};
-      text += links[rng.below(clauses.size() > 2 ? 5 : 4)];
+      const std::string_view words[] = {" and ", " and ", ", then ", " and then ", ", and "};
+      text += words[rng.below(clauses.size() > 2 ? 5 : 4)];
     }
     text += clauses[i];
   }

@@ -1,5 +1,6 @@
 /// \file  Sentences out of patterns with choices. Internal.
 #pragma once
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,8 +23,13 @@ std::string with_article(const std::string& name);
 /// First letter large, a full stop at the end.
 std::string sentence(std::string text);
 
-/// "a", "a and b", "a, b and c" in one of several ways; clauses with an "and" or a comma of their
-/// own are kept apart by "then". \pre not empty
-std::string join_clauses(const std::vector<std::string>& clauses, Rng& rng);
+/// How clauses are joined.
+enum class Links : std::uint8_t {
+  kAny,    ///< in one of several ways
+  kShort,  ///< in the fewest words
+};
+/// "a", "a and b", "a, b and c", "a, then b"; clauses with an "and" or a comma of their own are
+/// kept apart by a comma or "then". \pre not empty
+std::string join_clauses(const std::vector<std::string>& clauses, Links links, Rng& rng);
 
 }  // namespace enfilade::synth::detail

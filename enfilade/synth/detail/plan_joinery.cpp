@@ -212,10 +212,7 @@ void build_window(Site& site, const Opening& o) {
             wall_point(o.along_x, o.to, o.wall + half, z + o.head));
   const Vec3d c = wall_point(o.along_x, o.from, o.wall, z + o.sill);
   const Vec3d e = wall_point(o.along_x, o.to - o.from, 0, 0);
-  const auto narrow = [](Vec3d v) {
-    return Vec3f{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-  };
-  site.portals.push_back({narrow(c), narrow(e), narrow({0, 0, o.head - o.sill})});
+  site.portals.push_back({to_float(c), to_float(e), to_float({0, 0, o.head - o.sill})});
 }
 
 }  // namespace

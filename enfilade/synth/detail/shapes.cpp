@@ -104,8 +104,8 @@ std::vector<Triangle> local_triangles(const mesh::Mesh& mesh, std::size_t from, 
   for (std::size_t i = from; i < to; ++i) {
     Triangle t;
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3f p = mesh.positions[mesh.triangles[i][k]];
-      t[k] = back.to_world(Vec3d{p.x, p.y, p.z} - at.position);
+      const Vec3d p = to_double(mesh.positions[mesh.triangles[i][k]]);
+      t[k] = back.to_world(p - at.position);
     }
     out.push_back(t);
   }
@@ -247,21 +247,15 @@ void build_shape(const Shape& shape, Size size, const Placement& at, std::size_t
   if (size.h > kThin && size.d > kThin) add_obstacles(kit, mesh, at, parts.obstacles);
   Bounds box;
   for (std::size_t i = first; i < mesh.triangles.size(); ++i) {
-    for (const std::uint32_t v : mesh.triangles[i]) {
-      const Vec3f p = mesh.positions[v];
-      box.add({p.x, p.y, p.z});
-    }
+    for (const std::uint32_t v : mesh.triangles[i]) box.add(to_double(mesh.positions[v]));
   }
   EN_CHECK(!box.empty());
   parts.things.push_back(
       {object, std::string(shape.noun), kit.colour, kit.material, room, box.low, box.high});
   for (const Kit::LampSpot& lamp : kit.lamps) {
-    const Vec3d p = at.to_world(lamp.local);
     const auto light = static_cast<float>(lamp.power);
     parts.lamps.push_back(
-        {{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
-         {light, 0.88F * light, 0.72F * light},
-         0.06F});
+        {to_float(at.to_world(lamp.local)), {light, 0.88F * light, 0.72F * light}, 0.06F});
   }
 }
 

@@ -1,8 +1,6 @@
-#include "enfilade/synth/home_panoramas.h"
+#include "enfilade/synth/mesh_panoramas.h"
 
-#include <algorithm>
 #include <atomic>
-#include <optional>
 #include <utility>
 
 #include "enfilade/core/errors.h"
@@ -20,14 +18,6 @@ struct Taken {
 std::uint64_t next_serial() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
-}
-
-template <class T>
-void copy(const image::CubeMap<T>& faces, scan::FaceMask wanted,
-          const std::array<T*, kCubeFaces>& buffers) {
-  for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    if ((wanted >> k & 1U) != 0) std::ranges::copy(faces[k].pixels, buffers[k]);
-  }
 }
 
 }  // namespace
@@ -67,23 +57,19 @@ const mesh::CubeCapture& MeshPanoramas::capture(ViewpointIndex viewpoint) const 
 
 void MeshPanoramas::read_colour(ViewpointIndex viewpoint, scan::FaceMask wanted,
                                 const std::array<image::BorderedFace, kCubeFaces>& buffers) const {
-  const mesh::CubeCapture& pictures = capture(viewpoint);
-  for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    if ((wanted >> k & 1U) == 0) continue;
-    write_face(buffers[k], pictures.colour[k]);
-    write_border(buffers[k], image::border_of(pictures.colour, cube_face(k)));
-  }
+  image::write_faces(capture(viewpoint).colour, wanted, buffers);
 }
 
 void MeshPanoramas::read_16(scan::Layer layer, ViewpointIndex viewpoint, scan::FaceMask wanted,
                             const std::array<std::uint16_t*, kCubeFaces>& buffers) const {
   const mesh::CubeCapture& pictures = capture(viewpoint);
-  copy(layer == scan::Layer::kDepth ? pictures.depth : pictures.classes, wanted, buffers);
+  image::copy_faces(layer == scan::Layer::kDepth ? pictures.depth : pictures.classes, wanted,
+                    buffers);
 }
 
 void MeshPanoramas::read_instances(ViewpointIndex viewpoint, scan::FaceMask wanted,
                                    const std::array<std::uint32_t*, kCubeFaces>& buffers) const {
-  copy(capture(viewpoint).instances, wanted, buffers);
+  image::copy_faces(capture(viewpoint).instances, wanted, buffers);
 }
 
 }  // namespace enfilade::synth

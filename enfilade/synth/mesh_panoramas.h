@@ -1,4 +1,4 @@
-/// \file  A model home's panoramas, taken when they are asked for.
+/// \file  Panoramas of a lit mesh, taken when they are asked for.
 #pragma once
 #include <memory>
 #include <string>

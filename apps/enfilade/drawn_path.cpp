@@ -1,0 +1,90 @@
+#include "apps/enfilade/drawn_path.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <utility>
+
+namespace enfilade::apps {
+namespace {
+
+std::size_t place_of_path(const r2r::EpisodeSet& episodes, std::int64_t id) {
+  const auto path = std::ranges::find(episodes.paths, id, &r2r::ReferencePath::path_id);
+  if (path != episodes.paths.end()) {
+    return static_cast<std::size_t>(path - episodes.paths.begin());
+  }
+  throw LookupError(fmt::format("--path {}: not one of the {} paths of {}", id,
+                                episodes.paths.size(), episodes.split));
+}
+
+std::size_t place_of_instruction(const r2r::EpisodeSet& episodes, const std::string& id) {
+  const auto episode = std::ranges::find(episodes.episodes, id, &r2r::Episode::instruction_id);
+  if (episode != episodes.episodes.end()) {
+    return static_cast<std::size_t>(episode - episodes.episodes.begin());
+  }
+  throw LookupError(fmt::format("--instr {:?}: not one of the {} scored instructions of {}", id,
+                                episodes.episodes.size(), episodes.split));
+}
+
+}  // namespace
+
+void add_scan_argument(CLI::App& verb, std::string& scan) {
+  verb.add_option("scan", scan, "Which building; may be left out with --instr or --path")
+      ->type_name("SCAN");
+}
+
+void add_path_options(CLI::App& verb, PathOptions& options, const std::string& results_help) {
+  verb.add_option("--split", options.split, "Annotations that --instr or --path is in")
+      ->type_name("NAME");
+  verb.add_option("--instr", options.instruction, "Draw the reference path of this instruction")
+      ->type_name("ID");
+  verb.add_option("--path", options.path, "Draw the reference path of this path_id")
+      ->type_name("PATH_ID");
+  verb.add_option("--results", options.results, "Results file of the split: " + results_help)
+      ->type_name("FILE");
+}
+
+void validate(const PathOptions& options, const std::string& scan) {
+  const bool named = !options.instruction.empty() || options.path.has_value();
+  if (scan.empty() && !named) {
+    throw UsageError("name a SCAN, or a path of it with --split and --instr or --path");
+  }
+  if (!options.instruction.empty() && options.path) {
+    throw UsageError("--instr and --path exclude each other");
+  }
+  if (named && options.split.empty()) throw UsageError("--instr and --path need --split");
+  if (!named && !options.split.empty()) throw UsageError("--split needs --instr or --path");
+  if (!options.results.empty() && options.instruction.empty()) {
+    throw UsageError("--results needs --split and --instr: trajectories are of instructions");
+  }
+}
+
+std::string DrawnPath::title() const {
+  const std::string what = episode ? "instruction " + episodes.episodes[*episode].instruction_id
+                                   : fmt::format("path {}", path().path_id);
+  return fmt::format("{}, {} of {}", graph().scan(), what, episodes.split);
+}
+
+std::string DrawnPath::text() const { return episode ? episodes.episodes[*episode].text : ""; }
+
+DrawnPath find_path(const PathOptions& options, const std::string& scan, const scan::DataRoot& data,
+                    std::shared_ptr<const graph::GraphSet> graphs) {
+  DrawnPath found;
+  found.episodes = r2r::make_episodes(
+      r2r::load_annotations(data.annotations(options.split), options.split), std::move(graphs));
+  if (options.path) {
+    found.place = place_of_path(found.episodes, *options.path);
+  } else {
+    found.episode = place_of_instruction(found.episodes, options.instruction);
+    found.place = found.episodes.episodes[*found.episode].path;
+  }
+  if (!scan.empty() && scan != found.graph().scan()) {
+    throw UsageError(fmt::format("SCAN {}: that path is in {}", scan, found.graph().scan()));
+  }
+  if (!options.results.empty()) {
+    r2r::Results results = r2r::load_results(options.results, found.episodes);
+    found.walk = std::move(results.trajectories.at(*found.episode));
+  }
+  return found;
+}
+
+}  // namespace enfilade::apps

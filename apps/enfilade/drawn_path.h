@@ -1,0 +1,45 @@
+/// \file  What the verbs that draw a path share: which one it is, and where an agent went on it.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "apps/common/program.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/r2r/results.h"
+
+namespace enfilade::apps {
+
+/// Options that name a path.
+struct PathOptions {
+  std::string split, instruction, results;
+  std::optional<std::int64_t> path;
+};
+/// SCAN, which a path makes needless.
+void add_scan_argument(CLI::App& verb, std::string& scan);
+/// --split, --instr, --path, --results; `results_help` says what is drawn of a results file.
+void add_path_options(CLI::App& verb, PathOptions& options, const std::string& results_help);
+/// \throws UsageError if neither a scan nor a path is named, or options contradict each other
+void validate(const PathOptions& options, const std::string& scan);
+
+/// A path of a split, and what is known about it.
+struct DrawnPath {
+  r2r::EpisodeSet episodes;
+  std::size_t place = 0;                ///< in episodes.paths
+  std::optional<std::size_t> episode;   ///< in episodes.episodes; for --instr
+  std::optional<r2r::Trajectory> walk;  ///< for --results
+
+  const r2r::ReferencePath& path() const { return episodes.paths[place]; }
+  const graph::NavGraph& graph() const { return episodes.graphs->graph(path().scan); }
+  std::string title() const;  ///< "17DRP5sb8fy, path 5 of test"
+  std::string text() const;   ///< the instruction; empty without --instr
+};
+/// \param scan may be empty. \throws LookupError naming the option; UsageError if the path is in
+/// another scan; as r2r::load_annotations(), r2r::make_episodes(), r2r::load_results()
+DrawnPath find_path(const PathOptions& options, const std::string& scan, const scan::DataRoot& data,
+                    std::shared_ptr<const graph::GraphSet> graphs);
+
+}  // namespace enfilade::apps
