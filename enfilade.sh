@@ -42,6 +42,7 @@ build libegl-dev         header  EGL/egl.h
 build libegl1            package -
 build libegl-mesa0       package -
 build libgl1-mesa-dri    package -
+build node-d3            package -
 test  libgtest-dev       header  gtest/gtest.h
 test  libgmock-dev       header  gmock/gmock.h
 bench libbenchmark-dev   header  benchmark/benchmark.h

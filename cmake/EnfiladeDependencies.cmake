@@ -42,6 +42,26 @@ if(EN_WITH_GL)
   enfilade_require_pc(epoxy libepoxy-dev)
   enfilade_require_pc(egl libegl-dev)
 endif()
+set(EN_D3_FILE "")
+if(EN_WITH_D3)
+  # Becomes part of the program: nobody who runs it needs the file.
+  find_file(D3_SCRIPT d3.min.js PATHS /usr/share/nodejs/d3/dist /usr/share/javascript/d3
+    DOC "d3.min.js, version 5 or newer, in one file")
+  if(NOT D3_SCRIPT)
+    message(FATAL_ERROR "Enfilade needs D3, which is not on this machine. On Debian and Ubuntu: "
+      "apt-get install --no-install-recommends node-d3 (or let ./enfilade.sh build do it). "
+      "Elsewhere: -DD3_SCRIPT=FILE names a d3.min.js. -DEN_WITH_D3=OFF does without the report.")
+  endif()
+  set(EN_D3_FILE ${D3_SCRIPT})
+endif()
+if(EN_WITH_TORCH)
+  enfilade_require(Torch "libtorch-dev libopenblas0-pthread")
+  enfilade_require_pc(hdf5 libhdf5-dev)
+  # As system headers, and without the flags that libtorch's own targets bring to their users.
+  add_library(enfilade_torch INTERFACE)
+  target_include_directories(enfilade_torch SYSTEM INTERFACE ${TORCH_INCLUDE_DIRS})
+  target_link_libraries(enfilade_torch INTERFACE ${TORCH_LIBRARIES})
+endif()
 if(EN_BUILD_APPS)
   enfilade_require(CLI11 libcli11-dev)
   enfilade_require(ZLIB zlib1g-dev)

@@ -19,6 +19,9 @@
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/panorama_set.h"
 #include "enfilade/scan/regions.h"
+#ifdef EN_WITH_TORCH
+#include "enfilade/agents/neural/device.h"
+#endif
 
 namespace enfilade::apps {
 namespace {
@@ -180,6 +183,31 @@ void examine_cuda(Report& report) {
              loads && device ? "use the gl back end, which runs on this graphics card" : "");
 }
 
+#ifdef EN_WITH_TORCH
+void examine_networks(Report& report) {
+  report.begin("networks");
+  const agents::neural::TorchReport torch = agents::neural::examine_torch();
+  report.add("libtorch", State::kWorks, torch.version);
+  report.add("BLAS", State::kFact, torch.blas.empty() ? "inside libtorch" : torch.blas);
+  const bool slow = torch.product_speed < agents::neural::kSlowBlas;
+  report.add("products", slow ? State::kMissing : State::kWorks,
+             fmt::format("{:.0f} GFLOP/s on {} threads, (100, 2592) x (2592, 2048)",
+                         torch.product_speed, torch.threads),
+             slow ? "training crawls: apt-get install libopenblas0-pthread; `update-alternatives "
+                    "--display libblas.so.3-x86_64-linux-gnu` then tells which BLAS is used"
+                  : "");
+  const bool cuda = torch.cuda == "works";
+  report.add("cuda", cuda ? State::kWorks : State::kMissing, torch.cuda);
+}
+#else
+void examine_networks(Report& report) {
+  report.begin("networks");
+  report.add("libtorch", State::kMissing, "this build has none",
+             "for features and training, build with -DEN_WITH_TORCH=ON (needs libtorch-dev and "
+             "libopenblas0-pthread)");
+}
+#endif
+
 // Adds what `look` tells, or that it is missing and why.
 template <class Look>
 void look_for(Report& report, std::string name, const Look& look, std::string advice) {
@@ -299,6 +327,7 @@ int examine(const Arguments& arguments) {
   const bool works = examine_backends(report);
   examine_gl(report);
   examine_cuda(report);
+  examine_networks(report);
   examine_data(report, arguments.data);
   write_output("-", arguments.json ? to_json(report, works) : to_text(report));
   return works ? kSuccess : kFaultsFound;
@@ -309,7 +338,8 @@ int examine(const Arguments& arguments) {
 void add_doctor(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "doctor",
-      "Print what this machine can do: processor, renderers, EGL devices, CUDA, data that are "
+      "Print what this machine can do: processor, renderers, EGL devices, CUDA, libtorch and its "
+      "BLAS, data that are "
       "found, and what to do about what is missing. Exit code 1 if no renderer works.");
   const auto arguments = std::make_shared<Arguments>();
   add_data_option(verb, arguments->data);

@@ -18,17 +18,23 @@ int main(int argc, char** argv) {
   add_dataset(app, status);
   add_demo(app, status);
   add_doctor(app, status);
+  add_evaluate(app, status);
+  add_features(app, status);
   add_graph(app, status);
   add_homes(app, status);
   add_import(app, status);
   add_pack(app, status);
   add_panorama(app, status);
+  add_pretrain(app, status);
   add_render(app, status);
+  add_report(app, status);
   add_run(app, status);
   add_sample(app, status);
   add_scan_mesh(app, status);
   add_score(app, status);
   add_stats(app, status);
   add_synth(app, status);
+  add_table(app, status);
+  add_train(app, status);
   return run_program(app, argc, argv, status);
 }

@@ -1,9 +1,11 @@
 // enfilade run: an agent over a split.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <filesystem>
 #include <memory>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/trained_agent.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/graph/graph_set.h"
@@ -17,16 +19,20 @@ struct Options {
   std::string data;
   std::string agent = "random";
   std::string split = "val_unseen";
+  std::string features;
   std::string output;
   agents::RunOptions run;
 };
 
 void run(const Options& options) {
-  const auto agent = agents::make_agent(options.agent);
+  const bool trained = std::filesystem::is_directory(options.agent);
+  std::unique_ptr<agents::Agent> agent;
+  if (!trained) agent = agents::make_agent(options.agent);
   const scan::DataRoot data = open_data(options.data);
   const auto graphs = graph::GraphSet::open(data.connectivity());
   const r2r::EpisodeSet episodes = r2r::make_episodes(
       r2r::load_annotations(data.annotations(options.split), options.split), graphs);
+  if (trained) agent = load_trained_agent(options.agent, options.features, episodes);
   const auto trajectories = agents::run_agent(*agent, episodes, options.run,
                                               progress_bar(options.agent + ", " + options.split));
   const bool to_stdout = options.output == "-";
@@ -48,12 +54,15 @@ void add_run(CLI::App& app, int& status) {
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   verb.add_option("--agent", options->agent,
-                  fmt::format("One of: {}", fmt::join(agents::agent_names(), ", ")))
+                  fmt::format("One of {}, or the directory of a trained model",
+                              fmt::join(agents::agent_names(), ", ")))
       ->capture_default_str()
       ->type_name("NAME");
   verb.add_option("--split", options->split, "train, val_seen, val_unseen, test, ...")
       ->capture_default_str()
       ->type_name("NAME");
+  verb.add_option("--features", options->features, "Of the views, for a model that sees")
+      ->type_name("FILE");
   verb.add_option("-o,--output", options->output,
                   "Results file, in the format of R2R's leaderboard; - for standard output")
       ->type_name("FILE");
@@ -64,7 +73,8 @@ void add_run(CLI::App& app, int& status) {
       ->check(whole_number(1))
       ->capture_default_str();
   set_examples(verb, {"enfilade run --agent random --split val_unseen -o results.json",
-                      "enfilade run --agent shortest --split val_seen"});
+                      "enfilade run --agent shortest --split val_seen",
+                      "enfilade run --agent MODELDIR --features FILE --split test -o test.json"});
   verb.callback([options, &status] {
     run(*options);
     status = kSuccess;

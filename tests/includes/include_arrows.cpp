@@ -29,18 +29,22 @@ const std::vector<ThirdParty>& third_parties() {
       {"tbb/", {"enfilade/core/"}},
       {"nanoflann.hpp", {"enfilade/"}},
       {"zlib.h", {"apps/", "tests/"}},
-      {"hwy/", {"enfilade/render/", "apps/"}},
+      {"hwy/", {"enfilade/render/", "enfilade/agents/neural/", "apps/"}},
       {"turbojpeg.h", {"enfilade/image/"}},
       {"jpeglib.h", {"enfilade/image/"}},
       {"spng.h", {"enfilade/image/"}},
-      {"zip.h", {"enfilade/scan/", "tests/"}},
+      {"zip.h", {"enfilade/scan/", "enfilade/agents/neural/", "tests/"}},
       {"zstd.h", {"enfilade/scan/"}},
-      {"xxhash.h", {"enfilade/scan/", "tests/"}},
+      {"xxhash.h", {"enfilade/scan/", "enfilade/agents/neural/", "tests/"}},
       {"embree3/", {"enfilade/mesh/"}},
       {"embree4/", {"enfilade/mesh/"}},
       {"tiny_gltf.h", {"enfilade/mesh/"}},
       {"Recast.h", {"enfilade/mesh/"}},
       {"epoxy/", {"enfilade/render/gl/"}},
+      {"ATen/", {"enfilade/agents/neural/"}},
+      {"torch/", {"enfilade/agents/neural/"}},
+      {"c10/", {"enfilade/agents/neural/"}},
+      {"hdf5.h", {"enfilade/agents/neural/"}},
       {"CLI/", {"apps/"}},
       {"benchmark/", {"bench/"}},
       {"gtest/", {"tests/"}},
@@ -56,7 +60,7 @@ bool is_standard(std::string_view name) {
 
 /// What a source may use of POSIX, but no public header.
 bool is_posix(std::string_view name) {
-  static const std::set<std::string_view> kPosix{"unistd.h", "fcntl.h", "signal.h",
+  static const std::set<std::string_view> kPosix{"unistd.h", "fcntl.h", "signal.h", "spawn.h",
                                                  "dirent.h", "poll.h",  "dlfcn.h"};
   return kPosix.contains(name) || name.starts_with("sys/");
 }
@@ -198,6 +202,7 @@ const Arrows& direct_arrows() {
       {"draw", {"graph", "render", "r2r"}},
       {"synth", {"scan", "mesh", "graph", "r2r"}},
       {"agents", {"sim", "render", "r2r"}},
+      {"report", {"r2r", "graph", "render", "scan", "draw"}},
       {"service", {"r2r", "graph", "scan", "draw"}},
   };
   return kArrows;

@@ -1,0 +1,122 @@
+// enfilade evaluate: a trained agent over whole splits.
+#include <fmt/format.h>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/agents/neural/evaluation.h"
+#include "enfilade/agents/neural/model_directory.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/r2r/score.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+namespace neural = agents::neural;
+
+struct Options {
+  std::string model;
+  std::string data;
+  std::string features;
+  std::vector<std::string> splits{"val_seen", "val_unseen"};
+  std::string output;
+  std::string device = "cpu";
+  int threads = 0;
+  std::size_t batch_size = 100;
+};
+
+r2r::EpisodeSet load_split(const std::string& split, const scan::DataRoot& root,
+                           const std::shared_ptr<const graph::GraphSet>& graphs,
+                           neural::DataFingerprint& fingerprint) {
+  const r2r::Annotations annotations = r2r::load_annotations(root.annotations(split), split);
+  r2r::EpisodeSet episodes = make_episodes(annotations, graphs);
+  fingerprint.add(annotations);
+  fingerprint.add_graphs(episodes);
+  return episodes;
+}
+
+void evaluate(const Options& options, neural::Model& model, const neural::PreparedSplit& split) {
+  const std::string& name = split.episodes.split;
+  const neural::WalkOptions walk_options{options.batch_size, model.config.training.max_steps};
+  const neural::GreedyWalk walk = neural::walk_greedily(
+      model.network, split, walk_options, progress_bar(fmt::format("{}, {}", options.model, name)));
+  neural::ModelFiles files{options.model};
+  if (!options.output.empty()) {
+    const fs::path folder(options.output);
+    write_walk(folder / (name + ".json"), folder / (name + ".attention.json"), walk, split,
+               model.vocabulary);
+  } else {
+    write_walk(files.results(name), files.attention(name), walk, split, model.vocabulary);
+  }
+  fmt::print("{} (iteration {}) on {}: {} episodes\n", options.model, model.iteration, name,
+             walk.trajectories.size());
+  if (goals_hidden(split.episodes)) {
+    fmt::print("The goals of this split are hidden; hand the results file in.\n");
+  } else {
+    fmt::print("{}", to_table(compute_score(walk.trajectories, split.episodes)));
+  }
+}
+
+void run(const Options& options) {
+  neural::set_threads(options.threads);
+  neural::Model model = neural::load_model(options.model, options.device);
+  std::optional<neural::FeatureSet> file;
+  if (model.config.training.network.inputs.vision && !options.features.empty()) {
+    file = neural::FeatureSet::open(options.features);
+  }
+  const neural::FeatureSet* features = usable_features(model.config, file ? &*file : nullptr);
+  const scan::DataRoot root = open_data(options.data);
+  const auto graphs = graph::GraphSet::open(root.connectivity());
+  neural::DataFingerprint here;
+  if (file) here.features = file->info();
+  std::vector<neural::PreparedSplit> splits;
+  for (const std::string& split : options.splits) {
+    splits.push_back(prepare(load_split(split, root, graphs, here), model.vocabulary,
+                             model.config.training.network.max_words, features));
+  }
+  const auto warnings =
+      differences(model.config.data, here, neural::ModelFiles{options.model}.config().string());
+  if (!warnings.empty()) print_diagnostics(warnings);
+  for (const neural::PreparedSplit& split : splits) evaluate(options, model, split);
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "evaluate", "Walk a trained agent through whole splits; writes results into its directory");
+  const auto options = std::make_shared<Options>();
+  verb.add_option("model", options->model, "What `enfilade train` made")
+      ->required()
+      ->type_name("MODELDIR");
+  add_data_option(verb, options->data);
+  verb.add_option("--features", options->features, "Of the views, if the agent sees")
+      ->type_name("FILE");
+  verb.add_option("--split", options->splits, "train, val_seen, val_unseen, test, ...")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->type_name("NAMES");
+  verb.add_option("-o,--output", options->output,
+                  "Folder for <split>.json, a results file, and <split>.attention.json (default: "
+                  "results/ in the model directory)")
+      ->type_name("DIR");
+  verb.add_option("--batch", options->batch_size, "Episodes at once")
+      ->check(whole_number(1))
+      ->capture_default_str();
+  verb.add_option("--device", options->device, "cpu, cuda, cuda:1, ...")->capture_default_str();
+  verb.add_option("--threads", options->threads, "0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  set_examples(verb, {"enfilade evaluate student --features resnet.safetensors",
+                      "enfilade evaluate submission --split test --features resnet.safetensors"});
+  verb.callback([options, &status] {
+    run(*options);
+    status = kSuccess;
+  });
+}
+
+}  // namespace enfilade::apps

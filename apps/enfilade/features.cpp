@@ -1,0 +1,187 @@
+// enfilade features: what an encoder says of every view of every viewpoint.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <memory>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/agents/neural/feature_set.h"
+#include "enfilade/agents/neural/features.h"
+#include "enfilade/agents/neural/network.h"
+#include "enfilade/scan/connectivity.h"
+#include "enfilade/scan/panorama_set.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+namespace neural = agents::neural;
+
+constexpr const char* kRandomWeights = "random";
+
+struct Options {
+  std::string data, output, shard, weights;
+  std::vector<std::string> images, scans, merge;
+  std::string preprocessing = "caffe";
+  bool float16 = false;
+  neural::FeatureJob job;
+};
+
+// "3/16": from 1, as people count.
+neural::Shard parse_shard(const std::string& text) {
+  if (text.empty()) return {};
+  std::size_t number = 0, count = 0;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, number);
+  const bool slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
+  const auto second =
+      slash ? std::from_chars(first.ptr + 1, end, count) : std::from_chars_result{text.data(), {}};
+  if (second.ptr != end || second.ec != std::errc() || number < 1 || number > count) {
+    throw UsageError(fmt::format(
+        "--shard {:?}: NUMBER/COUNT is expected, such as 1/16 for the first of 16", text));
+  }
+  return {number - 1, count};
+}
+
+// Shards of one job are given one name; each writes a file of its own.
+fs::path shard_file(const fs::path& file, const neural::Shard& shard) {
+  if (shard.count == 1) return file;
+  fs::path own = file;
+  own.replace_filename(fmt::format("{}.{}-of-{}{}", file.stem().string(), shard.index + 1,
+                                   shard.count, file.extension().string()));
+  return own;
+}
+
+std::shared_ptr<const scan::PanoramaSet> panoramas_of(const Options& o) {
+  const scan::DataRoot data = open_data(o.data);
+  scan::PanoramaPlaces places = data.panoramas();
+  if (!o.images.empty()) places.images.assign(o.images.begin(), o.images.end());
+  std::vector<std::string> scans =
+      o.scans.empty() ? scan::load_scan_list(places.connectivity) : o.scans;
+  return scan::PanoramaSet::open(std::move(places), std::move(scans));
+}
+
+void set_encoder(Options& o) {
+  neural::EncoderConfig& encoder = o.job.encoder;
+  encoder.preprocessing = o.preprocessing == "caffe" ? neural::Preprocessing::kCaffe
+                                                     : neural::Preprocessing::kTorchvision;
+  if (o.weights.empty()) {
+    throw UsageError(encoder.name == "home"
+                         ? "--weights: the file that `enfilade pretrain` wrote is expected"
+                         : fmt::format("--weights: a file of {}'s weights is expected "
+                                       "(torchvision's .pth, or .safetensors), or the word {}, "
+                                       "which makes useless features at the same speed",
+                                       encoder.name, kRandomWeights));
+  }
+  if (o.weights != kRandomWeights) encoder.weights = o.weights;
+}
+
+void print_report(const neural::FeatureReport& report, const fs::path& file) {
+  fmt::print("{}: {} viewpoints\n", file.string(), report.viewpoints);
+  const auto pictures = static_cast<double>(36 * (report.viewpoints - report.resumed));
+  const double seconds = report.rendering_seconds + report.encoding_seconds;
+  if (report.resumed > 0) fmt::print("{} of them from a run that was stopped\n", report.resumed);
+  if (pictures > 0) {
+    fmt::print("{:.0f} views in {:.1f} s, {:.2f} a second; {:.1f} % of the time drew them\n",
+               pictures, seconds, pictures / seconds, 100 * report.rendering_seconds / seconds);
+  }
+  if (!report.without.empty()) {
+    constexpr std::size_t kShown = 5;
+    const std::size_t shown = std::min(kShown, report.without.size());
+    fmt::print(stderr, "{} scans have no pictures: {}{}\n", report.without.size(),
+               fmt::join(report.without.begin(),
+                         report.without.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
+               shown < report.without.size() ? ", ..." : "");
+  }
+}
+
+void run(Options o) {
+  const auto type = o.float16 ? neural::DType::kFloat16 : neural::DType::kFloat32;
+  if (!o.merge.empty()) {
+    const std::vector<fs::path> from(o.merge.begin(), o.merge.end());
+    neural::convert_features(from, o.output, type);
+    fmt::print("{}: {} viewpoints\n", o.output, neural::FeatureSet::open(o.output).keys().size());
+    return;
+  }
+  set_encoder(o);
+  neural::set_threads(o.job.threads);
+  o.job.type = type;
+  o.job.shard = parse_shard(o.shard);
+  (void)neural::format_of(o.output);  // complains before an hour's work, not after
+  const fs::path file = shard_file(o.output, o.job.shard);
+  const auto report =
+      neural::compute_features(panoramas_of(o), o.job, file, progress_bar("features"));
+  print_report(report, file);
+}
+
+void add_options(CLI::App& verb, Options& o) {
+  add_data_option(verb, o.data);
+  verb.add_option("-o,--output", o.output,
+                  "A .safetensors (mapped, resumable), .tsv (as R2R's authors published theirs) or "
+                  ".h5 (as HAMT's and DUET's); with --shard, NAME.3-of-16.safetensors")
+      ->required()
+      ->type_name("FILE");
+  verb.add_option("--encoder", o.job.encoder.name,
+                  fmt::format("One of: {}", fmt::join(neural::encoder_names(), ", ")))
+      ->check(CLI::IsMember(neural::encoder_names()))
+      ->capture_default_str()
+      ->type_name("NAME");
+  verb.add_option("--weights", o.weights,
+                  "Torchvision's .pth, torchvision's or timm's .safetensors; of home: what "
+                  "`enfilade pretrain` wrote; or the word random")
+      ->type_name("FILE");
+  verb.add_option("--preprocessing", o.preprocessing,
+                  "What ResNet's weights were trained with: caffe (the released R2R features) or "
+                  "torchvision (all weights of torchvision and timm)")
+      ->check(CLI::IsMember({"caffe", "torchvision"}))
+      ->capture_default_str()
+      ->type_name("NAME");
+  verb.add_option("--scan", o.scans, "Only these (default: all of scans.txt)")->type_name("SCAN");
+  verb.add_option("--images", o.images, "Folder of stores or scans (default: the data set's)")
+      ->type_name("DIR");
+  verb.add_option("--shard", o.shard, "Do the third of 16 parts: 3/16")->type_name("N/COUNT");
+  verb.add_option("--batch", o.job.batch, "Pictures that the encoder sees at once")
+      ->check(whole_number(1))
+      ->capture_default_str();
+  verb.add_option("--device", o.job.encoder.device, "cpu, cuda or cuda:N")
+      ->capture_default_str()
+      ->type_name("NAME");
+  verb.add_option("--threads", o.job.threads, "0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  verb.add_flag("--float16", o.float16, "Half the size; three digits of each number");
+  verb.add_option("--merge", o.merge,
+                  "Compute nothing: put these feature files together into --output, or change the "
+                  "format of one")
+      ->type_name("FILE...");
+}
+
+}  // namespace
+
+void add_features(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "features",
+      "Compute image features of the 36 views of every viewpoint, for agents that see. A run "
+      "that was stopped goes on where it was.");
+  const auto options = std::make_shared<Options>();
+  add_options(verb, *options);
+  set_examples(
+      verb,
+      {"enfilade features --encoder home --weights home_encoder.safetensors -o "
+       "features.safetensors",
+       "enfilade features --weights resnet152-394f9c45.pth --preprocessing torchvision --float16 "
+       "-o features.safetensors",
+       "enfilade features --weights resnet152.safetensors --shard 3/16 --device cuda --batch 36 -o "
+       "features.safetensors",
+       "enfilade features --merge features.*-of-16.safetensors -o features.safetensors",
+       "enfilade features --merge ResNet-152-imagenet.tsv --float16 -o resnet152.safetensors"});
+  verb.callback([options, &status] {
+    run(*options);
+    status = kSuccess;
+  });
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,160 @@
+// enfilade pretrain: a small image encoder, trained on what the renderer says is to be seen.
+#include "enfilade/agents/neural/pretrain.h"
+
+#include <fmt/format.h>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/agents/neural/network.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/synth/home_set.h"
+#include "enfilade/synth/house_files.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace neural = agents::neural;
+
+struct Options {
+  std::string data, output = "home_encoder.safetensors";
+  neural::PretrainConfig config;
+};
+
+std::set<std::string> scans_of(const scan::DataRoot& data, const std::string& split) {
+  std::set<std::string> scans;
+  for (const auto& path : r2r::load_annotations(data.annotations(split), split).paths) {
+    scans.insert(path.scan);
+  }
+  return scans;
+}
+
+// The homes that agents train in, and no others; val unseen's to be tried on.
+void set_scans(const scan::DataRoot& data, neural::PretrainConfig& config) {
+  const std::set<std::string> training = scans_of(data, "train");
+  std::set<std::string> unseen = scans_of(data, "val_unseen");
+  for (const std::string& scan : training) unseen.erase(scan);
+  config.training.assign(training.begin(), training.end());
+  config.unseen.assign(unseen.begin(), unseen.end());
+}
+
+// Model homes come with a list that says which room each viewpoint stands in.
+void set_rooms(const scan::DataRoot& data, neural::PretrainConfig& config) {
+  if (!std::filesystem::exists(data.folder() / "homes.json")) return;
+  std::map<std::pair<std::string, std::string>, char> rooms;
+  for (const synth::HomeEntry& home : synth::read_home_list(data.folder())) {
+    for (const synth::RoomEntry& room : home.rooms) {
+      for (const std::string& viewpoint : room.viewpoints) {
+        rooms[{home.scan, viewpoint}] = room.type;
+      }
+    }
+  }
+  config.room = [rooms = std::move(rooms)](const std::string& scan, const std::string& viewpoint) {
+    const auto found = rooms.find({scan, viewpoint});
+    return found == rooms.end() ? '-' : found->second;
+  };
+}
+
+// A line now and then, for logs too.
+neural::TrainingProgress loss_lines() {
+  return [next = std::size_t{0}, sum = 0.0, n = 0](std::size_t step, std::size_t steps,
+                                                   double loss) mutable {
+    constexpr std::size_t kLines = 10;
+    sum += loss;
+    ++n;
+    if (step * kLines < (next + 1) * steps && step != steps) return;
+    fmt::print(stderr, "pretrain: step {} of {}, loss {:.3f}\n", step, steps, sum / n);
+    next = step * kLines / steps;
+    sum = 0;
+    n = 0;
+  };
+}
+
+std::string percent(double value) {
+  return std::isnan(value) ? "-" : fmt::format("{:.1f}", 100 * value);
+}
+
+double at_or_nan(const std::vector<double>& values, std::size_t i) {
+  return i < values.size() ? values[i] : std::nan("");
+}
+
+void print_report(const neural::PretrainReport& report) {
+  fmt::print("{} pictures drawn in {:.1f} s; {} parameters, {} steps in {:.1f} s; loss {:.3f}\n\n",
+             report.pictures, report.drawing_seconds, report.parameters, report.steps,
+             report.training_seconds, report.loss);
+  fmt::print("{:<34}{:>14}{:>14}\n", "on pictures not trained on, %", "homes trained",
+             "unseen homes");
+  const auto line = [](std::string_view name, const std::string& seen, const std::string& unseen) {
+    fmt::print("{:<34}{:>14}{:>14}\n", name, seen, unseen);
+  };
+  const neural::HomeScore &seen = report.seen, &unseen = report.unseen;
+  line("pictures", fmt::format("{}", seen.pictures), fmt::format("{}", unseen.pictures));
+  line("mean average precision", percent(seen.mean_average_precision),
+       percent(unseen.mean_average_precision));
+  line("  guessing", percent(seen.chance), percent(unseen.chance));
+  line("room named right", percent(seen.rooms), percent(unseen.rooms));
+  line("distance off by", percent(std::expm1(seen.distance_error)),
+       percent(std::expm1(unseen.distance_error)));
+  for (std::size_t i = 0; i < report.classes.size(); ++i) {
+    line(fmt::format("  {}", synth::class_name(static_cast<std::size_t>(report.classes[i]))),
+         percent(at_or_nan(seen.average_precision, i)),
+         percent(at_or_nan(unseen.average_precision, i)));
+  }
+}
+
+void run(Options o) {
+  neural::set_threads(o.config.threads);
+  const scan::DataRoot data = open_data(o.data);
+  set_scans(data, o.config);
+  set_rooms(data, o.config);
+  std::vector<std::string> scans = o.config.training;
+  scans.insert(scans.end(), o.config.unseen.begin(), o.config.unseen.end());
+  const auto panoramas = scan::PanoramaSet::open(data.panoramas(), std::move(scans));
+  const auto report = neural::pretrain_home_encoder(panoramas, o.config, o.output, loss_lines());
+  fmt::print("{}\n", o.output);
+  print_report(report);
+}
+
+}  // namespace
+
+void add_pretrain(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "pretrain",
+      "Train the small encoder `home` to say from pictures what is where, how far, and in which "
+      "room: for model homes, where ImageNet's weights are not at hand. Learns from the homes of "
+      "the split train alone; prints how well it does elsewhere.");
+  const auto options = std::make_shared<Options>();
+  add_data_option(verb, options->data);
+  verb.add_option("-o,--output", options->output, "For `enfilade features --weights`")
+      ->capture_default_str()
+      ->type_name("FILE");
+  verb.add_option("--pictures", options->config.pictures, "To train on, about")
+      ->check(whole_number(1))
+      ->capture_default_str();
+  verb.add_option("--epochs", options->config.epochs, "Times that each is seen")
+      ->check(whole_number(1))
+      ->capture_default_str();
+  verb.add_option("--seed", options->config.seed, "The same seed gives the same network")
+      ->check(whole_number())
+      ->capture_default_str();
+  verb.add_option("--device", options->config.device, "cpu, cuda or cuda:N")
+      ->capture_default_str()
+      ->type_name("NAME");
+  verb.add_option("--threads", options->config.threads,
+                  "0: all cores; part of what the seed stands for")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  set_examples(verb, {"enfilade pretrain --data homes",
+                      "enfilade pretrain --data homes --epochs 6 -o better.safetensors"});
+  verb.callback([options, &status] {
+    run(*options);
+    status = kSuccess;
+  });
+}
+
+}  // namespace enfilade::apps

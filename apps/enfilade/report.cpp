@@ -1,0 +1,92 @@
+// enfilade report: everything about a run on one HTML page.
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/core/threads.h"
+#include "enfilade/report/report.h"
+
+namespace enfilade::apps {
+namespace {
+
+struct Options {
+  std::string data;
+  std::vector<std::string> named;
+  std::string output = "report.html";
+  report::ReportConfig config;
+};
+
+// "model name : Intel ..." of Linux on x86; the architecture is not known elsewhere.
+std::string processor() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown processor";
+}
+
+std::string version() {
+  constexpr std::string_view commit = EN_COMMIT;
+  return commit.empty() ? EN_VERSION : fmt::format("{}, commit {}", EN_VERSION, commit);
+}
+
+void make(const Options& options) {
+  const scan::DataRoot data = open_data(options.data);
+  report::ReportConfig config = options.config;
+  config.runs.assign(options.named.begin(), options.named.end());
+  config.facts = {
+      {"Enfilade", version()},
+      {"made on", fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))},
+      {"made with", fmt::format("{}, {} cores", processor(), available_threads())}};
+  const std::string page = make_report(config, data, progress_bar("report"));
+  write_output(options.output, page);
+  if (options.output == "-") return;
+  fmt::print("{}: {:.1f} MB, one file, to be opened in any browser\n", options.output,
+             static_cast<double>(page.size()) / 1e6);
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "report",
+      "One HTML page of a run: results, training curves, episodes step by step, the data; it needs "
+      "no other file and no network");
+  const auto options = std::make_shared<Options>();
+  add_data_option(verb, options->data);
+  verb.add_option("runs", options->named,
+                  "Folder of a run, model directories, results files AGENT_SPLIT.json")
+      ->required()
+      ->type_name("PATH");
+  verb.add_option("-o,--output", options->output, "File; - for standard output")
+      ->capture_default_str()
+      ->type_name("FILE");
+  verb.add_option("--title", options->config.title, "Of the page")
+      ->capture_default_str()
+      ->type_name("TEXT");
+  verb.add_option("--episodes", options->config.episodes_of_a_kind,
+                  "Of each kind: best, worst, at random")
+      ->check(whole_number())
+      ->capture_default_str()
+      ->type_name("N");
+  verb.add_option("--panoramas", options->config.panoramas, "Buildings that are shown, at most")
+      ->check(whole_number())
+      ->capture_default_str()
+      ->type_name("N");
+  set_examples(verb, {"enfilade report enfilade-demo --data enfilade-demo/homes -o report.html",
+                      "enfilade report models/student-1 random_val_unseen.json --episodes 5"});
+  verb.callback([options, &status] {
+    make(*options);
+    status = kSuccess;
+  });
+}
+
+}  // namespace enfilade::apps

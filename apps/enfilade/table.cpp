@@ -1,0 +1,71 @@
+// enfilade table: the paper's table of everything that was run.
+#include <fmt/format.h>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/report/results_table.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string data;
+  std::vector<std::string> named;
+  std::string output = "-";
+  bool json = false, csv = false, markdown = false;
+};
+
+std::string formatted(const report::ResultsTable& table, const Options& options) {
+  if (options.json) return to_json(table);
+  if (options.csv) return to_csv(table);
+  return options.markdown ? to_markdown(table) : to_text(table);
+}
+
+void table(const Options& options) {
+  const scan::DataRoot data = open_data(options.data);
+  const std::vector<fs::path> named(options.named.begin(), options.named.end());
+  const report::RunDirectory found = report::find_runs(named, data);
+  const report::ScoredRuns runs = score_runs(found, data, progress_bar("scoring"));
+  if (runs.runs.empty() && runs.left_out.empty()) {
+    throw UsageError("there are models here, but no results file; enfilade evaluate makes them");
+  }
+  write_output(options.output, formatted(make_table(runs, report::is_synthetic(data)), options));
+}
+
+}  // namespace
+
+void add_table(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "table",
+      "The paper's table: agents by splits with 95 % intervals, beside the published figures where "
+      "the data are the paper's");
+  const auto options = std::make_shared<Options>();
+  add_data_option(verb, options->data);
+  verb.add_option("runs", options->named,
+                  "Results files AGENT_SPLIT.json, model directories, or folders with these; runs "
+                  "whose names differ in a number at the end (student-1, student-2) are one row")
+      ->required()
+      ->type_name("PATH");
+  verb.add_option("-o,--output", options->output, "File; - for standard output")
+      ->capture_default_str()
+      ->type_name("FILE");
+  CLI::Option* json = verb.add_flag("--json", options->json, "As JSON");
+  CLI::Option* csv = verb.add_flag("--csv", options->csv, "As CSV")->excludes(json);
+  verb.add_flag("--markdown", options->markdown, "As a Markdown table")
+      ->excludes(json)
+      ->excludes(csv);
+  set_examples(verb, {"enfilade table enfilade-demo --data enfilade-demo/homes",
+                      "enfilade table random_val_seen.json models/student-1 models/student-2",
+                      "enfilade table enfilade-demo --csv -o table.csv"});
+  verb.callback([options, &status] {
+    table(*options);
+    status = kSuccess;
+  });
+}
+
+}  // namespace enfilade::apps

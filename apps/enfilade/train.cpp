@@ -1,0 +1,206 @@
+// enfilade train: a sequence-to-sequence agent.
+#include <fmt/format.h>
+#include <unistd.h>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/agents/neural/trainer.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+namespace neural = agents::neural;
+
+struct Options {
+  std::string data;
+  std::string features;
+  std::string output;
+  std::string feedback = "student";
+  std::string inputs = "language+vision";
+  std::string after_end{to_string(neural::AfterEnd::kWalksOn)};
+  std::string forward{to_string(neural::ForwardTo::kNearest)};
+  std::string device = "cpu";
+  std::size_t iterations = 0;  // 0: the paper's
+  int threads = 0;
+  neural::TrainConfig config;
+};
+
+std::string duration(double seconds) {
+  if (seconds < 90) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 90 * 60) return fmt::format("{:.0f} min", seconds / 60);
+  return fmt::format("{:.1f} h", seconds / 3600);
+}
+
+// What training says, on the terminal: a line an evaluation, and one that is written over.
+class Reporter {
+ public:
+  Reporter(std::string name, std::string output)
+      : name_(std::move(name)), output_(std::move(output)), live_(isatty(STDERR_FILENO) != 0) {}
+
+  neural::TrainingListener listener() {
+    return {[this](std::uint64_t iteration) {
+              fmt::print("{}: going on from iteration {}\n", output_, iteration);
+            },
+            [this](const neural::TrainingProgress& progress) { show(progress); },
+            [this](const neural::EvaluationRecord& record) { show(record); }};
+  }
+  double data_share() const { return progress_.data_share; }
+
+ private:
+  void show(const neural::TrainingProgress& progress) {
+    progress_ = progress;
+    if (!live_) return;
+    fmt::print(stderr, "\r{}: {} of {}, loss {:.3f}{}, {} left\033[K", name_, progress.iteration,
+               progress.iterations, progress.loss, success_, duration(progress.seconds_left));
+  }
+
+  void show(const neural::EvaluationRecord& record) {
+    if (live_) fmt::print(stderr, "\r\033[K");
+    if (record.iteration != evaluated_) success_ = ", success";
+    evaluated_ = record.iteration;
+    success_ += fmt::format(" {:.1f}", 100 * record.success_rate);
+    fmt::print(
+        "{:>7}  {:<12} loss {:.3f}  TL {:5.2f}  NE {:5.2f}  SR {:4.1f}  OSR {:4.1f}  "
+        "SPL {:4.1f}   train loss {:.3f}, {} left\n",
+        record.iteration, record.split, record.loss, record.trajectory_length, record.nav_error,
+        100 * record.success_rate, 100 * record.oracle_success_rate, 100 * record.spl,
+        progress_.loss, duration(progress_.seconds_left));
+    std::fflush(stdout);
+  }
+
+  std::string name_, output_;
+  bool live_;
+  neural::TrainingProgress progress_;
+  std::uint64_t evaluated_ = 0;
+  std::string success_;
+};
+
+neural::TrainConfig config_of(const Options& options) {
+  neural::TrainConfig config = options.config;
+  config.feedback = neural::parse_feedback(options.feedback);
+  config.network.inputs = neural::parse_inputs(options.inputs);
+  config.after_end = neural::parse_after_end(options.after_end);
+  config.forward = neural::parse_forward_to(options.forward);
+  config.iterations =
+      options.iterations > 0 ? options.iterations : neural::paper_iterations(config.feedback);
+  validate(config);
+  return config;
+}
+
+void run(const Options& options) {
+  const neural::TrainConfig config = config_of(options);
+  const scan::DataRoot root = open_data(options.data);
+  std::optional<fs::path> features;
+  if (config.network.inputs.vision) {
+    if (options.features.empty()) {
+      throw UsageError(
+          "train: --features FILE is needed (`enfilade features` makes it), or --inputs language "
+          "for an agent that does not see");
+    }
+    features = options.features;
+  }
+  neural::set_threads(options.threads);
+  const neural::TrainingData data = neural::load_training_data(root, config, features);
+  Reporter reporter(fs::path(options.output).filename().string(), options.output);
+  if (!neural::train(config, data, options.output, options.device, reporter.listener())) {
+    fmt::print("{}: complete, {} iterations\n", options.output, config.iterations);
+    return;
+  }
+  fmt::print("{}: trained, {} iterations; environment and data took {:.1f} % of training\n",
+             options.output, config.iterations, 100 * reporter.data_share());
+}
+
+void add_recipe(CLI::App& verb, Options& options) {
+  neural::TrainConfig& config = options.config;
+  const auto number = [&](const char* name, std::size_t& value, const char* what) {
+    verb.add_option(name, value, what)->check(whole_number(1))->capture_default_str();
+  };
+  const auto real = [&](const char* name, double& value, const char* what) {
+    verb.add_option(name, value, what)->check(finite_number())->capture_default_str();
+  };
+  verb.add_option("--iterations", options.iterations,
+                  "Updates; by default the paper's: 20000 for student, 5000 for teacher")
+      ->check(whole_number(1));
+  number("--batch", config.batch_size, "Episodes an iteration");
+  number("--max-steps", config.max_steps, "Actions an episode");
+  verb.add_option("--evaluate-every", config.evaluate_every,
+                  "Iterations between validations; 0: never")
+      ->check(whole_number())
+      ->capture_default_str();
+  number("--checkpoint-every", config.checkpoint_every, "Iterations between checkpoints");
+  verb.add_option("--seed", config.seed, "Of weights, order, dropout and drawn actions")
+      ->check(whole_number())
+      ->capture_default_str();
+  number("--hidden", config.network.hidden, "Of both LSTMs");
+  number("--word-embedding", config.network.word_embedding, "Numbers a word");
+  number("--action-embedding", config.network.action_embedding, "Numbers an action");
+  number("--max-words", config.network.max_words, "Of an instruction; the rest is cut off");
+  number("--least-count", config.least_count, "Uses of a word that make it known");
+  real("--dropout", config.network.dropout, "Share, below 1");
+  real("--learning-rate", config.adam.learning_rate, "Of Adam");
+  real("--weight-decay", config.adam.weight_decay, "L2, inside Adam");
+}
+
+void add_data(CLI::App& verb, Options& options) {
+  add_data_option(verb, options.data);
+  verb.add_option("--features", options.features,
+                  "Of the views, as `enfilade features` writes them")
+      ->type_name("FILE");
+  verb.add_option("-o,--output", options.output,
+                  "Model directory; one that is there is trained on from its last checkpoint")
+      ->required()
+      ->type_name("MODELDIR");
+  verb.add_option("--splits", options.config.splits,
+                  "Trained on, and the vocabulary's; for the test submission "
+                  "train,val_seen,val_unseen")
+      ->delimiter(',')
+      ->capture_default_str();
+  verb.add_option("--validation", options.config.validation, "Splits to validate with")
+      ->delimiter(',')
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_train(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "train", "Train the sequence-to-sequence agent; run again, it goes on where it was");
+  const auto options = std::make_shared<Options>();
+  add_data(verb, *options);
+  verb.add_option("--feedback", options->feedback, "What is done next in training")
+      ->check(CLI::IsMember({"student", "teacher"}))
+      ->capture_default_str();
+  verb.add_option("--inputs", options->inputs, "What the agent may use")
+      ->check(CLI::IsMember({"language+vision", "language", "vision", "none"}))
+      ->capture_default_str();
+  verb.add_option("--after-end", options->after_end,
+                  "An agent that ended away from its goal walks on, labelled, as in the released "
+                  "code, or stays")
+      ->check(CLI::IsMember({"walks-on", "stays"}))
+      ->capture_default_str();
+  verb.add_option(
+          "--forward", options->forward,
+          "In training, forward leads to the nearest neighbour, as in the released code, or "
+          "to the one that the teacher intended")
+      ->check(CLI::IsMember({"nearest", "intended"}))
+      ->capture_default_str();
+  add_recipe(verb, *options);
+  verb.add_option("--device", options->device, "cpu, cuda, cuda:1, ...")->capture_default_str();
+  verb.add_option("--threads", options->threads, "0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  set_examples(verb, {"enfilade train --data DIR --features resnet.safetensors -o student",
+                      "enfilade train --feedback teacher --inputs language -o language-only",
+                      "enfilade train --splits train,val_seen,val_unseen --features "
+                      "resnet.safetensors -o submission"});
+  verb.callback([options, &status] {
+    run(*options);
+    status = kSuccess;
+  });
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,33 @@
+#include "apps/enfilade/trained_agent.h"
+
+#include <optional>
+#include <utility>
+
+#include "apps/common/program.h"
+#include "enfilade/agents/neural/seq2seq_agent.h"
+
+namespace enfilade::apps {
+
+namespace neural = agents::neural;
+
+std::unique_ptr<agents::Agent> load_trained_agent(const std::string& folder,
+                                                  const std::string& features,
+                                                  const r2r::EpisodeSet& episodes) {
+  neural::set_threads(0);
+  neural::Model model = neural::load_model(folder);
+  std::optional<neural::FeatureSet> file;
+  if (!features.empty()) file = neural::FeatureSet::open(features);
+  neural::DataFingerprint here;
+  here.add_graphs(episodes);
+  if (file) here.features = file->info();
+  const auto warnings =
+      differences(model.config.data, here, neural::ModelFiles{folder}.config().string());
+  if (!warnings.empty()) print_diagnostics(warnings);
+  std::optional<neural::ViewFeatures> views;
+  if (const auto* used = usable_features(model.config, file ? &*file : nullptr)) {
+    views.emplace(*used, episodes);
+  }
+  return std::make_unique<neural::Seq2SeqAgent>(std::move(model), std::move(views));
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,99 @@
+#include "enfilade/report/attention.h"
+
+#include <fmt/format.h>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "enfilade/core/detail/json.h"
+
+namespace enfilade::report {
+namespace {
+
+using json::Element;
+using json::Faults;
+using json::Path;
+
+// A softmax in single precision may sum to a little more than 1.
+constexpr double kMostWeight = 1.001;
+
+std::vector<double> read_weights(Element element, std::size_t words, const Path& path,
+                                 Faults& faults) {
+  std::vector<double> weights;
+  const auto list = json::array(element, path, faults);
+  if (!list) return weights;
+  if (list->size() != words) {
+    faults.error(path, "attention-size",
+                 fmt::format("{} weights, not {}, the number of words", list->size(), words));
+  }
+  std::size_t i = 0;
+  for (const Element one : *list) {
+    const Path place(path, i++);
+    const auto weight = json::number(one, place, faults);
+    if (weight && !(*weight >= 0 && *weight <= kMostWeight)) {
+      faults.error(place, "bad-weight", fmt::format("{}, not from 0 to 1", *weight));
+    }
+    weights.push_back(weight.value_or(0));
+  }
+  return weights;
+}
+
+AttentionStep read_step(Element element, std::size_t words, const Path& path, Faults& faults) {
+  enum { kAction, kAttention, kViewpoint, kHeading, kElevation, kFields };
+  constexpr std::array<json::Field, kFields> kWanted{
+      {{"action"}, {"attention"}, {"viewpoint"}, {"heading"}, {"elevation"}}};
+  std::array<std::optional<Element>, kFields> found;
+  AttentionStep step;
+  if (!json::fields(element, kWanted, found, path, faults)) return step;
+  step.action = json::string(*found[kAction], Path(path, "action"), faults).value_or("");
+  step.attention = read_weights(*found[kAttention], words, Path(path, "attention"), faults);
+  step.viewpoint = json::string(*found[kViewpoint], Path(path, "viewpoint"), faults).value_or("");
+  step.heading = json::number(*found[kHeading], Path(path, "heading"), faults).value_or(0);
+  step.elevation = json::number(*found[kElevation], Path(path, "elevation"), faults).value_or(0);
+  return step;
+}
+
+EpisodeAttention read_episode(Element element, const Path& path, Faults& faults) {
+  constexpr std::array<json::Field, 2> kWanted{{{"words"}, {"steps"}}};
+  std::array<std::optional<Element>, 2> found;
+  EpisodeAttention episode;
+  if (!json::fields(element, kWanted, found, path, faults)) return episode;
+  const Path words_path(path, "words"), steps_path(path, "steps");
+  const auto words = json::array(*found[0], words_path, faults);
+  const auto steps = json::array(*found[1], steps_path, faults);
+  if (!words || !steps) return episode;
+  std::size_t i = 0;
+  for (const Element word : *words) {
+    episode.words.emplace_back(json::string(word, Path(words_path, i++), faults).value_or(""));
+  }
+  i = 0;
+  for (const Element step : *steps) {
+    episode.steps.push_back(read_step(step, episode.words.size(), Path(steps_path, i++), faults));
+  }
+  return episode;
+}
+
+AttentionFile read(const json::Document& document) {
+  Faults faults(document.name());
+  AttentionFile file;
+  const Path root;
+  if (const auto episodes = json::object(document.root(), root, faults)) {
+    for (const auto& [id, episode] : *episodes) {
+      file.insert_or_assign(std::string(id), read_episode(episode, Path(root, id), faults));
+    }
+  }
+  faults.throw_if_errors();
+  return file;
+}
+
+}  // namespace
+
+AttentionFile load_attention(const std::filesystem::path& file) {
+  return read(json::Document::load(file));
+}
+
+AttentionFile parse_attention(std::string_view json, const std::string& file) {
+  return read(json::Document::parse(json, file));
+}
+
+}  // namespace enfilade::report

@@ -1,0 +1,118 @@
+#include "enfilade/report/detail/dataset_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "enfilade/core/check.h"
+#include "enfilade/r2r/statistics.h"
+#include "enfilade/r2r/tokenizer.h"
+
+namespace enfilade::report::detail {
+namespace {
+
+constexpr double kMetresABin = 2;
+constexpr double kWordsABin = 5;
+constexpr std::size_t kFirstWords = 4;
+constexpr double kThinnest = 0.003;  // of the circle: about a degree
+
+double length_of(const graph::NavGraph& graph, const std::vector<ViewpointIndex>& path) {
+  double length = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) length += graph.edge(path[i - 1], path[i])->length;
+  return length;
+}
+
+Json summary_json(std::vector<double> values) {
+  const r2r::Summary s = r2r::summarise(std::move(values));
+  return {{"mean", s.mean}, {"median", s.median}, {"min", s.min}, {"max", s.max}};
+}
+
+Json lengths_of(const r2r::Annotations& split, const graph::GraphSet& graphs) {
+  Histogram paths{kMetresABin, {}, 0}, words{kWordsABin, {}, 0};
+  std::vector<double> metres, tokens;
+  for (const r2r::ReferencePath& path : look_up_paths(split, graphs)) {
+    if (path.viewpoints.size() < 2) continue;  // the goal is hidden
+    metres.push_back(length_of(graphs.graph(path.scan), path.viewpoints));
+    paths.add(metres.back());
+  }
+  for (const r2r::PathAnnotation& path : split.paths) {
+    for (const std::string& text : path.instructions) {
+      tokens.push_back(static_cast<double>(r2r::tokenize(text).size()));
+      words.add(tokens.back());
+    }
+  }
+  Json json{{"split", split.split}, {"words", to_json(words)}};
+  json["wordsSummary"] = tokens.empty() ? Json(nullptr) : summary_json(std::move(tokens));
+  if (metres.empty()) return json;
+  json["paths"] = to_json(paths);
+  json["pathsSummary"] = summary_json(std::move(metres));
+  return json;
+}
+
+// Instructions by the words that they begin with.
+struct Branch {
+  std::size_t count = 0;
+  std::map<std::string, Branch> next;
+};
+
+Json branch_json(const std::string& word, const Branch& branch, double least) {
+  Json json{{"word", word}, {"count", branch.count}};
+  std::vector<std::pair<std::string, const Branch*>> thick;
+  for (const auto& [text, child] : branch.next) {
+    if (static_cast<double>(child.count) >= least) thick.emplace_back(text, &child);
+  }
+  std::ranges::stable_sort(thick, std::ranges::greater{},
+                           [](const auto& pair) { return pair.second->count; });
+  if (!thick.empty()) json["next"] = Json::array();
+  for (const auto& [text, child] : thick) {
+    json["next"].push_back(branch_json(text, *child, least));
+  }
+  return json;
+}
+
+}  // namespace
+
+Json missing(const std::string& why) { return {{"missing", why}}; }
+
+void Histogram::add(double value) {
+  EN_CHECK(std::isfinite(value) && value >= 0);
+  const auto bin = static_cast<std::size_t>(value / width);
+  if (bin >= counts.size()) counts.resize(bin + 1);
+  ++counts[bin];
+  ++total;
+}
+
+Json to_json(const Histogram& histogram) {
+  return {{"width", histogram.width}, {"total", histogram.total}, {"counts", histogram.counts}};
+}
+
+Json lengths_part(const std::vector<r2r::Annotations>& splits,
+                  const std::shared_ptr<const graph::GraphSet>& graphs) {
+  if (splits.empty()) return missing("There are no annotations in the data set.");
+  Json all = Json::array();
+  for (const r2r::Annotations& split : splits) all.push_back(lengths_of(split, *graphs));
+  return {{"splits", all}};
+}
+
+Json words_part(const std::vector<r2r::Annotations>& splits) {
+  Branch root;
+  for (const r2r::Annotations& split : splits) {
+    for (const r2r::PathAnnotation& path : split.paths) {
+      for (const std::string& text : path.instructions) {
+        const std::vector<std::string> words = r2r::tokenize(text);
+        Branch* branch = &root;
+        ++branch->count;
+        for (std::size_t i = 0; i < std::min(words.size(), kFirstWords); ++i) {
+          branch = &branch->next[words[i]];
+          ++branch->count;
+        }
+      }
+    }
+  }
+  if (root.count == 0) return missing("There are no instructions in the data set.");
+  return branch_json("", root, kThinnest * static_cast<double>(root.count));
+}
+
+}  // namespace enfilade::report::detail

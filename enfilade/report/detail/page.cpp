@@ -1,0 +1,105 @@
+#include "enfilade/report/detail/page.h"
+
+#include <fmt/format.h>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <utility>
+
+#include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/report/detail/page_texts.h"
+
+namespace enfilade::report::detail {
+namespace {
+
+// Names our own scripts: what stands in an instruction cannot know it.
+std::string random_nonce() {
+  std::random_device device;
+  std::string nonce;
+  for (int i = 0; i < 4; ++i) nonce += fmt::format("{:08x}", device());
+  return nonce;
+}
+
+using Values = std::array<std::pair<std::string_view, std::string_view>, 7>;
+
+// Replaces each {{name}} of the template once; what is put in is not looked at again.
+std::string fill(std::string_view html, const Values& values) {
+  std::string page;
+  while (true) {
+    const std::size_t begin = html.find("{{");
+    page += html.substr(0, begin);
+    if (begin == std::string_view::npos) return page;
+    const std::size_t end = html.find("}}", begin);
+    EN_CHECK(end != std::string_view::npos);
+    const std::string_view name = html.substr(begin + 2, end - begin - 2);
+    bool known = false;
+    for (const auto& [key, value] : values) {
+      if (key != name) continue;
+      page += value;
+      known = true;
+    }
+    EN_CHECK(known);
+    html.remove_prefix(end + 2);
+  }
+}
+
+}  // namespace
+
+std::string script_json(const nlohmann::ordered_json& data) {
+  constexpr bool kAscii = true;
+  const std::string json =
+      data.dump(-1, ' ', kAscii, nlohmann::ordered_json::error_handler_t::replace);
+  std::string safe;
+  safe.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') {
+      safe += "\\u003c";  // JSON has it in strings only
+    } else {
+      safe += c;
+    }
+  }
+  return safe;
+}
+
+std::string escaped_html(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string make_page(std::string_view title, const nlohmann::ordered_json& data) {
+  if (kD3.empty()) {
+    throw Error(
+        "this build of Enfilade has no D3, which draws the report: install node-d3 and configure "
+        "with -DEN_WITH_D3=ON");
+  }
+  const std::string nonce = random_nonce(), safe_title = escaped_html(title),
+                    json = script_json(data);
+  return fill(kPageHtml, {{{"nonce", nonce},
+                           {"title", safe_title},
+                           {"style", kPageStyle},
+                           {"d3", kD3},
+                           {"d3 licence", kD3Licence},
+                           {"script", kPageScript},
+                           {"data", json}}});
+}
+
+}  // namespace enfilade::report::detail

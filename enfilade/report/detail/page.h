@@ -1,0 +1,20 @@
+/// \file  The HTML page around the data.
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+namespace enfilade::report::detail {
+
+/// One HTML document with style, scripts and data in it. Its content security policy lets nothing
+/// be loaded, and no script run but ours, whatever stands in the data.
+/// \throws Error if this build has no D3
+std::string make_page(std::string_view title, const nlohmann::ordered_json& data);
+
+/// JSON that may stand inside <script>: no '<' in it; ASCII; broken UTF-8 replaced.
+std::string script_json(const nlohmann::ordered_json& data);
+
+/// Text that may stand between tags.
+std::string escaped_html(std::string_view text);
+
+}  // namespace enfilade::report::detail

@@ -1,0 +1,124 @@
+#include "enfilade/report/detail/picture_parts.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "enfilade/core/rng.h"
+#include "enfilade/draw/floor_plan.h"
+#include "enfilade/report/detail/dataset_parts.h"
+
+namespace enfilade::report::detail {
+namespace {
+
+constexpr PictureSize kExampleSize{480, 360};
+constexpr PictureSize kPanoramaSize{800, 400};
+constexpr std::uint64_t kExampleSeed = 2018;  // any: the same data give the same page
+
+const r2r::Annotations* example_split(const std::vector<r2r::Annotations>& splits) {
+  for (const char* wanted : {"val_unseen", "val_seen", "train"}) {
+    for (const r2r::Annotations& split : splits) {
+      if (split.split == wanted && !split.paths.empty()) return &split;
+    }
+  }
+  return nullptr;
+}
+
+std::vector<std::size_t> random_order(std::size_t count) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  Rng rng(kExampleSeed);
+  rng.shuffle(std::span(order));
+  return order;
+}
+
+ViewpointIndex busiest(const graph::NavGraph& graph) {
+  ViewpointIndex best;
+  for (std::size_t i = 0; i < graph.size(); ++i) {
+    const ViewpointIndex v(i);
+    if (graph.edges(v).size() > graph.edges(best).size()) best = v;
+  }
+  return best;
+}
+
+// In degrees, clockwise from north, as people read it.
+int whole_degrees(Radians heading) { return static_cast<int>(to_degrees(heading) + 0.5) % 360; }
+
+}  // namespace
+
+Json examples_part(const std::vector<r2r::Annotations>& splits, const graph::GraphSet& graphs,
+                   Photographer& photographer, std::size_t count) {
+  const r2r::Annotations* split = example_split(splits);
+  if (split == nullptr) return missing("There are no annotations in the data set.");
+  Json all = Json::array();
+  std::string why;
+  for (const std::size_t i : random_order(split->paths.size())) {
+    if (all.size() == count) break;
+    const r2r::PathAnnotation& path = split->paths[i];
+    if (path.instructions.empty()) continue;
+    const graph::Location start = graphs.locate(path.scan, path.path.front());
+    const auto picture =
+        photographer.view(path.scan, start.viewpoint, path.heading, Radians(0), kExampleSize);
+    if (!picture) why = photographer.why_not();
+    all.push_back({{"scan", path.scan},
+                   {"path", path.path_id},
+                   {"heading", whole_degrees(path.heading)},
+                   {"instructions", path.instructions},
+                   {"picture", picture ? Json(*picture) : Json(nullptr)}});
+  }
+  Json part{{"split", split->split}, {"paths", std::move(all)}};
+  if (!why.empty()) part["noPictures"] = why;
+  return part;
+}
+
+Json panoramas_part(const graph::GraphSet& graphs, Photographer& photographer, std::size_t most) {
+  const std::size_t buildings = graphs.size(), shown = std::min(buildings, most);
+  Json all = Json::array();
+  for (std::size_t k = 0; k < shown; ++k) {
+    const ScanIndex scan(k * buildings / shown);
+    const graph::NavGraph& graph = graphs.graph(scan);
+    if (graph.included_count() == 0) continue;
+    const ViewpointIndex v = busiest(graph);
+    const Radians heading = graph.edges(v).empty() ? Radians(0) : graph.edges(v).front().heading;
+    const auto picture = photographer.panorama(graph.scan(), v, heading, kPanoramaSize);
+    if (!picture) continue;
+    all.push_back({{"scan", graph.scan()},
+                   {"viewpoint", graph.id(v)},
+                   {"viewpoints", graph.included_count()},
+                   {"picture", *picture}});
+  }
+  if (all.empty()) {
+    return missing(photographer.why_not());
+  }
+  return {{"buildings", buildings}, {"panoramas", std::move(all)}};
+}
+
+Json plans_part(const ScoredRun& run, const r2r::EpisodeSet& episodes,
+                const std::vector<ChosenEpisode>& chosen) {
+  Json all = Json::array();
+  for (const ChosenEpisode& one : chosen) {
+    const r2r::Episode& episode = episodes.episodes[one.episode];
+    const graph::NavGraph& graph = episodes.graph_of(episode);
+    draw::PlannedPath reference{draw::PlannedPath::Role::kReference,
+                                episodes.path_of(episode).viewpoints, "reference path"};
+    draw::PlannedPath agent{draw::PlannedPath::Role::kAgent, {}, run.agent};
+    for (const r2r::TrajectoryPoint& point : run.trajectories[one.episode].points) {
+      agent.viewpoints.push_back(point.viewpoint);
+    }
+    draw::FloorPlanOptions options;
+    options.title =
+        fmt::format("{}, episode {} ({})", graph.scan(), episode.instruction_id, one.kind);
+    options.note = episode.text;
+    const std::string svg = draw::floor_plan_svg(graph, {reference, agent}, options);
+    all.push_back({{"scan", graph.scan()},
+                   {"episode", episode.instruction_id},
+                   {"kind", one.kind},
+                   {"picture", data_uri("image/svg+xml", svg)}});
+  }
+  return {{"agent", run.agent}, {"split", run.split}, {"plans", std::move(all)}};
+}
+
+}  // namespace enfilade::report::detail

@@ -1,0 +1,145 @@
+#include "enfilade/report/detail/result_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "enfilade/report/detail/dataset_parts.h"
+#include "enfilade/report/training_log.h"
+
+namespace enfilade::report::detail {
+namespace {
+
+constexpr double kMetresABin = 2;     // of path lengths
+constexpr std::size_t kPoints = 400;  // of a curve: more than a chart has pixels to show
+// Bins with fewer paths say nothing.
+constexpr std::size_t kFewestPaths = 5;
+
+// Of all agents but "shortest", in their order: [{"agent", "splits": {split: one(runs)}}].
+template <class One>
+Json by_agent(const ScoredRuns& scored, const One& one) {
+  std::vector<std::string> agents;
+  std::map<std::string, std::map<std::string, std::vector<const ScoredRun*>>> groups;
+  for (const ScoredRun& run : scored.runs) {
+    const std::string agent(without_seed(run.agent));
+    if (agent == "shortest") continue;
+    if (!groups.contains(agent)) agents.push_back(agent);
+    groups[agent][run.split].push_back(&run);
+  }
+  if (agents.empty()) {
+    return missing("No agent but Shortest, which always arrives, has results that can be scored.");
+  }
+  Json all = Json::array();
+  for (const std::string& agent : agents) {
+    Json splits = Json::object();
+    for (const auto& [split, runs] : groups[agent]) splits[split] = one(runs);
+    all.push_back({{"agent", agent}, {"splits", std::move(splits)}});
+  }
+  return {{"agents", std::move(all)}};
+}
+
+struct LengthBin {
+  std::size_t episodes = 0;
+  double successes = 0;
+  std::set<std::size_t> paths;
+};
+
+Json success_by_length(const std::vector<const ScoredRun*>& runs, const ScoredRuns& scored) {
+  std::map<std::size_t, LengthBin> bins;
+  for (const ScoredRun* run : runs) {
+    const r2r::EpisodeSet& episodes = scored.splits.at(run->split);
+    for (std::size_t i = 0; i < run->score.episodes.size(); ++i) {
+      const r2r::EpisodeMetrics& m = run->score.episodes[i];
+      if (!std::isfinite(m.shortest)) continue;
+      LengthBin& bin = bins[static_cast<std::size_t>(m.shortest / kMetresABin)];
+      ++bin.episodes;
+      bin.successes += m.success;
+      bin.paths.insert(episodes.episodes[i].path);
+    }
+  }
+  Json all = Json::array();
+  for (const auto& [k, bin] : bins) {
+    if (bin.paths.size() < kFewestPaths) continue;
+    const double share = bin.successes / static_cast<double>(bin.episodes);
+    const auto interval = wilson_interval(share, static_cast<double>(bin.paths.size()));
+    all.push_back({{"from", kMetresABin * static_cast<double>(k)},
+                   {"to", kMetresABin * static_cast<double>(k + 1)},
+                   {"paths", bin.paths.size()},
+                   {"success", share},
+                   {"low", interval.low},
+                   {"high", interval.high}});
+  }
+  return all;
+}
+
+Json evaluation_json(const EvaluationPoint& point) {
+  return {{"iteration", point.iteration},
+          {"loss", std::isfinite(point.loss) ? Json(point.loss) : Json(nullptr)},
+          {"error", point.nav_error},
+          {"success", point.success}};
+}
+
+Json run_json(const std::string& name, const TrainingLog& log) {
+  Json training = Json::array();
+  for (const TrainingPoint& point : thinned(log.training, kPoints)) {
+    training.push_back({{"iteration", point.iteration}, {"loss", point.loss}});
+  }
+  Json splits = Json::object();
+  for (const EvaluationPoint& point : log.evaluations) {
+    splits[point.split].push_back(evaluation_json(point));
+  }
+  return {{"run", name}, {"train", std::move(training)}, {"evaluations", std::move(splits)}};
+}
+
+}  // namespace
+
+ShareInterval wilson_interval(double share, double n) noexcept {
+  constexpr double z = 1.959964;  // quantile 0.975 of the normal distribution
+  const double centre = (share + z * z / (2 * n)) / (1 + z * z / n);
+  const double half =
+      z / (1 + z * z / n) * std::sqrt(share * (1 - share) / n + z * z / (4 * n * n));
+  return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
+}
+
+Json errors_part(const ScoredRuns& scored) {
+  return by_agent(scored, [](const std::vector<const ScoredRun*>& runs) {
+    Histogram histogram{1, {}, 0};
+    for (const ScoredRun* run : runs) {
+      for (const r2r::EpisodeMetrics& m : run->score.episodes) {
+        if (std::isfinite(m.nav_error)) histogram.add(m.nav_error);
+      }
+    }
+    return to_json(histogram);
+  });
+}
+
+Json by_length_part(const ScoredRuns& scored) {
+  return by_agent(scored, [&scored](const std::vector<const ScoredRun*>& runs) {
+    return success_by_length(runs, scored);
+  });
+}
+
+Json curves_part(const RunDirectory& found) {
+  if (found.models.empty()) return missing("No model was trained here.");
+  Json all = Json::array();
+  for (const ModelDirectory& model : found.models) {
+    const std::filesystem::path file = model.folder / "log.jsonl";
+    std::error_code code;
+    if (!std::filesystem::exists(file, code)) continue;
+    const std::string agent(without_seed(model.agent));
+    if (all.empty() || all.back()["agent"] != agent) {
+      all.push_back({{"agent", agent}, {"runs", Json::array()}});
+    }
+    all.back()["runs"].push_back(run_json(model.agent, load_training_log(file)));
+  }
+  if (all.empty()) return missing("The model directories have no log.jsonl.");
+  return {{"agents", std::move(all)}};
+}
+
+}  // namespace enfilade::report::detail

@@ -1,0 +1,27 @@
+/// \file  The parts of the page that speak of scores and training.
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+
+#include "enfilade/report/results_table.h"
+#include "enfilade/report/run_directory.h"
+#include "enfilade/report/scored_runs.h"
+
+namespace enfilade::report::detail {
+
+/// How far from the goal agents stop, by agent and split. "shortest" is left out: it stops there.
+nlohmann::ordered_json errors_part(const ScoredRuns& runs);
+
+/// Success by the length of the shortest path, by agent and split, with intervals.
+nlohmann::ordered_json by_length_part(const ScoredRuns& runs);
+
+/// Loss, navigation error and success over training, by agent, run and split.
+/// \throws as load_training_log()
+nlohmann::ordered_json curves_part(const RunDirectory& found);
+
+/// Wilson's 95 % interval of a share. \pre n > 0
+struct ShareInterval {
+  double low = 0, high = 0;
+};
+ShareInterval wilson_interval(double share, double n) noexcept;
+
+}  // namespace enfilade::report::detail

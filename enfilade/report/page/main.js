@@ -1,0 +1,92 @@
+'use strict';
+
+// Puts the page together. What fails is said in its place and at the top, so that a test, or a
+// reader, sees it.
+
+const kSections = [
+  ['results', 'Results', drawResults],
+  ['training', 'Training', drawCurves],
+  ['errors', 'Where agents stop', drawErrors],
+  ['length', 'Success by path length', drawByLength],
+  ['episodes', 'Episodes', drawGallery],
+  ['plans', 'Floor plans', drawPlans],
+  ['examples', 'Instructions', drawExamples],
+  ['buildings', 'Buildings', drawPanoramas],
+  ['lengths', 'Lengths', drawLengths],
+  ['words', 'First words', drawWords],
+  ['settings', 'Settings', drawSettings],
+];
+
+const failures = [];
+
+function fail(where, error) {
+  failures.push(`${where}: ${error && error.message ? error.message : error}`);
+  const box = document.getElementById('failures');
+  box.hidden = false;
+  box.textContent = `Something on this page could not be drawn: ${failures.join('; ')}`;
+  document.documentElement.dataset.failures = String(failures.length);
+}
+
+window.addEventListener('error', (event) => fail('script', event.error || event.message));
+document.addEventListener('securitypolicyviolation', (event) =>
+  fail('refused', `${event.violatedDirective} ${event.blockedURI}`));
+
+function drawHead(about) {
+  const head = document.getElementById('head');
+  head.append(element('h1', {}, about.title));
+  if (about.synthetic) {
+    head.append(element('p', {class: 'synthetic'}, element('strong', {}, 'SYNTHETIC'),
+      ' model homes: no figure here can be compared with a published one.'));
+  }
+  const facts = element('dl', {class: 'facts'});
+  for (const [name, value] of about.facts) {
+    facts.append(element('div', {}, element('dt', {}, name), element('dd', {}, value)));
+  }
+  head.append(facts);
+}
+
+// {"a": {"b": 1}} -> [["a.b", "1"]]
+function flattened(value, prefix = '') {
+  if (value === null || typeof value !== 'object') return [[prefix, String(value)]];
+  if (Array.isArray(value)) return [[prefix, value.join(', ')]];
+  return Object.entries(value)
+    .flatMap(([key, child]) => flattened(child, prefix ? `${prefix}.${key}` : key));
+}
+
+function drawSettings(section, data) {
+  if (data.about.models.length === 0) {
+    section.append(missing('No model was trained here.'));
+    return;
+  }
+  for (const model of data.about.models) {
+    const body = element('tbody');
+    for (const [name, value] of flattened(model.config)) {
+      body.append(element('tr', {}, element('th', {scope: 'row'}, name), element('td', {}, value)));
+    }
+    section.append(element('details', {}, element('summary', {}, model.name),
+      element('div', {class: 'scroll'}, element('table', {class: 'settings'}, body))));
+  }
+}
+
+function drawPage() {
+  const data = JSON.parse(document.getElementById('data').textContent);
+  drawHead(data.about);
+  const sections = document.getElementById('sections');
+  const contents = document.getElementById('contents');
+  for (const [id, title, draw] of kSections) {
+    const section = element('section', {id}, element('h2', {}, title));
+    sections.append(section);
+    contents.append(element('a', {href: `#${id}`}, title));
+    try {
+      draw(section, data);
+    } catch (error) {
+      section.append(missing(`It could not be drawn: ${error.message}.`));
+      fail(id, error);
+    }
+  }
+  document.getElementById('foot').append('Made by Enfilade. Charts drawn with D3. ' +
+    'This page is one file and loads nothing.');
+}
+
+drawPage();
+document.documentElement.dataset.ready = 'yes';

@@ -1,0 +1,92 @@
+'use strict';
+
+// The map of a gallery's episode: its building's graph from above, north up, one storey at a time.
+
+const kFieldOfView = 75.2;  // degrees, of the agents' camera from left to right
+
+// All of the building, and the circle around the goal.
+function mapScale(building, goal, around, width, height) {
+  const shown = building.storey.map((s, i) => i).filter((i) => building.storey[i] !== null);
+  const extent = (values) => d3.extent([...shown.map((i) => values[i]), values[goal] - around,
+    values[goal] + around]);
+  const [left, right] = extent(building.x);
+  const [bottom, top] = extent(building.y);
+  const border = 18;
+  const scale = Math.min((width - 2 * border) / Math.max(right - left, 1),
+    (height - 2 * border) / Math.max(top - bottom, 1), 60);
+  const x0 = width / 2 - scale * (left + right) / 2;
+  const y0 = height / 2 + scale * (bottom + top) / 2;
+  return {scale, at: (v) => [x0 + scale * building.x[v], y0 - scale * building.y[v]]};
+}
+
+function drawBuilding(svg, building, place, storey) {
+  const far = (...vs) => vs.every((v) => building.storey[v] !== storey) ? ' elsewhere' : '';
+  for (const [a, b] of building.edges) {
+    const [x1, y1] = place.at(a);
+    const [x2, y2] = place.at(b);
+    svg.append('line').attr('class', `edge${far(a, b)}`)
+      .attr('x1', x1).attr('y1', y1).attr('x2', x2).attr('y2', y2);
+  }
+  building.storey.forEach((s, v) => {
+    if (s === null) return;
+    const [x, y] = place.at(v);
+    svg.append('circle').attr('class', `place${far(v)}`).attr('r', 2).attr('cx', x).attr('cy', y);
+  });
+}
+
+function drawWay(svg, place, viewpoints, kind) {
+  if (viewpoints.length > 1) {
+    svg.append('path').attr('class', kind).attr('d', d3.line()(viewpoints.map(place.at)));
+  }
+}
+
+function drawGoal(svg, place, viewpoint, distance) {
+  const [x, y] = place.at(viewpoint);
+  svg.append('circle').attr('class', 'goal').attr('r', distance * place.scale)
+    .attr('cx', x).attr('cy', y);
+  svg.append('path').attr('class', 'end')
+    .attr('d', d3.symbol().type(d3.symbolStar).size(130)())
+    .attr('transform', `translate(${x},${y})`).append('title').text('goal');
+}
+
+function drawAgent(svg, place, step) {
+  const [x, y] = place.at(step.v);
+  const half = kFieldOfView / 2 * Math.PI / 180;
+  const sight = d3.arc().innerRadius(0).outerRadius(34)
+    .startAngle(step.heading - half).endAngle(step.heading + half);
+  svg.append('path').attr('class', 'sight').attr('d', sight())
+    .attr('transform', `translate(${x},${y})`);
+  svg.append('circle').attr('class', 'here').attr('r', 6).attr('cx', x).attr('cy', y);
+}
+
+function drawScaleBar(svg, place, width, height) {
+  const length = [10, 5, 2, 1].find((m) => m * place.scale < width / 3) || 1;
+  const right = width - 14;
+  svg.append('path').attr('class', 'baseline').attr('fill', 'none')
+    .attr('d', `M${right - length * place.scale},${height - 12}H${right}`);
+  svg.append('text').attr('text-anchor', 'end').attr('x', right).attr('y', height - 17)
+    .text(`${length} m`);
+}
+
+function drawMap(episode, building, index, successDistance) {
+  const width = 420;
+  const height = 315;
+  const step = episode.steps[index];
+  const goal = episode.reference[episode.reference.length - 1];
+  const place = mapScale(building, goal, successDistance, width, height);
+  const svg = d3.create('svg').attr('class', 'map').attr('role', 'img')
+    .attr('viewBox', `0 0 ${width} ${height}`)
+    .attr('aria-label', `Map of ${episode.scan} at step ${index}`);
+  const storey = building.storey[step.v];
+  drawBuilding(svg, building, place, storey);
+  drawWay(svg, place, episode.reference, 'path');
+  const walked = episode.steps.map((s) => s.v);
+  drawWay(svg, place, walked.slice(index), 'to-walk');
+  drawWay(svg, place, walked.slice(0, index + 1), 'walked');
+  drawGoal(svg, place, goal, successDistance);
+  drawAgent(svg, place, step);
+  drawScaleBar(svg, place, width, height);
+  svg.append('text').attr('x', 12).attr('y', height - 12).text('north is up' +
+    (building.storeys > 1 ? `; storey ${storey + 1} of ${building.storeys}` : ''));
+  return svg.node();
+}

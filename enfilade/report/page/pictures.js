@@ -1,0 +1,66 @@
+'use strict';
+
+// Examples of instructions, panoramas, floor plans.
+
+function picture(source, description) {
+  return element('img', {src: source, alt: description, loading: 'lazy', decoding: 'async'});
+}
+
+function drawExamples(section, data) {
+  const part = data.examples;
+  if (part.missing) {
+    section.append(missing(part.missing));
+    return;
+  }
+  section.append(paragraph(`Paths of ${part.split} at random: what is seen at the start, and how ` +
+    'three people describe the way.'.replace('people', data.about.synthetic ? 'speakers' : 'people'),
+    'lead'));
+  if (part.noPictures) section.append(missing(part.noPictures, 'The view from the start'));
+  const list = element('div', {class: 'pictures'});
+  for (const path of part.paths) {
+    const item = element('figure', {class: 'example'});
+    if (path.picture) item.append(picture(path.picture, `View from the start of path ${path.path}`));
+    item.append(element('figcaption', {}, `${path.scan}, path ${path.path}, heading ${path.heading}°`));
+    const texts = element('ol');
+    for (const text of path.instructions) texts.append(element('li', {}, text.trim()));
+    item.append(texts);
+    list.append(item);
+  }
+  section.append(list);
+}
+
+function drawPanoramas(section, data) {
+  const part = data.panoramas;
+  if (part.missing) {
+    section.append(missing(part.missing));
+    return;
+  }
+  const some = part.panoramas.length < part.buildings
+    ? `${part.panoramas.length} of ${part.buildings} buildings`
+    : `The ${part.buildings} buildings`;
+  section.append(paragraph(`${some}, each from the viewpoint with most neighbours, in all ` +
+    'directions at once.', 'lead'));
+  const list = element('div', {class: 'pictures wide'});
+  for (const one of part.panoramas) {
+    list.append(element('figure', {}, picture(one.picture, `Panorama of building ${one.scan}`),
+      element('figcaption', {}, `${one.scan}, ${one.viewpoints} viewpoints`)));
+  }
+  section.append(list);
+}
+
+function drawPlans(section, data) {
+  const part = data.plans;
+  if (part.missing) {
+    section.append(missing(part.missing));
+    return;
+  }
+  section.append(paragraph(`Episodes of ${agentName(part.agent)} on ${part.split}: the reference ` +
+    'path as a band, the agent’s way as a line that darkens with time.', 'lead'));
+  const list = element('div', {class: 'pictures'});
+  for (const plan of part.plans) {
+    list.append(element('figure', {class: 'plan'},
+      picture(plan.picture, `Floor plan of ${plan.scan} with episode ${plan.episode}`),
+      element('figcaption', {}, `${plan.kind}: ${plan.scan}, episode ${plan.episode}`)));
+  }
+  section.append(list);
+}

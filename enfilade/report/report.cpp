@@ -1,0 +1,177 @@
+#include "enfilade/report/report.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/report/detail/dataset_parts.h"
+#include "enfilade/report/detail/gallery.h"
+#include "enfilade/report/detail/page.h"
+#include "enfilade/report/detail/photographer.h"
+#include "enfilade/report/detail/picture_parts.h"
+#include "enfilade/report/detail/result_parts.h"
+#include "enfilade/report/published.h"
+#include "enfilade/report/results_table.h"
+#include "enfilade/report/run_directory.h"
+#include "enfilade/report/scored_runs.h"
+#include "enfilade/report/training_log.h"
+
+namespace enfilade::report {
+namespace {
+
+using detail::Json;
+
+std::vector<r2r::Annotations> load_splits(const scan::DataRoot& data) {
+  std::vector<r2r::Annotations> splits;
+  for (const char* split : {"train", "val_seen", "val_unseen", "test"}) {
+    std::filesystem::path file;
+    try {
+      file = data.annotations(split);
+    } catch (const FileError&) {
+      continue;  // a data set need not have all of them
+    }
+    splits.push_back(r2r::load_annotations(file, split));
+  }
+  return splits;
+}
+
+// "12 h 3 min", "4 min 10 s"
+std::string duration(double seconds) {
+  const auto s = static_cast<long>(seconds + 0.5);
+  if (s >= 3600) return fmt::format("{} h {} min", s / 3600, s / 60 % 60);
+  return s >= 60 ? fmt::format("{} min {} s", s / 60, s % 60) : fmt::format("{} s", s);
+}
+
+std::string model_fact(const ModelDirectory& model) {
+  const std::filesystem::path file = model.folder / "log.jsonl";
+  std::error_code code;
+  if (!std::filesystem::exists(file, code)) return "no log";
+  const TrainingLog log = load_training_log(file);
+  if (log.training.empty()) return "not trained yet";
+  return fmt::format("{:.0f} iterations, {}", log.training.back().iteration, duration(log.seconds));
+}
+
+Json config_json(const ModelDirectory& model) {
+  const std::filesystem::path file = model.folder / "config.json";
+  try {
+    return Json::parse(read_file(file));
+  } catch (const nlohmann::json::exception& error) {
+    throw InvalidInput({{Severity::kError, file.string(), "$", "not-json", error.what()}});
+  }
+}
+
+// Builds the page's data, a part at a time.
+class Reporter {
+ public:
+  Reporter(const ReportConfig& config, const scan::DataRoot& data, const Progress& progress)
+      : config_(config),
+        data_(data),
+        progress_(progress),
+        found_(find_runs(config.runs, data)),
+        runs_(score_runs(found_, data)),
+        splits_(load_splits(data)),
+        synthetic_(is_synthetic(data)),
+        photographer_(scan::PanoramaSet::open(data.panoramas(), runs_.graphs->scans())) {}
+
+  Json run() {
+    step("table", [this] { return Json::parse(to_json(make_table(runs_, synthetic_))); });
+    step("curves", [this] { return detail::curves_part(found_); });
+    step("errors", [this] { return detail::errors_part(runs_); });
+    step("byLength", [this] { return detail::by_length_part(runs_); });
+    step("gallery", [this] { return gallery(); });
+    step("plans", [this] { return plans(); });
+    step("examples", [this] {
+      return detail::examples_part(splits_, *runs_.graphs, photographer_, config_.examples);
+    });
+    step("panoramas", [this] {
+      return detail::panoramas_part(*runs_.graphs, photographer_, config_.panoramas);
+    });
+    step("lengths", [this] { return detail::lengths_part(splits_, runs_.graphs); });
+    step("words", [this] { return detail::words_part(splits_); });
+    page_["about"] = about();
+    return std::move(page_);
+  }
+
+ private:
+  static constexpr std::size_t kSteps = 10;
+
+  void step(const char* name, const std::function<Json()>& make) {
+    page_[name] = make();
+    if (progress_) progress_(++done_, kSteps);
+  }
+
+  Json gallery() {
+    chosen_run_ = detail::choose_run(runs_, found_);
+    if (!chosen_run_) return detail::missing("There are no results that can be scored.");
+    const r2r::EpisodeSet& episodes = runs_.splits.at(chosen_run_->run->split);
+    chosen_ = choose_episodes(*chosen_run_, episodes, config_.episodes_of_a_kind);
+    return gallery_part(*chosen_run_, episodes, chosen_, photographer_);
+  }
+
+  // The first of each kind in the gallery.
+  Json plans() {
+    if (!chosen_run_) return detail::missing("There are no results that can be scored.");
+    std::vector<detail::ChosenEpisode> first;
+    for (const detail::ChosenEpisode& one : chosen_) {
+      if (first.empty() || first.back().kind != one.kind) first.push_back(one);
+    }
+    return plans_part(*chosen_run_->run, runs_.splits.at(chosen_run_->run->split), first);
+  }
+
+  Json about() const {
+    Json facts = Json::array();
+    const auto add = [&facts](const std::string& name, const std::string& value) {
+      facts.push_back({name, value});
+    };
+    const std::string folder =
+        std::filesystem::weakly_canonical(data_.folder()).filename().string();
+    add("data", fmt::format("{}, {} buildings{}", folder, runs_.graphs->size(),
+                            synthetic_ ? " (synthetic model homes)" : ""));
+    std::string instructions;
+    for (const r2r::Annotations& split : splits_) {
+      std::size_t count = 0;
+      for (const r2r::PathAnnotation& path : split.paths) count += path.instructions.size();
+      instructions += fmt::format("{}{} {}", instructions.empty() ? "" : ", ", split.split, count);
+    }
+    if (!instructions.empty()) add("instructions", instructions);
+    for (const ModelDirectory& model : found_.models)
+      add("model " + model.agent, model_fact(model));
+    for (const auto& [name, value] : config_.facts) add(name, value);
+    Json models = Json::array();
+    for (const ModelDirectory& model : found_.models) {
+      models.push_back({{"name", model.agent}, {"config", config_json(model)}});
+    }
+    return {{"title", config_.title},
+            {"synthetic", synthetic_},
+            {"facts", std::move(facts)},
+            {"models", std::move(models)}};
+  }
+
+  const ReportConfig& config_;
+  const scan::DataRoot& data_;
+  const Progress& progress_;
+  RunDirectory found_;
+  ScoredRuns runs_;
+  std::vector<r2r::Annotations> splits_;
+  bool synthetic_ = false;
+  detail::Photographer photographer_;
+  std::optional<detail::GalleryRun> chosen_run_;
+  std::vector<detail::ChosenEpisode> chosen_;
+  Json page_;
+  std::size_t done_ = 0;
+};
+
+}  // namespace
+
+std::string make_report(const ReportConfig& config, const scan::DataRoot& data,
+                        const Progress& progress) {
+  const std::string title = is_synthetic(data) ? config.title + " (synthetic homes)" : config.title;
+  return detail::make_page(title, Reporter(config, data, progress).run());
+}
+
+}  // namespace enfilade::report

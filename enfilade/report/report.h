@@ -1,0 +1,34 @@
+/// \file  The report: one HTML page that shows what was trained, how well it does, and on what.
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "enfilade/core/progress.h"
+#include "enfilade/scan/data_root.h"
+
+namespace enfilade::report {
+
+/// What the report is about, and what a page can hold.
+struct ReportConfig {
+  std::vector<std::filesystem::path> runs;  ///< as find_runs() takes them
+  std::string title = "Vision-and-language navigation";
+  /// Named facts for its head, in order, such as {"machine", "..."}; what the data and the runs say
+  /// of themselves comes before them.
+  std::vector<std::pair<std::string, std::string>> facts;
+  std::size_t examples = 3;            ///< paths at random, with their instructions
+  std::size_t panoramas = 16;          ///< buildings, at most
+  std::size_t episodes_of_a_kind = 3;  ///< best, worst, random: three times as many in all
+};
+
+/// An HTML document of a few megabytes that needs no other file and no network. A part whose input
+/// is missing (no pictures, no model) says so in its place. The same input gives the same page, but
+/// for the random word that names its own scripts to the browser.
+/// \throws as find_runs(), score_runs(), load_training_log() and load_attention(); Error if this
+/// build has no D3; errors of broken panoramas
+std::string make_report(const ReportConfig& config, const scan::DataRoot& data,
+                        const Progress& progress = {});
+
+}  // namespace enfilade::report

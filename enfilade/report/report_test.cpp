@@ -1,0 +1,257 @@
+#include "enfilade/report/report.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/report/detail/page.h"
+#include "enfilade/report/detail/page_texts.h"
+#include "enfilade/report/detail/photographer.h"
+#include "enfilade/report/detail/result_parts.h"
+#include "tests/support/made_run.h"
+
+namespace enfilade::report {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::ThrowsMessage;
+
+// What a page that takes an instruction for HTML would run, or show as a picture.
+constexpr const char* kHostile =
+    "</script><script>document.title='hacked'</script><img src=x "
+    "onerror=\"document.title='hacked'\">"
+    "<!--<script> turn \u00e9 {{title}}";
+
+std::size_t occurrences(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+    ++count;
+  }
+  return count;
+}
+
+nlohmann::json data_of(const std::string& page) {
+  const std::size_t tag = page.find("<script type=\"application/json\"");
+  const std::size_t begin = page.find('>', tag) + 1;
+  return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
+class ReportTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (detail::kD3.empty()) GTEST_SKIP() << "this build has no D3 (EN_WITH_D3 is OFF)";
+  }
+  std::string report() const {
+    ReportConfig config;
+    config.runs = {made_.run()};
+    config.title = "A <test> of reports";
+    config.facts = {{"machine", "one & <only>"}};
+    return make_report(config, scan::DataRoot(made_.data()));
+  }
+  // Everything that a page can show, from strangers.
+  void make_all() const {
+    for (const char* split : {"train", "val_seen", "val_unseen"}) {
+      made_.write_split(split, false, kHostile);
+    }
+    made_.write_pictures();
+    for (const char* split : {"val_seen", "val_unseen"}) {
+      made_.write_results(made_.run() / "results" / fmt::format("random_{}.json", split), 1);
+      made_.write_results(made_.run() / "results" / fmt::format("shortest_{}.json", split), 4);
+    }
+    made_.write_model("student-1", 0);
+    made_.write_model("student-2", 0.1);
+    made_.write_attention("student-2", "val_unseen", "</script><b>walk");
+    made_.write_attention("student-1", "val_unseen", "</script><b>walk");
+  }
+  testing::MadeRun made_;
+};
+
+TEST_F(ReportTest, HasEveryPart) {
+  make_all();
+  const nlohmann::json data = data_of(report());
+  for (const char* part : {"table", "curves", "errors", "byLength", "gallery", "plans", "examples",
+                           "panoramas", "lengths", "words", "about"}) {
+    ASSERT_TRUE(data.contains(part)) << part;
+    EXPECT_FALSE(data[part].contains("missing")) << part << ": " << data[part].dump();
+  }
+  EXPECT_EQ(data["table"]["rows"].size(), 6U) << "three agents on two splits";
+  EXPECT_EQ(data["curves"]["agents"][0]["runs"].size(), 2U) << "two seeds of one agent";
+  EXPECT_EQ(data["panoramas"]["panoramas"].size(), 1U);
+  EXPECT_EQ(data["examples"]["paths"][0]["instructions"].size(), 3U);
+  EXPECT_THAT(data["examples"]["paths"][0]["picture"].get<std::string>(),
+              ::testing::StartsWith("data:image/jpeg;base64,"));
+}
+
+TEST_F(ReportTest, GalleryIsOfTheModelWithItsAttention) {
+  make_all();
+  const nlohmann::json gallery = data_of(report())["gallery"];
+  EXPECT_EQ(gallery["agent"], "student-1");
+  EXPECT_EQ(gallery["split"], "val_unseen");
+  ASSERT_EQ(gallery["episodes"].size(), 1U) << "attention was kept for one path only";
+  const nlohmann::json& episode = gallery["episodes"][0];
+  EXPECT_EQ(episode["kind"], "worst") << "two moves from v0 end 4 m before v4";
+  EXPECT_EQ(episode["error"], 4);
+  ASSERT_EQ(episode["steps"].size(), 3U);
+  EXPECT_EQ(episode["steps"][1]["attention"][1], 0.8);
+  EXPECT_TRUE(gallery["frames"].contains(episode["steps"][1]["frame"].get<std::string>()));
+  EXPECT_EQ(gallery["frames"].size(), 3U) << "three poses, each drawn once";
+}
+
+TEST_F(ReportTest, WithoutAttentionStepsAreThoseOfTheResultsFile) {
+  made_.write_results(made_.run() / "random_val_unseen.json", 2);
+  const nlohmann::json gallery = data_of(report())["gallery"];
+  EXPECT_THAT(gallery["noAttention"].get<std::string>(), HasSubstr("attention.json"));
+  EXPECT_THAT(gallery["noPictures"].get<std::string>(), HasSubstr("row"));
+  ASSERT_EQ(gallery["episodes"].size(), 2U) << "of each path once";
+  EXPECT_EQ(gallery["episodes"][0]["kind"], "best") << "2 m before v3";
+  EXPECT_EQ(gallery["episodes"][1]["kind"], "worst") << "4 m before v4";
+  EXPECT_EQ(gallery["episodes"][0]["steps"][0]["action"], "forward");
+  EXPECT_EQ(gallery["episodes"][0]["steps"][2]["action"], "end");
+}
+
+TEST_F(ReportTest, SaysWhyAPartIsLeftOut) {
+  made_.write_results(made_.run() / "shortest_val_unseen.json", 3);
+  const nlohmann::json data = data_of(report());
+  EXPECT_THAT(data["curves"]["missing"].get<std::string>(), HasSubstr("No model"));
+  EXPECT_THAT(data["errors"]["missing"].get<std::string>(), HasSubstr("Shortest"));
+  EXPECT_THAT(data["panoramas"]["missing"].get<std::string>(), HasSubstr("no pictures"));
+}
+
+TEST_F(ReportTest, LoadsNothingAndRunsNoScriptButItsOwn) {
+  make_all();
+  const std::string page = report();
+  EXPECT_THAT(page, HasSubstr("default-src 'none'"));
+  for (const char* source : {"src=\"http", "src=\"//", "href=\"http", "url(http", "@import",
+                             "<link", "<iframe", "fetch(", "XMLHttpRequest("}) {
+    const std::size_t in_d3 = occurrences(std::string(detail::kD3), source);
+    EXPECT_EQ(occurrences(page, source), in_d3) << source << " (D3 has code for it, unused)";
+  }
+  EXPECT_EQ(occurrences(page, "<script"), 3U) << "data, D3 and ours";
+  EXPECT_EQ(occurrences(page, "</script"), 3U);
+  EXPECT_THAT(page, Not(HasSubstr("<img src=x")));
+  EXPECT_THAT(page, HasSubstr("<title>A &lt;test&gt; of reports</title>"));
+}
+
+TEST_F(ReportTest, IsTheSameForTheSameInputButForItsNonce) {
+  make_all();
+  EXPECT_EQ(data_of(report()), data_of(report()));
+}
+
+TEST(Page, ScriptJsonHasNoTagsAndReadsBackEqual) {
+  const nlohmann::ordered_json data{{"a", "</script><!-- \u2028 \xC3\xA9"}, {"b<", 1}};
+  const std::string json = detail::script_json(data);
+  EXPECT_EQ(json.find('<'), std::string::npos);
+  EXPECT_EQ(nlohmann::ordered_json::parse(json), data);
+  EXPECT_THAT(detail::script_json({{"a", "\xFF"}}), HasSubstr("\\ufffd"));
+}
+
+TEST(Page, D3HasNoEndOfScriptInIt) {
+  EXPECT_EQ(detail::kD3.find("</script"), std::string_view::npos);
+  EXPECT_EQ(detail::kPageScript.find("</script"), std::string_view::npos);
+  EXPECT_EQ(detail::kPageScript.find("innerHTML"), std::string_view::npos);
+}
+
+TEST(DataUri, IsBase64AsRfc4648HasIt) {
+  EXPECT_EQ(detail::data_uri("text/plain", ""), "data:text/plain;base64,");
+  EXPECT_EQ(detail::data_uri("t", "f"), "data:t;base64,Zg==");
+  EXPECT_EQ(detail::data_uri("t", "fo"), "data:t;base64,Zm8=");
+  EXPECT_EQ(detail::data_uri("t", "foobar"), "data:t;base64,Zm9vYmFy");
+  EXPECT_EQ(detail::data_uri("t", "\xFF\xFE\xFD"), "data:t;base64,//79");
+}
+
+TEST(WilsonInterval, HasTheTextbooksValues) {
+  // Share 0: (0, z^2 / (n + z^2)); n = 10: 3.8415 / 13.8415 = 0.2775.
+  EXPECT_EQ(detail::wilson_interval(0, 10).low, 0);
+  EXPECT_NEAR(detail::wilson_interval(0, 10).high, 0.2775, 1e-4) << "four digits worked out";
+  EXPECT_NEAR(detail::wilson_interval(0.5, 10).low, 0.2366, 1e-4);
+  EXPECT_NEAR(detail::wilson_interval(0.5, 10).high, 0.7634, 1e-4);
+}
+
+// --- in a real browser ----------------------------------------------------------------------
+
+std::optional<std::string> find_browser() {
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
+    if (std::system(fmt::format("command -v {} >/dev/null 2>&1", name).c_str()) == 0) return name;
+  }
+  return std::nullopt;
+}
+
+// The document as the browser has it once all scripts have run.
+std::string open_in_browser(const std::string& browser, const fs::path& page) {
+  const tests::TemporaryFolder profile("browser");
+  const fs::path dom = profile.path() / "dom.html";
+  const std::string command = fmt::format(
+      "timeout 200 {} --headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
+      "--disable-background-networking --disable-component-update --disable-sync "
+      "--user-data-dir='{}' --virtual-time-budget=20000 --dump-dom 'file://{}' >'{}' 2>/dev/null",
+      browser, profile.path().string(), page.string(), dom.string());
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 0) << command;
+  return read_file(dom);
+}
+
+class BrowserTest : public ReportTest {
+ protected:
+  void SetUp() override {
+    ReportTest::SetUp();
+    browser_ = find_browser();
+    if (!browser_) GTEST_SKIP() << "no browser: chromium is not installed";
+  }
+  std::string open(const std::string& html) const {
+    const fs::path page = made_.run() / "page.html";
+    write_file_atomically(page, html);
+    return open_in_browser(*browser_, page);
+  }
+  std::optional<std::string> browser_;
+};
+
+TEST_F(BrowserTest, DrawsEveryPartAndRunsNothingElse) {
+  make_all();
+  const std::string dom = open(report());
+  EXPECT_THAT(dom, HasSubstr("data-ready=\"yes\""));
+  EXPECT_THAT(dom, Not(HasSubstr("data-failures"))) << dom.substr(dom.find("id=\"failures\""), 500);
+  EXPECT_THAT(dom, HasSubstr("<title>A &lt;test&gt; of reports</title>"));
+  EXPECT_THAT(dom, Not(HasSubstr("hacked</title>")));
+  for (const auto& [mark, least] : std::vector<std::pair<std::string, std::size_t>>{
+           {"<svg", 12},                          // charts, legends, map, heat map, sunburst
+           {"class=\"line split-seen\"", 4},      // curves, histograms
+           {"class=\"line split-unseen\"", 4},    //
+           {"class=\"line one-seed split-", 12},  // two seeds, three splits, three curves, no train
+           {"class=\"cell\"", 9},                 // three steps of three words
+           {"class=\"here\"", 1},                 // the agent on its map
+           {"data:image/jpeg", 5},                // frames, example, panorama
+           {"data:image/svg+xml", 1}}) {          // floor plan
+    EXPECT_GE(occurrences(dom, mark), least) << mark;
+  }
+  EXPECT_THAT(dom, HasSubstr("fewer than 5 of each length")) << "two paths are too few";
+}
+
+TEST_F(BrowserTest, DrawsWhatThereIsWithoutModelsAndPictures) {
+  made_.write_results(made_.run() / "random_val_unseen.json", 2);
+  const std::string dom = open(report());
+  EXPECT_THAT(dom, HasSubstr("data-ready=\"yes\""));
+  EXPECT_THAT(dom, Not(HasSubstr("data-failures"))) << dom.substr(dom.find("id=\"failures\""), 500);
+  EXPECT_GE(occurrences(dom, "class=\"missing\""), 4U);
+}
+
+TEST_F(BrowserTest, AFailureIsSeen) {
+  made_.write_results(made_.run() / "random_val_unseen.json", 2);
+  std::string page = report();
+  const std::size_t at = page.find("\"curves\":");
+  ASSERT_NE(at, std::string::npos);
+  page.insert(at + 1, "un");  // the part is not there any more
+  EXPECT_THAT(open(page), HasSubstr("data-failures=\"1\""));
+}
+
+}  // namespace
+}  // namespace enfilade::report

@@ -1,0 +1,180 @@
+#include "enfilade/report/run_directory.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The order of the paper's table, then by name; seeds by their number ("-10" after "-2").
+std::tuple<std::size_t, std::string, std::size_t, std::string> rank(const std::string& agent) {
+  constexpr std::array<std::string_view, 4> kFirst{"shortest", "random", "teacher", "student"};
+  const std::string base(without_seed(agent));
+  const auto known = std::ranges::find_if(
+      kFirst, [&](std::string_view name) { return std::string_view(base).starts_with(name); });
+  return {static_cast<std::size_t>(known - kFirst.begin()), base, agent.size(), agent};
+}
+
+bool has_split(const scan::DataRoot& data, const std::string& split) {
+  if (split.empty()) return false;
+  try {
+    (void)data.annotations(split);
+    return true;
+  } catch (const FileError&) {
+    return false;
+  }
+}
+
+class Finder {
+ public:
+  explicit Finder(const scan::DataRoot& data) : data_(data) {}
+
+  void add(const fs::path& named) {
+    std::error_code code;
+    if (!fs::exists(named, code)) {
+      throw FileError(fmt::format(
+          "{}: there is none; a results file or the folder of a run is expected", named.string()));
+    }
+    if (fs::is_directory(named, code)) {
+      add_folder(named);
+    } else {
+      add_file(named);
+    }
+  }
+
+  RunDirectory take() {
+    const auto by_agent = [](const auto& a, const auto& b) {
+      return rank(a.agent) < rank(b.agent);
+    };
+    std::ranges::stable_sort(found_.results, by_agent);
+    std::ranges::stable_sort(found_.models, by_agent);
+    return std::move(found_);
+  }
+
+ private:
+  static std::vector<fs::path> entries(const fs::path& folder) {
+    std::error_code code;
+    std::vector<fs::path> paths;
+    for (const auto& entry : fs::directory_iterator(folder, code)) paths.push_back(entry.path());
+    if (code) throw FileError(fmt::format("{}: {}", folder.string(), code.message()));
+    std::ranges::sort(paths);
+    return paths;
+  }
+
+  void add_folder(const fs::path& folder) {
+    std::error_code code;
+    if (fs::exists(folder / "config.json", code)) {
+      add_model(folder);
+      return;
+    }
+    add_results_of(folder);
+    if (fs::is_directory(folder / "results", code)) add_results_of(folder / "results");
+    if (!fs::is_directory(folder / "models", code)) return;
+    for (const fs::path& path : entries(folder / "models")) {
+      if (fs::exists(path / "config.json", code)) add_model(path);
+    }
+  }
+
+  void add_model(const fs::path& folder) {
+    // "models/student/" and "." have no last name of their own.
+    const fs::path whole = fs::weakly_canonical(folder);
+    const std::string agent = whole.filename().string();
+    if (!models_.insert(whole).second) return;
+    found_.models.push_back({folder, agent});
+    std::error_code code;
+    if (!fs::is_directory(folder / "results", code)) return;
+    for (const fs::path& path : entries(folder / "results")) {
+      const std::string split = path.stem().string();
+      if (path.extension() == ".json" && has_split(data_, split)) add_results(path, agent, split);
+    }
+  }
+
+  void add_results_of(const fs::path& folder) {
+    for (const fs::path& path : entries(folder)) {
+      if (path.extension() != ".json") continue;
+      if (const auto name = parse(path)) add_results(path, name->first, name->second);
+    }
+  }
+
+  void add_file(const fs::path& file) {
+    // "models/student/results/val_seen.json": its agent is the folder's name.
+    const fs::path whole = fs::weakly_canonical(file);
+    const fs::path owner = whole.parent_path().parent_path();
+    std::error_code code;
+    if (fs::exists(owner / "config.json", code) && has_split(data_, whole.stem().string())) {
+      add_results(file, owner.filename().string(), whole.stem().string());
+      return;
+    }
+    const auto name = parse(file);
+    if (!name) {
+      throw LookupError(
+          fmt::format("{}: its name says no split of {}; AGENT_SPLIT.json is expected, such as "
+                      "random_val_unseen.json",
+                      file.string(), data_.folder().string()));
+    }
+    add_results(file, name->first, name->second);
+  }
+
+  // "random_val_unseen.json" -> random, val_unseen. The longest split that fits, so that an agent
+  // may have "_" in its name, and a split too.
+  std::optional<std::pair<std::string, std::string>> parse(const fs::path& file) {
+    const std::string stem = file.stem().string();
+    for (std::size_t at = stem.find('_', 1); at != std::string::npos; at = stem.find('_', at + 1)) {
+      const std::string split = stem.substr(at + 1);
+      if (has_split(data_, split)) return std::pair(stem.substr(0, at), split);
+    }
+    return std::nullopt;
+  }
+
+  void add_results(const fs::path& file, const std::string& agent, const std::string& split) {
+    for (const ResultsFile& other : found_.results) {
+      if (other.agent != agent || other.split != split) continue;
+      std::error_code code;
+      if (fs::equivalent(other.file, file, code)) return;
+      throw LookupError(fmt::format("{} and {} are both of agent {} on {}; name one of them",
+                                    other.file.string(), file.string(), agent, split));
+    }
+    found_.results.push_back({file, agent, split});
+  }
+
+  const scan::DataRoot& data_;
+  RunDirectory found_;
+  std::set<fs::path> models_;
+};
+
+}  // namespace
+
+std::string_view without_seed(std::string_view agent) noexcept {
+  const std::size_t end = agent.find_last_not_of("0123456789");
+  const bool seeded =
+      end != std::string_view::npos && end > 0 && end + 1 < agent.size() && agent[end] == '-';
+  return seeded ? agent.substr(0, end) : agent;
+}
+
+RunDirectory find_runs(std::span<const fs::path> named, const scan::DataRoot& data) {
+  Finder finder(data);
+  for (const fs::path& path : named) finder.add(path);
+  RunDirectory found = finder.take();
+  if (found.results.empty() && found.models.empty()) {
+    std::vector<std::string> names;
+    for (const fs::path& path : named) names.push_back(path.string());
+    throw LookupError(fmt::format(
+        "{}: no results file AGENT_SPLIT.json and no model directory, here or in results/ and "
+        "models/",
+        fmt::join(names, ", ")));
+  }
+  return found;
+}
+
+}  // namespace enfilade::report

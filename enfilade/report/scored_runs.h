@@ -1,0 +1,40 @@
+/// \file  Results files, scored.
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "enfilade/core/progress.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/r2r/results.h"
+#include "enfilade/r2r/score.h"
+#include "enfilade/report/run_directory.h"
+#include "enfilade/scan/data_root.h"
+
+namespace enfilade::report {
+
+/// One agent (with one seed) on one split.
+struct ScoredRun {
+  std::string agent;  ///< "student-2"
+  std::string split;
+  std::vector<r2r::Trajectory> trajectories;  ///< in the order of the split's episodes
+  r2r::Score score;
+};
+
+/// A plain value: any thread.
+struct ScoredRuns {
+  std::shared_ptr<const graph::GraphSet> graphs;
+  std::map<std::string, r2r::EpisodeSet> splits;  ///< those that a run has
+  std::vector<ScoredRun> runs;                    ///< in the order of RunDirectory::results
+  std::vector<std::string> left_out;  ///< a sentence for each file that could not be scored
+};
+
+/// Reads and scores every results file, with bootstrap intervals. Those of splits whose goals are
+/// hidden are left out, and `left_out` says so.
+/// \throws FileError; InvalidInput listing what is wrong with a results file
+ScoredRuns score_runs(const RunDirectory& found, const scan::DataRoot& data,
+                      const Progress& progress = {});
+
+}  // namespace enfilade::report
