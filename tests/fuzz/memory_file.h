@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "enfilade/core/check.h"
 
@@ -13,6 +14,8 @@ namespace enfilade::fuzz {
 /// A file that is in memory only, and gone with this object.
 class MemoryFile {
  public:
+  explicit MemoryFile(std::string_view bytes)
+      : MemoryFile(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()) {}
   MemoryFile(const std::uint8_t* data, std::size_t size) : descriptor_(memfd_create("fuzz", 0)) {
     EN_CHECK(descriptor_ >= 0);
     EN_CHECK(write(descriptor_, data, size) == static_cast<ssize_t>(size));

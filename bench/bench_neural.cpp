@@ -1,0 +1,200 @@
+// A training iteration of the sequence-to-sequence agent at the paper's sizes: 100 instructions of
+// R2R's train split, 20 steps in the real graphs, made features (there are no pictures to make them
+// from), dropout, Adam. Beside each iteration, in the same run, the time that its matrix products
+// take alone. Machines are shared: of both the shortest time is told.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <vector>
+
+#include "bench/main.h"
+#include "enfilade/agents/neural/instructions.h"
+#include "enfilade/agents/neural/network.h"
+#include "enfilade/agents/neural/products.h"
+#include "enfilade/agents/neural/r2r_environment.h"
+#include "enfilade/core/rng.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/scan/data_root.h"
+
+namespace enfilade {
+namespace {
+
+using namespace agents::neural;  // NOLINT: a benchmark's own file
+
+constexpr std::size_t kBatch = 100;
+using Clock = std::chrono::steady_clock;
+
+double milliseconds(Clock::duration time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+
+/// R2R's episodes with features made up beforehand: rows of a table, another one at each step. Adds
+/// up the time that is not the network's.
+class MadeFeatures final : public Environment {
+ public:
+  MadeFeatures(R2rEnvironment& inner, std::size_t dimensions)
+      : inner_(inner), dimensions_(dimensions), table_(kRows * dimensions) {
+    Rng rng(1);
+    for (float& x : table_) x = static_cast<float>(rng.uniform());
+  }
+  std::size_t size() const override { return inner_.size(); }
+  std::size_t dimensions() const override { return dimensions_; }
+  bool has_teacher() const override { return inner_.has_teacher(); }
+  std::span<const std::uint8_t> ended() const override { return inner_.ended(); }
+  Clock::duration spent() const { return spent_; }
+  bool step(std::span<const std::int32_t> actions) override {
+    const auto start = Clock::now();
+    const bool walking = inner_.step(actions);
+    spent_ += Clock::now() - start;
+    return walking;
+  }
+  void observe(const EnvironmentView& out) override {
+    const auto start = Clock::now();
+    for (std::size_t i = 0; i < size() && dimensions_ > 0; ++i) {
+      next_ = (next_ + 7919) % kRows;  // a prime: every row in turn
+      std::copy_n(table_.begin() + static_cast<std::ptrdiff_t>(next_ * dimensions_), dimensions_,
+                  out.features.begin() + static_cast<std::ptrdiff_t>(i * dimensions_));
+    }
+    inner_.observe({{}, out.forward_open, out.labels});
+    spent_ += Clock::now() - start;
+  }
+
+ private:
+  static constexpr std::size_t kRows = 10000;  // 82 MB: no cache holds it
+  R2rEnvironment& inner_;
+  std::size_t dimensions_, next_ = 0;
+  std::vector<float> table_;
+  Clock::duration spent_{};
+};
+
+struct Data {
+  r2r::EpisodeSet episodes;
+  r2r::Vocabulary vocabulary;
+  EncodedInstructions instructions;
+};
+
+// Words from train, whatever is walked.
+const Data& data(const char* split) {
+  const auto make = [](const char* name) {
+    const auto root = *scan::DataRoot::from_environment();
+    const auto graphs = graph::GraphSet::open(root.connectivity());
+    const auto load = [&](const char* one) {
+      return make_episodes(r2r::load_annotations(root.annotations(one), one), graphs);
+    };
+    r2r::EpisodeSet episodes = load(name);
+    r2r::Vocabulary vocabulary = training_vocabulary(load("train"));
+    EncodedInstructions instructions(episodes, vocabulary);
+    return Data{std::move(episodes), std::move(vocabulary), std::move(instructions)};
+  };
+  static const Data kTrain = make("train");
+  static const Data kUnseen = make("val_unseen");
+  return split == std::string_view("train") ? kTrain : kUnseen;
+}
+
+NetworkConfig config_for(const Data& data, bool vision) {
+  NetworkConfig config;
+  config.vocabulary = data.vocabulary.size();
+  config.inputs.vision = vision;
+  if (!vision) config.features = 0;
+  return config;
+}
+
+struct Shortest {
+  double value = std::numeric_limits<double>::infinity();
+  void note(double x) { value = std::min(value, x); }
+};
+
+void iteration(benchmark::State& state, Feedback feedback, bool vision) {
+  const Data& train = data("train");
+  Network network(config_for(train, vision), 1);
+  R2rEnvironment walked(train.episodes, nullptr, {.batch_size = kBatch});
+  MadeFeatures seen(walked, network.config().features);
+  std::vector<std::size_t> episodes(kBatch);
+  std::vector<std::uint32_t> tokens(kBatch * train.instructions.max_words());
+  RolloutOptions options{.feedback = feedback, .dropout = true};
+  Shortest whole, products, update, environment;
+  double operations = 0;
+  std::unique_ptr<ProductTimer> alone;
+  for (auto _ : state) {
+    // The same episodes again and again, so that times differ by the machine's moods alone.
+    std::iota(episodes.begin(), episodes.end(), std::size_t{2000});
+    train.instructions.gather(episodes, tokens);
+    walked.start(episodes);
+    const auto spent = seen.spent();
+    ProductLog log;
+    log_products(&log);
+    const auto start = Clock::now();
+    benchmark::DoNotOptimize(network.rollout_with_gradients({tokens, kBatch}, seen, options).loss);
+    const auto learnt = Clock::now();
+    network.update({});
+    const auto end = Clock::now();
+    log_products(nullptr);
+    state.SetIterationTime(milliseconds(end - start) / 1e3);
+    whole.note(milliseconds(end - start));
+    update.note(milliseconds(end - learnt));
+    environment.note(milliseconds(seen.spent() - spent));
+    if (!alone) {
+      alone = std::make_unique<ProductTimer>(log);
+      alone->run();  // its pages are fetched now
+      for (const Product& product : log) operations += product.operations();
+    }
+    const auto again = Clock::now();
+    alone->run();
+    products.note(milliseconds(Clock::now() - again));
+  }
+  state.counters["iteration_ms"] = whole.value;
+  state.counters["products_ms"] = products.value;
+  state.counters["ratio"] = whole.value / products.value;
+  state.counters["gflop"] = operations * 1e-9;
+  state.counters["update_ms"] = update.value;
+  state.counters["environment_ms"] = environment.value;
+}
+
+// All of val unseen, greedily, as an evaluation walks it.
+void evaluate(benchmark::State& state, bool vision) {
+  const Data& unseen = data("val_unseen");
+  Network network(config_for(unseen, vision), 1);
+  R2rEnvironment walked(unseen.episodes, nullptr, {.batch_size = kBatch});
+  MadeFeatures seen(walked, network.config().features);
+  const std::size_t count = unseen.episodes.episodes.size();
+  std::vector<std::size_t> episodes(kBatch);
+  std::vector<std::uint32_t> tokens(kBatch * unseen.instructions.max_words());
+  for (auto _ : state) {
+    for (std::size_t begin = 0; begin < count; begin += kBatch) {
+      for (std::size_t i = 0; i < kBatch; ++i) episodes[i] = (begin + i) % count;
+      unseen.instructions.gather(episodes, tokens);
+      walked.start(episodes);
+      network.rollout({tokens, kBatch}, seen, {});
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(count));
+}
+
+void register_all() {
+  set_threads(0);
+  for (const bool vision : {true, false}) {
+    const char* eyes = vision ? "vision" : "language_only";
+    for (const Feedback feedback : {Feedback::kTeacher, Feedback::kSample}) {
+      benchmark::RegisterBenchmark(
+          fmt::format("iteration/{}/{}", to_string(feedback), eyes).c_str(),
+          [=](benchmark::State& state) { iteration(state, feedback, vision); })
+          ->UseManualTime()
+          ->Unit(benchmark::kMillisecond);
+    }
+    benchmark::RegisterBenchmark(fmt::format("evaluate/{}", eyes).c_str(),
+                                 [=](benchmark::State& state) { evaluate(state, vision); })
+        ->UseRealTime()
+        ->Unit(benchmark::kSecond);
+  }
+}
+
+}  // namespace
+}  // namespace enfilade
+
+int main(int argc, char** argv) { return enfilade::bench::run(argc, argv, enfilade::register_all); }

@@ -1,0 +1,71 @@
+/// \file  Training a sequence-to-sequence agent: data in, model directory out.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "enfilade/agents/neural/data_fingerprint.h"
+#include "enfilade/agents/neural/feature_set.h"
+#include "enfilade/agents/neural/train_config.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/scan/data_root.h"
+
+namespace enfilade::agents::neural {
+
+struct TrainingData {
+  r2r::EpisodeSet training;                 ///< of all splits trained on, fourth instructions too
+  std::vector<r2r::EpisodeSet> validation;  ///< scored instructions only
+  std::optional<FeatureSet> features;       ///< none: the agent does not see
+  DataFingerprint fingerprint;
+};
+/// Reads what `config` names. \throws ArgumentError if the agent is to see and `features` is none;
+/// errors of the files
+TrainingData load_training_data(const scan::DataRoot& root, const TrainConfig& config,
+                                const std::optional<std::filesystem::path>& features);
+
+/// What an evaluation during training found. Rates are shares, 0 to 1; lengths metres.
+struct EvaluationRecord {
+  std::uint64_t iteration = 0;
+  std::string split;
+  std::size_t episodes = 0;
+  double loss = 0;  ///< dropout on, the training's feedback; summed over steps, by max_steps
+  double trajectory_length = 0;
+  double nav_error = 0;
+  double success_rate = 0;
+  double oracle_success_rate = 0;
+  double spl = 0;
+};
+
+/// How far training is.
+struct TrainingProgress {
+  std::uint64_t iteration = 0;  ///< done
+  std::uint64_t iterations = 0;
+  double loss = 0;          ///< of this iteration: summed over steps, by max_steps
+  double seconds_left = 0;  ///< at the pace so far, evaluations included
+  double data_share = 0;    ///< of training's time: environment, features, instructions
+};
+
+/// What training tells its caller, from the thread that trains. Exceptions end the training, at no
+/// harm to the model directory.
+struct TrainingListener {
+  std::function<void(std::uint64_t iteration)> resumed;  ///< after a checkpoint was loaded
+  std::function<void(const TrainingProgress&)> iteration;
+  std::function<void(const EvaluationRecord&)> evaluation;
+};
+
+/// Trains to config.iterations, from the checkpoint in `directory` if there is one, and leaves a
+/// model directory there. The same config, data and device give the same weights to the bit, be it
+/// in one go or killed and begun again any number of times. Returns false if there was nothing to
+/// do. \throws ArgumentError for a config that is not possible, or not that of the model in
+/// `directory`, or data that is not what it was trained on (each says what differs); FileError if
+/// another process trains there, or a file cannot be written: then the last checkpoint is whole;
+/// InvalidInput for a broken checkpoint, naming the one before it; Error for a loss that is not
+/// finite
+bool train(const TrainConfig& config, const TrainingData& data,
+           const std::filesystem::path& directory, const std::string& device = "cpu",
+           const TrainingListener& listener = {});
+
+}  // namespace enfilade::agents::neural

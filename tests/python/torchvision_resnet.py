@@ -1,0 +1,71 @@
+"""Torchvision's own ResNet with random weights: what ours is held against.
+
+usage: torchvision_resnet.py NAME FOLDER
+
+Writes FOLDER/weights.pth (as torch.save() does), FOLDER/weights.safetensors (float32), and
+FOLDER/case.safetensors: `pictures` (2, 3, 64, 96), `features` of them, `features_bgr` of them with
+their channels in reverse order.
+"""
+import json
+import struct
+import sys
+
+import torch
+import torchvision
+
+
+def write_safetensors(path, tensors):
+    header, offset = {}, 0
+    for name, tensor in tensors.items():
+        size = tensor.numel() * 4
+        header[name] = {
+            "dtype": "F32",
+            "shape": list(tensor.shape),
+            "data_offsets": [offset, offset + size],
+        }
+        offset += size
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 8)
+    with open(path, "wb") as file:
+        file.write(struct.pack("<Q", len(text)) + text)
+        for tensor in tensors.values():
+            file.write(tensor.detach().contiguous().numpy().astype("<f4").tobytes())
+
+
+def random_network(name):
+    network = getattr(torchvision.models, name)(weights=None)
+    norms = [m for m in network.modules() if isinstance(m, torch.nn.BatchNorm2d)]
+    for norm in norms:
+        norm.momentum = 1.0  # the statistics become those of the next pictures
+        torch.nn.init.uniform_(norm.weight, 0.5, 1.5)
+        torch.nn.init.uniform_(norm.bias, -0.5, 0.5)
+    network.train()(torch.randn(2, 3, 64, 96))
+    return network.eval()
+
+
+def features(network, pictures):
+    headless = torch.nn.Sequential(*list(network.children())[:-1])
+    return headless(pictures).flatten(1)
+
+
+def main(name, folder):
+    torch.manual_seed(5)
+    with torch.no_grad():
+        network = random_network(name)
+        torch.save(network.state_dict(), f"{folder}/weights.pth")
+        write_safetensors(
+            f"{folder}/weights.safetensors",
+            {k: v for k, v in network.state_dict().items() if v.dtype == torch.float32},
+        )
+        pictures = torch.randn(2, 3, 64, 96)
+        write_safetensors(
+            f"{folder}/case.safetensors",
+            {
+                "pictures": pictures,
+                "features": features(network, pictures),
+                "features_bgr": features(network, pictures.flip(1)),
+            },
+        )
+
+
+main(*sys.argv[1:])

@@ -1,0 +1,80 @@
+/// \file  A data set and a network small enough to train within a test.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "enfilade/agents/neural/feature_set.h"
+#include "enfilade/agents/neural/trainer.h"
+#include "enfilade/core/rng.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/scan/data_root.h"
+#include "enfilade/synth/small_building.h"
+#include "tests/support/temporary_folder.h"
+
+namespace enfilade::tests {
+
+/// Three made buildings with paths and instructions, and random features of their views.
+class SmallTraining {
+ public:
+  static constexpr std::size_t kDimensions = 5;
+
+  SmallTraining() {
+    synth::write_small_dataset(data(), 3);
+    write_features(features(), kDimensions);
+  }
+
+  std::filesystem::path data() const { return folder_.path() / "data"; }
+  std::filesystem::path features() const { return folder_.path() / "features.safetensors"; }
+  /// A folder, not there yet, to train into.
+  std::filesystem::path model(const std::string& name) const { return folder_.path() / name; }
+  scan::DataRoot root() const { return scan::DataRoot(data()); }
+
+  void write_features(const std::filesystem::path& file, std::size_t dimensions) const {
+    using namespace agents::neural;  // NOLINT(google-build-using-namespace): names of one folder
+    const auto graphs = graph::GraphSet::open(root().connectivity());
+    std::vector<FeatureKey> keys;
+    for (const std::string& scan : graphs->scans()) {
+      const graph::NavGraph& graph = graphs->graph(scan);
+      for (std::size_t i = 0; i < graph.size(); ++i) {
+        keys.push_back({scan, graph.id(ViewpointIndex(i))});
+      }
+    }
+    FeatureInfo info;
+    info.dimensions = dimensions;
+    FeatureWriter writer = FeatureWriter::create(file, info, keys);
+    Rng rng(1);
+    for (std::size_t row = 0; row < keys.size(); ++row) {
+      std::vector<float> views(info.views * dimensions);
+      for (float& value : views) value = static_cast<float>(rng.uniform());
+      writer.write(row, views);
+    }
+    writer.finish();
+  }
+
+  /// Learns nothing, but goes through everything: 12 iterations, evaluation at 6 and 12,
+  /// checkpoints at 5, 10 and 12.
+  static agents::neural::TrainConfig config() {
+    agents::neural::TrainConfig config;
+    config.network.max_words = 30;
+    config.network.word_embedding = 6;
+    config.network.hidden = 8;
+    config.network.action_embedding = 3;
+    config.iterations = 12;
+    config.batch_size = 16;
+    config.max_steps = 6;
+    config.adam.learning_rate = 0.01;  // so that weights differ visibly after a few updates
+    config.evaluate_every = 6;
+    config.checkpoint_every = 5;
+    return config;
+  }
+
+  agents::neural::TrainingData load(const agents::neural::TrainConfig& config) const {
+    return load_training_data(root(), config, features());
+  }
+
+ private:
+  TemporaryFolder folder_{"small_training"};
+};
+
+}  // namespace enfilade::tests
