@@ -18,6 +18,7 @@
 #include "enfilade/r2r/results.h"
 #include "enfilade/r2r/score.h"
 #include "enfilade/r2r/statistics.h"
+#include "enfilade/report/published.h"
 #include "enfilade/synth/home_set.h"
 
 namespace enfilade::apps {
@@ -81,8 +82,9 @@ Measured measure(const std::vector<Row>& rows) {
 }
 
 Data find_data(const Options& options) {
-  if (!options.data.empty()) return {scan::DataRoot(options.data)};
-  if (const auto root = scan::DataRoot::from_environment()) return {*root};
+  const auto named = options.data.empty() ? scan::DataRoot::from_environment()
+                                          : std::optional(scan::DataRoot(options.data));
+  if (named) return {*named, report::is_synthetic(*named)};
   const fs::path folder = fs::path(options.output) / "homes";
   fmt::print(
       "No real data: ENFILADE_DATA is not set. The 90 Matterport3D graphs are the folder\n"
@@ -233,7 +235,9 @@ void demo(const Options& options) {
       "  {2} score {0}/random_val_unseen.json --split val_unseen --data {1}\n"
       "and two floor plans to look at: plan_val_seen.svg, plan_val_unseen.svg\n",
       options.output, data.root.folder().string(), own_path());
-  if (!data.synthetic) return;
+  std::error_code code;
+  const fs::path root = data.root.folder();
+  if (!fs::exists(root / "homes.json", code) || !fs::exists(root / "store", code)) return;
   fmt::print("Pictures of the homes, to look at:");
   for (const std::string& file : draw_homes(data.root.folder(), options.output)) {
     fmt::print(" {}", file);
