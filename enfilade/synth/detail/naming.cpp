@@ -59,7 +59,7 @@ const std::vector<Group>& thing_groups() {
       {"box", "storage box", "crate", "carton"},
       {"toy box", "toy chest"},
       {"sideboard", "credenza", "buffet"},
-      {"console table", "hall table", "narrow table", "side table"},
+      {"console table", "hall table", "narrow table"},
       {"ottoman", "footstool", "pouffe"},
       {"exercise bike", "stationary bike"},
       {"treadmill", "running machine"},
