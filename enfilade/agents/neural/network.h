@@ -69,10 +69,10 @@ struct InstructionBatch {
 /// One step of a rollout, to whoever wants to look: valid during the call.
 struct StepRecord {
   std::size_t step = 0;
-  std::span<const float> attention;         ///< (n, words), words = length of the longest
+  std::span<const float> attention;  ///< (n, words), words = length of the longest
   std::size_t words = 0;
-  std::span<const float> logits;            ///< (n, 6); -inf where forward is closed
-  std::span<const std::int32_t> actions;    ///< (n)
+  std::span<const float> logits;          ///< (n, 6); -inf where forward is closed
+  std::span<const std::int32_t> actions;  ///< (n)
 };
 using StepObserver = std::function<void(const StepRecord&)>;
 
@@ -83,7 +83,9 @@ struct RolloutResult {
 };
 
 /// Parameters, their gradients and moments, on one device. One thread at a time (it uses the
-/// threads that set_threads() gives).
+/// threads that set_threads() gives). The same calls give the same numbers to the bit with the same
+/// number of threads; with another one, as far as the BLAS's do (OpenBLAS: up to 1e-6 of the
+/// largest gradient apart).
 class Network {
  public:
   /// Random weights by `seed`, distributed as PyTorch's modules initialise theirs.

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/agents/neural/products.h"
 #include "enfilade/core/errors.h"
 #include "tests/support/scripted_environment.h"
 #include "tests/support/temporary_folder.h"
@@ -275,6 +276,55 @@ TEST(Network, EqualSeedsAndStreamsGiveEqualNumbersAndOthersDoNot) {
   options.stream = 0;
   EXPECT_EQ(b.learn(options).loss, loss);  // nothing of the rollout between is left
   EXPECT_TRUE(equal(a.network.gradients(), b.network.gradients()));
+}
+
+// Loops of our own give the same at any number of threads; OpenBLAS splits some sums differently,
+// so gradients differ in their last digits (up to 1e-6 of the largest was seen at the paper's
+// sizes). With one number of threads they are the same to the bit, on a second run too.
+TEST(Network, ThreadsChangeNoMoreThanTheBlasDoes) {
+  NetworkConfig config = small_config();
+  config.hidden = 160;
+  config.features = 300;
+  RolloutOptions options = options_of(Feedback::kTeacher);
+  options.dropout = true;
+  const auto gradients = [&](int threads) {
+    set_threads(threads);
+    Fixture fixture(config);
+    fixture.learn(options);
+    return fixture.network.gradients();
+  };
+  const Network::State one = gradients(1), two = gradients(2);
+  EXPECT_TRUE(equal(gradients(1), one));
+  EXPECT_TRUE(equal(gradients(2), two));
+  set_threads(0);
+  for (const NamedArray& array : one.arrays) {
+    const auto a = floats(one, array.name), b = floats(two, array.name);
+    double most = 0, difference = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      most = std::max(most, std::abs(double{a[i]}));
+      difference = std::max(difference, std::abs(double{a[i]} - double{b[i]}));
+    }
+    EXPECT_LE(difference, 2e-6 * most) << array.name;
+  }
+}
+
+// Of sizes that can be counted by hand: no vision, one word an instruction (no language).
+TEST(Network, ItsProductsAreNoted) {
+  NetworkConfig config = small_config();
+  config.inputs = {.language = false, .vision = false};
+  Fixture fixture(config);
+  ProductLog log;
+  EXPECT_EQ(log_products(&log), nullptr);
+  fixture.rollout(options_of(Feedback::kArgmax));
+  EXPECT_EQ(log_products(nullptr), &log);
+  double found = 0;
+  for (const Product& product : log) found += product.operations();
+  // Word (8) and start; then at each of 5 steps action (4), cell, attention, output, logits.
+  const double encoder = 8 * 96 + 24 * 24;
+  const double step = 4 * 96 + 24 * 96 + 24 * 24 + 48 * 24 + 24 * 6;
+  EXPECT_EQ(found, 2.0 * kEpisodes * (encoder + 5 * step));
+  ProductTimer(log).run();
+  EXPECT_EQ(log.size(), 2 + 5 * 5);  // those of the timer are not noted
 }
 
 TEST(Network, LearnsItsTeachersLabels) {
