@@ -43,6 +43,9 @@ build libegl1            package -
 build libegl-mesa0       package -
 build libgl1-mesa-dri    package -
 build node-d3            package -
+build libtorch-dev       package -
+build libopenblas0-pthread package -
+build libhdf5-dev        package -
 test  libgtest-dev       header  gtest/gtest.h
 test  libgmock-dev       header  gmock/gmock.h
 bench libbenchmark-dev   header  benchmark/benchmark.h

@@ -20,6 +20,6 @@ configure_package_config_file(cmake/enfiladeConfig.cmake.in
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/enfilade)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/enfiladeConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
-install(FILES cmake/FindRecast.cmake ${PROJECT_BINARY_DIR}/enfiladeConfig.cmake
-  ${PROJECT_BINARY_DIR}/enfiladeConfigVersion.cmake
+install(FILES cmake/FindRecast.cmake cmake/FindTorch.cmake
+  ${PROJECT_BINARY_DIR}/enfiladeConfig.cmake ${PROJECT_BINARY_DIR}/enfiladeConfigVersion.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/enfilade)

@@ -1,4 +1,5 @@
-// enfilade demo: the paper's table rows for the agents that learn nothing, beside ours.
+// enfilade demo: the agents that learn nothing, beside the paper's; then, in model homes, those
+// that do.
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
@@ -9,7 +10,9 @@
 #include <optional>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/demo_learning.h"
 #include "apps/enfilade/home_pictures.h"
+#include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/file.h"
@@ -30,22 +33,12 @@ struct Options {
   std::string data;
   std::string output = "enfilade-demo";
   std::uint64_t seeds = 25;
+  bool skip_learning = false;
 };
 
 // What the demo shows of a score: TL and NE in metres, SR and OSR in per cent.
 constexpr std::size_t kColumns = 4;
 using Row = std::array<double, kColumns>;
-
-struct Published {
-  const char* agent;
-  const char* split;
-  Row row;
-};
-// Anderson et al., CVPR 2018, table 1.
-constexpr std::array<Published, 4> kPublished{{{"shortest", "val_seen", {10.19, 0, 100, 100}},
-                                               {"random", "val_seen", {9.58, 9.45, 15.9, 21.4}},
-                                               {"shortest", "val_unseen", {9.48, 0, 100, 100}},
-                                               {"random", "val_unseen", {9.77, 9.23, 16.3, 22.0}}}};
 
 struct Data {
   scan::DataRoot root;
@@ -135,11 +128,10 @@ void print_dataset(const Data& data, const std::shared_ptr<const graph::GraphSet
   fmt::print("\n");
 }
 
-const Row* published(const std::string& agent, const std::string& split) {
-  for (const Published& p : kPublished) {
-    if (agent == p.agent && split == p.split) return &p.row;
-  }
-  return nullptr;
+std::optional<Row> published(const std::string& agent, const std::string& split) {
+  const auto row = report::published_row(agent, split);
+  if (!row) return std::nullopt;
+  return Row{row->trajectory_length, row->nav_error, 100 * row->success, 100 * row->oracle_success};
 }
 
 void print_row(const char* label, const std::string& who, const Row& row, const Row* deviation) {
@@ -153,11 +145,11 @@ void print_row(const char* label, const std::string& who, const Row& row, const 
 }
 
 void print_agent(const std::string& agent, const std::string& split, const Measured& ours,
-                 std::uint64_t seeds, const Row* paper) {
+                 std::uint64_t seeds, const std::optional<Row>& paper) {
   const bool varies = seeds > 1;
   print_row(split.c_str(), varies ? fmt::format("{}, {} seeds", agent, seeds) : agent, ours.mean,
             varies ? &ours.deviation : nullptr);
-  if (paper == nullptr) return;
+  if (!paper) return;
   print_row("", "  paper", *paper, nullptr);
   if (!varies) return;
   fmt::print("{:<12}{:<22}", "", "  paper is off by, sd");
@@ -208,7 +200,7 @@ void run_agents(const Options& options, const Data& data, const std::string& spl
       }
     }
     print_agent(name, split, measure(rows), seeds,
-                data.synthetic ? nullptr : published(name, split));
+                data.synthetic ? std::nullopt : published(name, split));
   }
 }
 
@@ -219,9 +211,7 @@ std::string own_path() {
   return code ? "enfilade" : fs::proximate(program, code).string();
 }
 
-void demo(const Options& options) {
-  make_folder(options.output);
-  const Data data = find_data(options);
+void run_unlearned(const Options& options, const Data& data) {
   const auto graphs = graph::GraphSet::open(data.root.connectivity());
   graphs->load_all();
   print_dataset(data, graphs);
@@ -235,9 +225,9 @@ void demo(const Options& options) {
       "  {2} score {0}/random_val_unseen.json --split val_unseen --data {1}\n"
       "and two floor plans to look at: plan_val_seen.svg, plan_val_unseen.svg\n",
       options.output, data.root.folder().string(), own_path());
-  std::error_code code;
-  const fs::path root = data.root.folder();
-  if (!fs::exists(root / "homes.json", code) || !fs::exists(root / "store", code)) return;
+}
+
+void draw_pictures(const Options& options, const Data& data) {
   fmt::print("Pictures of the homes, to look at:");
   for (const std::string& file : draw_homes(data.root.folder(), options.output)) {
     fmt::print(" {}", file);
@@ -245,26 +235,59 @@ void demo(const Options& options) {
   fmt::print("\n");
 }
 
+// What comes after the demo, for people who have data.
+void print_next(const Options& options, bool learned) {
+  if (learned) {
+    fmt::print("\nThe report, one page for any browser: {}\n",
+               fs::absolute(fs::path(options.output) / "report.html").string());
+  }
+  fmt::print(
+      "\nNext, with Room-to-Room's own graphs and annotations (no licence form is needed):\n"
+      "  {0} train --data DIR --inputs language --feedback teacher -o models/language\n"
+      "and with Matterport3D's pictures, or anybody's feature file:\n"
+      "  {0} features --data DIR --weights resnet152.pth -o features.safetensors\n"
+      "  {0} train --data DIR --features features.safetensors -o models/student\n"
+      "docs/agents.md goes through it from the download to the table.\n",
+      own_path());
+}
+
+int demo(const Options& options) {
+  make_folder(options.output);
+  const Data data = find_data(options);
+  run_unlearned(options, data);
+  std::error_code code;
+  const fs::path root = data.root.folder();
+  const bool homes = fs::exists(root / "homes.json", code) && fs::exists(root / "store", code);
+  if (homes) draw_pictures(options, data);
+  const bool learns = homes && !options.skip_learning && can_learn();
+  if (homes && !options.skip_learning && !can_learn()) {
+    fmt::print("\nNo agent is trained: this build has no libtorch (-DEN_WITH_TORCH=ON).\n");
+  }
+  const int status = learns ? learn_in_homes(root, options.output) : kSuccess;
+  if (status == kSuccess) print_next(options, learns);
+  return status;
+}
+
 }  // namespace
 
 void add_demo(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "demo",
-      "The paper's table rows for Shortest and Random, beside ours; without data, on a "
-      "set of synthetic model homes");
+      "The paper's table rows for Shortest and Random, beside ours; without data, on a set of "
+      "synthetic model homes, in which two agents are trained too. Run again, it goes on where it "
+      "was");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
-  verb.add_option("-o,--output", options->output, "Folder for results and floor plans")
+  verb.add_option("-o,--output", options->output, "Folder for all that is made")
       ->capture_default_str()
       ->type_name("DIR");
   verb.add_option("--seeds", options->seeds, "Of the random agent")
       ->capture_default_str()
       ->check(whole_number(1));
-  set_examples(verb, {"enfilade demo", "enfilade demo --data ~/data --seeds 100"});
-  verb.callback([options, &status] {
-    demo(*options);
-    status = kSuccess;
-  });
+  verb.add_flag("--skip-learning", options->skip_learning, "Train nothing");
+  set_examples(verb, {"enfilade demo", "enfilade demo --skip-learning",
+                      "enfilade demo --data ~/data --seeds 100"});
+  verb.callback([options, &status] { status = demo(*options); });
 }
 
 }  // namespace enfilade::apps

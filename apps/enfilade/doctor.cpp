@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/r2r/annotations.h"
@@ -19,9 +20,6 @@
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/panorama_set.h"
 #include "enfilade/scan/regions.h"
-#ifdef EN_WITH_TORCH
-#include "enfilade/agents/neural/device.h"
-#endif
 
 namespace enfilade::apps {
 namespace {
@@ -183,30 +181,27 @@ void examine_cuda(Report& report) {
              loads && device ? "use the gl back end, which runs on this graphics card" : "");
 }
 
-#ifdef EN_WITH_TORCH
 void examine_networks(Report& report) {
   report.begin("networks");
-  const agents::neural::TorchReport torch = agents::neural::examine_torch();
-  report.add("libtorch", State::kWorks, torch.version);
-  report.add("BLAS", State::kFact, torch.blas.empty() ? "inside libtorch" : torch.blas);
-  const bool slow = torch.product_speed < agents::neural::kSlowBlas;
+  const auto torch = torch_report();
+  if (!torch) {
+    report.add("libtorch", State::kMissing, "this build has none",
+               "for features and training, build with -DEN_WITH_TORCH=ON (needs libtorch-dev, "
+               "libopenblas0-pthread and libhdf5-dev)");
+    return;
+  }
+  report.add("libtorch", State::kWorks, torch->version);
+  report.add("BLAS", State::kFact, torch->blas.empty() ? "inside libtorch" : torch->blas);
+  const bool slow = torch->product_speed < agents::neural::kSlowBlas;
   report.add("products", slow ? State::kMissing : State::kWorks,
              fmt::format("{:.0f} GFLOP/s on {} threads, (100, 2592) x (2592, 2048)",
-                         torch.product_speed, torch.threads),
+                         torch->product_speed, torch->threads),
              slow ? "training crawls: apt-get install libopenblas0-pthread; `update-alternatives "
                     "--display libblas.so.3-x86_64-linux-gnu` then tells which BLAS is used"
                   : "");
-  const bool cuda = torch.cuda == "works";
-  report.add("cuda", cuda ? State::kWorks : State::kMissing, torch.cuda);
+  const bool cuda = torch->cuda == "works";
+  report.add("cuda", cuda ? State::kWorks : State::kMissing, torch->cuda);
 }
-#else
-void examine_networks(Report& report) {
-  report.begin("networks");
-  report.add("libtorch", State::kMissing, "this build has none",
-             "for features and training, build with -DEN_WITH_TORCH=ON (needs libtorch-dev and "
-             "libopenblas0-pthread)");
-}
-#endif
 
 // Adds what `look` tells, or that it is missing and why.
 template <class Look>
@@ -345,7 +340,10 @@ void add_doctor(CLI::App& app, int& status) {
   add_data_option(verb, arguments->data);
   verb.add_flag("--json", arguments->json, "Print it as JSON");
   set_examples(verb, {"enfilade doctor", "enfilade doctor --json | jq .rendering"});
-  verb.callback([arguments, &status] { status = examine(*arguments); });
+  verb.callback([arguments, &status] {
+    if (can_learn()) hand_over_to_learn();  // it knows about libtorch too
+    status = examine(*arguments);
+  });
 }
 
 }  // namespace enfilade::apps

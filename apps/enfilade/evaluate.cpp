@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/neural/evaluation.h"
 #include "enfilade/agents/neural/model_directory.h"
@@ -87,8 +88,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_evaluate(CLI::App& app, int& status) {
-  CLI::App& verb = *app.add_subcommand(
-      "evaluate", "Walk a trained agent through whole splits; writes results into its directory");
+  CLI::App& verb = *app.add_subcommand("evaluate", kEvaluateHelp);
   const auto options = std::make_shared<Options>();
   verb.add_option("model", options->model, "What `enfilade train` made")
       ->required()

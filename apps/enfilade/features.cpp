@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/neural/feature_set.h"
 #include "enfilade/agents/neural/features.h"
@@ -162,10 +163,7 @@ void add_options(CLI::App& verb, Options& o) {
 }  // namespace
 
 void add_features(CLI::App& app, int& status) {
-  CLI::App& verb = *app.add_subcommand(
-      "features",
-      "Compute image features of the 36 views of every viewpoint, for agents that see. A run "
-      "that was stopped goes on where it was.");
+  CLI::App& verb = *app.add_subcommand("features", kFeaturesHelp);
   const auto options = std::make_shared<Options>();
   add_options(verb, *options);
   set_examples(

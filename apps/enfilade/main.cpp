@@ -32,7 +32,9 @@ int main(int argc, char** argv) {
   add_sample(app, status);
   add_scan_mesh(app, status);
   add_score(app, status);
+  add_serve(app, status);
   add_stats(app, status);
+  add_submit(app, status);
   add_synth(app, status);
   add_table(app, status);
   add_train(app, status);

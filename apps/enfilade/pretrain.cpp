@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/neural/network.h"
 #include "enfilade/r2r/annotations.h"
@@ -123,11 +124,7 @@ void run(Options o) {
 }  // namespace
 
 void add_pretrain(CLI::App& app, int& status) {
-  CLI::App& verb = *app.add_subcommand(
-      "pretrain",
-      "Train the small encoder `home` to say from pictures what is where, how far, and in which "
-      "room: for model homes, where ImageNet's weights are not at hand. Learns from the homes of "
-      "the split train alone; prints how well it does elsewhere.");
+  CLI::App& verb = *app.add_subcommand("pretrain", kPretrainHelp);
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   verb.add_option("-o,--output", options->output, "For `enfilade features --weights`")

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/trained_agent.h"
+#include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/graph/graph_set.h"

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/neural/trainer.h"
 
@@ -167,8 +168,7 @@ void add_data(CLI::App& verb, Options& options) {
 }  // namespace
 
 void add_train(CLI::App& app, int& status) {
-  CLI::App& verb = *app.add_subcommand(
-      "train", "Train the sequence-to-sequence agent; run again, it goes on where it was");
+  CLI::App& verb = *app.add_subcommand("train", kTrainHelp);
   const auto options = std::make_shared<Options>();
   add_data(verb, *options);
   verb.add_option("--feedback", options->feedback, "What is done next in training")

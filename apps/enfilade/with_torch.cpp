@@ -1,14 +1,20 @@
-#include "apps/enfilade/trained_agent.h"
-
+// What `enfilade-learn` has in place of without_torch.cpp.
 #include <optional>
 #include <utility>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/learn.h"
 #include "enfilade/agents/neural/seq2seq_agent.h"
 
 namespace enfilade::apps {
 
 namespace neural = agents::neural;
+
+bool can_learn() { return true; }
+
+void hand_over_to_learn() {}
+
+std::optional<neural::TorchReport> torch_report() { return neural::examine_torch(); }
 
 std::unique_ptr<agents::Agent> load_trained_agent(const std::string& folder,
                                                   const std::string& features,

@@ -1,0 +1,46 @@
+/// \file  The second program, `enfilade-learn`: all verbs, and libtorch
+/// (docs/design/learn-program.md).
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "enfilade/agents/agent.h"
+#include "enfilade/agents/neural/device.h"
+#include "enfilade/r2r/annotations.h"
+
+namespace enfilade::apps {
+
+// What the verbs are for, in the list of both programs.
+inline constexpr const char* kEvaluateHelp =
+    "Walk a trained agent through whole splits; writes results into its directory";
+inline constexpr const char* kFeaturesHelp =
+    "Compute image features of the 36 views of every viewpoint, for agents that see. A run that "
+    "was stopped goes on where it was.";
+inline constexpr const char* kPretrainHelp =
+    "Train the small encoder `home` to say from pictures what is where, how far, and in which "
+    "room: for model homes, where ImageNet's weights are not at hand. Learns from the homes of "
+    "the split train alone; prints how well it does elsewhere.";
+inline constexpr const char* kTrainHelp =
+    "Train the sequence-to-sequence agent; run again, it goes on where it was";
+
+/// Whether verbs that need libtorch work: true in `enfilade-learn`, and in `enfilade` if that lies
+/// beside it.
+bool can_learn();
+
+/// In `enfilade`: replaces this process by `enfilade-learn` with the same command line. In
+/// `enfilade-learn`: returns. \throws UsageError if !can_learn(); FileError if it cannot be started
+void hand_over_to_learn();
+
+/// What libtorch does here; nothing in `enfilade`.
+std::optional<agents::neural::TorchReport> torch_report();
+
+/// The agent of a model directory, for these episodes; prints what differs between their data and
+/// that which it was trained on. In `enfilade`: hand_over_to_learn(). \param features file; empty:
+/// none \throws ArgumentError if the model sees and has no features, or of another size; errors of
+/// the files
+std::unique_ptr<agents::Agent> load_trained_agent(const std::string& folder,
+                                                  const std::string& features,
+                                                  const r2r::EpisodeSet& episodes);
+
+}  // namespace enfilade::apps

@@ -1,0 +1,93 @@
+// enfilade submit: hands a results file in at a server.
+#include <fmt/format.h>
+#include <chrono>
+#include <cstdlib>
+#include <memory>
+#include <thread>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/core/file.h"
+#include "enfilade/service/client.h"
+
+namespace enfilade::apps {
+namespace {
+
+struct Options {
+  std::string results;
+  std::string server;
+  std::string phase;
+  std::string method;
+  std::string token_file;
+  int wait = 60;
+};
+
+// Never from the command line, which other people of the machine can read.
+std::string token_of(const Options& options) {
+  std::string token;
+  if (!options.token_file.empty()) {
+    token = read_file(options.token_file);
+  } else if (const char* variable = std::getenv("ENFILADE_TOKEN"); variable != nullptr) {
+    token = variable;
+  }
+  while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
+  if (token.empty()) {
+    throw UsageError(
+        "submit: no token. Set ENFILADE_TOKEN or give --token-file FILE; the server's page "
+        "\"Submit\" makes a team and its token");
+  }
+  return token;
+}
+
+void print_means(const service::SubmissionStatus& status) {
+  for (const auto& [metric, mean] : status.means) fmt::print("{:<20} {:.4f}\n", metric, mean);
+  if (status.means.empty()) fmt::print("its scores are the organisers' to see\n");
+}
+
+ExitCode submit(const Options& options) {
+  service::Client client(options.server, token_of(options));
+  service::SubmissionStatus status;
+  try {
+    status = client.submit(options.phase, options.method, read_file(options.results));
+  } catch (const InvalidInput& refused) {  // what was to be checked has faults
+    print_diagnostics(refused.diagnostics());
+    return kFaultsFound;
+  }
+  for (const std::string& warning : status.warnings) fmt::print(stderr, "{}\n", warning);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(options.wait);
+  while (status.state == "queued" && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    status = client.status(status.id);
+  }
+  fmt::print("submission {}: {}\n", status.id, status.state);
+  if (status.state == "scored") print_means(status);
+  return status.state == "failed" ? kInput : kSuccess;
+}
+
+}  // namespace
+
+void add_submit(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand("submit", "Hand a results file in at an Enfilade server");
+  const auto options = std::make_shared<Options>();
+  verb.add_option("results", options->results, "Results file, in any form found in the wild")
+      ->required()
+      ->type_name("RESULTS.json");
+  verb.add_option("--server", options->server, "Its address")->required()->type_name("URL");
+  verb.add_option("--phase", options->phase, "As the server's leaderboard names it")
+      ->required()
+      ->type_name("NAME");
+  verb.add_option("--method", options->method, "What the leaderboard is to call it")
+      ->required()
+      ->type_name("NAME");
+  verb.add_option("--token-file", options->token_file,
+                  "The team's token (default: the environment variable ENFILADE_TOKEN)")
+      ->type_name("FILE");
+  verb.add_option("--wait", options->wait, "Seconds to wait for the scores")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 3600));
+  set_examples(verb, {"enfilade submit results.json --server https://vln.example.org --phase test "
+                      "--method Seq2Seq"});
+  verb.callback([options, &status] { status = submit(*options); });
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,75 @@
+// What `enfilade` has of the verbs that need libtorch: the way to `enfilade-learn`.
+#include <fmt/format.h>
+#include <unistd.h>
+#include <cstring>
+#include <filesystem>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/learn.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/core/file.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path learn_program() {
+  std::error_code code;
+  return fs::read_symlink("/proc/self/exe", code).parent_path() / "enfilade-learn";
+}
+
+// This process's own command line: CLI11 has taken the one of main() apart.
+std::vector<std::string> own_arguments() {
+  const std::string all = read_file("/proc/self/cmdline");
+  std::vector<std::string> arguments;
+  for (std::size_t at = 0; at < all.size(); at += arguments.back().size() + 1) {
+    arguments.emplace_back(all.c_str() + at);
+  }
+  return arguments;
+}
+
+void add_elsewhere(CLI::App& app, const char* name, const char* what) {
+  CLI::App& verb = *app.add_subcommand(name, what);
+  // Every word is the other program's, --help too.
+  verb.set_help_flag();
+  verb.prefix_command();
+  verb.callback([] { hand_over_to_learn(); });
+}
+
+}  // namespace
+
+bool can_learn() { return access(learn_program().c_str(), X_OK) == 0; }
+
+void hand_over_to_learn() {
+  const fs::path program = learn_program();
+  if (!can_learn()) {
+    throw UsageError(
+        fmt::format("this needs libtorch, which is in the program {}: it is not there. Build with "
+                    "-DEN_WITH_TORCH=ON (libtorch-dev, libopenblas0-pthread, libhdf5-dev)",
+                    program.string()));
+  }
+  std::vector<std::string> arguments = own_arguments();
+  std::vector<char*> pointers;
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  execv(program.c_str(), pointers.data());
+  throw FileError(fmt::format("{}: cannot be started: {}", program.string(), std::strerror(errno)));
+}
+
+std::optional<agents::neural::TorchReport> torch_report() { return std::nullopt; }
+
+std::unique_ptr<agents::Agent> load_trained_agent(const std::string& /*folder*/,
+                                                  const std::string& /*features*/,
+                                                  const r2r::EpisodeSet& /*episodes*/) {
+  hand_over_to_learn();
+  return nullptr;  // not reached
+}
+
+void add_evaluate(CLI::App& app, int& /*status*/) { add_elsewhere(app, "evaluate", kEvaluateHelp); }
+void add_features(CLI::App& app, int& /*status*/) { add_elsewhere(app, "features", kFeaturesHelp); }
+void add_pretrain(CLI::App& app, int& /*status*/) { add_elsewhere(app, "pretrain", kPretrainHelp); }
+void add_train(CLI::App& app, int& /*status*/) { add_elsewhere(app, "train", kTrainHelp); }
+
+}  // namespace enfilade::apps

@@ -1,0 +1,29 @@
+// The verbs that need a server, in a build without it: they are there, and say what is missing.
+#include <string>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+
+namespace enfilade::apps {
+namespace {
+
+void add_missing(CLI::App& app, const std::string& name, const std::string& what) {
+  CLI::App& verb = *app.add_subcommand(name, what + " (not in this build)");
+  verb.allow_extras();
+  verb.callback([name] {
+    throw UsageError(name + ": this build has no server. Build with -DEN_WITH_WEB=ON, which needs "
+                            "libcpp-httplib-dev, libsqlitecpp-dev and libssl-dev, and npm for the "
+                            "pages");
+  });
+}
+
+}  // namespace
+
+void add_serve(CLI::App& app, int& /*status*/) {
+  add_missing(app, "serve", "A data set and a benchmark in the browser");
+}
+void add_submit(CLI::App& app, int& /*status*/) {
+  add_missing(app, "submit", "Hand a results file in at an Enfilade server");
+}
+
+}  // namespace enfilade::apps
