@@ -12,6 +12,7 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/demo_learning.h"
 #include "apps/enfilade/home_pictures.h"
+#include "apps/enfilade/home_plan.h"
 #include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
@@ -161,7 +162,7 @@ void print_agent(const std::string& agent, const std::string& split, const Measu
 
 // A floor plan with the reference path and where the random agent went.
 void draw_episode(const r2r::EpisodeSet& episodes, const r2r::Trajectory& trajectory,
-                  const fs::path& file) {
+                  const fs::path& data, const fs::path& file) {
   const r2r::Episode& episode = episodes.episodes[trajectory.episode];
   draw::PlannedPath reference{draw::PlannedPath::Role::kReference,
                               episodes.path_of(episode).viewpoints, "reference path"};
@@ -173,6 +174,8 @@ void draw_episode(const r2r::EpisodeSet& episodes, const r2r::Trajectory& trajec
   draw::FloorPlanOptions options;
   options.title = fmt::format("{}, episode {}", graph.scan(), episode.instruction_id);
   options.note = episode.text;
+  const auto underlay = home_underlay(data, graph);
+  if (underlay) options.underlay = &*underlay;
   write_file_atomically(file, draw::floor_plan_svg(graph, {reference, agent}, options));
 }
 
@@ -196,7 +199,8 @@ void run_agents(const Options& options, const Data& data, const std::string& spl
       write_output(folder / fmt::format("{}_{}.json", name, split),
                    to_json(trajectories, episodes));
       if (name == "random") {
-        draw_episode(episodes, trajectories.front(), folder / fmt::format("plan_{}.svg", split));
+        draw_episode(episodes, trajectories.front(), data.root.folder(),
+                     folder / fmt::format("plan_{}.svg", split));
       }
     }
     print_agent(name, split, measure(rows), seeds,

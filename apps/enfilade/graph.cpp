@@ -5,11 +5,14 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/drawn_path.h"
 #include "apps/enfilade/graph_verbs.h"
+#include "apps/enfilade/home_plan.h"
+#include "apps/enfilade/mesh_files.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/graph/check.h"
@@ -131,6 +134,7 @@ struct DrawArguments {
   std::string scan;
   std::string output;
   std::string data;
+  std::string mesh;
   PathOptions path;
   bool labels = false;
 };
@@ -185,6 +189,15 @@ Overlay overlay_of(const DrawnPath& drawn) {
   return overlay;
 }
 
+// Of --mesh, else of a model home.
+std::optional<draw::PlanUnderlay> underlay_of(const DrawArguments& a, const scan::DataRoot& data,
+                                              const graph::NavGraph& graph) {
+  if (a.mesh.empty()) return home_underlay(data.folder(), graph);
+  MeshOptions mesh;
+  mesh.file = a.mesh;
+  return draw::plan_underlay(read_mesh_file(mesh), graph);
+}
+
 void draw_plan(const DrawArguments& a) {
   validate(a.path, a.scan);
   const scan::DataRoot data = open_data(a.data);
@@ -195,8 +208,14 @@ void draw_plan(const DrawArguments& a) {
   options.title = overlay.title;
   options.note = overlay.note;
   options.label_viewpoints = a.labels;
+  const graph::NavGraph& graph = graphs->graph(overlay.scan);
+  const auto underlay = underlay_of(a, data, graph);
+  if (underlay) options.underlay = &*underlay;
+  if (underlay && a.mesh.empty()) {  // a model home
+    options.title = (options.title.empty() ? graph.scan() : options.title) + " (synthetic)";
+  }
   const std::string output = a.output.empty() ? overlay.scan + ".svg" : a.output;
-  write_output(output, floor_plan_svg(graphs->graph(overlay.scan), overlay.paths, options));
+  write_output(output, floor_plan_svg(graph, overlay.paths, options));
   if (output != "-") fmt::print("{}\n", output);
 }
 
@@ -233,10 +252,16 @@ void add_draw(CLI::App& graph, int& status) {
   verb.add_option("-o,--output", a->output, "SVG file (default: SCAN.svg); - for standard output")
       ->type_name("FILE");
   add_data_option(verb, a->data);
+  verb.add_option("--mesh", a->mesh,
+                  "The building's mesh, for its walls: GLB, glTF, OBJ, PLY in the graph's frame. "
+                  "Model homes (homes.json in the data folder) need none")
+      ->type_name("FILE");
   add_path_options(verb, a->path, "draw the agent's path of --instr too");
   verb.add_flag("--labels", a->labels, "Write its index beside each viewpoint");
   set_examples(verb,
                {"enfilade graph draw 17DRP5sb8fy -o plan.svg",
+                "enfilade graph draw home_0001 --data homes -o home.svg",
+                "enfilade graph draw 17DRP5sb8fy --mesh 17DRP5sb8fy.ply -o plan.svg",
                 "enfilade graph draw --split val_unseen --path 4332",
                 "enfilade graph draw --split val_unseen --instr 4332_0 --results results.json"});
   verb.callback([a, &status] {

@@ -48,6 +48,7 @@ struct Built {
   double floor_m2 = 0;
   std::size_t parts = 0;
   double seconds = 0;  // without reading the mesh
+  std::shared_ptr<const mesh::Mesh> mesh;
 };
 
 Built build(const BuildArguments& a, const std::string& scan) {
@@ -60,7 +61,7 @@ Built build(const BuildArguments& a, const std::string& scan) {
   const auto viewpoints = graph::place_viewpoints(tracer, floor, a.viewpoints);
   Built built{graph::connect_viewpoints(tracer, floor, viewpoints, scan, a.edges, a.threads,
                                         progress_bar("edges")),
-              floor.area_m2(), floor.areas(), watch.seconds()};
+              floor.area_m2(), floor.areas(), watch.seconds(), made};
   if (!a.corrections.empty()) {
     auto corrected = graph::apply(built.connectivity, corrections, a.corrections);
     if (!corrected.notes.empty()) print_diagnostics(corrected.notes);
@@ -141,7 +142,10 @@ void run(const BuildArguments& a) {
   if (!notes.empty()) print_diagnostics(notes);
   fmt::print("{}\n", file.string());
   if (a.plan.empty()) return;
-  write_output(a.plan, draw::floor_plan_svg(graph));
+  const draw::PlanUnderlay underlay = draw::plan_underlay(*built.mesh, graph);
+  draw::FloorPlanOptions options;
+  options.underlay = &underlay;
+  write_output(a.plan, draw::floor_plan_svg(graph, {}, options));
   if (a.plan != "-") fmt::print("{}\n", a.plan);
 }
 

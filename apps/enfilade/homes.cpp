@@ -60,7 +60,10 @@ synth::HomeSetOptions set_of(const Options& o) {
   if (o.homes) set.homes = *o.homes;
   if (o.seed) set.seed = *o.seed;
   if (!o.kind.empty()) set.kind = kinds().at(o.kind);
-  if (o.area) set.least_area = set.most_area = *o.area;
+  if (o.area) {
+    set.least_area = set.most_area = *o.area;
+    set.stairs_every = 0;
+  }
   if (o.size) set.face_size = *o.size;
   if (o.samples) set.samples = *o.samples;
   set.corrections = o.corrections;
@@ -120,7 +123,7 @@ void add_options(CLI::App& verb, Options& o) {
       ->required()
       ->type_name("DIR");
   verb.add_option("--preset", o.preset,
-                  "small: 2 flats for tests; demo: 16 homes of 25 to 40 viewpoints; full: 90 homes "
+                  "small: 2 flats for tests; demo: 16 homes of 25 to 50 viewpoints; full: 90 homes "
                   "of 117 viewpoints on average, 512-texel faces")
       ->check(CLI::IsMember(synth::home_set_presets()))
       ->capture_default_str();

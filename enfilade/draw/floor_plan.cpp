@@ -13,6 +13,7 @@
 #include "enfilade/draw/detail/plan.h"
 #include "enfilade/draw/detail/sheet.h"
 #include "enfilade/draw/detail/trace.h"
+#include "enfilade/draw/detail/underlay.h"
 
 namespace enfilade::draw {
 namespace {
@@ -52,6 +53,11 @@ void check_arguments(const graph::NavGraph& graph, const std::vector<PlannedPath
   };
   check_number("pixels_per_metre", options.pixels_per_metre);
   check_number("success_distance", options.success_distance);
+  const std::size_t storeys = find_storeys(graph).size();
+  if (options.underlay != nullptr && options.underlay->storeys.size() != storeys) {
+    throw ArgumentError(fmt::format("underlay: {} storeys, not {}, as {} has",
+                                    options.underlay->storeys.size(), storeys, graph.scan()));
+  }
   for (std::size_t p = 0; p < paths.size(); ++p) {
     if (paths[p].viewpoints.empty()) {
       throw ArgumentError(fmt::format("paths[{}]: empty, not at least one viewpoint", p));
@@ -100,7 +106,8 @@ class Painter {
         options_(options),
         plan_(detail::make_plan(graph, options.show_excluded)),
         overlays_(make_overlays(paths)),
-        layout_(detail::arrange(plan_, success_circles(), options.pixels_per_metre)) {}
+        layout_(detail::arrange(plan_, success_circles(), options.underlay,
+                                options.pixels_per_metre)) {}
 
   std::string run() const {
     const double width = std::max({layout_.size.x, detail::kNarrowest,
@@ -160,7 +167,10 @@ class Painter {
   }
 
   std::string draw_panel(const Panel& panel) const {
-    std::string out = detail::draw_caption(plan_, panel) + detail::draw_floor(plan_, panel);
+    std::string out = detail::draw_caption(plan_, panel);
+    out += options_.underlay == nullptr
+               ? detail::draw_floor(plan_, panel)
+               : detail::draw_lines(options_.underlay->storeys[panel.storey], panel);
     for (const Overlay& o : overlays_) {
       if (o.has_goal()) out += draw_success_circle(panel, o.end);
     }
@@ -170,6 +180,9 @@ class Painter {
     }
     for (const Overlay& o : overlays_) {
       if (o.role == Role::kAgent) out += detail::draw_line(plan_, panel, o.steps, o.colour);
+    }
+    if (options_.underlay != nullptr) {
+      out += detail::draw_texts(options_.underlay->storeys[panel.storey], panel);
     }
     return out + draw_viewpoints(panel) + draw_stairs(panel) + draw_ends(panel) +
            (options_.label_viewpoints ? detail::draw_labels(plan_, panel) : "");
@@ -255,6 +268,12 @@ class Painter {
       if (!o.steps.empty()) items.push_back({sample(o), 34, o.label});
     }
     add_end_items(items);
+    if (options_.underlay != nullptr) {
+      for (LegendItem& item : detail::underlay_legend(*options_.underlay)) {
+        items.push_back(std::move(item));
+      }
+      return items;
+    }
     items.push_back({fmt::format("<rect x=\"-14\" y=\"-7\" width=\"28\" height=\"14\" rx=\"7\" "
                                  "fill=\"{}\" stroke=\"{}\"/>",
                                  detail::kFloor, detail::kFloorRim),

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "enfilade/core/ids.h"
+#include "enfilade/draw/plan_underlay.h"
 #include "enfilade/graph/nav_graph.h"
 
 namespace enfilade::draw {
@@ -27,6 +28,9 @@ struct FloorPlanOptions {
   bool label_viewpoints = false;  ///< their index beside each
   bool show_excluded = true;      ///< as hollow grey dots
   double success_distance = 3.0;  ///< metres; radius of the circle around a goal
+  /// Walls and names of rooms, of the same graph; null: what is near edges is shaded instead.
+  /// Must outlive the call.
+  const PlanUnderlay* underlay = nullptr;
 };
 
 /// A floor of a building.
@@ -46,7 +50,8 @@ std::vector<Storey> find_storeys(const graph::NavGraph& graph);
 /// their other end. Readable in light and dark surroundings (it has a background of its own), in
 /// colours that colour-blind people tell apart. Texts are escaped.
 /// \throws ArgumentError if a path is empty or holds a viewpoint that is not below graph.size(), or
-/// for a scale or success distance that is negative or not finite
+/// for a scale or success distance that is negative or not finite, or an underlay of another
+/// number of storeys
 std::string floor_plan_svg(const graph::NavGraph& graph, const std::vector<PlannedPath>& paths = {},
                            const FloorPlanOptions& options = {});
 

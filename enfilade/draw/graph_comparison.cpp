@@ -45,7 +45,7 @@ class Painter {
         comparison_(comparison),
         options_(options),
         plan_(detail::make_plan(found, false)),
-        layout_(detail::arrange(plan_, {}, 0)) {
+        layout_(detail::arrange(plan_, {}, nullptr, 0)) {
     for (const ComparedEdge& e : comparison.extra) extra_.insert({e.a, e.b});
   }
 

@@ -307,6 +307,30 @@ Maker random_rooms(Rng& rng) {
   return m;
 }
 
+TEST(BuildGraph, NoTwoViewpointsStandInOnePlace) {
+  // Half of the spacing on foot, which is 0.66 separations.
+  const double least = 0.5 * 0.66 * ViewpointOptions().separation;
+  std::size_t near = 0, viewpoints = 0;
+  for (std::uint64_t seed = 0; seed < 25; ++seed) {
+    SCOPED_TRACE(seed);
+    Rng rng(seed);
+    const Building building(random_rooms(rng));
+    const auto connectivity = building.connect(building.place());
+    const NavGraph graph(connectivity);
+    viewpoints += graph.size();
+    for (std::size_t i = 0; i < graph.size(); ++i) {
+      for (const ViewpointIndex j : connectivity.entries[i].visible) {
+        const ViewpointIndex v(i);
+        const auto apart = length(graph.position(v) - graph.position(j));
+        EXPECT_GT(apart, 0.25);
+        if (j.at() > i && apart < least) ++near;
+      }
+    }
+  }
+  // Each of the few is the way to somewhere, or the only one in its room.
+  EXPECT_LT(static_cast<double>(near), 0.02 * static_cast<double>(viewpoints));
+}
+
 TEST(BuildGraph, HangsTogetherWhereTheFloorDoes) {
   for (std::uint64_t seed = 0; seed < 25; ++seed) {
     SCOPED_TRACE(seed);

@@ -14,6 +14,7 @@
 #include "enfilade/graph/detail/floor_walk.h"
 #include "enfilade/graph/detail/join_parts.h"
 #include "enfilade/graph/detail/passage.h"
+#include "enfilade/graph/detail/thin_out.h"
 
 namespace enfilade::graph {
 namespace {
@@ -28,8 +29,9 @@ constexpr double kSight = 8;             // metres; what is beyond doesn't make 
 constexpr double kBelowCeiling = 0.1;    // metres between an eye and the ceiling
 // Between a new viewpoint and those there are, on foot, as a share of the separation: gives
 // Matterport3D's mean length of edges in furnished homes. See docs/graph.md.
-constexpr double kSpacing = 0.7;
+constexpr double kSpacing = 0.66;
 constexpr double kTightSpacing = 1.4;  // times that between places next to walls
+constexpr double kTooNear = 0.5;       // times the spacing: one viewpoint there is enough
 constexpr double kFloorOfOne = 0.85;   // m2 that a viewpoint has, per separation squared
 
 void check_options(const ViewpointOptions& o) {
@@ -189,12 +191,18 @@ std::vector<PlacedViewpoint> place_viewpoints(const RayTracer& tracer, const Wal
   std::vector<Candidate> candidates =
       choose_candidates(floor, choose_parts(floor, options.separation));
   score_candidates(tracer, floor, options, candidates);
-  std::vector<std::uint32_t> cells =
-      spread(floor, candidates, detail::find_pockets(floor), kSpacing * options.separation);
+  const double spacing = kSpacing * options.separation;
+  const detail::Pockets pockets = detail::find_pockets(floor);
+  std::vector<std::uint32_t> cells = spread(floor, candidates, pockets, spacing);
+  const std::size_t first = cells.size();
   const auto placed = [&](std::uint32_t cell) {
     return place(tracer, floor.cells()[cell], options.eye_height);
   };
-  detail::join_parts(floor, detail::Passage(tracer, floor, EdgeOptions()), placed, cells);
+  const detail::Passage passage(tracer, floor, EdgeOptions());
+  detail::join_parts(floor, passage, placed, cells);
+  std::vector<std::uint32_t> others;
+  for (const Candidate& c : candidates) others.push_back(c.cell);
+  detail::thin_out(floor, passage, pockets, others, kTooNear * spacing, first, placed, cells);
   std::vector<PlacedViewpoint> viewpoints;
   for (const std::uint32_t cell : cells) viewpoints.push_back(placed(cell));
   return viewpoints;

@@ -311,6 +311,69 @@ TEST(Furnish, KeepsWaysOpenAndPiecesApartInFiveHundredRooms) {
   EXPECT_LT(double(triangles) / area, 600) << rooms;
 }
 
+/// Does it hang on a wall, as pictures and curtains do?
+bool hangs(const Thing& thing) {
+  static const std::set<std::string> kNouns{
+      "picture",      "painting", "mirror",  "wall tv", "whiteboard", "notice board", "clock",
+      "wall cabinet", "shelf",    "curtain", "blinds",  "wall lamp",  "range hood"};
+  return kNouns.contains(thing.noun);
+}
+
+/// How far two boxes are in each other; negative: apart.
+double shared(const Thing& a, const Thing& b) {
+  return std::min({std::min(a.high.x, b.high.x) - std::max(a.low.x, b.low.x),
+                   std::min(a.high.y, b.high.y) - std::max(a.low.y, b.low.y),
+                   std::min(a.high.z, b.high.z) - std::max(a.low.z, b.low.z)});
+}
+
+/// A door or window as a thing as thick as a wall.
+Thing hole_of(const RoomSpace& space, const RoomSpace::WallHole& hole) {
+  const Rect& f = space.floor;
+  const double deep = 0.1;
+  const std::array<Rect, 4> boxes{{{f.x1 - deep, hole.from, f.x1 + deep, hole.to},
+                                   {hole.from, f.y1 - deep, hole.to, f.y1 + deep},
+                                   {f.x0 - deep, hole.from, f.x0 + deep, hole.to},
+                                   {hole.from, f.y0 - deep, hole.to, f.y0 + deep}}};
+  const Rect& box = boxes[hole.wall];
+  return {0,
+          hole.sill > 0.05 ? "window" : "door",
+          "",
+          "",
+          0,
+          {box.x0, box.y0, space.floor_z + hole.sill},
+          {box.x1, box.y1, space.floor_z + hole.head}};
+}
+
+TEST(Furnish, WhatHangsOnWallsMeetsNothingElse) {
+  // Folds, frames and handles stand out of their boxes by a finger's breadth.
+  constexpr double kTrim = 0.03;
+  Workshop shop(std::string{kTypes});
+  std::size_t hung = 0;
+  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+    const char type = kTypes[seed % kTypes.size()];
+    SCOPED_TRACE(std::string("type ") + type + ", seed " + std::to_string(seed));
+    Rng rng(seed, 2);
+    const RoomSpace space = random_space(type, rng);
+    shop.mesh.triangles.clear();
+    shop.things.clear();
+    furnish(space, shop.styles[seed % kTypes.size()], rng, shop.parts);
+    for (const Thing& thing : shop.things) {
+      if (!hangs(thing)) continue;
+      ++hung;
+      for (const Thing& other : shop.things) {
+        if (&other == &thing) continue;
+        EXPECT_LT(shared(thing, other), kTrim) << thing.noun << ", " << other.noun;
+      }
+      if (thing.noun == "curtain" || thing.noun == "blinds") continue;
+      for (const auto& hole : space.holes) {
+        const Thing opening = hole_of(space, hole);
+        EXPECT_LT(shared(thing, opening), 0) << thing.noun << ", " << opening.noun;
+      }
+    }
+  }
+  EXPECT_GT(hung, 1000U);
+}
+
 TEST(Furnish, IsTheSameForTheSameSeedAndElseDiffers) {
   const auto build = [](std::uint64_t seed) {
     Workshop shop("b");

@@ -32,7 +32,7 @@ using detail::HomeList;
 constexpr std::string_view kMarker = "# Model homes: a SYNTHETIC data set made by Enfilade\n";
 constexpr std::size_t kMostHomes = 10000;
 // Changes whenever the same options give other pictures.
-constexpr int kGeneration = 1;
+constexpr int kGeneration = 2;
 // Shares of a home's work, for progress: building and graph, light, pictures.
 constexpr std::size_t kUnits = 100, kBuilt = 8, kLit = 28;
 // Lists of one home each, of runs of shards, until a run of the whole set gathers them.
@@ -54,8 +54,9 @@ const std::array<Preset, 3>& presets() {
     small.face_size = 64;
     small.samples = 1;
     HomeSetOptions demo;
-    demo.least_area = 90;
-    demo.most_area = 135;
+    demo.least_area = 85;
+    demo.most_area = 100;
+    demo.stairs_every = 8;
     HomeSetOptions full;
     full.homes = 90;
     full.least_area = 350;
@@ -94,6 +95,12 @@ std::vector<std::string> scan_names(std::size_t homes) {
   return names;
 }
 
+bool has_stairs(const HomeSetOptions& options, std::size_t home) {
+  const HomeKind kind = options.kind.value_or(HomeKind::kHouse);
+  const bool may = kind == HomeKind::kHouse || kind == HomeKind::kOffice;
+  return may && options.stairs_every > 0 && home % options.stairs_every == 1 % options.stairs_every;
+}
+
 // What is drawn for one home of a set depends on the set's seed and its number only, so that a
 // larger set begins with the homes of a smaller one.
 PlanOptions plan_of(const HomeSetOptions& options, std::size_t home) {
@@ -110,13 +117,11 @@ PlanOptions plan_of(const HomeSetOptions& options, std::size_t home) {
   }
   if (options.most_area > 0) {
     plan.area = options.least_area + (options.most_area - options.least_area) * rng.uniform();
-    // Sets of small homes should have stairs, too, which small plans have no room for.
-    constexpr double kStairsShare = 0.25, kTwoStoreys = 170;
-    const bool may = plan.kind == HomeKind::kHouse || plan.kind == HomeKind::kOffice;
-    if (may && options.homes > 3 && plan.area < kTwoStoreys && rng.uniform() < kStairsShare) {
-      plan.area = kTwoStoreys;
-      plan.storeys = 2;
-    }
+  }
+  if (has_stairs(options, home)) {
+    if (plan.kind != HomeKind::kOffice) plan.kind = HomeKind::kHouse;
+    plan.area = 170;  // the least that two storeys fit into
+    plan.storeys = 2;
   }
   return plan;
 }

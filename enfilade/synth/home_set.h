@@ -24,8 +24,11 @@ struct HomeSetOptions {
   std::uint64_t seed = 1;
   std::optional<HomeKind> kind;          ///< none: a mixture, most of them houses
   double least_area = 0, most_area = 0;  ///< m2, drawn between; 0: as usual for the kind
-  std::uint32_t face_size = 256;         ///< texels of a panorama's faces; 0: no pictures
-  std::uint32_t samples = 4;             ///< colour rays a texel
+  /// Every so many homes, one is a house or an office of two storeys and 170 m2, whatever the
+  /// areas, unless `kind` has no stairs; 0: storeys as usual for kind and area.
+  std::size_t stairs_every = 0;
+  std::uint32_t face_size = 256;  ///< texels of a panorama's faces; 0: no pictures
+  std::uint32_t samples = 4;      ///< colour rays a texel
   int jpeg_quality = 92;
 
   // What follows is of one run; another may differ in it.
@@ -36,7 +39,8 @@ struct HomeSetOptions {
   int threads = 0;  ///< 0: all cores; never changes a byte
 };
 
-/// "small": 2 homes, a few viewpoints, for tests; "demo": 16 homes of 25 to 40 viewpoints; "full":
+/// "small": 2 homes, a few viewpoints, for tests; "demo": 16 homes of 25 to 50 viewpoints, three of
+/// them of two storeys; "full":
 /// 90 homes of 117 viewpoints on average, 512-texel faces. \throws ArgumentError for another word
 HomeSetOptions home_set_preset(std::string_view name);
 std::vector<std::string> home_set_presets();

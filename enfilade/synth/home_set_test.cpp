@@ -81,6 +81,27 @@ TEST(HomeSet, GoesOnWhereItWasAndRefusesWhatIsNotItsOwn) {
   EXPECT_THROW(read_home_list(folder.path()), InvalidInput);
 }
 
+TEST(HomeSet, SomeHomesHaveStairsIfAskedFor) {
+  const TemporaryFolder folder("homes"), flats("flats");
+  HomeSetOptions options = tiny(3, 0);
+  options.stairs_every = 2;
+  EXPECT_EQ(write_homes(flats.path(), options).homes[1].plan.area, 60) << "flats have no stairs";
+  options.kind.reset();
+  options.homes = 4;
+  const auto homes = write_homes(folder.path(), options).homes;
+  for (std::size_t i = 0; i < homes.size(); ++i) {
+    const bool upstairs = std::ranges::any_of(
+        homes[i].rooms, [](const RoomEntry& r) { return r.storey == 1 && !r.viewpoints.empty(); });
+    EXPECT_EQ(upstairs, i % 2 == 1) << homes[i].scan;
+    if (upstairs) {
+      EXPECT_TRUE(homes[i].kind == "house" || homes[i].kind == "office");
+    }
+  }
+  EXPECT_EQ(home_set_preset("demo").stairs_every, 8U);
+  options.stairs_every = 0;
+  EXPECT_THROW(write_homes(folder.path(), options), FileError) << "another set";
+}
+
 TEST(HomeSet, KeepsHomesMadeBeforeAFailure) {
   const TemporaryFolder folder("homes"), whole("homes");
   struct Stopped {};

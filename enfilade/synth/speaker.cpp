@@ -174,11 +174,15 @@ class Describer {
     return h.opening.has_value() || !words_.naming().same_room_name(h.from, h.to);
   }
 
-  // From one hall into another: nothing that one needs to be told, but at the end.
+  // From one hall into another: nothing that one needs to be told, but at the end, and where the
+  // end is another room of that name.
   bool may_skip(const Happening& h) const {
+    if (h.kind != Happening::Kind::kCross) return false;
     const detail::Naming& names = words_.naming();
     const bool halls = names.is_way(h.to) && (names.is_way(h.from) || !clauses_.empty());
-    return h.kind == Happening::Kind::kCross && halls && &h != last_crossing();
+    const Happening* last = last_crossing();
+    const bool is_last = last == nullptr || &h == last || names.same_room_name(h.to, last->to);
+    return halls && !is_last;
   }
   const Happening* last_crossing() const {
     const Happening* last = nullptr;

@@ -125,9 +125,17 @@ Caption caption(const Plan& plan, std::size_t storey) {
                       std::abs(tenths), n, n == 1 ? "" : "s")};
 }
 
-Layout arrange(const Plan& plan, const std::vector<Disc>& discs, double pixels_per_metre) {
+Layout arrange(const Plan& plan, const std::vector<Disc>& discs, const PlanUnderlay* underlay,
+               double pixels_per_metre) {
+  constexpr double kRim = 0.3;  // metres around what the underlay has
   std::vector<Extent> bounds = extents(plan, discs);
   for (std::size_t s = 0; s < bounds.size(); ++s) {
+    if (underlay != nullptr) {
+      for (const UnderlayLine& line : underlay->storeys[s].lines) {
+        bounds[s].add(line.from, kRim);
+        bounds[s].add(line.to, kRim);
+      }
+    }
     const auto [name, facts] = caption(plan, s);
     bounds[s].caption = text_width(name, 13) + 10 + text_width(facts, 12);
   }

@@ -67,7 +67,9 @@ struct Disc {
   double radius = 0;  ///< metres
 };
 
-/// `pixels_per_metre`: 0 for the largest scale at which the sheet stays small enough to read.
-Layout arrange(const Plan& plan, const std::vector<Disc>& discs, double pixels_per_metre);
+/// `underlay`: room for it too; may be null. `pixels_per_metre`: 0 for the largest scale at which
+/// the sheet stays small enough to read.
+Layout arrange(const Plan& plan, const std::vector<Disc>& discs, const PlanUnderlay* underlay,
+               double pixels_per_metre);
 
 }  // namespace enfilade::draw::detail

@@ -91,14 +91,14 @@ void dress_windows(FurnishedRoom& room, bool curtains) {
     if (curtains || room.chance(0.6)) {
       const double h = std::min(blind.size.h, 0.4 * (hole.head - hole.sill));
       if (hole.head + 0.05 > room.height()) continue;
-      room.put({&blind,
-                {wide + 0.06, blind.size.d, h},
-                0,
-                blind.size.d / 2 + 0.012,
-                hole.head + 0.04 - h,
-                0,
-                1},
-               room.wall_frame(hole.wall, middle));
+      room.put_if_clear({&blind,
+                         {wide + 0.06, blind.size.d, h},
+                         0,
+                         blind.size.d / 2 + 0.012,
+                         hole.head + 0.04 - h,
+                         0,
+                         1},
+                        room.wall_frame(hole.wall, middle));
     }
   }
 }

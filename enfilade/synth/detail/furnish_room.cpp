@@ -109,6 +109,18 @@ Rect FurnishedRoom::footprint(const Item& item, const Frame& frame) const {
   return around(frame.to_world(item.x - hx, item.y - hy), frame.to_world(item.x + hx, item.y + hy));
 }
 
+FurnishedRoom::Solid FurnishedRoom::solid(const Item& item, const Frame& frame) const {
+  return {footprint(item, frame), item.z, item.z + item.size.h};
+}
+
+bool FurnishedRoom::meets_any(const Solid& solid, const std::vector<Solid>& others) {
+  constexpr double kTouch = 0.005;
+  return std::any_of(others.begin(), others.end(), [&](const Solid& other) {
+    return solid.low < other.high - kTouch && other.low < solid.high - kTouch &&
+           overlap(solid.box, other.box);
+  });
+}
+
 bool FurnishedRoom::fits(const std::vector<Rect>& rects) const {
   return std::all_of(rects.begin(), rects.end(), [&](const Rect& r) {
     return holds(space_.floor, r) && !overlaps_any(r, standing_) && !overlaps_any(r, clear_) &&
@@ -117,11 +129,18 @@ bool FurnishedRoom::fits(const std::vector<Rect>& rects) const {
 }
 
 void FurnishedRoom::build(const Item& item, const Frame& frame) {
+  built_.push_back(solid(item, frame));
   const Placement at{frame.to_world(item.x, item.y, item.z), frame.angle() + item.turned};
   build_shape(*item.shape, item.size, at, space_.room, style_, rng_, parts_, item.power);
 }
 
 void FurnishedRoom::put(const Item& item, const Frame& frame) { build(item, frame); }
+
+bool FurnishedRoom::put_if_clear(const Item& item, const Frame& frame) {
+  if (meets_any(solid(item, frame), built_)) return false;
+  build(item, frame);
+  return true;
+}
 
 bool FurnishedRoom::commit(const Group& group, const Frame& frame, std::optional<unsigned> wall) {
   std::vector<Rect> rects;
@@ -129,6 +148,7 @@ bool FurnishedRoom::commit(const Group& group, const Frame& frame, std::optional
     if (item.z < 1.9 && item.size.h > kFlat && item.z < kFlat) {
       rects.push_back(footprint(item, frame));
     }
+    if (meets_any(solid(item, frame), hung_)) return false;
   }
   const Rect front = around(frame.to_world(-group.w / 2, group.d),
                             frame.to_world(group.w / 2, group.d + group.front));
@@ -280,20 +300,24 @@ std::optional<Frame> FurnishedRoom::place_free(const Group& group, double x, dou
 }
 
 bool FurnishedRoom::hang(const Shape& shape, Size size, unsigned wall, double along, double low,
-                         double slide) {
+                         double slide, double apart) {
   if (low + size.h > height() - 0.08) return false;
+  wall %= 4;
   const auto [from, to] = wall_ends(wall);
   for (double off = 0; off <= slide + 1e-9; off += 0.15) {
     for (const double side : {-1.0, 1.0}) {
       const double at = along + side * off;
       const WallItem item{wall, at - size.w / 2, at + size.w / 2, low, low + size.h};
-      if (item.from < from + 0.05 || item.to > to - 0.05 || !wall_is_free(item, 0.06)) continue;
+      if (item.from < from + 0.05 || item.to > to - 0.05 || !wall_is_free(item, apart)) continue;
       const Frame frame = wall_frame(wall, at);
+      const Item hung{&shape, size, 0, size.d / 2 + 0.002, low, 0, 1};
+      if (meets_any(solid(hung, frame), built_)) continue;
       const Rect below =
           around(frame.to_world(-size.w / 2, 0.01), frame.to_world(size.w / 2, size.d));
       if (size.d > kFlat && overlaps_any(below, clear_)) continue;
       on_walls_.push_back(item);
-      build({&shape, size, 0, size.d / 2 + 0.002, low, 0, 1}, frame);
+      hung_.push_back(solid(hung, frame));
+      build(hung, frame);
       return true;
     }
   }
@@ -301,12 +325,13 @@ bool FurnishedRoom::hang(const Shape& shape, Size size, unsigned wall, double al
 }
 
 bool FurnishedRoom::hang_anywhere(const Shape& shape, double low) {
+  constexpr double kApart = 0.25;  // nearer frames seem to overlap when seen along the wall
   const auto first = static_cast<unsigned>(rng_.below(4));
   for (unsigned i = 0; i < 4; ++i) {
     const unsigned wall = (first + i) % 4;
     const auto [from, to] = wall_ends(wall);
     const double at = from + (to - from) * between(0.25, 0.75);
-    if (hang(shape, shape.size, wall, at, low, (to - from) / 2)) return true;
+    if (hang(shape, shape.size, wall, at, low, (to - from) / 2, kApart)) return true;
   }
   return false;
 }

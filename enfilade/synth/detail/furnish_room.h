@@ -78,10 +78,13 @@ class FurnishedRoom {
 
   /// Not looked at for room: things on things, lamps at ceilings.
   void put(const Item& item, const Frame& frame);
-  /// On a wall, above what stands there: `low` metres above the floor, near `along`.
+  /// As put(), unless it would meet something; was it?
+  bool put_if_clear(const Item& item, const Frame& frame);
+  /// On a wall (modulo 4), above what stands there: `low` metres above the floor, at most `slide`
+  /// from `along`, `apart` from doors, windows and what else hangs there.
   bool hang(const Shape& shape, Size size, unsigned wall, double along, double low,
-            double slide = 0);
-  /// On any wall with room for it. `low` as above.
+            double slide = 0, double apart = 0.06);
+  /// On any wall with room for it, well apart from others. `low` as above.
   bool hang_anywhere(const Shape& shape, double low);
   /// On the floor, lies under what stands there; cut to the room's size.
   bool lay(const Shape& shape, Size size, const Frame& frame, double x, double y);
@@ -99,7 +102,13 @@ class FurnishedRoom {
     unsigned wall;
     double from, to, low, high;
   };
+  struct Solid {
+    Rect box;
+    double low, high;  // above the floor
+  };
   Rect footprint(const Item& item, const Frame& frame) const;
+  Solid solid(const Item& item, const Frame& frame) const;
+  static bool meets_any(const Solid& solid, const std::vector<Solid>& others);
   bool fits(const std::vector<Rect>& rects) const;
   bool commit(const Group& group, const Frame& frame, std::optional<unsigned> wall);
   void build(const Item& item, const Frame& frame);
@@ -113,6 +122,7 @@ class FurnishedRoom {
   HomeParts& parts_;
   std::vector<Rect> standing_, clear_, used_, rugs_;
   std::vector<WallItem> on_walls_;
+  std::vector<Solid> built_, hung_;  // everything but rugs; of it, what hangs on walls
 };
 
 /// Can one walk from each door to each other and to near the room's middle, when `standing` is in

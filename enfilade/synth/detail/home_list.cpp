@@ -26,6 +26,7 @@ Json to_json(const HomeSetOptions& o) {
           {"kind", o.kind ? Json(to_string(*o.kind)) : Json()},
           {"least_area", o.least_area},
           {"most_area", o.most_area},
+          {"stairs_every", o.stairs_every},
           {"face_size", o.face_size},
           {"samples", o.samples},
           {"jpeg_quality", o.jpeg_quality}};
@@ -143,6 +144,7 @@ HomeSetOptions read_options(Element element, const Path& path, Faults& faults) {
   o.kind = reader.kind("kind");
   reader.real("least_area", o.least_area);
   reader.real("most_area", o.most_area);
+  if (reader.has("stairs_every")) reader.whole("stairs_every", o.stairs_every);
   reader.whole("face_size", o.face_size);
   reader.whole("samples", o.samples);
   reader.whole("jpeg_quality", o.jpeg_quality);
