@@ -81,8 +81,9 @@ TEST_P(Torchvision, GivesTheSameFeatures) {
   ASSERT_EQ(std::system(command.c_str()), 0) << command;
   const TensorFile truth = TensorFile::open(folder.path() / "case.safetensors");
   const std::vector<float> pictures = numbers(truth, "pictures");
-  // Sums over up to 4,608 products in another order, 152 layers deep: a few units in the 6th digit.
-  constexpr double kTolerance = 1e-4;
+  // Against float64: what is left is our own rounding in sums of up to 4,608 products, 152 layers
+  // deep, which has been 6e-6 at most. tests/python/torchvision_resnet.py says why not more.
+  constexpr double kTolerance = 2e-5;
   std::string hash;
   for (const char* weights : {"weights.safetensors", "weights.pth"}) {
     for (const auto preprocessing : {Preprocessing::kTorchvision, Preprocessing::kCaffe}) {

@@ -300,7 +300,10 @@ Imitation imitate(const r2r::EpisodeSet& set, ForwardTo forward, std::size_t max
   return result;
 }
 
-// What was measured elsewhere, by a program of another author, to the digits given.
+// What was measured elsewhere, by a program of another author, to the digits given: success, length
+// and actions rounded. Who stops within the 20 actions is given in whole percent, cut off: it is
+// 86.57, 85.00 and 85.31 % here, by instructions and by paths alike, and with 19 actions it would
+// be 83.8, 80.0 and 82.6 %, which no rounding makes 86, 85 and 85.
 TEST(RealData, APerfectImitatorReachesTheCeilingOfTheSixActions) {
   const auto data = scan::DataRoot::from_environment();
   if (!data) GTEST_SKIP() << "ENFILADE_DATA is not set: no R2R annotations";
@@ -317,7 +320,7 @@ TEST(RealData, APerfectImitatorReachesTheCeilingOfTheSixActions) {
     const Imitation six = imitate(set, ForwardTo::kNearest, 20);
     EXPECT_NEAR(100 * six.success, row.success, 0.05 + 1e-9) << row.split;
     EXPECT_NEAR(six.length, row.length, 0.005 + 1e-9) << row.split;
-    EXPECT_NEAR(100 * six.stopped, row.stopped, 0.5 + 1e-9) << row.split;
+    EXPECT_EQ(std::floor(100 * six.stopped + 1e-9), row.stopped) << row.split;
     const Imitation intended = imitate(set, ForwardTo::kIntended, 40);
     EXPECT_EQ(intended.success, 1) << row.split;
     EXPECT_EQ(intended.stopped, 1) << row.split;
