@@ -2,6 +2,7 @@
 #include "enfilade/service/server.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <signal.h>
 #include <filesystem>
 #include <memory>
@@ -59,6 +60,14 @@ std::function<void(const service::RequestRecord&)> log_of(const std::string& kin
   };
 }
 
+// glibc gives threads heaps of their own, and what one let go of stays in its heap: with 64
+// threads, each large submission was another 20 MB. Two heaps keep that below 100 MB in all.
+void share_heaps() {
+#ifdef __GLIBC__
+  mallopt(M_ARENA_MAX, 2);
+#endif
+}
+
 /// Returns when the process is asked to end. \pre the signals are blocked in all threads
 void wait_for_end(const sigset_t& signals) {
   int received = 0;
@@ -66,6 +75,7 @@ void wait_for_end(const sigset_t& signals) {
 }
 
 ExitCode serve(const Options& options) {
+  share_heaps();  // before there are threads
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
@@ -80,9 +90,9 @@ ExitCode serve(const Options& options) {
   config.behind_proxy = options.behind_proxy;
   config.open_registration = !options.closed_registration;
   config.log = log_of(options.log);
-  const auto site = service::Site::open(
-      data, options.phases.empty() ? std::vector<service::Phase>{}
-                                   : service::load_phases(options.phases));
+  const auto site =
+      service::Site::open(data, options.phases.empty() ? std::vector<service::Phase>{}
+                                                       : service::load_phases(options.phases));
   service::Server server(site, config);
   fmt::print("{} scans{} at http://{}:{}/{}\n", site->graphs().size(),
              site->synthetic() ? " (model homes: synthetic)" : "", options.host, server.port(),
@@ -132,8 +142,7 @@ void add_token(CLI::App& serve_verb, int& status) {
       ->check(CLI::Range(1, 3650));
   set_examples(verb, {"enfilade serve token --db vln.sqlite --label Ada --days 90"});
   verb.callback([token, &status] {
-    fmt::print("{}\n",
-               service::create_organiser_token(token->database, token->label, token->days));
+    fmt::print("{}\n", service::create_organiser_token(token->database, token->label, token->days));
     status = kSuccess;
   });
 }

@@ -11,9 +11,10 @@ void add_missing(CLI::App& app, const std::string& name, const std::string& what
   CLI::App& verb = *app.add_subcommand(name, what + " (not in this build)");
   verb.allow_extras();
   verb.callback([name] {
-    throw UsageError(name + ": this build has no server. Build with -DEN_WITH_WEB=ON, which needs "
-                            "libcpp-httplib-dev, libsqlitecpp-dev and libssl-dev, and npm for the "
-                            "pages");
+    throw UsageError(name +
+                     ": this build has no server. Build with -DEN_WITH_WEB=ON, which needs "
+                     "libcpp-httplib-dev, libsqlitecpp-dev and libssl-dev, and npm for the "
+                     "pages");
   });
 }
 

@@ -1,0 +1,109 @@
+#include "enfilade/service/client.h"
+
+#include <fmt/format.h>
+#include <httplib.h>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade::service {
+namespace {
+
+constexpr int kAnswerSeconds = 60;  // a large file on a slow line, and its check
+
+std::string text_of(const nlohmann::json& object, const char* name) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+SubmissionStatus read_status(const nlohmann::json& answer) {
+  SubmissionStatus status;
+  status.id = answer.at("id").get<std::int64_t>();
+  status.phase = text_of(answer, "phase");
+  status.method = text_of(answer, "method");
+  status.state = text_of(answer, "state");
+  if (const auto means = answer.find("means"); means != answer.end()) {
+    for (const auto& [name, value] : means->items()) {
+      if (value.at("mean").is_number()) status.means[name] = value.at("mean").get<double>();
+    }
+  }
+  if (const auto warnings = answer.find("warnings"); warnings != answer.end()) {
+    status.warnings = warnings->get<std::vector<std::string>>();
+  }
+  return status;
+}
+
+std::vector<Diagnostic> read_diagnostics(const nlohmann::json& error) {
+  std::vector<Diagnostic> list;
+  const auto found = error.find("diagnostics");
+  if (found == error.end() || !found->is_array()) return list;
+  for (const auto& one : *found) {
+    const std::string severity = text_of(one, "severity");
+    list.push_back({severity == "error"     ? Severity::kError
+                    : severity == "warning" ? Severity::kWarning
+                                            : Severity::kNote,
+                    "submission", text_of(one, "where"), text_of(one, "code"),
+                    text_of(one, "message")});
+  }
+  return list;
+}
+
+}  // namespace
+
+struct Client::Impl {
+  std::string server;
+  httplib::Client http;
+  httplib::Headers headers;
+
+  Impl(std::string its_server, const std::string& token)
+      : server(std::move(its_server)), http(server), headers{{"Authorization", "Bearer " + token}} {
+    if (!http.is_valid()) {
+      throw ArgumentError(
+          fmt::format("server: {:?}, not an address like https://vln.example.org", server));
+    }
+    http.set_read_timeout(kAnswerSeconds);
+    http.set_write_timeout(kAnswerSeconds);
+  }
+
+  SubmissionStatus read(const httplib::Result& result) const {
+    if (!result) {
+      throw Error(fmt::format("{}: cannot be reached: {}", server, to_string(result.error())));
+    }
+    const nlohmann::json answer = nlohmann::json::parse(result->body, nullptr, false);
+    if (result->status == 200 || result->status == 202) {
+      try {
+        return read_status(answer);
+      } catch (const nlohmann::json::exception&) {
+        throw Error(fmt::format("{}: its answer is not one of an Enfilade server", server));
+      }
+    }
+    const auto error = answer.is_object() ? answer.value("error", nlohmann::json::object())
+                                          : nlohmann::json::object();
+    if (auto diagnostics = read_diagnostics(error); !diagnostics.empty()) {
+      throw InvalidInput(std::move(diagnostics));
+    }
+    throw Error(fmt::format("{}: status {}: {}", server, result->status,
+                            error.is_object() ? text_of(error, "message") : ""));
+  }
+};
+
+Client::Client(std::string server, std::string token)
+    : impl_(std::make_unique<Impl>(std::move(server), token)) {}
+
+Client::~Client() = default;
+
+SubmissionStatus Client::submit(const std::string& phase, const std::string& method,
+                                std::string_view results) {
+  const std::string target =
+      httplib::append_query_params("/api/v1/submissions", {{"phase", phase}, {"method", method}});
+  return impl_->read(
+      impl_->http.Post(target, impl_->headers, results.data(), results.size(), "application/json"));
+}
+
+SubmissionStatus Client::status(std::int64_t submission) {
+  return impl_->read(
+      impl_->http.Get(fmt::format("/api/v1/submissions/{}", submission), impl_->headers));
+}
+
+}  // namespace enfilade::service

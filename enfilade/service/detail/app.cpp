@@ -1,0 +1,264 @@
+#include "enfilade/service/detail/app.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "enfilade/service/detail/web_files.h"
+
+namespace enfilade::service::detail {
+namespace {
+
+constexpr std::size_t kLongestPath = 512;
+constexpr std::size_t kWorthCompressing = 1024;  // below, the headers are most of it
+
+/// Scripts and styles from the server's own files only; pictures from it and from memory.
+constexpr const char* kContentPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
+    "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'self'; "
+    "frame-ancestors 'none'";
+
+void add_security_headers(Response& response) {
+  const auto has = [&response](std::string_view name) {
+    return std::ranges::any_of(response.headers,
+                               [name](const auto& header) { return header.first == name; });
+  };
+  const auto add = [&](const char* name, const char* value) {
+    if (!has(name)) response.headers.emplace_back(name, value);
+  };
+  add("Content-Security-Policy", kContentPolicy);
+  add("X-Content-Type-Options", "nosniff");
+  add("X-Frame-Options", "DENY");
+  add("Referrer-Policy", "no-referrer");
+  add("Cross-Origin-Opener-Policy", "same-origin");
+  add("Cross-Origin-Resource-Policy", "same-origin");
+  add("Permissions-Policy", "camera=(), microphone=(), geolocation=(), payment=()");
+  // What is not said to be kept isn't: answers may depend on who asks.
+  add("Cache-Control", "no-store");
+}
+
+bool is_text(std::string_view type) {
+  return type.starts_with("text/") || type.starts_with("application/json") ||
+         type.starts_with("image/svg");
+}
+
+bool accepts_gzip(const Request& request) {
+  const std::string_view accepted = request.header("accept-encoding");
+  return accepted.find("gzip") != std::string_view::npos &&
+         accepted.find("gzip;q=0") == std::string_view::npos;
+}
+
+void compress(const Request& request, Response& response) {
+  if (!is_text(response.type) || response.body->size() < kWorthCompressing) return;
+  for (const auto& [name, value] : response.headers) {
+    if (name == "Content-Encoding") return;
+  }
+  response.headers.emplace_back("Vary", "Accept-Encoding");
+  if (!accepts_gzip(request)) return;
+  response.body = std::make_shared<const std::string>(gzip(*response.body, 5));
+  response.headers.emplace_back("Content-Encoding", "gzip");
+}
+
+/// 304 where the client has what would be sent.
+void compare_with_cached(const Request& request, Response& response) {
+  const std::string_view known = request.header("if-none-match");
+  if (response.status != 200 || known.empty()) return;
+  for (const auto& [name, value] : response.headers) {
+    if (name != "ETag" || known.find(value) == std::string_view::npos) continue;
+    response.status = 304;
+    response.body = std::make_shared<const std::string>();
+    return;
+  }
+}
+
+std::string_view cookie_of(const Request& request, std::string_view name) {
+  std::string_view rest = request.header("cookie");
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(';'), rest.size());
+    std::string_view pair = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    pair.remove_prefix(std::min(pair.find_first_not_of(' '), pair.size()));
+    if (pair.size() > name.size() && pair.starts_with(name) && pair[name.size()] == '=') {
+      return pair.substr(name.size() + 1);
+    }
+  }
+  return {};
+}
+
+void check_access(const Route& route, const Request& request) {
+  if (route.access == Access::kPublic) return;
+  if (!request.principal) {
+    throw HttpError(401, "who-are-you", "this needs a token: Authorization: Bearer enfilade_...");
+  }
+  const Role wanted = route.access == Access::kTeam ? Role::kTeam : Role::kOrganiser;
+  if (request.principal->role != wanted) {
+    throw HttpError(
+        403, "not-allowed",
+        fmt::format("this is for a{} {}", wanted == Role::kTeam ? "" : "n", to_string(wanted)));
+  }
+}
+
+/// A page of another site can make a browser send its cookie, but not this header.
+void check_origin(const Request& request) {
+  if (request.method == "GET" || !request.principal || !request.principal->by_cookie) return;
+  if (request.header("x-enfilade").empty()) {
+    throw HttpError(403, "cross-site", "requests with a cookie need the header X-Enfilade: 1");
+  }
+}
+
+Context make_context(std::shared_ptr<const Site> site, ServerConfig config) {
+  auto database = std::make_shared<Database>(config.database);
+  const Clock clock = config.clock ? config.clock : system_clock();
+  const int most = config.most_attempts;
+  return Context{site,
+                 database,
+                 std::move(config),
+                 clock,
+                 Faces(site->panoramas()),
+                 Evaluation(site, database, clock),
+                 Metrics(),
+                 RateLimit(most),
+                 RateLimit(most)};
+}
+
+Response error_of(const std::exception_ptr& thrown, std::string& fault) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const HttpError& error) {
+    return error_response(error.status(), error.code(), error.what());
+  } catch (const InvalidInput& error) {
+    return error_response(422, "invalid-input", "what was sent has faults", error.diagnostics());
+  } catch (const std::exception& error) {
+    fault = error.what();  // names files of this machine: for the log, not for strangers
+  } catch (...) {
+    fault = "an exception of no known type";
+  }
+  return error_response(500, "internal", "the server failed; its log says why");
+}
+
+}  // namespace
+
+void RateLimit::take(const std::string& address, std::int64_t now) {
+  constexpr std::size_t kMostAddresses = 10'000;
+  const std::int64_t minute = now / 60;
+  const std::scoped_lock lock(mutex_);
+  if (windows_.size() > kMostAddresses) windows_.clear();
+  Window& window = windows_[address];
+  if (window.minute != minute) window = {minute, 0};
+  if (++window.count > most_) {
+    throw HttpError(429, "too-many", "too many attempts from this address; wait a minute");
+  }
+}
+
+App::App(std::shared_ptr<const Site> site, ServerConfig config)
+    : context_(make_context(std::move(site), std::move(config))) {
+  add_scan_routes(router_, context_);
+  add_episode_routes(router_, context_);
+  add_account_routes(router_, context_);
+  add_evaluation_routes(router_, context_);
+  add_operation_routes(router_, context_);
+}
+
+std::size_t App::most_bytes(std::string_view method, std::string_view path) const {
+  const Router::Match match = router_.find(method, path);
+  return match.route == nullptr ? 0 : match.route->most_bytes;
+}
+
+void App::identify(Request& request) {
+  constexpr std::string_view kBearer = "Bearer ";
+  const std::int64_t now = context_.clock();
+  const std::string_view authorization = request.header("authorization");
+  if (!authorization.empty()) {
+    if (authorization.starts_with(kBearer)) {
+      request.principal = find_token(*context_.database, authorization.substr(kBearer.size()), now);
+    }
+    if (!request.principal) {
+      context_.failures.take(request.address, now);
+      throw HttpError(401, "bad-token", "the token is unknown, expired or revoked");
+    }
+    return;
+  }
+  const std::string_view cookie = cookie_of(request, kSessionCookie);
+  if (!cookie.empty()) request.principal = find_session(*context_.database, cookie, now);
+}
+
+// "/leaderboard" is the file /leaderboard.html. Names of assets change with their content.
+Response App::page(const Request& request) const {
+  std::string path = request.path == "/" ? "/index" : request.path;
+  if (path.find('.') == std::string::npos) path += ".html";
+  const auto files = web_files();
+  const auto found = std::ranges::lower_bound(files, path, {}, &WebFile::path);
+  if (found == files.end() || found->path != path) {
+    if (request.path == "/" && files.empty()) {
+      Response none;
+      none.type = "text/plain; charset=utf-8";
+      none.body = std::make_shared<const std::string>(
+          "This build of Enfilade has no web client in it: npm was not there. The API is at "
+          "/api/v1/, its description at /api/v1/openapi.json\n");
+      return none;
+    }
+    throw HttpError(404, "not-found", "there is nothing here");
+  }
+  Response response;
+  response.type = found->type;
+  const bool packed = accepts_gzip(request);
+  response.body =
+      std::make_shared<const std::string>(packed ? std::string(found->gzip) : gunzip(found->gzip));
+  if (packed) response.headers.emplace_back("Content-Encoding", "gzip");
+  response.headers.emplace_back("Vary", "Accept-Encoding");
+  response.headers.emplace_back("ETag", fmt::format("\"{}\"", found->digest));
+  response.headers.emplace_back("Cache-Control", path.starts_with("/assets/")
+                                                     ? "public, max-age=31536000, immutable"
+                                                     : "no-cache");
+  return response;
+}
+
+Response App::answer(Request& request, std::string_view& pattern) {
+  if (request.path.size() > kLongestPath) throw HttpError(414, "long-path", "the path is too long");
+  Router::Match match = router_.find(request.method, request.path);
+  if (match.route == nullptr) {
+    if (match.other_method) throw HttpError(405, "bad-method", "not with this method");
+    if (request.method != "GET") throw HttpError(404, "not-found", "there is nothing here");
+    return page(request);
+  }
+  pattern = match.route->pattern;
+  request.parameters = std::move(match.parameters);
+  if (request.body.size() > match.route->most_bytes) {
+    throw HttpError(413, "too-large",
+                    fmt::format("the body has more than {} bytes", match.route->most_bytes));
+  }
+  identify(request);
+  check_access(*match.route, request);
+  check_origin(request);
+  return match.route->handle(request);
+}
+
+Response App::handle(Request request) {
+  const auto begin = std::chrono::steady_clock::now();
+  context_.metrics.begin();
+  std::string fault;
+  std::string_view pattern = "(page)";
+  Response response;
+  try {
+    response = answer(request, pattern);
+  } catch (...) {
+    response = error_of(std::current_exception(), fault);
+  }
+  compare_with_cached(request, response);
+  compress(request, response);
+  add_security_headers(response);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  context_.metrics.count(pattern, response.status, took.count());
+  context_.metrics.end();
+  if (context_.config.log) {
+    context_.config.log(
+        {request.address, request.method, request.path, response.status, response.body->size(),
+         took.count(),
+         request.principal ? std::string_view(request.principal->name) : std::string_view(),
+         fault});
+  }
+  return response;
+}
+
+}  // namespace enfilade::service::detail

@@ -1,0 +1,191 @@
+// Phases, submissions, leaderboards. Of scores, only means over a whole split leave the server: one
+// episode's navigation error would tell where its goal is.
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "enfilade/service/detail/app.h"
+
+namespace enfilade::service::detail {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// What a leaderboard shows: the table's columns in their order, names of r2r::metric_fields().
+constexpr std::array<const char*, 8> kColumns{"trajectory_length", "nav_error", "success",
+                                              "oracle_success",    "spl",       "ndtw_collapsed",
+                                              "sdtw_collapsed",    "cls"};
+
+const Phase& phase_of(const Context& context, std::string_view name) {
+  const Phase* phase = context.site->find_phase(name);
+  if (phase == nullptr) throw HttpError(404, "unknown-phase", "no phase of this name");
+  return *phase;
+}
+
+bool may_see_scores(const Context& context, const Request& request, std::string_view phase_name) {
+  if (request.principal && request.principal->role == Role::kOrganiser) return true;
+  const Phase* phase = context.site->find_phase(phase_name);
+  return phase != nullptr && phase->scores == Scores::kPublic;
+}
+
+std::string phase_list_json(const Context& context) {
+  auto list = ordered_json::array();
+  for (const Phase& phase : context.site->phases()) {
+    list.push_back({{"phase", phase.name},
+                    {"title", phase.title},
+                    {"split", phase.split},
+                    {"episodes", context.site->secret_episodes(phase).episodes.size()},
+                    {"goals_secret", phase.goals_secret()},
+                    {"scores", phase.scores == Scores::kPublic ? "public" : "hidden"},
+                    {"per_day", phase.per_day}});
+  }
+  return ordered_json{{"phases", list}}.dump();
+}
+
+ordered_json columns_json(const Submission& submission) {
+  const ordered_json score = ordered_json::parse(submission.score);
+  ordered_json means;
+  for (const char* column : kColumns) means[column] = score.at("means").at(column);
+  return means;
+}
+
+ordered_json submission_json(const Submission& submission, bool with_score) {
+  ordered_json one{{"id", submission.id},       {"team", submission.team_name},
+                   {"phase", submission.phase}, {"method", submission.method},
+                   {"state", submission.state}, {"created", iso_time(submission.created)}};
+  if (!submission.score.empty() && with_score) one["means"] = columns_json(submission);
+  return one;
+}
+
+Response receive(Context& context, const Request& request) {
+  const Receipt receipt = context.evaluation.receive(*request.principal, request.text("phase"),
+                                                     request.text("method"), request.body);
+  const Submission& submission = receipt.submission;
+  ordered_json out =
+      submission_json(submission, may_see_scores(context, request, submission.phase));
+  auto& warnings = out["warnings"] = ordered_json::array();
+  for (const Diagnostic& warning : receipt.warnings) warnings.push_back(to_string(warning));
+  return json_response(out.dump(), receipt.seen_before ? 200 : 202);
+}
+
+/// The row, if it is the asker's to see.
+Submission own_submission(const Context& context, const Request& request) {
+  const std::string& text = request.parameter("id");
+  std::int64_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error == std::errc{} && end == text.data() + text.size()) {
+    auto found = context.evaluation.find(id);
+    const Principal& who = *request.principal;
+    if (found && (who.role == Role::kOrganiser || found->team == who.team)) return *found;
+  }
+  throw HttpError(404, "unknown-submission", "no such submission of this team");
+}
+
+const Principal& known(const Request& request) {
+  if (!request.principal) throw HttpError(401, "who-are-you", "this needs a token");
+  return *request.principal;
+}
+
+Response list_submissions(const Context& context, const Request& request) {
+  const std::int64_t team = known(request).team;  // 0, everybody's, for organisers
+  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
+  const std::int64_t before = request.number("before", kMost, 1, kMost);
+  auto list = ordered_json::array();
+  for (const Submission& submission : context.evaluation.list(team, before)) {
+    list.push_back(submission_json(submission, may_see_scores(context, request, submission.phase)));
+  }
+  return json_response(ordered_json{{"submissions", list}}.dump());
+}
+
+double spl_of(const ordered_json& row) { return row["means"]["spl"]["mean"].get<double>(); }
+
+/// Rows by falling SPL, earlier ones first where equal; of each team its best, or all.
+ordered_json leaderboard_rows(const Context& context, const Phase& phase, bool all) {
+  std::vector<ordered_json> rows;
+  for (const Submission& submission : context.evaluation.scored(phase)) {
+    rows.push_back(submission_json(submission, true));
+  }
+  std::ranges::stable_sort(rows, std::ranges::greater{}, spl_of);
+  std::set<std::string> seen;
+  auto kept = ordered_json::array();
+  for (ordered_json& row : rows) {
+    if (seen.insert(row["team"].get<std::string>()).second || all) kept.push_back(std::move(row));
+  }
+  return kept;
+}
+
+// Quoted, and never beginning like a formula, which spreadsheets would run.
+std::string csv_text(const std::string& text) {
+  std::string out = "\"";
+  if (std::string_view("=+-@").find(text.front()) != std::string_view::npos) out += '\'';
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + '"';
+}
+
+std::string leaderboard_csv(const ordered_json& rows) {
+  std::string out = "team,method,created";
+  for (const char* column : kColumns) out += fmt::format(",{0},{0}_low,{0}_high", column);
+  out += "\r\n";
+  for (const ordered_json& row : rows) {
+    out += fmt::format("{},{},{}", csv_text(row["team"]), csv_text(row["method"]),
+                       row["created"].get<std::string>());
+    for (const char* column : kColumns) {
+      for (const char* part : {"mean", "low", "high"})
+        out += "," + row["means"][column][part].dump();
+    }
+    out += "\r\n";
+  }
+  return out;
+}
+
+Response leaderboard(const Context& context, const Request& request) {
+  const Phase& phase = phase_of(context, request.parameter("phase"));
+  if (!may_see_scores(context, request, phase.name)) {
+    throw HttpError(403, "hidden-scores", "the scores of this phase are not public");
+  }
+  const ordered_json rows = leaderboard_rows(context, phase, request.text("all") == "1");
+  if (request.text("format") == "csv") {
+    Response csv = json_response(leaderboard_csv(rows));
+    csv.type = "text/csv; charset=utf-8";
+    return csv;
+  }
+  return json_response(ordered_json{
+      {"phase", phase.name},
+      {"title", phase.title},
+      {"split", phase.split},
+      {"synthetic", context.site->synthetic()},
+      {"rows", rows}}.dump());
+}
+
+}  // namespace
+
+void add_evaluation_routes(Router& router, Context& context) {
+  router.add({"GET", "/api/v1/phases", Access::kPublic,
+              [&context](const Request&) { return json_response(phase_list_json(context)); }});
+  router.add({"POST", "/api/v1/submissions", Access::kTeam,
+              [&context](const Request& request) { return receive(context, request); },
+              context.config.most_submission_bytes});
+  router.add({"GET", "/api/v1/submissions", Access::kPublic,
+              [&context](const Request& request) { return list_submissions(context, request); }});
+  router.add(
+      {"GET", "/api/v1/submissions/{id}", Access::kPublic, [&context](const Request& request) {
+         known(request);
+         const Submission found = own_submission(context, request);
+         const bool scores = may_see_scores(context, request, found.phase);
+         return json_response(submission_json(found, scores).dump());
+       }});
+  router.add(
+      {"DELETE", "/api/v1/submissions/{id}", Access::kTeam, [&context](const Request& request) {
+         const Submission found = own_submission(context, request);
+         context.evaluation.withdraw(request.principal->team, found.id);
+         return json_response("{}");
+       }});
+  router.add({"GET", "/api/v1/leaderboards/{phase}", Access::kPublic,
+              [&context](const Request& request) { return leaderboard(context, request); }});
+}
+
+}  // namespace enfilade::service::detail

@@ -1,0 +1,28 @@
+#include "enfilade/service/detail/secrets.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <openssl/evp.h>
+#include <openssl/rand.h>
+#include <array>
+
+#include "enfilade/core/check.h"
+
+namespace enfilade::service::detail {
+
+std::string new_secret(std::string_view prefix) {
+  std::array<unsigned char, 32> bytes{};
+  EN_CHECK_EQ(RAND_bytes(bytes.data(), static_cast<int>(bytes.size())), 1);
+  return fmt::format("{}{:02x}", prefix, fmt::join(bytes, ""));
+}
+
+std::string sha256(std::string_view text) {
+  std::array<unsigned char, 32> digest{};
+  unsigned length = 0;
+  EN_CHECK_EQ(EVP_Digest(text.data(), text.size(), digest.data(), &length, EVP_sha256(), nullptr),
+              1);
+  EN_CHECK_EQ(length, digest.size());
+  return fmt::format("{:02x}", fmt::join(digest, ""));
+}
+
+}  // namespace enfilade::service::detail

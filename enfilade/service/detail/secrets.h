@@ -1,0 +1,15 @@
+/// \file  Random secrets and what is kept of them.
+#pragma once
+#include <string>
+#include <string_view>
+
+namespace enfilade::service::detail {
+
+/// `prefix` and 256 bits of the system's randomness in hexadecimal digits.
+std::string new_secret(std::string_view prefix);
+
+/// SHA-256 in hexadecimal digits. Enough for secrets of 256 random bits, which nobody can guess
+/// however fast the hash is; passwords would need a slow one.
+std::string sha256(std::string_view text);
+
+}  // namespace enfilade::service::detail

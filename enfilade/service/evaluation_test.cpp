@@ -1,0 +1,169 @@
+// Teams, submissions and leaderboards, over real sockets.
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <gmock/gmock.h>
+#include <atomic>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/service/client.h"
+#include "enfilade/service/server.h"
+#include "tests/support/refusal.h"
+#include "tests/support/served_data.h"
+
+namespace enfilade::service {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::row_results;
+using testing::Served;
+
+std::int64_t id_of(const httplib::Result& result) {
+  return nlohmann::json::parse(result->body).at("id").get<std::int64_t>();
+}
+
+TEST(Evaluation, AGoodFileIsScoredOnSecretGoals) {
+  Served served;
+  const auto team = served.team("A team");
+  const auto taken = served.submit(team, "test", row_results(3));
+  ASSERT_EQ(taken->status, 202) << taken->body;
+  const auto status = served.scored(team, id_of(taken));
+  EXPECT_EQ(status.at("state"), "scored");
+  // Each walks the reference path of 3 m to its goal.
+  EXPECT_DOUBLE_EQ(status["means"]["success"]["mean"].get<double>(), 1);
+  EXPECT_DOUBLE_EQ(status["means"]["trajectory_length"]["mean"].get<double>(), 3);
+  EXPECT_DOUBLE_EQ(status["means"]["nav_error"]["mean"].get<double>(), 0);
+}
+
+TEST(Evaluation, EveryFaultOfAFileIsShownAndNothingIsKept) {
+  Served served;
+  const auto team = served.team("A team");
+  auto results = nlohmann::json::parse(row_results(2));
+  results[0]["trajectory"][0][0] = "v9";
+  results[1]["instr_id"] = "7_7";
+  const auto refused = served.submit(team, "test", results.dump());
+  EXPECT_EQ(refused->status, 422);
+  EXPECT_THAT(refused->body, HasSubstr("$[0].trajectory[0]"));
+  EXPECT_THAT(refused->body, HasSubstr("7_7"));
+  EXPECT_EQ(served.json("/api/v1/submissions", team).at("submissions").size(), 0U);
+}
+
+TEST(Evaluation, TheSameFileAgainIsTheSameSubmission) {
+  Served served;
+  const auto team = served.team("A team");
+  const auto first = served.submit(team, "test", row_results(3));
+  const auto again = served.submit(team, "test", row_results(3));
+  EXPECT_EQ(again->status, 200);
+  EXPECT_EQ(id_of(first), id_of(again));
+  EXPECT_NE(id_of(first), id_of(served.submit(team, "test", row_results(3), "other")));
+}
+
+TEST(Evaluation, ALeaderboardHasEachTeamsBest) {
+  Served served;
+  const auto a = served.team("A");
+  const auto b = served.team("B");
+  const auto c = served.team("C");
+  served.scored(c, id_of(served.submit(c, "open", row_results(0), "stays")));
+  served.scored(a, id_of(served.submit(a, "open", row_results(0), "stays too")));
+  served.scored(a, id_of(served.submit(a, "open", row_results(1), "one step")));
+  served.scored(b, id_of(served.submit(b, "open", row_results(3), "walks")));
+  const auto rows = served.json("/api/v1/leaderboards/open").at("rows");
+  ASSERT_EQ(rows.size(), 3U);
+  // 2 m from the goal is a success, and SPL doesn't punish a short way: equal, so the earlier
+  // first.
+  EXPECT_EQ(rows[0]["method"], "one step");
+  EXPECT_EQ(rows[1]["method"], "walks");
+  EXPECT_EQ(rows[2]["method"], "stays");
+  EXPECT_EQ(served.json("/api/v1/leaderboards/open?all=1").at("rows").size(), 4U);
+  const std::string csv = served.get("/api/v1/leaderboards/open?format=csv")->body;
+  EXPECT_THAT(csv, HasSubstr("team,method,created,trajectory_length,trajectory_length_low"));
+  EXPECT_THAT(csv, HasSubstr("\"B\",\"walks\","));
+}
+
+TEST(Evaluation, AWithdrawnSubmissionLeavesTheLeaderboard) {
+  Served served;
+  const auto team = served.team("A");
+  const auto id = std::to_string(id_of(served.submit(team, "open", row_results(3))));
+  served.scored(team, std::stoll(id));
+  EXPECT_EQ(served.client().Delete("/api/v1/submissions/" + id, team)->status, 200);
+  EXPECT_EQ(served.client().Delete("/api/v1/submissions/" + id, team)->status, 409);
+  EXPECT_EQ(served.json("/api/v1/leaderboards/open").at("rows").size(), 0U);
+}
+
+TEST(Evaluation, AHistoryComesInPages) {
+  Served served;
+  const auto team = served.team("A");
+  for (int k = 0; k < 3; ++k) {
+    served.submit(team, "open", row_results(3), "m" + std::to_string(k));
+  }
+  const auto all = served.json("/api/v1/submissions", team).at("submissions");
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_EQ(all[0]["method"], "m2");
+  const auto rest = served.json("/api/v1/submissions?before=2", team).at("submissions");
+  ASSERT_EQ(rest.size(), 1U);
+  EXPECT_EQ(rest[0]["method"], "m0");
+}
+
+TEST(Evaluation, ADayHasItsLimit) {
+  std::atomic<std::int64_t> now{1'000'000};
+  ServerConfig config;
+  config.clock = [&now] { return now.load(); };
+  Served served(config);
+  const auto team = served.team("A");
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_EQ(served.submit(team, "open", row_results(3), "m" + std::to_string(k))->status, 202);
+  }
+  EXPECT_EQ(served.submit(team, "open", row_results(3), "m5")->status, 429);
+  EXPECT_EQ(served.submit(served.team("B"), "open", row_results(3), "m5")->status, 202);
+  now += 24 * 3600 + 1;
+  EXPECT_EQ(served.submit(team, "open", row_results(3), "m5")->status, 202);
+}
+
+TEST(Evaluation, ScoresOfAHiddenPhaseAreTheOrganisers) {
+  Served served;
+  const auto team = served.team("A");
+  const auto id = id_of(served.submit(team, "final", row_results(3)));
+  const auto own = served.scored(team, id);
+  EXPECT_EQ(own.at("state"), "scored");
+  EXPECT_FALSE(own.contains("means"));
+  EXPECT_EQ(served.get("/api/v1/leaderboards/final", team)->status, 403);
+  const auto rows = served.json("/api/v1/leaderboards/final", served.organiser()).at("rows");
+  EXPECT_EQ(rows.size(), 1U);
+}
+
+TEST(Evaluation, WhatWaitsIsScoredAfterARestart) {
+  Served served;
+  const auto team = served.team("A");
+  const auto id = id_of(served.submit(team, "open", row_results(3)));
+  served.stop();
+  {
+    // As a server that was killed before it came to it would leave it.
+    SQLite::Database db((served.root() / "service.sqlite").string(), SQLite::OPEN_READWRITE);
+    db.exec("UPDATE submission SET state = 'queued', score = NULL");
+  }
+  served.start();
+  EXPECT_EQ(served.scored(team, id).at("state"), "scored");
+}
+
+TEST(Evaluation, TheClientHandsIn) {
+  Served served;
+  const std::string token = served.team("A").find("Authorization")->second.substr(7);
+  const std::string server = "http://127.0.0.1:" + std::to_string(served.port());
+  Client client(server, token);
+  SubmissionStatus status = client.submit("open", "my method", row_results(3));
+  EXPECT_EQ(status.method, "my method");
+  for (int k = 0; k < 1000 && status.state == "queued"; ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    status = client.status(status.id);
+  }
+  EXPECT_EQ(status.state, "scored");
+  EXPECT_DOUBLE_EQ(status.means.at("success"), 1);
+  EXPECT_THROW(client.submit("open", "my method", "[]"), InvalidInput);
+  EXPECT_THAT(tests::refusal([&] { client.submit("none", "my method", "[]"); }),
+              HasSubstr("status 404: no phase of this name"));
+  EXPECT_THAT(tests::refusal([&] { Client(server, "wrong").status(1); }), HasSubstr("401"));
+  EXPECT_THAT(tests::refusal([] { Client("http://127.0.0.1:1", "x").status(1); }),
+              HasSubstr("cannot be reached"));
+}
+
+}  // namespace
+}  // namespace enfilade::service

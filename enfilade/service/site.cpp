@@ -1,0 +1,115 @@
+#include "enfilade/service/site.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "enfilade/core/check.h"
+#include "enfilade/r2r/score.h"
+#include "enfilade/scan/data_root.h"
+
+namespace enfilade::service {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<const char*, 4> kSplits{"train", "val_seen", "val_unseen", "test"};
+
+std::optional<r2r::Annotations> try_load(const scan::DataRoot& root, const std::string& split) {
+  fs::path file;
+  try {
+    file = root.annotations(split);
+  } catch (const FileError&) {
+    return std::nullopt;  // a data set need not have all splits, nor any
+  }
+  return r2r::load_annotations(file, split);
+}
+
+bool has_hidden_goal(const r2r::Annotations& annotations) {
+  return std::ranges::any_of(annotations.paths, &r2r::PathAnnotation::goal_hidden);
+}
+
+}  // namespace
+
+std::shared_ptr<const Site> Site::open(const fs::path& data, std::vector<Phase> phases) {
+  const std::shared_ptr<Site> site(new Site);
+  const scan::DataRoot root(data);
+  site->graphs_ = graph::GraphSet::open(root.connectivity());
+  site->graphs_->load_all();
+  site->panoramas_ = scan::PanoramaSet::open(root.panoramas(), site->graphs_->scans());
+  site->synthetic_ = fs::exists(root.folder() / "homes.json");
+  site->phases_ = std::move(phases);
+  site->read_splits(data);
+  site->read_phases(data);
+  site->hide_goals();
+  return site;
+}
+
+void Site::read_splits(const fs::path& data) {
+  const scan::DataRoot root(data);
+  std::vector<std::string> names(kSplits.begin(), kSplits.end());
+  for (const Phase& phase : phases_) {
+    if (std::ranges::find(names, phase.split) == names.end()) names.push_back(phase.split);
+  }
+  for (const std::string& name : names) {
+    auto annotations = try_load(root, name);
+    if (!annotations) continue;
+    r2r::look_up_paths(*annotations, *graphs_);  // refuses what could not be shown on a plan
+    splits_.push_back({std::move(*annotations), false});
+  }
+}
+
+void Site::read_phases(const fs::path& data) {
+  if (phases_.empty()) {
+    for (const PublicSplit& split : splits_) {
+      const std::string& name = split.annotations.split;
+      if (name == "train" || has_hidden_goal(split.annotations)) continue;
+      phases_.push_back({name, name, name, {}, Scores::kPublic, 10});
+    }
+  }
+  const scan::DataRoot root(data);
+  for (const Phase& phase : phases_) {
+    const fs::path file = phase.goals_secret() ? phase.annotations : root.annotations(phase.split);
+    secret_.push_back(r2r::make_episodes(r2r::load_annotations(file, phase.split), graphs_));
+    if (r2r::goals_hidden(secret_.back())) {
+      throw InvalidInput({{Severity::kError, file.string(), "$", "hidden-goal",
+                           "phase " + phase.name + " cannot be scored: a path in it has no goal"}});
+    }
+  }
+}
+
+// The annotations of a secret phase may lie in the data set all the same, by somebody's mistake.
+void Site::hide_goals() {
+  for (PublicSplit& split : splits_) {
+    const bool secret = std::ranges::any_of(phases_, [&split](const Phase& phase) {
+      return phase.goals_secret() && phase.split == split.annotations.split;
+    });
+    if (secret) {
+      for (r2r::PathAnnotation& path : split.annotations.paths) {
+        path.path.resize(1);
+        path.distance.reset();
+      }
+    }
+    split.goals_hidden = has_hidden_goal(split.annotations);
+  }
+}
+
+const PublicSplit* Site::find_split(std::string_view name) const noexcept {
+  const auto found = std::ranges::find_if(
+      splits_, [name](const PublicSplit& split) { return split.annotations.split == name; });
+  return found == splits_.end() ? nullptr : &*found;
+}
+
+const Phase* Site::find_phase(std::string_view name) const noexcept {
+  const auto found = std::ranges::find(phases_, name, &Phase::name);
+  return found == phases_.end() ? nullptr : &*found;
+}
+
+const r2r::EpisodeSet& Site::secret_episodes(const Phase& phase) const {
+  const auto k = static_cast<std::size_t>(&phase - phases_.data());
+  EN_CHECK_LT(k, phases_.size());
+  return secret_[k];
+}
+
+}  // namespace enfilade::service

@@ -1,0 +1,60 @@
+/// \file  The data set that a server shows, without what it must not show.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/scan/panorama_set.h"
+#include "enfilade/service/phases.h"
+
+namespace enfilade::service {
+
+/// A split as everybody may see it: where its goals are secret, paths end at their start.
+struct PublicSplit {
+  r2r::Annotations annotations;
+  bool goals_hidden = false;
+};
+
+/// Graphs, panoramas and annotations of a data set, and the phases of an evaluation. Immutable: any
+/// thread. Secret annotations are read into secret_episodes() only, which nothing but scoring asks
+/// for.
+class Site {
+ public:
+  /// Opens a data set in a layout of scan::DataRoot: graphs and the splits train, val_seen,
+  /// val_unseen and test that it has, and those of the phases. Without phases, each split whose
+  /// goals are in the data set is one.
+  /// \throws FileError; InvalidInput for files that can't be used
+  static std::shared_ptr<const Site> open(const std::filesystem::path& data,
+                                          std::vector<Phase> phases = {});
+
+  const graph::GraphSet& graphs() const noexcept { return *graphs_; }
+  const scan::PanoramaSet& panoramas() const noexcept { return *panoramas_; }
+  const std::vector<PublicSplit>& splits() const noexcept { return splits_; }
+  const PublicSplit* find_split(std::string_view name) const noexcept;  ///< null if there is none
+  const std::vector<Phase>& phases() const noexcept { return phases_; }
+  const Phase* find_phase(std::string_view name) const noexcept;  ///< null if there is none
+  /// With goals. Never to be shown. \pre phase is one of phases()
+  const r2r::EpisodeSet& secret_episodes(const Phase& phase) const;
+  /// Model homes: whatever is shown of them is to be called synthetic.
+  bool synthetic() const noexcept { return synthetic_; }
+
+ private:
+  Site() = default;
+  void read_splits(const std::filesystem::path& data);
+  void read_phases(const std::filesystem::path& data);
+  void hide_goals();
+
+  std::shared_ptr<const graph::GraphSet> graphs_;
+  std::shared_ptr<const scan::PanoramaSet> panoramas_;
+  std::vector<PublicSplit> splits_;
+  std::vector<Phase> phases_;
+  std::vector<r2r::EpisodeSet> secret_;  // as phases_
+  bool synthetic_ = false;
+};
+
+}  // namespace enfilade::service

@@ -1,0 +1,143 @@
+/// \file  A small data set on disk with pictures and a secret, and a server of it on a free port.
+#pragma once
+#include <httplib.h>
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "enfilade/core/file.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/scan/store.h"
+#include "enfilade/service/server.h"
+#include "tests/support/panoramas.h"
+#include "tests/support/temporary_folder.h"
+
+namespace enfilade::service::testing {
+
+/// Paths along the row of viewpoints v0 ... v5 of scan "row", two instructions each.
+inline r2r::Annotations row_annotations(const std::string& split, bool with_goals) {
+  r2r::Annotations annotations{split, "", {}};
+  for (std::int64_t id = 1; id <= 3; ++id) {
+    r2r::PathAnnotation path{id, "row", Radians(1.5), {}, std::nullopt, {}};
+    const auto first = static_cast<std::size_t>(id - 1);
+    for (std::size_t v = first; v < first + 4; ++v) path.path.push_back("v" + std::to_string(v));
+    path.distance = 3.0;
+    if (!with_goals) {
+      path.path.resize(1);
+      path.distance.reset();
+    }
+    path.instructions = {"Walk to the end of the hall, path " + std::to_string(id) + ".",
+                         "Go past the <b>table</b>."};
+    annotations.paths.push_back(path);
+  }
+  return annotations;
+}
+
+/// connectivity/, r2r/ (val_seen with goals, test without), store/, and beside it the secret goals
+/// of test and a file of phases.
+inline void write_served_data(const std::filesystem::path& root) {
+  const auto data = root / "data";
+  for (const char* folder : {"connectivity", "r2r", "store"}) make_folder(data / folder);
+  const scan::Connectivity row = scan::testing::row_of_viewpoints("row", 6);
+  write_file_atomically(data / "connectivity/scans.txt", "row\n");
+  write_file_atomically(data / "connectivity/row_connectivity.json", scan::to_json(row));
+  std::vector<scan::Panorama> panoramas;
+  for (std::uint64_t v = 0; v < 6; ++v) panoramas.push_back(scan::testing::panorama(32, v));
+  scan::pack(scan::MemoryPanoramas(row, std::move(panoramas)), data / "store", {});
+  write_file_atomically(data / "r2r/R2R_val_seen.json", to_json(row_annotations("val_seen", true)));
+  write_file_atomically(data / "r2r/R2R_test.json", to_json(row_annotations("test", false)));
+  write_file_atomically(root / "secret.json", to_json(row_annotations("test", true)));
+  write_file_atomically(root / "phases.json", R"({"phases": [
+    {"name": "open", "split": "val_seen", "per_day": 5},
+    {"name": "test", "title": "Test", "split": "test", "annotations": "secret.json"},
+    {"name": "final", "split": "test", "annotations": "secret.json", "scores": "hidden"}]})");
+}
+
+/// Results for the row's annotations: `moves` steps along the path of each episode.
+inline std::string row_results(std::size_t moves) {
+  auto results = nlohmann::json::array();
+  for (std::size_t id = 1; id <= 3; ++id) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      auto trajectory = nlohmann::json::array();
+      for (std::size_t v = id - 1; v <= id - 1 + moves; ++v) {
+        trajectory.push_back({"v" + std::to_string(v), 1.5, 0.0});
+      }
+      results.push_back(
+          {{"instr_id", std::to_string(id) + "_" + std::to_string(k)}, {"trajectory", trajectory}});
+    }
+  }
+  return results.dump();
+}
+
+/// The data set, and a server of it until the end of the test.
+class Served {
+ public:
+  explicit Served(ServerConfig config = {}) : folder_("served"), config_(std::move(config)) {
+    write_served_data(folder_.path());
+    config_.database = folder_.path() / "service.sqlite";
+    config_.port = 0;
+    config_.threads = 8;
+    start();
+  }
+
+  void start() {
+    server_ = std::make_unique<Server>(
+        Site::open(folder_.path() / "data", load_phases(folder_.path() / "phases.json")), config_);
+    client_ = std::make_unique<httplib::Client>("127.0.0.1", server_->port());
+  }
+  void stop() { server_.reset(); }
+
+  httplib::Client& client() { return *client_; }
+  int port() const { return server_->port(); }
+  const std::filesystem::path& root() const { return folder_.path(); }
+  const ServerConfig& config() const { return config_; }
+
+  httplib::Result get(const std::string& target, const httplib::Headers& headers = {}) {
+    return client_->Get(target, headers);
+  }
+  nlohmann::json json(const std::string& target, const httplib::Headers& headers = {}) {
+    const auto result = get(target, headers);
+    return result ? nlohmann::json::parse(result->body, nullptr, false) : nlohmann::json();
+  }
+  /// Makes a team; its headers.
+  httplib::Headers team(const std::string& name) {
+    const auto made =
+        client_->Post("/api/v1/teams", nlohmann::json{{"name", name}}.dump(), "application/json");
+    const auto answer = nlohmann::json::parse(made->body);
+    return {{"Authorization", "Bearer " + answer.at("token").get<std::string>()}};
+  }
+  httplib::Headers organiser() {
+    return {{"Authorization",
+             "Bearer " + create_organiser_token(config_.database, "organiser", std::nullopt)}};
+  }
+  httplib::Result submit(const httplib::Headers& team, const std::string& phase,
+                         const std::string& results, const std::string& method = "method") {
+    return client_->Post("/api/v1/submissions?phase=" + phase + "&method=" + method, team, results,
+                         "application/json");
+  }
+  /// Asks until it is no longer queued.
+  nlohmann::json scored(const httplib::Headers& team, std::int64_t id) {
+    nlohmann::json status;
+    for (int k = 0; k < 1000; ++k) {
+      status = json("/api/v1/submissions/" + std::to_string(id), team);
+      if (status.value("state", "") != "queued") break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return status;
+  }
+
+ private:
+  tests::TemporaryFolder folder_;
+  ServerConfig config_;
+  std::unique_ptr<Server> server_;
+  std::unique_ptr<httplib::Client> client_;
+};
+
+}  // namespace enfilade::service::testing

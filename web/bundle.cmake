@@ -1,0 +1,35 @@
+# Builds the web client with npm, where there is one, and makes a C++ source out of its files:
+# sets web_files_source. Without npm the source is an empty list, and the server has no pages.
+set(web_files_source ${CMAKE_CURRENT_BINARY_DIR}/web_files.cpp)
+set(web ${PROJECT_SOURCE_DIR}/web)
+set(web_dist ${CMAKE_CURRENT_BINARY_DIR}/web)
+find_program(NPM_PROGRAM npm DOC "npm, which builds the web client; OFF: without web client")
+if(NPM_PROGRAM)
+  file(GLOB_RECURSE web_sources CONFIGURE_DEPENDS ${web}/src/* ${web}/pages/*)
+  set(web_installed ${web}/node_modules/.package-lock.json)
+  add_custom_command(OUTPUT ${web_installed}
+    COMMAND ${NPM_PROGRAM} ci --no-audit --no-fund --loglevel=error
+    WORKING_DIRECTORY ${web}
+    DEPENDS ${web}/package-lock.json
+    COMMENT "Fetching what the web client is built with (npm ci)"
+    VERBATIM)
+  add_custom_command(OUTPUT ${web_files_source}
+    COMMAND ${CMAKE_COMMAND} -E env ENFILADE_WEB_DIST=${web_dist}
+      ${NPM_PROGRAM} run --silent build
+    COMMAND node ${web}/embed.mjs ${web_dist} ${web_files_source}
+    WORKING_DIRECTORY ${web}
+    DEPENDS ${web_installed} ${web_sources} ${web}/package.json ${web}/vite.config.ts
+      ${web}/tsconfig.json ${web}/embed.mjs
+    COMMENT "Building the web client"
+    VERBATIM)
+else()
+  message(STATUS "npm is not on this machine: the server will have no web client")
+  file(WRITE ${web_files_source}.new "// Made by web/bundle.cmake: no npm, no files.
+#include \"enfilade/service/detail/web_files.h\"
+
+namespace enfilade::service::detail {
+std::span<const WebFile> web_files() { return {}; }
+}  // namespace enfilade::service::detail
+")
+  configure_file(${web_files_source}.new ${web_files_source} COPYONLY)
+endif()

@@ -1,0 +1,117 @@
+/**
+ * The real server, with a data set of model homes that the program makes, and Chromium. Needs
+ * ENFILADE_PROGRAM, an `enfilade` that was built with EN_WITH_WEB.
+ */
+import { type ChildProcess, execFileSync, spawn } from 'node:child_process';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { type Browser, chromium, type Page } from 'playwright-core';
+
+export const program = process.env['ENFILADE_PROGRAM'] ?? '';
+const browserPath = process.env['CHROMIUM'] ?? '/usr/bin/chromium';
+
+/** Why these tests can't run here; empty if they can. */
+export const missing = !existsSync(program)
+  ? 'ENFILADE_PROGRAM names no program'
+  : !existsSync(browserPath)
+    ? `there is no browser: ${browserPath} (CHROMIUM names another)`
+    : '';
+if (missing) console.warn(`browser tests are skipped: ${missing}`);
+
+export interface Home {
+  readonly folder: string;
+  readonly server: string;
+  readonly browser: Browser;
+  stop(): Promise<void>;
+}
+
+/** Model homes: synthetic, and the same in every run. */
+export function makeHomes(data: string, more: readonly string[] = []): void {
+  execFileSync(program, ['homes', '-o', data, '--homes', '1', '--kind', 'flat', '--area', '60',
+    '--size', '256', '--samples', '1', '--paths', '0', ...more], { stdio: 'ignore' });
+}
+
+interface Entry { readonly image_id: string; readonly unobstructed: readonly boolean[] }
+
+/** Six paths of three viewpoints as val_seen, with an instruction that tries to be a script. */
+function writeAnnotations(data: string): void {
+  const scan = 'home_0001';
+  const graph = JSON.parse(
+    readFileSync(join(data, `connectivity/${scan}_connectivity.json`), 'utf8'),
+  ) as Entry[];
+  const next = (k: number) => graph[k]!.unobstructed.flatMap((open, to) => (open ? [to] : []));
+  const paths: number[][] = [];
+  graph.forEach((_, a) => {
+    const b = next(a)[0];
+    const c = b === undefined ? undefined : next(b).find((k) => k !== a);
+    if (b !== undefined && c !== undefined && paths.length < 6) paths.push([a, b, c]);
+  });
+  const annotations = paths.map((path, k) => ({
+    path_id: k + 1,
+    scan,
+    heading: 0.5,
+    path: path.map((v) => graph[v]!.image_id),
+    distance: 4,
+    instructions: ['Walk on.', '<img src=x onerror=alert(1)> Turn left.', 'Go to the end.'],
+  }));
+  mkdirSync(join(data, 'r2r'), { recursive: true });
+  writeFileSync(join(data, 'r2r/R2R_val_seen.json'), JSON.stringify(annotations));
+}
+
+async function listen(child: ChildProcess): Promise<string> {
+  for await (const chunk of child.stdout!) {
+    const found = /http:\/\/[\d.]+:\d+/.exec(String(chunk));
+    if (found) return found[0];
+  }
+  throw new Error('the server ended before it listened');
+}
+
+export async function openHome(): Promise<Home> {
+  const folder = mkdtempSync(join(tmpdir(), 'enfilade-e2e-'));
+  const data = join(folder, 'homes');
+  makeHomes(data);
+  writeAnnotations(data);
+  const child = spawn(program, ['serve', data, '--db', join(folder, 'service.sqlite'), '--port', '0',
+    '--log', 'none'], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const server = await listen(child);
+  const browser = await chromium.launch({
+    executablePath: browserPath,
+    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+  });
+  return {
+    folder: data, server, browser,
+    stop: async () => {
+      await browser.close();
+      const ended = new Promise((resolve) => child.once('exit', resolve));
+      child.kill('SIGTERM');
+      await ended;
+      rmSync(folder, { recursive: true });
+    },
+  };
+}
+
+/** A page that fails its test when a script fails or the content policy is hurt. */
+export async function openPage(home: Home, path: string, phone = false): Promise<Page> {
+  const page = await home.browser.newPage({
+    viewport: phone ? { width: 390, height: 844 } : { width: 1280, height: 800 },
+    hasTouch: phone,
+  });
+  page.on('pageerror', (error) => { complaints.push(String(error)); });
+  page.on('console', (message) => {
+    // What a page asks for and doesn't get is the page's to show.
+    const expected = message.text().startsWith('Failed to load resource');
+    if (message.type() === 'error' && !expected) complaints.push(message.text());
+  });
+  await page.goto(home.server + path);
+  return page;
+}
+
+/** What browsers complained of since the start. */
+export const complaints: string[] = [];
+
+/** Into the folder ENFILADE_SCREENSHOTS, where somebody wants to look at them. */
+export async function keepScreenshot(page: Page, name: string): Promise<void> {
+  const folder = process.env['ENFILADE_SCREENSHOTS'];
+  if (folder) await page.screenshot({ path: join(folder, `${name}.png`) });
+}

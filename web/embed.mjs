@@ -1,0 +1,64 @@
+// Makes a C++ source out of the built web client: node embed.mjs DIST OUTPUT.cpp
+// Each file is kept compressed; the server unpacks it for the few who can't.
+import { createHash } from 'node:crypto';
+import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { extname, join, relative, sep } from 'node:path';
+import { gzipSync } from 'node:zlib';
+
+const types = {
+  '.css': 'text/css; charset=utf-8',
+  '.html': 'text/html; charset=utf-8',
+  '.js': 'text/javascript; charset=utf-8',
+  '.json': 'application/json',
+  '.png': 'image/png',
+  '.svg': 'image/svg+xml',
+  '.txt': 'text/plain; charset=utf-8',
+};
+
+const [dist, output] = process.argv.slice(2);
+const names = readdirSync(dist, { recursive: true, withFileTypes: true })
+  .filter((entry) => entry.isFile())
+  .map((entry) => relative(dist, join(entry.parentPath, entry.name)).split(sep).join('/'))
+  .sort((a, b) => (a < b ? -1 : 1)); // by code units, as std::string_view compares
+
+const arrays = [];
+const rows = [];
+names.forEach((name, k) => {
+  const type = types[extname(name)];
+  if (!type) throw new Error(`embed.mjs: ${name}: no media type is known for this suffix`);
+  const content = readFileSync(join(dist, name));
+  const packed = gzipSync(content, { level: 9 });
+  const digest = createHash('sha256').update(content).digest('hex').slice(0, 16);
+  arrays.push(`constexpr unsigned char kFile${k}[] = {${[...packed].join(',')}};`);
+  rows.push(`    {"/${name}", "${type}", "${digest}", view(kFile${k})},`);
+});
+
+writeFileSync(
+  output,
+  `// Made by web/embed.mjs.
+#include <array>
+
+#include "enfilade/service/detail/web_files.h"
+
+namespace enfilade::service::detail {
+namespace {
+
+template <std::size_t N>
+std::string_view view(const unsigned char (&bytes)[N]) {
+  return {reinterpret_cast<const char*>(bytes), N};
+}
+
+${arrays.join('\n')}
+
+}  // namespace
+
+std::span<const WebFile> web_files() {
+  static const std::array<WebFile, ${rows.length}> kFiles{{
+${rows.join('\n')}
+  }};
+  return kFiles;
+}
+
+}  // namespace enfilade::service::detail
+`,
+);

@@ -1,0 +1,81 @@
+/** What all pages have: making elements, the header, telling what went wrong. */
+import { Api, ServerError } from './scan.ts';
+
+export const api = new Api();
+
+type Child = Node | string;
+
+/** An element. Texts become text nodes: what people wrote is never read as markup. */
+export function make<K extends keyof HTMLElementTagNameMap>(
+  name: K,
+  attributes: Record<string, string> = {},
+  ...children: Child[]
+): HTMLElementTagNameMap[K] {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  element.append(...children);
+  return element;
+}
+
+export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
+  return document.getElementById(id) as T;
+}
+
+const links: readonly (readonly [string, string])[] = [
+  ['/', 'Buildings'],
+  ['/episodes', 'Episodes'],
+  ['/leaderboard', 'Leaderboard'],
+  ['/submit', 'Submit'],
+];
+
+/** The header, before the page's main part. */
+export function addHeader(synthetic: boolean): void {
+  const header = make('header', { class: 'site' }, make('a', { href: '/', class: 'name' }, 'Enfilade'));
+  const nav = make('nav', { 'aria-label': 'Pages', class: 'site-links' });
+  for (const [href, text] of links) {
+    const here = location.pathname === href;
+    nav.append(make('a', { href, ...(here && { 'aria-current': 'page' }) }, text), ' ');
+  }
+  header.append(nav);
+  if (synthetic) {
+    const title = 'The buildings here are made by a program; they are not real ones';
+    header.append(make('span', { class: 'synthetic', title }, 'Model homes: synthetic'));
+  }
+  document.body.prepend(make('a', { href: '#main', class: 'skip' }, 'To the content'), header);
+}
+
+/** A table that can be wider than the screen. */
+export function table(head: readonly Child[], rows: readonly (readonly Child[])[]): HTMLElement {
+  const cell = (child: Child) => (child instanceof HTMLTableCellElement ? child : make('td', {}, child));
+  return make(
+    'div',
+    { class: 'table', tabindex: '0', role: 'region', 'aria-label': 'Table' },
+    make(
+      'table',
+      {},
+      make('thead', {}, make('tr', {}, ...head.map((child) =>
+        child instanceof HTMLTableCellElement ? child : make('th', { scope: 'col' }, child)))),
+      make('tbody', {}, ...rows.map((row) => make('tr', {}, ...row.map(cell)))),
+    ),
+  );
+}
+
+/** A message, with the problems of a file in a list. */
+export function problems(error: unknown): HTMLElement {
+  const message = error instanceof Error ? error.message : String(error);
+  const box = make('div', { role: 'alert' }, make('p', { class: 'problem' }, message));
+  if (error instanceof ServerError && error.problems.length > 0) {
+    box.append(
+      table(
+        ['Where', 'What', 'Code'],
+        error.problems.map(({ where, message: text, code }) => [where, text, code]),
+      ),
+    );
+  }
+  return box;
+}
+
+/** Runs a page; what goes wrong is shown on it. */
+export function run(page: () => Promise<void>): void {
+  page().catch((error: unknown) => byId('main').append(problems(error)));
+}

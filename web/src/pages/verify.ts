@@ -1,0 +1,166 @@
+/**
+ * Checking a graph by hand, the paper's manual verification: plan and view side by side, edges added
+ * and taken away with a reason, written as a corrections file: `/verify#scan/viewpoint`.
+ */
+import {
+  type Action, applyCorrections, type Correction, correctionsFile, keepCorrections, keptCorrections,
+} from '../corrections.ts';
+import { parseLink } from '../deep_link.ts';
+import { directionTo, norm, subtract } from '../geometry.ts';
+import { addHeader, byId, make, run, table } from '../page.ts';
+import type { Scan } from '../scan.ts';
+import type { Mark } from '../viewer/discs.ts';
+import { MiniMap, Viewer } from '../viewer/enfilade-viewer.ts';
+
+/** The paper's limit between viewpoints, metres. */
+const longestEdge = 5;
+
+declare global {
+  interface Window {
+    verifier?: Verifier;
+  }
+}
+
+/** An edge that is, or that could be. */
+interface Candidate {
+  readonly viewpoint: number;
+  readonly distance: number;
+  readonly there: boolean;
+}
+
+class Verifier {
+  readonly viewer: Viewer;
+  private readonly original: Scan;
+  private readonly map: MiniMap;
+  private readonly edges = make('div');
+  private readonly list = make('div');
+  private readonly who = make('input', { id: 'who', type: 'text', maxlength: '80' });
+  private readonly why = make('input', { id: 'why', type: 'text', maxlength: '200' });
+  private readonly said = make('p', { role: 'status' });
+  private corrections: Correction[];
+  private standing = -1;
+
+  constructor(viewer: Viewer, map: MiniMap, panel: HTMLElement) {
+    this.viewer = viewer;
+    this.map = map;
+    this.original = viewer.scan;
+    this.corrections = keptCorrections(viewer.scan.scan);
+    this.who.value = localStorage.getItem('enfilade-who') ?? '';
+    this.who.addEventListener('change', () => localStorage.setItem('enfilade-who', this.who.value));
+    const save = make('button', { type: 'button', class: 'main' }, 'Save the corrections file');
+    save.addEventListener('click', () => this.save());
+    panel.append(
+      make('label', { for: 'who' }, 'Who you are'), this.who,
+      make('label', { for: 'why' }, 'Why: a rope, a glass door, a step'), this.why, this.said,
+      make('h2', {}, 'From here'), this.edges,
+      make('h2', {}, 'Corrections'), this.list, make('p', {}, save));
+    viewer.onChange(({ viewpoint }) => {
+      if (viewpoint !== this.standing) this.show();
+    });
+    this.apply();
+  }
+
+  private candidates(): Candidate[] {
+    const { viewpoints, storeys } = this.viewer.scan;
+    const here = this.viewer.pose.viewpoint;
+    const from = viewpoints[here]!;
+    const storey = storeys.find((s) => s.viewpoints.includes(here));
+    return viewpoints
+      .map((to, viewpoint) => ({
+        viewpoint,
+        distance: norm(subtract(to.position, from.position)),
+        there: from.neighbours.includes(viewpoint),
+      }))
+      .filter(({ viewpoint, distance, there }) =>
+        viewpoint !== here && viewpoints[viewpoint]!.included &&
+        (there || (distance <= longestEdge && (storey?.viewpoints.includes(viewpoint) ?? false))))
+      .sort((a, b) => Number(b.there) - Number(a.there) || a.distance - b.distance);
+  }
+
+  private apply(): void {
+    keepCorrections(this.original.scan, this.corrections);
+    this.viewer.setGraph(applyCorrections(this.original, this.corrections));
+    this.map.redraw();
+    this.show();
+  }
+
+  private show(): void {
+    this.standing = this.viewer.pose.viewpoint;
+    const candidates = this.candidates();
+    const marks = candidates.filter(({ there }) => !there).map(({ viewpoint }) => [viewpoint, 'candidate'] as const);
+    this.viewer.setMarks(new Map<number, Mark>(marks));
+    this.edges.replaceChildren(table(['To', 'Metres', ''], candidates.map((c) => this.row(c))), this.exclusion());
+    this.list.replaceChildren(this.corrections.length === 0 ? make('p', {}, 'None yet.') : this.history());
+  }
+
+  private row({ viewpoint, distance, there }: Candidate): (Node | string)[] {
+    const { position } = this.viewer.scan.viewpoints[viewpoint]!;
+    const look = make('button', { type: 'button' }, `Viewpoint ${viewpoint}`);
+    look.addEventListener('click', () => {
+      const from = this.viewer.scan.viewpoints[this.viewer.pose.viewpoint]!.position;
+      this.viewer.look(directionTo(from, position).heading, -0.25);
+    });
+    const change = make('button', { type: 'button', 'aria-label': `${there ? 'Remove' : 'Add'} the edge to viewpoint ${viewpoint}` }, there ? 'Remove' : 'Add');
+    change.addEventListener('click', () => this.add(there ? 'remove-edge' : 'add-edge', viewpoint));
+    return [look, make('td', { class: 'number' }, distance.toFixed(1)), change];
+  }
+
+  private exclusion(): HTMLElement {
+    const out = !this.viewer.scan.viewpoints[this.viewer.pose.viewpoint]!.included;
+    const button = make('button', { type: 'button' }, out ? 'Take this viewpoint in' : 'Leave this viewpoint out');
+    button.addEventListener('click', () => this.add(out ? 'include' : 'exclude'));
+    return make('p', {}, button);
+  }
+
+  private history(): HTMLElement {
+    const name = (id: string | undefined) => this.original.viewpoints.findIndex((v) => v.id === id);
+    const rows = this.corrections.map(({ action, from, to, who, why }, k) => {
+      const undo = make('button', { type: 'button', 'aria-label': `Undo correction ${k + 1}` }, 'Undo');
+      undo.addEventListener('click', () => {
+        this.corrections = this.corrections.filter((_, n) => n !== k);
+        this.apply();
+      });
+      return [`${action} ${name(from)}${to ? ` – ${name(to)}` : ''}`, `${why} (${who})`, undo];
+    });
+    return table(['What', 'Why', ''], rows);
+  }
+
+  private add(action: Action, to?: number): void {
+    const [who, why] = [this.who.value.trim(), this.why.value.trim()];
+    this.said.className = who && why ? 'done' : 'problem';
+    this.said.textContent = who && why ? 'Noted.' : 'Say who you are, and why.';
+    if (!who || !why) return void (who ? this.why : this.who).focus();
+    const id = (viewpoint: number) => this.original.viewpoints[viewpoint]!.id;
+    this.corrections = [...this.corrections, {
+      action,
+      from: id(this.viewer.pose.viewpoint),
+      ...(to !== undefined && { to: id(to) }),
+      who,
+      why,
+      when: new Date().toISOString().slice(0, 19) + 'Z',
+    }];
+    this.apply();
+  }
+
+  private save(): void {
+    const { scan } = this.original;
+    const file = new Blob([correctionsFile(scan, this.corrections)], { type: 'application/json' });
+    const link = make('a', { href: URL.createObjectURL(file), download: `${scan}_corrections.json` });
+    link.click();
+    URL.revokeObjectURL(link.href);
+  }
+}
+
+run(async () => {
+  const [view, side] = [make('div', { class: 'view' }), make('aside', { class: 'side' })];
+  byId('main').append(view, side);
+  const place = parseLink(location.hash);
+  if (!place) throw new Error('The address names no building: /verify#scan');
+  const viewer = await Viewer.open(view, { vfov: 1.3, elevation: -0.25, ...place });
+  addHeader(viewer.scan.synthetic);
+  const map = new MiniMap(viewer);
+  const panel = make('div', { class: 'panel' }, make('h1', {}, `Verify ${place.scan}`),
+    make('p', { class: 'note' }, 'White discs are edges. Orange ones are viewpoints near by without an edge. Apply the saved file with enfilade homes --corrections.'));
+  side.append(make('div', { class: 'map' }, map.element), panel);
+  window.verifier = new Verifier(viewer, map, panel);
+});

@@ -1,0 +1,107 @@
+/** What the server tells of a scan, and asking for it. Shapes: /api/v1/openapi.json. */
+import type { Mat3, Vec3 } from './geometry.ts';
+
+export type Layer = 'colour' | 'depth' | 'class';
+
+export interface Viewpoint {
+  readonly id: string;
+  readonly included: boolean;
+  /** Metres, world frame. */
+  readonly position: Vec3;
+  /** Above the floor, metres; 0 if unknown. */
+  readonly height: number;
+  /** Indices into Scan.viewpoints. */
+  readonly neighbours: readonly number[];
+  readonly layers: readonly Layer[];
+  /** World from panorama; absent where there are no pictures. */
+  readonly rotation?: Mat3;
+}
+
+export interface Storey {
+  readonly floor: number;
+  readonly viewpoints: readonly number[];
+}
+
+export interface Scan {
+  readonly scan: string;
+  readonly synthetic: boolean;
+  readonly storeys: readonly Storey[];
+  readonly viewpoints: readonly Viewpoint[];
+}
+
+export interface Episode {
+  readonly instruction_id: string;
+  readonly path_id: number;
+  readonly scan: string;
+  readonly heading: number;
+  readonly instruction: string;
+  readonly start: string;
+  /** Absent where goals are hidden. */
+  readonly path?: readonly string[];
+  readonly distance?: number;
+}
+
+export interface Problem {
+  readonly severity: 'note' | 'warning' | 'error';
+  readonly where: string;
+  readonly code: string;
+  readonly message: string;
+}
+
+/** What a server answers that does not do what was asked. */
+export class ServerError extends Error {
+  readonly status: number;
+  readonly code: string;
+  readonly problems: readonly Problem[];
+
+  constructor(status: number, code: string, message: string, problems: readonly Problem[] = []) {
+    super(message);
+    this.status = status;
+    this.code = code;
+    this.problems = problems;
+  }
+}
+
+/** A server's API. `base` is its address, "" for the one that the page is from. */
+export class Api {
+  readonly base: string;
+
+  constructor(base = '') {
+    this.base = base.replace(/\/$/, '');
+  }
+
+  /** Throws ServerError, or TypeError if the server can't be reached. */
+  async call<T>(path: string, init: RequestInit = {}): Promise<T> {
+    const response = await fetch(`${this.base}/api/v1/${path}`, {
+      ...init,
+      // Tells the server that the request is a script's of its own pages: other sites can't.
+      headers: { 'X-Enfilade': '1', ...init.headers },
+    });
+    const answer: unknown = await response.json().catch(() => undefined);
+    if (response.ok) return answer as T;
+    const error = (answer as { error?: { code: string; message: string; diagnostics?: Problem[] } })
+      ?.error;
+    throw new ServerError(
+      response.status,
+      error?.code ?? 'no-answer',
+      error?.message ?? `the server answered with status ${response.status}`,
+      error?.diagnostics,
+    );
+  }
+
+  scan(scan: string): Promise<Scan> {
+    return this.call(`scans/${encodeURIComponent(scan)}`);
+  }
+
+  /** The address of a face's picture, 0 up, 1 back, 2 left, 3 front, 4 right, 5 down. */
+  face(scan: string, viewpoint: string, layer: Layer, face: number): string {
+    const [folder, suffix] = {
+      colour: ['faces', 'jpg'],
+      depth: ['depth', 'png'],
+      class: ['classes', 'png'],
+    }[layer] as [string, string];
+    return `${this.base}/api/v1/scans/${encodeURIComponent(scan)}/viewpoints/${encodeURIComponent(
+      viewpoint,
+    )}/${folder}/${face}.${suffix}`;
+  }
+}

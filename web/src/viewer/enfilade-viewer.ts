@@ -1,0 +1,12 @@
+/** The viewer as a library: `import { Viewer } from '/enfilade-viewer.js'`. See docs/web.md. */
+import style from './viewer.css?inline';
+
+// A page needs the script alone, whatever its content policy says of styles.
+const sheet = new CSSStyleSheet();
+sheet.replaceSync(style);
+document.adoptedStyleSheets.push(sheet);
+
+export { Flight, type Moment } from './flight.ts';
+export { MiniMap } from './mini_map.ts';
+export { Player } from './player.ts';
+export { Viewer, type Pose, type ViewerOptions } from './viewer.ts';

@@ -1,0 +1,85 @@
+/** Buttons of a fly-through: play, pause, again, speed, and a slider of its time. */
+import { Flight } from './flight.ts';
+import type { Viewer } from './viewer.ts';
+
+const speeds = [0.5, 1, 2, 4];
+
+export class Player {
+  readonly element = document.createElement('div');
+  private readonly viewer: Viewer;
+  private readonly flight: Flight;
+  private readonly play = document.createElement('button');
+  private readonly slider = document.createElement('input');
+  private readonly speed = document.createElement('select');
+  private seconds = 0;
+  private running = false;
+  private ended?: () => void;
+
+  /** @param path viewpoints, each next to the one before; the flight begins with the pose's look. */
+  constructor(viewer: Viewer, path: readonly number[]) {
+    this.viewer = viewer;
+    this.flight = viewer.flight(path);
+    this.element.className = 'enfilade-player';
+    this.element.setAttribute('role', 'group');
+    this.element.setAttribute('aria-label', 'Fly-through of the path');
+    this.play.type = 'button';
+    this.play.addEventListener('click', () => (this.running ? this.pause() : this.start()));
+    this.slider.type = 'range';
+    this.slider.max = String(this.flight.seconds);
+    this.slider.step = 'any';
+    this.slider.value = '0';
+    this.slider.setAttribute('aria-label', 'Time in the fly-through');
+    this.slider.addEventListener('input', () => {
+      this.pause();
+      void this.seek(Number(this.slider.value));
+    });
+    this.speed.setAttribute('aria-label', 'Speed');
+    for (const value of speeds) this.speed.add(new Option(`${value}×`, String(value)));
+    this.speed.value = '1';
+    this.element.append(this.play, this.slider, this.speed);
+    this.label();
+  }
+
+  /** Called once, when the goal is reached for the first time. */
+  onEnd(ended: () => void): void {
+    this.ended = ended;
+  }
+
+  start(): void {
+    if (this.running) return;
+    if (this.seconds >= this.flight.seconds) this.seconds = 0;
+    this.running = true;
+    this.label();
+    void this.run();
+  }
+
+  pause(): void {
+    this.running = false;
+    this.label();
+  }
+
+  async seek(seconds: number): Promise<void> {
+    this.seconds = Math.min(Math.max(seconds, 0), this.flight.seconds);
+    this.slider.value = String(this.seconds);
+    await this.viewer.showMoment(this.flight.at(this.seconds));
+  }
+
+  private async run(): Promise<void> {
+    let before = performance.now();
+    while (this.running) {
+      const now = await new Promise<number>((resolve) => requestAnimationFrame(resolve));
+      // A picture that took long to come doesn't make the walk jump.
+      const passed = Math.min(Math.max(now - before, 0) / 1000, 0.1);
+      await this.seek(this.seconds + passed * Number(this.speed.value));
+      before = now;
+      if (this.seconds < this.flight.seconds) continue;
+      this.pause();
+      this.ended?.();
+    }
+  }
+
+  private label(): void {
+    const again = this.seconds >= this.flight.seconds && this.seconds > 0;
+    this.play.textContent = this.running ? 'Pause' : again ? 'Replay' : 'Play';
+  }
+}

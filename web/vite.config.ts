@@ -1,0 +1,32 @@
+import { readdirSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
+import { defineConfig } from 'vitest/config';
+
+const here = (path: string) => fileURLToPath(new URL(path, import.meta.url));
+const pages = readdirSync(here('pages')).filter((name) => name.endsWith('.html'));
+
+export default defineConfig({
+  root: here('pages'),
+  base: '/',
+  build: {
+    // The C++ build says where; by hand it is web/dist.
+    outDir: process.env['ENFILADE_WEB_DIST'] ?? here('dist'),
+    emptyOutDir: true,
+    target: 'es2022',
+    modulePreload: { polyfill: false }, // an inline script, which our content policy forbids
+    assetsInlineLimit: 0,
+    chunkSizeWarningLimit: 700, // kB before compression; three.js is 500 of them
+    rollupOptions: {
+      input: [...pages.map((name) => `pages/${name}`), 'src/viewer/enfilade-viewer.ts'].map(here),
+      preserveEntrySignatures: 'exports-only',
+      output: {
+        // The library has one address for ever; all else changes its name with its content.
+        entryFileNames: ({ name }) =>
+          name === 'enfilade-viewer' ? '[name].js' : 'assets/[name]-[hash].js',
+      },
+    },
+  },
+  server: { proxy: { '/api': process.env['ENFILADE_SERVER'] ?? 'http://127.0.0.1:8080' } },
+  // Unit tests; `--dir e2e` has those in the browser.
+  test: { root: here('.'), dir: 'test' },
+});
