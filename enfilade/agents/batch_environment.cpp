@@ -1,0 +1,240 @@
+#include "enfilade/agents/batch_environment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade::agents {
+namespace {
+
+constexpr double kStopReward = 2;
+
+sim::SimulatorConfig simulator_config(const EnvironmentConfig& config) {
+  auto simulator = sim::SimulatorConfig::room_to_room();
+  simulator.batch_size = config.batch_size;
+  simulator.camera = config.camera;
+  simulator.max_navigable = config.max_navigable;
+  if (config.actions == ActionSpace::kViewpoint) {
+    simulator.viewing = sim::Viewing::kContinuous;
+    simulator.navigation = sim::Navigation::kUnrestricted;
+  }
+  return simulator;
+}
+
+void validate(const r2r::EpisodeSet& episodes, const EnvironmentConfig& config) {
+  if (episodes.episodes.empty()) {
+    throw ArgumentError(fmt::format("split {} has no episodes", episodes.split));
+  }
+  if (config.max_steps == 0) throw ArgumentError("max_steps 0: at least 1 is needed");
+  if (!(config.success_distance > 0)) {
+    throw ArgumentError(
+        fmt::format("success_distance {}: more than 0 m is needed", config.success_distance));
+  }
+  for (const r2r::ReferencePath& path : episodes.paths) {
+    const graph::NavGraph& graph = episodes.graphs->graph(path.scan);
+    if (graph.max_degree() < config.max_navigable) continue;
+    throw ArgumentError(fmt::format("max_navigable {}: scan {} has a viewpoint with {} neighbours",
+                                    config.max_navigable, graph.scan(), graph.max_degree()));
+  }
+  if (config.reward == Reward::kNone) return;
+  for (const r2r::ReferencePath& path : episodes.paths) {
+    if (path.viewpoints.size() > 1) continue;
+    throw ArgumentError(fmt::format("split {} hides its goals (path {}), so there is no reward",
+                                    episodes.split, path.path_id));
+  }
+}
+
+void check_length(const char* name, std::size_t found, std::size_t wanted) {
+  if (found == wanted) return;
+  throw ArgumentError(fmt::format("{}: {} elements for {} agents", name, found, wanted));
+}
+
+}  // namespace
+
+BatchEnvironment::BatchEnvironment(std::shared_ptr<const r2r::EpisodeSet> episodes,
+                                   const EnvironmentConfig& config)
+    : episodes_(std::move(episodes)),
+      config_((validate(*episodes_, config), config)),
+      simulator_(episodes_->graphs, simulator_config(config)),
+      buffer_(config.batch_size, config.max_navigable),
+      state_(buffer_.spans()),
+      actions_(config.batch_size),
+      trajectories_(config.batch_size),
+      ended_(config.batch_size, 1) {
+  const std::size_t n = config.batch_size;
+  outcome_.reward.resize(n);
+  for (auto* flags : {&outcome_.terminated, &outcome_.truncated, &outcome_.began}) flags->resize(n);
+  for (auto* reals : {&outcome_.distance, &outcome_.success, &outcome_.spl, &shortest_, &walked_}) {
+    reals->resize(n);
+  }
+  outcome_.episode.resize(n);
+  for (std::size_t i = 0; i < n; ++i) rngs_.emplace_back(config.seed + i);
+}
+
+void BatchEnvironment::seed(std::size_t agent, std::uint64_t seed) { rngs_[agent] = Rng(seed); }
+
+std::int64_t BatchEnvironment::action_count() const noexcept {
+  return config_.actions == ActionSpace::kSixActions
+             ? kStopOfSix + 1
+             : static_cast<std::int64_t>(config_.max_navigable);
+}
+
+sim::EpisodeStart BatchEnvironment::start_of(std::size_t episode) const {
+  const r2r::ReferencePath& path = episodes_->path_of(episodes_->episodes[episode]);
+  return {{path.scan, path.viewpoints.front()}, path.heading, Radians(0)};
+}
+
+void BatchEnvironment::begin(std::size_t agent, std::size_t episode) {
+  simulator_.new_episode(agent, start_of(episode), state_);
+  outcome_.episode[agent] = static_cast<std::uint32_t>(episode);
+  outcome_.began[agent] = 1;
+  outcome_.reward[agent] = 0;
+  outcome_.terminated[agent] = outcome_.truncated[agent] = 0;
+  outcome_.distance[agent] = shortest_[agent] = distance_to_goal(agent);
+  walked_[agent] = 0;
+  trajectories_[agent].assign(1, state_.viewpoint[agent]);
+  ended_[agent] = 0;
+}
+
+void BatchEnvironment::reset(std::span<const std::uint8_t> mask,
+                             std::span<const std::int64_t> chosen) {
+  const std::size_t n = config_.batch_size;
+  if (!mask.empty()) check_length("mask", mask.size(), n);
+  if (!chosen.empty()) check_length("episodes", chosen.size(), n);
+  const auto count = static_cast<std::int64_t>(episodes_->episodes.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool wanted = mask.empty() || mask[i] != 0;
+    if (!wanted && !started_) {
+      throw ArgumentError("mask: the first reset() has to be of all agents");
+    }
+    if (!wanted || chosen.empty() || chosen[i] < count) continue;
+    throw ArgumentError(fmt::format("episodes: {} for agent {}: the split {} has 0 to {}",
+                                    chosen[i], i, episodes_->split, count - 1));
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    outcome_.began[i] = 0;
+    if (!mask.empty() && mask[i] == 0) continue;
+    const bool draw = chosen.empty() || chosen[i] < 0;
+    begin(i, draw ? rngs_[i].below(static_cast<std::uint64_t>(count))
+                  : static_cast<std::size_t>(chosen[i]));
+  }
+  started_ = true;
+}
+
+void BatchEnvironment::check_actions(std::span<const std::int64_t> actions) const {
+  check_length("actions", actions.size(), config_.batch_size);
+  if (!started_) throw ArgumentError("step(): reset() has to come first");
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    if (ended_[i] != 0 && !config_.reset_at_next_step) {
+      throw ArgumentError(
+          fmt::format("agent {}: its episode has ended; reset() begins another", i));
+    }
+    if (actions[i] >= 0 && actions[i] < action_count()) continue;
+    throw ArgumentError(
+        fmt::format("agent {}: action {}: 0 to {} are allowed", i, actions[i], action_count() - 1));
+  }
+}
+
+sim::Action BatchEnvironment::action_of(std::size_t agent, std::int64_t number) const {
+  const std::uint32_t count = state_.navigable_count[agent];
+  if (config_.actions == ActionSpace::kSixActions) {
+    switch (number) {
+      case 0:
+        return {0, Radians(-1), {}};
+      case 1:
+        return {0, Radians(1), {}};
+      case 2:
+        return {0, {}, Radians(1)};
+      case 3:
+        return {0, {}, Radians(-1)};
+      case 4:
+        return {count > 1 ? 1U : 0U, {}, {}};
+      default:
+        return {};
+    }
+  }
+  if (number == 0 || number >= count) return {};
+  const auto index = static_cast<std::uint32_t>(number);
+  const std::size_t row = agent * buffer_.max_navigable() + index;
+  return {index, Radians(state_.navigable_rel_heading[row]), Radians(-state_.elevation[agent])};
+}
+
+void BatchEnvironment::step(std::span<const std::int64_t> actions) {
+  check_actions(actions);
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    actions_[i] = ended_[i] != 0 ? sim::Action{} : action_of(i, actions[i]);
+  }
+  simulator_.step(actions_, state_);
+  const std::int64_t stop = config_.actions == ActionSpace::kSixActions ? kStopOfSix : 0;
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    outcome_.began[i] = 0;
+    if (ended_[i] != 0) {
+      begin(i, rngs_[i].below(episodes_->episodes.size()));
+    } else {
+      judge(i, actions[i] == stop);
+    }
+  }
+}
+
+double BatchEnvironment::distance_to_goal(std::size_t agent) const {
+  const r2r::Episode& episode = episodes_->episodes[outcome_.episode[agent]];
+  const r2r::ReferencePath& path = episodes_->path_of(episode);
+  if (path.viewpoints.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+  return episodes_->graph_of(episode).distance(state_.viewpoint[agent], path.viewpoints.back());
+}
+
+void BatchEnvironment::judge(std::size_t agent, bool stopped) {
+  const bool moved = state_.viewpoint[agent] != trajectories_[agent].back();
+  const double before = outcome_.distance[agent];
+  const double now = moved ? distance_to_goal(agent) : before;
+  const bool success = stopped && now < config_.success_distance;
+  double reward = 0;
+  if (config_.reward == Reward::kSuccess) reward = success ? 1 : 0;
+  if (config_.reward == Reward::kProgress) {
+    reward = (moved ? before - now : 0) + (stopped ? (success ? kStopReward : -kStopReward) : 0);
+  }
+  if (moved) walked_[agent] += step_length(agent);
+  trajectories_[agent].push_back(state_.viewpoint[agent]);
+  outcome_.distance[agent] = now;
+  outcome_.reward[agent] = reward;
+  outcome_.terminated[agent] = stopped ? 1 : 0;
+  outcome_.truncated[agent] = !stopped && state_.step[agent] >= config_.max_steps ? 1 : 0;
+  ended_[agent] = outcome_.terminated[agent] | outcome_.truncated[agent];
+  if (ended_[agent] != 0) finish(agent);
+}
+
+double BatchEnvironment::step_length(std::size_t agent) const {
+  const graph::NavGraph& graph = episodes_->graph_of(episodes_->episodes[outcome_.episode[agent]]);
+  return graph.edge(trajectories_[agent].back(), state_.viewpoint[agent])->length;
+}
+
+// An agent that is cut off is judged by where it is, as it would be if it stopped there.
+void BatchEnvironment::finish(std::size_t agent) {
+  const double distance = outcome_.distance[agent], shortest = shortest_[agent];
+  const double success = distance < config_.success_distance ? 1 : 0;
+  const double longest = std::max(walked_[agent], shortest);
+  const bool hidden = std::isnan(distance);
+  outcome_.success[agent] = hidden ? distance : success;
+  outcome_.spl[agent] = hidden ? distance : longest > 0 ? success * (shortest / longest) : success;
+}
+
+r2r::EpisodeMetrics BatchEnvironment::compute_metrics(std::size_t agent) const {
+  if (agent >= config_.batch_size || !started_) {
+    throw ArgumentError(
+        fmt::format("agent {} of {}: no episode was begun", agent, config_.batch_size));
+  }
+  const r2r::Episode& episode = episodes_->episodes[outcome_.episode[agent]];
+  const r2r::ReferencePath& path = episodes_->path_of(episode);
+  if (path.viewpoints.size() < 2) {
+    throw ArgumentError(fmt::format("path {} hides its goal", path.path_id));
+  }
+  return r2r::compute_metrics(episodes_->graph_of(episode), trajectories_[agent], path.viewpoints,
+                              {config_.success_distance});
+}
+
+}  // namespace enfilade::agents

@@ -1,0 +1,115 @@
+/// \file  Room-to-Room as a reinforcement-learning environment: a batch of agents, one action each.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "enfilade/core/rng.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/r2r/metrics.h"
+#include "enfilade/sim/simulator.h"
+
+namespace enfilade::agents {
+
+/// What the numbers that an agent says stand for (the paper, section 3 and its baseline). What is
+/// not possible at the moment leaves the agent where it is.
+enum class ActionSpace {
+  /// 0: stop; k: walk to entry k of the navigable list, which has all neighbours, and look where
+  /// one
+  /// walked, levelly.
+  kViewpoint,
+  /// 0 left, 1 right, 2 up, 3 down (a view of 30 degrees each), 4 forward (entry 1 of the list:
+  /// what
+  /// is nearest to the picture's middle), 5 stop.
+  kSixActions,
+};
+inline constexpr std::int64_t kStopOfSix = 5;
+
+enum class Reward {
+  kNone,      ///< always 0
+  kSuccess,   ///< 1 for stopping within the success distance of the goal, else 0
+  kProgress,  ///< metres that the goal has come nearer along the graph, and 2 for a successful
+              ///< stop, -2 for another, as in EnvDrop (Tan et al. 2019)
+};
+
+struct EnvironmentConfig {
+  std::size_t batch_size = 1;
+  ActionSpace actions = ActionSpace::kViewpoint;
+  Reward reward = Reward::kProgress;
+  std::uint32_t max_steps = 40;  ///< actions after which an episode is cut off, >= 1
+  double success_distance = 3;   ///< metres
+  /// An agent whose episode has ended gets a new one at its next step, whatever it does then
+  /// (Gymnasium's NEXT_STEP). Otherwise reset() has to be called for it.
+  bool reset_at_next_step = false;
+  std::uint64_t seed = 1;  ///< of the episodes that are drawn: agent k has the stream of seed + k
+  Camera camera;
+  std::size_t max_navigable = 16;  ///< rows of a list, the present viewpoint included
+};
+
+/// What came of the last step or reset, by agent.
+struct Outcome {
+  std::vector<double> reward;
+  std::vector<std::uint8_t> terminated;  ///< 1: the agent has stopped
+  std::vector<std::uint8_t> truncated;   ///< 1: out of steps
+  std::vector<double> distance;          ///< to the goal along the graph, metres; NaN if hidden
+  std::vector<std::uint32_t> episode;    ///< index into EpisodeSet::episodes
+  std::vector<std::uint8_t> began;       ///< 1: an episode began
+  std::vector<double> success;           ///< of the episode that has ended: 1 or 0; NaN if hidden
+  std::vector<double> spl;               ///< likewise; as r2r::EpisodeMetrics has them
+};
+
+/// Allocates nothing in step() but what trajectories grow by. One thread at a time.
+class BatchEnvironment {
+ public:
+  /// \throws ArgumentError naming the field for values out of range, max_navigable that a graph
+  /// goes beyond too; if there are no episodes, or a reward is wanted but goals are hidden
+  BatchEnvironment(std::shared_ptr<const r2r::EpisodeSet> episodes,
+                   const EnvironmentConfig& config);
+
+  /// Begins episodes for all agents, or those with mask[i] != 0.
+  /// \param mask empty: all  \param chosen indices of episodes, < 0: draw one; empty: draw all
+  /// \throws ArgumentError for spans of another length, an index out of range, or if agents that
+  /// have never begun are left out. Then nothing has happened.
+  void reset(std::span<const std::uint8_t> mask = {}, std::span<const std::int64_t> chosen = {});
+  /// Begins an agent's stream of random episodes anew. \pre agent < batch_size
+  void seed(std::size_t agent, std::uint64_t seed);
+  /// \throws ArgumentError for another length, a number outside the action space, before reset(),
+  /// or if an agent's episode has ended and reset_at_next_step is off. Then nothing has happened.
+  void step(std::span<const std::int64_t> actions);
+
+  const EnvironmentConfig& config() const noexcept { return config_; }
+  const r2r::EpisodeSet& episodes() const noexcept { return *episodes_; }
+  std::int64_t action_count() const noexcept;
+  const sim::StateSpans& state() const noexcept { return state_; }
+  const Outcome& outcome() const noexcept { return outcome_; }
+  /// All metrics of what the agent has walked in its episode so far. O(steps * reference length).
+  /// \throws ArgumentError for an agent beyond the batch, before reset(), or if the goal is hidden
+  r2r::EpisodeMetrics compute_metrics(std::size_t agent) const;
+
+ private:
+  void check_actions(std::span<const std::int64_t> actions) const;
+  sim::EpisodeStart start_of(std::size_t episode) const;
+  void begin(std::size_t agent, std::size_t episode);
+  sim::Action action_of(std::size_t agent, std::int64_t number) const;
+  void judge(std::size_t agent, bool stopped);
+  void finish(std::size_t agent);
+  double distance_to_goal(std::size_t agent) const;
+  double step_length(std::size_t agent) const;
+
+  std::shared_ptr<const r2r::EpisodeSet> episodes_;
+  EnvironmentConfig config_;
+  sim::Simulator simulator_;
+  sim::StateBuffer buffer_;
+  sim::StateSpans state_;
+  Outcome outcome_;
+  std::vector<Rng> rngs_;
+  std::vector<sim::Action> actions_;
+  std::vector<std::vector<ViewpointIndex>> trajectories_;
+  std::vector<double> shortest_, walked_;  // metres, of the present episode
+  std::vector<std::uint8_t> ended_;        // 1 before the first episode too
+  bool started_ = false;
+};
+
+}  // namespace enfilade::agents
