@@ -48,6 +48,8 @@ build libopenblas0-pthread package -
 build libhdf5-dev        package -
 test  libgtest-dev       header  gtest/gtest.h
 test  libgmock-dev       header  gmock/gmock.h
+python python3-venv      package -
+python python3-dev       package -
 bench libbenchmark-dev   header  benchmark/benchmark.h
 fuzz  clang-16           command clang++-16
 fuzz  libclang-rt-16-dev package -
@@ -390,13 +392,32 @@ summarize() {
     $((total - failed - skipped)) "$failed" $((skipped + disabled))
 }
 
+# ensure_python: what the tests of the Python package need, in build/python. False where it cannot be
+# had, as where PyPI is out of reach.
+ensure_python() {
+  local environment=build/python wanted=python/tests/requirements.txt
+  cmp -s "$wanted" "$environment/requirements.txt" && return
+  say "making a Python environment for the tests, in $environment"
+  if { python3 -m venv "$environment" && "$environment/bin/pip" install -q -r "$wanted"; } \
+    >build/python.log 2>&1; then
+    cp "$wanted" "$environment/requirements.txt"
+    return
+  fi
+  say "no Python environment could be made (all of its output: build/python.log)"
+  return 1
+}
+
 command_test() {
-  local preset=release rest status=0
+  local preset=release rest status=0 python=(-DEN_BUILD_PYTHON=OFF)
   [[ -z "${CI:-}" ]] || preset=ci
   parse_preset "$preset" "$@"
   [[ $preset != fuzz ]] || die 2 "the preset 'fuzz' has no tests: its programs are run by hand"
-  ensure_packages "build and test Enfilade" build test
-  build_preset "$preset" -DEN_BUILD_TESTS=ON
+  ensure_packages "build and test Enfilade" build test python
+  # A sanitized module cannot be loaded into a plain Python.
+  if [[ $preset != asan && $preset != tsan ]] && ensure_python; then
+    python=(-DEN_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python")
+  fi
+  build_preset "$preset" -DEN_BUILD_TESTS=ON "${python[@]}"
   say "testing build/$preset${ENFILADE_DATA:+ with the data of $ENFILADE_DATA}"
   # The summary of a run that failed is the one that is wanted most.
   ctest --preset "$preset" --parallel "$(job_count)" ${rest[@]+"${rest[@]}"} 2>&1 |

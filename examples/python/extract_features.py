@@ -1,0 +1,47 @@
+"""Features of the 36 views of every viewpoint, by your own torch model, in the field's TSV.
+
+    python extract_features.py DATA OUT.tsv
+
+Here the model is a small untrained network; put torchvision's, CLIP's or yours in its place. Pictures
+are drawn right into the tensor that the model reads.
+"""
+
+import sys
+
+import enfilade
+import torch
+from enfilade import features
+
+WIDTH, HEIGHT = 224, 224
+
+
+def make_model() -> torch.nn.Module:
+    torch.manual_seed(1)
+    return torch.nn.Sequential(
+        torch.nn.Conv2d(3, 16, 7, stride=4), torch.nn.ReLU(),
+        torch.nn.Conv2d(16, 32, 5, stride=4), torch.nn.ReLU(),
+        torch.nn.AdaptiveAvgPool2d(2), torch.nn.Flatten(),
+    )  # fmt: skip
+
+
+def main(data: str, out: str) -> None:
+    graphs = enfilade.Graphs(f"{data}/connectivity")
+    renderer = enfilade.Renderer(graphs, enfilade.open_panoramas(data, graphs))
+    model = make_model().eval()
+    pictures = torch.empty((36, 3, HEIGHT, WIDTH))
+    found = {}
+    with torch.no_grad():
+        for scan in graphs.scans:
+            graph = graphs[scan]
+            for viewpoint in filter(graph.included, graph.viewpoints):
+                renderer.render_36(
+                    scan, viewpoint, colour="imagenet", width=WIDTH, height=HEIGHT,
+                    out={"colour": pictures},
+                )  # fmt: skip
+                found[scan, viewpoint] = model(pictures).numpy()
+    features.write_tsv(out, found, width=WIDTH, height=HEIGHT, vfov=60)
+    print(f"{len(found)} viewpoints, {next(iter(found.values())).shape} each, in {out}")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

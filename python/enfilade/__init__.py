@@ -1,0 +1,91 @@
+"""Vision-and-language navigation in C++, for Python.
+
+Three doors lead to the same simulator: this package, `enfilade.gym` (Gymnasium environments) and
+`MatterSim` (a drop-in for Matterport3DSimulator's module).
+
+>>> import enfilade
+>>> graphs = enfilade.Graphs("data/connectivity")
+>>> sim = enfilade.Simulator(graphs, batch_size=2)
+>>> scan = graphs.scans[0]
+>>> sim.new_random_episodes([scan, scan])
+>>> sim.step([0, 0], heading_changes=[0.5, -0.5])
+>>> sim.state.heading                                      # (2,) radians
+
+Frames: metres, +z up; headings in radians clockwise from +y; elevations in radians above the horizon;
+row 0 of a picture on top. Importing this takes milliseconds: NumPy comes with the first class that
+needs it, Gymnasium with `enfilade.gym`, torch never.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from enfilade._core import (
+    Graph,
+    Graphs,
+    Panoramas,
+    Vocabulary,
+    backends,
+    metrics,
+    tokenize,
+    write_small_dataset,
+)
+from enfilade._errors import ArgumentError, Error, FileError, InvalidInput, UnknownNameError
+
+if TYPE_CHECKING:
+    from enfilade._episodes import Episode, Episodes, Score
+    from enfilade._renderer import Renderer, open_panoramas
+    from enfilade._simulator import Candidate, CandidateTable, Simulator, State
+
+__version__ = "0.1.0"
+
+# Where the names are that need NumPy.
+_LATER = {
+    "Candidate": "_simulator",
+    "CandidateTable": "_simulator",
+    "Simulator": "_simulator",
+    "State": "_simulator",
+    "Renderer": "_renderer",
+    "open_panoramas": "_renderer",
+    "Episode": "_episodes",
+    "Episodes": "_episodes",
+    "Score": "_episodes",
+}
+
+__all__ = [
+    "ArgumentError",
+    "Candidate",
+    "CandidateTable",
+    "Episode",
+    "Episodes",
+    "Error",
+    "FileError",
+    "Graph",
+    "Graphs",
+    "InvalidInput",
+    "Panoramas",
+    "Renderer",
+    "Score",
+    "Simulator",
+    "State",
+    "UnknownNameError",
+    "Vocabulary",
+    "backends",
+    "metrics",
+    "open_panoramas",
+    "tokenize",
+    "write_small_dataset",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LATER:
+        raise AttributeError(f"module 'enfilade' has no attribute '{name}'")
+    value = getattr(importlib.import_module(f"enfilade.{_LATER[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,182 @@
+# Made by python/tools/make_stubs.py.
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import numpy
+import numpy.typing
+from numpy.typing import NDArray
+
+
+
+class Graph:
+    """The viewpoints of one scan and the edges between them. Immutable."""
+
+    @property
+    def scan(self) -> str: ...
+
+    def __len__(self) -> int: ...
+
+    @property
+    def viewpoints(self) -> list[str]:
+        """Ids by index, excluded viewpoints too."""
+
+    @property
+    def positions(self) -> numpy.typing.NDArray[numpy.float32]:
+        """(n, 3) float32, metres, world frame; a read-only view."""
+
+    def included(self, viewpoint: str) -> bool:
+        """Whether agents may stand there."""
+
+    def index(self, viewpoint: str) -> int:
+        """Place in `viewpoints`: MatterSim's `ix`. Raises UnknownNameError."""
+
+    def neighbours(self, viewpoint: str) -> list[str]:
+        """Ids of where one can step to."""
+
+    def distance(self, a: str, b: str) -> float:
+        """Shortest way along edges, metres; inf if there is none."""
+
+    def path(self, a: str, b: str) -> list[str] | None:
+        """That way's viewpoints, both ends too; None if none."""
+
+    def nearest(self, point: tuple[float, float, float]) -> str | None:
+        """The included viewpoint nearest to a point, metres."""
+
+class Graphs:
+    """
+    The scans of a folder of <scan>_connectivity.json and scans.txt. A graph is read when first used, once a process.
+    """
+
+    def __init__(self, folder: str) -> None: ...
+
+    def __len__(self) -> int: ...
+
+    @property
+    def scans(self) -> list[str]:
+        """Names by index."""
+
+    def __contains__(self, arg: str, /) -> bool: ...
+
+    def __getitem__(self, scan: str) -> Graph:
+        """Raises UnknownNameError."""
+
+    def index(self, scan: str) -> int:
+        """Place in `scans`. Raises UnknownNameError."""
+
+    def locate(self, scan: str, viewpoint: str) -> tuple[int, int]:
+        """Indices of an included viewpoint."""
+
+    def load_all(self, threads: int = 0) -> None:
+        """Reads all that are not read yet."""
+
+def write_small_dataset(folder: str, buildings: int = 6, seed: int = 1) -> None:
+    """
+    Writes a small synthetic data set without pictures: graphs, R2R annotations.
+    """
+
+class BatchSimulator:
+    """What enfilade.Simulator is made of: indices and arrays only."""
+
+    def __init__(self, graphs: Graphs, *, batch_size: int, width: int, height: int, vfov: float, discretized: bool, restricted: bool, linear_view: bool, elevation_limits: tuple[float, float], mattersim_starts: bool, seed: int, max_navigable: int, threads: int) -> None: ...
+
+    def new_episodes(self, scans: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order='C', device='cpu', writable=False)], viewpoints: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order='C', device='cpu', writable=False)], headings: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], elevations: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> None: ...
+
+    def new_episode(self, agent: int, scan: int, viewpoint: int, heading: float, elevation: float) -> None: ...
+
+    def new_random_episodes(self, scans: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> None: ...
+
+    def step(self, indices: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order='C', device='cpu', writable=False)], heading_changes: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], elevation_changes: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> None: ...
+
+    def state_arrays(self) -> dict[str, numpy.typing.NDArray[Any]]: ...
+
+    def candidates(self, scan: int, viewpoint: int) -> list[tuple[int, int, int, float, float, float, float, float, float]]: ...
+
+    def candidate_arrays(self, scans: numpy.typing.NDArray[numpy.uint32]) -> tuple[numpy.typing.NDArray[numpy.uint32], numpy.typing.NDArray[numpy.float64]]: ...
+
+class Panoramas:
+    """
+    The panoramas of the scans of a Graphs: stores, or Matterport3D's files in any layout. A scan is opened when first used.
+    """
+
+    def __init__(self, images: Sequence[str], connectivity: str, graphs: Graphs) -> None:
+        """
+        images: folders to look in, in this order. connectivity: folder of the graphs' files.
+        """
+
+    @property
+    def scans(self) -> list[str]: ...
+
+class ViewRenderer:
+    """What enfilade.Renderer is made of."""
+
+    def __init__(self, panoramas: Panoramas, backend: str, threads: int, cache_bytes: int, clamped_edges: bool, eight_bit_depth: bool, device: str) -> None: ...
+
+    @property
+    def description(self) -> str: ...
+
+    def render(self, scans: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order='C', device='cpu', writable=False)], viewpoints: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order='C', device='cpu', writable=False)], headings: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], elevations: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], width: int, height: int, vfov: float, colour: Annotated[Any, dict(order='C', device='cpu')] | None, colour_format: str, depth: Annotated[Any, dict(order='C', device='cpu')] | None, ray_depth: bool, classes: Annotated[Any, dict(order='C', device='cpu')] | None, instances: Annotated[Any, dict(order='C', device='cpu')] | None) -> None: ...
+
+def backends() -> list[str]: ...
+
+def panorama_places(folder: str) -> tuple[list[str], str]:
+    """Where a data folder has its pictures, and its graphs."""
+
+class EpisodeSet:
+    """What enfilade.Episodes is made of."""
+
+    def __init__(self, folder: str, split: str, all_instructions: bool) -> None: ...
+
+    def __len__(self) -> int: ...
+
+    def episode(self, index: int) -> tuple[str, int, str, tuple[str, ...], float, str]: ...
+
+    @property
+    def graphs(self) -> Graphs: ...
+
+    def score(self, file: str, success_distance: float, bootstrap_samples: int) -> tuple[dict[str, tuple[float, float, float]], dict[str, dict[str, float]], list[str]]: ...
+
+def metrics(graphs: Graphs, scan: str, trajectory: Sequence[str], reference: Sequence[str], success_distance: float = 3.0) -> dict[str, float]:
+    """
+    All metrics of one trajectory against one reference path, both lists of viewpoint ids: nav_error, success, spl, ndtw, cls, ... (docs/r2r.md has the equations).
+    """
+
+def tokenize(text: str) -> list[str]:
+    """Words as R2R's released code splits them."""
+
+class Vocabulary:
+    """Words and their ids: 0 <PAD>, 1 <UNK>, 2 <EOS>."""
+
+    @staticmethod
+    def load(file: str) -> Vocabulary:
+        """One word a line, as R2R's train_vocab.txt."""
+
+    @staticmethod
+    def build(texts: Sequence[str], least_count: int = 5) -> Vocabulary: ...
+
+    def __len__(self) -> int: ...
+
+    @property
+    def words(self) -> list[str]: ...
+
+    def encode(self, text: str, length: int = 80) -> list[int]:
+        """Ids: words reversed, <EOS>, <PAD> up to `length`."""
+
+    def decode(self, ids: Sequence[int]) -> str: ...
+
+class BatchEnvironment:
+    """What the environments of enfilade.gym are made of."""
+
+    def __init__(self, episodes: EpisodeSet, *, batch_size: int, six_actions: bool, reward: str, max_steps: int, success_distance: float, reset_at_next_step: bool, seed: int, width: int, height: int, vfov: float, max_navigable: int) -> None: ...
+
+    def reset(self, mask: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)] | None, chosen: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None) -> None: ...
+
+    def step(self, actions: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> None: ...
+
+    def seed(self, agent: int, seed: int) -> None: ...
+
+    @property
+    def action_count(self) -> int: ...
+
+    def arrays(self) -> dict[str, numpy.typing.NDArray[Any]]: ...
+
+    def metrics(self, agent: int) -> dict[str, float]: ...

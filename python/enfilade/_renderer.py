@@ -1,0 +1,164 @@
+"""Pictures of what agents see, into fresh arrays or the caller's memory."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Mapping, Optional
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from enfilade._core import Graphs, Panoramas, ViewRenderer, panorama_places
+from enfilade._simulator import Names, Simulator, scan_indices, viewpoint_indices
+
+# The type of a picture's values, and its shape for n views of h x w.
+_COLOURS = {"rgb8": np.uint8, "bgr8": np.uint8, "rgba8": np.uint8, "planar": np.float32,
+            "imagenet": np.float32}  # fmt: skip
+_LAYERS = {"depth": np.float32, "classes": np.uint16, "instances": np.uint32}
+
+
+def open_panoramas(folder: str, graphs: Graphs) -> Panoramas:
+    """The pictures of a data folder: its `store`, `scans`, `v1/scans`, `data/v1/scans`, or itself."""
+    images, connectivity = panorama_places(folder)
+    return Panoramas(images, connectivity, graphs)
+
+
+class Renderer:
+    """Draws batches of views. Give each thread its own; the GIL is let go of meanwhile.
+
+    Args:
+        graphs, panoramas: of the same scans.
+        backend: "cpu" (SIMD), "cpu-scalar" (slow, the reference), "gl" (OpenGL without a display).
+        threads: that draw; 0: all cores.
+        cache_bytes: of decoded faces that are kept; a panorama of 512 texels takes 6.4 MB of colour.
+        clamped_edges, eight_bit_depth: the old simulator's ways, for features made with it.
+        device: an EGL device's index or UUID, for "gl"; empty: the first that works.
+    """
+
+    def __init__(
+        self,
+        graphs: Graphs,
+        panoramas: Panoramas,
+        *,
+        backend: str = "cpu",
+        threads: int = 0,
+        cache_bytes: int = 256 << 20,
+        clamped_edges: bool = False,
+        eight_bit_depth: bool = False,
+        device: str = "",
+    ) -> None:
+        self.graphs = graphs
+        self._core = ViewRenderer(
+            panoramas, backend, threads, cache_bytes, clamped_edges, eight_bit_depth, device
+        )
+
+    @property
+    def description(self) -> str:
+        """What it runs on: "cpu (AVX3, 2 threads)", "gl (llvmpipe, OpenGL 4.5)"."""
+        return self._core.description
+
+    def render(
+        self,
+        scans: Names,
+        viewpoints: Names,
+        headings: ArrayLike,
+        elevations: ArrayLike = 0.0,
+        *,
+        width: int = 640,
+        height: int = 480,
+        vfov: float = math.radians(60),
+        colour: Optional[str] = "rgb8",
+        layers: tuple[str, ...] = (),
+        ray_depth: bool = False,
+        out: Optional[Mapping[str, Any]] = None,
+    ) -> dict[str, Any]:
+        """Draws n views, by names or indices of scans and viewpoints; angles in radians.
+
+        Args:
+            colour: "rgb8", "bgr8": (n, h, w, 3) uint8; "rgba8": (n, h, w, 4); "planar": (n, 3, h, w)
+                float32 in [0, 1]; "imagenet": the same, normalised as torchvision's models want it;
+                None: none.
+            layers: any of "depth" ((n, h, w) float32 metres along the optical axis, 0: no reading),
+                "classes" ((n, h, w) uint16), "instances" ((n, h, w) uint32).
+            ray_depth: depth along each pixel's ray instead.
+            out: where to draw, by "colour" and the layers' names: contiguous writable arrays of those
+                shapes, of any library that speaks DLPack or the buffer protocol (NumPy, torch, JAX on
+                the CPU). Depth may be uint16 (quarter millimetres), classes uint8, planar colour
+                float16. What is not in it is made.
+
+        Returns the arrays by name, those of `out` themselves included. Raises ArgumentError for bad
+        arguments; UnknownNameError, FileError, InvalidInput for pictures that are missing or broken.
+        """
+        scan = np.atleast_1d(scan_indices(self.graphs, scans))
+        viewpoint = np.atleast_1d(viewpoint_indices(self.graphs, scan, viewpoints))
+        n = len(scan)
+        pictures = dict(out or {})
+        for name in ((() if colour is None else ("colour",)) + tuple(layers)):
+            if name not in pictures:
+                pictures[name] = _empty(name, colour, n, height, width)
+        for name, picture in pictures.items():
+            _check_shape(name, colour, picture, n, height, width)
+        self._core.render(
+            scan,
+            viewpoint,
+            _angles(headings, n),
+            _angles(elevations, n),
+            width,
+            height,
+            vfov,
+            pictures.get("colour"),
+            colour or "rgb8",
+            pictures.get("depth"),
+            ray_depth,
+            pictures.get("classes"),
+            pictures.get("instances"),
+        )
+        return pictures
+
+    def render_agents(self, simulator: Simulator, **options: Any) -> dict[str, Any]:
+        """What each agent of a simulator sees now, with its camera; options as of render()."""
+        state = simulator.state
+        options.setdefault("width", simulator.width)
+        options.setdefault("height", simulator.height)
+        options.setdefault("vfov", simulator.vfov)
+        return self.render(state.scan, state.viewpoint, state.heading, state.elevation, **options)
+
+    def render_36(self, scan: str, viewpoint: str, **options: Any) -> dict[str, Any]:
+        """The 36 discretized views of a viewpoint, in the order of MatterSim's viewIndex."""
+        views = np.arange(36)
+        return self.render(
+            [scan] * 36,
+            [viewpoint] * 36,
+            views % 12 * math.radians(30),
+            (views // 12 - 1) * math.radians(30),
+            **options,
+        )
+
+
+def _shape(name: str, colour: Optional[str], n: int, h: int, w: int) -> tuple[int, ...]:
+    if name != "colour":
+        return (n, h, w)
+    if colour in ("planar", "imagenet"):
+        return (n, 3, h, w)
+    return (n, h, w, 4 if colour == "rgba8" else 3)
+
+
+def _empty(name: str, colour: Optional[str], n: int, h: int, w: int) -> NDArray[Any]:
+    types = _LAYERS if name != "colour" else {"colour": _COLOURS.get(colour or "")}
+    kind = types.get(name)
+    if kind is None:
+        known = [*_COLOURS] if name == "colour" else [*_LAYERS]
+        raise ValueError(f"'{colour if name == 'colour' else name}': one of {', '.join(known)}")
+    return np.empty(_shape(name, colour, n, h, w), kind)
+
+
+def _check_shape(name: str, colour: Optional[str], picture: Any, n: int, h: int, w: int) -> None:
+    wanted = _shape(name, colour, n, h, w)
+    if name not in ("colour", *_LAYERS):
+        raise ValueError(f"out['{name}']: one of colour, {', '.join(_LAYERS)} is wanted")
+    if tuple(picture.shape) != wanted:
+        raise ValueError(f"out['{name}'] has shape {tuple(picture.shape)}, not {wanted}")
+
+
+def _angles(values: ArrayLike, n: int) -> NDArray[np.float64]:
+    return np.ascontiguousarray(np.broadcast_to(np.asarray(values, np.float64), (n,)))

@@ -1,0 +1,263 @@
+"""The batched simulator, with names where the core has indices."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from enfilade._core import BatchSimulator, Graphs
+
+Names = Union[Sequence[str], ArrayLike]
+
+
+@dataclass(frozen=True)
+class State:
+    """What a batch of n agents is in: arrays over the simulator's memory, which later calls write
+    over. Copy what has to stay. Rows of `navigable_*` hold navigable_count[k] entries: entry 0 is
+    the present viewpoint, the others follow by rising angle from the picture's middle; what lies
+    beyond is left over.
+    """
+
+    scan: NDArray[np.uint32]  #: (n,) index into Graphs.scans
+    viewpoint: NDArray[np.uint32]  #: (n,) index into Graph.viewpoints
+    heading: NDArray[np.float64]  #: (n,) radians, [0, 2 pi]
+    elevation: NDArray[np.float64]  #: (n,) radians
+    view_index: NDArray[np.uint32]  #: (n,) 0..35 when discretized, else 0
+    step: NDArray[np.uint32]  #: (n,) actions since the start
+    navigable_count: NDArray[np.uint32]  #: (n,)
+    navigable_viewpoint: NDArray[np.uint32]  #: (n, m)
+    navigable_rel_heading: NDArray[np.float64]  #: (n, m) radians, right positive
+    navigable_rel_elevation: NDArray[np.float64]  #: (n, m) radians, up positive
+    navigable_distance: NDArray[np.float64]  #: (n, m) metres
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A neighbour of a viewpoint, and which of the 36 views has it nearest to its middle: what
+    `make_candidate` of EnvDrop and its descendants finds by turning round."""
+
+    viewpoint: str
+    ix: int  #: its index in Graph.viewpoints
+    view_index: int  #: 0..35 (their pointId)
+    index: int  #: into that view's navigable list (their idx)
+    normalized_heading: float  #: world heading towards it, radians, not wrapped
+    normalized_elevation: float  #: radians above the horizon
+    rel_heading: float  #: from the view's middle
+    rel_elevation: float
+    angle: float  #: from the view's middle, radians (their distance)
+    distance: float  #: straight line, metres
+    position: tuple[float, float, float]  #: metres, world frame
+
+
+@dataclass(frozen=True)
+class CandidateTable:
+    """Candidates of many viewpoints, a row each, ordered by scan and viewpoint."""
+
+    scan: NDArray[np.uint32]  #: (n,) index into Graphs.scans
+    viewpoint: NDArray[np.uint32]  #: (n,) where one stands
+    neighbour: NDArray[np.uint32]  #: (n,) where one can go
+    view_index: NDArray[np.uint32]  #: (n,) 0..35
+    index: NDArray[np.uint32]  #: (n,) into that view's navigable list
+    normalized_heading: NDArray[np.float64]  #: (n,) radians
+    normalized_elevation: NDArray[np.float64]  #: (n,) radians
+    rel_heading: NDArray[np.float64]  #: (n,) radians
+    rel_elevation: NDArray[np.float64]  #: (n,) radians
+    angle: NDArray[np.float64]  #: (n,) radians
+    distance: NDArray[np.float64]  #: (n,) metres
+
+
+class Simulator:
+    """Walks a batch of agents through the buildings of a `Graphs`. Opens no picture.
+
+    First the move, then the turn. A call that fails moves nobody. Give each thread its own; any
+    number of them share a Graphs. All calls let go of the GIL.
+
+    Args:
+        graphs: the buildings.
+        batch_size: agents, n.
+        width, height: of the camera, pixels. They and `vfov` decide what is navigable.
+        vfov: vertical field of view, radians.
+        discretized: 36 views of 30 degrees (then only the sign of a change counts), as Room-to-Room
+            has it; else any heading, and elevations within `elevation_limits`.
+        restricted: only neighbours in the horizontal field of view are navigable.
+        field_of_view: "linear" is the old simulator's, on which results rest (80 degrees at the
+            default camera); "perspective" is what the picture shows (75.2).
+        elevation_limits: radians, -pi/2 < min < 0 < max < pi/2.
+        random_starts: "uniform", or "mattersim" for the old simulator's numbers.
+        seed: of new_random_episodes().
+        max_navigable: columns of `State.navigable_*`, m; Matterport3D needs 14.
+        threads: that step() may use; 0: all cores. Never changes a result.
+    """
+
+    def __init__(
+        self,
+        graphs: Graphs,
+        batch_size: int = 1,
+        *,
+        width: int = 640,
+        height: int = 480,
+        vfov: float = math.radians(60),
+        discretized: bool = True,
+        restricted: bool = True,
+        field_of_view: str = "linear",
+        elevation_limits: tuple[float, float] = (-0.94, 0.94),
+        random_starts: str = "uniform",
+        seed: int = 1,
+        max_navigable: int = 32,
+        threads: int = 1,
+    ) -> None:
+        _check_word("field_of_view", field_of_view, ("linear", "perspective"))
+        _check_word("random_starts", random_starts, ("uniform", "mattersim"))
+        self.graphs = graphs
+        self.batch_size = batch_size
+        self.width, self.height, self.vfov = width, height, vfov
+        self._core = BatchSimulator(
+            graphs,
+            batch_size=batch_size,
+            width=width,
+            height=height,
+            vfov=vfov,
+            discretized=discretized,
+            restricted=restricted,
+            linear_view=field_of_view == "linear",
+            elevation_limits=elevation_limits,
+            mattersim_starts=random_starts == "mattersim",
+            seed=seed,
+            max_navigable=max_navigable,
+            threads=threads,
+        )
+        self.state = State(**self._core.state_arrays())
+        self._nothing = np.zeros(batch_size)
+
+    def new_episodes(
+        self,
+        scans: Names,
+        viewpoints: Names,
+        headings: ArrayLike = 0.0,
+        elevations: ArrayLike = 0.0,
+    ) -> State:
+        """Starts an episode for every agent; names or indices. One number serves all agents.
+
+        Raises UnknownNameError for an unknown name, ArgumentError for what else cannot be.
+        """
+        scan = scan_indices(self.graphs, scans)
+        viewpoint = viewpoint_indices(self.graphs, scan, viewpoints)
+        self._core.new_episodes(scan, viewpoint, self._reals(headings), self._reals(elevations))
+        return self.state
+
+    def new_episode(
+        self, agent: int, scan: str, viewpoint: str, heading: float = 0.0, elevation: float = 0.0
+    ) -> State:
+        """Starts an episode for one agent; the others stay as they are."""
+        place = self.graphs.locate(scan, viewpoint)
+        self._core.new_episode(agent, place[0], place[1], heading, elevation)
+        return self.state
+
+    def new_random_episodes(self, scans: Names) -> State:
+        """A random viewpoint and heading in each agent's scan, elevation 0."""
+        self._core.new_random_episodes(scan_indices(self.graphs, scans))
+        return self.state
+
+    def step(
+        self,
+        indices: ArrayLike,
+        heading_changes: Optional[ArrayLike] = None,
+        elevation_changes: Optional[ArrayLike] = None,
+    ) -> State:
+        """One action for every agent: to entry `indices` of its navigable list (0: stay), then turn.
+
+        Args:
+            indices: (n,) integers.
+            heading_changes: (n,) radians, right positive; None: no turn.
+            elevation_changes: (n,) radians, up positive; None: no turn.
+
+        Raises ArgumentError naming agent, value and range; then nobody has moved.
+        """
+        self._core.step(
+            _indices(indices),
+            self._nothing if heading_changes is None else self._reals(heading_changes),
+            self._nothing if elevation_changes is None else self._reals(elevation_changes),
+        )
+        return self.state
+
+    def viewpoint_ids(self) -> list[str]:
+        """Where the agents are, by name."""
+        scans = self.graphs.scans
+        return [
+            self.graphs[scans[s]].viewpoints[v]
+            for s, v in zip(self.state.scan, self.state.viewpoint)
+        ]
+
+    def candidates(self, scan: str, viewpoint: str) -> list[Candidate]:
+        """The neighbours of a viewpoint, each in the best of 36 views, in the order in which turning
+        from view 0 to 35 meets them. Does not disturb the agents."""
+        graph = self.graphs[scan]
+        place = self.graphs.locate(scan, viewpoint)
+        names, positions = graph.viewpoints, graph.positions
+        found = []
+        for ix, view, index, heading, elevation, right, up, angle, metres in self._core.candidates(
+            *place
+        ):
+            x, y, z = (float(value) for value in positions[ix])
+            found.append(
+                Candidate(
+                    names[ix], ix, view, index, heading, elevation, right, up, angle, metres,
+                    (x, y, z),
+                )  # fmt: skip
+            )
+        return found
+
+    def all_candidates(self, scans: Optional[Names] = None) -> CandidateTable:
+        """candidates() of every included viewpoint of these scans (None: of all scans)."""
+        wanted = np.arange(len(self.graphs), dtype=np.uint32)
+        if scans is not None:
+            wanted = scan_indices(self.graphs, scans)
+        integers, reals = self._core.candidate_arrays(wanted)
+        return CandidateTable(*integers.T, *reals.T)
+
+    def _reals(self, values: ArrayLike) -> NDArray[np.float64]:
+        array = np.asarray(values, np.float64)
+        if array.ndim == 0:
+            array = np.full(self.batch_size, array)
+        return np.ascontiguousarray(array)
+
+
+def scan_indices(graphs: Graphs, scans: Names) -> NDArray[np.uint32]:
+    """Indices of scans that are given by name or index."""
+    array = np.asarray(scans)
+    if array.dtype.kind == "U":
+        return np.array([graphs.index(str(name)) for name in array.ravel()], np.uint32)
+    return _indices(array)
+
+
+def viewpoint_indices(
+    graphs: Graphs, scans: NDArray[np.uint32], viewpoints: Names
+) -> NDArray[np.uint32]:
+    """Indices of viewpoints that are given by name or index, each of its scan."""
+    array = np.asarray(viewpoints)
+    if array.dtype.kind != "U":
+        return _indices(array)
+    if len(array) != len(scans):
+        raise ValueError(f"viewpoints: {len(array)} for {len(scans)} scans")
+    names = graphs.scans
+    return np.array(
+        [graphs.locate(names[s], str(v))[1] for s, v in zip(scans, array)], np.uint32
+    )
+
+
+def _indices(values: ArrayLike) -> NDArray[np.uint32]:
+    array = np.asarray(values)
+    if array.dtype.kind not in "iub":
+        raise TypeError(f"indices of type {array.dtype}: integers are wanted")
+    if array.dtype.kind == "i" and array.size and array.min() < 0:
+        raise ValueError(f"index {array.min()}: at least 0 is wanted")
+    return np.ascontiguousarray(array, np.uint32)
+
+
+def _check_word(name: str, word: str, allowed: tuple[str, ...]) -> None:
+    if word not in allowed:
+        raise ValueError(f"{name} '{word}': one of {', '.join(allowed)} is wanted")

@@ -1,0 +1,213 @@
+"""What the single and the vector environment share: n agents, their observations and spaces."""
+
+from __future__ import annotations
+
+from typing import Any, Optional, Sequence
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from enfilade._core import BatchEnvironment, Vocabulary
+from enfilade._episodes import Episodes
+from enfilade._renderer import Renderer, open_panoramas
+from enfilade.gym._config import EnvConfig, Transition
+
+RENDER_MODES = ["rgb_array", "ansi"]
+PI = np.float32(np.pi)  # above pi, as every angle that is rounded may be
+MOST_METRES = 1000  # of a candidate or a depth; no building comes near it
+
+# The renderer's names of layers, and what comes out.
+_LAYERS: dict[str, tuple[str, type[Any], float]] = {
+    "depth": ("depth", np.float32, MOST_METRES),
+    "class": ("classes", np.uint16, 2**16 - 1),
+    "instance": ("instances", np.uint32, 2**32 - 1),
+}
+
+
+class Batch:
+    """n agents in Room-to-Room. `arrays` has views of the core's memory by name."""
+
+    def __init__(self, config: EnvConfig, n: int, *, reset_at_next_step: bool = False) -> None:
+        self.config = config
+        self.n = n
+        self.episodes = Episodes(config.data, config.split)
+        reward = config.reward if isinstance(config.reward, str) else "none"
+        self.core = BatchEnvironment(
+            self.episodes._core,
+            batch_size=n,
+            six_actions=config.actions == "six",
+            reward=reward,
+            max_steps=config.max_steps,
+            success_distance=config.success_distance,
+            reset_at_next_step=reset_at_next_step,
+            seed=config.seed,
+            width=config.width,
+            height=config.height,
+            vfov=config.vfov,
+            max_navigable=config.max_candidates,
+        )
+        self.arrays: dict[str, NDArray[Any]] = self.core.arrays()
+        self.vocabulary = Vocabulary.load(config.vocabulary) if config.vocabulary else None
+        self._all_texts = [episode.text for episode in self.episodes]
+        self.texts = [""] * n
+        self.tokens = np.zeros((n, config.tokens), np.int64)
+        self._renderer: Optional[Renderer] = None
+        if config.observe:
+            self.renderer()
+        self.single_observation_space = self._observation_space()
+        self.single_action_space = spaces.Discrete(int(self.core.action_count))
+
+    def renderer(self) -> Renderer:
+        """Made when first wanted: graphs alone need no pictures."""
+        if self._renderer is None:
+            graphs = self.episodes.graphs
+            panoramas = open_panoramas(self.config.data, graphs)
+            self._renderer = Renderer(graphs, panoramas, backend=self.config.backend)
+        return self._renderer
+
+    def _observation_space(self) -> spaces.Dict:
+        config = self.config
+        texts = self._all_texts
+        rows = config.max_candidates
+        space: dict[str, spaces.Space[Any]] = {
+            "instruction": spaces.Text(
+                max_length=max(map(len, texts)),
+                min_length=0,
+                charset=frozenset("".join(texts)) or frozenset(" "),
+            ),
+            "pose": spaces.Box(
+                np.array([0, -PI / 2], np.float32), np.array([2 * PI, PI / 2], np.float32)
+            ),
+            "candidates": spaces.Box(
+                np.tile(np.array([-PI, -PI, 0], np.float32), (rows, 1)),
+                np.tile(np.array([PI, PI, MOST_METRES], np.float32), (rows, 1)),
+            ),
+            "candidate_mask": spaces.MultiBinary(rows),
+        }
+        if self.vocabulary is not None:
+            space["tokens"] = spaces.Box(0, len(self.vocabulary) - 1, (config.tokens,), np.int64)
+        shape = (config.height, config.width)
+        for name in config.observe:
+            if name == "rgb":
+                space[name] = spaces.Box(0, 255, (*shape, 3), np.uint8)
+            else:
+                _, kind, high = _LAYERS[name]
+                space[name] = spaces.Box(0, high, shape, kind)
+        return spaces.Dict(space)
+
+    # --- episodes ---------------------------------------------------------------------------------
+
+    def seed(self, seeds: Sequence[Optional[int]]) -> None:
+        for agent, seed in enumerate(seeds):
+            if seed is not None:
+                self.core.seed(agent, seed)
+
+    def reset(
+        self,
+        mask: Optional[NDArray[np.bool_]] = None,
+        chosen: Optional[NDArray[np.int64]] = None,
+    ) -> None:
+        flags = None if mask is None else np.ascontiguousarray(mask, np.uint8)
+        self.core.reset(flags, chosen)
+        self.read_instructions()
+
+    def step(self, actions: NDArray[np.int64]) -> NDArray[np.float64]:
+        """The rewards, (n,)."""
+        if isinstance(self.config.reward, str):
+            self.core.step(actions)
+            rewards: NDArray[np.float64] = self.arrays["reward"].copy()
+        else:
+            before = self.arrays["distance"].copy()
+            self.core.step(actions)
+            rewards = np.asarray(self.config.reward(self._transition(before)), np.float64)
+            if rewards.shape != (self.n,):
+                raise ValueError(f"reward: shape {rewards.shape}, not ({self.n},)")
+            rewards = np.where(self.arrays["began"] == 1, 0.0, rewards)
+        if self.arrays["began"].any():
+            self.read_instructions()
+        return rewards
+
+    def _transition(self, before: NDArray[np.float64]) -> Transition:
+        distance = self.arrays["distance"].copy()
+        stopped = self.arrays["terminated"].astype(bool)
+        return Transition(
+            before, distance, stopped, stopped & (distance < self.config.success_distance)
+        )
+
+    def read_instructions(self) -> None:
+        for agent in np.flatnonzero(self.arrays["began"]):
+            text = self._all_texts[self.arrays["episode"][agent]]
+            self.texts[agent] = text
+            if self.vocabulary is not None:
+                self.tokens[agent] = self.vocabulary.encode(text, self.config.tokens)
+
+    def chosen_episodes(self, options: Optional[dict[str, Any]]) -> Optional[NDArray[np.int64]]:
+        """What reset(options={"episode": ...}) asks for: indices or instruction ids, one or n."""
+        wanted = (options or {}).get("episode")
+        if wanted is None:
+            return None
+        each = [wanted] if isinstance(wanted, (str, int, np.integer)) else list(wanted)
+        if len(each) == 1:
+            each = each * self.n
+        return np.array([self._index_of(one) for one in each], np.int64)
+
+    def _index_of(self, wanted: Any) -> int:
+        if not isinstance(wanted, str):
+            return int(wanted)
+        for index, episode in enumerate(self.episodes):
+            if episode.instruction_id == wanted:
+                return index
+        raise ValueError(f"episode '{wanted}' is not in the split {self.config.split}")
+
+    # --- what is seen -----------------------------------------------------------------------------
+
+    def observe(self) -> dict[str, Any]:
+        """Arrays of their own by name, shape (n, ...), and a tuple of n texts."""
+        pose = np.empty((self.n, 2), np.float32)
+        pose[:, 0] = self.arrays["heading"]
+        pose[:, 1] = self.arrays["elevation"]
+        seen: dict[str, Any] = {
+            "candidate_mask": self.arrays["candidate_mask"].copy(),
+            "candidates": self.arrays["candidates"].copy(),
+            "instruction": tuple(self.texts),
+            "pose": pose,
+        }
+        if self.vocabulary is not None:
+            seen["tokens"] = self.tokens.copy()
+        if self.config.observe:
+            seen.update(self.pictures(self.config.observe))
+        return seen
+
+    def pictures(self, names: Sequence[str]) -> dict[str, NDArray[Any]]:
+        drawn = self.renderer().render(
+            self.arrays["scan"],
+            self.arrays["viewpoint"],
+            self.arrays["heading"],
+            self.arrays["elevation"],
+            width=self.config.width,
+            height=self.config.height,
+            vfov=self.config.vfov,
+            colour="rgb8" if "rgb" in names else None,
+            layers=tuple(_LAYERS[name][0] for name in names if name != "rgb"),
+        )
+        return {n: drawn["colour" if n == "rgb" else _LAYERS[n][0]] for n in names}
+
+    def describe(self, agent: int) -> str:
+        """Where an agent is, in words: render_mode "ansi"."""
+        episode = self.episodes[int(self.arrays["episode"][agent])]
+        graph = self.episodes.graphs[episode.scan]
+        ids = graph.viewpoints
+        lines = [
+            f"{episode.instruction_id} in {episode.scan}: {episode.text.strip()}",
+            f"step {self.arrays['step'][agent]} at {ids[self.arrays['viewpoint'][agent]]}, heading "
+            f"{np.degrees(self.arrays['heading'][agent]):.0f}, "
+            f"{self.arrays['distance'][agent]:.1f} m from the goal",
+        ]
+        for k in np.flatnonzero(self.arrays["candidate_mask"][agent]):
+            right, up, metres = self.arrays["candidates"][agent, k]
+            name = ids[self.arrays["candidate_viewpoint"][agent, k]]
+            lines.append(
+                f"  {k}: {name}  {np.degrees(right):+.0f} right {np.degrees(up):+.0f} up {metres:.1f} m"
+            )
+        return "\n".join(lines) + "\n"

@@ -1,0 +1,74 @@
+"""What an environment is made from: plain data, so that it can be pickled to workers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Callable, Optional, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+ACTIONS = ("viewpoint", "six")
+LAYERS = ("rgb", "depth", "class", "instance")
+
+
+@dataclass(frozen=True)
+class Transition:
+    """What a reward function is told of one step of n agents."""
+
+    distance_before: NDArray[np.float64]  #: (n,) to the goal along the graph, metres
+    distance: NDArray[np.float64]  #: (n,) after the step
+    stopped: NDArray[np.bool_]  #: (n,)
+    success: NDArray[np.bool_]  #: (n,) stopped near enough
+
+
+@dataclass(frozen=True)
+class EnvConfig:
+    """Which episodes, what is seen, what can be done, what is paid for.
+
+    Args:
+        data: folder of graphs and annotations, and of pictures where `observe` wants some.
+        split: "train", "val_seen", "val_unseen", ...
+        actions: "viewpoint": 0 stops, k walks to candidate k and looks along the way; "six": left,
+            right, up, down (30 degrees), forward, stop. What is not possible leaves the agent where
+            it is.
+        reward: "progress" (metres nearer, 2 for a successful stop, -2 for another), "success" (1 for
+            a successful stop), "none", or a function of a Transition that gives (n,) numbers; it has
+            to be importable by its name where the config is to be pickled.
+        max_steps: actions after which an episode is truncated.
+        success_distance: metres, along the graph.
+        observe: any of "rgb", "depth", "class", "instance".
+        width, height, vfov: of the camera, pixels and radians. They also decide what "six" can
+            reach.
+        vocabulary: file of words (R2R's train_vocab.txt), for token ids; None: no tokens.
+        tokens: length of the row of ids.
+        max_candidates: rows of the candidates, the present viewpoint included.
+        backend: of the renderer: "cpu", "cpu-scalar" or "gl".
+        seed: of the episodes, until reset(seed=...) gives another.
+    """
+
+    data: str
+    split: str = "train"
+    actions: str = "viewpoint"
+    reward: Union[str, Callable[[Transition], NDArray[np.float64]]] = "progress"
+    max_steps: int = 40
+    success_distance: float = 3.0
+    observe: tuple[str, ...] = ()
+    width: int = 640
+    height: int = 480
+    vfov: float = math.radians(60)
+    vocabulary: Optional[str] = None
+    tokens: int = 80
+    max_candidates: int = 16
+    backend: str = "cpu"
+    seed: int = 1
+
+    def __post_init__(self) -> None:
+        if self.actions not in ACTIONS:
+            raise ValueError(f"actions '{self.actions}': one of {', '.join(ACTIONS)} is wanted")
+        for layer in self.observe:
+            if layer not in LAYERS:
+                raise ValueError(f"observe '{layer}': any of {', '.join(LAYERS)} are wanted")
+        if self.tokens < 1:
+            raise ValueError(f"tokens {self.tokens}: at least 1 is wanted")

@@ -1,0 +1,82 @@
+"""One agent in Room-to-Room."""
+
+from __future__ import annotations
+
+from typing import Any, Optional, Union
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from enfilade.gym._batch import RENDER_MODES, Batch
+from enfilade.gym._config import EnvConfig
+
+Observation = dict[str, Any]
+
+
+class RoomToRoomEnv(gymnasium.Env[Observation, Any]):
+    """RoomToRoom-v0. Observations, a Dict:
+
+    instruction: text. pose: heading and elevation, radians. candidates: (m, 3) rel_heading,
+    rel_elevation (radians from where the agent looks) and distance (metres); row 0 is where it
+    stands. candidate_mask: (m,) 1 for rows in use. tokens: token ids, where the config names a
+    vocabulary. rgb, depth, class, instance: where the config wants them.
+
+    reset(options={"episode": e}) takes an index or instruction id instead of drawing one.
+    info: instruction_id, scan, viewpoint, distance (metres to the goal); at an episode's end also
+    success and spl. metrics() has the others.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 2}
+
+    def __init__(self, config: EnvConfig, render_mode: Optional[str] = None) -> None:
+        if render_mode is not None and render_mode not in RENDER_MODES:
+            raise ValueError(f"render_mode '{render_mode}': one of {', '.join(RENDER_MODES)}")
+        self._batch = Batch(config, 1)
+        self._seeded = False
+        self.render_mode = render_mode
+        self.observation_space = self._batch.single_observation_space
+        self.action_space = self._batch.single_action_space
+
+    def reset(
+        self, *, seed: Optional[int] = None, options: Optional[dict[str, Any]] = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        super().reset(seed=seed)
+        if seed is not None:
+            self._batch.seed([seed])
+        self._batch.reset(chosen=self._batch.chosen_episodes(options))
+        return self._observation(), self._info()
+
+    def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        rewards = self._batch.step(np.array([action], np.int64))
+        terminated = bool(self._batch.arrays["terminated"][0])
+        truncated = bool(self._batch.arrays["truncated"][0])
+        info = self._info()
+        if terminated or truncated:
+            info.update({name: float(self._batch.arrays[name][0]) for name in ("success", "spl")})
+        return self._observation(), float(rewards[0]), terminated, truncated, info
+
+    def metrics(self) -> dict[str, float]:
+        """All metrics of what was walked in this episode so far (docs/r2r.md)."""
+        return self._batch.core.metrics(0)
+
+    def render(self) -> Union[None, NDArray[np.uint8], str]:
+        """rgb_array: (height, width, 3) uint8, what the agent sees. ansi: where it is, in words."""
+        if self.render_mode == "rgb_array":
+            picture: NDArray[np.uint8] = self._batch.pictures(("rgb",))["rgb"][0]
+            return picture
+        return self._batch.describe(0) if self.render_mode == "ansi" else None
+
+    def _observation(self) -> Observation:
+        return {name: value[0] for name, value in self._batch.observe().items()}
+
+    def _info(self) -> dict[str, Any]:
+        arrays = self._batch.arrays
+        episode = self._batch.episodes[int(arrays["episode"][0])]
+        graph = self._batch.episodes.graphs[episode.scan]
+        return {
+            "instruction_id": episode.instruction_id,
+            "scan": episode.scan,
+            "viewpoint": graph.viewpoints[int(arrays["viewpoint"][0])],
+            "distance": float(arrays["distance"][0]),
+        }

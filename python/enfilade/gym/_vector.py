@@ -1,0 +1,145 @@
+"""Many agents in Room-to-Room, stepped together in C++."""
+
+from __future__ import annotations
+
+from typing import Any, Optional, Sequence, Union
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+from numpy.typing import ArrayLike, NDArray
+
+from enfilade.gym._batch import RENDER_MODES, Batch
+from enfilade.gym._config import EnvConfig
+
+Observation = dict[str, Any]
+Flags = NDArray[np.bool_]
+
+
+class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[Any]]):
+    """RoomToRoom-v0, n at a time; observations as of RoomToRoomEnv, with n in front of each shape.
+
+    Args:
+        config: of all agents; reset(seed=s) gives agent k the episodes that a single environment
+            gets by reset(seed=s + k).
+        num_envs: n.
+        autoreset_mode: Gymnasium's NEXT_STEP, SAME_STEP (final_obs and final_info in the info) or
+            DISABLED (reset(options={"reset_mask": flags})).
+        render_mode: "rgb_array" or "ansi"; render() gives n of them.
+
+    info: distance, episode (index), and at an episode's end success and spl, each with its mask
+    `_name` as Gymnasium has it. metrics(k) has the others.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 2}
+
+    def __init__(
+        self,
+        config: EnvConfig,
+        num_envs: int = 1,
+        *,
+        autoreset_mode: Union[str, AutoresetMode] = AutoresetMode.NEXT_STEP,
+        render_mode: Optional[str] = None,
+    ) -> None:
+        super().__init__()
+        if render_mode is not None and render_mode not in RENDER_MODES:
+            raise ValueError(f"render_mode '{render_mode}': one of {', '.join(RENDER_MODES)}")
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        next_step = self.autoreset_mode == AutoresetMode.NEXT_STEP
+        self._batch = Batch(config, num_envs, reset_at_next_step=next_step)
+        self.num_envs = num_envs
+        self.render_mode = render_mode
+        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
+        self.single_observation_space = self._batch.single_observation_space
+        self.single_action_space = self._batch.single_action_space
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._all = np.ones(num_envs, bool)
+
+    def reset(
+        self,
+        *,
+        seed: Union[None, int, Sequence[Optional[int]]] = None,
+        options: Optional[dict[str, Any]] = None,
+    ) -> tuple[Observation, dict[str, Any]]:
+        if isinstance(seed, (int, np.integer)):
+            seed = [int(seed) + k for k in range(self.num_envs)]
+        if seed is not None:
+            if len(seed) != self.num_envs:
+                raise ValueError(f"seed: {len(seed)} for {self.num_envs} environments")
+            self._batch.seed(seed)
+        mask = None
+        if options is not None and "reset_mask" in options:
+            mask = self._checked_mask(options["reset_mask"])
+        self._batch.reset(mask, self._batch.chosen_episodes(options))
+        return self._batch.observe(), self._info(self._all if mask is None else mask)
+
+    def step(
+        self, actions: ArrayLike
+    ) -> tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
+        batch = self._batch
+        rewards = batch.step(np.ascontiguousarray(actions, np.int64))
+        terminated = batch.arrays["terminated"].astype(bool)
+        truncated = batch.arrays["truncated"].astype(bool)
+        info = self._info(self._all)
+        ended = terminated | truncated
+        if ended.any():
+            final = self._end_metrics(ended)
+            if self.autoreset_mode == AutoresetMode.SAME_STEP:
+                info = self._reset_ended(ended, {**info, **final})
+            else:
+                info.update(final)
+        return batch.observe(), rewards, terminated, truncated, info
+
+    def metrics(self, agent: int) -> dict[str, float]:
+        """All metrics of what an agent has walked in its episode so far (docs/r2r.md); with
+        SAME_STEP that is the new episode already."""
+        return self._batch.core.metrics(agent)
+
+    def render(self) -> Optional[tuple[Any, ...]]:
+        if self.render_mode == "rgb_array":
+            return tuple(self._batch.pictures(("rgb",))["rgb"])
+        if self.render_mode == "ansi":
+            return tuple(self._batch.describe(k) for k in range(self.num_envs))
+        return None
+
+    def _checked_mask(self, mask: Any) -> Flags:
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+            raise TypeError("options['reset_mask']: a NumPy array of bool is wanted")
+        if mask.shape != (self.num_envs,) or not mask.any():
+            raise ValueError(f"options['reset_mask']: shape ({self.num_envs},), at least one True")
+        return mask
+
+    def _info(self, mask: Flags) -> dict[str, Any]:
+        arrays = self._batch.arrays
+        return {
+            "distance": arrays["distance"].copy(),
+            "_distance": mask.copy(),
+            "episode": arrays["episode"].copy(),
+            "_episode": mask.copy(),
+        }
+
+    def _end_metrics(self, ended: Flags) -> dict[str, Any]:
+        info: dict[str, Any] = {}
+        for name in ("success", "spl"):
+            info[name] = np.where(ended, self._batch.arrays[name], 0.0)
+            info[f"_{name}"] = ended.copy()
+        return info
+
+    def _reset_ended(self, ended: Flags, final_info: dict[str, Any]) -> dict[str, Any]:
+        last = self._batch.observe()
+        final = np.full(self.num_envs, None, object)
+        for agent in np.flatnonzero(ended):
+            final[agent] = {name: value[agent] for name, value in last.items()}
+        for name in final_info:
+            if name.startswith("_"):
+                final_info[name] = final_info[name] & ended
+        self._batch.reset(ended)
+        return {
+            **self._info(self._all),
+            "final_obs": final,
+            "_final_obs": ended,
+            "final_info": final_info,
+            "_final_info": ended.copy(),
+        }

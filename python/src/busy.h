@@ -1,0 +1,32 @@
+/// \file  Refusing a second thread: the first lets go of the GIL in the middle of a call.
+#pragma once
+#include <atomic>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade::python {
+
+/// A call at the wrong time: Python's RuntimeError.
+class WrongOrder : public Error {
+ public:
+  using Error::Error;
+};
+
+/// Held during a call on an object that one thread at a time may use.
+class Busy {
+ public:
+  /// \throws WrongOrder if the flag is held
+  explicit Busy(std::atomic_flag& flag) : flag_(flag) {
+    if (flag_.test_and_set()) {
+      throw WrongOrder("this object is at work in another thread; give each thread its own");
+    }
+  }
+  ~Busy() { flag_.clear(); }
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+
+ private:
+  std::atomic_flag& flag_;
+};
+
+}  // namespace enfilade::python

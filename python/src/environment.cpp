@@ -1,0 +1,174 @@
+// BatchEnvironment: Room-to-Room's episodes for reinforcement learning.
+#include "enfilade/agents/batch_environment.h"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "python/src/bindings.h"
+#include "python/src/busy.h"
+
+namespace enfilade::python {
+namespace {
+
+using namespace nb::literals;
+
+constexpr std::size_t kCandidateValues = 3;  // rel_heading, rel_elevation, distance
+
+/// An environment, and its candidates as learners want them.
+class Environment {
+ public:
+  Environment(std::shared_ptr<const r2r::EpisodeSet> episodes,
+              const agents::EnvironmentConfig& config)
+      : native_(std::move(episodes), config),
+        candidates_(config.batch_size * config.max_navigable * kCandidateValues),
+        mask_(config.batch_size * config.max_navigable),
+        filled_(config.batch_size) {}
+
+  void reset(const std::optional<Row<std::uint8_t>>& mask,
+             const std::optional<Row<std::int64_t>>& chosen) {
+    const Busy busy(busy_);
+    const nb::gil_scoped_release unlocked;
+    native_.reset(mask ? span_of(*mask) : std::span<const std::uint8_t>{},
+                  chosen ? span_of(*chosen) : std::span<const std::int64_t>{});
+    gather();
+  }
+  void step(const Row<std::int64_t>& actions) {
+    const Busy busy(busy_);
+    const nb::gil_scoped_release unlocked;
+    native_.step(span_of(actions));
+    gather();
+  }
+  void seed(std::size_t agent, std::uint64_t seed) {
+    if (agent >= native_.config().batch_size) throw nb::index_error("agent");
+    native_.seed(agent, seed);
+  }
+
+  nb::dict arrays(nb::handle self) const;
+  const agents::BatchEnvironment& native() const { return native_; }
+
+ private:
+  void gather();
+
+  agents::BatchEnvironment native_;
+  std::vector<float> candidates_;      // (n, m, 3), 0 beyond the list
+  std::vector<std::int8_t> mask_;      // (n, m), 1 within it
+  std::vector<std::uint32_t> filled_;  // (n), rows in use
+  std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
+};
+
+void Environment::gather() {
+  const sim::StateSpans& state = native_.state();
+  const std::size_t m = native_.config().max_navigable;
+  for (std::size_t i = 0; i < native_.config().batch_size; ++i) {
+    const std::uint32_t count = state.navigable_count[i];
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t at = i * m + k;
+      mask_[at] = 1;
+      float* out = &candidates_[at * kCandidateValues];
+      out[0] = static_cast<float>(state.navigable_rel_heading[at]);
+      out[1] = static_cast<float>(state.navigable_rel_elevation[at]);
+      out[2] = static_cast<float>(state.navigable_distance[at]);
+    }
+    for (std::size_t k = count; k < filled_[i]; ++k) {
+      const std::size_t at = i * m + k;
+      mask_[at] = 0;
+      std::fill_n(&candidates_[at * kCandidateValues], kCandidateValues, 0.0F);
+    }
+    filled_[i] = count;
+  }
+}
+
+// All of it by name; the arrays share the environment's memory.
+nb::dict Environment::arrays(nb::handle self) const {
+  const std::size_t n = native_.config().batch_size, m = native_.config().max_navigable;
+  const sim::StateSpans& state = native_.state();
+  const agents::Outcome& out = native_.outcome();
+  const auto integers = [](const auto* data) {
+    return reinterpret_cast<const std::uint32_t*>(data);
+  };
+  const auto reals = [](const double* data) { return data; };
+  nb::dict d;
+  d["scan"] = array_of(integers(state.scan.data()), self, n);
+  d["viewpoint"] = array_of(integers(state.viewpoint.data()), self, n);
+  d["heading"] = array_of(reals(state.heading.data()), self, n);
+  d["elevation"] = array_of(reals(state.elevation.data()), self, n);
+  d["step"] = array_of(integers(state.step.data()), self, n);
+  d["candidates"] = array_of(candidates_.data(), self, n, m, kCandidateValues);
+  d["candidate_mask"] = array_of(mask_.data(), self, n, m);
+  d["candidate_viewpoint"] = array_of(integers(state.navigable_viewpoint.data()), self, n, m);
+  d["reward"] = array_of(out.reward.data(), self, n);
+  d["terminated"] = array_of(out.terminated.data(), self, n);
+  d["truncated"] = array_of(out.truncated.data(), self, n);
+  d["began"] = array_of(out.began.data(), self, n);
+  d["distance"] = array_of(out.distance.data(), self, n);
+  d["episode"] = array_of(out.episode.data(), self, n);
+  d["success"] = array_of(out.success.data(), self, n);
+  d["spl"] = array_of(out.spl.data(), self, n);
+  return d;
+}
+
+std::unique_ptr<Environment> make_environment(std::shared_ptr<const r2r::EpisodeSet> episodes,
+                                              std::size_t batch_size, bool six_actions,
+                                              const std::string& reward, std::uint32_t max_steps,
+                                              double success_distance, bool reset_at_next_step,
+                                              std::uint64_t seed, std::uint32_t width,
+                                              std::uint32_t height, double vfov,
+                                              std::size_t max_navigable) {
+  agents::EnvironmentConfig config;
+  config.batch_size = batch_size;
+  if (six_actions) config.actions = agents::ActionSpace::kSixActions;
+  if (reward == "none") {
+    config.reward = agents::Reward::kNone;
+  } else if (reward == "success") {
+    config.reward = agents::Reward::kSuccess;
+  } else if (reward != "progress") {
+    throw ArgumentError("reward '" + reward + "': none, success and progress are allowed");
+  }
+  config.max_steps = max_steps;
+  config.success_distance = success_distance;
+  config.reset_at_next_step = reset_at_next_step;
+  config.seed = seed;
+  config.camera = {width, height, Radians(vfov)};
+  config.max_navigable = max_navigable;
+  return std::make_unique<Environment>(std::move(episodes), config);
+}
+
+}  // namespace
+
+void bind_environment(nb::module_& m) {
+  nb::class_<Environment>(m, "BatchEnvironment",
+                          "What the environments of enfilade.gym are made of.")
+      .def(nb::new_(&make_environment), "episodes"_a, nb::kw_only(), "batch_size"_a,
+           "six_actions"_a, "reward"_a, "max_steps"_a, "success_distance"_a, "reset_at_next_step"_a,
+           "seed"_a, "width"_a, "height"_a, "vfov"_a, "max_navigable"_a)
+      .def("reset", &Environment::reset, "mask"_a.none(), "chosen"_a.none())
+      .def("step", &Environment::step, "actions"_a)
+      .def("seed", &Environment::seed, "agent"_a, "seed"_a)
+      .def_prop_ro("action_count", [](const Environment& e) { return e.native().action_count(); })
+      .def(
+          "arrays", [](nb::handle self) { return nb::cast<const Environment&>(self).arrays(self); },
+          nb::sig("def arrays(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"))
+      .def(
+          "metrics",
+          [](const Environment& e, std::size_t agent) {
+            const r2r::EpisodeMetrics found = e.native().compute_metrics(agent);
+            nb::dict d;
+            for (const r2r::MetricField& field : r2r::metric_fields()) {
+              d[field.name] = found.*field.field;
+            }
+            return d;
+          },
+          "agent"_a, nb::sig("def metrics(self, agent: int) -> dict[str, float]"));
+}
+
+}  // namespace enfilade::python

@@ -1,0 +1,9 @@
+/// \file  Enfilade's exceptions as Python's.
+#pragma once
+
+namespace enfilade::python {
+
+/// Has what C++ throws raised as the classes of enfilade/_errors.py. \throws nb::python_error
+void bind_errors();
+
+}  // namespace enfilade::python

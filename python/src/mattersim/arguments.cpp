@@ -1,0 +1,121 @@
+#include "python/src/mattersim/arguments.h"
+
+namespace enfilade::python::mattersim {
+namespace {
+
+[[noreturn]] void wrong_type(PyObject* o, const char* name, const char* wanted) {
+  PyErr_Clear();
+  PyErr_Format(PyExc_TypeError, "%s: %R, a %s; %s is wanted", name, o, Py_TYPE(o)->tp_name, wanted);
+  throw PythonErrorIsSet();
+}
+
+// Calls use(element) for the first `count` elements; all of them if count is -1.
+template <class Use>
+void for_each(PyObject* o, const char* name, Py_ssize_t count, const Use& use) {
+  if (!is_list(o)) wrong_type(o, name, "a list");
+  if (PyList_CheckExact(o) || PyTuple_CheckExact(o)) {
+    const Py_ssize_t size = PySequence_Fast_GET_SIZE(o);
+    if (size < count) {
+      too_short(name, static_cast<std::size_t>(size), static_cast<std::size_t>(count));
+    }
+    for (Py_ssize_t i = 0; i < (count < 0 ? size : count); ++i) {
+      // Held: what the element's methods do may change the list.
+      const Object element = Object::share(PySequence_Fast_GET_ITEM(o, i));
+      use(element.get());
+    }
+    return;
+  }
+  const Py_ssize_t size = PySequence_Size(o);
+  if (size < 0) throw PythonErrorIsSet();
+  if (size < count) {
+    too_short(name, static_cast<std::size_t>(size), static_cast<std::size_t>(count));
+  }
+  for (Py_ssize_t i = 0; i < (count < 0 ? size : count); ++i) {
+    use(Object::own(PySequence_GetItem(o, i)).get());
+  }
+}
+
+// What an array of one element holds; nothing for anything else. Clears the Python error.
+Object only_element(PyObject* o) {
+  PyErr_Clear();
+  if (PyUnicode_Check(o) || !PyObject_HasAttrString(o, "item")) return {};
+  PyObject* item = PyObject_CallMethod(o, "item", nullptr);
+  if (item != nullptr) return Object::own(item);
+  PyErr_Clear();
+  return {};
+}
+
+}  // namespace
+
+bool is_text(PyObject* o) { return PyUnicode_Check(o) || PyBytes_Check(o); }
+
+bool is_list(PyObject* o) {
+  if (PyList_Check(o) || PyTuple_Check(o)) return true;
+  // An array of no dimension is a sequence by its type, but has no length.
+  if (is_text(o) || !PySequence_Check(o)) return false;
+  if (PySequence_Size(o) >= 0) return true;
+  PyErr_Clear();
+  return false;
+}
+
+std::string to_text(PyObject* o, const char* name) {
+  if (PyBytes_Check(o)) {
+    return {PyBytes_AS_STRING(o), static_cast<std::size_t>(PyBytes_GET_SIZE(o))};
+  }
+  if (!PyUnicode_Check(o)) wrong_type(o, name, "a str");
+  Py_ssize_t size = 0;
+  const char* data = PyUnicode_AsUTF8AndSize(o, &size);
+  if (data == nullptr) throw PythonErrorIsSet();
+  return {data, static_cast<std::size_t>(size)};
+}
+
+double to_angle(PyObject* o, const char* name) {
+  if (PyFloat_CheckExact(o)) return PyFloat_AS_DOUBLE(o);
+  double value = PyFloat_AsDouble(o);
+  if (value != -1 || PyErr_Occurred() == nullptr) return value;
+  const Object item = only_element(o);
+  if (item) value = PyFloat_AsDouble(item.get());
+  if (!item || PyErr_Occurred() != nullptr) wrong_type(o, name, "an angle in radians");
+  return value;
+}
+
+std::int64_t to_index(PyObject* o, const char* name) {
+  if (PyFloat_Check(o)) wrong_type(o, name, "an int");
+  PyObject* integer = PyNumber_Index(o);
+  if (integer == nullptr) {
+    const Object item = only_element(o);
+    if (item && PyLong_Check(item.get())) integer = PyNumber_Index(item.get());
+  }
+  if (integer == nullptr) wrong_type(o, name, "an int");
+  const Object held = Object::own(integer);
+  const std::int64_t value = PyLong_AsLongLong(integer);
+  if (value == -1 && PyErr_Occurred() != nullptr) wrong_type(o, name, "an int of 64 bits");
+  return value;
+}
+
+std::vector<std::string> to_texts(PyObject* o, const char* name) {
+  std::vector<std::string> texts;
+  for_each(o, name, -1, [&](PyObject* element) { texts.push_back(to_text(element, name)); });
+  return texts;
+}
+
+void to_angles(PyObject* o, const char* name, std::size_t count, std::vector<double>& out) {
+  out.clear();
+  for_each(o, name, static_cast<Py_ssize_t>(count),
+           [&](PyObject* element) { out.push_back(to_angle(element, name)); });
+}
+
+void to_indices(PyObject* o, const char* name, std::size_t count, std::vector<std::int64_t>& out) {
+  out.clear();
+  for_each(o, name, static_cast<Py_ssize_t>(count), [&](PyObject* element) {
+    out.push_back(to_index(element, name));
+    if (out.back() < 0) wrong_type(element, name, "an int of at least 0");
+  });
+}
+
+void too_short(const char* name, std::size_t found, std::size_t wanted) {
+  PyErr_Format(PyExc_IndexError, "%s: %zu elements for a batch of %zu", name, found, wanted);
+  throw PythonErrorIsSet();
+}
+
+}  // namespace enfilade::python::mattersim

@@ -1,0 +1,31 @@
+/// \file  What old code passes: ints, NumPy scalars, lists, tuples, arrays. Accepts what the old
+/// binding accepted; everything else is a TypeError (thrown as PythonErrorIsSet).
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "python/src/mattersim/python_object.h"
+
+namespace enfilade::python::mattersim {
+
+/// Text, not a list of them. bytes count as text.
+bool is_text(PyObject* o);
+bool is_list(PyObject* o);  ///< a sequence that is no text
+
+std::string to_text(PyObject* o, const char* name);
+double to_angle(PyObject* o, const char* name);
+/// Integers of any type, and arrays of one; no floats.
+std::int64_t to_index(PyObject* o, const char* name);
+
+std::vector<std::string> to_texts(PyObject* o, const char* name);
+/// Of the first `count` elements; `out` is used again, so that a step allocates nothing.
+/// IndexError for a list that is shorter.
+void to_angles(PyObject* o, const char* name, std::size_t count, std::vector<double>& out);
+/// Negative ones are TypeErrors, as of the old binding.
+void to_indices(PyObject* o, const char* name, std::size_t count, std::vector<std::int64_t>& out);
+
+/// IndexError. \pre found < wanted
+[[noreturn]] void too_short(const char* name, std::size_t found, std::size_t wanted);
+
+}  // namespace enfilade::python::mattersim

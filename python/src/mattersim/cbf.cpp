@@ -1,0 +1,142 @@
+#include "python/src/mattersim/cbf.h"
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+namespace enfilade::python::mattersim {
+namespace {
+
+constexpr int kRadius = 5;  // pixels, at every size
+struct Sigmas {
+  float place;       // pixels
+  float brightness;  // of 0..1
+};
+// Largest size first.
+constexpr std::array<Sigmas, 3> kSigmas{{{12.0F, 0.2F}, {5.0F, 0.08F}, {8.0F, 0.02F}}};
+
+/// One size of the pyramid; columns lie one after the other.
+struct Level {
+  int height = 0, width = 0;
+  std::vector<float> depth, brightness;
+  std::vector<float> filled;  // 0 where nothing was found
+  std::vector<char> missing;
+  std::vector<char> usable;  // as a neighbour: known, or found at a smaller size
+
+  int size() const { return height * width; }
+};
+
+Level shrink(const Level& full, int height, int width) {
+  Level level{height, width, {}, {}, {}, {}, {}};
+  for (int x = 0; x < width; ++x) {
+    for (int y = 0; y < height; ++y) {
+      // In single precision, as the pictures were shrunk that others have made.
+      const auto fx = static_cast<int>(static_cast<float>(x) / static_cast<float>(width) *
+                                       static_cast<float>(full.width));
+      const auto fy = static_cast<int>(static_cast<float>(y) / static_cast<float>(height) *
+                                       static_cast<float>(full.height));
+      const auto from = static_cast<std::size_t>(fy + full.height * fx);
+      level.depth.push_back(full.depth[from]);
+      level.brightness.push_back(full.brightness[from]);
+      level.missing.push_back(full.missing[from]);
+      level.usable.push_back(static_cast<char>(full.missing[from] == 0));
+    }
+  }
+  level.filled.resize(level.depth.size());
+  return level;
+}
+
+// Weights over the window, columns of it one after the other; they sum to 1.
+std::vector<float> window_weights(float sigma) {
+  std::vector<float> weights;
+  float sum = 0;
+  for (int a = -kRadius; a <= kRadius; ++a) {
+    for (int b = -kRadius; b <= kRadius; ++b) {
+      const float square = static_cast<float>(a * a + b * b);
+      weights.push_back(std::exp(-square / (2 * sigma * sigma)));
+      sum += weights.back();
+    }
+  }
+  for (float& weight : weights) weight /= sum;
+  return weights;
+}
+
+void fill_pixel(Level& level, const std::vector<char>& usable, const std::vector<float>& weights,
+                float sigma, int pixel) {
+  const int x = pixel / level.height, y = pixel % level.height;
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  float weight_sum = 0, value_sum = 0;
+  std::size_t place = 0;
+  // Rows outside: the order in which sums are taken decides their last bit.
+  for (int dy = -kRadius; dy <= kRadius; ++dy) {
+    for (int dx = -kRadius; dx <= kRadius; ++dx, ++place) {
+      if (x + dx < 0 || x + dx >= level.width || y + dy < 0 || y + dy >= level.height) continue;
+      const int other = pixel + dy + level.height * dx;
+      if (usable[at(other)] == 0) continue;
+      const float difference = level.brightness[at(other)] - level.brightness[at(pixel)];
+      const float likeness = std::exp(-(difference * difference) / (2 * sigma * sigma));
+      weight_sum += weights[place] * likeness;
+      value_sum += level.depth[at(other)] * weights[place] * likeness;
+    }
+  }
+  if (weight_sum == 0) return;
+  level.filled[at(pixel)] = value_sum / weight_sum;
+  level.usable[at(pixel)] = 1;
+}
+
+void fill_level(Level& level, Sigmas sigmas) {
+  const std::vector<float> weights = window_weights(sigmas.place);
+  const std::vector<char> usable = level.usable;  // what is found here helps the next size only
+  for (int i = 0; i < level.size(); ++i) {
+    if (level.missing[static_cast<std::size_t>(i)] != 0) {
+      fill_pixel(level, usable, weights, sigmas.brightness, i);
+    }
+  }
+}
+
+// Holes of the larger size take what the smaller one has there.
+void hand_up(const Level& small, Level& large) {
+  for (int i = 0; i < large.size(); ++i) {
+    const auto to = static_cast<std::size_t>(i);
+    if (large.missing[to] == 0) continue;
+    const int x = i / large.height, y = i % large.height;
+    const int sy =
+        static_cast<int>(static_cast<float>(y * small.height) / static_cast<float>(large.height));
+    const int sx =
+        static_cast<int>(static_cast<float>(x * small.width) / static_cast<float>(large.width));
+    const auto from = static_cast<std::size_t>(sy + small.height * sx);
+    large.depth[to] = small.missing[from] == 0 ? small.depth[from] : small.filled[from];
+    large.usable[to] = small.usable[from];
+  }
+}
+
+}  // namespace
+
+void fill_holes(std::uint32_t height, std::uint32_t width, std::span<const std::uint8_t> depth,
+                std::span<const std::uint8_t> brightness, std::span<const std::uint8_t> missing,
+                std::span<std::uint8_t> result) {
+  Level full{static_cast<int>(height), static_cast<int>(width), {}, {}, {}, {}, {}};
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    full.depth.push_back(static_cast<float>(depth[i] / 255.0));
+    full.brightness.push_back(static_cast<float>(brightness[i] / 255.0));
+    full.missing.push_back(static_cast<char>(missing[i] != 0));
+    full.usable.push_back(static_cast<char>(missing[i] == 0));
+  }
+  full.filled.resize(depth.size());
+
+  std::vector<Level> levels;
+  levels.push_back(full);
+  for (int k = 1; k < static_cast<int>(kSigmas.size()); ++k) {
+    levels.push_back(shrink(full, full.height >> k, full.width >> k));
+  }
+  for (std::size_t k = levels.size(); k-- > 0;) {
+    fill_level(levels[k], kSigmas[k]);
+    if (k > 0 && levels[k].size() > 0) hand_up(levels[k], levels[k - 1]);
+  }
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    result[i] = missing[i] != 0 ? static_cast<std::uint8_t>(levels[0].filled[i] * 255) : depth[i];
+  }
+}
+
+}  // namespace enfilade::python::mattersim

@@ -1,0 +1,129 @@
+#include "python/src/mattersim/module.h"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+
+#include <cstring>
+#include <span>
+
+#include "python/src/mattersim/cbf.h"
+#include "python/src/mattersim/simulator.h"
+
+namespace nb = nanobind;
+
+namespace enfilade::python::mattersim {
+namespace {
+
+// Runs a call with the old binding's types of exceptions.
+template <class F>
+auto as_before(const F& f) {
+  try {
+    return f();
+  } catch (const PythonErrorIsSet&) {
+    throw nb::python_error();
+  } catch (const UnknownScan& error) {
+    throw nb::index_error(error.what());
+  } catch (const WrongOrder& error) {
+    PyErr_SetString(PyExc_RuntimeError, error.what());
+    throw nb::python_error();
+  } catch (const Error& error) {
+    throw nb::value_error(error.what());
+  }
+}
+
+/// A method whose arguments nanobind converts.
+template <class R, class... Args>
+auto method(R (Simulator::*function)(Args...)) {
+  return [function](Simulator& self, Args... args) {
+    return as_before([&] { return (self.*function)(args...); });
+  };
+}
+
+/// A method that is given the objects as they come.
+template <class... Objects>
+auto object_method(void (Simulator::*function)(Objects...)) {
+  return [function](Simulator& self, std::conditional_t<true, nb::handle, Objects>... args) {
+    as_before([&] { (self.*function)(args.ptr()...); });
+  };
+}
+
+nb::object get_state(Simulator& self) {
+  return nb::steal(as_before([&] { return self.get_state(); }).release());
+}
+
+using Picture = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::f_contig, nb::device::cpu>;
+
+void cbf(const Picture& depth, const Picture& intensity, const Picture& mask,
+         const Picture& result) {
+  const std::size_t height = depth.shape(0), width = depth.shape(1);
+  for (const Picture* other : {&intensity, &mask, &result}) {
+    if (other->shape(0) != height || other->shape(1) != width) {
+      throw nb::value_error("cbf: depth, intensity, mask and result must have one shape");
+    }
+  }
+  const std::size_t n = height * width;
+  const nb::gil_scoped_release unlocked;
+  fill_holes(static_cast<std::uint32_t>(height), static_cast<std::uint32_t>(width),
+             {depth.data(), n}, {intensity.data(), n}, {mask.data(), n}, {result.data(), n});
+}
+
+void bind_setters(nb::class_<Simulator>& c) {
+  c.def("setDatasetPath", object_method(&Simulator::set_dataset_path),
+        "Folder of the scans' pictures. Default ./data/v1/scans/ (v0.1: ./data).");
+  c.def("setNavGraphPath", object_method(&Simulator::set_nav_graph_path),
+        "Folder of scans.txt and <scan>_connectivity.json. Default ./connectivity.");
+  c.def("setRenderingEnabled", method(&Simulator::set_rendering_enabled),
+        "False: no picture is opened. Default True.");
+  c.def("setCameraResolution", method(&Simulator::set_camera_resolution),
+        "Width and height, pixels. Default 320, 240. Heeded at the next action.");
+  c.def("setCameraVFOV", method(&Simulator::set_camera_vfov),
+        "Vertical field of view, radians. Default 0.8. Heeded at the next action.");
+  c.def("setElevationLimits", method(&Simulator::set_elevation_limits),
+        "Radians, -pi/2 < min < 0 < max < pi/2, else False is returned and nothing changes.");
+  c.def("setDiscretizedViewingAngles", method(&Simulator::set_discretized_viewing_angles),
+        "36 views: 12 headings x 3 elevations of 30 degrees. Default False.");
+  c.def("setRestrictedNavigation", method(&Simulator::set_restricted_navigation),
+        "Only what the picture's width shows is navigable. Default True.");
+  c.def("setPreloadingEnabled", method(&Simulator::set_preloading_enabled),
+        "Decode all pictures of all scans at initialize(), and keep them. Default False.");
+  c.def("setDepthEnabled", method(&Simulator::set_depth_enabled), "Draw depth too. Default False.");
+  c.def("setBatchSize", method(&Simulator::set_batch_size), "Agents. Default 1.");
+  c.def("setCacheSize", method(&Simulator::set_cache_size),
+        "Decoded panoramas to keep. Default 200.");
+  c.def("setSeed", method(&Simulator::set_seed), "Of random starts. Default 1 (v0.1: the clock).");
+}
+
+}  // namespace
+
+void bind(nb::module_& m) {
+  if (add_types(m.ptr()) != 0) throw nb::python_error();
+  nb::class_<Simulator> c(m, "Simulator",
+                          "The old simulator's interface, v0.2 (lists) and v0.1 (scalars).");
+  c.def("__init__", [](Simulator* self) { as_before([&] { new (self) Simulator(); }); });
+  bind_setters(c);
+  c.def("initialize", method(&Simulator::initialize), "Takes the settings over; v0.2.");
+  c.def("init", method(&Simulator::init), "Takes the settings over; v0.1.");
+  c.def("close", method(&Simulator::close), "Lets go of pictures; initialize() begins anew.");
+  c.def("newEpisode", object_method(&Simulator::new_episode),
+        "newEpisode(scanIds, viewpointIds, headings, elevations): lists, an element an agent "
+        "(v0.2), or scalars (v0.1, where viewpoint \"\" is a random one).");
+  c.def("newRandomEpisode", object_method(&Simulator::new_random_episode),
+        "newRandomEpisode(scanIds): random viewpoints, the old simulator's headings.");
+  c.def("makeAction", object_method(&Simulator::make_action),
+        "makeAction(indices, headings, elevations): move to navigableLocations[index], then turn "
+        "by so many radians.");
+  c.def("getState", get_state,
+        "A list of SimStates that later actions change (v0.2), or a copy of one (v0.1).");
+  c.def("resetTimers", method(&Simulator::reset_timers), "Begins timingInfo() anew.");
+  c.def(
+      "timingInfo", [](const Simulator& self) { return self.timing_info(); },
+      "How long what took, as text.");
+  // Not converted: `result` has to be the caller's own memory.
+  m.def("cbf", cbf, nb::arg().noconvert(), nb::arg().noconvert(), nb::arg().noconvert(),
+        nb::arg().noconvert(),
+        "cbf(depth, intensity, mask, result): fills holes of depth; (H, W) uint8 in Fortran order, "
+        "`result` is written. mask: not 0 where depth is missing.");
+}
+
+}  // namespace enfilade::python::mattersim

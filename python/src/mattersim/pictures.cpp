@@ -1,0 +1,123 @@
+#include "python/src/mattersim/pictures.h"
+
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <new>
+
+#include "enfilade/sim/observe.h"
+
+namespace enfilade::python::mattersim {
+namespace {
+
+// Bytes of a decoded panorama of 512-texel faces, with and without depth.
+constexpr std::size_t kPanoramaBytes = 6 * 1'060'000;
+constexpr std::size_t kDepthBytes = 6 * 530'000;
+
+std::shared_ptr<std::byte[]> zeros(std::size_t bytes) {
+  std::shared_ptr<std::byte[]> memory(static_cast<std::byte*>(std::calloc(bytes + 1, 1)),
+                                      std::free);
+  if (!memory) throw std::bad_alloc();
+  return memory;
+}
+
+std::size_t cache_bytes(const Settings& settings) {
+  if (settings.preloading) return std::numeric_limits<std::size_t>::max();
+  const std::size_t panorama = kPanoramaBytes + (settings.depth ? kDepthBytes : 0);
+  return std::max<std::size_t>(settings.cache_panoramas, 1) * panorama;
+}
+
+// One cache for all simulators with the same panoramas and the same wish, as long as one lives.
+std::shared_ptr<render::FaceCache> shared_faces(
+    const std::shared_ptr<const scan::PanoramaSet>& panoramas, std::size_t bytes) {
+  static std::mutex mutex;
+  static std::map<std::pair<const scan::PanoramaSet*, std::size_t>,
+                  std::weak_ptr<render::FaceCache>>
+      kept;
+  const std::scoped_lock lock(mutex);
+  auto& slot = kept[{panoramas.get(), bytes}];
+  auto faces = slot.lock();
+  if (!faces) {
+    render::FaceCacheConfig config;
+    config.bytes = bytes;
+    config.prefetch_thread = false;  // would not survive a fork
+    faces = std::make_shared<render::FaceCache>(panoramas, config);
+    slot = faces;
+  }
+  return faces;
+}
+
+}  // namespace
+
+Pictures::Pictures(std::shared_ptr<const scan::PanoramaSet> panoramas, const Settings& settings,
+                   const Options& options)
+    : camera_{static_cast<std::uint32_t>(settings.width),
+              static_cast<std::uint32_t>(settings.height),
+              Radians(settings.vertical_field_of_view)},
+      with_depth_(settings.depth),
+      agents_(settings.batch_size),
+      views_(settings.batch_size) {
+  validate(camera_);
+  faces_ = shared_faces(panoramas, cache_bytes(settings));
+  render::RendererConfig config;
+  config.legacy = {!options.smooth_edges, options.eight_bit_depth};
+  renderer_ = render::make_renderer(faces_, config);
+  const std::size_t pixels = std::size_t{camera_.width} * camera_.height * agents_;
+  colour_ = zeros(pixels * 3);
+  depth_ = zeros(pixels * 2);
+}
+
+void Pictures::draw(const sim::StateSpans& state) {
+  sim::views_of(state, views_);
+  const std::size_t pixels = std::size_t{camera_.width} * camera_.height * agents_;
+  render::Outputs outputs;
+  outputs.colour = {render::ColourFormat::kBgr8, {}, {colour_.get(), pixels * 3}};
+  if (with_depth_) {
+    outputs.depth = {render::DepthFormat::kQuarterMillimetresUint16,
+                     render::DepthMeasure::kZ,
+                     {depth_.get(), pixels * 2}};
+  }
+  renderer_->render(camera_, views_, outputs);
+}
+
+void Pictures::preload(ScanIndex scan, const std::vector<ViewpointIndex>& viewpoints) {
+  std::vector<render::FaceKey> keys;
+  for (const ViewpointIndex viewpoint : viewpoints) {
+    for (std::size_t k = 0; k < kCubeFaces; ++k) {
+      keys.push_back({scan, viewpoint, scan::Layer::kColour, cube_face(k)});
+      if (with_depth_) keys.push_back({scan, viewpoint, scan::Layer::kDepth, cube_face(k)});
+    }
+  }
+  std::vector<render::Face> faces(keys.size());
+  faces_->acquire(keys, faces);
+  faces_->release(keys);
+}
+
+Pixels Pictures::colour_of(std::size_t agent) const {
+  const std::size_t bytes = std::size_t{camera_.width} * camera_.height * 3;
+  return {colour_, agent * bytes, camera_.width, camera_.height, 3, 1};
+}
+
+Pixels Pictures::depth_of(std::size_t agent) const {
+  const std::size_t bytes = std::size_t{camera_.width} * camera_.height * 2;
+  return {depth_, agent * bytes, camera_.width, camera_.height, 1, 2};
+}
+
+std::shared_ptr<const scan::PanoramaSet> open_panoramas(const std::string& dataset_path,
+                                                        const std::string& nav_graph_path,
+                                                        const std::vector<std::string>& scans) {
+  using Key = std::pair<std::pair<std::string, std::string>, std::vector<std::string>>;
+  static std::mutex mutex;
+  static std::map<Key, std::weak_ptr<const scan::PanoramaSet>> kept;
+  const std::scoped_lock lock(mutex);
+  auto& slot = kept[{{dataset_path, nav_graph_path}, scans}];
+  auto set = slot.lock();
+  if (!set) {
+    set = scan::PanoramaSet::open({{dataset_path}, nav_graph_path}, scans);
+    slot = set;
+  }
+  return set;
+}
+
+}  // namespace enfilade::python::mattersim

@@ -1,0 +1,164 @@
+#include "python/src/mattersim/settings.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+#include "python/src/mattersim/arguments.h"
+#include "python/src/mattersim/simulator.h"
+
+namespace enfilade::python::mattersim {
+namespace {
+
+constexpr const char* kVariable = "ENFILADE_MATTERSIM";
+
+void set_option(Options& options, std::string_view word) {
+  for (const auto& [name, option] : {std::pair("8bit-depth", &Options::eight_bit_depth),
+                                     std::pair("smooth-edges", &Options::smooth_edges),
+                                     std::pair("perspective-fov", &Options::perspective_view),
+                                     std::pair("uniform-starts", &Options::uniform_starts),
+                                     std::pair("one-stream", &Options::one_stream)}) {
+    if (word == name) {
+      options.*option = true;
+      return;
+    }
+  }
+  throw ArgumentError(
+      fmt::format("{}: '{}': 8bit-depth, smooth-edges, perspective-fov, "
+                  "uniform-starts and one-stream are allowed, with commas between",
+                  kVariable, word));
+}
+
+}  // namespace
+
+Options Options::from_environment() {
+  Options options;
+  const char* value = std::getenv(kVariable);
+  std::string_view rest = value == nullptr ? "" : value;
+  while (!rest.empty()) {
+    const std::size_t comma = std::min(rest.find(','), rest.size());
+    if (comma > 0) set_option(options, rest.substr(0, comma));
+    rest.remove_prefix(std::min(comma + 1, rest.size()));
+  }
+  return options;
+}
+
+void Simulator::warn_if_begun(const char* setter) const {
+  if (!begun_) return;
+  const int failed = PyErr_WarnFormat(
+      PyExc_RuntimeWarning, 1,
+      "%s after %s is heeded at the next one only, as in the old simulator, which did not say so",
+      setter, api_ == Api::kV1 ? "init()" : "initialize()");
+  if (failed != 0) throw PythonErrorIsSet();  // warnings are errors here
+}
+
+void Simulator::set_dataset_path(PyObject* path) {
+  settings_.dataset_path = to_text(path, "setDatasetPath()");
+  if (begun_ && api_ == Api::kV1) {
+    active_.dataset_path = settings_.dataset_path;
+    pictures_.reset();
+  } else {
+    warn_if_begun("setDatasetPath");
+  }
+}
+
+void Simulator::set_nav_graph_path(PyObject* path) {
+  settings_.nav_graph_path = to_text(path, "setNavGraphPath()");
+  if (begun_ && api_ == Api::kV1) {
+    active_.nav_graph_path = settings_.nav_graph_path;
+    path_changed_ = true;
+  } else {
+    warn_if_begun("setNavGraphPath");
+  }
+}
+
+void Simulator::set_camera_resolution(int width, int height) {
+  if (begun_ && (width < 1 || height < 1)) {
+    throw ArgumentError(
+        fmt::format("camera resolution {} x {}: at least 1 x 1 is needed", width, height));
+  }
+  settings_.width = active_.width = width;
+  settings_.height = active_.height = height;
+  camera_changed_ = true;
+}
+
+void Simulator::set_camera_vfov(double vfov) {
+  if (begun_ && !(vfov > 0 && vfov < kPi)) {
+    throw ArgumentError(fmt::format("camera vfov {} rad: more than 0, less than pi", vfov));
+  }
+  settings_.vertical_field_of_view = active_.vertical_field_of_view = vfov;
+  camera_changed_ = true;
+}
+
+bool Simulator::set_elevation_limits(double min, double max) {
+  if (!(-kPi / 2 < min && min < 0 && 0 < max && max < kPi / 2)) return false;
+  settings_.limits = active_.limits = {Radians(min), Radians(max)};
+  camera_changed_ = true;
+  return true;
+}
+
+void Simulator::set_rendering_enabled(bool enabled) {
+  settings_.rendering = enabled;
+  warn_if_begun("setRenderingEnabled");
+}
+void Simulator::set_discretized_viewing_angles(bool enabled) {
+  settings_.discretized = enabled;
+  warn_if_begun("setDiscretizedViewingAngles");
+}
+void Simulator::set_restricted_navigation(bool enabled) {
+  settings_.restricted = enabled;
+  warn_if_begun("setRestrictedNavigation");
+}
+void Simulator::set_preloading_enabled(bool enabled) {
+  settings_.preloading = enabled;
+  warn_if_begun("setPreloadingEnabled");
+}
+void Simulator::set_depth_enabled(bool enabled) {
+  settings_.depth = enabled;
+  warn_if_begun("setDepthEnabled");
+}
+void Simulator::set_batch_size(unsigned size) {
+  settings_.batch_size = size;
+  warn_if_begun("setBatchSize");
+}
+void Simulator::set_cache_size(unsigned panoramas) {
+  settings_.cache_panoramas = panoramas;
+  warn_if_begun("setCacheSize");
+}
+
+void Simulator::set_seed(int seed) {
+  seed_ = seed;
+  random_ = sim::MatterSimRandom(static_cast<std::uint64_t>(std::int64_t{seed}));
+}
+
+void Simulator::reset_timers() {
+  frames_ = 0;
+  step_seconds_ = draw_seconds_ = preload_seconds_ = 0;
+}
+
+std::string Simulator::timing_info() const {
+  const auto frames = static_cast<double>(frames_);
+  const double ms = frames > 0 ? 1e3 * draw_seconds_ / frames : 0;
+  return fmt::format(
+      "preloading: {:.2f} minutes\nframes: {}\nmoving and drawing: {:.3f} ms a frame ({:.1f} "
+      "frames/s)\nmoving without drawing: {:.3f} s\n",
+      preload_seconds_ / 60, frames_, ms, ms > 0 ? 1e3 / ms : 0, step_seconds_);
+}
+
+Object Simulator::get_state() {
+  const Busy busy(busy_);
+  if (api_ != Api::kV1) {  // before initialize(): []
+    if (!states_) return Object::own(PyList_New(0));
+    return Object::own(PyList_GetSlice(states_.get(), 0, PyList_GET_SIZE(states_.get())));
+  }
+  const Object state = Object::share(PyList_GET_ITEM(states_.get(), 0));
+  if (as_state(state).location == Py_None) {
+    throw WrongOrder("MatterSim: newEpisode must be called before getState");
+  }
+  return copy_state(as_state(state), copy_pixels(as_state(state).rgb));
+}
+
+}  // namespace enfilade::python::mattersim

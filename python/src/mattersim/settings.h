@@ -1,0 +1,42 @@
+/// \file  What old code sets on a Simulator, and which of the old one's ways are wanted.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "enfilade/sim/simulator.h"
+
+namespace enfilade::python::mattersim {
+
+/// Which of the two interfaces a simulator is called by.
+enum class Api : std::uint8_t { kUnknown, kV1, kV2 };
+
+struct Settings {
+  std::string dataset_path;  ///< empty: the default of the interface
+  std::string nav_graph_path = "./connectivity";
+  bool rendering = true;
+  bool discretized = false;
+  bool restricted = true;
+  bool preloading = false;
+  bool depth = false;
+  std::int64_t width = 320, height = 240;
+  double vertical_field_of_view = 0.8;  ///< radians
+  sim::ElevationLimits limits;
+  std::size_t batch_size = 1;
+  std::size_t cache_panoramas = 200;
+};
+
+/// Where the old simulator and what is right differ, from the words in the environment variable
+/// ENFILADE_MATTERSIM. See docs/python_mattersim.md.
+struct Options {
+  bool eight_bit_depth = false;   ///< "8bit-depth"
+  bool smooth_edges = false;      ///< "smooth-edges"
+  bool perspective_view = false;  ///< "perspective-fov"
+  bool uniform_starts = false;    ///< "uniform-starts"
+  bool one_stream = false;        ///< "one-stream"
+
+  /// \throws ArgumentError for a word that is none of them
+  static Options from_environment();
+};
+
+}  // namespace enfilade::python::mattersim

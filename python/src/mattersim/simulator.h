@@ -1,0 +1,128 @@
+/// \file  MatterSim.Simulator: the old simulator's two interfaces over the native one.
+#pragma once
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/sim/matter_sim_random.h"
+#include "enfilade/sim/simulator.h"
+#include "python/src/busy.h"
+#include "python/src/mattersim/pictures.h"
+#include "python/src/mattersim/settings.h"
+#include "python/src/mattersim/shared_graphs.h"
+#include "python/src/mattersim/types.h"
+
+namespace enfilade::python::mattersim {
+
+/// A scan that is not in scans.txt: an IndexError, as it was.
+class UnknownScan : public LookupError {
+ public:
+  using LookupError::LookupError;
+};
+/// v0.2 is spoken after initialize() or lists, v0.1 after init() or scalars. Where an episode or an
+/// action fails, nothing has happened. Functions need the GIL, and let go of it while they read
+/// files, draw, or move many agents; a second thread that calls meanwhile gets a RuntimeError.
+///
+/// Where it fails it throws enfilade::Error, or PythonErrorIsSet: IndexError for an unknown scan
+/// and for lists that are too short, RuntimeError for calls in a wrong order, TypeError for wrong
+/// types, ValueError for everything else.
+class Simulator {
+ public:
+  Simulator();
+  ~Simulator();
+  Simulator(const Simulator&) = delete;
+  Simulator& operator=(const Simulator&) = delete;
+
+  // Heeded at once: camera, limits, seed. The others at the next initialize() or init(); set in
+  // between, they warn (RuntimeWarning), as the old simulator left them out in silence.
+  void set_dataset_path(PyObject* path);
+  void set_nav_graph_path(PyObject* path);
+  void set_rendering_enabled(bool enabled);
+  void set_camera_resolution(int width, int height);
+  void set_camera_vfov(double vfov);
+  bool set_elevation_limits(double min, double max);
+  void set_discretized_viewing_angles(bool enabled);
+  void set_restricted_navigation(bool enabled);
+  void set_preloading_enabled(bool enabled);
+  void set_depth_enabled(bool enabled);
+  void set_batch_size(unsigned size);
+  void set_cache_size(unsigned panoramas);
+  void set_seed(int seed);
+
+  void initialize();  ///< v0.2
+  void init();        ///< v0.1
+  void close();
+
+  void new_episode(PyObject* scans, PyObject* viewpoints, PyObject* headings, PyObject* elevations);
+  void new_random_episode(PyObject* scans);
+  void make_action(PyObject* indices, PyObject* headings, PyObject* elevations);
+  Object get_state();  ///< v0.2: a list of states that go on changing; v0.1: a copy of one
+
+  void reset_timers();
+  std::string timing_info() const;
+
+ private:
+  /// A native simulator with its memory; another one takes its place where another configuration or
+  /// other graphs are wanted.
+  struct Walk {
+    Walk(std::shared_ptr<SharedGraphs> shared, const sim::SimulatorConfig& config);
+    std::shared_ptr<SharedGraphs> graphs;
+    sim::Simulator native;
+    sim::StateBuffer buffer;
+    sim::StateSpans state;
+  };
+  void begin(Api api);
+  void ensure_begun(Api api);
+  void warn_if_begun(const char* setter) const;
+
+  std::shared_ptr<SharedGraphs> open_graphs(const std::string& scan) const;
+  sim::SimulatorConfig native_config(std::size_t max_navigable) const;
+  sim::MatterSimRandom& stream();
+  void ensure_pictures(const SharedGraphs& graphs);
+  void preload();
+
+  sim::EpisodeStart locate(const SharedGraphs& graphs, std::size_t agent, const std::string& scan,
+                           const std::string& viewpoint) const;
+  void start_scalar(PyObject* scan, PyObject* viewpoint, PyObject* heading, PyObject* elevation);
+  void start(const std::shared_ptr<SharedGraphs>& graphs,
+             const std::vector<sim::EpisodeStart>& starts);
+  void read_actions(PyObject* indices, PyObject* headings, PyObject* elevations);
+  void check_started(Api api) const;
+  std::vector<sim::EpisodeStart> after_action() const;
+  template <class Step>
+  void carry_out(Walk& walk, const Step& step);
+
+  void make_states();
+  void show_pictures();
+  void write_states(bool moved);
+  void write_state(std::size_t agent, bool moved);
+
+  Settings settings_;  ///< as set
+  Settings active_;    ///< as they were at initialize(), but for what is heeded at once
+  Options options_;
+  std::optional<int> seed_;
+  Api api_ = Api::kUnknown;
+  bool begun_ = false;
+  bool camera_changed_ = false;
+  bool path_changed_ = false;  // of v0.1's graphs
+  bool started_ = false;       // an episode runs
+
+  std::unique_ptr<Walk> walk_;
+  std::optional<Pictures> pictures_;
+  const SharedGraphs* pictured_ = nullptr;  // whose scans pictures_ draws
+  sim::MatterSimRandom random_;
+
+  Object states_;  // list of SimState
+  std::vector<std::int64_t> indices_;
+  std::vector<double> headings_, elevations_;
+  std::vector<sim::Action> actions_;
+
+  std::uint64_t frames_ = 0;
+  double step_seconds_ = 0, draw_seconds_ = 0, preload_seconds_ = 0;
+  std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
+};
+
+}  // namespace enfilade::python::mattersim

@@ -1,0 +1,316 @@
+#include "python/src/mattersim/types.h"
+
+#include <structmember.h>
+
+#include <array>
+#include <cstdlib>
+#include <new>
+
+namespace enfilade::python::mattersim {
+namespace {
+
+struct MatObject {
+  PyObject_HEAD Pixels* pixels;
+  std::array<Py_ssize_t, 3> shape, strides;
+};
+
+PyTypeObject* viewpoint_type = nullptr;
+PyTypeObject* state_type = nullptr;
+PyTypeObject* mat_type = nullptr;
+
+PyObject* zero() {
+  static PyObject* value = PyFloat_FromDouble(0);
+  return value;
+}
+PyObject* zero_integer() {
+  static PyObject* value = PyLong_FromLong(0);
+  return value;
+}
+
+template <class T>
+T* allocate(PyTypeObject* type) {
+  auto* object = PyObject_New(T, type);
+  if (object == nullptr) throw PythonErrorIsSet();
+  return object;
+}
+
+void free_object(PyObject* self) {
+  PyTypeObject* type = Py_TYPE(self);
+  PyObject_Free(self);
+  Py_DECREF(type);
+}
+
+PyObject* refuse_new(PyTypeObject* type, PyObject*, PyObject*) {
+  PyErr_Format(PyExc_TypeError, "%s: No constructor defined! A Simulator makes them.",
+               type->tp_name);
+  return nullptr;
+}
+
+template <class Function>
+void* slot(Function function) {
+  return reinterpret_cast<void*>(function);
+}
+
+PyMemberDef member(const char* name, std::size_t offset, const char* doc) {
+  return {name, T_OBJECT_EX, static_cast<Py_ssize_t>(offset), READONLY, doc};
+}
+
+// --- ViewPoint
+// ------------------------------------------------------------------------------------
+
+void free_viewpoint(PyObject* self) {
+  ViewPointObject& v = as_viewpoint(self);
+  for (PyObject* field : {v.viewpoint_id, v.ix, v.x, v.y, v.z, v.rel_heading, v.rel_elevation,
+                          v.rel_distance, v.point}) {
+    Py_XDECREF(field);
+  }
+  free_object(self);
+}
+
+PyObject* get_point(PyObject* self, void*) {
+  ViewPointObject& v = as_viewpoint(self);
+  if (v.point == nullptr) v.point = Py_BuildValue("[OOO]", v.x, v.y, v.z);
+  Py_XINCREF(v.point);
+  return v.point;
+}
+
+PyTypeObject* make_viewpoint_type() {
+  static std::array members{
+      member("viewpointId", offsetof(ViewPointObject, viewpoint_id), "str: the viewpoint's id."),
+      member("ix", offsetof(ViewPointObject, ix),
+             "int: place in the scan's connectivity file, excluded viewpoints counted."),
+      member("x", offsetof(ViewPointObject, x), "float: metres, world frame."),
+      member("y", offsetof(ViewPointObject, y), "float: metres, world frame."),
+      member("z", offsetof(ViewPointObject, z), "float: metres, world frame, up."),
+      member("rel_heading", offsetof(ViewPointObject, rel_heading),
+             "float: radians from the picture's middle, right positive."),
+      member("rel_elevation", offsetof(ViewPointObject, rel_elevation),
+             "float: radians from the picture's middle, up positive."),
+      member("rel_distance", offsetof(ViewPointObject, rel_distance), "float: metres."),
+      PyMemberDef{}};
+  static std::array getters{
+      PyGetSetDef{"point", get_point, nullptr, "list: [x, y, z], as v0.1 has it.", nullptr},
+      PyGetSetDef{}};
+  static std::array slots{PyType_Slot{Py_tp_dealloc, slot(free_viewpoint)},
+                          PyType_Slot{Py_tp_new, slot(refuse_new)},
+                          PyType_Slot{Py_tp_members, members.data()},
+                          PyType_Slot{Py_tp_getset, getters.data()}, PyType_Slot{}};
+  static PyType_Spec spec{"MatterSim.ViewPoint", sizeof(ViewPointObject), 0, Py_TPFLAGS_DEFAULT,
+                          slots.data()};
+  return reinterpret_cast<PyTypeObject*>(PyType_FromSpec(&spec));
+}
+
+// --- SimState
+// -------------------------------------------------------------------------------------
+
+SimStateObject& state_of(PyObject* self) { return *reinterpret_cast<SimStateObject*>(self); }
+
+void free_state(PyObject* self) {
+  SimStateObject& s = state_of(self);
+  for (PyObject* field : {s.scan_id, s.step, s.rgb, s.depth, s.location, s.heading, s.elevation,
+                          s.view_index, s.navigable}) {
+    Py_XDECREF(field);
+  }
+  free_object(self);
+}
+
+PyObject* black_picture(const SimStateObject& s, std::uint32_t channels, std::uint32_t bytes) {
+  Pixels pixels{nullptr, 0, s.width, s.height, channels, bytes};
+  // calloc: the system gives pages of zeros when they are touched, and nobody touches these.
+  pixels.memory = {static_cast<std::byte*>(std::calloc(pixels.bytes() + 1, 1)), std::free};
+  if (!pixels.memory) return PyErr_NoMemory();
+  return make_mat(pixels).release();
+}
+
+PyObject* get_picture(PyObject*& picture, const SimStateObject& s, std::uint32_t channels,
+                      std::uint32_t bytes) {
+  if (picture == nullptr && s.is_copy) {
+    PyErr_SetString(PyExc_TypeError,
+                    "rgb: nothing is drawn: setRenderingEnabled(False) was called");
+    return nullptr;
+  }
+  if (picture == nullptr) picture = black_picture(s, channels, bytes);
+  Py_XINCREF(picture);
+  return picture;
+}
+
+PyObject* get_rgb(PyObject* self, void*) {
+  SimStateObject& s = state_of(self);
+  return get_picture(s.rgb, s, 3, 1);
+}
+
+PyObject* get_depth(PyObject* self, void*) {
+  SimStateObject& s = state_of(self);
+  if (s.is_copy) {
+    PyErr_SetString(PyExc_AttributeError,
+                    "depth: v0.1's states have none; initialize() gives v0.2");
+    return nullptr;
+  }
+  return get_picture(s.depth, s, 1, 2);
+}
+
+// v0.2 makes a new list at each access: one that its reader changes is nobody else's.
+PyObject* get_navigable(PyObject* self, void*) {
+  const SimStateObject& s = state_of(self);
+  if (!s.is_copy) return PyList_GetSlice(s.navigable, 0, PyList_GET_SIZE(s.navigable));
+  Py_INCREF(s.navigable);
+  return s.navigable;
+}
+
+PyTypeObject* make_state_type() {
+  static std::array members{
+      member("scanId", offsetof(SimStateObject, scan_id), "str: the building."),
+      member("step", offsetof(SimStateObject, step), "int: actions since newEpisode."),
+      member("location", offsetof(SimStateObject, location), "ViewPoint: where the agent is."),
+      member("heading", offsetof(SimStateObject, heading),
+             "float: radians clockwise from world +y, [0, 2 pi]."),
+      member("elevation", offsetof(SimStateObject, elevation), "float: radians above the horizon."),
+      member("viewIndex", offsetof(SimStateObject, view_index),
+             "int: 0..35 when discretized (12 headings; down, level, up), else 0."),
+      PyMemberDef{}};
+  static std::array getters{
+      PyGetSetDef{"navigableLocations", get_navigable, nullptr,
+                  "list[ViewPoint]: where a move may lead; [0] is the present place.", nullptr},
+      PyGetSetDef{"rgb", get_rgb, nullptr,
+                  "(height, width, 3) uint8, B G R, row 0 on top: a Mat that later actions draw "
+                  "over (v0.2), or an array that is a copy (v0.1).",
+                  nullptr},
+      PyGetSetDef{"depth", get_depth, nullptr,
+                  "Mat: (height, width, 1) uint16, quarter millimetres along the optical axis; 0: "
+                  "no reading.",
+                  nullptr},
+      PyGetSetDef{}};
+  static std::array slots{PyType_Slot{Py_tp_dealloc, slot(free_state)},
+                          PyType_Slot{Py_tp_new, slot(refuse_new)},
+                          PyType_Slot{Py_tp_members, members.data()},
+                          PyType_Slot{Py_tp_getset, getters.data()}, PyType_Slot{}};
+  static PyType_Spec spec{"MatterSim.SimState", sizeof(SimStateObject), 0, Py_TPFLAGS_DEFAULT,
+                          slots.data()};
+  return reinterpret_cast<PyTypeObject*>(PyType_FromSpec(&spec));
+}
+
+// --- Mat
+// ------------------------------------------------------------------------------------------
+
+void free_mat(PyObject* self) {
+  delete reinterpret_cast<MatObject*>(self)->pixels;
+  free_object(self);
+}
+
+int get_buffer(PyObject* self, Py_buffer* view, int) {
+  auto& mat = *reinterpret_cast<MatObject*>(self);
+  static char byte_format[] = "B";
+  static char short_format[] = "H";
+  *view = {};
+  view->buf = mat.pixels->data();
+  view->obj = self;
+  Py_INCREF(self);
+  view->len = static_cast<Py_ssize_t>(mat.pixels->bytes());
+  view->itemsize = mat.pixels->value_bytes;
+  view->format = view->itemsize == 2 ? short_format : byte_format;
+  view->ndim = 3;
+  view->shape = mat.shape.data();
+  view->strides = mat.strides.data();
+  return 0;
+}
+
+PyTypeObject* make_mat_type() {
+  static std::array slots{
+      PyType_Slot{Py_tp_dealloc, slot(free_mat)}, PyType_Slot{Py_tp_new, slot(refuse_new)},
+      PyType_Slot{Py_bf_getbuffer, slot(get_buffer)},
+      PyType_Slot{Py_tp_doc,
+                  const_cast<char*>("A picture: np.array(mat, copy=False) sees the simulator's own "
+                                    "memory, shape (height, width, channels), row 0 on top.")},
+      PyType_Slot{}};
+  static PyType_Spec spec{"MatterSim.Mat", sizeof(MatObject), 0, Py_TPFLAGS_DEFAULT, slots.data()};
+  return reinterpret_cast<PyTypeObject*>(PyType_FromSpec(&spec));
+}
+
+int add_type(PyObject* module, const char* name, PyTypeObject* type) {
+  if (type == nullptr) return -1;
+  Py_INCREF(type);  // the module takes one reference, ours stays
+  return PyModule_AddObject(module, name, reinterpret_cast<PyObject*>(type));
+}
+
+}  // namespace
+
+int add_types(PyObject* module) {
+  if (viewpoint_type == nullptr) viewpoint_type = make_viewpoint_type();
+  if (state_type == nullptr) state_type = make_state_type();
+  if (mat_type == nullptr) mat_type = make_mat_type();
+  if (add_type(module, "ViewPoint", viewpoint_type) != 0) return -1;
+  if (add_type(module, "SimState", state_type) != 0) return -1;
+  return add_type(module, "Mat", mat_type);
+}
+
+Object make_viewpoint(const ViewpointNames& names, const Relative& relative) {
+  auto* v = allocate<ViewPointObject>(viewpoint_type);
+  v->viewpoint_id = Object(names.viewpoint_id).release();
+  v->ix = Object(names.ix).release();
+  v->x = Object(names.x).release();
+  v->y = Object(names.y).release();
+  v->z = Object(names.z).release();
+  v->rel_heading = PyFloat_FromDouble(relative.heading);
+  v->rel_elevation = PyFloat_FromDouble(relative.elevation);
+  v->rel_distance = PyFloat_FromDouble(relative.distance);
+  v->point = nullptr;
+  return Object::own(reinterpret_cast<PyObject*>(v));
+}
+
+void become_here(ViewPointObject& viewpoint) {
+  put(viewpoint.rel_heading, Object::share(zero()));
+  put(viewpoint.rel_elevation, Object::share(zero()));
+  put(viewpoint.rel_distance, Object::share(zero()));
+}
+
+Object make_state(std::uint32_t width, std::uint32_t height) {
+  auto* s = allocate<SimStateObject>(state_type);
+  s->scan_id = PyUnicode_FromString("");
+  s->step = Object::share(zero_integer()).release();
+  s->rgb = s->depth = nullptr;
+  s->location = Object::share(Py_None).release();
+  s->heading = Object::share(zero()).release();
+  s->elevation = Object::share(zero()).release();
+  s->view_index = Object::share(zero_integer()).release();
+  s->navigable = PyList_New(0);
+  s->width = width;
+  s->height = height;
+  s->is_copy = false;
+  return Object::own(reinterpret_cast<PyObject*>(s));
+}
+
+Object copy_state(const SimStateObject& state, Object rgb) {
+  auto* s = allocate<SimStateObject>(state_type);
+  s->scan_id = Object::share(state.scan_id).release();
+  s->step = Object::share(state.step).release();
+  s->rgb = rgb.release();
+  s->depth = nullptr;
+  s->location = Object::share(state.location).release();
+  s->heading = Object::share(state.heading).release();
+  s->elevation = Object::share(state.elevation).release();
+  s->view_index = Object::share(state.view_index).release();
+  s->navigable = PyList_GetSlice(state.navigable, 0, PyList_GET_SIZE(state.navigable));
+  s->width = state.width;
+  s->height = state.height;
+  s->is_copy = true;
+  return Object::own(reinterpret_cast<PyObject*>(s));
+}
+
+Object copy_pixels(PyObject* mat) {
+  if (mat == nullptr) return {};
+  const Object numpy = Object::own(PyImport_ImportModule("numpy"));
+  return Object::own(PyObject_CallMethod(numpy.get(), "array", "O", mat));
+}
+
+Object make_mat(const Pixels& pixels) {
+  auto* mat = allocate<MatObject>(mat_type);
+  mat->pixels = new Pixels(pixels);
+  const auto bytes = static_cast<Py_ssize_t>(pixels.value_bytes);
+  const auto width = static_cast<Py_ssize_t>(pixels.width);
+  const auto channels = static_cast<Py_ssize_t>(pixels.channels);
+  mat->shape = {static_cast<Py_ssize_t>(pixels.height), width, channels};
+  mat->strides = {width * channels * bytes, channels * bytes, bytes};
+  return Object::own(reinterpret_cast<PyObject*>(mat));
+}
+
+}  // namespace enfilade::python::mattersim

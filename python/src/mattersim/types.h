@@ -1,0 +1,80 @@
+/// \file  MatterSim's value types as Python objects: SimState, ViewPoint, Mat.
+///
+/// Written against CPython rather than nanobind because old code reads fifty attributes a step: a
+/// member that holds a Python object is read without a call. All functions need the GIL.
+#pragma once
+#include <Python.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "python/src/mattersim/python_object.h"
+
+namespace enfilade::python::mattersim {
+
+/// MatterSim.ViewPoint. Every field is filled, but for `point`, which is made when first read.
+struct ViewPointObject {
+  PyObject_HEAD PyObject* viewpoint_id;  // str
+  PyObject* ix;                          // int: place in the connectivity file
+  PyObject *x, *y, *z;                   // float: metres, world frame
+  PyObject* rel_heading;                 // float: radians, right positive
+  PyObject* rel_elevation;               // float: radians, up positive
+  PyObject* rel_distance;                // float: metres
+  PyObject* point;                       // list [x, y, z], as v0.1 has it; null until it is read
+};
+
+/// MatterSim.SimState. In v0.2 one that its simulator goes on changing, in v0.1 a copy.
+struct SimStateObject {
+  PyObject_HEAD PyObject* scan_id;
+  PyObject* step;
+  PyObject* rgb;    // null: not drawn
+  PyObject* depth;  // likewise
+  PyObject* location;
+  PyObject* heading;
+  PyObject* elevation;
+  PyObject* view_index;
+  PyObject* navigable;          // list
+  std::uint32_t width, height;  // of the black pictures that v0.2 shows when nothing is drawn
+  bool is_copy;                 // v0.1
+};
+
+/// Pixels with their owner: shape (height, width, channels), row 0 on top, no padding.
+struct Pixels {
+  std::shared_ptr<std::byte[]> memory;  ///< may hold other pictures too
+  std::size_t offset = 0;               ///< bytes
+  std::uint32_t width = 0, height = 0, channels = 0;
+  std::uint32_t value_bytes = 1;  ///< 1: uint8, 2: uint16
+
+  std::byte* data() const { return memory.get() + offset; }
+  std::size_t bytes() const { return std::size_t{width} * height * channels * value_bytes; }
+};
+
+/// Makes the three types, once a process, and adds them to the module. -1 with a Python error set.
+int add_types(PyObject* module);
+
+/// What does not change of a viewpoint, as Python has it.
+struct ViewpointNames {
+  Object viewpoint_id, ix, x, y, z;
+};
+struct Relative {
+  double heading = 0, elevation = 0, distance = 0;
+};
+
+Object make_viewpoint(const ViewpointNames& names, const Relative& relative);
+/// Sets rel_* to 0: what v0.2 does to the place that was walked to, in whoever's hands it is.
+void become_here(ViewPointObject& viewpoint);
+/// All 0, no location, an empty list; black pictures of that size.
+Object make_state(std::uint32_t width, std::uint32_t height);
+/// A NumPy array with the content of a Mat; nothing for null. Imports NumPy.
+Object copy_pixels(PyObject* mat);
+/// A copy for v0.1; `rgb` may be null.
+Object copy_state(const SimStateObject& state, Object rgb);
+Object make_mat(const Pixels& pixels);
+
+inline SimStateObject& as_state(const Object& o) {
+  return *reinterpret_cast<SimStateObject*>(o.get());
+}
+inline ViewPointObject& as_viewpoint(PyObject* o) { return *reinterpret_cast<ViewPointObject*>(o); }
+
+}  // namespace enfilade::python::mattersim

@@ -1,0 +1,20 @@
+// The extension module enfilade._core.
+#include <nanobind/nanobind.h>
+
+#include "python/src/bindings.h"
+#include "python/src/errors.h"
+#include "python/src/mattersim/module.h"
+
+namespace nb = nanobind;
+
+NB_MODULE(_core, m) {
+  nb::set_leak_warnings(false);  // what caches of the process hold is no leak
+  enfilade::python::bind_errors();
+  enfilade::python::bind_graphs(m);
+  enfilade::python::bind_simulator(m);
+  enfilade::python::bind_renderer(m);
+  enfilade::python::bind_r2r(m);
+  enfilade::python::bind_environment(m);
+  nb::module_ mattersim = m.def_submodule("mattersim", "The old simulator's interface.");
+  enfilade::python::mattersim::bind(mattersim);
+}

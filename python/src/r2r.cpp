@@ -1,0 +1,154 @@
+// Room-to-Room: episodes, metrics, scores, tokens.
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/r2r/metrics.h"
+#include "enfilade/r2r/results.h"
+#include "enfilade/r2r/score.h"
+#include "enfilade/r2r/tokenizer.h"
+#include "enfilade/scan/data_root.h"
+#include "python/src/bindings.h"
+
+namespace enfilade::python {
+namespace {
+
+using r2r::EpisodeSet;
+using namespace nb::literals;
+
+std::shared_ptr<const EpisodeSet> load_episodes(const std::string& folder, const std::string& split,
+                                                bool all_instructions) {
+  const nb::gil_scoped_release unlocked;
+  const scan::DataRoot root(folder);
+  auto graphs = graph::GraphSet::open_shared(root.connectivity());
+  return std::make_shared<EpisodeSet>(
+      r2r::make_episodes(r2r::load_annotations(root.annotations(split), split), std::move(graphs),
+                         all_instructions ? r2r::Instructions::kAll : r2r::Instructions::kScored));
+}
+
+// (instruction_id, path_id, scan, viewpoints, heading, text)
+nb::tuple episode(const EpisodeSet& set, std::size_t i) {
+  if (i >= set.episodes.size()) throw nb::index_error("episode");
+  const r2r::Episode& e = set.episodes[i];
+  const r2r::ReferencePath& path = set.path_of(e);
+  const graph::NavGraph& graph = set.graph_of(e);
+  nb::list viewpoints;
+  for (const ViewpointIndex v : path.viewpoints) viewpoints.append(graph.id(v));
+  return nb::make_tuple(e.instruction_id, path.path_id, graph.scan(), nb::tuple(viewpoints),
+                        path.heading.value, e.text);
+}
+
+std::vector<ViewpointIndex> indices(const graph::NavGraph& graph,
+                                    const std::vector<std::string>& names) {
+  if (names.empty()) throw ArgumentError("a path without viewpoints");
+  std::vector<ViewpointIndex> found;
+  for (const std::string& name : names) {
+    const auto v = graph.find(name);
+    if (!v)
+      throw LookupError("viewpoint '" + name + "' is not in the graph of scan " + graph.scan());
+    found.push_back(*v);
+  }
+  return found;
+}
+
+nb::dict as_dict(const r2r::EpisodeMetrics& metrics) {
+  nb::dict d;
+  for (const r2r::MetricField& field : r2r::metric_fields()) d[field.name] = metrics.*field.field;
+  return d;
+}
+
+nb::dict metrics(const graph::GraphSet& graphs, const std::string& scan,
+                 const std::vector<std::string>& trajectory,
+                 const std::vector<std::string>& reference, double success_distance) {
+  const graph::NavGraph& graph = graphs.graph(scan);
+  return as_dict(r2r::compute_metrics(graph, indices(graph, trajectory), indices(graph, reference),
+                                      {success_distance}));
+}
+
+// ({metric: (mean, low, high)}, {instruction_id: {metric: value}}, warnings)
+nb::tuple score_file(const EpisodeSet& episodes, const std::string& file, double success_distance,
+                     int bootstrap_samples) {
+  r2r::Results results;
+  r2r::Score score;
+  {
+    const nb::gil_scoped_release unlocked;
+    results = r2r::load_results(file, episodes);
+    r2r::ScoreOptions options;
+    options.metrics.success_distance = success_distance;
+    options.bootstrap_samples = bootstrap_samples;
+    score = r2r::compute_score(results.trajectories, episodes, options);
+  }
+  nb::dict means, each;
+  for (std::size_t i = 0; i < score.means.size(); ++i) {
+    const auto& mean = score.means[i];
+    means[r2r::metric_fields()[i].name] = nb::make_tuple(mean.mean, mean.low, mean.high);
+  }
+  for (std::size_t i = 0; i < score.episodes.size(); ++i) {
+    each[episodes.episodes[i].instruction_id.c_str()] = as_dict(score.episodes[i]);
+  }
+  nb::list warnings;
+  for (const Diagnostic& warning : results.warnings) warnings.append(to_string(warning));
+  return nb::make_tuple(means, each, warnings);
+}
+
+void bind_tokens(nb::module_& m) {
+  using r2r::Vocabulary;
+  m.def(
+      "tokenize", [](const std::string& text) { return r2r::tokenize(text); }, "text"_a,
+      "Words as R2R's released code splits them.");
+  nb::class_<Vocabulary>(m, "Vocabulary", "Words and their ids: 0 <PAD>, 1 <UNK>, 2 <EOS>.")
+      .def_static(
+          "load", [](const std::string& file) { return Vocabulary::load(file); }, "file"_a,
+          "One word a line, as R2R's train_vocab.txt.")
+      .def_static(
+          "build",
+          [](const std::vector<std::string>& texts, std::size_t least_count) {
+            return Vocabulary::build(texts, least_count);
+          },
+          "texts"_a, "least_count"_a = 5)
+      .def("__len__", &Vocabulary::size)
+      .def_prop_ro("words", &Vocabulary::words)
+      .def(
+          "encode",
+          [](const Vocabulary& v, const std::string& text, std::size_t length) {
+            return v.encode(text, length);
+          },
+          "text"_a, "length"_a = 80, "Ids: words reversed, <EOS>, <PAD> up to `length`.")
+      .def(
+          "decode",
+          [](const Vocabulary& v, const std::vector<std::uint32_t>& ids) { return v.decode(ids); },
+          "ids"_a);
+}
+
+}  // namespace
+
+void bind_r2r(nb::module_& m) {
+  nb::class_<EpisodeSet>(m, "EpisodeSet", "What enfilade.Episodes is made of.")
+      .def(nb::new_(&load_episodes), "folder"_a, "split"_a, "all_instructions"_a)
+      .def("__len__", [](const EpisodeSet& s) { return s.episodes.size(); })
+      .def("episode", episode, "index"_a,
+           nb::sig("def episode(self, index: int) -> tuple[str, int, str, tuple[str, ...], float, "
+                   "str]"))
+      .def_prop_ro("graphs", [](const EpisodeSet& s) { return s.graphs; })
+      .def("score", score_file, "file"_a, "success_distance"_a, "bootstrap_samples"_a,
+           nb::sig("def score(self, file: str, success_distance: float, bootstrap_samples: int) -> "
+                   "tuple[dict[str, tuple[float, float, float]], dict[str, dict[str, float]], "
+                   "list[str]]"));
+  m.def("metrics", metrics, "graphs"_a, "scan"_a, "trajectory"_a, "reference"_a,
+        "success_distance"_a = 3.0,
+        nb::sig("def metrics(graphs: Graphs, scan: str, trajectory: typing.Sequence[str], "
+                "reference: typing.Sequence[str], success_distance: float = 3.0) -> dict[str, "
+                "float]"),
+        "All metrics of one trajectory against one reference path, both lists of viewpoint ids: "
+        "nav_error, success, spl, ndtw, cls, ... (docs/r2r.md has the equations).");
+  bind_tokens(m);
+}
+
+}  // namespace enfilade::python

@@ -1,0 +1,193 @@
+// Panoramas and Renderer: pictures into the caller's memory.
+#include "enfilade/render/renderer.h"
+
+#include <fmt/format.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/render/gl_devices.h"
+#include "enfilade/scan/data_root.h"
+#include "enfilade/scan/panorama_set.h"
+#include "python/src/bindings.h"
+#include "python/src/busy.h"
+
+namespace enfilade::python {
+namespace {
+
+using scan::PanoramaSet;
+using namespace nb::literals;
+
+/// Memory of any library on the CPU: NumPy, torch, whatever speaks DLPack.
+using Buffer = nb::ndarray<nb::c_contig, nb::device::cpu>;
+
+std::shared_ptr<const PanoramaSet> open_panoramas(const std::vector<std::string>& images,
+                                                  const std::string& connectivity,
+                                                  const graph::GraphSet& graphs) {
+  scan::PanoramaPlaces places;
+  for (const std::string& folder : images) places.images.emplace_back(folder);
+  places.connectivity = connectivity;
+  return PanoramaSet::open(places, graphs.scans());
+}
+
+/// A renderer with its cache.
+class ViewRenderer {
+ public:
+  ViewRenderer(const std::shared_ptr<const PanoramaSet>& panoramas, const std::string& backend,
+               int threads, std::size_t cache_bytes, bool clamped_edges, bool eight_bit_depth,
+               const std::string& device) {
+    const auto parsed = render::parse_backend(backend);
+    if (!parsed) {
+      throw ArgumentError(
+          fmt::format("backend '{}': 'cpu', 'cpu-scalar' and 'gl' are allowed", backend));
+    }
+    render::FaceCacheConfig cache;
+    cache.bytes = cache_bytes;
+    cache.prefetch_thread = false;  // would not survive a fork
+    render::RendererConfig config{*parsed, threads, {clamped_edges, eight_bit_depth}, device};
+    renderer_ =
+        render::make_renderer(std::make_shared<render::FaceCache>(panoramas, cache), config);
+  }
+
+  void render(const Row<std::uint32_t>& scans, const Row<std::uint32_t>& viewpoints,
+              const Row<double>& headings, const Row<double>& elevations, std::uint32_t width,
+              std::uint32_t height, double vfov, const std::optional<Buffer>& colour,
+              const std::string& colour_format, const std::optional<Buffer>& depth, bool ray_depth,
+              const std::optional<Buffer>& classes, const std::optional<Buffer>& instances);
+  std::string description() const { return renderer_->description(); }
+
+ private:
+  std::unique_ptr<render::Renderer> renderer_;
+  std::vector<render::View> views_;
+  std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
+};
+
+template <class T>
+std::span<T> memory_of(const Buffer& buffer) {
+  return {static_cast<T*>(buffer.data()), buffer.nbytes() / sizeof(T)};
+}
+
+template <class T>
+bool holds(const Buffer& buffer) {
+  return buffer.dtype() == nb::dtype<T>();
+}
+
+render::ColourOutput colour_output(const Buffer& buffer, const std::string& format) {
+  using enum render::ColourFormat;
+  if (format == "rgb8" && holds<std::uint8_t>(buffer))
+    return {kRgb8, {}, memory_of<std::byte>(buffer)};
+  if (format == "bgr8" && holds<std::uint8_t>(buffer))
+    return {kBgr8, {}, memory_of<std::byte>(buffer)};
+  if (format == "rgba8" && holds<std::uint8_t>(buffer))
+    return {kRgba8, {}, memory_of<std::byte>(buffer)};
+  const bool imagenet = format == "imagenet";
+  const render::Normalisation normalisation =
+      imagenet ? render::kImageNet : render::Normalisation{};
+  if ((imagenet || format == "planar") && holds<float>(buffer)) {
+    return {kPlanarFloat32, normalisation, memory_of<std::byte>(buffer)};
+  }
+  if ((imagenet || format == "planar") && buffer.dtype().bits == 16) {
+    return {kPlanarFloat16, normalisation, memory_of<std::byte>(buffer)};
+  }
+  throw ArgumentError(
+      fmt::format("colour '{}' with {} bits a value: 'rgb8', 'bgr8' and 'rgba8' are "
+                  "uint8; 'planar' and 'imagenet' float32 or float16",
+                  format, buffer.dtype().bits));
+}
+
+render::DepthOutput depth_output(const Buffer& buffer, bool ray) {
+  const auto measure = ray ? render::DepthMeasure::kRay : render::DepthMeasure::kZ;
+  if (holds<float>(buffer)) {
+    return {render::DepthFormat::kMetresFloat32, measure, memory_of<std::byte>(buffer)};
+  }
+  if (holds<std::uint16_t>(buffer)) {
+    return {render::DepthFormat::kQuarterMillimetresUint16, measure, memory_of<std::byte>(buffer)};
+  }
+  throw ArgumentError("depth: float32 (metres) or uint16 (quarter millimetres) is wanted");
+}
+
+render::ClassOutput class_output(const Buffer& buffer) {
+  if (holds<std::uint8_t>(buffer))
+    return {render::ClassFormat::kUint8, memory_of<std::byte>(buffer)};
+  if (holds<std::uint16_t>(buffer)) {
+    return {render::ClassFormat::kUint16, memory_of<std::byte>(buffer)};
+  }
+  throw ArgumentError("classes: uint8 or uint16 is wanted");
+}
+
+render::InstanceOutput instance_output(const Buffer& buffer) {
+  if (!holds<std::uint32_t>(buffer)) throw ArgumentError("instances: uint32 is wanted");
+  return {memory_of<std::uint32_t>(buffer)};
+}
+
+void ViewRenderer::render(const Row<std::uint32_t>& scans, const Row<std::uint32_t>& viewpoints,
+                          const Row<double>& headings, const Row<double>& elevations,
+                          std::uint32_t width, std::uint32_t height, double vfov,
+                          const std::optional<Buffer>& colour, const std::string& colour_format,
+                          const std::optional<Buffer>& depth, bool ray_depth,
+                          const std::optional<Buffer>& classes,
+                          const std::optional<Buffer>& instances) {
+  const Busy busy(busy_);
+  const std::size_t n = scans.size();
+  if (viewpoints.size() != n || headings.size() != n || elevations.size() != n) {
+    throw ArgumentError(fmt::format("views: {} scans, {} viewpoints, {} headings, {} elevations", n,
+                                    viewpoints.size(), headings.size(), elevations.size()));
+  }
+  render::Outputs outputs;
+  if (colour) outputs.colour = colour_output(*colour, colour_format);
+  if (depth) outputs.depth = depth_output(*depth, ray_depth);
+  if (classes) outputs.classes = class_output(*classes);
+  if (instances) outputs.instances = instance_output(*instances);
+  const nb::gil_scoped_release unlocked;
+  views_.clear();
+  for (std::size_t i = 0; i < n; ++i) {
+    views_.push_back({ScanIndex(scans.data()[i]), ViewpointIndex(viewpoints.data()[i]),
+                      Radians(headings.data()[i]), Radians(elevations.data()[i])});
+  }
+  renderer_->render({width, height, Radians(vfov)}, views_, outputs);
+}
+
+}  // namespace
+
+void bind_renderer(nb::module_& m) {
+  nb::class_<PanoramaSet>(m, "Panoramas",
+                          "The panoramas of the scans of a Graphs: stores, or Matterport3D's files "
+                          "in any layout. A scan is opened when first used.")
+      .def(nb::new_(&open_panoramas), "images"_a, "connectivity"_a, "graphs"_a,
+           "images: folders to look in, in this order. connectivity: folder of the graphs' files.")
+      .def_prop_ro("scans", &PanoramaSet::scans);
+  nb::class_<ViewRenderer>(m, "ViewRenderer", "What enfilade.Renderer is made of.")
+      .def(nb::init<const std::shared_ptr<const PanoramaSet>&, const std::string&, int, std::size_t,
+                    bool, bool, const std::string&>(),
+           "panoramas"_a, "backend"_a, "threads"_a, "cache_bytes"_a, "clamped_edges"_a,
+           "eight_bit_depth"_a, "device"_a)
+      .def_prop_ro("description", &ViewRenderer::description)
+      .def("render", &ViewRenderer::render, "scans"_a, "viewpoints"_a, "headings"_a, "elevations"_a,
+           "width"_a, "height"_a, "vfov"_a, "colour"_a.none().noconvert(), "colour_format"_a,
+           "depth"_a.none().noconvert(), "ray_depth"_a, "classes"_a.none().noconvert(),
+           "instances"_a.none().noconvert());
+  m.def("backends", [] {
+    std::vector<std::string> names;
+    for (const render::Backend b : render::backends()) names.emplace_back(to_string(b));
+    return names;
+  });
+  m.def(
+      "panorama_places",
+      [](const std::string& folder) {
+        const scan::PanoramaPlaces places = scan::DataRoot(folder).panoramas();
+        std::vector<std::string> images;
+        for (const auto& path : places.images) images.push_back(path.string());
+        return std::pair(images, places.connectivity.string());
+      },
+      "folder"_a, "Where a data folder has its pictures, and its graphs.");
+}
+
+}  // namespace enfilade::python

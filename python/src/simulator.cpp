@@ -1,0 +1,243 @@
+// Simulator: the batched state machine, writing into arrays.
+#include "enfilade/sim/simulator.h"
+
+#include <fmt/format.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "enfilade/sim/candidates.h"
+#include "python/src/bindings.h"
+#include "python/src/busy.h"
+
+namespace enfilade::python {
+namespace {
+
+using graph::GraphSet;
+using namespace nb::literals;
+
+/// A simulator and the arrays that its state is in.
+class BatchSimulator {
+ public:
+  BatchSimulator(std::shared_ptr<const GraphSet> graphs, const sim::SimulatorConfig& config)
+      : graphs_(graphs),
+        native_(graphs, config),
+        buffer_(config.batch_size, config.max_navigable),
+        state_(buffer_.spans()),
+        starts_(config.batch_size),
+        actions_(config.batch_size) {}
+
+  void new_episodes(const Row<std::uint32_t>& scans, const Row<std::uint32_t>& viewpoints,
+                    const Row<double>& headings, const Row<double>& elevations);
+  void new_episode(std::size_t agent, std::uint32_t scan, std::uint32_t viewpoint, double heading,
+                   double elevation);
+  void new_random_episodes(const Row<std::uint32_t>& scans);
+  void step(const Row<std::uint32_t>& indices, const Row<double>& headings,
+            const Row<double>& elevations);
+  std::vector<sim::Candidate> candidates(std::uint32_t scan, std::uint32_t viewpoint);
+
+  const sim::Simulator& native() const { return native_; }
+  const std::shared_ptr<const GraphSet>& graphs() const { return graphs_; }
+  const sim::StateSpans& state() const { return state_; }
+
+ private:
+  void check(const char* name, std::size_t found) const {
+    if (found == native_.batch_size()) return;
+    throw ArgumentError(
+        fmt::format("{}: {} elements for a batch of {}", name, found, native_.batch_size()));
+  }
+
+  std::shared_ptr<const GraphSet> graphs_;
+  sim::Simulator native_;
+  sim::StateBuffer buffer_;
+  sim::StateSpans state_;
+  std::vector<sim::EpisodeStart> starts_;
+  std::vector<sim::Action> actions_;
+  std::optional<sim::CandidateFinder> finder_;
+  std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
+};
+
+void BatchSimulator::new_episodes(const Row<std::uint32_t>& scans,
+                                  const Row<std::uint32_t>& viewpoints, const Row<double>& headings,
+                                  const Row<double>& elevations) {
+  const Busy busy(busy_);
+  check("scans", scans.size());
+  check("viewpoints", viewpoints.size());
+  check("headings", headings.size());
+  check("elevations", elevations.size());
+  const nb::gil_scoped_release unlocked;
+  for (std::size_t i = 0; i < starts_.size(); ++i) {
+    starts_[i] = {{ScanIndex(scans.data()[i]), ViewpointIndex(viewpoints.data()[i])},
+                  Radians(headings.data()[i]),
+                  Radians(elevations.data()[i])};
+  }
+  native_.new_episodes(starts_, state_);
+}
+
+void BatchSimulator::new_episode(std::size_t agent, std::uint32_t scan, std::uint32_t viewpoint,
+                                 double heading, double elevation) {
+  const Busy busy(busy_);
+  const nb::gil_scoped_release unlocked;
+  native_.new_episode(
+      agent, {{ScanIndex(scan), ViewpointIndex(viewpoint)}, Radians(heading), Radians(elevation)},
+      state_);
+}
+
+void BatchSimulator::new_random_episodes(const Row<std::uint32_t>& scans) {
+  const Busy busy(busy_);
+  check("scans", scans.size());
+  const nb::gil_scoped_release unlocked;
+  std::vector<ScanIndex> indices;
+  for (const std::uint32_t scan : span_of(scans)) indices.emplace_back(scan);
+  native_.new_random_episodes(indices, state_);
+}
+
+void BatchSimulator::step(const Row<std::uint32_t>& indices, const Row<double>& headings,
+                          const Row<double>& elevations) {
+  const Busy busy(busy_);
+  check("indices", indices.size());
+  check("heading_changes", headings.size());
+  check("elevation_changes", elevations.size());
+  const nb::gil_scoped_release unlocked;
+  for (std::size_t i = 0; i < actions_.size(); ++i) {
+    actions_[i] = {indices.data()[i], Radians(headings.data()[i]), Radians(elevations.data()[i])};
+  }
+  native_.step(actions_, state_);
+}
+
+std::vector<sim::Candidate> BatchSimulator::candidates(std::uint32_t scan,
+                                                       std::uint32_t viewpoint) {
+  const Busy busy(busy_);
+  const nb::gil_scoped_release unlocked;
+  if (!finder_) finder_.emplace(graphs_, native_.config());
+  return finder_->find({ScanIndex(scan), ViewpointIndex(viewpoint)});
+}
+
+std::unique_ptr<BatchSimulator> make_simulator(const std::shared_ptr<const GraphSet>& graphs,
+                                               std::size_t batch_size, std::uint32_t width,
+                                               std::uint32_t height, double vfov, bool discretized,
+                                               bool restricted, bool linear_view,
+                                               std::pair<double, double> elevation_limits,
+                                               bool mattersim_starts, std::uint64_t seed,
+                                               std::size_t max_navigable, int threads) {
+  sim::SimulatorConfig config;
+  config.batch_size = batch_size;
+  config.camera = {width, height, Radians(vfov)};
+  if (discretized) config.viewing = sim::Viewing::kDiscretized;
+  if (!restricted) config.navigation = sim::Navigation::kUnrestricted;
+  if (linear_view) config.field_of_view = sim::FieldOfView::kLinear;
+  config.elevation_limits = {Radians(elevation_limits.first), Radians(elevation_limits.second)};
+  if (mattersim_starts) config.random_starts = sim::RandomStarts::kMatterSim;
+  config.seed = seed;
+  config.max_navigable = max_navigable;
+  config.threads = threads;
+  return std::make_unique<BatchSimulator>(graphs, config);
+}
+
+// The state's arrays by their names; all share the simulator's memory.
+nb::dict state_arrays(nb::handle self) {
+  const auto& simulator = nb::cast<const BatchSimulator&>(self);
+  const sim::StateSpans& s = simulator.state();
+  const std::size_t n = simulator.native().batch_size();
+  const std::size_t m = simulator.native().config().max_navigable;
+  const auto integers = [&](auto* data) { return reinterpret_cast<const std::uint32_t*>(data); };
+  const auto reals = [&](const double* data) { return data; };
+  nb::dict d;
+  d["scan"] = array_of(integers(s.scan.data()), self, n);
+  d["viewpoint"] = array_of(integers(s.viewpoint.data()), self, n);
+  d["heading"] = array_of(reals(s.heading.data()), self, n);
+  d["elevation"] = array_of(reals(s.elevation.data()), self, n);
+  d["view_index"] = array_of(integers(s.view_index.data()), self, n);
+  d["step"] = array_of(integers(s.step.data()), self, n);
+  d["navigable_count"] = array_of(integers(s.navigable_count.data()), self, n);
+  d["navigable_viewpoint"] = array_of(integers(s.navigable_viewpoint.data()), self, n, m);
+  d["navigable_rel_heading"] = array_of(reals(s.navigable_rel_heading.data()), self, n, m);
+  d["navigable_rel_elevation"] = array_of(reals(s.navigable_rel_elevation.data()), self, n, m);
+  d["navigable_distance"] = array_of(reals(s.navigable_distance.data()), self, n, m);
+  return d;
+}
+
+nb::list candidate_list(BatchSimulator& self, std::uint32_t scan, std::uint32_t viewpoint) {
+  const std::vector<sim::Candidate> found = self.candidates(scan, viewpoint);
+  nb::list list;
+  for (const sim::Candidate& c : found) {
+    list.append(nb::make_tuple(c.viewpoint.value, c.view, c.index, c.heading.value,
+                               c.elevation.value, c.rel_heading.value, c.rel_elevation.value,
+                               c.angle, c.distance));
+  }
+  return list;
+}
+
+/// Columns of a table of candidates.
+struct CandidateColumns {
+  std::vector<std::uint32_t> integers;  // scan, viewpoint, neighbour, view, index
+  std::vector<double> reals;  // heading, elevation, rel_heading, rel_elevation, angle, distance
+};
+
+// Every candidate of every included viewpoint of these scans, a row each.
+CandidateColumns all_candidates(const std::shared_ptr<const GraphSet>& graphs,
+                                const sim::SimulatorConfig& config,
+                                std::span<const std::uint32_t> scans) {
+  CandidateColumns columns;
+  sim::CandidateFinder finder(graphs, config);
+  for (const std::uint32_t scan : scans) {
+    const graph::NavGraph& graph = graphs->graph(ScanIndex(scan));
+    for (std::uint32_t v = 0; v < graph.size(); ++v) {
+      if (!graph.included(ViewpointIndex(v))) continue;
+      for (const sim::Candidate& c : finder.find({ScanIndex(scan), ViewpointIndex(v)})) {
+        columns.integers.insert(columns.integers.end(),
+                                {scan, v, c.viewpoint.value, c.view, c.index});
+        columns.reals.insert(columns.reals.end(),
+                             {c.heading.value, c.elevation.value, c.rel_heading.value,
+                              c.rel_elevation.value, c.angle, c.distance});
+      }
+    }
+  }
+  return columns;
+}
+
+nb::tuple candidate_arrays(BatchSimulator& self, const Row<std::uint32_t>& scans) {
+  auto columns = std::make_unique<CandidateColumns>();
+  {
+    const nb::gil_scoped_release unlocked;
+    *columns = all_candidates(self.graphs(), self.native().config(), span_of(scans));
+  }
+  CandidateColumns* kept = columns.release();
+  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<CandidateColumns*>(p); });
+  return nb::make_tuple(array_of(kept->integers.data(), owner, kept->integers.size() / 5, 5),
+                        array_of(kept->reals.data(), owner, kept->reals.size() / 6, 6));
+}
+
+}  // namespace
+
+void bind_simulator(nb::module_& m) {
+  nb::class_<BatchSimulator>(m, "BatchSimulator",
+                             "What enfilade.Simulator is made of: indices and arrays only.")
+      .def(nb::new_(&make_simulator), "graphs"_a, nb::kw_only(), "batch_size"_a, "width"_a,
+           "height"_a, "vfov"_a, "discretized"_a, "restricted"_a, "linear_view"_a,
+           "elevation_limits"_a, "mattersim_starts"_a, "seed"_a, "max_navigable"_a, "threads"_a)
+      .def("new_episodes", &BatchSimulator::new_episodes, "scans"_a, "viewpoints"_a, "headings"_a,
+           "elevations"_a)
+      .def("new_episode", &BatchSimulator::new_episode, "agent"_a, "scan"_a, "viewpoint"_a,
+           "heading"_a, "elevation"_a)
+      .def("new_random_episodes", &BatchSimulator::new_random_episodes, "scans"_a)
+      .def("step", &BatchSimulator::step, "indices"_a, "heading_changes"_a, "elevation_changes"_a)
+      .def("state_arrays", state_arrays,
+           nb::sig("def state_arrays(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"))
+      .def("candidates", candidate_list, "scan"_a, "viewpoint"_a,
+           nb::sig("def candidates(self, scan: int, viewpoint: int) -> list[tuple[int, int, int, "
+                   "float, float, float, float, float, float]]"))
+      .def("candidate_arrays", candidate_arrays, "scans"_a,
+           nb::sig("def candidate_arrays(self, scans: numpy.typing.NDArray[numpy.uint32]) -> "
+                   "tuple[numpy.typing.NDArray[numpy.uint32], "
+                   "numpy.typing.NDArray[numpy.float64]]"));
+}
+
+}  // namespace enfilade::python

@@ -1,0 +1,274 @@
+"""The package's own API."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import enfilade
+import pytest
+
+np = pytest.importorskip("numpy")
+
+
+@pytest.fixture
+def graphs(small: str) -> enfilade.Graphs:
+    return enfilade.Graphs(f"{small}/connectivity")
+
+
+def test_importing_is_fast_and_brings_nothing_heavy() -> None:
+    code = (
+        "import sys, time; t = time.process_time(); import enfilade, MatterSim;"
+        "t = time.process_time() - t;"
+        "print(t, [m for m in ('numpy', 'torch', 'gymnasium') if m in sys.modules])"
+    )
+    runs = [
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        for _ in range(5)
+    ]
+    assert all(run.stdout.split(maxsplit=1)[1].strip() == "[]" for run in runs)
+    # Of this process alone, in seconds: other programs of the machine do not count.
+    assert min(float(run.stdout.split()[0]) for run in runs) < 0.1
+
+
+def test_every_name_that_is_promised_is_there() -> None:
+    for name in enfilade.__all__:
+        assert getattr(enfilade, name) is not None and name in dir(enfilade)
+    with pytest.raises(AttributeError):
+        enfilade.nonsense
+
+
+# --- graphs ---------------------------------------------------------------------------------------
+
+
+def test_graphs_know_ways(graphs: enfilade.Graphs) -> None:
+    graph = graphs[graphs.scans[0]]
+    assert graphs.scans[0] in graphs and "nowhere" not in graphs
+    ids = graph.viewpoints
+    assert len(ids) == len(graph) == len(graph.positions)
+    assert graph.positions.dtype == np.float32 and not graph.positions.flags.writeable
+    way = graph.path(ids[0], ids[-1])
+    assert way is not None and way[0] == ids[0] and way[-1] == ids[-1]
+    steps = sum(graph.distance(a, b) for a, b in zip(way, way[1:]))
+    assert graph.distance(ids[0], ids[-1]) == pytest.approx(steps)
+    assert all(b in graph.neighbours(a) for a, b in zip(way, way[1:]))
+    assert graph.nearest(tuple(graph.positions[3])) == ids[3]
+
+
+def test_graphs_outlive_their_set(small: str) -> None:
+    graph = enfilade.Graphs(f"{small}/connectivity")["synth_1"]
+    positions = graph.positions
+    names = graph.viewpoints
+    del graph
+    assert len(positions) == len(names) and np.isfinite(positions).all()
+
+
+def test_errors_are_typed_and_name_what_is_wrong(graphs: enfilade.Graphs, tmp_path: Path) -> None:
+    with pytest.raises(enfilade.UnknownNameError, match="nowhere"):
+        graphs["nowhere"]
+    with pytest.raises(LookupError, match="nope"):
+        graphs["synth_1"].distance("nope", "nope")
+    with pytest.raises(enfilade.FileError, match="scans.txt"):
+        enfilade.Graphs(str(tmp_path))
+    with pytest.raises(OSError):
+        enfilade.Graphs("/nonexistent")
+    (tmp_path / "scans.txt").write_text("a")
+    (tmp_path / "a_connectivity.json").write_text("[{}]")
+    with pytest.raises(enfilade.InvalidInput, match=r"a_connectivity.json"):
+        enfilade.Graphs(str(tmp_path))["a"]
+    assert issubclass(enfilade.InvalidInput, ValueError)
+    assert issubclass(enfilade.ArgumentError, enfilade.Error)
+
+
+# --- simulator ------------------------------------------------------------------------------------
+
+
+def test_the_state_is_a_window_into_the_simulator(graphs: enfilade.Graphs) -> None:
+    sim = enfilade.Simulator(graphs, 3, discretized=False)
+    ids = graphs["synth_1"].viewpoints
+    state = sim.new_episodes(["synth_1"] * 3, ids[:3], [0, 1, 2], 0)
+    assert state.heading.tolist() == [0, 1, 2] and sim.viewpoint_ids() == ids[:3]
+    heading = state.heading
+    sim.step([0, 0, 0], [0.5, -1, 0.25])
+    assert heading.tolist() == [0.5, 0, 2.25] and state.step.tolist() == [1, 1, 1]
+    assert not heading.flags.writeable and heading.base is not None
+    del sim, state
+    assert heading.tolist() == [0.5, 0, 2.25]
+
+
+def test_a_step_that_fails_moves_nobody(graphs: enfilade.Graphs) -> None:
+    sim = enfilade.Simulator(graphs, 2)
+    sim.new_random_episodes(["synth_1", "synth_2"])
+    before = sim.viewpoint_ids(), sim.state.step.tolist()
+    for bad in ([0, 99], [0, -1], [0]):
+        with pytest.raises(ValueError):
+            sim.step(bad)
+    with pytest.raises(TypeError):
+        sim.step([0.0, 1.0])
+    with pytest.raises(ValueError, match="finite"):
+        sim.step([0, 0], [math.nan, 0])
+    assert (sim.viewpoint_ids(), sim.state.step.tolist()) == before
+    for wrong in ({"batch_size": 0}, {"vfov": 4.0}, {"field_of_view": "wide"}, {"width": 0}):
+        with pytest.raises(ValueError):
+            enfilade.Simulator(graphs, **wrong)
+    with pytest.raises(LookupError):
+        sim.new_episodes(["synth_1", "x"], ["a", "b"])
+
+
+def test_names_and_indices_mean_the_same(graphs: enfilade.Graphs) -> None:
+    a, b = enfilade.Simulator(graphs, 2), enfilade.Simulator(graphs, 2)
+    ids = graphs["synth_2"].viewpoints
+    a.new_episodes(["synth_2"] * 2, [ids[4], ids[7]])
+    b.new_episodes(np.array([graphs.index("synth_2")] * 2), np.array([4, 7], np.int64))
+    assert (a.state.viewpoint == b.state.viewpoint).all() and b.viewpoint_ids() == [ids[4], ids[7]]
+
+
+def test_candidates_of_all_viewpoints_are_those_of_each(graphs: enfilade.Graphs) -> None:
+    sim = enfilade.Simulator(graphs)
+    table = sim.all_candidates(["synth_3"])
+    row = 0
+    for viewpoint in graphs["synth_3"].viewpoints:
+        for c in sim.candidates("synth_3", viewpoint):
+            got = (table.neighbour[row], table.view_index[row], table.index[row])
+            assert got == (c.ix, c.view_index, c.index)
+            assert table.normalized_heading[row] == c.normalized_heading
+            assert table.angle[row] == c.angle and table.distance[row] == c.distance
+            row += 1
+    assert row == len(table.scan) and (table.scan == graphs.index("synth_3")).all()
+
+
+# --- pictures -------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def pictured(data: Path, reference: Path) -> tuple[enfilade.Graphs, enfilade.Renderer, Any]:
+    graphs = enfilade.Graphs(str(data / "connectivity"))
+    scans = str(reference / "golden" / "scans")
+    panoramas = enfilade.Panoramas([scans], str(data / "connectivity"), graphs)
+    view = (["17DRP5sb8fy"], ["5b9b2794954e4694a45fc424a8643081"], [0.3])
+    return graphs, enfilade.Renderer(graphs, panoramas), view
+
+
+def test_renderer_draws_into_what_it_is_given(pictured: Any) -> None:
+    _, renderer, view = pictured
+    size = {"width": 64, "height": 48}
+    fresh = renderer.render(*view, layers=("depth",), **size)
+    assert fresh["colour"].shape == (1, 48, 64, 3) and fresh["depth"].dtype == np.float32
+    mine = {"colour": np.zeros((1, 48, 64, 3), np.uint8), "depth": np.zeros((1, 48, 64), np.uint16)}
+    drawn = renderer.render(*view, out=mine, **size)
+    assert drawn["colour"] is mine["colour"] and (mine["colour"] == fresh["colour"]).all()
+    assert np.abs(mine["depth"] / 4000 - fresh["depth"]).max() < 1e-3
+    planar = renderer.render(*view, colour="planar", **size)["colour"]
+    away = np.abs(planar[0].transpose(1, 2, 0) * 255 - fresh["colour"][0])
+    assert planar.shape == (1, 3, 48, 64) and away.max() <= 1
+    for bad in ({"colour": np.zeros((1, 48, 64, 3))}, {"colour": np.zeros((48, 64, 3), np.uint8)},
+                {"smell": np.zeros((1, 48, 64))}):  # fmt: skip
+        with pytest.raises((ValueError, TypeError)):
+            renderer.render(*view, out=bad, **size)
+    read_only = np.zeros((1, 48, 64, 3), np.uint8)
+    read_only.flags.writeable = False
+    with pytest.raises(TypeError):
+        renderer.render(*view, out={"colour": read_only}, **size)
+
+
+def test_tensors_of_torch_are_drawn_into(pictured: Any) -> None:
+    torch = pytest.importorskip("torch")
+    _, renderer, view = pictured
+    tensor = torch.zeros((1, 3, 48, 64))
+    renderer.render(*view, colour="imagenet", width=64, height=48, out={"colour": tensor})
+    assert tensor.std() > 0.1
+    shared = torch.from_dlpack(renderer.render(*view, width=64, height=48)["colour"])
+    assert shared.shape == (1, 48, 64, 3)
+
+
+def test_the_36_views_are_those_of_the_drop_in(pictured: Any, data: Path, reference: Path) -> None:
+    import MatterSim
+
+    graphs, renderer, _ = pictured
+    scan, viewpoint = "17DRP5sb8fy", "5b9b2794954e4694a45fc424a8643081"
+    views = renderer.render_36(scan, viewpoint, width=64, height=48, colour="bgr8")["colour"]
+    sim = MatterSim.Simulator()
+    sim.setNavGraphPath(str(data / "connectivity"))
+    sim.setDatasetPath(str(reference / "golden" / "scans"))
+    sim.setDiscretizedViewingAngles(True)
+    sim.setCameraResolution(64, 48)
+    sim.setCameraVFOV(math.radians(60))
+    for ix in range(36):
+        if ix == 0:
+            sim.newEpisode([scan], [viewpoint], [0], [math.radians(-30)])
+        else:
+            sim.makeAction([0], [1], [int(ix % 12 == 0)])
+        away = np.abs(np.array(sim.getState()[0].rgb).astype(int) - views[ix])
+        assert (away > 2).mean() < 0.03  # along faces' edges, which the drop-in does not smooth
+
+
+def test_missing_pictures_are_named(graphs: enfilade.Graphs, small: str) -> None:
+    panoramas = enfilade.open_panoramas(small, graphs)
+    renderer = enfilade.Renderer(graphs, panoramas)
+    with pytest.raises(enfilade.Error, match="synth_1"):
+        renderer.render(["synth_1"], [0], [0])
+    with pytest.raises(ValueError, match="backend"):
+        enfilade.Renderer(graphs, panoramas, backend="paint")
+    assert "cpu" in enfilade.backends() and "cpu" in renderer.description
+
+
+# --- Room-to-Room ---------------------------------------------------------------------------------
+
+
+def test_episodes_are_a_sequence_and_are_scored(small: str, tmp_path: Path) -> None:
+    episodes = enfilade.Episodes(small, "val_unseen")
+    assert len(episodes) == len(list(episodes)) > 10 and episodes[-1] == list(episodes)[-1]
+    assert episodes[:2] == [episodes[0], episodes[1]]
+    with pytest.raises(IndexError):
+        episodes[len(episodes)]
+    results = [
+        {"instr_id": e.instruction_id, "trajectory": [[v, 0.0, 0.0] for v in e.path]}
+        for e in episodes
+    ]
+    file = tmp_path / "results.json"
+    file.write_text(json.dumps(results))
+    score = episodes.score(str(file), bootstrap_samples=10)
+    assert score.means["success"] == (1.0, 1.0, 1.0)
+    assert score.means["ndtw"][0] == pytest.approx(1)
+    assert len(score.episodes) == len(episodes) and score.warnings == []
+    file.write_text(json.dumps(results[1:]))
+    with pytest.raises(enfilade.InvalidInput, match=episodes[0].instruction_id):
+        episodes.score(str(file))
+    with pytest.raises(enfilade.FileError):
+        enfilade.Episodes(small, "val_dark")
+
+
+def test_metrics_of_a_path(small: str) -> None:
+    episodes = enfilade.Episodes(small, "train")
+    e = episodes[0]
+    perfect = enfilade.metrics(episodes.graphs, e.scan, e.path, e.path)
+    assert (perfect["success"], perfect["nav_error"], perfect["cls"]) == (1, 0, 1)
+    stayed = enfilade.metrics(episodes.graphs, e.scan, e.path[:1], e.path)
+    assert stayed["nav_error"] == episodes.graphs[e.scan].distance(e.path[0], e.path[-1])
+    with pytest.raises(LookupError):
+        enfilade.metrics(episodes.graphs, e.scan, ["nope"], e.path)
+    with pytest.raises(ValueError):
+        enfilade.metrics(episodes.graphs, e.scan, [], e.path)
+
+
+def test_words_are_tokens(tmp_path: Path) -> None:
+    assert enfilade.tokenize("Walk past the table, then stop.") == [
+        "walk", "past", "the", "table", ",", "then", "stop", "."]  # fmt: skip
+    words = enfilade.Vocabulary.build(["go left", "go right"], least_count=1)
+    ids = words.encode("go left", 6)
+    assert len(ids) == 6 and words.decode(ids) == "go left"
+
+
+def test_broken_feature_files_are_named(tmp_path: Path) -> None:
+    from enfilade import features
+
+    file = tmp_path / "f.tsv"
+    good = {("s", "v"): np.ones((36, 4), np.float32)}
+    features.write_tsv(str(file), good, width=640, height=480, vfov=60)
+    file.write_text(file.read_text() + "s\tv\t640\t480\t60\t!!\n")
+    with pytest.raises(ValueError, match="f.tsv:2"):
+        list(features.read_tsv(str(file)))

@@ -1,0 +1,228 @@
+"""enfilade.gym against Gymnasium's own checkers, and the vector environment against single ones."""
+
+from __future__ import annotations
+
+import pickle
+import warnings
+from typing import Any
+
+import pytest
+
+np = pytest.importorskip("numpy")
+gymnasium = pytest.importorskip("gymnasium", minversion="1.0")
+
+from gymnasium.utils.env_checker import check_env  # noqa: E402
+from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
+
+from enfilade.gym import EnvConfig, RoomToRoomEnv, RoomToRoomVectorEnv, Transition  # noqa: E402
+
+
+@pytest.fixture(scope="session")
+def vocabulary(small: str, tmp_path_factory: pytest.TempPathFactory) -> str:
+    file = tmp_path_factory.mktemp("words") / "vocabulary.txt"
+    file.write_text("<PAD>\n<UNK>\n<EOS>\nwalk\nturn\nthe\n")
+    return str(file)
+
+
+def equal(a: Any, b: Any) -> bool:
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(equal(a[key], b[key]) for key in a)
+    if isinstance(a, (tuple, list)):
+        return len(a) == len(b) and all(map(equal, a, b))
+    return bool(np.array_equal(a, b, equal_nan=np.asarray(a).dtype.kind == "f"))
+
+
+@pytest.mark.parametrize("actions", ["viewpoint", "six"])
+def test_the_environment_passes_gymnasiums_checker(
+    small: str, vocabulary: str, actions: str
+) -> None:
+    config = EnvConfig(small, actions=actions, vocabulary=vocabulary)
+    env = gymnasium.make("RoomToRoom-v0", config=config, render_mode="ansi")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped, skip_render_check=True)
+    env.reset(seed=1)
+    text = env.render()
+    assert isinstance(text, str) and "heading" in text
+    env.close()
+
+
+@pytest.mark.parametrize("actions", ["viewpoint", "six"])
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_the_vector_environment_does_what_single_ones_do(
+    small: str, vocabulary: str, actions: str, mode: AutoresetMode
+) -> None:
+    """Observations, rewards, ends and final observations, for 300 steps of 5 agents."""
+    n = 5
+    config = EnvConfig(small, actions=actions, vocabulary=vocabulary, max_steps=9)
+    ours = RoomToRoomVectorEnv(config, n, autoreset_mode=mode)
+    theirs = SyncVectorEnv([lambda: RoomToRoomEnv(config)] * n, autoreset_mode=mode)
+    assert ours.observation_space == theirs.observation_space
+    assert ours.action_space == theirs.action_space
+    assert ours.metadata["autoreset_mode"] == mode
+    assert equal(ours.reset(seed=7)[0], theirs.reset(seed=7)[0])
+    rng = np.random.default_rng(2)
+    ends = 0
+    for _ in range(300):
+        chosen = rng.integers(0, 6, n)
+        got, want = ours.step(chosen), theirs.step(chosen)
+        assert equal(got[:4], want[:4])
+        assert ours.observation_space.contains(got[0])
+        ended = got[2] | got[3]
+        ends += int(ended.sum())
+        if ended.any():
+            check_final(got[4], want[4], mode)
+        if ended.any() and mode == AutoresetMode.DISABLED:
+            options = {"reset_mask": ended}
+            assert equal(ours.reset(options=options)[0], theirs.reset(options=dict(options))[0])
+    assert ends > 50
+
+
+def check_final(ours: dict[str, Any], theirs: dict[str, Any], mode: AutoresetMode) -> None:
+    if mode != AutoresetMode.SAME_STEP:
+        assert equal(ours["success"], theirs["success"])
+        assert equal(ours["_success"], theirs["_success"])
+        return
+    assert equal(ours["_final_obs"], theirs["_final_obs"])
+    for one, other in zip(ours["final_obs"], theirs["final_obs"]):
+        assert (one is None) == (other is None)
+        assert one is None or equal(one, other)
+    for name in ("success", "spl", "distance", "_success", "_distance"):
+        got = ours["final_info"][name]
+        mask = ours["_final_obs"]
+        assert equal(np.where(mask, got, 0), np.where(mask, theirs["final_info"][name], 0))
+
+
+def test_make_vec_gives_the_native_one(small: str) -> None:
+    envs = gymnasium.make_vec("RoomToRoom-v0", 3, config=EnvConfig(small))
+    assert isinstance(envs.unwrapped, RoomToRoomVectorEnv) and envs.num_envs == 3
+    envs.reset(seed=1)
+    envs.step(envs.action_space.sample())
+
+
+def test_what_is_returned_is_ones_own(small: str) -> None:
+    envs = RoomToRoomVectorEnv(EnvConfig(small), 4)
+    first, info = envs.reset(seed=1)
+    kept = {name: np.array(value) for name, value in first.items()}
+    _, rewards, *_ = envs.step([1, 1, 1, 1])
+    before = rewards.copy()
+    envs.step([1, 2, 1, 2])
+    assert all((kept[name] == np.array(first[name])).all() for name in first)
+    assert (rewards == before).all()
+
+
+def test_the_teacher_is_paid_for_its_way(small: str) -> None:
+    """Along the reference path the rewards sum to its length and the prize for stopping there."""
+    env = RoomToRoomEnv(EnvConfig(small))
+    episodes = env._batch.episodes
+    graphs = episodes.graphs
+    for index in range(0, len(episodes), 17):
+        episode = episodes[index]
+        _, info = env.reset(options={"episode": index})
+        assert info["instruction_id"] == episode.instruction_id
+        arrays, total, done = env._batch.arrays, 0.0, False
+        graph = graphs[episode.scan]
+        for step in [*episode.path[1:], None]:
+            number = 0
+            if step is not None:
+                count = int(arrays["candidate_mask"][0].sum())
+                number = list(arrays["candidate_viewpoint"][0][:count]).index(graph.index(step))
+            _, reward, done, _, info = env.step(number)
+            total += reward
+        way = graph.distance(episode.path[0], episode.path[-1])
+        assert done and info["success"] == 1 and info["distance"] == 0
+        assert total == pytest.approx(way + 2)
+        assert env.metrics()["ndtw"] == pytest.approx(1)
+        assert info["spl"] == env.metrics()["spl"]
+
+
+def test_candidates_say_where_one_gets(small: str) -> None:
+    env = RoomToRoomEnv(EnvConfig(small))
+    seen, info = env.reset(seed=3)
+    right, up, metres = seen["candidates"][1]
+    graph = env._batch.episodes.graphs[info["scan"]]
+    here = graph.positions[graph.index(info["viewpoint"])]
+    _, _, _, _, info = env.step(1)
+    there = graph.positions[graph.index(info["viewpoint"])]
+    assert np.linalg.norm(there - here) == pytest.approx(metres, abs=1e-5)
+    heading = np.arctan2(there[0] - here[0], there[1] - here[1])
+    turned = seen["pose"][0] + right - heading
+    assert abs((turned + np.pi) % (2 * np.pi) - np.pi) < 1e-5
+
+
+def halfway(transition: Transition) -> Any:
+    return 0.5 * (transition.distance_before - transition.distance) + transition.success
+
+
+def test_rewards_are_pluggable(small: str) -> None:
+    config = EnvConfig(small, reward=halfway, max_steps=5)
+    mine = RoomToRoomVectorEnv(config, 8)
+    plain = RoomToRoomVectorEnv(EnvConfig(small, max_steps=5), 8)
+    none = RoomToRoomVectorEnv(EnvConfig(small, reward="none", max_steps=5), 8)
+    for envs in (mine, plain, none):
+        envs.reset(seed=4)
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        actions = rng.integers(0, 5, 8)
+        _, got, stopped, _, info = mine.step(actions)
+        _, want, *_ = plain.step(actions)
+        success = stopped & (info["distance"] < 3)
+        prize = np.where(stopped, np.where(success, 2.0, -2.0), 0)
+        assert got == pytest.approx(0.5 * (want - prize) + success)
+        assert not none.step(actions)[1].any()
+
+
+def test_configs_are_pickled_and_bad_ones_refused(small: str) -> None:
+    config = EnvConfig(small, reward=halfway, observe=("rgb",))
+    assert pickle.loads(pickle.dumps(config)) == config
+    for bad in ({"actions": "fly"}, {"observe": ("smell",)}, {"tokens": 0}):
+        with pytest.raises(ValueError):
+            EnvConfig(small, **bad)
+    for bad in ({"reward": "money"}, {"max_steps": 0}, {"max_candidates": 2}, {"vfov": -1.0}):
+        with pytest.raises(ValueError):
+            RoomToRoomEnv(EnvConfig(small, **bad))
+    with pytest.raises(ValueError, match="episode 'x'"):
+        RoomToRoomEnv(EnvConfig(small)).reset(options={"episode": "x"})
+    with pytest.raises(ValueError, match="hides its goals"):
+        RoomToRoomEnv(EnvConfig(small, split="test"))
+    RoomToRoomEnv(EnvConfig(small, split="test", reward="none")).reset()
+
+
+def test_an_ended_episode_has_to_be_reset(small: str) -> None:
+    env = RoomToRoomEnv(EnvConfig(small))
+    with pytest.raises(ValueError, match="reset"):
+        env.step(0)
+    env.reset()
+    env.step(0)
+    with pytest.raises(ValueError, match="ended"):
+        env.step(0)
+    with pytest.raises(ValueError, match="action 16"):
+        env.reset()
+        env.step(16)
+
+
+@pytest.mark.parametrize("mode", ["rgb_array", None])
+def test_pictures_are_seen_where_there_are_some(reference: Any, data: Any, mode: Any) -> None:
+    """With the recorded pictures of three viewpoints: an episode is started on one of them."""
+    import json
+    import os
+    import tempfile
+    from pathlib import Path
+
+    with tempfile.TemporaryDirectory() as folder:
+        os.symlink(data / "connectivity", Path(folder) / "connectivity")
+        os.symlink(reference / "golden" / "scans", Path(folder) / "scans")
+        start, goal = "5b9b2794954e4694a45fc424a8643081", "51857544c192476faebf212acb1b3d90"
+        path = {"path_id": 1, "scan": "17DRP5sb8fy", "heading": 0.5, "path": [start, goal],
+                "distance": 3.0, "instructions": ["go"] * 3}  # fmt: skip
+        (Path(folder) / "r2r").mkdir()
+        (Path(folder) / "r2r" / "R2R_train.json").write_text(json.dumps([path]))
+        config = EnvConfig(folder, observe=("rgb", "depth"), width=64, height=48)
+        env = RoomToRoomEnv(config, render_mode=mode)
+        seen, _ = env.reset(seed=1)
+        assert env.observation_space.contains(seen)
+        assert seen["rgb"].std() > 5 and 0 < seen["depth"].max() < 20
+        assert mode is None or (env.render() == seen["rgb"]).all()
+        envs = RoomToRoomVectorEnv(config, 2)
+        both, _ = envs.reset(seed=1)
+        assert (both["rgb"][0] == seen["rgb"]).all() and envs.observation_space.contains(both)

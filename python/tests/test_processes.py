@@ -1,0 +1,177 @@
+"""Threads, forks, spawned processes, and memory over a long life."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import gc
+import multiprocessing
+import os
+from typing import Any
+
+import enfilade
+import MatterSim
+import pytest
+
+np = pytest.importorskip("numpy")
+
+STEPS = 200
+
+
+def walk(folder: str, seed: int) -> list[int]:
+    """Where a batch ends up; the same for a seed wherever it runs."""
+    graphs = enfilade.Graphs(f"{folder}/connectivity")
+    sim = enfilade.Simulator(graphs, 16, discretized=False, restricted=False, seed=seed)
+    sim.new_random_episodes(graphs.scans[:1] * 16)
+    for step in range(STEPS):
+        sim.step(sim.state.navigable_count - 1, np.full(16, 0.1 * (step % 7)))
+    found: list[int] = sim.state.viewpoint.tolist()
+    return found
+
+
+def walk_old(folder: str, seed: int) -> list[str]:
+    sim = MatterSim.Simulator()
+    sim.setNavGraphPath(f"{folder}/connectivity")
+    sim.setRenderingEnabled(False)
+    sim.setSeed(seed)
+    sim.newRandomEpisode(["synth_1"])
+    ids = []
+    for step in range(STEPS):
+        last = len(sim.getState()[0].navigableLocations) - 1
+        sim.makeAction([last], [0.1 * (step % 7)], [0])
+        ids.append(sim.getState()[0].location.viewpointId)
+    return ids
+
+
+def both(folder: str, seed: int) -> tuple[list[int], list[str]]:
+    return walk(folder, seed), walk_old(folder, seed)
+
+
+def test_eight_threads_walk_as_one_does(small: str) -> None:
+    alone = [both(small, seed) for seed in range(8)]
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        assert list(pool.map(lambda seed: both(small, seed), range(8))) == alone
+
+
+def test_eight_threads_draw_as_one_does(data: Any, reference: Any) -> None:
+    graphs = enfilade.Graphs(str(data / "connectivity"))
+    scans = str(reference / "golden" / "scans")
+    panoramas = enfilade.Panoramas([scans], str(data / "connectivity"), graphs)
+
+    def draw(seed: int) -> Any:
+        renderer = enfilade.Renderer(graphs, panoramas, cache_bytes=8 << 20)
+        headings = np.random.default_rng(seed).uniform(0, 6, 5)
+        start = "5b9b2794954e4694a45fc424a8643081"
+        return renderer.render(
+            ["17DRP5sb8fy"] * 5, [start] * 5, headings, width=64, height=48
+        )["colour"]
+
+    alone = [draw(seed) for seed in range(8)]
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        together = list(pool.map(draw, range(8)))
+    assert all((a == b).all() for a, b in zip(alone, together))
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_other_processes_walk_as_this_one_does(small: str, method: str) -> None:
+    here = [both(small, seed) for seed in range(3)]  # a fork inherits the open graphs
+    context = multiprocessing.get_context(method)
+    with concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as pool:
+        assert list(pool.map(both, [small] * 3, range(3), timeout=120)) == here
+
+
+def draw_in_child(renderer: Any, view: Any, expected: Any) -> bool:
+    drawn = renderer.render(*view, width=64, height=48)["colour"]
+    return bool((drawn == expected).all())
+
+
+def test_a_forked_renderer_draws(data: Any, reference: Any) -> None:
+    graphs = enfilade.Graphs(str(data / "connectivity"))
+    scans = str(reference / "golden" / "scans")
+    panoramas = enfilade.Panoramas([scans], str(data / "connectivity"), graphs)
+    renderer = enfilade.Renderer(graphs, panoramas, threads=2)
+    view = (["17DRP5sb8fy"], ["5b9b2794954e4694a45fc424a8643081"], [0.3])
+    expected = renderer.render(*view, width=64, height=48)["colour"]
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if draw_in_child(renderer, view, expected) else 1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_torchs_loader_works_with_simulators_inside(small: str, method: str) -> None:
+    data = pytest.importorskip("torch.utils.data", reason="torch is not installed")
+
+    walk(small, 1)
+    loader = data.DataLoader(
+        Walks(small), batch_size=2, num_workers=2, multiprocessing_context=method
+    )
+    found = [row for batch in loader for row in batch.tolist()]
+    assert found == [walk(small, seed) for seed in range(4)]
+
+
+class Walks:
+    """A data set whose items are walks."""
+
+    def __init__(self, folder: str) -> None:
+        self.folder = folder
+
+    def __len__(self) -> int:
+        return 4
+
+    def __getitem__(self, seed: int) -> Any:
+        return np.array(walk(self.folder, seed))
+
+
+def resident_bytes() -> int:
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def test_a_hundred_thousand_simulators_leave_nothing_behind(small: str) -> None:
+    graphs = enfilade.Graphs(f"{small}/connectivity")
+    start = graphs["synth_1"].viewpoints[0]
+
+    def live_and_die(count: int) -> None:
+        for _ in range(count):
+            sim = MatterSim.Simulator()
+            sim.setNavGraphPath(f"{small}/connectivity")
+            sim.setRenderingEnabled(False)
+            sim.newEpisode(["synth_1"], [start], [0], [0])
+            sim.makeAction([0], [1], [0])
+            state = sim.getState()[0]
+            assert state.location is state.navigableLocations[0]
+            native = enfilade._core.BatchSimulator(
+                graphs, batch_size=1, width=64, height=64, vfov=1.0, discretized=True,
+                restricted=True, linear_view=True, elevation_limits=(-0.9, 0.9),
+                mattersim_starts=False, seed=1, max_navigable=16, threads=1,
+            )  # fmt: skip
+            native.state_arrays()
+
+    live_and_die(2_000)
+    gc.collect()
+    before = resident_bytes()
+    live_and_die(100_000)
+    gc.collect()
+    assert resident_bytes() - before < 4 << 20  # a byte each would be 0.1 MB; pages come in lumps
+
+
+def test_one_simulator_in_two_threads_is_refused_or_runs(small: str) -> None:
+    """Never both at once: the second is told so."""
+    graphs = enfilade.Graphs(f"{small}/connectivity")
+    sim = enfilade.Simulator(graphs, 20_000, discretized=False, restricted=False)
+    sim.new_random_episodes(["synth_1"] * 20_000)
+    nothing = np.zeros(20_000, np.uint32)
+    refused = []
+
+    def step() -> None:
+        for _ in range(20):
+            try:
+                sim.step(nothing)
+            except RuntimeError as error:
+                refused.append(str(error))
+
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        for done in [pool.submit(step), pool.submit(step)]:
+            done.result()
+    assert all("another thread" in text for text in refused)
+    assert sim.state.step.max() == 40 - len(refused)

@@ -1,0 +1,35 @@
+"""The type stubs, against the module they describe and under a strict type checker."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import MatterSim
+import enfilade
+import pytest
+
+ROOT = Path(__file__).parent.parent
+
+
+def test_the_stubs_are_those_of_the_bindings() -> None:
+    pytest.importorskip("nanobind", reason="nanobind is not installed: no stubs to compare")
+    command = [sys.executable, str(ROOT / "tools" / "make_stubs.py"), "--check"]
+    assert subprocess.run(command).returncode == 0, "run python/tools/make_stubs.py"
+
+
+def test_the_drop_ins_stubs_name_what_it_has() -> None:
+    text = (Path(MatterSim.__file__).parent / "__init__.pyi").read_text()
+    for kind in (MatterSim.Simulator, MatterSim.SimState, MatterSim.ViewPoint):
+        for name in vars(kind):
+            assert name.startswith("_") or f"def {name}(" in text, name
+
+
+def test_a_strict_type_checker_has_nothing_to_say() -> None:
+    pytest.importorskip("mypy", reason="mypy is not installed")
+    packages = Path(enfilade.__file__).parent.parent
+    command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary",
+               str(packages / "enfilade"), str(packages / "MatterSim")]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, cwd=packages)
+    assert done.returncode == 0, done.stdout
