@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -88,6 +89,7 @@ Data find_data(const Options& options) {
       "Until then: SYNTHETIC model homes, made now in {} (about three minutes on two\n"
       "cores; the next demo finds them there).\n\n",
       folder.string());
+  std::fflush(stdout);
   const Progress homes = progress_bar("model homes"), paths = progress_bar("instructions");
   const auto bar = [](const Progress& progress) {
     return [&progress](const std::string&, std::size_t done, std::size_t total) {
