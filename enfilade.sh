@@ -397,6 +397,7 @@ summarize() {
 ensure_python() {
   local environment=build/python wanted=python/tests/requirements.txt
   cmp -s "$wanted" "$environment/requirements.txt" && return
+  mkdir -p build
   say "making a Python environment for the tests, in $environment"
   if { python3 -m venv "$environment" && "$environment/bin/pip" install -q -r "$wanted"; } \
     >build/python.log 2>&1; then
