@@ -102,27 +102,12 @@ Buildings open(const Options& o) {
   return open_buildings(places(o), list_of(o.scans));
 }
 
-// Of the first processor, as the system calls it.
-std::string processor() {
-  const std::string text = read_file("/proc/cpuinfo");
-  const std::string name = "model name\t: ";
-  const std::size_t at = text.find(name);
-  if (at == std::string::npos) return "unknown processor";
-  const std::size_t begin = at + name.size();
-  return text.substr(begin, text.find('\n', begin) - begin);
-}
-
 Json conditions(const Options& o, const Buildings& buildings) {
-  return {{"machine", processor()},
-          {"cores", available_threads()},
-          {"simd", render::cpu_target()},
-          {"backend", o.backend},
-          {"panoramas", buildings.origin},
-          {"viewpoints", buildings.viewpoints()},
-          {"face_size", buildings.face_size()},
-          {"cache_bytes", o.settings.cache_bytes},
-          {"prefetch", o.settings.prefetch},
-          {"vfov_degrees", o.vfov}};
+  return {{"machine", processor_name()},        {"cores", available_threads()},
+          {"simd", render::cpu_target()},       {"backend", o.backend},
+          {"panoramas", buildings.origin},      {"viewpoints", buildings.viewpoints()},
+          {"face_size", buildings.face_size()}, {"cache_bytes", o.settings.cache_bytes},
+          {"prefetch", o.settings.prefetch},    {"vfov_degrees", o.vfov}};
 }
 
 void print_conditions(const Json& conditions) {

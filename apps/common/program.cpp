@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <exception>
+#include <fstream>
 #include <memory>
 #include <utility>
 
@@ -165,6 +167,40 @@ Progress progress_bar(std::string what) {
   return [bar = std::make_shared<Bar>(std::move(what))](std::size_t done, std::size_t total) {
     bar->show(done, total);
   };
+}
+
+Shard parse_shard(const std::string& text) {
+  if (text.empty()) return {};
+  Shard shard{0, 0};
+  std::size_t number = 0;
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  const auto read = [](std::string_view digits, std::size_t& value) {
+    const auto [stop, code] = std::from_chars(digits.begin(), digits.end(), value);
+    return code == std::errc() && stop == digits.end();
+  };
+  const std::string_view all = text;
+  if (slash == all.size() || !read(all.substr(0, slash), number) ||
+      !read(all.substr(slash + 1), shard.count) || number < 1 || number > shard.count) {
+    throw UsageError(
+        fmt::format("--shard {:?}: K/N is expected, the K-th of N shares, K from 1 to N", text));
+  }
+  shard.index = number - 1;
+  return shard;
+}
+
+std::filesystem::path own_program() {
+  std::error_code code;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", code);
+  return code ? "enfilade" : program;
+}
+
+std::string processor_name() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown processor";
 }
 
 void write_output(const std::string& path, const std::string& content) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/progress.h"
+#include "enfilade/core/shard.h"
 #include "enfilade/scan/data_root.h"
 
 namespace enfilade::apps {
@@ -46,6 +48,15 @@ void set_examples(CLI::App& verb, const std::vector<std::string>& lines);
 /// A progress bar on stderr, `what` before it, with the time left: drawn only if stderr is a
 /// terminal, after a second, ten times a second at most, and wiped at the end.
 Progress progress_bar(std::string what);
+
+/// "3/16", the third of sixteen shares; empty: all of it. \throws UsageError
+Shard parse_shard(const std::string& text);
+
+/// This program's own file; "enfilade" where the system cannot tell.
+std::filesystem::path own_program();
+
+/// The first processor, as the system calls it; "unknown processor" where it does not say.
+std::string processor_name();
 
 /// Writes to a file (atomically) or, if `path` is "-", to stdout. \throws FileError
 void write_output(const std::string& path, const std::string& content);

@@ -211,11 +211,7 @@ void run_agents(const Options& options, const Data& data, const std::string& spl
 }
 
 // As a reader can type it here: few have the program on their PATH.
-std::string own_path() {
-  std::error_code code;
-  const fs::path program = fs::read_symlink("/proc/self/exe", code);
-  return code ? "enfilade" : fs::proximate(program, code).string();
-}
+std::string own_path() { return fs::proximate(own_program()).string(); }
 
 void run_unlearned(const Options& options, const Data& data) {
   const auto graphs = graph::GraphSet::open(data.root.connectivity());

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 #include <algorithm>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -63,20 +62,10 @@ class Report {
 
 double gigabytes(double bytes) { return bytes / (1U << 30); }
 
-// "model name : Intel ..." of Linux on x86; nothing elsewhere.
-std::string processor() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    const std::size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown";
-}
-
 void examine_machine(Report& report) {
   report.begin("machine");
   report.add("enfilade", State::kFact, EN_VERSION);
-  report.add("processor", State::kFact, processor());
+  report.add("processor", State::kFact, processor_name());
   report.add("cores", State::kFact, fmt::format("{} for this process", available_threads()));
   report.add("SIMD", State::kFact, render::cpu_target());
   const double page = static_cast<double>(sysconf(_SC_PAGESIZE));

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <memory>
 
@@ -31,24 +30,8 @@ struct Options {
   neural::FeatureJob job;
 };
 
-// "3/16": from 1, as people count.
-neural::Shard parse_shard(const std::string& text) {
-  if (text.empty()) return {};
-  std::size_t number = 0, count = 0;
-  const char* const end = text.data() + text.size();
-  const auto first = std::from_chars(text.data(), end, number);
-  const bool slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
-  const auto second =
-      slash ? std::from_chars(first.ptr + 1, end, count) : std::from_chars_result{text.data(), {}};
-  if (second.ptr != end || second.ec != std::errc() || number < 1 || number > count) {
-    throw UsageError(fmt::format(
-        "--shard {:?}: NUMBER/COUNT is expected, such as 1/16 for the first of 16", text));
-  }
-  return {number - 1, count};
-}
-
 // Shards of one job are given one name; each writes a file of its own.
-fs::path shard_file(const fs::path& file, const neural::Shard& shard) {
+fs::path shard_file(const fs::path& file, const Shard& shard) {
   if (shard.count == 1) return file;
   fs::path own = file;
   own.replace_filename(fmt::format("{}.{}-of-{}{}", file.stem().string(), shard.index + 1,

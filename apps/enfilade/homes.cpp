@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -33,26 +32,6 @@ const std::map<std::string, synth::HomeKind>& kinds() {
       {"office", synth::HomeKind::kOffice},
       {"hotel", synth::HomeKind::kHotelFloor}};
   return kKinds;
-}
-
-// "3/16": the third of sixteen.
-synth::HomeShard parse_shard(const std::string& text) {
-  if (text.empty()) return {};
-  synth::HomeShard shard{0, 0};
-  std::size_t number = 0;
-  const std::size_t slash = std::min(text.find('/'), text.size());
-  const auto read = [](std::string_view digits, std::size_t& value) {
-    const auto [stop, code] = std::from_chars(digits.begin(), digits.end(), value);
-    return code == std::errc() && stop == digits.end();
-  };
-  const std::string_view all = text;
-  if (slash == all.size() || !read(all.substr(0, slash), number) ||
-      !read(all.substr(slash + 1), shard.count) || number < 1 || number > shard.count) {
-    throw UsageError(
-        fmt::format("--shard {:?}: K/N is expected, the K-th of N shares, K from 1 to N", text));
-  }
-  shard.index = number - 1;
-  return shard;
 }
 
 synth::HomeSetOptions set_of(const Options& o) {

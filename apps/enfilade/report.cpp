@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -23,16 +22,6 @@ struct Options {
   report::ReportConfig config;
 };
 
-// "model name : Intel ..." of Linux on x86; the architecture is not known elsewhere.
-std::string processor() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    const std::size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown processor";
-}
-
 std::string version() {
   constexpr std::string_view commit = EN_COMMIT;
   return commit.empty() ? EN_VERSION : fmt::format("{}, commit {}", EN_VERSION, commit);
@@ -45,7 +34,7 @@ void make(const Options& options) {
   config.facts = {
       {"Enfilade", version()},
       {"made on", fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))},
-      {"made with", fmt::format("{}, {} cores", processor(), available_threads())}};
+      {"made with", fmt::format("{}, {} cores", processor_name(), available_threads())}};
   const std::string page = make_report(config, data, progress_bar("report"));
   write_output(options.output, page);
   if (options.output == "-") return;

@@ -15,10 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path learn_program() {
-  std::error_code code;
-  return fs::read_symlink("/proc/self/exe", code).parent_path() / "enfilade-learn";
-}
+fs::path learn_program() { return own_program().parent_path() / "enfilade-learn"; }
 
 // This process's own command line: CLI11 has taken the one of main() apart.
 std::vector<std::string> own_arguments() {

@@ -9,15 +9,10 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/shard.h"
 #include "enfilade/synth/plan.h"
 
 namespace enfilade::synth {
-
-/// A share of a set, so that many machines make it together: of `count` shares, that of homes
-/// `index`, `index` + `count`, ..., from 0.
-struct HomeShard {
-  std::size_t index = 0, count = 1;
-};
 
 struct HomeSetOptions {
   std::size_t homes = 16;
@@ -35,7 +30,7 @@ struct HomeSetOptions {
   /// Folder of `<scan>_corrections.json` (graph/corrections.h), applied on top of the graphs, also
   /// of homes that are there already; empty: none, and none stay applied.
   std::filesystem::path corrections;
-  HomeShard shard;
+  Shard shard;
   int threads = 0;  ///< 0: all cores; never changes a byte
 };
 

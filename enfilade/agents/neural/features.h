@@ -9,19 +9,14 @@
 #include "enfilade/agents/neural/encoder.h"
 #include "enfilade/agents/neural/tensor_file.h"
 #include "enfilade/core/progress.h"
+#include "enfilade/core/shard.h"
 #include "enfilade/scan/panorama_set.h"
 
 namespace enfilade::agents::neural {
 
-/// The part of a job that one of several machines does: viewpoints index, index + count, ...
-struct Shard {
-  std::size_t index = 0;
-  std::size_t count = 1;
-};
-
 struct FeatureJob {
   EncoderConfig encoder;
-  Shard shard;
+  Shard shard;                   ///< of the viewpoints
   std::size_t batch = 4;         ///< pictures that the encoder sees at once, from 1
   DType type = DType::kFloat32;  ///< of the file: kFloat32 or kFloat16
   int threads = 0;  ///< that draw; 0: all cores. The encoder runs on libtorch's: set_threads()
