@@ -14,6 +14,7 @@
 #include "enfilade/draw/detail/sheet.h"
 #include "enfilade/draw/detail/trace.h"
 #include "enfilade/draw/detail/underlay.h"
+#include "enfilade/draw/markup.h"
 
 namespace enfilade::draw {
 namespace {
@@ -219,7 +220,7 @@ class Painter {
       const ViewpointIndex v(i);
       if (plan_.storey_of[i] != panel.storey) continue;
       const Point p = place(panel, v);
-      append(out, "<g><title>{} {}</title>{}</g>\n", i, detail::escape(graph_.id(v)),
+      append(out, "<g><title>{} {}</title>{}</g>\n", i, escape(graph_.id(v)),
              !graph_.included(v) ? detail::excluded_mark(p)
              : isolated(v)       ? detail::isolated_mark(p)
                                  : detail::dot(p));

@@ -10,6 +10,7 @@
 #include "enfilade/draw/detail/marks.h"
 #include "enfilade/draw/detail/plan.h"
 #include "enfilade/draw/detail/sheet.h"
+#include "enfilade/draw/markup.h"
 
 namespace enfilade::draw {
 namespace {
@@ -106,7 +107,7 @@ class Painter {
     }
     for (const ComparedEdge& e : comparison_.missing) missing += line(panel, e.a, e.b);
     for (const ViewpointIndex v : plan_.storeys[panel.storey].viewpoints) {
-      detail::append(dots, "<g><title>{} {}</title>{}</g>\n", v.at(), detail::escape(found_.id(v)),
+      detail::append(dots, "<g><title>{} {}</title>{}</g>\n", v.at(), escape(found_.id(v)),
                      detail::dot(panel.at(found_.position(v))));
     }
     return detail::draw_caption(plan_, panel) + detail::draw_floor(plan_, panel) +

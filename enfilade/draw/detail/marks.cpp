@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "enfilade/draw/markup.h"
+
 #include "enfilade/geometry/angle.h"
 
 namespace enfilade::draw::detail {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "enfilade/draw/detail/marks.h"
+#include "enfilade/draw/markup.h"
 
 namespace enfilade::draw::detail {
 

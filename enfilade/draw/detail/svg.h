@@ -22,10 +22,6 @@ struct Point {
 std::string pair(Point p);
 std::string number(double value);
 
-/// Text that is safe between tags and in attributes. Bytes that are no UTF-8 and characters that
-/// XML forbids become U+FFFD.
-std::string escape(std::string_view text);
-
 /// Width of a text in the sheet's sans-serif at `size` pixels: a cautious guess, as the font is the
 /// viewer's.
 double text_width(std::string_view text, double size);

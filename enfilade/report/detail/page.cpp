@@ -8,6 +8,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/draw/markup.h"
 #include "enfilade/report/detail/page_texts.h"
 
 namespace enfilade::report::detail {
@@ -62,36 +63,13 @@ std::string script_json(const nlohmann::ordered_json& data) {
   return safe;
 }
 
-std::string escaped_html(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
-
 std::string make_page(std::string_view title, const nlohmann::ordered_json& data) {
   if (kD3.empty()) {
     throw Error(
         "this build of Enfilade has no D3, which draws the report: install node-d3 and configure "
         "with -DEN_WITH_D3=ON");
   }
-  const std::string nonce = random_nonce(), safe_title = escaped_html(title),
+  const std::string nonce = random_nonce(), safe_title = draw::escape(title),
                     json = script_json(data);
   return fill(kPageHtml, {{{"nonce", nonce},
                            {"title", safe_title},

@@ -14,7 +14,4 @@ std::string make_page(std::string_view title, const nlohmann::ordered_json& data
 /// JSON that may stand inside <script>: no '<' in it; ASCII; broken UTF-8 replaced.
 std::string script_json(const nlohmann::ordered_json& data);
 
-/// Text that may stand between tags.
-std::string escaped_html(std::string_view text);
-
 }  // namespace enfilade::report::detail

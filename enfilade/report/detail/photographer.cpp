@@ -1,11 +1,11 @@
 #include "enfilade/report/detail/photographer.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "enfilade/core/base64.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/image/image.h"
@@ -36,20 +36,8 @@ render::Outputs colour_into(image::Image8& picture) {
 }  // namespace
 
 std::string data_uri(std::string_view type, std::string_view bytes) {
-  constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text = fmt::format("data:{};base64,", type);
-  text.reserve(text.size() + (bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t three = 0;
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    for (std::size_t k = 0; k < 3; ++k) {
-      three = three << 8 | (k < count ? static_cast<std::uint8_t>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += k <= count ? kDigits[three >> (18 - 6 * k) & 63U] : '=';
-    }
-  }
+  append_base64(std::as_bytes(std::span(bytes)), text);
   return text;
 }
 

@@ -5,9 +5,9 @@
 #include <array>
 #include <string_view>
 
-#include "enfilade/agents/neural/detail/base64.h"
 #include "enfilade/agents/neural/detail/half.h"
 #include "enfilade/agents/neural/detail/stored_arrays.h"
+#include "enfilade/core/base64.h"
 #include "enfilade/core/detail/mapped_file.h"
 #include "enfilade/core/detail/part_file.h"
 #include "enfilade/core/errors.h"

@@ -6,8 +6,9 @@
 #include <string>
 #include <string_view>
 
-namespace enfilade::agents::neural::detail {
+namespace enfilade {
 
+/// Adds what stands for the bytes.
 void append_base64(std::span<const std::byte> bytes, std::string& text);
 
 /// How many bytes a text of whole groups stands for; none if its length is no multiple of 4.
@@ -16,4 +17,4 @@ std::optional<std::size_t> base64_bytes(std::string_view text) noexcept;
 /// base64_bytes() says
 std::size_t decode_base64(std::string_view text, std::span<std::byte> out) noexcept;
 
-}  // namespace enfilade::agents::neural::detail
+}  // namespace enfilade

@@ -1,9 +1,9 @@
-#include "enfilade/agents/neural/detail/base64.h"
+#include "enfilade/core/base64.h"
 
 #include <gmock/gmock.h>
 #include <vector>
 
-namespace enfilade::agents::neural::detail {
+namespace enfilade {
 namespace {
 
 std::string encoded(std::string_view bytes) {
@@ -54,4 +54,4 @@ TEST(Base64, SaysWhereItIsBroken) {
 }
 
 }  // namespace
-}  // namespace enfilade::agents::neural::detail
+}  // namespace enfilade

@@ -1,9 +1,9 @@
-#include "enfilade/agents/neural/detail/base64.h"
+#include "enfilade/core/base64.h"
 
 #include <array>
 #include <cstdint>
 
-namespace enfilade::agents::neural::detail {
+namespace enfilade {
 namespace {
 
 constexpr std::string_view kAlphabet =
@@ -82,4 +82,4 @@ std::size_t decode_base64(std::string_view text, std::span<std::byte> out) noexc
   return std::string_view::npos;
 }
 
-}  // namespace enfilade::agents::neural::detail
+}  // namespace enfilade
