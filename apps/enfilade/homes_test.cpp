@@ -1,25 +1,16 @@
 // The real program, killed at many moments of its work: `enfilade homes` goes on where it was.
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-#include <chrono>
-#include <csignal>
-#include <ctime>
 #include <filesystem>
-#include <functional>
 #include <map>
-#include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/store.h"
 #include "enfilade/synth/home_set.h"
 #include "tests/support/folder_content.h"
+#include "tests/support/process.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::apps {
@@ -27,81 +18,18 @@ namespace {
 
 namespace fs = std::filesystem;
 using tests::content_of;
+using tests::Process;
 using tests::TemporaryFolder;
-
-// A run of the program that says nothing.
-class Process {
- public:
-  explicit Process(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), EN_PROGRAM);
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    pid_ = fork();
-    if (pid_ != 0) return;
-    const int nowhere = open("/dev/null", O_RDWR);
-    for (const int stream : {0, 1, 2}) dup2(nowhere, stream);
-    execv(argv[0], argv.data());
-    _exit(127);
-  }
-  ~Process() {
-    if (pid_ > 0 && !status_) kill(pid_, SIGKILL);
-    wait();
-  }
-  Process(const Process&) = delete;
-  Process& operator=(const Process&) = delete;
-
-  int wait() {
-    if (!status_) {
-      int status = 0;
-      rusage used{};
-      wait4(pid_, &status, 0, &used);
-      status_ = status;
-      const auto seconds = [](const timeval& t) {
-        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-      };
-      work_ = seconds(used.ru_utime) + seconds(used.ru_stime);
-    }
-    return WIFEXITED(*status_) ? WEXITSTATUS(*status_) : -1;
-  }
-  // Seconds of processors' time until now: tells how far it is however busy the machine.
-  double work() const {
-    clockid_t clock{};
-    timespec t{};
-    if (status_ || clock_getcpuclockid(pid_, &clock) != 0 || clock_gettime(clock, &t) != 0) {
-      return work_;
-    }
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-  }
-  // False if it ended by itself before that.
-  bool killed_when(const std::function<bool()>& moment) {
-    while (!moment()) {
-      int status = 0;
-      if (waitpid(pid_, &status, WNOHANG) == pid_) {
-        status_ = status;
-        return false;
-      }
-      std::this_thread::sleep_for(std::chrono::microseconds(200));
-    }
-    kill(pid_, SIGKILL);
-    wait();
-    return WIFSIGNALED(*status_) && WTERMSIG(*status_) == SIGKILL;
-  }
-
- private:
-  pid_t pid_ = -1;
-  std::optional<int> status_;
-  double work_ = 0;
-};
 
 // Two flats with a few pictures: nearly all of the time goes into their light.
 std::vector<std::string> pictures_in(const fs::path& folder) {
-  return {"homes", "-o", folder.string(), "--preset", "small", "--size", "16", "--paths", "0"};
+  return {EN_PROGRAM, "homes",  "-o", folder.string(), "--preset",
+          "small",    "--size", "16", "--paths",       "0"};
 }
 // Three without any, and paths in them.
 std::vector<std::string> paths_in(const fs::path& folder) {
-  return {"homes",  "-o", folder.string(), "--preset", "small", "--homes", "3",
-          "--size", "0",  "--paths",       "4"};
+  return {EN_PROGRAM, "homes",  "-o", folder.string(), "--preset", "small", "--homes",
+          "3",        "--size", "0",  "--paths",       "4"};
 }
 
 // That what the list of a folder names is whole, whenever the program was killed.

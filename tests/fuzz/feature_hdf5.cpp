@@ -1,14 +1,5 @@
-// Any bytes are datasets of features or refused; what is read is finite. TMPDIR=/dev/shm keeps the
-// file, whose name says what it is, in memory.
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
-#include <fstream>
-#include <vector>
-
-#include "enfilade/agents/neural/feature_set.h"
-#include "enfilade/core/errors.h"
-#include "tests/support/temporary_folder.h"
+// Any bytes are datasets of features or refused.
+#include "tests/fuzz/feature_file.h"
 
 // The library asks for as much memory as a file says, takes no for an answer, and forgets some of
 // the memory of files that it refuses. The names are the sanitizer's.
@@ -18,17 +9,6 @@ extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace enfilade;
-  using namespace enfilade::agents::neural;
-  static const tests::TemporaryFolder folder("fuzz_feature_hdf5");
-  const std::filesystem::path file = folder.path() / "f.h5";
-  std::ofstream(file, std::ios::binary)
-      .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
-  try {
-    const FeatureSet read = FeatureSet::open(file);
-    std::vector<float> views(read.info().views * read.info().dimensions);
-    for (std::size_t row = 0; row < read.keys().size(); ++row) read.copy_views(row, views);
-  } catch (const InvalidInput&) {
-  }
+  enfilade::tests::read_features("f.h5", data, size);
   return 0;
 }

@@ -1,15 +1,13 @@
 // A server that is killed (SIGKILL) at random moments under load: what it acknowledged is there
 // afterwards, once.
-#include <fcntl.h>
 #include <gmock/gmock.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <atomic>
 #include <cstdlib>
 #include <map>
+#include <optional>
 
 #include "enfilade/core/rng.h"
+#include "tests/support/process.h"
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
@@ -21,30 +19,25 @@ constexpr std::size_t kClients = 4;
 class Program {
  public:
   explicit Program(std::filesystem::path root) : root_(std::move(root)) {}
-  ~Program() { kill(); }
 
   void start() {
     const auto port_file = root_ / "out";
     std::filesystem::remove(port_file);  // that of the server before
-    pid_ = fork();
-    if (pid_ == 0) {
-      const int out = ::open(port_file.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600);
-      ::dup2(out, 1);
-      const std::string data = (root_ / "data").string();
-      const std::string database = (root_ / "service.sqlite").string();
-      const std::string phases = (root_ / "phases.json").string();
-      ::execl(EN_PROGRAM, EN_PROGRAM, "serve", data.c_str(), "--db", database.c_str(), "--phases",
-              phases.c_str(), "--port", "0", "--log", "none", nullptr);
-      ::_exit(127);
-    }
+    const std::vector<std::string> words{EN_PROGRAM,
+                                         "serve",
+                                         root_ / "data",
+                                         "--db",
+                                         root_ / "service.sqlite",
+                                         "--phases",
+                                         root_ / "phases.json",
+                                         "--port",
+                                         "0",
+                                         "--log",
+                                         "none"};
+    process_.emplace(words, port_file);
     port_ = wait_for_port(port_file);
   }
-  void kill() {
-    if (pid_ <= 0) return;
-    ::kill(pid_, SIGKILL);
-    ::waitpid(pid_, nullptr, 0);
-    pid_ = -1;
-  }
+  void kill() { process_.reset(); }
   int port() const { return port_; }
 
  private:
@@ -61,7 +54,7 @@ class Program {
   }
 
   std::filesystem::path root_;
-  pid_t pid_ = -1;
+  std::optional<tests::Process> process_;
   int port_ = 0;
 };
 

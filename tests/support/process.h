@@ -1,0 +1,87 @@
+/// \file  A run of a real program, for tests that kill it.
+#pragma once
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <chrono>
+#include <csignal>
+#include <ctime>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace enfilade::tests {
+
+/// Says nothing on the terminal. Killed with this object, if it still runs.
+class Process {
+ public:
+  /// \param words program and arguments \param output where what it prints goes, from its start
+  explicit Process(std::vector<std::string> words,
+                   const std::filesystem::path& output = "/dev/null") {
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    pid_ = fork();
+    if (pid_ != 0) return;
+    const int nowhere = open("/dev/null", O_RDWR);
+    for (const int stream : {STDIN_FILENO, STDERR_FILENO}) dup2(nowhere, stream);
+    dup2(open(output.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDOUT_FILENO);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  ~Process() { end(); }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  /// SIGKILL, unless it has ended; as wait().
+  int end() {
+    if (!status_ && pid_ > 0) ::kill(pid_, SIGKILL);
+    return wait();
+  }
+  /// Its exit status, or minus the signal that ended it.
+  int wait() {
+    if (!status_) {
+      int status = 0;
+      rusage used{};
+      wait4(pid_, &status, 0, &used);
+      status_ = status;
+      const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+      };
+      work_ = seconds(used.ru_utime) + seconds(used.ru_stime);
+    }
+    return WIFEXITED(*status_) ? WEXITSTATUS(*status_) : -WTERMSIG(*status_);
+  }
+  /// Seconds of processors' time until now: tells how far it is however busy the machine.
+  double work() const {
+    clockid_t clock{};
+    timespec t{};
+    if (status_ || clock_getcpuclockid(pid_, &clock) != 0 || clock_gettime(clock, &t) != 0) {
+      return work_;
+    }
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  }
+  /// Looks five times a millisecond. False if it ended by itself before that.
+  bool killed_when(const std::function<bool()>& moment) {
+    while (!moment()) {
+      int status = 0;
+      if (waitpid(pid_, &status, WNOHANG) == pid_) {
+        status_ = status;
+        return false;
+      }
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+    return end() == -SIGKILL;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  std::optional<int> status_;
+  double work_ = 0;
+};
+
+}  // namespace enfilade::tests
