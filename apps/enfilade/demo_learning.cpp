@@ -11,6 +11,7 @@
 
 #include "apps/common/program.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
 
 extern char** environ;
 
@@ -36,7 +37,7 @@ int wait_for(pid_t child) {
 int run_verb(const Words& words) {
   fmt::print("\n$ enfilade {}\n", fmt::join(words, " "));
   std::fflush(stdout);
-  std::string program = fs::read_symlink("/proc/self/exe").string();
+  std::string program = own_program().string();
   std::vector<char*> arguments{program.data()};
   Words copy = words;
   for (std::string& word : copy) arguments.push_back(word.data());
@@ -67,6 +68,7 @@ class Lesson {
   int run() {
     const fs::path encoder = output_ / "encoder.safetensors";
     const fs::path features = output_ / "features.safetensors";
+    forget_other_homes({encoder, features});
     make(encoder, homes_ / "homes.json", {"pretrain"});
     make(features, encoder, {"features", "--encoder", "home", "--weights", encoder.string()});
     train("student", features);
@@ -80,6 +82,19 @@ class Lesson {
  private:
   void step(const Words& words) {
     if (status_ == 0) status_ = run_verb(words);
+  }
+
+  // What was learnt in other homes may be newer than these, so that times tell nothing.
+  void forget_other_homes(const std::vector<fs::path>& learnt) {
+    const fs::path learnt_from = output_ / "learnt_from.json";
+    const std::string homes = read_file(homes_ / "homes.json");
+    if (fs::exists(learnt_from) && read_file(learnt_from) == homes) return;
+    for (const fs::path& file : learnt) {
+      if (fs::remove(file)) {
+        fmt::print("\n{} was learnt in other homes: removed, to be made again\n", file.string());
+      }
+    }
+    write_file_atomically(learnt_from, homes);
   }
 
   // As make does: nothing, if the file is there and newer than what it is made of.
