@@ -20,14 +20,20 @@ START = "5b9b2794954e4694a45fc424a8643081"
 WIDTH, HEIGHT, VFOV = 640, 480, 60
 
 
-def make_v02(connectivity: str) -> Any:
-    """As everyone makes theirs since 2020: one simulator an agent, no pictures."""
+def set_up(connectivity: str) -> Any:
+    """What both versions are told before they begin."""
     sim = MatterSim.Simulator()
     sim.setRenderingEnabled(False)
     sim.setDiscretizedViewingAngles(True)
     sim.setCameraResolution(WIDTH, HEIGHT)
     sim.setCameraVFOV(math.radians(VFOV))
     sim.setNavGraphPath(connectivity)
+    return sim
+
+
+def make_v02(connectivity: str) -> Any:
+    """As everyone makes theirs since 2020: one simulator an agent, no pictures."""
+    sim = set_up(connectivity)
     sim.setBatchSize(1)
     sim.initialize()
     return sim
@@ -55,12 +61,7 @@ def test_the_sweep_of_36_views_counts_them(connectivity: str) -> None:
 
 
 def test_the_sweep_by_v01_calls(connectivity: str) -> None:
-    sim = MatterSim.Simulator()
-    sim.setRenderingEnabled(False)
-    sim.setDiscretizedViewingAngles(True)
-    sim.setCameraResolution(WIDTH, HEIGHT)
-    sim.setCameraVFOV(math.radians(VFOV))
-    sim.setNavGraphPath(connectivity)
+    sim = set_up(connectivity)
     sim.init()
     for ix in range(36):
         if ix == 0:
