@@ -474,7 +474,7 @@ lint_shell() {
 
 lint_tidy() {  # lint_tidy FILE...: clang-tidy on these sources of the preset ci, or on all
   local log=build/ci/tidy.log
-  log_to build/ci/build.log cmake --preset ci -DEN_BUILD_BENCH=ON || {
+  log_to build/ci/build.log cmake --preset ci -DEN_BUILD_BENCH=ON -DEN_UNITY=OFF || {
     show_failure build/ci/build.log
     return 1
   }

@@ -5,13 +5,17 @@
 #     TESTS nav_graph_test.cpp ...
 #     DEPENDS scan                  folders whose headers ours include (public)
 #     PRIVATE nanoflann::nanoflann  third parties, seen by our sources only
+#     ALONE nav_graph.cpp           never compiled in one go with others (EN_UNITY): its local names
+#                                   are theirs too
 #     TEST_LIBRARIES enfilade::synth ...)
 function(enfilade_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES;ALONE")
   set(target enfilade_${name})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(enfilade::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON
+    UNITY_BUILD ${EN_UNITY})
+  set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)

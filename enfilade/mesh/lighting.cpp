@@ -127,8 +127,7 @@ void LitMesh::Impl::look(std::span<const Ray> rays, std::span<const Hit> hits,
     const Vec3f from = lifted(surfaces.position(hit.triangle, hit.u, hit.v), turned * geometric);
     const float cosine = dot(normal, sun);
     if (sunny && cosine > 0 && turned * dot(geometric, sun) > 0) {
-      constexpr float kPi = 3.14159265F;
-      to_sun.add(i, from, sun, cosine / kPi * colour * lights.sun.irradiance);
+      to_sun.add(i, from, sun, cosine / kFloatPi * colour * lights.sun.irradiance);
     }
     if (reflects) {
       const Vec3f back = way - 2 * dot(way, normal) * normal;

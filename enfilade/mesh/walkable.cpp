@@ -190,7 +190,7 @@ Field make_field(const Mesh& mesh, const WalkableOptions& options, const Lattice
   return {std::move(field), find_covered(*solid)};
 }
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNoSpan = std::numeric_limits<std::uint32_t>::max();
 
 // Floor as lists: cells by column, links by cell.
 struct Cells {
@@ -220,11 +220,11 @@ class FieldReader {
   // The span that one step in a direction leads to, if the body may be there.
   std::uint32_t step(std::uint32_t span, int direction) const {
     const int layer = rcGetCon(field_.spans[span], direction);
-    if (layer == RC_NOT_CONNECTED) return kNone;
+    if (layer == RC_NOT_CONNECTED) return kNoSpan;
     const int column =
         column_[span] + rcGetDirOffsetX(direction) + rcGetDirOffsetY(direction) * field_.width;
     const std::uint32_t next = field_.cells[column].index + static_cast<std::uint32_t>(layer);
-    return walkable(next) ? next : kNone;
+    return walkable(next) ? next : kNoSpan;
   }
 
   // Up to 8: straight ones, and those that two of them lead to, whichever comes first.
@@ -232,11 +232,11 @@ class FieldReader {
   void each_neighbour(std::uint32_t span, const Visit& visit) const {
     for (int d = 0; d < 4; ++d) {
       const std::uint32_t straight = step(span, d);
-      if (straight == kNone) continue;
+      if (straight == kNoSpan) continue;
       visit(straight);
       const std::uint32_t corner = step(straight, (d + 1) & 3);
       const std::uint32_t other = step(span, (d + 1) & 3);
-      if (corner != kNone && other != kNone && step(other, d) == corner) visit(corner);
+      if (corner != kNoSpan && other != kNoSpan && step(other, d) == corner) visit(corner);
     }
   }
 
@@ -271,7 +271,7 @@ struct Part {
 };
 
 struct Parts {
-  std::vector<std::uint32_t> of;  // by span: its part or kNone
+  std::vector<std::uint32_t> of;  // by span: its part or kNoSpan
   std::vector<Part> list;
 };
 
@@ -287,7 +287,7 @@ void fill_part(const FieldReader& field, std::uint32_t first, Parts& parts) {
     part.covered += field.covered(at) ? 1 : 0;
     for (int d = 0; d < 4; ++d) {
       const std::uint32_t next = field.step(at, d);
-      if (next == kNone || parts.of[next] != kNone) continue;
+      if (next == kNoSpan || parts.of[next] != kNoSpan) continue;
       parts.of[next] = number;
       open.push_back(next);
     }
@@ -296,21 +296,21 @@ void fill_part(const FieldReader& field, std::uint32_t first, Parts& parts) {
 
 Parts find_parts(const FieldReader& field) {
   Parts parts;
-  parts.of.assign(field.spans(), kNone);
+  parts.of.assign(field.spans(), kNoSpan);
   for (std::uint32_t s = 0; s < field.spans(); ++s) {
-    if (field.walkable(s) && parts.of[s] == kNone) fill_part(field, s, parts);
+    if (field.walkable(s) && parts.of[s] == kNoSpan) fill_part(field, s, parts);
   }
-  std::uint32_t lower = kNone;  // spans of a column come from below
+  std::uint32_t lower = kNoSpan;  // spans of a column come from below
   for (std::uint32_t s = 0; s < field.spans(); ++s) {
-    if (parts.of[s] == kNone) continue;
-    const bool above = lower != kNone && field.column(lower) == field.column(s);
+    if (parts.of[s] == kNoSpan) continue;
+    const bool above = lower != kNoSpan && field.column(lower) == field.column(s);
     if (above && parts.of[lower] != parts.of[s]) ++parts.list[parts.of[s]].above_others;
     lower = s;
   }
   return parts;
 }
 
-// New number of each part, by weight; kNone for those that are left out.
+// New number of each part, by weight; kNoSpan for those that are left out.
 std::vector<std::uint32_t> rank(const Parts& parts, const WalkableOptions& options) {
   std::vector<std::uint32_t> order(parts.list.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -320,7 +320,7 @@ std::vector<std::uint32_t> rank(const Parts& parts, const WalkableOptions& optio
   std::ranges::stable_sort(order, std::greater<>{}, [&](std::uint32_t p) {
     return std::pair(indoors ? parts.list[p].covered : 0, parts.list[p].cells);
   });
-  std::vector<std::uint32_t> ranks(order.size(), kNone);
+  std::vector<std::uint32_t> ranks(order.size(), kNoSpan);
   std::uint32_t next = 0, most = 0;
   for (const std::uint32_t p : order) {
     const Part& part = parts.list[p];
@@ -339,9 +339,9 @@ Cells gather(const FieldReader& field, const Lattice& lattice, const WalkableOpt
   const std::vector<std::uint32_t> ranks = rank(parts, options);
   Cells out;
   out.first_in_column.assign(static_cast<std::size_t>(lattice.width * lattice.depth) + 1, 0);
-  std::vector<std::uint32_t> place(field.spans(), kNone);
+  std::vector<std::uint32_t> place(field.spans(), kNoSpan);
   for (std::uint32_t s = 0; s < field.spans(); ++s) {
-    if (parts.of[s] == kNone || ranks[parts.of[s]] == kNone) continue;
+    if (parts.of[s] == kNoSpan || ranks[parts.of[s]] == kNoSpan) continue;
     place[s] = static_cast<std::uint32_t>(out.cells.size());
     out.cells.push_back(field.cell(s));
     out.cells.back().area = ranks[parts.of[s]];
@@ -351,7 +351,7 @@ Cells gather(const FieldReader& field, const Lattice& lattice, const WalkableOpt
                    out.first_in_column.begin());
   out.first_link.push_back(0);
   for (std::uint32_t s = 0; s < field.spans(); ++s) {
-    if (place[s] == kNone) continue;
+    if (place[s] == kNoSpan) continue;
     field.each_neighbour(s, [&](std::uint32_t next) { out.links.push_back(place[next]); });
     out.first_link.push_back(static_cast<std::uint32_t>(out.links.size()));
   }

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/geometry/angle.h"
 
 namespace enfilade::synth {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 Vec3d unit(Vec3d a) {
   const double size = length(a);

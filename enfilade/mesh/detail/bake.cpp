@@ -15,7 +15,6 @@ namespace {
 constexpr double kMostPieces = 3e6;  // of the surface's area; the spacing grows with larger ones
 constexpr std::size_t kMostSources = 96;  // that are aimed at; more would take too long
 constexpr float kPortalPart = 1.6F;       // metres: portals are cut so that none is larger
-constexpr float kPi = 3.14159265F;
 
 template <class T>
 T median(std::vector<T> values, T otherwise) {
@@ -66,7 +65,7 @@ BakedLight Baker::run() {
   BakedLight baked{std::move(mesh_), {}, key_};
   baked.light.resize(baked.mesh.size());
   for (std::size_t p = 0; p < baked.light.size(); ++p) {
-    baked.light[p] = (1 / kPi) * (direct_[p] + indirect_[p]);
+    baked.light[p] = (1 / kFloatPi) * (direct_[p] + indirect_[p]);
   }
   return baked;
 }
@@ -224,7 +223,7 @@ float Baker::median_irradiance() const {
 
 void Baker::send_on() {
   for (std::size_t p = 0; p < sends_.size(); ++p) {
-    sends_[p] = (1 / kPi) * colour_[p / 2] * (direct_[p] + indirect_[p] + sun_[p]);
+    sends_[p] = (1 / kFloatPi) * colour_[p / 2] * (direct_[p] + indirect_[p] + sun_[p]);
   }
 }
 
@@ -240,7 +239,8 @@ void Baker::bounce() {
         for (std::size_t i = first; i < last; ++i) {
           if (seen_[i].surface() != kNowhere) sum += sends_[seen_[i].surface()];
         }
-        if (last > first) indirect_[p] = found_[p] + kPi / static_cast<float>(last - first) * sum;
+        if (last > first)
+          indirect_[p] = found_[p] + kFloatPi / static_cast<float>(last - first) * sum;
       }
     });
   }
@@ -260,14 +260,14 @@ void Baker::part_near_from_far() {
       }
     }
     const auto n = static_cast<float>(last - first);
-    near_[p] += kPi / n * sum;
+    near_[p] += kFloatPi / n * sum;
     far_share_[p] = static_cast<float>(far) / n;
-    if (far > 0) far_[p] = 1 / (kPi * far_share_[p]) * (indirect_[p] - near_[p]);
+    if (far > 0) far_[p] = 1 / (kFloatPi * far_share_[p]) * (indirect_[p] - near_[p]);
   }
 }
 
 void Baker::join_near_and_far(LightPoint p) {
-  indirect_[p] = near_[p] + kPi * far_share_[p] * far_[p];
+  indirect_[p] = near_[p] + kFloatPi * far_share_[p] * far_[p];
 }
 
 void Baker::find_key() {

@@ -9,7 +9,6 @@
 namespace enfilade::mesh {
 namespace {
 
-constexpr float kPi = 3.14159265F;
 constexpr std::size_t kBlock = 64;  // points that are worked on together, for packets of rays
 constexpr float kLeastIrradiance = 0.015F;     // of a light, to be looked at
 constexpr std::size_t kMostRays = 48'000'000;  // whose ends are kept, 4 bytes each
@@ -110,7 +109,7 @@ void Baker::make_directions() {
   rays = std::clamp<std::size_t>(kMostRays / mesh_.size(), kProbes, rays);
   const std::array<std::size_t, 4> counts{rays, std::max(rays / 2, kProbes),
                                           std::max(rays / 4, kProbes), kProbes};
-  const float turn = static_cast<float>(Rng(options_.seed).uniform()) * 2 * kPi;
+  const float turn = static_cast<float>(Rng(options_.seed).uniform()) * 2 * kFloatPi;
   for (std::size_t k = 0; k < counts.size(); ++k) {
     Directions& made = directions_[k];
     const auto n = static_cast<float>(counts[k]);
@@ -198,7 +197,7 @@ void Baker::cast(LightPoint p, const Directions& directions, const Use& use) con
   const Receiver from = receiver(p);
   const Frame frame(from.normal);
   // Each point has its own turn, so that neighbours' rays complete each other.
-  const float turn = static_cast<float>(Rng(options_.seed, p / 2).uniform()) * 2 * kPi;
+  const float turn = static_cast<float>(Rng(options_.seed, p / 2).uniform()) * 2 * kFloatPi;
   const float c = std::cos(turn), s = std::sin(turn);
   const Vec3f x = c * frame.x + s * frame.y, y = c * frame.y - s * frame.x;
   std::array<Ray, kRays> rays;
@@ -235,7 +234,7 @@ Baker::Found Baker::find(const Receiver& from, Vec3f direction, const Hit& hit) 
       static_cast<std::size_t>(std::ranges::max_element(place.weights) - place.weights.begin());
   found.surface = mesh.pieces()[place.piece].front[nearest] ^ (found.back ? 1U : 0U);
   // The insides of solids must not be lit by neighbours' means, nor few rays find what is bright.
-  const bool bright = luminance(sends_[found.surface]) > kBright / kPi * typical_;
+  const bool bright = luminance(sends_[found.surface]) > kBright / kFloatPi * typical_;
   found.near = state_[found.surface].buried || (hit.distance < kNear * spacing_ && !bright);
   return found;
 }
@@ -296,7 +295,7 @@ void Baker::probe() {
       state_[p].backs = 2 * backs >= few.size();
       // Air glows in solids, too, which should stay dark.
       const bool solid = backs == few.size() && lights_.ambient != Vec3f{};
-      found_[p] = solid ? Vec3f{} : kPi / static_cast<float>(few.size()) * sum;
+      found_[p] = solid ? Vec3f{} : kFloatPi / static_cast<float>(few.size()) * sum;
     }
   });
 }
@@ -344,8 +343,8 @@ void Baker::gather_base() {
         if (found.surface == kNowhere) ++skies;
       });
       const auto n = static_cast<float>(all.size());
-      found_[p] = kPi / n * sum;
-      near_[p] = kPi / n * near;
+      found_[p] = kFloatPi / n * sum;
+      near_[p] = kFloatPi / n * near;
       open_[p] = static_cast<float>(skies) / n;
     }
   });
@@ -379,7 +378,7 @@ void Baker::gather_new(std::size_t known) {
         near += found.radiance + sends_[found.surface];
       });
       const auto n = static_cast<float>(some.size());
-      near_[p] = kPi / n * near;
+      near_[p] = kFloatPi / n * near;
       far_share_[p] = static_cast<float>(far) / n;
       join_near_and_far(static_cast<LightPoint>(p));
       State& state = state_[p];

@@ -26,7 +26,7 @@ image::Image8 as_colour(image::Image8 picture) {
   return out;
 }
 
-Vec3f unit(Vec3f v) {
+Vec3f normal_of(Vec3f v) {
   const double size = length(to_double(v));
   if (!(size > 0)) return {};
   return {static_cast<float>(v.x / size), static_cast<float>(v.y / size),
@@ -84,7 +84,7 @@ void MeshCollector::add(const std::array<Corner, 3>& corners, std::uint32_t mate
     }
     if (corners[k].normal != kNone) {
       any_normal_ = true;
-      directions[k] = unit(normals[corners[k].normal]);
+      directions[k] = normal_of(normals[corners[k].normal]);
     }
   }
   mesh.triangles.push_back(triangle);

@@ -2,11 +2,14 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "enfilade/geometry/vec.h"
 #include "enfilade/image/tone.h"
 
 namespace enfilade::mesh {
+
+inline constexpr float kFloatPi = std::numbers::pi_v<float>;
 
 /// Part by part: light on a colour.
 inline Vec3f operator*(Vec3f a, Vec3f b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }

@@ -108,7 +108,7 @@ void restore_row(Coding coding, const T* above, std::size_t size, T* row) {
   }
 }
 
-std::vector<std::uint8_t> compress(image::Bytes bytes, int level) {
+std::vector<std::uint8_t> compress_at(int level, image::Bytes bytes) {
   std::vector<std::uint8_t> frame(ZSTD_compressBound(bytes.size()));
   const std::size_t size = ZSTD_compressCCtx(compressor(), frame.data(), frame.size(), bytes.data(),
                                              bytes.size(), level);
@@ -119,7 +119,7 @@ std::vector<std::uint8_t> compress(image::Bytes bytes, int level) {
 
 }  // namespace
 
-std::vector<std::uint8_t> compress(image::Bytes bytes) { return compress(bytes, kThorough); }
+std::vector<std::uint8_t> compress(image::Bytes bytes) { return compress_at(kThorough, bytes); }
 
 bool decompress(image::Bytes frame, std::span<std::uint8_t> to) {
   const std::size_t size =
@@ -135,13 +135,13 @@ CodedFace encode_texels(std::span<const T> texels, std::uint32_t size) {
   Coding chosen = Coding::kAbsent;
   for (const Coding coding : {Coding::kPlain, Coding::kLeft, Coding::kUp, Coding::kGradient}) {
     std::vector<std::uint8_t> planes = split(coding, texels, size);
-    const std::size_t bytes = compress(planes, kQuick).size();
+    const std::size_t bytes = compress_at(kQuick, planes).size();
     if (bytes >= fewest) continue;
     fewest = bytes;
     chosen = coding;
     best = std::move(planes);
   }
-  return {chosen, compress(best, kThorough)};
+  return {chosen, compress_at(kThorough, best)};
 }
 
 template <class T>

@@ -1,14 +1,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "enfilade/geometry/angle.h"
 #include "enfilade/synth/detail/furnish_recipes.h"
 
 namespace enfilade::synth {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Things that lie about, by where.
 std::span<const std::string_view> things_for(std::string_view kind) {

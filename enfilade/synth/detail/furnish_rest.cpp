@@ -1,13 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "enfilade/geometry/angle.h"
 #include "enfilade/synth/detail/furnish_recipes.h"
 
 namespace enfilade::synth {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 void runners(FurnishedRoom& room) {
   const bool along_x = room.width() > room.depth();

@@ -1,14 +1,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "enfilade/geometry/angle.h"
 #include "enfilade/synth/detail/furnish_recipes.h"
 
 namespace enfilade::synth {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// A desk whose user sits on its room side, with what stands on it.
 struct Workplace {

@@ -10,16 +10,16 @@ namespace {
 
 constexpr const char* kStairs = "stairs";
 
-enum class Turn : std::uint8_t { kNone, kLeft, kRight, kAround };
+enum class TurnPhrase : std::uint8_t { kNone, kLeft, kRight, kAround };
 
-Turn turn_of(Radians difference) {
+TurnPhrase turn_phrase(Radians difference) {
   const double d = to_degrees(wrap_difference(difference));
-  if (std::abs(d) < 40) return Turn::kNone;
-  if (std::abs(d) > 140) return Turn::kAround;
-  return d < 0 ? Turn::kLeft : Turn::kRight;
+  if (std::abs(d) < 40) return TurnPhrase::kNone;
+  if (std::abs(d) > 140) return TurnPhrase::kAround;
+  return d < 0 ? TurnPhrase::kLeft : TurnPhrase::kRight;
 }
 
-const char* say(Turn turn) {
+const char* say(TurnPhrase turn) {
   constexpr const char* kWords[] = {"go straight", "turn left", "turn right", "turn around"};
   return kWords[static_cast<std::size_t>(turn)];
 }
@@ -27,29 +27,29 @@ const char* say(Turn turn) {
 // A stretch of the path within one room.
 struct Visit {
   std::string room;
-  Turn before = Turn::kNone;  // the last turn before the door, of the room before
-  Turn after = Turn::kNone;   // the first turn inside
-  double rise = 0;            // metres from the viewpoint before the room to the one after it
+  TurnPhrase before = TurnPhrase::kNone;  // the last turn before the door, of the room before
+  TurnPhrase after = TurnPhrase::kNone;   // the first turn inside
+  double rise = 0;  // metres from the viewpoint before the room to the one after it
 };
 
 std::vector<Visit> visits(const graph::NavGraph& graph, const std::vector<ViewpointIndex>& path,
                           Radians heading, const RoomOf& room_of) {
-  std::vector<Visit> found{{room_of(path.front()), Turn::kNone, Turn::kNone, 0}};
-  Turn last = Turn::kNone;  // since the room was entered, once `after` is taken
+  std::vector<Visit> found{{room_of(path.front()), TurnPhrase::kNone, TurnPhrase::kNone, 0}};
+  TurnPhrase last = TurnPhrase::kNone;  // since the room was entered, once `after` is taken
   Radians before = heading;
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
     const graph::Edge* edge = graph.edge(path[i], path[i + 1]);
-    const Turn turn = turn_of(edge->heading - before);
+    const TurnPhrase turn = turn_phrase(edge->heading - before);
     before = edge->heading;
-    if (turn != Turn::kNone) {
-      (found.back().after == Turn::kNone ? found.back().after : last) = turn;
+    if (turn != TurnPhrase::kNone) {
+      (found.back().after == TurnPhrase::kNone ? found.back().after : last) = turn;
     }
     found.back().rise += graph.position(path[i + 1]).z - graph.position(path[i]).z;
     const std::string& room = room_of(path[i + 1]);
     if (room == found.back().room) continue;
     const double rise = graph.position(path[i + 1]).z - graph.position(path[i]).z;
-    found.push_back({room, last, Turn::kNone, rise});
-    last = Turn::kNone;
+    found.push_back({room, last, TurnPhrase::kNone, rise});
+    last = TurnPhrase::kNone;
   }
   return found;
 }
@@ -77,14 +77,14 @@ std::string in_one_sentence(const std::vector<Visit>& all) {
   for (std::size_t i = 1; i < all.size(); ++i) {
     const Visit& visit = all[i];
     const bool last = i + 1 == all.size();
-    if (visit.before != Turn::kNone) clauses.emplace_back(say(visit.before));
+    if (visit.before != TurnPhrase::kNone) clauses.emplace_back(say(visit.before));
     if (visit.room == kStairs && !last) {
       clauses.push_back(climb(visit));
     } else if (!last) {
       clauses.push_back(fmt::format("{} into the {}", say(visit.after), visit.room));
     } else {
       const std::string stop = "stop " + place(visit.room);
-      clauses.back() += " and " + (visit.after == Turn::kNone || visit.room == kStairs
+      clauses.back() += " and " + (visit.after == TurnPhrase::kNone || visit.room == kStairs
                                        ? stop
                                        : fmt::format("{} inside, then {}", say(visit.after), stop));
     }
@@ -97,7 +97,8 @@ std::string step(const Visit& visit, bool last) {
     return climb(visit) + (last ? " and wait on them" : " to the other floor");
   }
   if (last) return fmt::format("enter the {} and wait there", visit.room);
-  if (visit.after == Turn::kNone) return fmt::format("walk straight through the {}", visit.room);
+  if (visit.after == TurnPhrase::kNone)
+    return fmt::format("walk straight through the {}", visit.room);
   return fmt::format("{} and walk through the {}", say(visit.after), visit.room);
 }
 
@@ -105,10 +106,10 @@ std::string step_by_step(const std::vector<Visit>& all) {
   const Visit& first = all.front();
   const std::string out =
       first.room == kStairs ? climb(first) : fmt::format("walk out of the {}", first.room);
-  std::string text =
-      sentence(first.after == Turn::kNone ? out : fmt::format("{} and {}", say(first.after), out));
+  std::string text = sentence(
+      first.after == TurnPhrase::kNone ? out : fmt::format("{} and {}", say(first.after), out));
   for (std::size_t i = 1; i < all.size(); ++i) {
-    if (all[i].before != Turn::kNone) text += " " + sentence(say(all[i].before));
+    if (all[i].before != TurnPhrase::kNone) text += " " + sentence(say(all[i].before));
     text += " " + sentence(step(all[i], i + 1 == all.size()));
   }
   return text;

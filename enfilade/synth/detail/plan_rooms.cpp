@@ -8,7 +8,7 @@
 namespace enfilade::synth::detail {
 namespace {
 
-constexpr double kSkirting = 0.08, kSkirtingDepth = 0.012, kEmbedded = 0.01;  // metres
+constexpr double kSkirting = 0.08, kSkirtingDepth = 0.012, kSkirtingInWall = 0.01;  // metres
 
 /// A wall of a room, from inside.
 struct Wall {
@@ -62,8 +62,8 @@ void add_skirting(Site& site, const Wall& w, double u0, double u1) {
   // Of two that meet in a corner one ends at the other.
   const double cut = w.along_x ? 0 : kSkirtingDepth;
   const double a = u0 <= w.u0 ? u0 + cut : u0, b = u1 >= w.u1 ? u1 - cut : u1;
-  const double n0 = high ? w.n - kSkirtingDepth : w.n - kEmbedded;
-  const double n1 = high ? w.n + kEmbedded : w.n + kSkirtingDepth;
+  const double n0 = high ? w.n - kSkirtingDepth : w.n - kSkirtingInWall;
+  const double n1 = high ? w.n + kSkirtingInWall : w.n + kSkirtingDepth;
   site.parts.builder.box(site.style(w.room).trim.id, wall_point(w.along_x, a, n0, z),
                          wall_point(w.along_x, b, n1, z + kSkirting), false);
   add_obstacle(site, w.along_x, {a, b, n0, n1, z, z + kSkirting});

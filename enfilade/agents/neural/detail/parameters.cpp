@@ -9,7 +9,7 @@
 namespace enfilade::agents::neural::detail {
 namespace {
 
-constexpr std::int64_t kAlignment = 16;  // floats a cache line
+constexpr std::int64_t kFloatsALine = 16;  // floats a cache line
 
 // Box and Muller; a uniform number is never 1, so 1 - u has a logarithm.
 double normal(Rng& rng) {
@@ -65,7 +65,7 @@ std::array<WeightInfo, kWeights> weight_infos(const NetworkConfig& config) {
     info.begin = begin;
     info.elements = 1;
     for (const std::int64_t n : info.shape) info.elements *= n;
-    begin += (info.elements + kAlignment - 1) / kAlignment * kAlignment;
+    begin += (info.elements + kFloatsALine - 1) / kFloatsALine * kFloatsALine;
   }
   return infos;
 }
