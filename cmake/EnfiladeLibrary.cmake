@@ -16,6 +16,10 @@ function(enfilade_library name)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON
     UNITY_BUILD ${EN_UNITY})
   set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  if(EN_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # With sources included in one another, gcc takes each for a header whose types could leak.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)

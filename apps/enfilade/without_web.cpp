@@ -12,9 +12,8 @@ void add_missing(CLI::App& app, const std::string& name, const std::string& what
   verb.allow_extras();
   verb.callback([name] {
     throw UsageError(name +
-                     ": this build has no server. Build with -DEN_WITH_WEB=ON, which needs "
-                     "libcpp-httplib-dev, libsqlitecpp-dev and libssl-dev, and npm for the "
-                     "pages");
+                     ": this build has no server. ./enfilade.sh serve makes one that has; with "
+                     "plain CMake it is -DEN_WITH_WEB=ON (docs/service.md)");
   });
 }
 
