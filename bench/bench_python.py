@@ -1,17 +1,23 @@
-"""How fast the Python package is: python bench_python.py DATA
+"""How fast the Python package is.
 
-Times are of this process's CPU, so that other programs of the machine count little; one thread. Each
-figure is the median of seven repeats.
+    python bench_python.py DATA
+    python bench_python.py --pictures HOMES --bench-render build/release/bin/bench_render
+
+Times are of the CPU, so that other programs of the machine count little; one thread. Of graphs alone,
+DATA, each figure is the median of seven repeats. Of pictures: the same walk in the same buildings as
+bench_render's, from Python and by bench_render in turns; each figure is the median of all turns.
 """
 
 from __future__ import annotations
 
+import argparse
 import math
 import platform
+import resource
 import statistics
-import sys
+import subprocess
 import time
-from typing import Any, Callable
+from typing import Any, Callable, Optional
 
 import enfilade
 import MatterSim
@@ -92,12 +98,113 @@ def candidates(connectivity: str) -> tuple[int, float]:
     return places, 1 / rate(lambda: bool(len(sim.all_candidates().scan)))
 
 
-def main(data: str) -> None:
+# --- pictures -------------------------------------------------------------------------------------
+
+FRAMES, TURNS = 600, 7
+
+
+class Walk:
+    """The walk that apps/bench_render takes: std::mt19937 gives the numbers of NumPy's MT19937."""
+
+    def __init__(self, graphs: enfilade.Graphs, scans: list[str], batch: int, size: tuple[int, int]):
+        self.random = np.random.RandomState(12345)._bit_generator
+        self.sim = enfilade.Simulator(graphs, batch, width=size[0], height=size[1])
+        starts = []
+        for k in range(batch):
+            graph = graphs[scans[k % len(scans)]]
+            viewpoints = graph.viewpoints
+            while True:
+                viewpoint = viewpoints[self.random.random_raw() % len(viewpoints)]
+                if graph.included(viewpoint):
+                    break
+            starts.append(viewpoint)
+        self.sim.new_episodes([scans[k % len(scans)] for k in range(batch)], starts)
+
+    def step(self) -> None:
+        drawn = self.random.random_raw(3 * self.sim.batch_size).reshape(-1, 3)
+        turns = (drawn[:, 1:] % 3).astype(float) - 1
+        self.sim.step(drawn[:, 0] % self.sim.state.navigable_count, turns[:, 0], turns[:, 1])
+
+
+class Pictures:
+    """One row of the table: frames a second from Python and from bench_render."""
+
+    def __init__(self, homes: str, scans: list[str], size: str, batch: int) -> None:
+        self.homes, self.scans, self.size, self.batch = homes, scans, size, batch
+        self.graphs = enfilade.Graphs(f"{homes}/connectivity")
+        panoramas = enfilade.open_panoramas(homes, self.graphs)
+        self.renderer = enfilade.Renderer(self.graphs, panoramas, threads=1, cache_bytes=8 << 30)
+        width, height = map(int, size.split("x"))
+        self.shape = (batch, height, width, 3)
+
+    def from_python(self, out: Optional[dict[str, Any]]) -> float:
+        walk = Walk(self.graphs, self.scans, self.batch, (self.shape[2], self.shape[1]))
+        steps = max(FRAMES // self.batch, 1)
+        begin = time.process_time()
+        for k in range(steps):
+            if k > 0:
+                walk.step()
+            self.renderer.render_agents(walk.sim, out=out)
+        return steps * self.batch / (time.process_time() - begin)
+
+    def from_environment(self) -> float:
+        width, height = self.shape[2], self.shape[1]
+        config = EnvConfig(self.homes, observe=("rgb",), width=width, height=height, reward="none")
+        envs = RoomToRoomVectorEnv(config, self.batch)
+        envs._batch._renderer = self.renderer  # whose threads and cache the others have
+        envs.reset(seed=1)
+        actions = np.random.default_rng(1).integers(1, 4, (max(FRAMES // self.batch, 1), self.batch))
+        begin = time.process_time()
+        for row in actions:
+            envs.step(row)
+        return actions.size / (time.process_time() - begin)
+
+    def by_bench_render(self, program: str) -> float:
+        """Of what five repetitions more cost: starting and decoding do not count."""
+        seconds = []
+        for repetitions in (1, 6):
+            command = [program, "walk", "--images", f"{self.homes}/store", "--connectivity",
+                       f"{self.homes}/connectivity", "--scans", ",".join(self.scans),
+                       "--size", self.size, "--outputs", "rgb", "--batch", str(self.batch),
+                       "--threads", "1", "--frames", str(FRAMES), "--reps", str(repetitions)]  # fmt: skip
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            seconds.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+        return 5 * max(FRAMES // self.batch, 1) * self.batch / (seconds[1] - seconds[0])
+
+    def compare(self, program: str) -> str:
+        out = {"colour": np.empty(self.shape, np.uint8)}
+        ways: dict[str, Callable[[], float]] = {
+            "out=": lambda: self.from_python(out),
+            "fresh arrays": lambda: self.from_python(None),
+            "vector environment": self.from_environment,
+            "C++": lambda: self.by_bench_render(program),
+        }
+        for way in ways.values():
+            way()  # decodes
+        rates: dict[str, list[float]] = {name: [] for name in ways}
+        for _ in range(TURNS):
+            for name, way in ways.items():
+                rates[name].append(way())
+        found = {name: statistics.median(some) for name, some in rates.items()}
+        shares = ", ".join(f"{n} {100 * r / found['C++']:.1f} %" for n, r in found.items() if n != "C++")
+        return f"C++ {found['C++']:.0f} frames/s; of it from Python: {shares}"
+
+
+def pictures(homes: str, program: str) -> None:
+    scans = enfilade.Graphs(f"{homes}/connectivity").scans[:1]
+    for size in ("640x480", "224x224"):
+        for batch in (1, 10, 100):
+            found = Pictures(homes, scans, size, batch).compare(program)
+            print(f"{size}, batch {batch}: {found}", flush=True)
+
+
+# --- all ------------------------------------------------------------------------------------------
+
+
+def graph_only(data: str) -> None:
     connectivity = f"{data}/connectivity"
-    with open("/proc/cpuinfo") as file:
-        cpu = next((x.split(":")[1].strip() for x in file if x.startswith("model name")), "?")
-    print(f"{cpu}; {platform.python_implementation()} {platform.python_version()}; "
-          f"NumPy {np.__version__}")  # fmt: skip
     for batch in (1, 100):
         for read in (False, True):
             what = "every field read" if read else "length of the list read"
@@ -108,5 +215,27 @@ def main(data: str) -> None:
     print(f"candidates of {places} viewpoints: {seconds:.3f} s")
 
 
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("data", nargs="?", help="folder of graphs and annotations")
+    parser.add_argument("--pictures", metavar="HOMES", help="folder of homes with a store")
+    parser.add_argument("--bench-render", help="the program that draws from C++")
+    options = parser.parse_args()
+    if (options.pictures is None) != (options.bench_render is None):
+        parser.error("--pictures and --bench-render come together")
+    if options.data is None and options.pictures is None:
+        parser.error("DATA or --pictures is wanted")
+    with open("/proc/cpuinfo") as file:
+        cpu = next((x.split(":")[1].strip() for x in file if x.startswith("model name")), "?")
+    print(f"{cpu}; {platform.python_implementation()} {platform.python_version()}; "
+          f"NumPy {np.__version__}")  # fmt: skip
+    if options.data:
+        graph_only(options.data)
+    if options.pictures:
+        pictures(options.pictures, options.bench_render)
+
+
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main()

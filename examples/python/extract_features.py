@@ -1,11 +1,15 @@
-"""Features of the 36 views of every viewpoint, by your own torch model, in the field's TSV.
+# %% [markdown]
+"""
+# Features by your own torch model
 
-    python extract_features.py DATA OUT.tsv
+Of the 36 views of every viewpoint, in the field's TSV. As a program:
+`python extract_features.py DATA OUT.tsv`
 
 Here the model is a small untrained network; put torchvision's, CLIP's or yours in its place. Pictures
 are drawn right into the tensor that the model reads.
 """
 
+# %%
 import sys
 
 import enfilade
@@ -15,6 +19,7 @@ from enfilade import features
 WIDTH, HEIGHT = 224, 224
 
 
+# %%
 def make_model() -> torch.nn.Module:
     torch.manual_seed(1)
     return torch.nn.Sequential(
@@ -24,6 +29,7 @@ def make_model() -> torch.nn.Module:
     )  # fmt: skip
 
 
+# %%
 def main(data: str, out: str) -> None:
     graphs = enfilade.Graphs(f"{data}/connectivity")
     renderer = enfilade.Renderer(graphs, enfilade.open_panoramas(data, graphs))
@@ -43,5 +49,22 @@ def main(data: str, out: str) -> None:
     print(f"{len(found)} viewpoints, {next(iter(found.values())).shape} each, in {out}")
 
 
+# %% tags=["active-py"]
 if __name__ == "__main__":
     main(*sys.argv[1:])
+
+# %% tags=["active-ipynb"]
+# from enfilade import synth
+#
+# synth.write_homes("homes", homes=3, face_size=64)  # synthetic
+# main("homes", "features.tsv")
+
+# %% [markdown]
+"""
+They are read again by viewpoint. A safetensors file (`features.write_safetensors`) would be mapped
+instead of read, and `enfilade train` takes both.
+"""
+
+# %% tags=["active-ipynb"]
+# read = features.open_features("features.tsv")
+# {key: read[key].mean() for key in list(read)[:3]}

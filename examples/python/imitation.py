@@ -1,12 +1,15 @@
-"""An imitation agent: at each step it scores the candidates by their direction and by what the
-instruction says, and learns to choose what the shortest path takes.
+# %% [markdown]
+"""
+# An imitation agent
 
-    python imitation.py DATA [STEPS]
+At each step it scores the candidates by their direction and by what the instruction says, and learns
+to choose what the shortest path takes. As a program: `python imitation.py DATA [STEPS]`
 
-DATA: a data folder with graphs and annotations. On a small synthetic data set it learns what can be
+DATA is a data folder with graphs and annotations. On a small synthetic data set it learns what can be
 learnt there without pictures: which way instructions point, and when to stop.
 """
 
+# %%
 import functools
 import sys
 import time
@@ -30,7 +33,7 @@ def bag_of_words(text: str) -> torch.Tensor:
 class Agent(nn.Module):
     """Scores of the candidates, (n, m); entry 0 stands for stopping."""
 
-    def __init__(self, rows: int) -> None:
+    def __init__(self) -> None:
         super().__init__()
         self.text = nn.Sequential(nn.Linear(WORDS, SIZE), nn.Tanh())
         self.way = nn.Sequential(nn.Linear(6, SIZE), nn.Tanh())
@@ -58,9 +61,8 @@ class Teacher:
     """Which candidate the shortest path to the goal takes."""
 
     def __init__(self, envs: RoomToRoomVectorEnv) -> None:
-        self.batch = envs._batch
-        self.graphs = self.batch.episodes.graphs
-        self.goals = [(e.scan, e.path[-1]) for e in self.batch.episodes]
+        self.arrays, self.graphs = envs.arrays, envs.episodes.graphs
+        self.goals = [(e.scan, e.path[-1]) for e in envs.episodes]
 
     @functools.lru_cache(maxsize=None)
     def next_step(self, scan: str, here: int, goal: str) -> Optional[int]:
@@ -69,17 +71,17 @@ class Teacher:
         return graph.index(way[1]) if way and len(way) > 1 else None
 
     def choose(self) -> np.ndarray:
-        arrays, chosen = self.batch.arrays, []
+        arrays, chosen = self.arrays, []
         for agent, episode in enumerate(arrays["episode"]):
             scan, goal = self.goals[episode]
-            here = int(arrays["viewpoint"][agent])
-            target = self.next_step(scan, here, goal)
+            target = self.next_step(scan, int(arrays["viewpoint"][agent]), goal)
             count = int(arrays["candidate_mask"][agent].sum())
             listed = arrays["candidate_viewpoint"][agent][:count].tolist()
             chosen.append(listed.index(target) if target is not None else 0)
         return np.array(chosen)
 
 
+# %%
 def train(agent: Agent, envs: RoomToRoomVectorEnv, steps: int) -> None:
     """Teacher forcing: one update a batch of episodes."""
     teacher, best = Teacher(envs), torch.optim.Adam(agent.parameters(), 2e-3)
@@ -122,12 +124,13 @@ def evaluate(agent: Agent, config: EnvConfig) -> float:
     return float(success.mean())
 
 
+# %%
 def main(data: str, steps: int = 300) -> None:
     torch.manual_seed(1)
     torch.set_num_threads(1)  # the network is small
     config = EnvConfig(data, "train", reward="none", max_steps=12)
     envs = RoomToRoomVectorEnv(config, BATCH)
-    agent = Agent(config.max_candidates)
+    agent = Agent()
     begin, before = time.time(), evaluate(agent, config)
     envs.reset(seed=1)
     train(agent, envs, steps)
@@ -136,5 +139,12 @@ def main(data: str, steps: int = 300) -> None:
     assert after > before, "it has not learnt"
 
 
+# %% tags=["active-py"]
 if __name__ == "__main__":
     main(sys.argv[1], *map(int, sys.argv[2:]))
+
+# %% tags=["active-ipynb"]
+# import enfilade
+#
+# enfilade.write_small_dataset("small")  # synthetic buildings, paths and instructions
+# main("small")

@@ -1,8 +1,14 @@
-"""From the old simulator to the new API, step by step: python port.py DATA
+# %% [markdown]
+"""
+# From the old simulator to the new API
 
-The same walk three times: as old code has it, the same code under the drop-in in a batch, and natively.
+As a program: `python port.py DATA`
+
+The same walk from every viewpoint of a scan, as old code has it (under the drop-in `MatterSim`), and
+natively, with three agents at once.
 """
 
+# %%
 import math
 import sys
 
@@ -12,6 +18,7 @@ import MatterSim
 WALK = [(1, 0.0), (0, 1.0), (0, 1.0), (1, 0.0), (0, -1.0)]  # (wish, turn)
 
 
+# %%
 def old(connectivity: str, scan: str, start: str) -> list[str]:
     sim = MatterSim.Simulator()
     sim.setRenderingEnabled(False)
@@ -30,6 +37,7 @@ def old(connectivity: str, scan: str, start: str) -> list[str]:
     return places
 
 
+# %%
 def new(connectivity: str, scan: str, start: str, agents: int) -> list[list[str]]:
     sim = enfilade.Simulator(enfilade.Graphs(connectivity), agents)  # Room-to-Room's camera
     state = sim.new_episodes([scan] * agents, [start] * agents)
@@ -40,6 +48,7 @@ def new(connectivity: str, scan: str, start: str, agents: int) -> list[list[str]
     return places
 
 
+# %%
 def main(data: str) -> None:
     connectivity = f"{data}/connectivity"
     graphs = enfilade.Graphs(connectivity)
@@ -51,5 +60,10 @@ def main(data: str) -> None:
     print(f"the same places from every viewpoint of {scan}")
 
 
+# %% tags=["active-py"]
 if __name__ == "__main__":
     main(sys.argv[1])
+
+# %% tags=["active-ipynb"]
+# enfilade.write_small_dataset("small")  # synthetic buildings
+# main("small")

@@ -1,9 +1,13 @@
-"""Reinforcement learning with Stable-Baselines3's PPO: python rl.py DATA [STEPS]
+# %% [markdown]
+"""
+# Reinforcement learning in homes, with Stable-Baselines3's PPO
 
-DATA: a data folder with graphs and annotations, for example of model homes. The agent is told where
-the goal lies, as in point-goal navigation, so that a few thousand steps show that it learns.
+As a program: `python rl.py DATA [STEPS]`, where DATA is a data folder with graphs and annotations, for
+example of model homes. The agent is told where the goal lies, as in point-goal navigation, so that a
+few thousand steps show that it learns.
 """
 
+# %%
 import sys
 
 import gymnasium
@@ -14,6 +18,7 @@ from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
 
 
+# %%
 class PointGoal(gymnasium.ObservationWrapper):
     """One row of numbers: for each candidate its direction, length, and how much nearer to the goal
     it leads as the crow flies; and how far the goal is."""
@@ -24,9 +29,9 @@ class PointGoal(gymnasium.ObservationWrapper):
         self.observation_space = gymnasium.spaces.Box(-10, 10, (self.rows * 5 + 1,), np.float32)
 
     def observation(self, seen: dict) -> np.ndarray:
-        arrays = self.unwrapped._batch.arrays
-        episode = self.unwrapped._batch.episodes[int(arrays["episode"][0])]
-        graph = self.unwrapped._batch.episodes.graphs[episode.scan]
+        arrays, episodes = self.unwrapped.arrays, self.unwrapped.episodes
+        episode = episodes[int(arrays["episode"][0])]
+        graph = episodes.graphs[episode.scan]
         positions = graph.positions
         goal = positions[graph.index(episode.path[-1])]
         mask = seen["candidate_mask"].astype(bool)
@@ -39,6 +44,7 @@ class PointGoal(gymnasium.ObservationWrapper):
         return np.append(table.ravel(), far[0] / 5).clip(-10, 10).astype(np.float32)
 
 
+# %%
 def main(data: str, steps: int = 12_000) -> None:
     config = EnvConfig(data, "train", max_steps=15)
 
@@ -53,5 +59,12 @@ def main(data: str, steps: int = 12_000) -> None:
     assert after > before, "it has not learnt"
 
 
+# %% tags=["active-py"]
 if __name__ == "__main__":
     main(sys.argv[1], *map(int, sys.argv[2:]))
+
+# %% tags=["active-ipynb"]
+# from enfilade import synth
+#
+# synth.write_homes("homes", homes=3, face_size=64)  # synthetic
+# main("homes")

@@ -1,19 +1,39 @@
-"""Ten lines to walk and see: python walk_and_see.py DATA OUT.npy
+# %% [markdown]
+"""
+# Ten lines to walk and see
 
-DATA: a data folder with pictures (for example what enfilade.synth.write_homes() makes).
+As a program: `python walk_and_see.py DATA OUT.npy`, where DATA is a data folder with pictures.
 """
 
-import sys
-
+# %%
 import enfilade
 import numpy as np
 
-graphs = enfilade.Graphs(f"{sys.argv[1]}/connectivity")
-renderer = enfilade.Renderer(graphs, enfilade.open_panoramas(sys.argv[1], graphs))
+# %% tags=["active-py"]
+import sys
+
+data = sys.argv[1]
+
+# %% tags=["active-ipynb"]
+# from enfilade import synth
+#
+# data = "homes"  # synthetic: three model homes, made here in less than a minute
+# synth.write_homes(data, homes=3, face_size=64)
+
+# %%
+graphs = enfilade.Graphs(f"{data}/connectivity")
+renderer = enfilade.Renderer(graphs, enfilade.open_panoramas(data, graphs))
 sim = enfilade.Simulator(graphs, 4, restricted=False)
 sim.new_random_episodes(graphs.scans[:1] * 4)
 for _ in range(3):
     sim.step(np.minimum(1, sim.state.navigable_count - 1), heading_changes=[1, 1, -1, -1])
     seen = renderer.render_agents(sim, layers=("depth",))
 print(sim.viewpoint_ids(), seen["colour"].shape, f"{seen['depth'].max():.1f} m deep")
+
+# %% tags=["active-py"]
 np.save(sys.argv[2], seen["colour"])
+
+# %% tags=["active-ipynb"]
+# from PIL import Image
+#
+# Image.fromarray(np.hstack(seen["colour"])).resize((1280, 240))

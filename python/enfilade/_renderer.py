@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from enfilade._core import Graphs, Panoramas, ViewRenderer, panorama_places
+from enfilade._errors import ArgumentError
 from enfilade._simulator import Names, Simulator, scan_indices, viewpoint_indices
 
-# The type of a picture's values, and its shape for n views of h x w.
-_COLOURS = {"rgb8": np.uint8, "bgr8": np.uint8, "rgba8": np.uint8, "planar": np.float32,
-            "imagenet": np.float32}  # fmt: skip
-_LAYERS = {"depth": np.float32, "classes": np.uint16, "instances": np.uint32}
+# The type of a picture's values.
+_COLOURS = {"rgb8": "uint8", "bgr8": "uint8", "rgba8": "uint8", "planar": "float32",
+            "imagenet": "float32"}  # fmt: skip
+_LAYERS = {"depth": "float32", "classes": "uint16", "instances": "uint32"}
 
 
 def open_panoramas(folder: str, graphs: Graphs) -> Panoramas:
@@ -82,22 +83,23 @@ class Renderer:
                 "classes" ((n, h, w) uint16), "instances" ((n, h, w) uint32).
             ray_depth: depth along each pixel's ray instead.
             out: where to draw, by "colour" and the layers' names: contiguous writable arrays of those
-                shapes, of any library that speaks DLPack or the buffer protocol (NumPy, torch, JAX on
-                the CPU). Depth may be uint16 (quarter millimetres), classes uint8, planar colour
+                shapes, of any library that speaks DLPack or the buffer protocol (NumPy, torch on the
+                CPU). Depth may be uint16 (quarter millimetres), classes uint8, planar colour
                 float16. What is not in it is made.
 
         Returns the arrays by name, those of `out` themselves included. Raises ArgumentError for bad
         arguments; UnknownNameError, FileError, InvalidInput for pictures that are missing or broken.
         """
-        scan = np.atleast_1d(scan_indices(self.graphs, scans))
-        viewpoint = np.atleast_1d(viewpoint_indices(self.graphs, scan, viewpoints))
+        scan = scan_indices(self.graphs, scans)
+        viewpoint = viewpoint_indices(self.graphs, scan, viewpoints)
         n = len(scan)
         pictures = dict(out or {})
         for name in ((() if colour is None else ("colour",)) + tuple(layers)):
             if name not in pictures:
-                pictures[name] = _empty(name, colour, n, height, width)
-        for name, picture in pictures.items():
-            _check_shape(name, colour, picture, n, height, width)
+                shape = _shape(name, colour, n, height, width)
+                pictures[name] = self._core.memory(shape, _type(name, colour))
+        for name in out or ():
+            _check_shape(name, colour, pictures[name], n, height, width)
         self._core.render(
             scan,
             viewpoint,
@@ -143,22 +145,24 @@ def _shape(name: str, colour: Optional[str], n: int, h: int, w: int) -> tuple[in
     return (n, h, w, 4 if colour == "rgba8" else 3)
 
 
-def _empty(name: str, colour: Optional[str], n: int, h: int, w: int) -> NDArray[Any]:
-    types = _LAYERS if name != "colour" else {"colour": _COLOURS.get(colour or "")}
-    kind = types.get(name)
-    if kind is None:
-        known = [*_COLOURS] if name == "colour" else [*_LAYERS]
-        raise ValueError(f"'{colour if name == 'colour' else name}': one of {', '.join(known)}")
-    return np.empty(_shape(name, colour, n, h, w), kind)
+def _type(name: str, colour: Optional[str]) -> str:
+    known, wanted = (_COLOURS, colour or "") if name == "colour" else (_LAYERS, name)
+    if wanted not in known:
+        raise ArgumentError(f"'{wanted}': one of {', '.join(known)} is wanted")
+    return known[wanted]
 
 
 def _check_shape(name: str, colour: Optional[str], picture: Any, n: int, h: int, w: int) -> None:
     wanted = _shape(name, colour, n, h, w)
     if name not in ("colour", *_LAYERS):
-        raise ValueError(f"out['{name}']: one of colour, {', '.join(_LAYERS)} is wanted")
+        raise ArgumentError(f"out['{name}']: one of colour, {', '.join(_LAYERS)} is wanted")
+    if type(picture).__module__.startswith("jax"):  # it says nowhere that it may not be written
+        raise ArgumentError(f"out['{name}']: JAX's arrays never change, so nothing can be drawn there")
     if tuple(picture.shape) != wanted:
-        raise ValueError(f"out['{name}'] has shape {tuple(picture.shape)}, not {wanted}")
+        raise ArgumentError(f"out['{name}'] has shape {tuple(picture.shape)}, not {wanted}")
 
 
 def _angles(values: ArrayLike, n: int) -> NDArray[np.float64]:
+    if type(values) is np.ndarray and values.dtype == np.float64 and values.shape == (n,):
+        return values
     return np.ascontiguousarray(np.broadcast_to(np.asarray(values, np.float64), (n,)))

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Optional, Sequence, Union
+from typing import TYPE_CHECKING, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from enfilade._core import BatchSimulator, Graphs
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeGuard
 
 Names = Union[Sequence[str], ArrayLike]
 
@@ -228,7 +231,9 @@ class Simulator:
 
 def scan_indices(graphs: Graphs, scans: Names) -> NDArray[np.uint32]:
     """Indices of scans that are given by name or index."""
-    array = np.asarray(scans)
+    if _are_indices(scans):
+        return scans
+    array = np.atleast_1d(scans)
     if array.dtype.kind == "U":
         return np.array([graphs.index(str(name)) for name in array.ravel()], np.uint32)
     return _indices(array)
@@ -238,7 +243,9 @@ def viewpoint_indices(
     graphs: Graphs, scans: NDArray[np.uint32], viewpoints: Names
 ) -> NDArray[np.uint32]:
     """Indices of viewpoints that are given by name or index, each of its scan."""
-    array = np.asarray(viewpoints)
+    if _are_indices(viewpoints):
+        return viewpoints
+    array = np.atleast_1d(viewpoints)
     if array.dtype.kind != "U":
         return _indices(array)
     if len(array) != len(scans):
@@ -247,6 +254,11 @@ def viewpoint_indices(
     return np.array(
         [graphs.locate(names[s], str(v))[1] for s, v in zip(scans, array)], np.uint32
     )
+
+
+def _are_indices(values: Names) -> TypeGuard[NDArray[np.uint32]]:
+    """As State has them: there is nothing to convert, which would take microseconds of every step."""
+    return type(values) is np.ndarray and values.dtype == np.uint32 and values.ndim == 1
 
 
 def _indices(values: ArrayLike) -> NDArray[np.uint32]:

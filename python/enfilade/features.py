@@ -1,60 +1,282 @@
-"""Feature files of the field: base64 TSV, as the first R2R code wrote and most code still reads.
+"""Feature files of the field: what an image encoder says of the 36 views of each viewpoint, in the
+order of viewIndex (docs/features.md has every format).
 
-A line: scanId, viewpointId, image_w, image_h, vfov (degrees), and 36 x D float32 in base64, views in
-the order of viewIndex.
+>>> from enfilade import features
+>>> found = features.open_features("resnet152.safetensors")   # or .tsv, .h5, .hdf5
+>>> found["17DRP5sb8fy", "5b9b2794954e4694a45fc424a8643081"]   # (36, 2048) float32
+
+TSV needs nothing but NumPy; `pip install "enfilade[features]"` brings the libraries of the others,
+safetensors and h5py, which are imported when such a file is opened.
 """
 
 from __future__ import annotations
 
 import base64
 import binascii
-from dataclasses import dataclass
-from typing import Iterator, Mapping
+import importlib
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Callable, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
+from enfilade._errors import ArgumentError, InvalidInput
+
 VIEWS = 36
+MOST_VALUES = 1 << 24  #: of a viewpoint; what a file may claim in a few bytes
+
+Key = tuple[str, str]  #: scan, viewpoint
+Array = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class FeatureInfo:
+    """What is true of a whole file. Texts are empty where it does not say."""
+
+    width: int = 640  #: of the camera, pixels
+    height: int = 480
+    vfov: float = 60.0  #: degrees
+    encoder: str = ""  #: "resnet152", "home", ...
+    preprocessing: str = ""  #: "caffe", "torchvision", "home"
+    weights: str = ""  #: hash of what the encoder was loaded from, 16 hexadecimal digits
 
 
 @dataclass(frozen=True)
 class ViewFeatures:
-    """One line of a file."""
+    """One line of a TSV."""
 
     scan: str
     viewpoint: str
     width: int  #: pixels
     height: int  #: pixels
     vfov: float  #: degrees
-    features: NDArray[np.float32]  #: (36, D)
+    features: Array  #: (36, D)
+
+
+class Features(Mapping[Key, Array]):
+    """The features of a file by (scan, viewpoint): what open_features() gives.
+
+    Each is (views, D) float32, whatever type it has in the file. safetensors and HDF5 are read when
+    asked for, and each array is an array of its own; a TSV is in memory, and its arrays are
+    read-only. Any thread may read. Pickled, as spawn does it, it opens the file anew; after a fork,
+    open HDF5 in the child.
+
+    Reading raises KeyError for a viewpoint that the file has not, InvalidInput (naming file and
+    viewpoint) for an array that is broken: another shape than the first, numbers that are not finite.
+    """
+
+    def __init__(
+        self, file: str, info: FeatureInfo, names: dict[Key, str], read: Callable[[str], Any]
+    ) -> None:
+        if not names:
+            raise InvalidInput(f"{file}: holds no viewpoint's features")
+        self.file = file
+        self.info = info
+        self._names = names
+        self._read = read
+        self.shape: tuple[int, ...] = np.shape(read(next(iter(names.values()))))  #: (views, D)
+        self._check_shape(next(iter(names)), self.shape)
+
+    @property
+    def dimensions(self) -> int:
+        """D: numbers a view."""
+        return self.shape[1]
+
+    def __getitem__(self, key: Key) -> Array:
+        if key not in self._names:
+            raise KeyError(f"{self.file}: no features of (scan, viewpoint) {key}")
+        values: Array = np.asarray(self._read(self._names[key]), np.float32)
+        if values.shape != self.shape:
+            raise InvalidInput(f"{self.file}: {key}: shape {values.shape}, not {self.shape} as the first")
+        if not np.isfinite(values).all():
+            raise InvalidInput(f"{self.file}: {key}: a number that is infinite or none")
+        return values
+
+    def __iter__(self) -> Iterator[Key]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return open_features, (self.file,)
+
+    def _check_shape(self, key: Key, shape: tuple[int, ...]) -> None:
+        if len(shape) != 2 or 0 in shape or shape[0] * shape[1] > MOST_VALUES:
+            raise InvalidInput(
+                f"{self.file}: {key}: shape {shape}, not (views, numbers a view), {MOST_VALUES} at most"
+            )
+
+
+def open_features(file: Union[str, Path]) -> Features:
+    """Opens a file of features; its suffix says what it is: .safetensors, .tsv, .h5, .hdf5.
+
+    Raises ArgumentError for another suffix, OSError for a file that cannot be read, InvalidInput for
+    one that is broken, ImportError naming the library that is missing.
+    """
+    openers = {".safetensors": _open_safetensors, ".tsv": _open_tsv, ".h5": _open_hdf5,
+               ".hdf5": _open_hdf5}  # fmt: skip
+    suffix = Path(file).suffix
+    if suffix not in openers:
+        raise ArgumentError(f"{file}: one of {', '.join(openers)} is wanted")
+    with open(file, "rb"):
+        pass  # Python's own words for a file that is not there
+    return openers[suffix](str(file))
+
+
+# --- TSV ------------------------------------------------------------------------------------------
 
 
 def read_tsv(file: str, views: int = VIEWS) -> Iterator[ViewFeatures]:
-    """Reads a file line by line. Raises ValueError naming file, line and fault."""
-    with open(file, encoding="ascii") as lines:
+    """Reads a file line by line. Raises InvalidInput naming file, line and fault."""
+    with open(file, encoding="ascii", errors="replace") as lines:
         for number, line in enumerate(lines, 1):
             try:
                 scan, viewpoint, width, height, vfov, text = line.rstrip("\n").split("\t")
-                values = np.frombuffer(base64.b64decode(text, validate=True), np.float32)
+                values = np.frombuffer(base64.b64decode(text, validate=True), "<f4")
                 rows = values.reshape(views, -1)
                 found = ViewFeatures(scan, viewpoint, int(width), int(height), float(vfov), rows)
             except (ValueError, binascii.Error) as error:
-                raise ValueError(f"{file}:{number}: no line of features: {error}") from error
+                raise InvalidInput(f"{file}:{number}: no line of features: {error}") from error
             yield found
 
 
 def write_tsv(
-    file: str,
-    features: Mapping[tuple[str, str], NDArray[np.float32]],
-    *,
-    width: int,
-    height: int,
-    vfov: float,
+    file: str, features: Mapping[Key, Array], *, width: int, height: int, vfov: float
 ) -> None:
     """Writes features by (scan, viewpoint), each (36, D); `vfov` in degrees."""
     with open(file, "w", encoding="ascii") as out:
         for (scan, viewpoint), values in features.items():
             if values.ndim != 2:
-                raise ValueError(f"features of {viewpoint}: shape {values.shape}, not (views, D)")
-            text = base64.b64encode(np.asarray(values, np.float32).tobytes()).decode("ascii")
+                raise ArgumentError(f"features of {viewpoint}: shape {values.shape}, not (views, D)")
+            text = base64.b64encode(np.asarray(values, "<f4").tobytes()).decode("ascii")
             out.write(f"{scan}\t{viewpoint}\t{width}\t{height}\t{vfov:g}\t{text}\n")
+
+
+def _open_tsv(file: str) -> Features:
+    info = FeatureInfo()
+    rows: list[Array] = []
+    names: dict[Key, str] = {}
+    for row in read_tsv(file):
+        key = (row.scan, row.viewpoint)
+        camera = FeatureInfo(row.width, row.height, row.vfov)
+        info = info if names else camera
+        if key in names or camera != info:
+            fault = "comes twice" if key in names else "another camera than the first"
+            raise InvalidInput(f"{file}:{len(rows) + 1}: {key}: {fault}")
+        names[key] = str(len(rows))
+        rows.append(row.features)
+    return Features(file, info, names, lambda name: rows[int(name)])
+
+
+# --- safetensors ----------------------------------------------------------------------------------
+
+
+def write_safetensors(
+    file: str, features: Mapping[Key, NDArray[Any]], info: FeatureInfo = FeatureInfo()
+) -> None:
+    """Writes features by (scan, viewpoint), each (36, D) float32 or float16, as `enfilade features`
+    writes its own. Raises ArgumentError naming the viewpoint for what the format does not have."""
+    library = _library("safetensors.numpy", "safetensors")
+    arrays = {}
+    for (scan, viewpoint), values in features.items():
+        if "_" in viewpoint or values.ndim != 2 or values.dtype not in (np.float32, np.float16):
+            raise ArgumentError(
+                f"features of '{viewpoint}': {values.dtype} of shape {values.shape}; (views, D) of "
+                "float32 or float16 is wanted, and a name without _"
+            )
+        arrays[f"{scan}_{viewpoint}"] = np.ascontiguousarray(values)
+    library.save_file(arrays, file, metadata=_metadata(info))
+
+
+def _open_safetensors(file: str) -> Features:
+    library = _library("safetensors", "safetensors")
+    try:
+        tensors = library.safe_open(file, framework="np")
+    except library.SafetensorError as error:
+        raise InvalidInput(f"{file}: {error}") from error
+    names = {_key(name, file): name for name in tensors.keys()}
+
+    def read(name: str) -> Any:
+        kind = tensors.get_slice(name).get_dtype()
+        if kind not in ("F32", "F16"):
+            raise InvalidInput(f"{file}: '{name}': numbers of type {kind}, not F32 or F16")
+        return tensors.get_tensor(name)
+
+    return Features(file, _info(tensors.metadata() or {}, file), names, read)
+
+
+# --- HDF5 -----------------------------------------------------------------------------------------
+
+
+def _open_hdf5(file: str) -> Features:
+    library = _library("h5py", "h5py")
+    try:
+        root = library.File(file, "r")
+        names = {_key(name, file): name for name in root.keys()}
+    except (OSError, RuntimeError) as error:
+        raise InvalidInput(f"{file}: no HDF5 file, or a damaged one: {error}") from error
+
+    def dataset(name: str) -> Any:
+        # Links and data in other files could lead where nobody expects to read.
+        linked = not isinstance(root.get(name, getlink=True), library.HardLink)
+        found = None if linked else root[name]
+        if not isinstance(found, library.Dataset) or found.is_virtual or found.external:
+            raise InvalidInput(f"{file}: '{name}': a link or data in other files, not a dataset")
+        if found.dtype.kind != "f" or found.ndim != 2 or found.size > MOST_VALUES:
+            raise InvalidInput(f"{file}: '{name}': {found.dtype} of shape {found.shape}, not of floats")
+        return found
+
+    def read(name: str) -> Any:
+        try:
+            return dataset(name)[()]
+        except (OSError, RuntimeError, KeyError) as error:
+            raise InvalidInput(f"{file}: '{name}' cannot be read: {error}") from error
+
+    said = {**root.attrs, **(dataset(next(iter(names.values()))).attrs if names else {})}
+    return Features(file, _info(said, file), names, read)
+
+
+# --- what they have in common ---------------------------------------------------------------------
+
+
+def _library(module: str, package: str) -> Any:
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise ImportError(
+            f'features of this format need {package}: pip install "enfilade[features]"'
+        ) from error
+
+
+def _key(name: str, file: str) -> Key:
+    scan, _, viewpoint = name.rpartition("_")  # a viewpoint's name has no _, a scan's may have some
+    if not scan or not viewpoint:
+        raise InvalidInput(f"{file}: '{name[:100]}' is not <scan>_<viewpoint>: no file of features")
+    return scan, viewpoint
+
+
+def _metadata(info: FeatureInfo) -> dict[str, str]:
+    texts = {name: f"{value}" for name, value in asdict(info).items()}
+    texts["image_w"], texts["image_h"] = texts.pop("width"), texts.pop("height")
+    texts["vfov"] = f"{info.vfov:.14g}"
+    return texts
+
+
+def _info(said: Mapping[str, Any], file: str) -> FeatureInfo:
+    def text(name: str) -> str:
+        value = said.get(name, "")
+        return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
+
+    try:
+        width, height, vfov = (
+            float(said.get(name, otherwise))
+            for name, otherwise in (("image_w", 640), ("image_h", 480), ("vfov", 60))
+        )
+        return FeatureInfo(
+            int(width), int(height), vfov, text("encoder"), text("preprocessing"), text("weights")
+        )
+    except (OverflowError, TypeError, ValueError) as error:
+        raise InvalidInput(f"{file}: image_w, image_h, vfov: {error}") from error

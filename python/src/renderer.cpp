@@ -19,6 +19,7 @@
 #include "enfilade/scan/panorama_set.h"
 #include "python/src/bindings.h"
 #include "python/src/busy.h"
+#include "python/src/picture_memory.h"
 
 namespace enfilade::python {
 namespace {
@@ -63,10 +64,14 @@ class ViewRenderer {
               const std::string& colour_format, const std::optional<Buffer>& depth, bool ray_depth,
               const std::optional<Buffer>& classes, const std::optional<Buffer>& instances);
   std::string description() const { return renderer_->description(); }
+  nb::object memory(const std::vector<std::size_t>& shape, const std::string& type) {
+    return memory_.array(shape, type);
+  }
 
  private:
   std::unique_ptr<render::Renderer> renderer_;
   std::vector<render::View> views_;
+  PictureMemory memory_;
   std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
 };
 
@@ -170,6 +175,10 @@ void bind_renderer(nb::module_& m) {
            "panoramas"_a, "backend"_a, "threads"_a, "cache_bytes"_a, "clamped_edges"_a,
            "eight_bit_depth"_a, "device"_a)
       .def_prop_ro("description", &ViewRenderer::description)
+      .def("memory", &ViewRenderer::memory, "shape"_a, "type"_a,
+           "A new array to draw into; what it holds is left over.",
+           nb::sig("def memory(self, shape: tuple[int, ...], type: str) -> "
+                   "numpy.typing.NDArray[typing.Any]"))
       .def("render", &ViewRenderer::render, "scans"_a, "viewpoints"_a, "headings"_a, "elevations"_a,
            "width"_a, "height"_a, "vfov"_a, "colour"_a.none().noconvert(), "colour_format"_a,
            "depth"_a.none().noconvert(), "ray_depth"_a, "classes"_a.none().noconvert(),

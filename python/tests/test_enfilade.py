@@ -175,6 +175,46 @@ def test_renderer_draws_into_what_it_is_given(pictured: Any) -> None:
         renderer.render(*view, out={"colour": read_only}, **size)
 
 
+def test_pictures_are_ones_own_until_they_are_let_go_of(pictured: Any) -> None:
+    """Memory is used again, but not while anything looks at it."""
+    _, renderer, (scan, viewpoint, _) = pictured
+
+    def draw(heading: float) -> Any:
+        return renderer.render(scan, viewpoint, [heading], width=64, height=48)["colour"]
+
+    first = draw(0.0)
+    kept, row = first.copy(), first[0, 5]
+    second = draw(2.0)
+    assert not np.shares_memory(first, second) and (first == kept).all()
+    place = first.ctypes.data
+    del first
+    third = draw(2.0)
+    assert (row == kept[0, 5]).all() and third.ctypes.data != place
+    del row
+    assert draw(1.0).ctypes.data == place
+    many = [draw(heading) for heading in (0.0, 0.0, 2.0, 2.0, 0.0, 0.0)]
+    assert all((one == kept).all() for one in many[:2] + many[4:])
+    del renderer
+    assert (many[0] == kept).all()
+
+
+def test_jax_takes_pictures_without_a_copy(pictured: Any) -> None:
+    jax = pytest.importorskip("jax", reason="JAX is not installed")
+    _, renderer, view = pictured
+    drawn = renderer.render(*view, colour="planar", width=64, height=48)["colour"]
+    shared = jax.dlpack.from_dlpack(drawn)
+    assert shared.shape == (1, 3, 48, 64) and (np.asarray(shared) == drawn).all()
+    assert shared.unsafe_buffer_pointer() == drawn.ctypes.data
+    # Headings may come from there too; its arrays cannot be drawn into, as they never change.
+    again = renderer.render(*view[:2], jax.numpy.asarray(view[2]), width=64, height=48)["colour"]
+    assert again.shape == (1, 48, 64, 3)
+    before = np.array(shared)
+    with pytest.raises(enfilade.ArgumentError, match="JAX"):
+        renderer.render(view[0], view[1], [2.0], colour="planar", width=64, height=48,
+                        out={"colour": shared})  # fmt: skip
+    assert (np.asarray(shared) == before).all()
+
+
 def test_tensors_of_torch_are_drawn_into(pictured: Any) -> None:
     torch = pytest.importorskip("torch")
     _, renderer, view = pictured
@@ -261,14 +301,3 @@ def test_words_are_tokens(tmp_path: Path) -> None:
     words = enfilade.Vocabulary.build(["go left", "go right"], least_count=1)
     ids = words.encode("go left", 6)
     assert len(ids) == 6 and words.decode(ids) == "go left"
-
-
-def test_broken_feature_files_are_named(tmp_path: Path) -> None:
-    from enfilade import features
-
-    file = tmp_path / "f.tsv"
-    good = {("s", "v"): np.ones((36, 4), np.float32)}
-    features.write_tsv(str(file), good, width=640, height=480, vfov=60)
-    file.write_text(file.read_text() + "s\tv\t640\t480\t60\t!!\n")
-    with pytest.raises(ValueError, match="f.tsv:2"):
-        list(features.read_tsv(str(file)))

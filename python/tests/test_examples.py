@@ -1,58 +1,86 @@
-"""The examples run, on synthetic data."""
+"""The examples run, on synthetic data, as scripts and as notebooks."""
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-EXAMPLES = Path(__file__).parents[2] / "examples" / "python"
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples" / "python"
+
+# What an example needs beside the package, as imported and as called.
+NEEDS = {
+    "walk_and_see": {"PIL": "Pillow"},
+    "extract_features": {"torch": "torch"},
+    "imitation": {"torch": "torch"},
+    "rl": {"stable_baselines3": "Stable-Baselines3"},
+    "port": {},
+}
 
 
 @pytest.fixture(scope="module")
 def homes(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """Model homes with pictures: in ENFILADE_HOMES, or made here (17 s of one core)."""
-    if os.environ.get("ENFILADE_HOMES"):
-        return os.environ["ENFILADE_HOMES"]
+    """Model homes with pictures, as the notebooks make them: half a minute of one core."""
     from enfilade import synth
 
     folder = str(tmp_path_factory.mktemp("homes"))
-    report = synth.write_homes(folder, homes=3, face_size=32)
+    report = synth.write_homes(folder, homes=3, face_size=64)
     assert report.homes == 3 and report.paths > 0 and report.instructions == 3 * report.paths
     return folder
 
 
-def run(name: str, *arguments: str) -> str:
+def skip_without_what_it_needs(example: str) -> None:
+    for module, name in NEEDS[example].items():
+        pytest.importorskip(module, reason=f"{name} is not installed")
+
+
+@pytest.mark.parametrize(
+    ("example", "says"),
+    [
+        ("walk_and_see", "(4, 480, 640, 3)"),
+        ("extract_features", "(36, 128)"),
+        ("imitation", "after"),
+        ("rl", "after"),
+        ("port", "every viewpoint"),
+    ],
+)
+def test_a_script_runs(
+    homes: str, small: str, tmp_path: Path, example: str, says: str
+) -> None:
+    skip_without_what_it_needs(example)
+    of_homes = example in ("walk_and_see", "extract_features", "rl")
+    arguments = [homes if of_homes else small]
+    if example in ("walk_and_see", "extract_features"):
+        arguments.append(str(tmp_path / "out"))
     done = subprocess.run(
-        [sys.executable, str(EXAMPLES / name), *arguments], capture_output=True, text=True
+        [sys.executable, str(EXAMPLES / f"{example}.py"), *arguments], capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-    return done.stdout
+    assert says in done.stdout
 
 
-def test_walk_and_see(homes: str, tmp_path: Path) -> None:
-    np = pytest.importorskip("numpy")
-    assert "deep" in run("walk_and_see.py", homes, str(tmp_path / "seen.npy"))
-    assert np.load(tmp_path / "seen.npy").shape == (4, 480, 640, 3)
+def test_the_notebooks_are_made_of_the_scripts() -> None:
+    pytest.importorskip("jupytext", reason="jupytext is not installed")
+    command = [sys.executable, str(ROOT / "python" / "tools" / "make_notebooks.py"), "--check"]
+    assert subprocess.run(command).returncode == 0, "run python/tools/make_notebooks.py"
 
 
-def test_extract_features(homes: str, tmp_path: Path) -> None:
-    pytest.importorskip("torch", reason="torch is not installed")
-    assert "(36, 128)" in run("extract_features.py", homes, str(tmp_path / "features.tsv"))
-
-
-def test_imitation(small: str) -> None:
-    pytest.importorskip("torch", reason="torch is not installed")
-    assert "after" in run("imitation.py", small)
-
-
-def test_rl(small: str) -> None:
-    pytest.importorskip("stable_baselines3", reason="Stable-Baselines3 is not installed")
-    assert "after" in run("rl.py", small)
-
-
-def test_port(small: str) -> None:
-    assert "every viewpoint" in run("port.py", small)
+@pytest.mark.parametrize("example", NEEDS)
+def test_a_notebook_runs(
+    homes: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, example: str
+) -> None:
+    nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed")
+    nbclient = pytest.importorskip("nbclient", reason="nbclient is not installed")
+    pytest.importorskip("ipykernel", reason="ipykernel is not installed")
+    skip_without_what_it_needs(example)
+    (tmp_path / "homes").symlink_to(homes)  # made already
+    for name in ("IPYTHONDIR", "JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR"):
+        monkeypatch.setenv(name, str(tmp_path / "jupyter"))  # not the user's own
+    notebook = nbformat.read(EXAMPLES / "notebooks" / f"{example}.ipynb", as_version=4)
+    where = {"metadata": {"path": str(tmp_path)}}
+    nbclient.NotebookClient(notebook, timeout=900, startup_timeout=300, resources=where).execute()
+    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    assert outputs and all(output.output_type != "error" for output in outputs)

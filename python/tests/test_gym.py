@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import pickle
 import warnings
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -114,13 +116,13 @@ def test_what_is_returned_is_ones_own(small: str) -> None:
 def test_the_teacher_is_paid_for_its_way(small: str) -> None:
     """Along the reference path the rewards sum to its length and the prize for stopping there."""
     env = RoomToRoomEnv(EnvConfig(small))
-    episodes = env._batch.episodes
+    episodes = env.episodes
     graphs = episodes.graphs
     for index in range(0, len(episodes), 17):
         episode = episodes[index]
         _, info = env.reset(options={"episode": index})
         assert info["instruction_id"] == episode.instruction_id
-        arrays, total, done = env._batch.arrays, 0.0, False
+        arrays, total, done = env.arrays, 0.0, False
         graph = graphs[episode.scan]
         for step in [*episode.path[1:], None]:
             number = 0
@@ -140,7 +142,7 @@ def test_candidates_say_where_one_gets(small: str) -> None:
     env = RoomToRoomEnv(EnvConfig(small))
     seen, info = env.reset(seed=3)
     right, up, metres = seen["candidates"][1]
-    graph = env._batch.episodes.graphs[info["scan"]]
+    graph = env.episodes.graphs[info["scan"]]
     here = graph.positions[graph.index(info["viewpoint"])]
     _, _, _, _, info = env.step(1)
     there = graph.positions[graph.index(info["viewpoint"])]
@@ -201,28 +203,45 @@ def test_an_ended_episode_has_to_be_reset(small: str) -> None:
         env.step(16)
 
 
-@pytest.mark.parametrize("mode", ["rgb_array", None])
-def test_pictures_are_seen_where_there_are_some(reference: Any, data: Any, mode: Any) -> None:
-    """With the recorded pictures of three viewpoints: an episode is started on one of them."""
-    import json
-    import os
-    import tempfile
-    from pathlib import Path
+@pytest.fixture
+def pictured(reference: Path, data: Path, tmp_path: Path) -> str:
+    """Episodes between two of the viewpoints that there are recorded pictures of."""
+    (tmp_path / "connectivity").symlink_to(data / "connectivity")
+    (tmp_path / "scans").symlink_to(reference / "golden" / "scans")
+    start, goal = "5b9b2794954e4694a45fc424a8643081", "51857544c192476faebf212acb1b3d90"
+    path = {"path_id": 1, "scan": "17DRP5sb8fy", "heading": 0.5, "path": [start, goal],
+            "distance": 3.0, "instructions": ["go"] * 3}  # fmt: skip
+    (tmp_path / "r2r").mkdir()
+    (tmp_path / "r2r" / "R2R_train.json").write_text(json.dumps([path]))
+    return str(tmp_path)
 
-    with tempfile.TemporaryDirectory() as folder:
-        os.symlink(data / "connectivity", Path(folder) / "connectivity")
-        os.symlink(reference / "golden" / "scans", Path(folder) / "scans")
-        start, goal = "5b9b2794954e4694a45fc424a8643081", "51857544c192476faebf212acb1b3d90"
-        path = {"path_id": 1, "scan": "17DRP5sb8fy", "heading": 0.5, "path": [start, goal],
-                "distance": 3.0, "instructions": ["go"] * 3}  # fmt: skip
-        (Path(folder) / "r2r").mkdir()
-        (Path(folder) / "r2r" / "R2R_train.json").write_text(json.dumps([path]))
-        config = EnvConfig(folder, observe=("rgb", "depth"), width=64, height=48)
-        env = RoomToRoomEnv(config, render_mode=mode)
-        seen, _ = env.reset(seed=1)
-        assert env.observation_space.contains(seen)
-        assert seen["rgb"].std() > 5 and 0 < seen["depth"].max() < 20
-        assert mode is None or (env.render() == seen["rgb"]).all()
-        envs = RoomToRoomVectorEnv(config, 2)
-        both, _ = envs.reset(seed=1)
-        assert (both["rgb"][0] == seen["rgb"]).all() and envs.observation_space.contains(both)
+
+@pytest.mark.parametrize("mode", ["rgb_array", None])
+def test_pictures_are_seen_where_there_are_some(pictured: str, mode: Any) -> None:
+    config = EnvConfig(pictured, observe=("rgb", "depth"), width=64, height=48)
+    env = RoomToRoomEnv(config, render_mode=mode)
+    seen, _ = env.reset(seed=1)
+    assert env.observation_space.contains(seen)
+    assert seen["rgb"].std() > 5 and 0 < seen["depth"].max() < 20
+    assert mode is None or (env.render() == seen["rgb"]).all()
+    envs = RoomToRoomVectorEnv(config, 2)
+    both, _ = envs.reset(seed=1)
+    assert (both["rgb"][0] == seen["rgb"]).all() and envs.observation_space.contains(both)
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode)[:2])
+def test_pictures_of_ended_episodes_are_those_of_single_environments(
+    pictured: str, mode: AutoresetMode
+) -> None:
+    config = EnvConfig(pictured, actions="six", observe=("rgb", "depth"), width=32, height=24)
+    ours = RoomToRoomVectorEnv(config, 3, autoreset_mode=mode)
+    theirs = SyncVectorEnv([lambda: RoomToRoomEnv(config)] * 3, autoreset_mode=mode)
+    assert equal(ours.reset(seed=7)[0], theirs.reset(seed=7)[0])
+    stop, kept = 5, []
+    for actions in ([0, 1, stop], [stop, 0, 2], [3, 1, 0], [stop, stop, 1], [0, stop, 0]):
+        got, want = ours.step(np.array(actions)), theirs.step(np.array(actions))
+        assert equal(got[:4], want[:4])
+        if mode == AutoresetMode.SAME_STEP and (got[2] | got[3]).any():
+            check_final(got[4], want[4], mode)
+        kept.append((got[0]["rgb"], got[0]["rgb"].copy()))
+    assert all((one == as_it_was).all() for one, as_it_was in kept)

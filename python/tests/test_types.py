@@ -15,6 +15,8 @@ ROOT = Path(__file__).parent.parent
 
 def test_the_stubs_are_those_of_the_bindings() -> None:
     pytest.importorskip("nanobind", reason="nanobind is not installed: no stubs to compare")
+    if sys.version_info < (3, 10):
+        pytest.skip("Python 3.9 writes types in older words than the stubs, which 3.10 and later made")
     command = [sys.executable, str(ROOT / "tools" / "make_stubs.py"), "--check"]
     assert subprocess.run(command).returncode == 0, "run python/tools/make_stubs.py"
 

@@ -164,6 +164,16 @@ class Batch:
 
     def observe(self) -> dict[str, Any]:
         """Arrays of their own by name, shape (n, ...), and a tuple of n texts."""
+        return {**self._numbers(), **self.pictures(self.config.observe)}
+
+    def observe_again(self, seen: dict[str, Any], agents: NDArray[np.intp]) -> None:
+        """Brings what was observed up to date where only these agents have been reset since: the
+        pictures of the others need not be drawn twice."""
+        seen.update(self._numbers())
+        for name, redrawn in self.pictures(self.config.observe, agents).items():
+            seen[name][agents] = redrawn
+
+    def _numbers(self) -> dict[str, Any]:
         pose = np.empty((self.n, 2), np.float32)
         pose[:, 0] = self.arrays["heading"]
         pose[:, 1] = self.arrays["elevation"]
@@ -175,16 +185,17 @@ class Batch:
         }
         if self.vocabulary is not None:
             seen["tokens"] = self.tokens.copy()
-        if self.config.observe:
-            seen.update(self.pictures(self.config.observe))
         return seen
 
-    def pictures(self, names: Sequence[str]) -> dict[str, NDArray[Any]]:
+    def pictures(
+        self, names: Sequence[str], agents: Optional[NDArray[np.intp]] = None
+    ) -> dict[str, NDArray[Any]]:
+        """What the agents see now, or these of them."""
+        if not names:
+            return {}
+        views = [self.arrays[name] for name in ("scan", "viewpoint", "heading", "elevation")]
         drawn = self.renderer().render(
-            self.arrays["scan"],
-            self.arrays["viewpoint"],
-            self.arrays["heading"],
-            self.arrays["elevation"],
+            *(views if agents is None else [values[agents] for values in views]),
             width=self.config.width,
             height=self.config.height,
             vfov=self.config.vfov,

@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from enfilade._episodes import Episodes
 from enfilade.gym._batch import RENDER_MODES, Batch
 from enfilade.gym._config import EnvConfig
 
@@ -55,6 +56,16 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any]):
         if terminated or truncated:
             info.update({name: float(self._batch.arrays[name][0]) for name in ("success", "spl")})
         return self._observation(), float(rewards[0]), terminated, truncated, info
+
+    @property
+    def episodes(self) -> Episodes:
+        """Of the split; `arrays["episode"]` says which one is walked."""
+        return self._batch.episodes
+
+    @property
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """What the agent is in, by name, as of RoomToRoomVectorEnv.arrays with n = 1."""
+        return self._batch.arrays
 
     def metrics(self) -> dict[str, float]:
         """All metrics of what was walked in this episode so far (docs/r2r.md)."""

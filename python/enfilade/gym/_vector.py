@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Any, Optional, Sequence, Union
 
 import gymnasium
@@ -10,6 +11,7 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
+from enfilade._episodes import Episodes
 from enfilade.gym._batch import RENDER_MODES, Batch
 from enfilade.gym._config import EnvConfig
 
@@ -83,14 +85,28 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         terminated = batch.arrays["terminated"].astype(bool)
         truncated = batch.arrays["truncated"].astype(bool)
         info = self._info(self._all)
+        seen = batch.observe()
         ended = terminated | truncated
         if ended.any():
             final = self._end_metrics(ended)
             if self.autoreset_mode == AutoresetMode.SAME_STEP:
-                info = self._reset_ended(ended, {**info, **final})
+                info = self._reset_ended(ended, seen, {**info, **final})
             else:
                 info.update(final)
-        return batch.observe(), rewards, terminated, truncated, info
+        return seen, rewards, terminated, truncated, info
+
+    @property
+    def episodes(self) -> Episodes:
+        """Of the split; `arrays["episode"]` says which ones are walked."""
+        return self._batch.episodes
+
+    @property
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """What n agents are in, by name: scan, viewpoint (indices), heading, elevation (radians),
+        step, episode, distance (metres), reward, terminated, truncated, began, success, spl: (n,);
+        candidate_viewpoint (indices), candidate_mask: (n, m); candidates: (n, m, 3). Views of the
+        environment's memory, read-only, written over by the next call: teachers look here."""
+        return self._batch.arrays
 
     def metrics(self, agent: int) -> dict[str, float]:
         """All metrics of what an agent has walked in its episode so far (docs/r2r.md); with
@@ -127,15 +143,18 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
             info[f"_{name}"] = ended.copy()
         return info
 
-    def _reset_ended(self, ended: Flags, final_info: dict[str, Any]) -> dict[str, Any]:
-        last = self._batch.observe()
+    def _reset_ended(
+        self, ended: Flags, seen: Observation, final_info: dict[str, Any]
+    ) -> dict[str, Any]:
+        agents = np.flatnonzero(ended)
         final = np.full(self.num_envs, None, object)
-        for agent in np.flatnonzero(ended):
-            final[agent] = {name: value[agent] for name, value in last.items()}
+        for agent in agents:
+            final[agent] = {name: copy(value[agent]) for name, value in seen.items()}
         for name in final_info:
             if name.startswith("_"):
                 final_info[name] = final_info[name] & ended
         self._batch.reset(ended)
+        self._batch.observe_again(seen, agents)
         return {
             **self._info(self._all),
             "final_obs": final,

@@ -1,0 +1,178 @@
+"""Feature files: what is written is read, in every format, and broken ones are named."""
+
+from __future__ import annotations
+
+import json
+import os
+import pickle
+import struct
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import enfilade
+import pytest
+
+np = pytest.importorskip("numpy")
+
+from enfilade import features  # noqa: E402
+from enfilade.features import FeatureInfo  # noqa: E402
+
+INFO = FeatureInfo(224, 224, 75.5, "resnet18", "torchvision", "0123456789abcdef")
+SUFFIXES = [".tsv", ".safetensors", ".h5"]
+
+
+@pytest.fixture
+def some() -> dict[tuple[str, str], Any]:
+    random = np.random.default_rng(1)
+    names = [("b", "v1"), ("a_scan", "v2"), ("b", "v3")]
+    return {key: random.standard_normal((36, 5)).astype(np.float32) for key in names}
+
+
+def write(file: Path, some: dict[tuple[str, str], Any]) -> str:
+    """HDF5 is written as the field's own files are."""
+    if file.suffix == ".tsv":
+        features.write_tsv(str(file), some, width=224, height=224, vfov=75.5)
+    elif file.suffix == ".safetensors":
+        pytest.importorskip("safetensors", reason="safetensors is not installed")
+        features.write_safetensors(str(file), some, INFO)
+    else:
+        h5py = pytest.importorskip("h5py", reason="h5py is not installed")
+        with h5py.File(file, "w") as root:
+            for (scan, viewpoint), values in some.items():
+                root.create_dataset(f"{scan}_{viewpoint}", values.shape, "f", compression="gzip")
+                root[f"{scan}_{viewpoint}"][...] = values
+                said = {"scanId": scan, "viewpointId": viewpoint, "image_w": 224, "image_h": 224,
+                        "vfov": 75.5}  # fmt: skip
+                root[f"{scan}_{viewpoint}"].attrs.update(said)
+    return str(file)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_what_is_written_is_read(tmp_path: Path, some: Any, suffix: str) -> None:
+    found = features.open_features(write(tmp_path / f"f{suffix}", some))
+    assert set(found) == set(some) and len(found) == 3 and found.shape == (36, 5)
+    assert all((found[key] == some[key]).all() for key in some)
+    assert found["b", "v3"].dtype == np.float32 and found.dimensions == 5
+    info = found.info
+    assert (info.width, info.height, info.vfov) == (224, 224, 75.5)
+    assert info == INFO or suffix != ".safetensors"
+    assert ("b", "nowhere") not in found and found.get(("b", "nowhere")) is None
+    with pytest.raises(KeyError, match="nowhere"):
+        found["b", "nowhere"]
+    again = pickle.loads(pickle.dumps(found))
+    assert (again["b", "v1"] == some["b", "v1"]).all()
+
+
+def test_safetensors_are_read_by_their_bytes(tmp_path: Path) -> None:
+    """A file made by hand from the format's description: F16, no metadata."""
+    values = np.arange(36 * 2, dtype=np.float16)
+    header = {"s_v": {"dtype": "F16", "shape": [36, 2], "data_offsets": [0, values.nbytes]}}
+    text = json.dumps(header).encode()
+    file = tmp_path / "f.safetensors"
+    file.write_bytes(struct.pack("<Q", len(text)) + text + values.tobytes())
+    pytest.importorskip("safetensors", reason="safetensors is not installed")
+    found = features.open_features(file)
+    assert (found["s", "v"] == values.reshape(36, 2)).all() and found["s", "v"].dtype == np.float32
+    assert found.info == FeatureInfo()
+    file.write_bytes(file.read_bytes()[:-1])
+    with pytest.raises(enfilade.InvalidInput, match="f.safetensors"):
+        features.open_features(file)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_broken_arrays_are_named(tmp_path: Path, some: Any, suffix: str) -> None:
+    some["b", "v3"] = some["b", "v3"].copy()
+    some["b", "v3"][7, 1] = np.nan
+    some["b", "wide"] = np.ones((36, 6), np.float32)
+    found = features.open_features(write(tmp_path / f"f{suffix}", some))
+    assert np.isfinite(found["b", "v1"]).all()
+    for name in ("v3", "wide"):
+        with pytest.raises(enfilade.InvalidInput, match=rf"f{suffix}.*{name}"):
+            found["b", name]
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_files_of_something_else_are_refused(tmp_path: Path, suffix: str) -> None:
+    file = tmp_path / f"f{suffix}"
+    with pytest.raises(FileNotFoundError):
+        features.open_features(file)
+    if suffix != ".tsv":
+        library = {".safetensors": "safetensors", ".h5": "h5py"}[suffix]
+        pytest.importorskip(library, reason=f"{library} is not installed")
+    for junk in (b"", b"junk\n", b"\xff" * 100):
+        file.write_bytes(junk)
+        with pytest.raises(enfilade.InvalidInput, match=f"f{suffix}"):
+            features.open_features(file)
+    with pytest.raises(enfilade.ArgumentError, match=".hdf5"):
+        features.open_features("features.npy")
+
+
+def test_broken_lines_of_tsv_are_named(tmp_path: Path) -> None:
+    file = tmp_path / "f.tsv"
+    good = {("s", "v"): np.ones((36, 4), np.float32)}
+    features.write_tsv(str(file), good, width=640, height=480, vfov=60)
+    line = file.read_text()
+    for bad in ("s\tv\t640\t480\t60\t!!\n", "s\tw\t640\t480\n", line,
+                line.replace("v\t640", "w\t320")):  # fmt: skip
+        file.write_text(line + bad)
+        with pytest.raises(enfilade.InvalidInput, match="f.tsv:2"):
+            features.open_features(file)
+
+
+def test_hdf5_leads_nowhere_else(tmp_path: Path, some: Any) -> None:
+    h5py = pytest.importorskip("h5py", reason="h5py is not installed")
+    other = write(tmp_path / "other.h5", some)
+    links = {"s_soft": h5py.SoftLink("/b_v1"), "s_far": h5py.ExternalLink(other, "/b_v1")}
+    for name, link in links.items():
+        file = write(tmp_path / f"{name}.h5", some)
+        with h5py.File(file, "a") as root:
+            root[name] = link
+        with pytest.raises(enfilade.InvalidInput, match=name):
+            features.open_features(file)["s", name[2:]]
+    virtual = h5py.VirtualLayout(shape=(36, 5), dtype="f")
+    virtual[:] = h5py.VirtualSource(other, "b_v1", shape=(36, 5))
+    with h5py.File(tmp_path / "virtual.h5", "w") as root:
+        root.create_virtual_dataset("s_v", virtual)
+        root.create_dataset("s_whole", (36, 5), "i4")
+    for name in ("v", "whole"):
+        with pytest.raises(enfilade.InvalidInput, match=f"s_{name}|s_v"):
+            features.open_features(tmp_path / "virtual.h5")["s", name]
+
+
+def test_a_missing_library_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    for suffix, name in ((".h5", "h5py"), (".safetensors", "safetensors")):
+        monkeypatch.setitem(sys.modules, name, None)
+        (tmp_path / f"f{suffix}").touch()
+        with pytest.raises(ImportError, match=rf"{name}.*enfilade\[features\]"):
+            features.open_features(tmp_path / f"f{suffix}")
+
+
+def test_what_is_not_in_safetensors_is_not_written(tmp_path: Path) -> None:
+    pytest.importorskip("safetensors", reason="safetensors is not installed")
+    for name, values in (("v", np.ones((36, 4))), ("v", np.ones(36, np.float32)),
+                         ("v_1", np.ones((36, 4), np.float32))):  # fmt: skip
+        with pytest.raises(enfilade.ArgumentError, match=name):
+            features.write_safetensors(str(tmp_path / "f.safetensors"), {("s", name): values})
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_the_program_reads_and_writes_the_same(tmp_path: Path, some: Any, suffix: str) -> None:
+    """From Python through `enfilade features --merge` and back."""
+    program = os.environ.get("ENFILADE_PROGRAM")
+    if not program or not Path(program).is_file():
+        pytest.skip("ENFILADE_PROGRAM names no program that was built with libtorch")
+    first = write(tmp_path / f"first{suffix}", some)
+    for other in SUFFIXES:
+        after = str(tmp_path / f"after{other}")
+        subprocess.run([program, "features", "--merge", first, "-o", after], check=True)
+        if other == ".h5":
+            pytest.importorskip("h5py", reason="h5py is not installed")
+        if other == ".safetensors":
+            pytest.importorskip("safetensors", reason="safetensors is not installed")
+        found = features.open_features(after)
+        assert set(found) == set(some) and found.info.vfov == 75.5
+        assert all((found[key] == some[key]).all() for key in some)
+        assert found.info == INFO or suffix != ".safetensors" or other == ".tsv"
