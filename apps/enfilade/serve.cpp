@@ -25,7 +25,7 @@ struct Options {
   std::string phases;
   std::string host = "127.0.0.1";
   int port = 8080;
-  int threads = 64;
+  int threads = 256;
   bool behind_proxy = false;
   bool closed_registration = false;
   std::string log = "text";
@@ -132,17 +132,26 @@ void add_serve_options(CLI::App& verb, Options& options) {
 void add_token(CLI::App& serve_verb, int& status) {
   struct Token {
     std::string database, label;
+    std::string role = "organiser";
     std::optional<int> days;
   };
-  CLI::App& verb = *serve_verb.add_subcommand("token", "Make an organiser's token; prints it once");
+  CLI::App& verb = *serve_verb.add_subcommand(
+      "token", "Make an organiser's or a reviewer's token; prints it once");
   const auto token = std::make_shared<Token>();
   verb.add_option("--db", token->database, "The server's database")->required()->type_name("FILE");
   verb.add_option("--label", token->label, "Whose it is")->required();
+  verb.add_option("--role", token->role, "organiser: everything; reviewer: what workers handed in")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"organiser", "reviewer"}));
   verb.add_option("--days", token->days, "Until it expires (default: never)")
       ->check(CLI::Range(1, 3650));
-  set_examples(verb, {"enfilade serve token --db vln.sqlite --label Ada --days 90"});
+  set_examples(verb, {"enfilade serve token --db vln.sqlite --label Ada --days 90",
+                      "enfilade serve token --db vln.sqlite --label Ben --role reviewer"});
   verb.callback([token, &status] {
-    fmt::print("{}\n", service::create_organiser_token(token->database, token->label, token->days));
+    const auto role =
+        token->role == "reviewer" ? service::StaffRole::kReviewer : service::StaffRole::kOrganiser;
+    fmt::print("{}\n",
+               service::create_staff_token(token->database, role, token->label, token->days));
     status = kSuccess;
   });
 }
@@ -169,7 +178,8 @@ void add_backup(CLI::App& serve_verb, int& status) {
 
 void add_serve(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
-      "serve", "A data set in the browser, and a benchmark with a leaderboard, from one program");
+      "serve",
+      "A data set in the browser, a benchmark with a leaderboard, and collecting instructions");
   const auto options = std::make_shared<Options>();
   add_serve_options(verb, *options);
   add_token(verb, status);

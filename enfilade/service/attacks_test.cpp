@@ -153,7 +153,8 @@ TEST(Attacks, ForgedExpiredAndForeignTokensOpenNothing) {
   EXPECT_EQ(served.client().Delete(own, b)->status, 404);
   EXPECT_EQ(served.submit(served.organiser(), "open", row_results(3))->status, 403);
   // Tokens of the command line go by the system's clock.
-  const std::string old = create_organiser_token(served.config().database, "old", 1);
+  const std::string old =
+      create_staff_token(served.config().database, StaffRole::kOrganiser, "old", 1);
   EXPECT_EQ(served.get("/api/v1/submissions", {{"Authorization", "Bearer " + old}})->status, 200);
   now = 10'000'000'000;
   EXPECT_EQ(served.get("/api/v1/submissions", {{"Authorization", "Bearer " + old}})->status, 401);

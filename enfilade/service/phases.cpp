@@ -9,18 +9,13 @@
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/file.h"
+#include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service {
 namespace {
 
-constexpr std::size_t kLongestName = 40;
+constexpr std::size_t kShown = 40;  // of a value that a message repeats
 constexpr std::int64_t kMostPerDay = 1000;
-
-bool is_name(std::string_view text) {
-  return !text.empty() && text.size() <= kLongestName && std::ranges::all_of(text, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-  });
-}
 
 /// Reads one entry of "phases".
 class PhaseReader {
@@ -59,10 +54,10 @@ class PhaseReader {
   std::string name(std::string_view field, json::Element element) {
     const json::Path here(path_, field);
     const auto value = json::string(element, here, faults_);
-    if (value && !is_name(*value)) {
-      faults_.error(here, "bad-name",
-                    fmt::format("{:?}, not 1 to {} of a-z, 0-9, - and _",
-                                value->substr(0, kLongestName), kLongestName));
+    if (value && !detail::is_name(*value)) {
+      faults_.error(
+          here, "bad-name",
+          fmt::format("{:?}, not 1 to 40 of a-z, 0-9, - and _", value->substr(0, kShown)));
     }
     return std::string(value.value_or(""));
   }
@@ -72,7 +67,7 @@ class PhaseReader {
     const auto value = json::string(element, here, faults_);
     if (value && *value != "public" && *value != "hidden") {
       faults_.error(here, "bad-scores",
-                    fmt::format("{:?}, not \"public\" or \"hidden\"", value->substr(0, 40)));
+                    fmt::format("{:?}, not \"public\" or \"hidden\"", value->substr(0, kShown)));
     }
     return value == "hidden" ? Scores::kHidden : Scores::kPublic;
   }

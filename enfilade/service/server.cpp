@@ -5,6 +5,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/service/detail/app.h"
+#include "enfilade/service/detail/texts.h"
 #include "enfilade/service/detail/transport.h"
 #include "enfilade/service/detail/web_files.h"
 
@@ -32,8 +33,8 @@ void Server::stop() { impl_->transport.stop(); }
 
 bool has_web_client() noexcept { return !detail::web_files().empty(); }
 
-std::string create_organiser_token(const std::filesystem::path& database, const std::string& label,
-                                   std::optional<int> days) {
+std::string create_staff_token(const std::filesystem::path& database, StaffRole role,
+                               const std::string& label, std::optional<int> days) {
   constexpr std::size_t kLongestLabel = 80;
   if (!detail::is_label(label, kLongestLabel)) {
     throw ArgumentError(
@@ -43,7 +44,9 @@ std::string create_organiser_token(const std::filesystem::path& database, const 
   const std::int64_t now = detail::system_clock()();
   std::optional<std::int64_t> expires;
   if (days) expires = now + std::int64_t{*days} * 24 * 3600;
-  return detail::add_organiser(db, label, now, expires);
+  const detail::Role kept =
+      role == StaffRole::kOrganiser ? detail::Role::kOrganiser : detail::Role::kReviewer;
+  return detail::add_staff(db, kept, label, now, expires);
 }
 
 void back_up_database(const std::filesystem::path& database, const std::filesystem::path& copy) {

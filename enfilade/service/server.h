@@ -26,12 +26,14 @@ struct ServerConfig {
   std::filesystem::path database;  ///< made if it isn't there
   std::string host = "127.0.0.1";  ///< interface to listen on
   int port = 8080;                 ///< 0: any that is free
-  int threads = 64;                ///< connexions that are served at the same time
+  int threads = 256;               ///< connexions that are served at the same time
   /// Body of a submission. The 4,173 episodes of R2R's test take 1 to 6 MB.
   std::size_t most_submission_bytes = 32U << 20U;
   double body_seconds = 30;  ///< a body has to be there whole after that long
   /// Of registrations, and of tokens that nobody has, from an address in a minute.
   int most_attempts = 20;
+  /// Of workers who come to a collection from an address in a minute: a lab's many share one.
+  int most_joins = 600;
   /// Behind a proxy that sets X-Forwarded-For and X-Forwarded-Proto: believe them.
   bool behind_proxy = false;
   bool open_registration = true;  ///< anybody may make a team
@@ -66,11 +68,17 @@ class Server {
 /// Whether this build has the web client in it; without it the API alone is served.
 bool has_web_client() noexcept;
 
-/// Makes an organiser's token in a database (made if it isn't there), which a server may be using.
+/// Who runs a benchmark or a collection.
+enum class StaffRole {
+  kOrganiser,  ///< makes collections, takes what they came to, sees hidden scores
+  kReviewer,   ///< accepts, rejects and corrects what workers hand in
+};
+
+/// Makes a token in a database (made if it isn't there), which a server may be using.
 /// \returns the token: only its hash is kept
 /// \param days until it expires; none: never  \throws FileError; ArgumentError for a bad label
-std::string create_organiser_token(const std::filesystem::path& database, const std::string& label,
-                                   std::optional<int> days);
+std::string create_staff_token(const std::filesystem::path& database, StaffRole role,
+                               const std::string& label, std::optional<int> days);
 
 /// Copies a database, also while a server uses it; the copy appears whole. \throws FileError
 void back_up_database(const std::filesystem::path& database, const std::filesystem::path& copy);

@@ -3,133 +3,214 @@
 #include <gmock/gmock.h>
 #include <atomic>
 #include <cstdlib>
+#include <functional>
 #include <map>
-#include <optional>
 
 #include "enfilade/core/rng.h"
-#include "tests/support/process.h"
+#include "tests/service/program.h"
 #include "tests/support/served_data.h"
+#include "tests/support/worker.h"
 
 namespace enfilade::service {
 namespace {
 
+using nlohmann::json;
+using testing::Program;
+using testing::Worker;
+
 constexpr std::size_t kClients = 4;
 
-/// The program `enfilade serve` on the data of served_data.h.
-class Program {
- public:
-  explicit Program(std::filesystem::path root) : root_(std::move(root)) {}
+/// What was acknowledged, or what is there: how often, by a name of the test's.
+using Counts = std::map<std::string, int>;
 
-  void start() {
-    const auto port_file = root_ / "out";
-    std::filesystem::remove(port_file);  // that of the server before
-    const std::vector<std::string> words{EN_PROGRAM,
-                                         "serve",
-                                         root_ / "data",
-                                         "--db",
-                                         root_ / "service.sqlite",
-                                         "--phases",
-                                         root_ / "phases.json",
-                                         "--port",
-                                         "0",
-                                         "--log",
-                                         "none"};
-    process_.emplace(words, port_file);
-    port_ = wait_for_port(port_file);
+// ENFILADE_KILLS=50 is the long run; each takes a second or so.
+int kills() {
+  const char* given = std::getenv("ENFILADE_KILLS");
+  return given == nullptr ? 5 : std::atoi(given);
+}
+
+/// Each client works until the server is gone, and gives the names of what was acknowledged to it.
+using Client = std::function<Counts(int port, std::size_t client)>;
+
+/// Kills the server while clients work, and starts it again. \returns what they were promised
+Counts crowd_and_kill(Program& program, Rng& rng, const Client& work) {
+  std::vector<Counts> taken(kClients);
+  std::vector<std::thread> clients;
+  for (std::size_t c = 0; c < kClients; ++c) {
+    clients.emplace_back([&, c, port = program.port()] { taken[c] = work(port, c); });
   }
-  void kill() { process_.reset(); }
-  int port() const { return port_; }
+  std::this_thread::sleep_for(std::chrono::milliseconds(50 + rng.below(300)));
+  program.kill();
+  for (std::thread& client : clients) client.join();
+  program.start();
+  Counts promised;
+  for (const Counts& some : taken) promised.insert(some.begin(), some.end());
+  return promised;
+}
 
- private:
-  static int wait_for_port(const std::filesystem::path& file) {
-    for (int k = 0; k < 2000; ++k) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      if (!std::filesystem::exists(file)) continue;
-      const std::string said = read_file(file);
-      const std::size_t colon = said.find("127.0.0.1:");
-      if (colon != std::string::npos && said.back() == '\n') return std::atoi(&said[colon + 10]);
-    }
-    ADD_FAILURE() << "the server did not start";
-    return 0;
+/// What there is may be more than what was acknowledged (an answer was lost), but nothing twice.
+void expect_all_once(const Counts& promised, const Counts& found, int round) {
+  for (const auto& [name, times] : promised) {
+    EXPECT_TRUE(found.contains(name)) << "round " << round << ": lost " << name;
+  }
+  for (const auto& [name, times] : found) EXPECT_EQ(times, 1) << "round " << round << ": " << name;
+}
+
+class Kill : public ::testing::Test {
+ protected:
+  Kill() {
+    testing::write_served_data(folder_.path());
+    write_file_atomically(
+        folder_.path() / "phases.json",
+        R"({"phases": [{"name": "open", "split": "val_seen", "per_day": 1000}]})");
+    program_.start();
   }
 
-  std::filesystem::path root_;
-  std::optional<tests::Process> process_;
-  int port_ = 0;
+  tests::TemporaryFolder folder_{"kill"};
+  Program program_{EN_PROGRAM,
+                   folder_.path() / "data",
+                   folder_.path() / "service.sqlite",
+                   {"--phases", folder_.path() / "phases.json"}};
+  Rng rng_{7};
 };
 
 /// Makes a team; its headers.
 httplib::Headers make_team(int port, const std::string& name) {
   httplib::Client client("127.0.0.1", port);
-  const auto made =
-      client.Post("/api/v1/teams", nlohmann::json{{"name", name}}.dump(), "application/json");
-  const auto answer = nlohmann::json::parse(made->body);
+  const auto made = client.Post("/api/v1/teams", json{{"name", name}}.dump(), "application/json");
+  const auto answer = json::parse(made->body);
   return {{"Authorization", "Bearer " + answer.at("token").get<std::string>()}};
 }
 
-/// Hands in under new names until the server is gone. \returns the names that were acknowledged
-std::vector<std::string> hand_in(int port, const httplib::Headers& team, const std::string& who) {
+/// Hands in under new names until the server is gone.
+Counts hand_in(int port, const httplib::Headers& team, const std::string& who) {
   httplib::Client client("127.0.0.1", port);
   client.set_keep_alive(true);
   const std::string results = testing::row_results(2);
-  std::vector<std::string> acknowledged;
+  Counts acknowledged;
   for (int k = 0;; ++k) {
     const std::string method = who + "-" + std::to_string(k);
     const auto answer = client.Post("/api/v1/submissions?phase=open&method=" + method, team,
                                     results, "application/json");
     if (!answer) return acknowledged;
-    if (answer->status == 202) acknowledged.push_back(method);
+    if (answer->status == 202) ++acknowledged[method];
   }
 }
 
-std::map<std::string, int> count_methods(int port, const httplib::Headers& team) {
+Counts count_methods(int port, const httplib::Headers& team) {
   httplib::Client client("127.0.0.1", port);
-  std::map<std::string, int> found;
+  Counts found;
   for (std::string query;;) {  // a page of 500 at a time
     const auto answer = client.Get("/api/v1/submissions" + query, team);
-    const auto list = nlohmann::json::parse(answer->body).at("submissions");
+    const auto list = json::parse(answer->body).at("submissions");
     if (list.empty()) return found;
     for (const auto& one : list) ++found[one.at("method").get<std::string>()];
     query = "?before=" + list.back().at("id").dump();
   }
 }
 
-TEST(Kill, WhatWasAcknowledgedIsThereOnce) {
-  // ENFILADE_KILLS=50 is the long run; each takes a second or so.
-  const char* given = std::getenv("ENFILADE_KILLS");
-  const int kills = given == nullptr ? 5 : std::atoi(given);
-  const tests::TemporaryFolder folder("kill");
-  testing::write_served_data(folder.path());
-  write_file_atomically(folder.path() / "phases.json",
-                        R"({"phases": [{"name": "open", "split": "val_seen", "per_day": 1000}]})");
-  Program program(folder.path());
-  program.start();
-  Rng rng(7);
+TEST_F(Kill, SubmissionsThatWereAcknowledgedAreThereOnce) {
   std::size_t acknowledged = 0;
-  for (int round = 0; round < kills; ++round) {
-    const httplib::Headers team = make_team(program.port(), "team " + std::to_string(round));
-    std::vector<std::vector<std::string>> taken(kClients);
-    std::vector<std::thread> clients;
-    for (std::size_t c = 0; c < kClients; ++c) {
-      clients.emplace_back([&, c, port = program.port()] {
-        taken[c] = hand_in(port, team, "client" + std::to_string(c));
-      });
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(50 + rng.below(300)));
-    program.kill();
-    for (std::thread& client : clients) client.join();
-    program.start();
-    const auto found = count_methods(program.port(), team);
-    for (const auto& methods : taken) {
-      acknowledged += methods.size();
-      for (const std::string& method : methods) {
-        ASSERT_TRUE(found.contains(method)) << "round " << round << ": lost " << method;
-      }
-    }
-    for (const auto& [method, times] : found) ASSERT_EQ(times, 1) << method;
+  for (int round = 0; round < kills(); ++round) {
+    const httplib::Headers team = make_team(program_.port(), "team " + std::to_string(round));
+    const Counts promised = crowd_and_kill(program_, rng_, [&team](int port, std::size_t client) {
+      return hand_in(port, team, "client" + std::to_string(client));
+    });
+    acknowledged += promised.size();
+    expect_all_once(promised, count_methods(program_.port(), team), round);
   }
-  EXPECT_GT(acknowledged, static_cast<std::size_t>(kills));
+  EXPECT_GT(acknowledged, static_cast<std::size_t>(kills()));
   RecordProperty("acknowledged", static_cast<int>(acknowledged));
+}
+
+/// Makes a collection of many places. \returns its key
+std::string make_collection(int port, const httplib::Headers& organiser, const std::string& name,
+                            const std::string& kind) {
+  json body = testing::collection_body(name, kind);
+  body["sources"] = json::array({{{"split", "val_seen"}}});
+  body["per_item"] = 100;
+  httplib::Client client("127.0.0.1", port);
+  return testing::key_of(testing::read_answer(
+      client.Post("/api/v1/collections", organiser, body.dump(), "application/json")));
+}
+
+/// Workers who do all that they get, one worker after the other, until the server is gone. \param
+/// hand_in does a task and gives its name, or "" if it was not acknowledged
+Counts work_on(int port, const std::string& collection, const std::string& key, std::size_t client,
+               const std::function<std::string(Worker&, const json& task)>& hand_in) {
+  Counts acknowledged;
+  for (int k = 0;; ++k) {
+    const std::string name = "worker " + std::to_string(client) + "-" + std::to_string(k);
+    Worker worker(port, collection, {{"key", key}, {"worker", name}});
+    if (worker.join().at("status") != 200) return acknowledged;
+    worker.consent();
+    for (json task; (task = worker.lease().value("task", json())).is_object();) {
+      const std::string done = hand_in(worker, task);
+      if (!done.empty()) ++acknowledged[done];
+    }
+  }
+}
+
+/// The name is the instruction.
+std::string write_one(Worker& worker, const json& task) {
+  const std::string text = "Walk to the door, as task " + task.at("task").dump() + " says";
+  return worker.write(task.at("task"), text).at("status") == 200 ? text : "";
+}
+
+/// The name is the time of the last step, which is another in each walk.
+std::string walk_one(Worker& worker, const json& task) {
+  const int start = task.at("start").get<std::string>().at(1) - '0';
+  json steps = testing::row_steps(start, start + 1);
+  const json number = task.at("task").get<double>();
+  steps[1]["seconds"] = number;
+  return worker.walk(task.at("task"), steps).at("status") == 200 ? number.dump() : "";
+}
+
+/// What was handed in, by the value of a field.
+Counts count_work(int port, const httplib::Headers& organiser, const std::string& collection,
+                  const char* field) {
+  httplib::Client client("127.0.0.1", port);
+  Counts found;
+  for (std::string after = "0";;) {
+    const json page = testing::read_answer(
+        client.Get("/api/v1/collections/" + collection + "/work?state=all&limit=200&after=" + after,
+                   organiser));
+    const json& work = page.at("work");
+    if (work.empty()) return found;
+    for (const json& one : work) {
+      const json& value = one.at(field);
+      ++found[value.is_string() ? value.get<std::string>() : value.dump()];
+    }
+    after = work.back().at("task").dump();
+  }
+}
+
+TEST_F(Kill, InstructionsAndWalksThatWereAcknowledgedAreThereOnce) {
+  const httplib::Headers organiser{
+      {"Authorization", "Bearer " + create_staff_token(folder_.path() / "service.sqlite",
+                                                       StaffRole::kOrganiser, "o", std::nullopt)}};
+  std::size_t written = 0;
+  std::size_t walked = 0;
+  for (int round = 0; round < kills(); ++round) {
+    const std::string write = "write-" + std::to_string(round);
+    const std::string walk = "walk-" + std::to_string(round);
+    const std::string write_key = make_collection(program_.port(), organiser, write, "write");
+    const std::string walk_key = make_collection(program_.port(), organiser, walk, "walk");
+    const Counts promised = crowd_and_kill(program_, rng_, [&](int port, std::size_t client) {
+      return client % 2 == 0 ? work_on(port, write, write_key, client, write_one)
+                             : work_on(port, walk, walk_key, client, walk_one);
+    });
+    Counts found = count_work(program_.port(), organiser, write, "instruction");
+    written += found.size();
+    const Counts walks = count_work(program_.port(), organiser, walk, "seconds");
+    walked += walks.size();
+    found.insert(walks.begin(), walks.end());
+    expect_all_once(promised, found, round);
+  }
+  EXPECT_GT(written, 0U);
+  EXPECT_GT(walked, 0U);
+  RecordProperty("written", static_cast<int>(written));
+  RecordProperty("walked", static_cast<int>(walked));
 }
 
 }  // namespace

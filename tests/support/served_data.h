@@ -113,9 +113,11 @@ class Served {
     const auto answer = nlohmann::json::parse(made->body);
     return {{"Authorization", "Bearer " + answer.at("token").get<std::string>()}};
   }
-  httplib::Headers organiser() {
+  httplib::Headers organiser() { return staff(StaffRole::kOrganiser); }
+  httplib::Headers staff(StaffRole role) {
+    const char* label = role == StaffRole::kOrganiser ? "organiser" : "reviewer";
     return {{"Authorization",
-             "Bearer " + create_organiser_token(config_.database, "organiser", std::nullopt)}};
+             "Bearer " + create_staff_token(config_.database, role, label, std::nullopt)}};
   }
   httplib::Result submit(const httplib::Headers& team, const std::string& phase,
                          const std::string& results, const std::string& method = "method") {

@@ -3,27 +3,12 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/service/detail/app.h"
+#include "enfilade/service/detail/bodies.h"
 
 namespace enfilade::service::detail {
 namespace {
 
 using nlohmann::ordered_json;
-
-/// A field of the body's object. \throws HttpError 400 if it is no text
-std::string field(const ordered_json& object, const char* name, bool required) {
-  const auto found = object.find(name);
-  if (found == object.end() && !required) return {};
-  if (found == object.end() || !found->is_string()) {
-    throw HttpError(400, "bad-body", fmt::format("{}: must be there, and a text", name));
-  }
-  return found->get<std::string>();
-}
-
-ordered_json parse_object(const std::string& body) {
-  ordered_json object = ordered_json::parse(body, nullptr, false);
-  if (!object.is_object()) throw HttpError(400, "bad-body", "the body is not a JSON object");
-  return object;
-}
 
 std::string principal_json(const Principal& who) {
   return ordered_json{{"role", to_string(who.role)}, {"name", who.name}}.dump();
@@ -50,6 +35,9 @@ Response log_in(Context& context, const Request& request) {
     context.failures.take(request.address, now);
     throw HttpError(401, "bad-token", "the token is unknown, expired or revoked");
   }
+  // Workers come by a link, and their pages hold the token themselves: inside a frame of another
+  // site there are no cookies.
+  if (who->role == Role::kWorker) throw HttpError(403, "not-allowed", "not for workers");
   Response response = json_response(principal_json(*who));
   const bool tls = context.config.behind_proxy && request.header("x-forwarded-proto") == "https";
   response.headers.emplace_back(

@@ -1,10 +1,13 @@
 #include "enfilade/service/detail/app.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <utility>
 
+#include "enfilade/service/detail/collections.h"
 #include "enfilade/service/detail/web_files.h"
 
 namespace enfilade::service::detail {
@@ -14,22 +17,25 @@ constexpr std::size_t kLongestPath = 512;
 constexpr std::size_t kWorthCompressing = 1024;  // below, the headers are most of it
 
 /// Scripts and styles from the server's own files only; pictures from it and from memory.
-constexpr const char* kContentPolicy =
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
-    "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'self'; "
-    "frame-ancestors 'none'";
+std::string content_policy(std::string_view form_action, std::string_view frame_ancestors) {
+  return fmt::format(
+      "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
+      "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action {}; frame-ancestors {}",
+      form_action, frame_ancestors);
+}
 
 void add_security_headers(Response& response) {
   const auto has = [&response](std::string_view name) {
     return std::ranges::any_of(response.headers,
                                [name](const auto& header) { return header.first == name; });
   };
-  const auto add = [&](const char* name, const char* value) {
+  const auto add = [&](const char* name, std::string_view value) {
     if (!has(name)) response.headers.emplace_back(name, value);
   };
+  static const std::string kContentPolicy = content_policy("'self'", "'none'");
   add("Content-Security-Policy", kContentPolicy);
   add("X-Content-Type-Options", "nosniff");
-  add("X-Frame-Options", "DENY");
+  if (!response.frameable) add("X-Frame-Options", "DENY");
   add("Referrer-Policy", "no-referrer");
   add("Cross-Origin-Opener-Policy", "same-origin");
   add("Cross-Origin-Resource-Policy", "same-origin");
@@ -86,16 +92,35 @@ std::string_view cookie_of(const Request& request, std::string_view name) {
   return {};
 }
 
+bool may_call(Access access, Role role) {
+  switch (access) {
+    case Access::kPublic:
+      return true;
+    case Access::kTeam:
+      return role == Role::kTeam;
+    case Access::kOrganiser:
+      return role == Role::kOrganiser;
+    case Access::kReviewer:
+      return role == Role::kOrganiser || role == Role::kReviewer;
+    case Access::kWorker:
+      return role == Role::kWorker;
+  }
+  return false;
+}
+
+std::string_view whom_for(Access access) {
+  constexpr std::array<std::string_view, 5> kNames{"everybody", "a team", "an organiser",
+                                                   "a reviewer or an organiser", "a worker"};
+  return kNames[static_cast<std::size_t>(access)];
+}
+
 void check_access(const Route& route, const Request& request) {
   if (route.access == Access::kPublic) return;
   if (!request.principal) {
     throw HttpError(401, "who-are-you", "this needs a token: Authorization: Bearer enfilade_...");
   }
-  const Role wanted = route.access == Access::kTeam ? Role::kTeam : Role::kOrganiser;
-  if (request.principal->role != wanted) {
-    throw HttpError(
-        403, "not-allowed",
-        fmt::format("this is for a{} {}", wanted == Role::kTeam ? "" : "n", to_string(wanted)));
+  if (!may_call(route.access, request.principal->role)) {
+    throw HttpError(403, "not-allowed", fmt::format("this is for {}", whom_for(route.access)));
   }
 }
 
@@ -111,6 +136,7 @@ Context make_context(std::shared_ptr<const Site> site, ServerConfig config) {
   auto database = std::make_shared<Database>(config.database);
   const Clock clock = config.clock ? config.clock : system_clock();
   const int most = config.most_attempts;
+  const int most_joins = config.most_joins;
   return Context{site,
                  database,
                  std::move(config),
@@ -119,7 +145,18 @@ Context make_context(std::shared_ptr<const Site> site, ServerConfig config) {
                  Evaluation(site, database, clock),
                  Metrics(),
                  RateLimit(most),
-                 RateLimit(most)};
+                 RateLimit(most),
+                 RateLimit(most_joins)};
+}
+
+/// Mechanical Turk shows a collection's page in a frame of its own, and takes its form.
+void open_to_platform(Database& database, const Request& request, Response& response) {
+  const auto collection = find_collection(database, request.text("collection"));
+  if (!collection || collection->platform.kind != PlatformKind::kMturk) return;
+  const std::string origins = fmt::format("{}", fmt::join(collection->platform.origins, " "));
+  response.headers.emplace_back("Content-Security-Policy",
+                                content_policy("'self' " + origins, origins));
+  response.frameable = true;
 }
 
 Response error_of(const std::exception_ptr& thrown, std::string& fault) {
@@ -157,6 +194,9 @@ App::App(std::shared_ptr<const Site> site, ServerConfig config)
   add_episode_routes(router_, context_);
   add_account_routes(router_, context_);
   add_evaluation_routes(router_, context_);
+  add_collection_routes(router_, context_);
+  add_review_routes(router_, context_);
+  add_work_routes(router_, context_);
   add_operation_routes(router_, context_);
 }
 
@@ -211,6 +251,9 @@ Response App::page(const Request& request) const {
   response.headers.emplace_back("Cache-Control", path.starts_with("/assets/")
                                                      ? "public, max-age=31536000, immutable"
                                                      : "no-cache");
+  if (path == "/collect.html" || path == "/walk.html") {
+    open_to_platform(*context_.database, request, response);
+  }
   return response;
 }
 

@@ -46,12 +46,16 @@ struct Context {
   Metrics metrics;
   RateLimit failures;       ///< tokens that nobody has
   RateLimit registrations;  ///< new teams
+  RateLimit joins;          ///< workers who come
 };
 
 void add_scan_routes(Router& router, Context& context);
 void add_episode_routes(Router& router, Context& context);
 void add_account_routes(Router& router, Context& context);
 void add_evaluation_routes(Router& router, Context& context);
+void add_collection_routes(Router& router, Context& context);  ///< for organisers
+void add_review_routes(Router& router, Context& context);
+void add_work_routes(Router& router, Context& context);
 void add_operation_routes(Router& router, Context& context);  ///< health, metrics, description
 
 /// The routes, and what holds for all of them: who may call, errors as JSON, headers, compression,

@@ -57,6 +57,42 @@ TEST(Database, ATransactionThatThrowsLeavesNothing) {
             0);
 }
 
+/// A database as the first version of the schema left it, with somebody logged in.
+void write_version_1(const std::filesystem::path& file) {
+  SQLite::Database db(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  db.exec(kMigrations[0]);
+  db.exec(
+      "PRAGMA user_version = 1;"
+      "INSERT INTO team (id, name, contact, created) VALUES (3, 'A', '', 5);"
+      "INSERT INTO token (id, hash, role, team, label, created) VALUES (1, 'h', 'team', 3, 'A', 5);"
+      "INSERT INTO token (id, hash, role, label, created, expires) "
+      "VALUES (2, 'i', 'organiser', 'Ada', 5, 9);"
+      "INSERT INTO session VALUES ('s', 2, 9);"
+      "INSERT INTO submission (team, phase, method, created, state, digest, content) "
+      "VALUES (3, 'p', 'm', 5, 'queued', 'd', x'00')");
+}
+
+TEST(Database, AnOlderOneIsBroughtUpToDateWithAllThatIsInIt) {
+  const tests::TemporaryFolder folder("database");
+  const auto file = folder.path() / "a.sqlite";
+  write_version_1(file);
+  Database database(file);
+  EXPECT_EQ(version_of(database), static_cast<int>(kMigrations.size()));
+  database.with([](SQLite::Database& db) {
+    EXPECT_EQ(db.execAndGet("SELECT team FROM token WHERE hash = 'h'").getInt(), 3);
+    EXPECT_EQ(db.execAndGet("SELECT expires FROM token WHERE hash = 'i'").getInt(), 9);
+    EXPECT_EQ(db.execAndGet("SELECT token.label FROM session JOIN token ON token.id = "
+                            "session.token")
+                  .getString(),
+              "Ada");
+    EXPECT_EQ(db.execAndGet("SELECT count(*) FROM submission").getInt(), 1);
+    SQLite::Statement broken(db, "PRAGMA foreign_key_check");
+    EXPECT_FALSE(broken.executeStep());
+    // References follow the tables' new names: whoever has a session can't be deleted.
+    EXPECT_THROW(db.exec("DELETE FROM token WHERE hash = 'i'"), SQLite::Exception);
+  });
+}
+
 TEST(Database, OneOfANewerProgramIsRefused) {
   const tests::TemporaryFolder folder("database");
   const auto file = folder.path() / "a.sqlite";

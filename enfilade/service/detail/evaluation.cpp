@@ -8,6 +8,7 @@
 #include "enfilade/r2r/score.h"
 #include "enfilade/service/detail/http.h"
 #include "enfilade/service/detail/secrets.h"
+#include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service::detail {
 namespace {

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "enfilade/service/detail/app.h"
+#include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service::detail {
 namespace {
@@ -91,7 +92,11 @@ const Principal& known(const Request& request) {
 }
 
 Response list_submissions(const Context& context, const Request& request) {
-  const std::int64_t team = known(request).team;  // 0, everybody's, for organisers
+  const Principal& who = known(request);
+  if (who.role != Role::kTeam && who.role != Role::kOrganiser) {
+    throw HttpError(403, "not-allowed", "this is for a team or an organiser");
+  }
+  const std::int64_t team = who.team;  // 0, everybody's, for organisers
   constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
   const std::int64_t before = request.number("before", kMost, 1, kMost);
   auto list = ordered_json::array();
@@ -118,20 +123,12 @@ ordered_json leaderboard_rows(const Context& context, const Phase& phase, bool a
   return kept;
 }
 
-// Quoted, and never beginning like a formula, which spreadsheets would run.
-std::string csv_text(const std::string& text) {
-  std::string out = "\"";
-  if (std::string_view("=+-@").find(text.front()) != std::string_view::npos) out += '\'';
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + '"';
-}
-
 std::string leaderboard_csv(const ordered_json& rows) {
   std::string out = "team,method,created";
   for (const char* column : kColumns) out += fmt::format(",{0},{0}_low,{0}_high", column);
   out += "\r\n";
   for (const ordered_json& row : rows) {
-    out += fmt::format("{},{},{}", csv_text(row["team"]), csv_text(row["method"]),
+    out += fmt::format("{},{},{}", sheet_text(row["team"]), sheet_text(row["method"]),
                        row["created"].get<std::string>());
     for (const char* column : kColumns) {
       for (const char* part : {"mean", "low", "high"})

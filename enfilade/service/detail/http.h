@@ -43,6 +43,7 @@ struct Response {
   /// Shared, as faces and the pages' files are the same for everybody.
   std::shared_ptr<const std::string> body = std::make_shared<const std::string>();
   std::vector<std::pair<std::string, std::string>> headers;
+  bool frameable = false;  ///< its own Content-Security-Policy says who may frame it
 };
 Response json_response(std::string json, int status = 200);
 
@@ -69,6 +70,8 @@ enum class Access {
   kPublic,
   kTeam,       ///< needs a team's token
   kOrganiser,  ///< needs an organiser's
+  kReviewer,   ///< needs a reviewer's or an organiser's
+  kWorker,     ///< needs a worker's
 };
 
 struct Route {

@@ -3,6 +3,7 @@
 
 #include "enfilade/service/detail/app.h"
 #include "enfilade/service/detail/description.h"
+#include "enfilade/service/detail/tasks.h"
 
 namespace enfilade::service::detail {
 
@@ -15,6 +16,8 @@ void add_operation_routes(Router& router, Context& context) {
       {"GET", "/metrics", Access::kPublic, [&context](const Request&) {
          Response response = json_response(context.metrics.text(
              {{"enfilade_submissions_queued", static_cast<double>(context.evaluation.queued())},
+              {"enfilade_work_to_review",
+               static_cast<double>(waiting_for_review(*context.database))},
               {"process_resident_memory_bytes", static_cast<double>(resident_bytes())}}));
          response.type = "text/plain; version=0.0.4; charset=utf-8";
          return response;

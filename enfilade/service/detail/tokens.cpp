@@ -1,39 +1,49 @@
 #include "enfilade/service/detail/tokens.h"
 
 #include <fmt/format.h>
+#include <algorithm>
+#include <array>
 
 #include "enfilade/service/detail/database.h"
 #include "enfilade/service/detail/http.h"
 #include "enfilade/service/detail/secrets.h"
+#include "enfilade/service/detail/sql.h"
+#include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service::detail {
 namespace {
 
 constexpr std::size_t kLongestTeam = 80;
 constexpr std::size_t kLongestContact = 200;
-constexpr int kUniqueViolated = 2067;  // SQLITE_CONSTRAINT_UNIQUE
+constexpr std::array<std::string_view, 4> kRoles{"team", "organiser", "reviewer", "worker"};
 
-std::string insert_token(SQLite::Database& db, Role role, std::optional<std::int64_t> team,
-                         const std::string& label, std::int64_t now,
-                         std::optional<std::int64_t> expires) {
+/// Whose a token is, by role; 0: nobody's.
+struct Owner {
+  std::int64_t team = 0;
+  std::int64_t visit = 0;
+};
+
+std::string insert_token(SQLite::Database& db, Role role, Owner owner, const std::string& label,
+                         std::int64_t now, std::optional<std::int64_t> expires) {
   // The prefix lets people, and scanners of published sources, see what leaked.
   const std::string token = new_secret("enfilade_");
   SQLite::Statement insert(db,
-                           "INSERT INTO token (hash, role, team, label, created, expires) "
-                           "VALUES (?, ?, ?, ?, ?, ?)");
+                           "INSERT INTO token (hash, role, team, label, created, expires, visit) "
+                           "VALUES (?, ?, ?, ?, ?, ?, ?)");
   insert.bind(1, sha256(token));
   insert.bind(2, std::string(to_string(role)));
-  if (team) insert.bind(3, *team);
+  if (owner.team != 0) insert.bind(3, owner.team);
   insert.bind(4, label);
   insert.bind(5, now);
   if (expires) insert.bind(6, *expires);
+  if (owner.visit != 0) insert.bind(7, owner.visit);
   insert.exec();
   return token;
 }
 
 constexpr const char* kPrincipal =
-    "SELECT token.role, token.id, coalesce(token.team, 0), coalesce(team.name, token.label) "
-    "FROM token LEFT JOIN team ON team.id = token.team ";
+    "SELECT token.role, token.id, coalesce(token.team, 0), coalesce(token.visit, 0), "
+    "coalesce(team.name, token.label) FROM token LEFT JOIN team ON team.id = token.team ";
 constexpr const char* kValid =
     " AND token.revoked IS NULL AND (token.expires IS NULL OR token.expires > ?2)";
 
@@ -44,51 +54,16 @@ std::optional<Principal> find_principal(Database& database, const std::string& q
     select.bind(1, sha256(secret));
     select.bind(2, now);
     if (!select.executeStep()) return std::nullopt;
-    const bool team = select.getColumn(0).getString() == "team";
-    return Principal{team ? Role::kTeam : Role::kOrganiser, select.getColumn(1).getInt64(),
-                     select.getColumn(2).getInt64(), select.getColumn(3).getString(), false};
+    const auto role = std::ranges::find(kRoles, select.getColumn(0).getString());
+    return Principal{static_cast<Role>(role - kRoles.begin()), select.getColumn(1).getInt64(),
+                     select.getColumn(2).getInt64(),           select.getColumn(3).getInt64(),
+                     select.getColumn(4).getString(),          false};
   });
-}
-
-/// The length of the UTF-8 character that the text begins with; 0 if it begins with none.
-std::size_t character_size(std::string_view text) {
-  const auto byte = [&text](std::size_t k) {
-    return k < text.size() ? static_cast<unsigned char>(text[k]) : 0U;
-  };
-  const unsigned first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t size = first >= 0xC2 && first < 0xE0   ? 2
-                           : first >= 0xE0 && first < 0xF0 ? 3
-                           : first >= 0xF0 && first < 0xF5 ? 4
-                                                           : 0;
-  for (std::size_t k = 1; k < size; ++k) {
-    if ((byte(k) & 0xC0U) != 0x80U) return 0;
-  }
-  return size;
 }
 
 }  // namespace
 
-std::string_view to_string(Role role) { return role == Role::kTeam ? "team" : "organiser"; }
-
-bool is_label(std::string_view text, std::size_t most) {
-  if (text.empty() || text.front() == ' ' || text.back() == ' ') return false;
-  std::size_t characters = 0;
-  for (; !text.empty(); ++characters) {
-    const std::size_t size = character_size(text);
-    const auto first = static_cast<unsigned char>(text.front());
-    if (size == 0 || first < 0x20 || first == 0x7F) return false;
-    // U+0080 to U+009F, and U+202A to U+202E and U+2066 to U+2069, which turn text around.
-    const std::string_view c = text.substr(0, size);
-    if (c >= "\xC2\x80" && c <= "\xC2\x9F" && size == 2) return false;
-    if (size == 3 && ((c >= "\xE2\x80\xAA" && c <= "\xE2\x80\xAE") ||
-                      (c >= "\xE2\x81\xA6" && c <= "\xE2\x81\xA9"))) {
-      return false;
-    }
-    text.remove_prefix(size);
-  }
-  return characters <= most;
-}
+std::string_view to_string(Role role) { return kRoles[static_cast<std::size_t>(role)]; }
 
 NewTeam add_team(Database& database, const std::string& name, const std::string& contact,
                  std::int64_t now) {
@@ -108,7 +83,7 @@ NewTeam add_team(Database& database, const std::string& name, const std::string&
       insert.bind(3, now);
       insert.exec();
       const std::int64_t id = db.getLastInsertRowid();
-      return NewTeam{id, insert_token(db, Role::kTeam, id, name, now, std::nullopt)};
+      return NewTeam{id, insert_token(db, Role::kTeam, {.team = id}, name, now, std::nullopt)};
     });
   } catch (const SQLite::Exception& error) {
     if (error.getExtendedErrorCode() != kUniqueViolated) throw;
@@ -116,10 +91,19 @@ NewTeam add_team(Database& database, const std::string& name, const std::string&
   }
 }
 
-std::string add_organiser(Database& database, const std::string& label, std::int64_t now,
-                          std::optional<std::int64_t> expires) {
+std::string add_staff(Database& database, Role role, const std::string& label, std::int64_t now,
+                      std::optional<std::int64_t> expires) {
+  return database.transact(
+      [&](SQLite::Database& db) { return insert_token(db, role, {}, label, now, expires); });
+}
+
+std::string add_worker_token(Database& database, std::int64_t visit, const std::string& label,
+                             std::int64_t now) {
   return database.transact([&](SQLite::Database& db) {
-    return insert_token(db, Role::kOrganiser, std::nullopt, label, now, expires);
+    SQLite::Statement clean(db, "DELETE FROM token WHERE role = 'worker' AND expires <= ?");
+    clean.bind(1, now);
+    clean.exec();
+    return insert_token(db, Role::kWorker, {.visit = visit}, label, now, now + kWorkerSeconds);
   });
 }
 

@@ -10,14 +10,15 @@ namespace enfilade::service::detail {
 
 class Database;
 
-enum class Role : std::uint8_t { kTeam, kOrganiser };
-std::string_view to_string(Role role);  ///< "team", "organiser"
+enum class Role : std::uint8_t { kTeam, kOrganiser, kReviewer, kWorker };
+std::string_view to_string(Role role);  ///< "team", "organiser", "reviewer", "worker"
 
 /// Who stands behind a token or a session.
 struct Principal {
   Role role = Role::kTeam;
   std::int64_t token = 0;  ///< row of the table
-  std::int64_t team = 0;   ///< 0 for organisers
+  std::int64_t team = 0;   ///< of teams, else 0
+  std::int64_t visit = 0;  ///< of workers, else 0
   std::string name;        ///< the team's, or the token's label
   /// By a cookie, which browsers send unasked: what changes something then needs more than that.
   bool by_cookie = false;
@@ -30,6 +31,8 @@ struct NewTeam {
 
 /// How long a log-in in a browser lasts.
 inline constexpr std::int64_t kSessionSeconds = 12 * 3600;
+/// How long a worker's token is good: longer than anybody sits at it, and joining gives another.
+inline constexpr std::int64_t kWorkerSeconds = 24 * 3600;
 inline constexpr const char* kSessionCookie = "enfilade_session";
 
 // All \throw Error with SQLite's words if the database fails. `now`: seconds since 1970.
@@ -38,8 +41,12 @@ inline constexpr const char* kSessionCookie = "enfilade_session";
 NewTeam add_team(Database& database, const std::string& name, const std::string& contact,
                  std::int64_t now);
 /// \returns the token, shown once  \param expires seconds since 1970; none: never
-std::string add_organiser(Database& database, const std::string& label, std::int64_t now,
-                          std::optional<std::int64_t> expires);
+/// \pre role is kOrganiser or kReviewer
+std::string add_staff(Database& database, Role role, const std::string& label, std::int64_t now,
+                      std::optional<std::int64_t> expires);
+/// For a visit, kWorkerSeconds long; forgets those of workers that have expired. \returns the token
+std::string add_worker_token(Database& database, std::int64_t visit, const std::string& label,
+                             std::int64_t now);
 /// Nothing for a token that is unknown, expired or revoked.
 std::optional<Principal> find_token(Database& database, std::string_view token, std::int64_t now);
 /// A browser's log-in with that token. \returns the cookie's secret
@@ -48,8 +55,5 @@ std::optional<Principal> find_session(Database& database, std::string_view secre
                                       std::int64_t now);
 /// Of all browsers where that token is logged in.
 void end_sessions(Database& database, std::int64_t token);
-
-/// UTF-8, 1 to `most` characters, none of them a control character, no blank at either end.
-bool is_label(std::string_view text, std::size_t most);
 
 }  // namespace enfilade::service::detail

@@ -1,0 +1,25 @@
+/// \file  What texts of strangers may be.
+#pragma once
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace enfilade::service::detail {
+
+/// UTF-8, 1 to `most` characters, no blank at either end, none of them a control character or one
+/// that turns text around.
+bool is_label(std::string_view text, std::size_t most);
+
+/// As is_label(), with line breaks, tabs and blanks wherever they like.
+bool is_prose(std::string_view text, std::size_t most);
+
+/// 1 to 40 of a-z, 0-9, - and _: a part of URLs.
+bool is_name(std::string_view text);
+
+/// What platforms give as ids: 1 to 100 of A-Z, a-z, 0-9, - and _.
+bool is_external_id(std::string_view text);
+
+/// For a sheet (CSV): quoted, and never beginning like a formula, which spreadsheets would run.
+std::string sheet_text(const std::string& text);
+
+}  // namespace enfilade::service::detail

@@ -1,0 +1,31 @@
+/// \file  Workers, and their coming and going.
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "enfilade/service/detail/collections.h"
+
+namespace enfilade::service::detail {
+
+/// A worker who came: for one assignment of a platform, or by a link of one's own.
+struct Visit {
+  std::int64_t id = 0, worker = 0, collection = 0;
+  bool consented = false;
+  std::string worker_name;  ///< the platform's id
+  std::string assignment, submit_to;
+  std::int64_t done = 0;  ///< tasks handed in
+};
+
+// All \throw Error with SQLite's words if the database fails. `now`: seconds since 1970.
+
+/// The same worker with the same assignment is the same visit, also after a restart.
+/// \pre not arrival.preview  \returns the visit's id
+/// \throws HttpError 403 for a new one where the collection is closed; 409 if another worker has
+/// the assignment
+std::int64_t join(Database& database, const Collection& collection, const Arrival& arrival,
+                  std::int64_t now);
+/// \pre there is a visit of this id
+Visit visit_of(Database& database, std::int64_t visit);
+void consent(Database& database, const Visit& visit, std::int64_t now);
+
+}  // namespace enfilade::service::detail

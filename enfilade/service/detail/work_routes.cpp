@@ -1,0 +1,185 @@
+// For workers: coming by a link, taking a task, handing it in.
+#include "enfilade/service/detail/work_routes.h"
+
+#include <charconv>
+
+#include "enfilade/service/detail/bodies.h"
+#include "enfilade/service/detail/collection_json.h"
+#include "enfilade/service/detail/handed_in.h"
+
+namespace enfilade::service::detail {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::size_t kMostDraftBytes = 256U << 10U;
+constexpr std::size_t kMostWorkBytes = 1U << 20U;  // 5000 steps, some 120 bytes each
+
+Visit own_visit(Context& context, const Request& request) {
+  return visit_of(*context.database, request.principal->visit);
+}
+
+Parameters read_parameters(const std::string& body) {
+  const ordered_json object = parse_object(body);
+  const auto found = object.find("parameters");
+  if (found == object.end() || !found->is_object()) {
+    throw HttpError(400, "bad-body", "parameters: must be there, and an object");
+  }
+  Parameters parameters;
+  for (const auto& [name, value] : found->items()) {
+    parameters.emplace(name, field(*found, name.c_str(), true));
+  }
+  return parameters;
+}
+
+bool is_finished(const Collection& collection, const Visit& visit) {
+  return collection.tasks_per_visit > 0 && visit.done >= collection.tasks_per_visit;
+}
+
+/// \param task what it holds \param finished nothing more is given out to it
+ordered_json visit_json(const Collection& collection, const Visit& visit,
+                        const std::optional<Task>& task, bool finished) {
+  ordered_json out{{"consented", visit.consented}, {"done", visit.done}};
+  if (collection.tasks_per_visit > 0) out["of"] = collection.tasks_per_visit;
+  out["finished"] = finished;
+  out["task"] = task ? task_json(*task) : ordered_json();
+  if (finished && visit.done > 0) {
+    out["completion"] = completion_json(
+        completion(collection.platform, visit.assignment, visit.submit_to, visit.id, visit.done));
+  }
+  return out;
+}
+
+/// How a visit stands, without giving it anything.
+ordered_json standing(Context& context, std::int64_t id) {
+  const Visit visit = visit_of(*context.database, id);
+  const Collection collection = collection_of_visit(*context.database, id);
+  return visit_json(collection, visit, held_task(*context.database, visit),
+                    is_finished(collection, visit));
+}
+
+Response come(Context& context, const Request& request) {
+  const std::int64_t now = context.clock();
+  context.joins.take(request.address, now);
+  const Collection collection =
+      collection_named(*context.database, request.parameter("collection"));
+  const Parameters parameters = read_parameters(request.body);
+  const auto key = parameters.find("key");
+  if (key == parameters.end() || key->second != collection.key) {
+    context.failures.take(request.address, now);
+    throw HttpError(403, "bad-key", "the link is not whole: its key is wrong");
+  }
+  const Arrival arrival = read_arrival(collection.platform, parameters);
+  ordered_json out{{"preview", arrival.preview},
+                   {"collection", collection_json(collection, context.site->synthetic())}};
+  if (arrival.preview) {
+    const Item item = first_item(*context.database, collection.id);
+    out["example"] = example_json(item, collection.kind);
+    return json_response(out.dump());
+  }
+  const std::int64_t visit = join(*context.database, collection, arrival, now);
+  out["worker"] = arrival.worker;
+  const std::string label = "worker " + std::to_string(visit_of(*context.database, visit).worker);
+  out["token"] = add_worker_token(*context.database, visit, label, now);
+  out["visit"] = standing(context, visit);
+  return json_response(out.dump());
+}
+
+Response agree(Context& context, const Request& request) {
+  consent(*context.database, own_visit(context, request), context.clock());
+  return json_response(standing(context, request.principal->visit).dump());
+}
+
+Response next_task(Context& context, const Request& request) {
+  const Visit visit = own_visit(context, request);
+  const Collection collection = collection_of_visit(*context.database, visit.id);
+  const Lease lease = lease_task(*context.database, collection, visit, context.clock());
+  const bool finished =
+      !lease.task && (lease.why == NoTask::kFinished || lease.why == NoTask::kNoneLeft);
+  ordered_json out = visit_json(collection, visit, lease.task, finished);
+  if (!lease.task) out["why"] = to_string(lease.why);
+  return json_response(out.dump());
+}
+
+Response show_task(Context& context, const Request& request) {
+  if (!request.principal) throw HttpError(401, "who-are-you", "this needs a token");
+  switch (request.principal->role) {
+    case Role::kWorker:
+      return json_response(
+          task_json(own_task(*context.database, own_visit(context, request), task_id(request)))
+              .dump());
+    case Role::kOrganiser:
+    case Role::kReviewer:
+      return work_response(context, request, task_id(request));
+    case Role::kTeam:
+      break;
+  }
+  throw HttpError(404, "unknown-task", "no such task");
+}
+
+Response save_draft(Context& context, const Request& request) {
+  const ordered_json body = parse_object(request.body);
+  const auto draft = body.find("draft");
+  if (draft == body.end() || !draft->is_object()) {
+    throw HttpError(400, "bad-body", "draft: must be there, and an object");
+  }
+  const std::int64_t expires = keep_draft(*context.database, own_visit(context, request),
+                                          task_id(request), draft->dump(), context.clock());
+  return json_response(ordered_json{{"expires", iso_time(expires)}}.dump());
+}
+
+Response submit(Context& context, const Request& request) {
+  const Visit visit = own_visit(context, request);
+  const Task task = own_task(*context.database, visit, task_id(request));
+  const bool walk = task.kind == Kind::kWalk;
+  const HandedIn work = walk ? read_walked(request.body, task.item, context.site->graphs())
+                             : read_written(request.body);
+  hand_in(*context.database, visit, task.id, work, context.clock());
+  ordered_json out = standing(context, visit.id);
+  if (walk) {
+    out["walked"] = ordered_json::object();
+    const Task done = own_task(*context.database, visit, task.id);
+    if (!done.item.secret) out["walked"]["bonus"] = done.bonus();
+  }
+  return json_response(out.dump());
+}
+
+}  // namespace
+
+std::int64_t task_id(const Request& request) {
+  const std::string& text = request.parameter("task");
+  std::int64_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    throw HttpError(404, "unknown-task", "no such task");
+  }
+  return id;
+}
+
+void add_work_routes(Router& router, Context& context) {
+  const std::string one = "/api/v1/tasks/{task}";
+  router.add({"POST", "/api/v1/collections/{collection}/join", Access::kPublic,
+              [&context](const Request& request) { return come(context, request); }});
+  router.add({"GET", "/api/v1/visit", Access::kWorker, [&context](const Request& request) {
+                return json_response(standing(context, request.principal->visit).dump());
+              }});
+  router.add({"PUT", "/api/v1/visit/consent", Access::kWorker,
+              [&context](const Request& request) { return agree(context, request); }});
+  router.add({"POST", "/api/v1/visit/task", Access::kWorker,
+              [&context](const Request& request) { return next_task(context, request); }});
+  router.add({"GET", one, Access::kPublic,
+              [&context](const Request& request) { return show_task(context, request); }});
+  router.add({"DELETE", one, Access::kWorker, [&context](const Request& request) {
+                give_back(*context.database, own_visit(context, request), task_id(request),
+                          context.clock());
+                return json_response(standing(context, request.principal->visit).dump());
+              }});
+  router.add({"PUT", one + "/draft", Access::kWorker,
+              [&context](const Request& request) { return save_draft(context, request); },
+              kMostDraftBytes});
+  router.add({"PUT", one + "/submission", Access::kWorker,
+              [&context](const Request& request) { return submit(context, request); },
+              kMostWorkBytes});
+}
+
+}  // namespace enfilade::service::detail

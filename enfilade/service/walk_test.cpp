@@ -1,0 +1,166 @@
+// People walk instructions, over real sockets.
+#include <gmock/gmock.h>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/r2r/results.h"
+#include "enfilade/r2r/score.h"
+#include "tests/support/collecting.h"
+
+namespace enfilade::service {
+namespace {
+
+using nlohmann::json;
+using testing::collection_body;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::row_steps;
+using testing::Worker;
+
+using Walk = testing::Collecting;
+
+TEST_F(Walk, AnInstructionIsShownAndItsGoalIsNot) {
+  create(collection_body("pilot", "walk"));
+  Worker one = worker("one");
+  std::string all = one.join().dump();
+  all += one.consent().dump();
+  const json leased = one.lease();
+  all += leased.dump();
+  const json task = leased.at("task");
+  EXPECT_EQ(task.at("instruction"), "Walk to the end of the hall, path 1.");
+  EXPECT_EQ(task.at("start"), "v0");
+  EXPECT_EQ(task.at("heading"), 1.5);
+  all += one.task(task.at("task")).dump();
+  all += one.draft(task.at("task"), {{"at", 1}}).dump();
+  all += one.visit().dump();
+  all += one.walk(task.at("task"), row_steps(1, 2)).dump();  // refused: a wrong start
+  json jump = row_steps(0, 1);
+  jump[1]["viewpoint"] = "v5";
+  const std::string refused = one.walk(task.at("task"), jump).dump();
+  EXPECT_THAT(refused, HasSubstr("not-adjacent"));
+  all += refused;
+  EXPECT_THAT(all, Not(HasSubstr("v3")));  // the goal
+  EXPECT_THAT(all, Not(HasSubstr("\"path")));
+  EXPECT_THAT(all, Not(HasSubstr("distance")));
+}
+
+TEST_F(Walk, StoppingNearTheGoalEarnsTheBonus) {
+  create(collection_body("pilot", "walk"));  // the goal is 3 m from the start
+  Worker far = worker("far");
+  const json miss = far.walk(far.begin().at("task"), row_steps(0, 0));
+  EXPECT_EQ(miss.at("status"), 200);
+  EXPECT_EQ(miss.at("walked").at("bonus"), false);  // 3 m are not less than 3
+  Worker near = worker("near");
+  const json hit = near.walk(near.begin().at("task"), row_steps(0, 1));
+  EXPECT_EQ(hit.at("walked").at("bonus"), true);
+  const json visits = served_.json("/api/v1/collections/pilot/workers", organiser_).at("visits");
+  EXPECT_EQ(visits.at(0).at("bonuses"), 0);
+  EXPECT_EQ(visits.at(1).at("bonuses"), 1);
+}
+
+TEST_F(Walk, OnlyMovesThatAnAgentMayMakeAreTaken) {
+  create(collection_body("pilot", "walk"));
+  Worker one = worker("one");
+  const std::int64_t task = one.begin().at("task");
+  const auto code_of = [&](const char* field, const json& value) {
+    json steps = row_steps(0, 2);
+    steps[2][field] = value;
+    const json refused = one.walk(task, steps);
+    EXPECT_EQ(refused.at("status"), 422) << field << value;
+    return refused.at("error").at("diagnostics").at(0).at("code").get<std::string>();
+  };
+  EXPECT_EQ(code_of("viewpoint", "v4"), "not-adjacent");
+  EXPECT_EQ(code_of("viewpoint", "v9"), "unknown-viewpoint");
+  EXPECT_EQ(code_of("viewpoint", 3), "not-a-string");
+  EXPECT_EQ(code_of("heading", 7), "out-of-range");
+  EXPECT_EQ(code_of("elevation", -1.6), "out-of-range");
+  EXPECT_EQ(code_of("seconds", 0.5), "time-runs-back");
+  EXPECT_EQ(code_of("seconds", 1e9), "out-of-range");
+  EXPECT_EQ(one.walk(task, json::array()).at("status"), 422);
+  EXPECT_EQ(one.walk(task, 3).at("status"), 422);
+  EXPECT_EQ(one.visit().at("done"), 0);
+}
+
+TEST_F(Walk, HandingInTwiceIsOnce) {
+  create(collection_body("pilot", "walk"));
+  Worker one = worker("one");
+  const std::int64_t task = one.begin().at("task");
+  EXPECT_EQ(one.walk(task, row_steps(0, 3)).at("done"), 1);
+  const json again = one.walk(task, row_steps(0, 3));
+  EXPECT_EQ(again.at("done"), 1);
+  EXPECT_EQ(again.at("walked").at("bonus"), true);
+  EXPECT_EQ(one.walk(task, row_steps(0, 2)).at("error").at("code"), "submitted");
+}
+
+// What enfilade score does with the files.
+r2r::Score score_of(const std::string& annotations, const std::string& results,
+                    const std::filesystem::path& data) {
+  const r2r::EpisodeSet episodes =
+      r2r::make_episodes(r2r::parse_annotations(annotations, "annotations", "val_seen"),
+                         graph::GraphSet::open(data / "connectivity"));
+  return r2r::compute_score(r2r::parse_results(results, "results", episodes).trajectories,
+                            episodes);
+}
+
+TEST_F(Walk, TheExportIsScoredLikeAnyAgents) {
+  json body = collection_body("pilot", "walk");
+  body["sources"] = json::array({{{"split", "val_seen"}}});  // three paths, two instructions each
+  create(body);
+  Worker one = worker("one");
+  one.join();
+  one.consent();
+  for (int k = 0; k < 5; ++k) {
+    const json task = one.lease().at("task");
+    const int start = task.at("start").get<std::string>().at(1) - '0';
+    one.walk(task.at("task"), row_steps(start, start + (k == 1 ? 0 : 3)));
+  }
+  const std::string target = "/api/v1/collections/pilot/export?split=val_seen";
+  EXPECT_EQ(served_.get(target + "&what=results", organiser_)->body, "[\n]\n");  // none is accepted
+  const auto file = served_.get(target + "&what=results&state=all", organiser_);
+  EXPECT_THAT(file->get_header_value("Content-Disposition"),
+              HasSubstr("human_results_val_seen.json"));
+  // The third path has one walk of its two: it is left out of both.
+  const std::string annotations = served_.get(target + "&state=all", organiser_)->body;
+  const r2r::Score score = score_of(annotations, file->body, served_.root() / "data");
+  EXPECT_EQ(json::parse(annotations).size(), 2U);
+  EXPECT_THAT(r2r::to_json(score), HasSubstr("success"));
+  const json means = json::parse(r2r::to_json(score)).at("means");
+  EXPECT_DOUBLE_EQ(means.at("success").at("mean").get<double>(), 0.75);
+  EXPECT_DOUBLE_EQ(means.at("nav_error").at("mean").get<double>(), 0.75);  // one of 3 m
+  const json walks = json::parse(served_.get(target + "&what=walks&state=all", organiser_)->body);
+  ASSERT_EQ(walks.size(), 4U);
+  EXPECT_EQ(walks[0].at("instr_id"), "1_0");
+  EXPECT_EQ(walks[0].at("steps"), row_steps(0, 3));
+  EXPECT_EQ(walks[0].at("camera").at("width"), 640);
+  EXPECT_EQ(walks[0].at("seconds"), 3.0);
+  EXPECT_EQ(served_.get(target + "&what=else", organiser_)->status, 400);
+}
+
+TEST_F(Walk, GoalsOfASecretPhaseAreSecretHereToo) {
+  json body = collection_body("pilot", "walk");
+  body["sources"] = json::array({{{"split", "test"}, {"most", 1}}});
+  std::string all = create(body).dump();
+  for (const char* name : {"one", "two"}) {  // of the path's two instructions
+    Worker one = worker(name);
+    const json task = one.begin();
+    all += task.dump();
+    const json done = one.walk(task.at("task"), row_steps(0, 1));
+    EXPECT_EQ(done.at("walked"), json::object());  // not even whether it was near
+    all += done.dump();
+  }
+  const std::string work = "/api/v1/collections/pilot/work";
+  const std::string seen = served_.get(work, reviewer_)->body;
+  EXPECT_THAT(seen, Not(HasSubstr("bonus")));
+  EXPECT_THAT(served_.get(work, organiser_)->body, HasSubstr("\"bonus\":true"));
+  const std::string target = "/api/v1/collections/pilot/export?split=test&state=all";
+  EXPECT_EQ(served_.get(target, organiser_)->status, 403);
+  all += seen + served_.get(work, organiser_)->body + served_.get(target, organiser_)->body +
+         served_.get(target + "&what=results", organiser_)->body +
+         served_.get(target + "&what=walks", organiser_)->body +
+         served_.get("/api/v1/tasks/1", organiser_)->body;
+  EXPECT_THAT(all, HasSubstr("v1"));
+  EXPECT_THAT(all, Not(HasSubstr("v3")));  // the goal
+  EXPECT_THAT(all, Not(HasSubstr("error_m")));
+}
+
+}  // namespace
+}  // namespace enfilade::service

@@ -1,0 +1,127 @@
+/// \file  A scripted worker of a collection, over a real socket.
+#pragma once
+#include <httplib.h>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+namespace enfilade::service::testing {
+
+/// The body of a collection of the data of served_data.h: one path, three workers, unless changed.
+inline nlohmann::json collection_body(const std::string& name, const std::string& kind) {
+  return {{"name", name},
+          {"title", "A title"},
+          {"kind", kind},
+          {"consent", "# Consent\n\nYou *may* stop at any time."},
+          {"instructions", "Write so that a smart robot finds the goal."},
+          {"sources", nlohmann::json::array({{{"split", "val_seen"}, {"most", 1}}})}};
+}
+
+/// The key in a collection's link.
+inline std::string key_of(const nlohmann::json& collection) {
+  const auto link = collection.at("link").get<std::string>();
+  const std::size_t begin = link.find("&key=") + 5;
+  return link.substr(begin, link.find('&', begin) - begin);
+}
+
+/// What an answer says, and its "status"; 0 if there was no answer.
+inline nlohmann::json read_answer(const httplib::Result& result) {
+  if (!result) return {{"status", 0}};
+  auto body = nlohmann::json::parse(result->body, nullptr, false);
+  if (!body.is_object()) body = nlohmann::json::object();
+  body["status"] = result->status;
+  return body;
+}
+
+class Worker {
+ public:
+  /// Nothing is sent yet. \param parameters of the page's address, the key among them
+  Worker(int port, std::string collection, nlohmann::json parameters)
+      : client_("127.0.0.1", port),
+        collection_(std::move(collection)),
+        parameters_(std::move(parameters)) {
+    client_.set_keep_alive(true);
+    client_.set_read_timeout(60);  // a machine that has other work to do
+  }
+
+  /// Comes in.
+  nlohmann::json join() {
+    const std::string body = nlohmann::json{{"parameters", parameters_}}.dump();
+    auto answer = answered(
+        [&] { return client_.Post("/api/v1/collections/" + collection_ + "/join", body, kJson); });
+    if (answer.contains("token")) {
+      token_ = {{"Authorization", "Bearer " + answer["token"].get<std::string>()}};
+    }
+    return answer;
+  }
+  nlohmann::json consent() { return put("/api/v1/visit/consent", nlohmann::json::object()); }
+  nlohmann::json lease() {
+    return answered([&] { return client_.Post("/api/v1/visit/task", token_, "{}", kJson); });
+  }
+  nlohmann::json visit() {
+    return answered([&] { return client_.Get("/api/v1/visit", token_); });
+  }
+  /// Joins, agrees and leases. \returns the task; null if there is none
+  nlohmann::json begin() {
+    join();
+    consent();
+    return lease().value("task", nlohmann::json());
+  }
+
+  nlohmann::json write(std::int64_t task, const std::string& instruction) {
+    return put(address(task) + "/submission", {{"instruction", instruction}, {"seconds", 42.5}});
+  }
+  nlohmann::json walk(std::int64_t task, const nlohmann::json& steps) {
+    return put(address(task) + "/submission",
+               {{"steps", steps}, {"camera", {{"width", 640}, {"height", 480}, {"vfov", 1.047}}}});
+  }
+  nlohmann::json draft(std::int64_t task, const nlohmann::json& draft) {
+    return put(address(task) + "/draft", {{"draft", draft}});
+  }
+  nlohmann::json give_back(std::int64_t task) {
+    return answered([&] { return client_.Delete(address(task), token_); });
+  }
+  nlohmann::json task(std::int64_t task) {
+    return answered([&] { return client_.Get(address(task), token_); });
+  }
+
+  nlohmann::json put(const std::string& target, const nlohmann::json& body) {
+    return answered([&] { return client_.Put(target, token_, body.dump(), kJson); });
+  }
+  const httplib::Headers& headers() const { return token_; }
+  std::size_t sent_again() const { return sent_again_; }  ///< requests that had no answer at first
+
+ private:
+  static constexpr const char* kJson = "application/json";
+
+  /// Once more on a new connexion if the one that was kept open is closed just now, as browsers do.
+  template <class Call>
+  nlohmann::json answered(const Call& call) {
+    httplib::Result result = call();
+    if (result) return read_answer(result);
+    ++sent_again_;
+    return read_answer(call());
+  }
+  static std::string address(std::int64_t task) { return "/api/v1/tasks/" + std::to_string(task); }
+
+  httplib::Client client_;
+  std::string collection_;
+  nlohmann::json parameters_;
+  httplib::Headers token_;
+  std::size_t sent_again_ = 0;
+};
+
+/// Steps along v<first> ... v<last> of the row, a second each.
+inline nlohmann::json row_steps(int first, int last) {
+  auto steps = nlohmann::json::array();
+  const int way = first <= last ? 1 : -1;
+  for (int v = first; v != last + way; v += way) {
+    steps.push_back({{"viewpoint", "v" + std::to_string(v)},
+                     {"heading", 1.5},
+                     {"elevation", 0.0},
+                     {"seconds", static_cast<double>(steps.size())}});
+  }
+  return steps;
+}
+
+}  // namespace enfilade::service::testing
