@@ -15,6 +15,9 @@ const types = {
   '.txt': 'text/plain; charset=utf-8',
 };
 
+// What all pages together may weigh, compressed: people on phones download a good part of it.
+const mostBytes = 400_000;
+
 const [dist, output] = process.argv.slice(2);
 const names = readdirSync(dist, { recursive: true, withFileTypes: true })
   .filter((entry) => entry.isFile())
@@ -23,15 +26,20 @@ const names = readdirSync(dist, { recursive: true, withFileTypes: true })
 
 const arrays = [];
 const rows = [];
+let bytes = 0;
 names.forEach((name, k) => {
   const type = types[extname(name)];
   if (!type) throw new Error(`embed.mjs: ${name}: no media type is known for this suffix`);
   const content = readFileSync(join(dist, name));
   const packed = gzipSync(content, { level: 9 });
+  bytes += packed.length;
   const digest = createHash('sha256').update(content).digest('hex').slice(0, 16);
   arrays.push(`constexpr unsigned char kFile${k}[] = {${[...packed].join(',')}};`);
   rows.push(`    {"/${name}", "${type}", "${digest}", view(kFile${k})},`);
 });
+
+if (bytes > mostBytes) throw new Error(`embed.mjs: the web client has ${bytes} bytes compressed, ${mostBytes} at most`);
+console.log(`The web client: ${names.length} files, ${Math.round(bytes / 1000)} kB compressed`);
 
 writeFileSync(
   output,

@@ -27,6 +27,6 @@ export default defineConfig({
     },
   },
   server: { proxy: { '/api': process.env['ENFILADE_SERVER'] ?? 'http://127.0.0.1:8080' } },
-  // Unit tests; `--dir e2e` has those in the browser.
-  test: { root: here('.'), dir: 'test' },
+  // Unit tests; `--dir e2e` has those in the browser, which make homes and draw them without a GPU.
+  test: { root: here('.'), dir: 'test', testTimeout: 600_000, hookTimeout: 600_000, fileParallelism: false },
 });

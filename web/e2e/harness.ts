@@ -4,9 +4,11 @@
  */
 import { type ChildProcess, execFileSync, spawn } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { type Browser, chromium, type Page } from 'playwright-core';
+import { expect } from 'vitest';
 
 export const program = process.env['ENFILADE_PROGRAM'] ?? '';
 const browserPath = process.env['CHROMIUM'] ?? '/usr/bin/chromium';
@@ -20,11 +22,20 @@ export const missing = !existsSync(program)
 if (missing) console.warn(`browser tests are skipped: ${missing}`);
 
 export interface Home {
+  /** The data set. */
   readonly folder: string;
+  readonly database: string;
   readonly server: string;
   readonly browser: Browser;
   stop(): Promise<void>;
 }
+
+/** Runs `enfilade`, and has what it prints. Throws if it fails. */
+export const enfilade = (...args: readonly string[]): string => execFileSync(program, args, { encoding: 'utf8' });
+
+/** A new token, as the organiser makes it on the server's machine. */
+export const newToken = (home: Home, label: string, role: 'organiser' | 'reviewer'): string =>
+  enfilade('serve', 'token', '--db', home.database, '--label', label, '--role', role).trim();
 
 /** Model homes: synthetic, and the same in every run. */
 export function makeHomes(data: string, more: readonly string[] = []): void {
@@ -72,7 +83,8 @@ export async function openHome(): Promise<Home> {
   const data = join(folder, 'homes');
   makeHomes(data);
   writeAnnotations(data);
-  const child = spawn(program, ['serve', data, '--db', join(folder, 'service.sqlite'), '--port', '0',
+  const database = join(folder, 'service.sqlite');
+  const child = spawn(program, ['serve', data, '--db', database, '--port', '0',
     '--log', 'none'], { stdio: ['ignore', 'pipe', 'inherit'] });
   const server = await listen(child);
   const browser = await chromium.launch({
@@ -80,7 +92,7 @@ export async function openHome(): Promise<Home> {
     args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
   });
   return {
-    folder: data, server, browser,
+    folder: data, database, server, browser,
     stop: async () => {
       await browser.close();
       const ended = new Promise((resolve) => child.once('exit', resolve));
@@ -91,12 +103,16 @@ export async function openHome(): Promise<Home> {
   };
 }
 
+/** For anything to happen in a browser, milliseconds: tests share their machine with builds. */
+export const patience = 120_000;
+
 /** A page that fails its test when a script fails or the content policy is hurt. */
 export async function openPage(home: Home, path: string, phone = false): Promise<Page> {
   const page = await home.browser.newPage({
     viewport: phone ? { width: 390, height: 844 } : { width: 1280, height: 800 },
     hasTouch: phone,
   });
+  page.setDefaultTimeout(patience);
   page.on('pageerror', (error) => { complaints.push(String(error)); });
   page.on('console', (message) => {
     // What a page asks for and doesn't get is the page's to show.
@@ -110,8 +126,38 @@ export async function openPage(home: Home, path: string, phone = false): Promise
 /** What browsers complained of since the start. */
 export const complaints: string[] = [];
 
+interface Violation { readonly id: string; readonly impact: string; readonly nodes: { html: string }[] }
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+
+/** What axe-core finds that keeps people out. */
+export async function seriousFaults(page: Page): Promise<string[]> {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() =>
+    (globalThis as unknown as { axe: { run(): Promise<{ violations: Violation[] }> } }).axe.run());
+  return violations
+    .filter(({ impact }) => impact === 'serious' || impact === 'critical')
+    .map(({ id, nodes }) => `${id}: ${nodes[0]?.html}`);
+}
+
+/**
+ * A page as it stands: nothing in it keeps people out, and nothing is wider than the screen, on a
+ * desktop and on a phone. Keeps a picture of both.
+ */
+export async function inspect(page: Page, name: string): Promise<void> {
+  const before = page.viewportSize()!;
+  for (const [kind, size] of [['desktop', { width: 1280, height: 800 }], ['phone', { width: 390, height: 844 }]] as const) {
+    await page.setViewportSize(size);
+    await page.waitForTimeout(200); // until the view has its new size
+    expect(await seriousFaults(page), `${name}, ${kind}`).toEqual([]);
+    const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    expect(wider, `${name}, ${kind}: pixels too wide`).toBeLessThanOrEqual(0);
+    await keepScreenshot(page, `${name}-${kind}`, kind === 'phone');
+  }
+  await page.setViewportSize(before);
+}
+
 /** Into the folder ENFILADE_SCREENSHOTS, where somebody wants to look at them. */
-export async function keepScreenshot(page: Page, name: string): Promise<void> {
+export async function keepScreenshot(page: Page, name: string, fullPage = false): Promise<void> {
   const folder = process.env['ENFILADE_SCREENSHOTS'];
-  if (folder) await page.screenshot({ path: join(folder, `${name}.png`) });
+  if (folder) await page.screenshot({ path: join(folder, `${name}.png`), fullPage });
 }

@@ -17,26 +17,36 @@ export function make<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
+/** What is said already isn't said again: screen readers would repeat it. */
+export function say(element: HTMLElement, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}
+
 export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
 }
 
-const links: readonly (readonly [string, string])[] = [
+/** Address and name of a page. */
+export type Link = readonly [string, string];
+
+const siteLinks: readonly Link[] = [
   ['/', 'Buildings'],
   ['/episodes', 'Episodes'],
   ['/leaderboard', 'Leaderboard'],
   ['/submit', 'Submit'],
+  ['/organise', 'Collections'],
 ];
 
-/** The header, before the page's main part. */
-export function addHeader(synthetic: boolean): void {
-  const header = make('header', { class: 'site' }, make('a', { href: '/', class: 'name' }, 'Enfilade'));
+/** The header, before the page's main part. Workers get no links: one page is all they came for. */
+export function addHeader(synthetic: boolean, links: readonly Link[] = siteLinks): void {
+  const header = make('header', { class: 'site' },
+    links.length > 0 ? make('a', { href: '/', class: 'name' }, 'Enfilade') : make('span', { class: 'name' }, 'Enfilade'));
   const nav = make('nav', { 'aria-label': 'Pages', class: 'site-links' });
   for (const [href, text] of links) {
     const here = location.pathname === href;
     nav.append(make('a', { href, ...(here && { 'aria-current': 'page' }) }, text), ' ');
   }
-  header.append(nav);
+  if (links.length > 0) header.append(nav);
   if (synthetic) {
     const title = 'The buildings here are made by a program; they are not real ones';
     header.append(make('span', { class: 'synthetic', title }, 'Model homes: synthetic'));
@@ -77,5 +87,11 @@ export function problems(error: unknown): HTMLElement {
 
 /** Runs a page; what goes wrong is shown on it. */
 export function run(page: () => Promise<void>): void {
-  page().catch((error: unknown) => byId('main').append(problems(error)));
+  page().catch((error: unknown) => {
+    byId('main').classList.remove('wide');
+    byId('main').append(problems(error));
+  });
 }
+
+/** "2026-11-21 19:40", as the server says it (UTC). */
+export const dateTime = (iso: string): string => iso.slice(0, 16).replace('T', ' ');

@@ -1,8 +1,8 @@
 /** Making a team, logging in, handing in, and a team's history. */
-import { addHeader, api, byId, make, problems, run, table } from '../page.ts';
+import { field, form, json, loggedIn, loginForm, type Who } from '../forms.ts';
+import { addHeader, api, byId, dateTime, make, problems, run, table } from '../page.ts';
 
 interface Phase { readonly phase: string; readonly title: string; readonly per_day: number }
-interface Who { readonly role: 'stranger' | 'team' | 'organiser'; readonly name?: string }
 interface Submission {
   readonly id: number;
   readonly team: string;
@@ -15,47 +15,21 @@ interface Submission {
 }
 
 const main = byId('main');
-const json = (body: unknown): RequestInit => ({
-  method: 'POST', body: JSON.stringify(body), headers: { 'Content-Type': 'application/json' },
-});
-
-/** A form whose button waits for what it started, and shows what went wrong below it. */
-function form(text: string, fields: readonly HTMLElement[], send: () => Promise<void>): HTMLElement {
-  const button = make('button', { class: 'main' }, text);
-  const said = make('div');
-  const element = make('form', {}, ...fields, make('p', {}, button), said);
-  element.addEventListener('submit', (event) => {
-    event.preventDefault();
-    button.disabled = true;
-    said.replaceChildren();
-    send().catch((error: unknown) => said.replaceChildren(problems(error)))
-      .finally(() => { button.disabled = false; });
-  });
-  return element;
-}
-
-function field(id: string, text: string, attributes: Record<string, string> = {}): [HTMLElement, HTMLInputElement] {
-  const input = make('input', { id, type: 'text', required: '', ...attributes });
-  return [make('div', {}, make('label', { for: id }, text), input), input];
-}
 
 function showStranger(): void {
-  const [tokenField, token] = field('token', "Your team's token", { type: 'password', autocomplete: 'off' });
+  const login = loginForm("Your team's token");
   const [nameField, name] = field('name', "The team's name, as the leaderboard shows it", { maxlength: '80' });
   const made = make('div');
   main.append(
     make('h2', {}, 'Log in'),
-    form('Log in', [tokenField], async () => {
-      await api.call('session', json({ token: token.value.trim() }));
-      location.reload();
-    }),
+    login,
     make('h2', {}, 'Or make a team'),
     form('Make the team', [nameField], async () => {
       const team = await api.call<{ token: string }>('teams', json({ name: name.value.trim() }));
       made.replaceChildren(
         make('p', { class: 'done', role: 'status' }, 'The team is made. This is its token; it is shown this once, keep it:'),
         make('p', { class: 'token' }, team.token));
-      token.value = team.token;
+      login.querySelector('input')!.value = team.token;
     }),
     made);
 }
@@ -74,7 +48,7 @@ function historyTable(list: readonly Submission[], changed: () => void): HTMLEle
         if (!confirm(`Withdraw submission ${s.id} from the leaderboard, for good?`)) return;
         api.call(`submissions/${s.id}`, { method: 'DELETE' }).then(changed, (e: unknown) => main.append(problems(e)));
       });
-      return [String(s.id), s.phase, s.method, s.created.slice(0, 16).replace('T', ' '), s.state,
+      return [String(s.id), s.phase, s.method, dateTime(s.created), s.state,
         show(s, 'nav_error', 1), show(s, 'success', 100), show(s, 'spl', 100), withdraw];
     }),
   );
@@ -92,9 +66,7 @@ async function showTeam(who: Who): Promise<void> {
     history.replaceChildren(submissions.length === 0 ? make('p', {}, 'None yet.') : historyTable(submissions, () => void refresh()));
     if (submissions.some(({ state }) => state === 'queued')) setTimeout(() => void refresh(), 1000);
   };
-  const logOut = make('button', { type: 'button' }, 'Log out');
-  logOut.addEventListener('click', () => void api.call('session', { method: 'DELETE' }).then(() => location.reload()));
-  main.append(make('p', {}, 'You are ', make('strong', {}, who.name ?? ''), '. ', logOut));
+  main.append(loggedIn(who));
   if (who.role === 'team') {
     main.append(form('Check and hand in', [make('label', { for: 'phase' }, 'Phase'), phase, methodField, fileField], async () => {
       said.replaceChildren();
@@ -115,5 +87,6 @@ run(async () => {
   main.append(make('h1', {}, 'Submit'));
   const who = await api.call<Who>('session');
   if (who.role === 'stranger') showStranger();
+  else if (who.role === 'reviewer') main.append(loggedIn(who), make('p', {}, make('a', { href: '/organise' }, 'To what is to be reviewed')));
   else await showTeam(who);
 });

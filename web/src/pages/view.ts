@@ -102,7 +102,7 @@ run(async () => {
   side.append(make('div', { class: 'map' }, map.element), panel);
   if (episode) await showEpisode(panel, viewer, map, episode);
   panel.append(make('div', { class: 'controls' }, overlayControl(viewer)),
-    make('p', { class: 'note' }, `Drag to look, click a disc to go. ${keyHelp}`));
+    make('p', { class: 'note' }, `Drag to look, click a disc to go. ${keyHelp(viewer)}`));
   followAddress(viewer);
   window.enfilade = { viewer };
 });

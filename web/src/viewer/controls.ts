@@ -7,8 +7,8 @@ const zoomStep = 1.1;
 /** A press that moves less than so many pixels is a click. */
 const clickSlack = 6;
 
-export const keyHelp =
-  'Arrow keys look around, plus and minus zoom, Enter goes ahead, 1 to 9 go to the listed places.';
+export const keyHelp = (viewer: Viewer): string =>
+  `Arrow keys look around,${viewer.zooms ? ' plus and minus zoom,' : ''} Enter goes ahead, 1 to 9 go to the listed places.`;
 
 /** "ahead", "45 degrees to the left". */
 export function bearing(relHeading: number): string {
@@ -45,7 +45,7 @@ export class Controls {
   private label(): void {
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute('role', 'application');
-    this.canvas.setAttribute('aria-label', `Panorama. ${keyHelp}`);
+    this.canvas.setAttribute('aria-label', `Panorama. ${keyHelp(this.viewer)}`);
     this.said.className = 'enfilade-said';
     this.said.setAttribute('aria-live', 'polite');
     const nav = document.createElement('nav');

@@ -9,4 +9,4 @@ document.adoptedStyleSheets.push(sheet);
 export { Flight, type Moment } from './flight.ts';
 export { MiniMap } from './mini_map.ts';
 export { Player } from './player.ts';
-export { Viewer, type Pose, type ViewerOptions } from './viewer.ts';
+export { agentRules, Viewer, type Pose, type Rules, type ViewerOptions } from './viewer.ts';

@@ -37,12 +37,18 @@ export class Player {
     for (const value of speeds) this.speed.add(new Option(`${value}×`, String(value)));
     this.speed.value = '1';
     this.element.append(this.play, this.slider, this.speed);
+    // Who takes the view into their own hands wants to look, not to be carried on.
+    for (const event of ['pointerdown', 'keydown']) viewer.element.addEventListener(event, () => this.pause());
     this.label();
   }
 
   /** Called once, when the goal is reached for the first time. */
   onEnd(ended: () => void): void {
     this.ended = ended;
+  }
+
+  get playing(): boolean {
+    return this.running;
   }
 
   start(): void {
@@ -54,6 +60,7 @@ export class Player {
   }
 
   pause(): void {
+    if (!this.running) return;
     this.running = false;
     this.label();
   }

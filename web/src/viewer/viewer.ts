@@ -11,7 +11,7 @@ import {
   wrapHeading,
   worldFromCamera,
 } from '../geometry.ts';
-import { navigable, type Step } from '../navigation.ts';
+import { halfFieldOfView, navigable, type Step } from '../navigation.ts';
 import { Api, type Layer, type Scan } from '../scan.ts';
 import { Controls } from './controls.ts';
 import { Discs, floorBelow, type Mark } from './discs.ts';
@@ -33,7 +33,28 @@ export interface ViewerOptions extends Partial<Direction> {
   readonly vfov?: number;
   /** The server's address; absent: that of the page. */
   readonly server?: string;
+  /** Absent: one may look and go everywhere. */
+  readonly rules?: Rules;
 }
+
+/** What one may see and do, where that is less than everything. */
+export interface Rules {
+  /** Only steps that lie within so many radians of the heading can be taken. */
+  readonly within: number;
+  /** One looks so far up and down at most, radians. */
+  readonly mostElevation: number;
+  /** The vertical opening, which stays, radians. The element should be `aspect` times as wide as high. */
+  readonly vfov: number;
+  readonly aspect: number;
+}
+
+/** What an agent of R2R sees: 640 x 480 at 60 degrees, three rows of views, MatterSim's linear field of view. */
+export const agentRules: Rules = {
+  within: halfFieldOfView({ width: 640, height: 480, vfov: degrees(60) }),
+  mostElevation: degrees(30),
+  vfov: degrees(60),
+  aspect: 640 / 480,
+};
 
 const leastVfov = degrees(25);
 const mostVfov = degrees(100);
@@ -59,6 +80,8 @@ export class Viewer {
   private readonly listeners = new Set<Listener>();
   private marks: ReadonlyMap<number, Mark> = new Map();
   private overlay: { layer: Layer; share: number } | undefined;
+  private readonly rules: Rules | undefined;
+  private places: ReadonlySet<number> | undefined;
   private pose_: Pose;
   private moving = false;
   private frame = 0;
@@ -79,6 +102,7 @@ export class Viewer {
   private constructor(element: HTMLElement, api: Api, scan: Scan, options: ViewerOptions) {
     this.element = element;
     this.scan_ = scan;
+    this.rules = options.rules;
     this.pose_ = startPose(scan, options);
     this.pictures = new Pictures(api, scan.scan);
     this.renderer = new three.WebGLRenderer({ antialias: true, preserveDrawingBuffer: false });
@@ -115,11 +139,20 @@ export class Viewer {
 
   /** Where one can go, nearest to the middle of the view first. */
   steps(): Step[] {
-    return navigable(this.scan, this.pose_.viewpoint, this.pose_);
+    return navigable(this.scan, this.pose_.viewpoint, this.pose_, this.rules?.within)
+      .filter(({ viewpoint }) => this.places?.has(viewpoint) ?? true);
+  }
+
+  /** From now on one can go to these viewpoints only. */
+  confine(places: Iterable<number>): void {
+    this.places = new Set(places);
+    this.placeDiscs();
+    this.tell();
+    this.draw();
   }
 
   look(heading: number, elevation: number): void {
-    const most = Math.PI / 2;
+    const most = this.rules?.mostElevation ?? Math.PI / 2;
     this.setPose({
       ...this.pose_,
       heading: wrapHeading(heading),
@@ -127,13 +160,19 @@ export class Viewer {
     });
   }
 
+  /** Whether zoom() does anything. */
+  get zooms(): boolean {
+    return this.rules === undefined;
+  }
+
   zoom(vfov: number): void {
+    if (!this.zooms) return;
     this.setPose({ ...this.pose_, vfov: Math.min(Math.max(vfov, leastVfov), mostVfov) });
   }
 
-  /** Glides to a viewpoint, at once where people asked for less motion. False while on the way. */
+  /** Glides to a viewpoint, at once where people asked for less motion. False while on the way, or if it may not be. */
   async go(viewpoint: number): Promise<boolean> {
-    if (this.moving || !this.scan.viewpoints[viewpoint]?.rotation) return false;
+    if (this.moving || !this.scan.viewpoints[viewpoint]?.rotation || !this.may(viewpoint)) return false;
     this.moving = true;
     this.stopAnimation();
     try {
@@ -251,12 +290,18 @@ export class Viewer {
     this.element.classList.remove('enfilade-viewer');
   }
 
+  private may(viewpoint: number): boolean {
+    if (this.rules) return this.steps().some((step) => step.viewpoint === viewpoint);
+    return this.places?.has(viewpoint) ?? true;
+  }
+
   private eye(): Vec3 {
     return this.scan.viewpoints[this.pose_.viewpoint]!.position;
   }
 
   private setPose(pose: Pose): void {
     this.pose_ = pose;
+    if (this.rules) this.placeDiscs(); // what can be gone to turns with the heading
     this.tell();
     this.draw();
   }
@@ -379,7 +424,7 @@ function startPose(scan: Scan, options: ViewerOptions): Pose {
     viewpoint,
     heading: wrapHeading(options.heading ?? along), // towards somewhere to go, not a wall
     elevation: options.elevation ?? 0,
-    vfov: Math.min(Math.max(options.vfov ?? degrees(60), leastVfov), mostVfov),
+    vfov: options.rules?.vfov ?? Math.min(Math.max(options.vfov ?? degrees(60), leastVfov), mostVfov),
   };
 }
 

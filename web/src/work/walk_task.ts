@@ -1,0 +1,127 @@
+/** Following an instruction: one sees and does what an agent of R2R may, until one stops. */
+import { action } from '../forms.ts';
+import { wrapHeading } from '../geometry.ts';
+import { markdown } from '../markdown.ts';
+import { make, say } from '../page.ts';
+import { keyHelp } from '../viewer/controls.ts';
+import { agentRules, Viewer } from '../viewer/enfilade-viewer.ts';
+import { type DraftState, Drafts } from './drafts.ts';
+import { type Desk, explainLoss } from './flow.ts';
+import { type Entry, Recorder } from './recorder.ts';
+
+interface Draft {
+  readonly steps: readonly Entry[];
+}
+
+const draftTexts: Record<DraftState, string> = {
+  saving: '', saved: '', here: 'The server is out of reach; your walk is kept in this browser.',
+  lost: 'This task lay still for so long that it was given to somebody else. Load the page again for another one.',
+};
+
+/** Small in the database, and a heading below a whole turn stays below it. */
+function rounded(entry: Entry): Entry {
+  const cut = (x: number, unit: number) => Math.floor(x / unit) * unit;
+  const short = (x: number) => Number(cut(x, 1e-5).toFixed(5));
+  return { ...entry, heading: wrapHeading(short(entry.heading)), elevation: short(entry.elevation), seconds: Number(cut(entry.seconds, 0.01).toFixed(2)) };
+}
+
+export class WalkTask {
+  readonly viewer: Viewer;
+  private readonly desk: Desk;
+  private readonly recorder: Recorder;
+  private readonly drafts: Drafts<Draft>;
+  private readonly draftSaid = make('p', { role: 'status', class: 'problem' });
+  private readonly said = make('div');
+  private readonly sure = make('div', { role: 'group', 'aria-label': 'Stop?' });
+  private readonly stop = make('button', { type: 'button', class: 'main' }, 'Stop here');
+  private steps = 0;
+
+  static async open(main: HTMLElement, desk: Desk): Promise<WalkTask> {
+    const { task, api } = desk;
+    const view = make('div', { class: 'agent' });
+    const side = make('aside', { class: 'side work', 'aria-label': 'Your task' });
+    main.append(make('div', { class: 'view stage' }, view), side);
+    const drafts = new Drafts<Draft>(`walk/${task.task}`, localStorage, (draft) => api!.keepDraft(task.task!, draft));
+    const draft = api && drafts.begin(task.draft as Draft | undefined);
+    const { viewpoint, heading, elevation } = draft?.steps.at(-1) ?? { viewpoint: task.start!, heading: task.heading, elevation: 0 };
+    const viewer = await Viewer.open(view, { scan: task.scan, rules: agentRules, viewpoint, heading, elevation });
+    const walk = new WalkTask(desk, viewer, drafts, draft?.steps ?? []);
+    side.append(walk.panel());
+    return walk;
+  }
+
+  private constructor(desk: Desk, viewer: Viewer, drafts: Drafts<Draft>, before: readonly Entry[]) {
+    this.desk = desk;
+    this.viewer = viewer;
+    this.drafts = drafts;
+    this.recorder = new Recorder(this.here, viewer.pose, before);
+    this.steps = this.recorder.steps;
+    this.ask(false);
+    drafts.onState((state) => say(this.draftSaid, draftTexts[state]));
+    viewer.onChange(() => this.moved());
+    this.stop.addEventListener('click', () => this.ask(true));
+  }
+
+  dispose(): void {
+    this.drafts.dispose();
+    this.viewer.dispose();
+  }
+
+  private get here(): string {
+    return this.viewer.scan.viewpoints[this.viewer.pose.viewpoint]!.id;
+  }
+
+  private panel(): HTMLElement {
+    const { collection, api, task } = this.desk;
+    const rules = make('details', {}, make('summary', {}, 'What is asked'), markdown(collection.instructions));
+    const panel = make('div', { class: 'panel' }, make('h1', { tabindex: '-1' }, collection.title));
+    if (!api) panel.append(make('p', { class: 'notice' }, 'This is a preview with an example. Accept the task to begin.'),
+      make('details', {}, make('summary', {}, 'Consent'), markdown(collection.consent)));
+    rules.open = !api;
+    this.stop.disabled = !api;
+    panel.append(rules, make('h2', {}, 'Follow this'), make('p', { class: 'instruction' }, task.instruction ?? ''),
+      this.sure, this.said, this.draftSaid,
+      make('p', { class: 'note' }, `Drag to look, click a ring on the floor to go. ${keyHelp(this.viewer)}`));
+    return panel;
+  }
+
+  private moved(): void {
+    this.recorder.see(this.here, this.viewer.pose);
+    if (!this.desk.api) return;
+    const draft = (): Draft => ({ steps: this.walked() });
+    if (this.recorder.steps === this.steps) return this.drafts.stir(draft);
+    this.steps = this.recorder.steps;
+    this.ask(false);
+    this.drafts.change(draft());
+  }
+
+  private walked(): Entry[] {
+    return this.recorder.entries().map(rounded);
+  }
+
+  /** Stopping is for good, so it takes two presses. */
+  private ask(sure: boolean): void {
+    if (!sure) {
+      this.sure.replaceChildren(make('p', {}, this.stop));
+      return;
+    }
+    const yes = action('Yes, this is the goal', this.said, () => this.handIn(), { class: 'main' });
+    const no = make('button', { type: 'button' }, 'Walk on');
+    no.addEventListener('click', () => {
+      this.ask(false);
+      this.stop.focus();
+    });
+    this.sure.replaceChildren(make('p', {}, 'You cannot walk on once you have stopped. Is this the place?'),
+      make('p', { class: 'buttons' }, yes, no));
+    yes.focus();
+  }
+
+  private async handIn(): Promise<void> {
+    const { width, height } = this.viewer.view;
+    const camera = { width: Math.round(width), height: Math.round(height), vfov: this.viewer.pose.vfov };
+    const visit = await this.desk.api!.handIn(this.desk.task.task!, { steps: this.walked(), camera })
+      .catch((error: unknown) => { throw explainLoss(error); });
+    this.drafts.forget();
+    this.desk.proceed(visit);
+  }
+}

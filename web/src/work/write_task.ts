@@ -1,0 +1,180 @@
+/** Writing directions for a path: its fly-through, its places, a text. */
+import { markdown } from '../markdown.ts';
+import { make, say } from '../page.ts';
+import { action, twice } from '../forms.ts';
+import { MiniMap, Player, Viewer } from '../viewer/enfilade-viewer.ts';
+import { type DraftState, Drafts } from './drafts.ts';
+import { type Desk, explainLoss } from './flow.ts';
+import { type Hint, hintsFor, wordsIn } from './hints.ts';
+import { Looks } from './looks.ts';
+import { Tour } from './tour.ts';
+
+/** What is kept of a task that is not done. */
+interface Draft {
+  readonly text: string;
+  readonly pasted: number;
+  readonly goalSeen: boolean;
+  readonly seconds: number;
+}
+
+/** The server's limits, characters. */
+const mostCharacters = 2000;
+
+const draftTexts: Record<DraftState, string> = {
+  saving: 'Saving…', saved: 'Draft saved.',
+  here: 'Draft kept in this browser; the server is out of reach.',
+  lost: 'This task lay still for so long that it was given to somebody else. Copy what you want to keep, and load the page again for another one.',
+};
+
+export class WriteTask {
+  private readonly desk: Desk;
+  private readonly viewer: Viewer;
+  private readonly map: MiniMap;
+  private readonly player: Player;
+  private readonly drafts: Drafts<Draft>;
+  private readonly looks = new Looks();
+  private readonly goal: number;
+  private readonly text = make('textarea', { id: 'directions', rows: '6', maxlength: String(mostCharacters), 'aria-describedby': 'words' });
+  private readonly count = make('span', { id: 'words' });
+  private readonly draftSaid = make('span', { role: 'status' });
+  private readonly advice = make('div', { role: 'status' });
+  private readonly said = make('div');
+  private readonly begin = performance.now();
+  private pasted = 0;
+  private goalSeen = false;
+  private secondsBefore = 0;
+  private advised = '';
+
+  static async open(main: HTMLElement, desk: Desk): Promise<WriteTask> {
+    const { scan, heading, path = [] } = desk.task;
+    const [view, side] = [make('div', { class: 'view' }), make('aside', { class: 'side work', 'aria-label': 'Your task' })];
+    main.append(view, side);
+    const viewer = await Viewer.open(view, { scan, heading, ...(path[0] !== undefined && { viewpoint: path[0] }) });
+    return new WriteTask(desk, viewer, side);
+  }
+
+  private constructor(desk: Desk, viewer: Viewer, side: HTMLElement) {
+    this.desk = desk;
+    this.viewer = viewer;
+    const path = desk.task.path!.map((id) => viewer.scan.viewpoints.findIndex((v) => v.id === id));
+    this.goal = path.at(-1)!;
+    viewer.setPath(path);
+    viewer.confine(path);
+    this.map = new MiniMap(viewer);
+    this.map.setPath(path);
+    this.player = new Player(viewer, path);
+    const tour = new Tour(viewer, path, this.looks, () => this.player.pause());
+    const { task = 0 } = desk.task;
+    this.drafts = new Drafts(`write/${task}`, localStorage, (draft) => desk.api!.keepDraft(task, draft));
+    this.drafts.onState((state) => say(this.draftSaid, draftTexts[state]));
+    side.append(make('div', { class: 'map' }, this.map.element), this.panel(tour));
+    viewer.onChange(() => this.looked());
+    this.listen();
+    this.resume();
+  }
+
+  dispose(): void {
+    this.drafts.dispose();
+    this.player.pause();
+    this.map.dispose();
+    this.viewer.dispose();
+  }
+
+  private panel(tour: Tour): HTMLElement {
+    const { collection, api } = this.desk;
+    const rules = make('details', {}, make('summary', {}, 'What is asked'), markdown(collection.instructions));
+    const panel = make('div', { class: 'panel' }, make('h1', { tabindex: '-1' }, collection.title));
+    if (!api) panel.append(make('p', { class: 'notice' }, 'This is a preview with an example. Accept the task to begin.'),
+      make('details', {}, make('summary', {}, 'Consent'), markdown(collection.consent)));
+    rules.open = !api;
+    panel.append(rules,
+      make('h2', {}, 'See the path'), this.player.element, tour.element,
+      make('h2', {}, make('label', { for: 'directions' }, 'Your directions')),
+      make('p', { class: 'note' }, 'From the start, the green pole, to the goal, the red one.'),
+      this.text, make('p', { class: 'note beneath' }, this.count, ' ', this.draftSaid), this.advice, this.buttons(), this.said);
+    return panel;
+  }
+
+  private buttons(): HTMLElement {
+    const handIn = action('Hand in', this.said, () => this.handIn(), { class: 'main' });
+    const giveBack = twice('Give this path back', 'Give it back? You will not be offered it again', this.said, async () => {
+      const visit = await this.desk.api!.giveBack(this.desk.task.task!);
+      this.drafts.forget();
+      this.desk.proceed(visit);
+    });
+    if (!this.desk.api) for (const button of [handIn, giveBack]) button.disabled = true;
+    this.text.disabled = !this.desk.api;
+    return make('p', { class: 'buttons' }, handIn, giveBack);
+  }
+
+  private listen(): void {
+    this.text.addEventListener('input', () => this.changed());
+    this.text.addEventListener('paste', (event) => {
+      this.pasted += event.clipboardData?.getData('text').length ?? 0;
+    });
+  }
+
+  private resume(): void {
+    const draft = this.desk.api && this.drafts.begin(this.desk.task.draft as Draft | undefined);
+    if (draft) {
+      this.text.value = draft.text ?? '';
+      this.pasted = draft.pasted ?? 0;
+      this.goalSeen = draft.goalSeen ?? false;
+      this.secondsBefore = draft.seconds ?? 0;
+      this.draftSaid.textContent = 'Your draft is back.';
+    }
+    this.showCount();
+  }
+
+  private get draft(): Draft {
+    return { text: this.text.value, pasted: this.pasted, goalSeen: this.goalSeen, seconds: this.seconds };
+  }
+
+  private get seconds(): number {
+    return Math.round(this.secondsBefore + (performance.now() - this.begin) / 1000);
+  }
+
+  private looked(): void {
+    if (this.desk.api) this.drafts.stir(() => this.draft);
+    if (this.player.playing) return;
+    const { pose } = this.viewer;
+    this.looks.see(pose.viewpoint, pose);
+    this.goalSeen ||= this.looks.around(this.goal);
+  }
+
+  private changed(): void {
+    this.showCount();
+    this.drafts.change(this.draft);
+    if (this.advised) this.advise(hintsFor(this.text.value, this.draft));
+  }
+
+  private showCount(): void {
+    const words = wordsIn(this.text.value);
+    this.count.textContent = `${words} word${words === 1 ? '' : 's'}.`;
+  }
+
+  private advise(hints: readonly Hint[]): void {
+    const key = hints.map(({ code }) => code).join();
+    if (key === this.advised) return;
+    this.advised = key;
+    this.advice.replaceChildren(...(hints.length === 0 ? [] : [
+      make('div', { class: 'notice' }, make('ul', {}, ...hints.map(({ text }) => make('li', {}, text))),
+        make('p', {}, 'If it is right as it is, hand it in again.'))]));
+  }
+
+  /** The first time with advice, if there is any; what was advised once does not stand in the way again. */
+  private async handIn(): Promise<void> {
+    const text = this.text.value.trim();
+    const before = this.advised.split(',');
+    const hints = hintsFor(text, this.draft);
+    const flags = hints.map(({ code }) => code);
+    this.advise(hints);
+    if (text === '') return this.text.focus();
+    if (flags.some((flag) => !before.includes(flag))) return;
+    const { task } = this.desk.task;
+    const visit = await this.desk.api!.handIn(task!, { instruction: text, seconds: this.seconds, flags })
+      .catch((error: unknown) => { throw explainLoss(error); });
+    this.drafts.forget();
+    this.desk.proceed(visit);
+  }
+}
