@@ -333,8 +333,19 @@ command_build() {
   build_preset "$preset"
 }
 
-# ensure_node: a Node.js new enough to build the pages, and its npm, in front of the PATH. Debian 12's is
-# too old: PyPI has it too. False where neither can be had.
+# ensure_pages: what the web pages are built with: Node.js and its npm, new enough, in front of the PATH
+# (Debian 12's is too old; PyPI has it too), and the packages of web/. False where they cannot be had.
+ensure_pages() {
+  local fetched=web/node_modules/.package-lock.json
+  ensure_node || return 1
+  [[ ! $fetched -nt web/package-lock.json ]] || return 0
+  mkdir -p build
+  (cd web && npm ci --no-audit --no-fund --loglevel=error) >build/npm.log 2>&1 || {
+    say "npm could not fetch what the pages are built with (all of its output: build/npm.log)"
+    return 1
+  }
+}
+
 ensure_node() {
   local environment=build/node path=build/node/path program have
   have=$(node --version 2>/dev/null | tr -d v) || have=0
@@ -358,7 +369,7 @@ ensure_node() {
 command_serve() {
   local program=$root/build/release/bin/enfilade homes=enfilade-demo/homes
   ensure_packages "build Enfilade with its web server" build web
-  ensure_node || die 3 "without Node.js 20.19 or newer and npm, the web pages cannot be built"
+  ensure_pages || die 3 "without Node.js 20.19 or newer, npm and its registry, there can be no pages"
   build_preset release -DEN_WITH_WEB=ON
   cd "$caller"
   (($# == 0)) || exec "$program" serve "$@"
@@ -461,7 +472,7 @@ command_test() {
   if [[ $preset != asan && $preset != tsan ]] && ensure_python; then
     python=(-DEN_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python")
   fi
-  if ensure_node; then
+  if ensure_pages; then
     web=ON
   else
     say "the web server and its pages are not tested"

@@ -5,7 +5,9 @@ set(web ${PROJECT_SOURCE_DIR}/web)
 set(web_dist ${CMAKE_CURRENT_BINARY_DIR}/web)
 find_program(NPM_PROGRAM npm DOC "npm, which builds the web client; OFF: without web client")
 if(NPM_PROGRAM)
-  file(GLOB_RECURSE web_sources CONFIGURE_DEPENDS ${web}/src/* ${web}/pages/*)
+  # Looked up when CMake runs, which ./enfilade.sh has it do each time: with CONFIGURE_DEPENDS a build
+  # would not know its steps before it begins.
+  file(GLOB_RECURSE web_sources ${web}/src/* ${web}/pages/*)
   set(web_installed ${web}/node_modules/.package-lock.json)
   add_custom_command(OUTPUT ${web_installed}
     COMMAND ${NPM_PROGRAM} ci --no-audit --no-fund --loglevel=error
