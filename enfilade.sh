@@ -419,6 +419,7 @@ skip_reasons() {
     /^\[  SKIPPED \]/ { gtest = 1; after = 0 }
     after && why == "" && NF { why = reason_of($0) }
     /: Skipped$/ { after = 1 }
+    / are skipped: / && why == "" { why = $0; sub(/.* are skipped: /, "", why) }
     NF { last = $0 }
   ' "$1" "$2"
 }
