@@ -168,8 +168,7 @@ class ResNet final : public ImageEncoder {
   render::Normalisation normalisation() const override {
     if (preprocessing_ == Preprocessing::kTorchvision) return render::kImageNet;
     constexpr float kFull = 255;
-    return {{123.2F / kFull, 115.9F / kFull, 103.1F / kFull},
-            {1 / kFull, 1 / kFull, 1 / kFull}};
+    return {{123.2F / kFull, 115.9F / kFull, 103.1F / kFull}, {1 / kFull, 1 / kFull, 1 / kFull}};
   }
 
   void encode(std::span<const float> pictures, std::size_t n, const Camera& camera,
