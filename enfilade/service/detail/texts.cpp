@@ -2,28 +2,13 @@
 
 #include <algorithm>
 
+#include "enfilade/core/utf8.h"
+
 namespace enfilade::service::detail {
 namespace {
 
 constexpr std::size_t kLongestName = 40;
 constexpr std::size_t kLongestExternalId = 100;
-
-/// The length of the UTF-8 character that the text begins with; 0 if it begins with none.
-std::size_t character_size(std::string_view text) {
-  const auto byte = [&text](std::size_t k) {
-    return k < text.size() ? static_cast<unsigned char>(text[k]) : 0U;
-  };
-  const unsigned first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t size = first >= 0xC2 && first < 0xE0   ? 2
-                           : first >= 0xE0 && first < 0xF0 ? 3
-                           : first >= 0xF0 && first < 0xF5 ? 4
-                                                           : 0;
-  for (std::size_t k = 1; k < size; ++k) {
-    if ((byte(k) & 0xC0U) != 0x80U) return 0;
-  }
-  return size;
-}
 
 /// Of one character. U+0080 to U+009F are controls too; U+202A to U+202E and U+2066 to U+2069 turn
 /// text around.
@@ -40,7 +25,7 @@ enum class Breaks { kForbidden, kAllowed };
 bool is_text(std::string_view text, std::size_t most, Breaks breaks) {
   std::size_t characters = 0;
   for (; !text.empty(); ++characters) {
-    const std::size_t size = character_size(text);
+    const std::size_t size = utf8_length(text);
     if (size == 0) return false;
     const bool is_break = text.front() == '\n' || text.front() == '\t';
     if (!(is_break && breaks == Breaks::kAllowed) && !is_printable(text.substr(0, size))) {

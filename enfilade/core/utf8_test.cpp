@@ -1,0 +1,33 @@
+#include "enfilade/core/utf8.h"
+
+#include <gtest/gtest.h>
+
+namespace enfilade {
+namespace {
+
+TEST(Utf8Length, IsOneToFourBytesAtTheBordersOfTheForms) {
+  EXPECT_EQ(utf8_length(std::string_view("\0", 1)), 1U);
+  EXPECT_EQ(utf8_length("\x7F"), 1U);
+  EXPECT_EQ(utf8_length("\xC2\x80"), 2U);
+  EXPECT_EQ(utf8_length("\xDF\xBF"), 2U);
+  EXPECT_EQ(utf8_length("\xE0\xA0\x80"), 3U);
+  EXPECT_EQ(utf8_length("\xEF\xBF\xBF"), 3U);
+  EXPECT_EQ(utf8_length("\xF0\x90\x80\x80"), 4U);
+  EXPECT_EQ(utf8_length("\xF4\x8F\xBF\xBFmore"), 4U);
+}
+
+TEST(Utf8Length, IsNoneForWhatIsNotWellFormed) {
+  EXPECT_EQ(utf8_length(""), 0U);
+  EXPECT_EQ(utf8_length("\x80"), 0U);              // a later byte first
+  EXPECT_EQ(utf8_length("\xC3"), 0U);              // cut short
+  EXPECT_EQ(utf8_length("\xC3("), 0U);             // another character inside
+  EXPECT_EQ(utf8_length("\xC0\xAF"), 0U);          // overlong
+  EXPECT_EQ(utf8_length("\xE0\x9F\xBF"), 0U);      // overlong
+  EXPECT_EQ(utf8_length("\xF0\x8F\xBF\xBF"), 0U);  // overlong
+  EXPECT_EQ(utf8_length("\xED\xA0\x80"), 0U);      // a surrogate
+  EXPECT_EQ(utf8_length("\xF4\x90\x80\x80"), 0U);  // above U+10FFFF
+  EXPECT_EQ(utf8_length("\xFF"), 0U);
+}
+
+}  // namespace
+}  // namespace enfilade
