@@ -16,19 +16,6 @@ r2r::PathAnnotation annotation_of(const Item& item) {
   return {item.path_id, item.scan, item.heading, item.path, item.distance, {}};
 }
 
-r2r::Annotations written(Database& database, const Collection& collection, const std::string& split,
-                         Taken taken) {
-  r2r::Annotations annotations{split, "", {}};
-  for (Task& task : collected(database, collection.id, split, taken == Taken::kAll)) {
-    auto& paths = annotations.paths;
-    if (paths.empty() || paths.back().path_id != task.item.path_id) {
-      paths.push_back(annotation_of(task.item));
-    }
-    paths.back().instructions.push_back(std::move(task.content));
-  }
-  return annotations;
-}
-
 /// The first walk of each instruction, of the paths that have all of theirs.
 std::vector<Task> whole_walks(Database& database, const Collection& collection,
                               const std::string& split, Taken taken) {
@@ -45,15 +32,17 @@ std::vector<Task> whole_walks(Database& database, const Collection& collection,
   return walks;
 }
 
-r2r::Annotations walked(Database& database, const Collection& collection, const std::string& split,
-                        Taken taken) {
+/// A path of each run of tasks that have it in common. \param text the instruction of a task
+template <class Text>
+r2r::Annotations by_path(const std::string& split, const std::vector<Task>& tasks,
+                         const Text& text) {
   r2r::Annotations annotations{split, "", {}};
-  for (const Task& task : whole_walks(database, collection, split, taken)) {
-    auto& paths = annotations.paths;
+  auto& paths = annotations.paths;
+  for (const Task& task : tasks) {
     if (paths.empty() || paths.back().path_id != task.item.path_id) {
       paths.push_back(annotation_of(task.item));
     }
-    paths.back().instructions.push_back(task.item.instruction);
+    paths.back().instructions.push_back(text(task));
   }
   return annotations;
 }
@@ -73,8 +62,13 @@ std::string instruction_id(const Item& item) {
 
 std::string annotations_json(Database& database, const Collection& collection,
                              const std::string& split, Taken taken) {
-  return r2r::to_json(collection.kind == Kind::kWrite ? written(database, collection, split, taken)
-                                                      : walked(database, collection, split, taken));
+  if (collection.kind == Kind::kWrite) {
+    return r2r::to_json(by_path(split,
+                                collected(database, collection.id, split, taken == Taken::kAll),
+                                [](const Task& task) { return task.content; }));
+  }
+  return r2r::to_json(by_path(split, whole_walks(database, collection, split, taken),
+                              [](const Task& task) { return task.item.instruction; }));
 }
 
 std::string results_json(Database& database, const Collection& collection, const std::string& split,

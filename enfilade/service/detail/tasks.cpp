@@ -142,9 +142,7 @@ NoTask reason_for_none(SQLite::Database& db, const Collection& collection, const
 Lease lease_next(SQLite::Database& db, const Collection& collection, const Visit& visit,
                  std::int64_t now) {
   if (auto task = take_up(db, visit, now)) return {std::move(task), {}};
-  if (collection.tasks_per_visit > 0 && visit.done >= collection.tasks_per_visit) {
-    return {std::nullopt, NoTask::kFinished};
-  }
+  if (has_had_all(collection, visit)) return {std::nullopt, NoTask::kFinished};
   if (!collection.open) return {std::nullopt, NoTask::kClosed};
   const std::int64_t item = next_item(db, collection, visit, now);
   if (item == 0) return {std::nullopt, reason_for_none(db, collection, visit)};

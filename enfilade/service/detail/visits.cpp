@@ -34,6 +34,10 @@ std::int64_t come_in(SQLite::Database& db, const Collection& collection, const A
 
 }  // namespace
 
+bool has_had_all(const Collection& collection, const Visit& visit) {
+  return collection.tasks_per_visit > 0 && visit.done >= collection.tasks_per_visit;
+}
+
 std::int64_t join(Database& database, const Collection& collection, const Arrival& arrival,
                   std::int64_t now) {
   return database.transact(

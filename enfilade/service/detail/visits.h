@@ -16,7 +16,11 @@ struct Visit {
   std::int64_t done = 0;  ///< tasks handed in
 };
 
-// All \throw Error with SQLite's words if the database fails. `now`: seconds since 1970.
+/// Whether the visit has had as many tasks as the collection gives one; never if it sets no number.
+bool has_had_all(const Collection& collection, const Visit& visit);
+
+// All that follow \throw Error with SQLite's words if the database fails. `now`: seconds since
+// 1970.
 
 /// The same worker with the same assignment is the same visit, also after a restart.
 /// \pre not arrival.preview  \returns the visit's id

@@ -32,10 +32,6 @@ Parameters read_parameters(const std::string& body) {
   return parameters;
 }
 
-bool is_finished(const Collection& collection, const Visit& visit) {
-  return collection.tasks_per_visit > 0 && visit.done >= collection.tasks_per_visit;
-}
-
 /// \param task what it holds \param finished nothing more is given out to it
 ordered_json visit_json(const Collection& collection, const Visit& visit,
                         const std::optional<Task>& task, bool finished) {
@@ -55,7 +51,7 @@ ordered_json standing(Context& context, std::int64_t id) {
   const Visit visit = visit_of(*context.database, id);
   const Collection collection = collection_of_visit(*context.database, id);
   return visit_json(collection, visit, held_task(*context.database, visit),
-                    is_finished(collection, visit));
+                    has_had_all(collection, visit));
 }
 
 Response come(Context& context, const Request& request) {
