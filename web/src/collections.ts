@@ -1,5 +1,12 @@
 /** Collections as organisers and reviewers see them. Shapes: /api/v1/openapi.json. */
-import type { Entry } from './work/recorder.ts';
+import type { Direction } from './geometry.ts';
+
+/** An entry of a walk's trajectory. */
+export interface Entry extends Direction {
+  readonly viewpoint: string;
+  /** Since the walk began. */
+  readonly seconds: number;
+}
 
 export interface Collection {
   /** Its name, a part of addresses. */

@@ -1,15 +1,11 @@
 /** Forms, and logging in with a token. */
-import { addHeader, api, byId, make, problems } from './page.ts';
+import { addHeader, api, byId, json, make, problems } from './page.ts';
 
 /** Who asks, as the server sees it. */
 export interface Who {
   readonly role: 'stranger' | 'team' | 'organiser' | 'reviewer' | 'worker';
   readonly name?: string;
 }
-
-export const json = (body: unknown, method = 'POST'): RequestInit => ({
-  method, body: JSON.stringify(body), headers: { 'Content-Type': 'application/json' },
-});
 
 /**
  * Runs what a button started, once at a time; what goes wrong is shown in `said`. The button isn't

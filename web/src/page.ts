@@ -3,6 +3,11 @@ import { Api, ServerError } from './scan.ts';
 
 export const api = new Api();
 
+/** How to send a body. */
+export const json = (body: unknown, method = 'POST') => ({
+  method, body: JSON.stringify(body), headers: { 'Content-Type': 'application/json' },
+});
+
 type Child = Node | string;
 
 /** An element. Texts become text nodes: what people wrote is never read as markup. */

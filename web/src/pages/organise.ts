@@ -1,8 +1,8 @@
 /** Collections: making them, how far they are, their links and files. */
 import type { Collection, Progress } from '../collections.ts';
-import { action, field, form, json, labelled, loggedIn, onlyFor } from '../forms.ts';
+import { action, field, form, labelled, loggedIn, onlyFor } from '../forms.ts';
 import { markdown } from '../markdown.ts';
-import { api, byId, make, run } from '../page.ts';
+import { api, byId, json, make, run } from '../page.ts';
 import { consentText, instructionsText } from '../texts.ts';
 
 interface SplitList {

@@ -1,7 +1,7 @@
 /** What workers handed in, one by one: accept, reject, correct. `/review?collection=NAME`. */
 import type { Change, Collection, Work } from '../collections.ts';
-import { action, field, json, labelled, loggedIn, onlyFor, type Who } from '../forms.ts';
-import { api, byId, dateTime, make, problems, run, table } from '../page.ts';
+import { action, field, labelled, loggedIn, onlyFor, type Who } from '../forms.ts';
+import { api, byId, dateTime, json, make, problems, run, table } from '../page.ts';
 import { MiniMap, Player, Viewer } from '../viewer/enfilade-viewer.ts';
 
 type State = Work['state'];

@@ -1,6 +1,6 @@
 /** Making a team, logging in, handing in, and a team's history. */
-import { field, form, json, loggedIn, loginForm, type Who } from '../forms.ts';
-import { addHeader, api, byId, dateTime, make, problems, run, table } from '../page.ts';
+import { field, form, loggedIn, loginForm, type Who } from '../forms.ts';
+import { addHeader, api, byId, dateTime, json, make, problems, run, table } from '../page.ts';
 
 interface Phase { readonly phase: string; readonly title: string; readonly per_day: number }
 interface Submission {

@@ -113,10 +113,27 @@ class Flow {
   }
 }
 
+/** The panel that a task's page begins with: title, rules, and in a preview all that a worker wants to know. */
+export function taskPanel({ collection, api }: Desk): HTMLElement {
+  const panel = make('div', { class: 'panel' }, make('h1', { tabindex: '-1' }, collection.title));
+  if (!api) panel.append(make('p', { class: 'notice' }, 'This is a preview with an example. Accept the task to begin.'),
+    make('details', {}, make('summary', {}, 'Consent'), markdown(collection.consent)));
+  const rules = make('details', {}, make('summary', {}, 'What is asked'), markdown(collection.instructions));
+  rules.open = !api;
+  panel.append(rules);
+  return panel;
+}
+
+const lost = 'This task lay still for so long that it was given to somebody else.';
+/** The lease is gone. */
+export const lostText = `${lost} Load the page again for another one.`;
+/** As lostText, where there is a text to be saved. */
+export const lostDraftText = `${lost} Copy what you want to keep, and load the page again for another one.`;
+
 /** What to say when the server takes no more of a task. */
 export function explainLoss(error: unknown): Error {
   const { code, status } = error instanceof ServerError ? error : { code: '', status: 0 };
-  if (code === 'lease-lost') return new Error('This task lay still for so long that it was given to somebody else. Load the page again for another one.');
+  if (code === 'lease-lost') return new Error(lostText);
   if (status === 401) return new Error('You were away for a day, and have to come in anew: load the page again. Nothing is lost.');
   return error instanceof Error ? error : new Error(String(error));
 }

@@ -1,12 +1,6 @@
 /** A walk as it is taken: where, how one looked, and when. */
+import type { Entry } from '../collections.ts';
 import { type Direction, wrapDifference } from '../geometry.ts';
-
-/** An entry of a trajectory. */
-export interface Entry extends Direction {
-  readonly viewpoint: string;
-  /** Since the walk began. */
-  readonly seconds: number;
-}
 
 /** A look is an entry of its own once it is so far from the entry before: half a view of R2R's 36. */
 const turned = Math.PI / 12;

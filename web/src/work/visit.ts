@@ -1,7 +1,6 @@
 /** A worker's visit: joining by a link, and asking the server as that worker. Shapes: /api/v1/openapi.json. */
-import type { Collection } from '../collections.ts';
-import { api } from '../page.ts';
-import type { Entry } from './recorder.ts';
+import type { Collection, Entry } from '../collections.ts';
+import { api, json } from '../page.ts';
 
 export interface Task {
   /** Absent in an example. */
@@ -95,10 +94,8 @@ export class WorkApi {
 
   // Not by a cookie: platforms show these pages in a frame, where browsers send none.
   private call<T>(method: string, path: string, body?: unknown): Promise<T> {
-    const headers: Record<string, string> = { Authorization: `Bearer ${this.token}` };
-    if (body === undefined) return api.call(path, { method, headers });
-    headers['Content-Type'] = 'application/json';
-    return api.call(path, { method, headers, body: JSON.stringify(body) });
+    const sent = body === undefined ? { method, headers: {} } : json(body, method);
+    return api.call(path, { ...sent, headers: { ...sent.headers, Authorization: `Bearer ${this.token}` } });
   }
 }
 
@@ -110,11 +107,7 @@ export type Arrival =
 export async function arrive(): Promise<Arrival> {
   const name = new URLSearchParams(location.search).get('collection');
   if (!name) throw new Error('This link names no collection. Ask those who sent it to you for the whole link.');
-  const joined = await api.call<Joined>(`collections/${encodeURIComponent(name)}/join`, {
-    method: 'POST',
-    headers: { 'Content-Type': 'application/json' },
-    body: JSON.stringify({ parameters: parameters(name) }),
-  });
+  const joined = await api.call<Joined>(`collections/${encodeURIComponent(name)}/join`, json({ parameters: parameters(name) }));
   const { collection, worker, token, visit, example } = joined;
   if (joined.preview || !token || !visit) return { preview: true, collection, example };
   if (collection.platform.kind === 'self' && worker) remember(name, worker);

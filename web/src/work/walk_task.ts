@@ -1,13 +1,13 @@
 /** Following an instruction: one sees and does what an agent of R2R may, until one stops. */
+import type { Entry } from '../collections.ts';
 import { action } from '../forms.ts';
 import { wrapHeading } from '../geometry.ts';
-import { markdown } from '../markdown.ts';
 import { make, say } from '../page.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { agentRules, Viewer } from '../viewer/enfilade-viewer.ts';
 import { type DraftState, Drafts } from './drafts.ts';
-import { type Desk, explainLoss } from './flow.ts';
-import { type Entry, Recorder } from './recorder.ts';
+import { type Desk, explainLoss, lostText, taskPanel } from './flow.ts';
+import { Recorder } from './recorder.ts';
 
 interface Draft {
   readonly steps: readonly Entry[];
@@ -15,7 +15,7 @@ interface Draft {
 
 const draftTexts: Record<DraftState, string> = {
   saving: '', saved: '', here: 'The server is out of reach; your walk is kept in this browser.',
-  lost: 'This task lay still for so long that it was given to somebody else. Load the page again for another one.',
+  lost: lostText,
 };
 
 /** Small in the database, and a heading below a whole turn stays below it. */
@@ -72,14 +72,9 @@ export class WalkTask {
   }
 
   private panel(): HTMLElement {
-    const { collection, api, task } = this.desk;
-    const rules = make('details', {}, make('summary', {}, 'What is asked'), markdown(collection.instructions));
-    const panel = make('div', { class: 'panel' }, make('h1', { tabindex: '-1' }, collection.title));
-    if (!api) panel.append(make('p', { class: 'notice' }, 'This is a preview with an example. Accept the task to begin.'),
-      make('details', {}, make('summary', {}, 'Consent'), markdown(collection.consent)));
-    rules.open = !api;
-    this.stop.disabled = !api;
-    panel.append(rules, make('h2', {}, 'Follow this'), make('p', { class: 'instruction' }, task.instruction ?? ''),
+    const panel = taskPanel(this.desk);
+    this.stop.disabled = !this.desk.api;
+    panel.append(make('h2', {}, 'Follow this'), make('p', { class: 'instruction' }, this.desk.task.instruction ?? ''),
       this.sure, this.said, this.draftSaid,
       make('p', { class: 'note' }, `Drag to look, click a ring on the floor to go. ${keyHelp(this.viewer)}`));
     return panel;
@@ -89,8 +84,9 @@ export class WalkTask {
     this.recorder.see(this.here, this.viewer.pose);
     if (!this.desk.api) return;
     const draft = (): Draft => ({ steps: this.walked() });
-    if (this.recorder.steps === this.steps) return this.drafts.stir(draft);
-    this.steps = this.recorder.steps;
+    const { steps } = this.recorder;
+    if (steps === this.steps) return this.drafts.stir(draft);
+    this.steps = steps;
     this.ask(false);
     this.drafts.change(draft());
   }

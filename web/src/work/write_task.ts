@@ -1,10 +1,9 @@
 /** Writing directions for a path: its fly-through, its places, a text. */
-import { markdown } from '../markdown.ts';
 import { make, say } from '../page.ts';
 import { action, twice } from '../forms.ts';
 import { MiniMap, Player, Viewer } from '../viewer/enfilade-viewer.ts';
 import { type DraftState, Drafts } from './drafts.ts';
-import { type Desk, explainLoss } from './flow.ts';
+import { type Desk, explainLoss, lostDraftText, taskPanel } from './flow.ts';
 import { type Hint, hintsFor, wordsIn } from './hints.ts';
 import { Looks } from './looks.ts';
 import { Tour } from './tour.ts';
@@ -23,7 +22,7 @@ const mostCharacters = 2000;
 const draftTexts: Record<DraftState, string> = {
   saving: 'Saving…', saved: 'Draft saved.',
   here: 'Draft kept in this browser; the server is out of reach.',
-  lost: 'This task lay still for so long that it was given to somebody else. Copy what you want to keep, and load the page again for another one.',
+  lost: lostDraftText,
 };
 
 export class WriteTask {
@@ -81,13 +80,8 @@ export class WriteTask {
   }
 
   private panel(tour: Tour): HTMLElement {
-    const { collection, api } = this.desk;
-    const rules = make('details', {}, make('summary', {}, 'What is asked'), markdown(collection.instructions));
-    const panel = make('div', { class: 'panel' }, make('h1', { tabindex: '-1' }, collection.title));
-    if (!api) panel.append(make('p', { class: 'notice' }, 'This is a preview with an example. Accept the task to begin.'),
-      make('details', {}, make('summary', {}, 'Consent'), markdown(collection.consent)));
-    rules.open = !api;
-    panel.append(rules,
+    const panel = taskPanel(this.desk);
+    panel.append(
       make('h2', {}, 'See the path'), this.player.element, tour.element,
       make('h2', {}, make('label', { for: 'directions' }, 'Your directions')),
       make('p', { class: 'note' }, 'From the start, the green pole, to the goal, the red one.'),
