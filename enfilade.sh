@@ -346,6 +346,7 @@ ensure_pages() {
   }
 }
 
+# ensure_node: Node.js 20.19 or newer and npm in front of the PATH. False where they cannot be had.
 ensure_node() {
   local environment=build/node path=build/node/path program have
   have=$(node --version 2>/dev/null | tr -d v) || have=0
