@@ -104,26 +104,32 @@ FRAMES, TURNS = 600, 7
 
 
 class Walk:
-    """The walk that apps/bench_render takes: std::mt19937 gives the numbers of NumPy's MT19937."""
+    """The walk that apps/bench_render takes: std::mt19937 gives the numbers of NumPy's MT19937. Its
+    actions are drawn beforehand: drawing lots in Python is none of the package's work."""
 
     def __init__(self, graphs: enfilade.Graphs, scans: list[str], batch: int, size: tuple[int, int]):
-        self.random = np.random.RandomState(12345)._bit_generator
+        random = np.random.RandomState(12345)._bit_generator
         self.sim = enfilade.Simulator(graphs, batch, width=size[0], height=size[1])
-        starts = []
-        for k in range(batch):
-            graph = graphs[scans[k % len(scans)]]
+        self.scans = [scans[k % len(scans)] for k in range(batch)]
+        self.starts = []
+        for scan in self.scans:
+            graph = graphs[scan]
             viewpoints = graph.viewpoints
             while True:
-                viewpoint = viewpoints[self.random.random_raw() % len(viewpoints)]
+                viewpoint = viewpoints[random.random_raw() % len(viewpoints)]
                 if graph.included(viewpoint):
                     break
-            starts.append(viewpoint)
-        self.sim.new_episodes([scans[k % len(scans)] for k in range(batch)], starts)
+            self.starts.append(viewpoint)
+        self.actions = []
+        state = self.begin()
+        for _ in range(1, max(FRAMES // batch, 1)):
+            drawn = random.random_raw(3 * batch).reshape(-1, 3)
+            turns = np.ascontiguousarray((drawn[:, 1:] % 3).T, np.float64) - 1
+            self.actions.append((drawn[:, 0].astype(np.uint32) % state.navigable_count, *turns))
+            self.sim.step(*self.actions[-1])
 
-    def step(self) -> None:
-        drawn = self.random.random_raw(3 * self.sim.batch_size).reshape(-1, 3)
-        turns = (drawn[:, 1:] % 3).astype(float) - 1
-        self.sim.step(drawn[:, 0] % self.sim.state.navigable_count, turns[:, 0], turns[:, 1])
+    def begin(self) -> Any:
+        return self.sim.new_episodes(self.scans, self.starts)
 
 
 class Pictures:
@@ -136,16 +142,17 @@ class Pictures:
         self.renderer = enfilade.Renderer(self.graphs, panoramas, threads=1, cache_bytes=8 << 30)
         width, height = map(int, size.split("x"))
         self.shape = (batch, height, width, 3)
+        self.walk = Walk(self.graphs, scans, batch, (width, height))
 
     def from_python(self, out: Optional[dict[str, Any]]) -> float:
-        walk = Walk(self.graphs, self.scans, self.batch, (self.shape[2], self.shape[1]))
-        steps = max(FRAMES // self.batch, 1)
+        self.walk.begin()
+        sim, render = self.walk.sim, self.renderer.render_agents
         begin = time.process_time()
-        for k in range(steps):
-            if k > 0:
-                walk.step()
-            self.renderer.render_agents(walk.sim, out=out)
-        return steps * self.batch / (time.process_time() - begin)
+        render(sim, out=out)
+        for action in self.walk.actions:
+            sim.step(*action)
+            render(sim, out=out)
+        return (1 + len(self.walk.actions)) * self.batch / (time.process_time() - begin)
 
     def from_environment(self) -> float:
         width, height = self.shape[2], self.shape[1]

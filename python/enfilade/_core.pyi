@@ -106,6 +106,15 @@ class Panoramas:
     @property
     def scans(self) -> list[str]: ...
 
+class ViewArrays:
+    """
+    Where n views are taken from: arrays that are read when they are drawn.
+    """
+
+    def __init__(self, scans: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order='C', device='cpu', writable=False)], viewpoints: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order='C', device='cpu', writable=False)], headings: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], elevations: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> None: ...
+
+    def __len__(self) -> int: ...
+
 class ViewRenderer:
     """What enfilade.Renderer is made of."""
 
@@ -117,7 +126,7 @@ class ViewRenderer:
     def memory(self, shape: tuple[int, ...], type: str) -> numpy.typing.NDArray[Any]:
         """A new array to draw into; what it holds is left over."""
 
-    def render(self, scans: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order='C', device='cpu', writable=False)], viewpoints: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order='C', device='cpu', writable=False)], headings: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], elevations: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], width: int, height: int, vfov: float, colour: Annotated[Any, dict(order='C', device='cpu')] | None, colour_format: str, depth: Annotated[Any, dict(order='C', device='cpu')] | None, ray_depth: bool, classes: Annotated[Any, dict(order='C', device='cpu')] | None, instances: Annotated[Any, dict(order='C', device='cpu')] | None) -> None: ...
+    def render(self, views: ViewArrays, width: int, height: int, vfov: float, colour: Annotated[Any, dict(order='C', device='cpu')] | None, colour_format: str, depth: Annotated[Any, dict(order='C', device='cpu')] | None, ray_depth: bool, classes: Annotated[Any, dict(order='C', device='cpu')] | None, instances: Annotated[Any, dict(order='C', device='cpu')] | None) -> None: ...
 
 def backends() -> list[str]: ...
 

@@ -8,7 +8,7 @@ from typing import Any, Mapping, Optional
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from enfilade._core import Graphs, Panoramas, ViewRenderer, panorama_places
+from enfilade._core import Graphs, Panoramas, ViewArrays, ViewRenderer, panorama_places
 from enfilade._errors import ArgumentError
 from enfilade._simulator import Names, Simulator, scan_indices, viewpoint_indices
 
@@ -93,18 +93,30 @@ class Renderer:
         scan = scan_indices(self.graphs, scans)
         viewpoint = viewpoint_indices(self.graphs, scan, viewpoints)
         n = len(scan)
-        pictures = dict(out or {})
-        for name in ((() if colour is None else ("colour",)) + tuple(layers)):
+        views = ViewArrays(scan, viewpoint, _angles(headings, n), _angles(elevations, n))
+        return self._draw(views, width, height, vfov, colour, layers, ray_depth, out)
+
+    def _draw(
+        self,
+        views: ViewArrays,
+        width: int,
+        height: int,
+        vfov: float,
+        colour: Optional[str] = "rgb8",
+        layers: tuple[str, ...] = (),
+        ray_depth: bool = False,
+        out: Optional[Mapping[str, Any]] = None,
+    ) -> dict[str, Any]:
+        n = len(views)
+        pictures = dict(out) if out else {}
+        for name in pictures:
+            _check_shape(name, colour, pictures[name], n, height, width)
+        for name in layers if colour is None else ("colour", *layers):
             if name not in pictures:
                 shape = _shape(name, colour, n, height, width)
                 pictures[name] = self._core.memory(shape, _type(name, colour))
-        for name in out or ():
-            _check_shape(name, colour, pictures[name], n, height, width)
         self._core.render(
-            scan,
-            viewpoint,
-            _angles(headings, n),
-            _angles(elevations, n),
+            views,
             width,
             height,
             vfov,
@@ -119,11 +131,10 @@ class Renderer:
 
     def render_agents(self, simulator: Simulator, **options: Any) -> dict[str, Any]:
         """What each agent of a simulator sees now, with its camera; options as of render()."""
-        state = simulator.state
-        options.setdefault("width", simulator.width)
-        options.setdefault("height", simulator.height)
-        options.setdefault("vfov", simulator.vfov)
-        return self.render(state.scan, state.viewpoint, state.heading, state.elevation, **options)
+        width = options.pop("width", simulator.width)
+        height = options.pop("height", simulator.height)
+        vfov = options.pop("vfov", simulator.vfov)
+        return self._draw(simulator._views, width, height, vfov, **options)
 
     def render_36(self, scan: str, viewpoint: str, **options: Any) -> dict[str, Any]:
         """The 36 discretized views of a viewpoint, in the order of MatterSim's viewIndex."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Optional, Sequence, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from enfilade._core import BatchSimulator, Graphs
+from enfilade._core import BatchSimulator, Graphs, ViewArrays
 
 if TYPE_CHECKING:
     from typing_extensions import TypeGuard
@@ -134,6 +134,8 @@ class Simulator:
             threads=threads,
         )
         self.state = State(**self._core.state_arrays())
+        s = self.state
+        self._views = ViewArrays(s.scan, s.viewpoint, s.heading, s.elevation)  # for a Renderer
         self._nothing = np.zeros(batch_size)
 
     def new_episodes(

@@ -39,6 +39,37 @@ std::shared_ptr<const PanoramaSet> open_panoramas(const std::vector<std::string>
   return PanoramaSet::open(places, graphs.scans());
 }
 
+/// Where n views are taken from: arrays, which are read whenever the views are drawn. Taking arrays
+/// from Python costs about as much as everything else in a call, so what is drawn each step is
+/// taken once.
+class ViewArrays {
+ public:
+  ViewArrays(Row<std::uint32_t> scans, Row<std::uint32_t> viewpoints, Row<double> headings,
+             Row<double> elevations)
+      : scans_(std::move(scans)),
+        viewpoints_(std::move(viewpoints)),
+        headings_(std::move(headings)),
+        elevations_(std::move(elevations)) {
+    const std::size_t n = scans_.size();
+    if (viewpoints_.size() != n || headings_.size() != n || elevations_.size() != n) {
+      throw ArgumentError(fmt::format("views: {} scans, {} viewpoints, {} headings, {} elevations",
+                                      n, viewpoints_.size(), headings_.size(), elevations_.size()));
+    }
+  }
+
+  std::size_t size() const { return scans_.size(); }
+  render::View operator[](std::size_t i) const {
+    return {ScanIndex(scans_.data()[i]), ViewpointIndex(viewpoints_.data()[i]),
+            Radians(headings_.data()[i]), Radians(elevations_.data()[i])};
+  }
+
+ private:
+  Row<std::uint32_t> scans_;
+  Row<std::uint32_t> viewpoints_;
+  Row<double> headings_;
+  Row<double> elevations_;
+};
+
 /// A renderer with its cache.
 class ViewRenderer {
  public:
@@ -58,10 +89,9 @@ class ViewRenderer {
         render::make_renderer(std::make_shared<render::FaceCache>(panoramas, cache), config);
   }
 
-  void render(const Row<std::uint32_t>& scans, const Row<std::uint32_t>& viewpoints,
-              const Row<double>& headings, const Row<double>& elevations, std::uint32_t width,
-              std::uint32_t height, double vfov, const std::optional<Buffer>& colour,
-              const std::string& colour_format, const std::optional<Buffer>& depth, bool ray_depth,
+  void render(const ViewArrays& views, std::uint32_t width, std::uint32_t height, double vfov,
+              const std::optional<Buffer>& colour, const std::string& colour_format,
+              const std::optional<Buffer>& depth, bool ray_depth,
               const std::optional<Buffer>& classes, const std::optional<Buffer>& instances);
   std::string description() const { return renderer_->description(); }
   nb::object memory(const std::vector<std::size_t>& shape, const std::string& type) {
@@ -133,19 +163,12 @@ render::InstanceOutput instance_output(const Buffer& buffer) {
   return {memory_of<std::uint32_t>(buffer)};
 }
 
-void ViewRenderer::render(const Row<std::uint32_t>& scans, const Row<std::uint32_t>& viewpoints,
-                          const Row<double>& headings, const Row<double>& elevations,
-                          std::uint32_t width, std::uint32_t height, double vfov,
-                          const std::optional<Buffer>& colour, const std::string& colour_format,
-                          const std::optional<Buffer>& depth, bool ray_depth,
-                          const std::optional<Buffer>& classes,
+void ViewRenderer::render(const ViewArrays& views, std::uint32_t width, std::uint32_t height,
+                          double vfov, const std::optional<Buffer>& colour,
+                          const std::string& colour_format, const std::optional<Buffer>& depth,
+                          bool ray_depth, const std::optional<Buffer>& classes,
                           const std::optional<Buffer>& instances) {
   const Busy busy(busy_);
-  const std::size_t n = scans.size();
-  if (viewpoints.size() != n || headings.size() != n || elevations.size() != n) {
-    throw ArgumentError(fmt::format("views: {} scans, {} viewpoints, {} headings, {} elevations", n,
-                                    viewpoints.size(), headings.size(), elevations.size()));
-  }
   render::Outputs outputs;
   if (colour) outputs.colour = colour_output(*colour, colour_format);
   if (depth) outputs.depth = depth_output(*depth, ray_depth);
@@ -153,10 +176,7 @@ void ViewRenderer::render(const Row<std::uint32_t>& scans, const Row<std::uint32
   if (instances) outputs.instances = instance_output(*instances);
   const nb::gil_scoped_release unlocked;
   views_.clear();
-  for (std::size_t i = 0; i < n; ++i) {
-    views_.push_back({ScanIndex(scans.data()[i]), ViewpointIndex(viewpoints.data()[i]),
-                      Radians(headings.data()[i]), Radians(elevations.data()[i])});
-  }
+  for (std::size_t i = 0; i < views.size(); ++i) views_.push_back(views[i]);
   renderer_->render({width, height, Radians(vfov)}, views_, outputs);
 }
 
@@ -169,6 +189,11 @@ void bind_renderer(nb::module_& m) {
       .def(nb::new_(&open_panoramas), "images"_a, "connectivity"_a, "graphs"_a,
            "images: folders to look in, in this order. connectivity: folder of the graphs' files.")
       .def_prop_ro("scans", &PanoramaSet::scans);
+  nb::class_<ViewArrays>(m, "ViewArrays",
+                         "Where n views are taken from: arrays that are read when they are drawn.")
+      .def(nb::init<Row<std::uint32_t>, Row<std::uint32_t>, Row<double>, Row<double>>(), "scans"_a,
+           "viewpoints"_a, "headings"_a, "elevations"_a)
+      .def("__len__", &ViewArrays::size);
   nb::class_<ViewRenderer>(m, "ViewRenderer", "What enfilade.Renderer is made of.")
       .def(nb::init<const std::shared_ptr<const PanoramaSet>&, const std::string&, int, std::size_t,
                     bool, bool, const std::string&>(),
@@ -179,10 +204,9 @@ void bind_renderer(nb::module_& m) {
            "A new array to draw into; what it holds is left over.",
            nb::sig("def memory(self, shape: tuple[int, ...], type: str) -> "
                    "numpy.typing.NDArray[typing.Any]"))
-      .def("render", &ViewRenderer::render, "scans"_a, "viewpoints"_a, "headings"_a, "elevations"_a,
-           "width"_a, "height"_a, "vfov"_a, "colour"_a.none().noconvert(), "colour_format"_a,
-           "depth"_a.none().noconvert(), "ray_depth"_a, "classes"_a.none().noconvert(),
-           "instances"_a.none().noconvert());
+      .def("render", &ViewRenderer::render, "views"_a, "width"_a, "height"_a, "vfov"_a,
+           "colour"_a.none().noconvert(), "colour_format"_a, "depth"_a.none().noconvert(),
+           "ray_depth"_a, "classes"_a.none().noconvert(), "instances"_a.none().noconvert());
   m.def("backends", [] {
     std::vector<std::string> names;
     for (const render::Backend b : render::backends()) names.emplace_back(to_string(b));

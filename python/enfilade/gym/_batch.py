@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from enfilade._core import BatchEnvironment, Vocabulary
+from enfilade._core import BatchEnvironment, ViewArrays, Vocabulary
 from enfilade._episodes import Episodes
 from enfilade._renderer import Renderer, open_panoramas
 from enfilade.gym._config import EnvConfig, Transition
@@ -48,6 +48,7 @@ class Batch:
             max_navigable=config.max_candidates,
         )
         self.arrays: dict[str, NDArray[Any]] = self.core.arrays()
+        self._views = self._views_of(slice(None))
         self.vocabulary = Vocabulary.load(config.vocabulary) if config.vocabulary else None
         self._all_texts = [episode.text for episode in self.episodes]
         self.texts = [""] * n
@@ -193,9 +194,8 @@ class Batch:
         """What the agents see now, or these of them."""
         if not names:
             return {}
-        views = [self.arrays[name] for name in ("scan", "viewpoint", "heading", "elevation")]
-        drawn = self.renderer().render(
-            *(views if agents is None else [values[agents] for values in views]),
+        drawn = self.renderer()._draw(
+            self._views if agents is None else self._views_of(agents),
             width=self.config.width,
             height=self.config.height,
             vfov=self.config.vfov,
@@ -203,6 +203,10 @@ class Batch:
             layers=tuple(_LAYERS[name][0] for name in names if name != "rgb"),
         )
         return {n: drawn["colour" if n == "rgb" else _LAYERS[n][0]] for n in names}
+
+    def _views_of(self, agents: Any) -> ViewArrays:
+        poses = ("scan", "viewpoint", "heading", "elevation")
+        return ViewArrays(*(self.arrays[name][agents] for name in poses))
 
     def describe(self, agent: int) -> str:
         """Where an agent is, in words: render_mode "ansi"."""
