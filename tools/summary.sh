@@ -1,0 +1,61 @@
+# Part of enfilade.sh: what ctest's output comes to.
+# shellcheck shell=bash
+
+# skip_reasons CTEST_OUTPUT LAST_TEST_LOG: a line for each skipped test, its reason.
+skip_reasons() {
+  awk '
+    function reason_of(text) {
+      sub(/^Skipped: */, "", text)
+      return text
+    }
+    # First file, the list that ctest ends with: "<tab>  7 - Name (Skipped)".
+    FNR == NR {
+      if (/^\t *[0-9]+ - .* \(Disabled\)$/) print "disabled (DISABLED_ in its name, or in CMake)"
+      if (!/^\t *[0-9]+ - .* \(Skipped\)$/) next
+      gsub(/^\t *[0-9]+ - | \(Skipped\)$/, "")
+      skipped[$0] = 1
+      next
+    }
+    # Second file, what each test printed: a test skipped by GoogleTest says "file:line: Skipped",
+    # then its reason; another program (a script with its own status for it) says why last.
+    /^[0-9]+\/[0-9]+ Testing: / {
+      name = $0
+      sub(/^[^:]*: /, "", name)
+      why = last = ""
+    }
+    /^Output:$/ { inside = 1; next }
+    /^<end of output>$/ {
+      if (name in skipped) print why != "" ? why : gtest ? "no reason given" : last
+      inside = gtest = after = 0
+    }
+    !inside || /^-+$/ { next }
+    /^\[  SKIPPED \]/ { gtest = 1; after = 0 }
+    after && why == "" && NF { why = reason_of($0) }
+    /: Skipped$/ { after = 1 }
+    / are skipped: / && why == "" { why = $0; sub(/.* are skipped: /, "", why) }
+    NF { last = $0 }
+  ' "$1" "$2"
+}
+
+# summarize CTEST_OUTPUT LAST_TEST_LOG: nothing if ctest ran no test (as with -N).
+summarize() {
+  local counts total failed skipped disabled reasons
+  counts=$(sed -n 's/^[0-9]*% tests passed, \([0-9]*\) tests* failed out of \([0-9]*\).*/\1 \2/p' \
+    "$1" | tail -n 1)
+  [[ -n $counts ]] || return 0
+  read -r failed total <<<"$counts"
+  reasons=$(skip_reasons "$1" "$2")
+  skipped=$(grep -c '^'$'\t'' *[0-9]* - .* (Skipped)$' "$1") || true
+  disabled=$(grep -c '^'$'\t'' *[0-9]* - .* (Disabled)$' "$1") || true
+  printf '\nSummary\n'
+  printf '  passed  %6d\n  failed  %6d\n' $((total - failed - skipped)) "$failed"
+  printf '  skipped %6d\n' $((skipped + disabled))
+  [[ -z $reasons ]] || sort <<<"$reasons" | uniq -c | sort -rn | sed 's/^/  /'
+  if grep -q ENFILADE_DATA <<<"$reasons"; then
+    printf '  To run those that need the real data: ENFILADE_DATA=FOLDER ./enfilade.sh test\n'
+    printf '  (./enfilade.sh demo says where the data is had)\n'
+  fi
+  # ctest leaves the disabled tests out of its total; it does count the skipped ones.
+  printf '%d passed, %d failed, %d skipped\n' \
+    $((total - failed - skipped)) "$failed" $((skipped + disabled))
+}
