@@ -8,7 +8,7 @@ import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { distancesFrom } from '../src/distances.ts';
 import type { Scan } from '../src/scan.ts';
 import type { WalkTask } from '../src/work/walk_task.ts';
-import { complaints, enfilade, type Home, inspect, keepScreenshot, missing, newToken, openHome, openPage, patience } from './harness.ts';
+import { complaints, enfilade, type Home, inspect, keepScreenshot, makeCollection, missing, newToken, openHome, openPage, patience } from './harness.ts';
 
 declare const window: { walkTask?: WalkTask };
 
@@ -27,7 +27,6 @@ describe.skipIf(missing)('a collection', () => {
   beforeAll(async () => {
     home = await openHome();
     organiser = await openPage(home, '/organise');
-    organiser.on('dialog', (dialog) => void dialog.accept());
     await organiser.getByLabel('Your token').fill(newToken(home, 'Ada', 'organiser'));
     await organiser.getByRole('button', { name: 'Log in' }).click();
     await organiser.getByText('There is none yet.').waitFor();
@@ -36,22 +35,11 @@ describe.skipIf(missing)('a collection', () => {
     await home?.stop();
   });
 
-  /** A collection by the API, as the organiser's page would make it. Returns its link. */
-  const make = (body: object): Promise<string> =>
-    organiser.evaluate(async (wanted) => {
-      const answer = await fetch('/api/v1/collections', {
-        method: 'POST', body: JSON.stringify(wanted), headers: { 'X-Enfilade': '1', 'Content-Type': 'application/json' },
-      });
-      const made = (await answer.json()) as { link?: string; error?: object };
-      if (!made.link) throw new Error(JSON.stringify(made.error));
-      return made.link;
-    }, body);
   const texts = { consent: '# Consent\n\nDo you agree?', instructions: `# Write\n\n**Look** ${script} around.` };
 
   /** A new worker, or one who comes again, up to the first task. */
   async function arrive(link: string, phone = false): Promise<Page> {
     const page = await openPage(home, link, phone);
-    page.on('dialog', (dialog) => void dialog.accept());
     await page.getByRole('button', { name: 'I agree' }).click();
     await page.getByRole('button', { name: 'Begin' }).click();
     return page;
@@ -76,6 +64,9 @@ describe.skipIf(missing)('a collection', () => {
     await organiser.getByLabel('Only the first paths of each').fill('2');
     await organiser.getByText('More').click();
     await organiser.getByLabel(/lies still/).fill('1');
+    await organiser.getByRole('button', { name: 'Make it' }).click();
+    await organiser.getByText('The consent still says').waitFor();
+    await organiser.getByLabel('Consent').fill('# About this study\n\nWe are the **tests** of Enfilade.');
     await organiser.getByRole('button', { name: 'Make it' }).click();
     await organiser.getByText('It is made.').waitFor();
     await organiser.getByText('0 of 6 handed in').waitFor();
@@ -119,6 +110,9 @@ describe.skipIf(missing)('a collection', () => {
     await first.close();
 
     const second = await arrive(path, true);
+    await second.getByRole('button', { name: 'Hand in' }).scrollIntoViewIfNeeded();
+    expect((await second.locator('canvas').boundingBox())!.y).toBeGreaterThanOrEqual(0); // the picture stays in sight
+    await keepScreenshot(second, 'collect-scrolled-phone');
     await write(second, directions('B'));
     await second.getByRole('button', { name: 'The next one' }).click();
     await write(second, directions('B'));
@@ -147,22 +141,22 @@ describe.skipIf(missing)('a collection', () => {
     expect(await text.inputValue()).toContain(script);
     await text.fill(directions('A'));
     await reviewer.getByRole('button', { name: 'Save the correction' }).click();
-    await reviewer.getByRole('cell', { name: `before: ${directions(script)}` }).waitFor();
-    await inspect(reviewer, 'review');
+    await reviewer.getByRole('cell', { name: directions(script) }).waitFor();
+    await inspect(reviewer, 'review-work');
     await reviewer.getByRole('button', { name: 'Accept' }).click();
     await reviewer.getByText('2 of 6').waitFor();
     await reviewer.getByRole('button', { name: 'Reject' }).click();
     await reviewer.getByText('Say why.').waitFor();
-    await reviewer.getByLabel('Why it is rejected').fill('It leads elsewhere.');
+    await reviewer.getByLabel('Why, if you reject it').fill('It leads elsewhere.');
     await reviewer.getByRole('button', { name: 'Reject' }).click();
     for (const place of ['3 of 6', '4 of 6', '5 of 6', '6 of 6']) {
       await reviewer.getByText(place).waitFor();
       await reviewer.getByRole('button', { name: 'Accept' }).click();
     }
     await reviewer.getByText('this was the last').waitFor();
-    await reviewer.getByLabel('Show', { exact: true }).selectOption('rejected');
+    await reviewer.getByRole('combobox', { name: 'Show' }).selectOption('rejected');
     await reviewer.getByText('1 of 1').waitFor();
-    expect(await reviewer.getByLabel('Why it is rejected').inputValue()).toBe('It leads elsewhere.');
+    expect(await reviewer.getByLabel('Why, if you reject it').inputValue()).toBe('It leads elsewhere.');
     await reviewer.close();
   });
 
@@ -192,7 +186,7 @@ describe.skipIf(missing)('a collection', () => {
   });
 
   it('is walked as an agent walks, and scored', async () => {
-    const link = await make({ name: 'human', title: 'Follow directions', kind: 'walk', ...texts, sources: [{ split: 'val_seen', most: 4 }] });
+    const link = await makeCollection(organiser, { name: 'human', title: 'Follow directions', kind: 'walk', ...texts, sources: [{ split: 'val_seen', most: 4 }] });
     expect(link).toContain('/walk?');
     const annotations = JSON.parse(readFileSync(join(home.folder, 'r2r/R2R_val_seen.json'), 'utf8')) as Entry[];
     const scan = (await (await fetch(`${home.server}/api/v1/scans/home_0001`)).json()) as Scan;
@@ -223,7 +217,7 @@ describe.skipIf(missing)('a collection', () => {
         }, path.at(-1)!);
       }
       await page.getByRole('button', { name: 'Stop here' }).click();
-      if (k === 0) await keepScreenshot(page, 'walk-stop');
+      if (k === 0) await inspect(page, 'walk-stop');
       await page.evaluate(() => { window.walkTask = undefined as never; });
       await page.getByRole('button', { name: 'Yes, this is the goal' }).click();
       await page.getByText(stay ? 'no bonus' : 'earns the bonus').waitFor();
@@ -231,6 +225,7 @@ describe.skipIf(missing)('a collection', () => {
       await page.getByRole('button', { name: 'The next one' }).click();
     }
     await page.getByRole('heading', { name: 'Thank you' }).waitFor();
+    await inspect(page, 'walk-done');
     await page.close();
     const folder = join(home.folder, '..');
     for (const what of ['annotations', 'results', 'walks']) {
@@ -256,7 +251,7 @@ describe.skipIf(missing)('a collection', () => {
     const forms: URLSearchParams[] = [];
     const turk = await standIn(forms);
     const origin = `http://127.0.0.1:${(turk.address() as AddressInfo).port}`;
-    const link = await make({
+    const link = await makeCollection(organiser, {
       name: 'turk', title: 'Directions', kind: 'write', ...texts, sources: [{ split: 'val_seen', most: 1 }],
       platform: { kind: 'mturk', origins: [origin] },
     });
@@ -289,7 +284,7 @@ describe.skipIf(missing)('a collection', () => {
   });
 
   it('is taken to Prolific: ids in, completion code out', async () => {
-    const link = await make({
+    const link = await makeCollection(organiser, {
       name: 'prolific', title: 'Directions', kind: 'write', ...texts, sources: [{ split: 'val_seen', most: 1 }],
       platform: { kind: 'prolific', completion_code: 'C0DE42' },
     });
@@ -301,6 +296,45 @@ describe.skipIf(missing)('a collection', () => {
       .toBe('https://app.prolific.com/submissions/complete?cc=C0DE42');
     await inspect(page, 'collect-prolific');
     await page.close();
+  });
+
+  it('keeps nobody out, whatever a worker comes to', async () => {
+    const shown = async (page: Page, text: string, name: string) => {
+      await page.getByText(text).first().waitFor();
+      await inspect(page, name);
+    };
+    const source = { ...texts, title: 'Ways', sources: [{ split: 'val_seen', most: 1 }], per_item: 1 };
+    for (const kind of ['write', 'walk']) {
+      const link = await makeCollection(organiser, { ...source, name: `preview-${kind}`, kind, platform: { kind: 'mturk' } });
+      const preview = await openPage(home, `${link}&assignmentId=ASSIGNMENT_ID_NOT_AVAILABLE`);
+      await shown(preview, 'This is a preview', `${kind}-preview`);
+      await preview.close();
+    }
+    const link = await makeCollection(organiser, { ...source, name: 'one', title: 'One way', kind: 'write' });
+    const stranger = await openPage(home, link.replace(/key=\w+/, 'key=0'));
+    await shown(stranger, 'its key is wrong', 'collect-wrong-key');
+    await stranger.goto(`${home.server}/walk`);
+    await shown(stranger, 'This link names no collection', 'walk-no-name');
+    await stranger.goto(home.server + link);
+    await stranger.getByRole('button', { name: 'I do not agree' }).click();
+    await shown(stranger, 'Nothing was kept', 'collect-declined');
+    await stranger.close();
+
+    const first = await arrive(link);
+    await first.getByLabel('Your directions').waitFor();
+    const second = await arrive(link);
+    await shown(second, 'Others are at work', 'collect-wait');
+    await write(first, directions('A'));
+    await second.getByRole('button', { name: 'Try again' }).click();
+    await shown(second, 'nothing more for you', 'collect-nothing');
+    await organiser.goto(`${home.server}/organise`);
+    await organiser.getByRole('button', { name: 'Close: One way' }).click();
+    await organiser.getByRole('button', { name: 'Open again: One way' }).waitFor();
+    await inspect(organiser, 'organise-many');
+    await first.getByRole('button', { name: 'The next one' }).click();
+    await shown(first, 'This collection is closed', 'collect-closed');
+    await first.close();
+    await second.close();
   });
 
   it('made no browser complain', () => {

@@ -78,15 +78,25 @@ async function listen(child: ChildProcess): Promise<string> {
   throw new Error('the server ended before it listened');
 }
 
+export const newFolder = (): string => mkdtempSync(join(tmpdir(), 'enfilade-e2e-'));
+
 export async function openHome(): Promise<Home> {
-  const folder = mkdtempSync(join(tmpdir(), 'enfilade-e2e-'));
+  const folder = newFolder();
   const data = join(folder, 'homes');
   makeHomes(data);
   writeAnnotations(data);
-  const database = join(folder, 'service.sqlite');
+  return serve(folder, data, join(folder, 'service.sqlite'));
+}
+
+/** Serves a data set, and opens a browser. The folder goes when it stops. */
+export async function serve(folder: string, data: string, database: string): Promise<Home> {
   const child = spawn(program, ['serve', data, '--db', database, '--port', '0',
     '--log', 'none'], { stdio: ['ignore', 'pipe', 'inherit'] });
   const server = await listen(child);
+  if (!(await fetch(server)).ok) {
+    child.kill();
+    throw new Error(`${program} has no pages in it: it was built where npm was not found`);
+  }
   const browser = await chromium.launch({
     executablePath: browserPath,
     args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
@@ -102,6 +112,29 @@ export async function openHome(): Promise<Home> {
     },
   };
 }
+
+/** A results file for val_seen: each walk stays at its start, or goes to its goal. */
+export async function results(home: Home, walk: boolean): Promise<string> {
+  const answer = await fetch(`${home.server}/api/v1/splits/val_seen/episodes?limit=500`);
+  const { episodes } = (await answer.json()) as {
+    episodes: { instruction_id: string; path: string[]; heading: number }[];
+  };
+  return JSON.stringify(episodes.map(({ instruction_id, path, heading }) => ({
+    instr_id: instruction_id,
+    trajectory: (walk ? path : path.slice(0, 1)).map((id) => [id, heading, 0]),
+  })));
+}
+
+/** A collection by the API, as the page of a logged-in organiser makes it. Returns its link. */
+export const makeCollection = (organiser: Page, body: object): Promise<string> =>
+  organiser.evaluate(async (wanted) => {
+    const answer = await fetch('/api/v1/collections', {
+      method: 'POST', body: JSON.stringify(wanted), headers: { 'X-Enfilade': '1', 'Content-Type': 'application/json' },
+    });
+    const made = (await answer.json()) as { link?: string; error?: object };
+    if (!made.link) throw new Error(JSON.stringify(made.error));
+    return made.link;
+  }, body);
 
 /** For anything to happen in a browser, milliseconds: tests share their machine with builds. */
 export const patience = 120_000;
@@ -141,18 +174,21 @@ export async function seriousFaults(page: Page): Promise<string[]> {
 
 /**
  * A page as it stands: nothing in it keeps people out, and nothing is wider than the screen, on a
- * desktop and on a phone. Keeps a picture of both.
+ * desktop, on a phone, and on one with dark colours. Keeps a picture of each.
  */
 export async function inspect(page: Page, name: string): Promise<void> {
   const before = page.viewportSize()!;
-  for (const [kind, size] of [['desktop', { width: 1280, height: 800 }], ['phone', { width: 390, height: 844 }]] as const) {
-    await page.setViewportSize(size);
+  for (const [kind, width, height, colorScheme] of [
+    ['desktop', 1280, 800, 'light'], ['phone', 390, 844, 'light'], ['dark', 390, 844, 'dark']] as const) {
+    await page.setViewportSize({ width, height });
+    await page.emulateMedia({ colorScheme });
     await page.waitForTimeout(200); // until the view has its new size
     expect(await seriousFaults(page), `${name}, ${kind}`).toEqual([]);
     const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     expect(wider, `${name}, ${kind}: pixels too wide`).toBeLessThanOrEqual(0);
     await keepScreenshot(page, `${name}-${kind}`, kind === 'phone');
   }
+  await page.emulateMedia({ colorScheme: 'light' });
   await page.setViewportSize(before);
 }
 

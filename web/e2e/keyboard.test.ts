@@ -1,7 +1,12 @@
 /** Every page with no mouse: each control can be reached, has a name and shows the focus; each errand can be done. */
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { complaints, type Home, missing, newToken, openHome, openPage } from './harness.ts';
+import type { WalkTask } from '../src/work/walk_task.ts';
+import { complaints, type Home, makeCollection, missing, newToken, openHome, openPage, results } from './harness.ts';
+
+declare const window: { walkTask?: WalkTask };
 
 interface Stop {
   readonly name: string;
@@ -43,6 +48,47 @@ async function tabTo(page: Page, name: RegExp): Promise<void> {
   throw new Error(`Tab does not come to ${name}: ${[...new Set(passed)].join(', ')}`);
 }
 
+/** Each control can be reached, has a name, and shows that it has the focus. */
+async function expectReached(page: Page): Promise<void> {
+  const found = await stops(page);
+  expect(found.length).toBeGreaterThan(0);
+  for (const stop of found) {
+    expect(stop.name, `the name of a ${stop.tag}`).not.toBe('');
+    expect(stop.outlined, `the focus on ${stop.name}`).toBe(true);
+  }
+  const controls = await page.locator('main').evaluate((main) =>
+    [...main.querySelectorAll<HTMLElement>('button, input, select, textarea, a[href], summary')]
+      .filter((one) => one.checkVisibility() && !one.matches(':disabled')).length);
+  expect(found.length).toBeGreaterThanOrEqual(controls);
+}
+
+/** Gives a file to the control that has the focus, by the dialogue that a key opens. */
+async function choose(page: Page, content: string): Promise<void> {
+  const [dialogue] = await Promise.all([page.waitForEvent('filechooser'), page.keyboard.press('Enter')]);
+  await dialogue.setFiles({ name: 'results.json', mimeType: 'application/json', buffer: Buffer.from(content) });
+}
+
+/** Runs in the page: the number in the list of the next place of a path; 0 if it does not lie ahead. */
+function numberOf(id: string): number {
+  const { viewer } = window.walkTask!;
+  return viewer.steps().findIndex(({ viewpoint }) => viewer.scan.viewpoints[viewpoint]!.id === id) + 1;
+}
+
+/** Turns by the arrow keys until a place lies ahead, and goes there by its number. */
+async function walkTo(page: Page, id: string): Promise<void> {
+  await tabTo(page, /^Panorama/);
+  let number = 0;
+  for (let turns = 0; turns < 36 && number === 0; ++turns) {
+    await page.keyboard.press('ArrowRight');
+    number = await page.evaluate(numberOf, id);
+  }
+  await page.keyboard.press(String(number));
+  await page.waitForFunction((to) => {
+    const { viewer } = window.walkTask!;
+    return viewer.scan.viewpoints[viewer.pose.viewpoint]!.id === to;
+  }, id);
+}
+
 describe.skipIf(missing)('without a mouse', () => {
   let home: Home;
   let organiser: string;
@@ -68,16 +114,7 @@ describe.skipIf(missing)('without a mouse', () => {
       const page = await openPage(home, path);
       await page.locator('h1').waitFor();
       await page.waitForLoadState('networkidle');
-      const found = await stops(page);
-      expect(found.length).toBeGreaterThan(4);
-      for (const stop of found) {
-        expect(stop.name, `the name of a ${stop.tag}`).not.toBe('');
-        expect(stop.outlined, `the focus on ${stop.name}`).toBe(true);
-      }
-      const controls = await page.locator('main').evaluate((main) =>
-        [...main.querySelectorAll<HTMLElement>('button, input, select, textarea, a[href]')]
-          .filter((one) => one.checkVisibility() && !one.matches(':disabled')).length);
-      expect(found.length).toBeGreaterThanOrEqual(controls);
+      await expectReached(page);
       await page.close();
     },
   );
@@ -121,18 +158,24 @@ describe.skipIf(missing)('without a mouse', () => {
     await page.keyboard.press('Space');
     await tabTo(page, /^Only the first/);
     await page.keyboard.type('1');
+    await tabTo(page, /^Consent/);
+    await page.keyboard.press('Control+A');
+    await page.keyboard.type('Do you agree?');
+    await tabTo(page, /^Make it/);
     await page.keyboard.press('Enter');
     await page.getByText('It is made.').waitFor();
     const link = new URL(await page.getByLabel('Link for workers').inputValue());
 
     const worker = await openPage(home, link.pathname + link.search);
-    await worker.getByRole('heading', { name: 'About this study' }).waitFor();
+    await worker.getByText('Do you agree?').waitFor();
+    await expectReached(worker);
     await tabTo(worker, /^I agree$/);
     await worker.keyboard.press('Enter');
     await worker.getByRole('heading', { name: 'Write directions' }).waitFor();
     await tabTo(worker, /^Begin$/);
     await worker.keyboard.press('Enter');
     await worker.getByText('Place 1 of 3').waitFor();
+    await expectReached(worker);
     for (const place of ['2', '3']) {
       await tabTo(worker, /^On along the path/);
       await worker.keyboard.press('Enter');
@@ -149,12 +192,91 @@ describe.skipIf(missing)('without a mouse', () => {
 
     await page.reload();
     await page.getByText('1 of 3 handed in').waitFor();
+    await expectReached(page);
     await tabTo(page, /^Review$/);
     await page.keyboard.press('Enter');
     await page.getByText('1 of 1').waitFor();
+    await expectReached(page);
     await tabTo(page, /^Accept$/);
     await page.keyboard.press('Enter');
     await page.getByText('this was the last').waitFor();
+    await page.close();
+  });
+
+  it('directions are walked to their end, and the walk is reviewed', async () => {
+    const page = await loggedIn('/organise');
+    const link = await makeCollection(page, {
+      name: 'walk', title: 'Walk', kind: 'walk', consent: 'Do you agree?', instructions: 'Walk.', sources: [{ split: 'val_seen', most: 1 }],
+    });
+    const [{ path }] = JSON.parse(readFileSync(join(home.folder, 'r2r/R2R_val_seen.json'), 'utf8')) as [{ path: string[] }];
+    const walker = await openPage(home, link);
+    for (const button of [/^I agree$/, /^Begin$/]) {
+      await walker.getByRole('button', { name: button }).waitFor();
+      await tabTo(walker, button);
+      await walker.keyboard.press('Enter');
+    }
+    await walker.waitForFunction(() => window.walkTask !== undefined);
+    await expectReached(walker);
+    for (const id of path.slice(1)) await walkTo(walker, id);
+    await tabTo(walker, /^Stop here/);
+    await walker.keyboard.press('Enter');
+    await walker.keyboard.press('Tab'); // from "Yes" to "Walk on"
+    await walker.keyboard.press('Enter');
+    await walker.keyboard.press('Enter'); // "Stop here" has the focus again
+    await walker.keyboard.press('Enter');
+    await walker.getByText('earns the bonus').waitFor();
+    await expectReached(walker);
+    await walker.close();
+
+    await page.goto(`${home.server}/review?collection=walk`);
+    await page.getByText('1 of 1').waitFor();
+    await expectReached(page);
+    await tabTo(page, /^Play$/);
+    await page.keyboard.press('Enter');
+    await page.getByRole('button', { name: 'Pause' }).waitFor();
+    await tabTo(page, /^Accept$/);
+    await page.keyboard.press('Enter');
+    await page.getByText('this was the last').waitFor();
+    await page.close();
+  });
+
+  it('results are handed in, found on the leaderboard and withdrawn', async () => {
+    const page = await openPage(home, '/submit');
+    await page.getByLabel("The team's name").waitFor();
+    await tabTo(page, /^The team's name/);
+    await page.keyboard.type('Keys');
+    await page.keyboard.press('Enter');
+    await page.getByText('The team is made.').waitFor();
+    await tabTo(page, /^Log in$/);
+    await page.keyboard.press('Enter');
+    await page.getByRole('button', { name: 'Log out' }).waitFor();
+    for (const [method, walk] of [['walks', true], ['stays', false]] as const) {
+      await tabTo(page, /^Method/);
+      await page.keyboard.press('Control+A');
+      await page.keyboard.type(method);
+      await tabTo(page, /^Results file/);
+      await choose(page, await results(home, walk));
+      await tabTo(page, /^Check and hand in$/);
+      await page.keyboard.press('Enter');
+      await page.getByRole('row', { name: new RegExp(`${method}.*scored`) }).waitFor();
+    }
+    await tabTo(page, /^Leaderboard$/);
+    await page.keyboard.press('Enter');
+    await page.getByRole('cell', { name: 'walks' }).waitFor(); // the better of the two
+    await tabTo(page, /^NE$/);
+    await page.keyboard.press('Enter');
+    await page.getByRole('columnheader', { name: 'NE' }).and(page.locator('[aria-sort=ascending]')).waitFor();
+    expect((await page.evaluate(focused))?.name).toBe('NE');
+
+    await page.goto(`${home.server}/submit`);
+    await page.getByRole('row', { name: /walks/ }).waitFor();
+    await expectReached(page);
+    await tabTo(page, /^Withdraw 1$/);
+    await page.keyboard.press('Enter');
+    await page.keyboard.press('Enter'); // it asks first
+    await page.getByRole('cell', { name: 'withdrawn' }).waitFor();
+    await page.goto(`${home.server}/leaderboard`);
+    await page.getByRole('cell', { name: 'stays' }).waitFor();
     await page.close();
   });
 

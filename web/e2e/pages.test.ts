@@ -1,19 +1,7 @@
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { complaints, type Home, inspect, keepScreenshot, makeHomes, missing, openHome, openPage } from './harness.ts';
-
-/** Results that stay at their starts, or go to their goals. */
-async function results(home: Home, walk: boolean): Promise<string> {
-  const answer = await fetch(`${home.server}/api/v1/splits/val_seen/episodes?limit=500`);
-  const { episodes } = (await answer.json()) as {
-    episodes: { instruction_id: string; path: string[]; heading: number }[];
-  };
-  return JSON.stringify(episodes.map(({ instruction_id, path, heading }) => ({
-    instr_id: instruction_id,
-    trajectory: (walk ? path : path.slice(0, 1)).map((id) => [id, heading, 0]),
-  })));
-}
+import { complaints, type Home, inspect, makeHomes, missing, openHome, openPage, results } from './harness.ts';
 
 describe.skipIf(missing)('the pages', () => {
   let home: Home;
@@ -29,7 +17,7 @@ describe.skipIf(missing)('the pages', () => {
     await page.getByLabel("The team's name").fill('<b>Team</b> "A"');
     await page.getByRole('button', { name: 'Make the team' }).click();
     await page.locator('.token').waitFor();
-    await keepScreenshot(page, 'submit-team');
+    await inspect(page, 'submit-team');
     await page.getByRole('button', { name: 'Log in' }).click();
     await page.getByText('You are').waitFor();
 
@@ -39,7 +27,7 @@ describe.skipIf(missing)('the pages', () => {
     await page.getByRole('button', { name: 'Check and hand in' }).click();
     await page.getByRole('alert').waitFor();
     expect(await page.getByRole('alert').textContent()).toContain('$[0]');
-    await keepScreenshot(page, 'submit-faults');
+    await inspect(page, 'submit-faults');
 
     await page.getByLabel('Results file').setInputFiles(file(await results(home, true)));
     await page.getByRole('button', { name: 'Check and hand in' }).click();
@@ -49,17 +37,18 @@ describe.skipIf(missing)('the pages', () => {
     await page.getByLabel('Results file').setInputFiles(file(await results(home, false)));
     await page.getByRole('button', { name: 'Check and hand in' }).click();
     await page.getByText('submission 2').first().waitFor();
+    await inspect(page, 'submit-scored');
 
     await page.goto(`${home.server}/leaderboard`);
     await page.getByRole('cell', { name: '<b>Team</b> "A"' }).waitFor();
     expect(await page.locator('tbody tr').count()).toBe(1); // the better of the two
     expect(await page.locator('tbody').textContent()).toContain('100.0');
     await page.getByRole('button', { name: 'NE' }).click();
-    await keepScreenshot(page, 'leaderboard-desktop');
+    await inspect(page, 'leaderboard-scored');
 
-    page.on('dialog', (dialog) => void dialog.accept());
     await page.goto(`${home.server}/submit`);
-    await page.getByRole('button', { name: 'Withdraw submission 1' }).click();
+    await page.getByRole('button', { name: 'Withdraw 1' }).click();
+    await page.getByRole('button', { name: 'Withdraw 1 for good?' }).click();
     await page.getByRole('cell', { name: 'withdrawn' }).waitFor();
     await page.getByRole('button', { name: 'Log out' }).click();
     await page.getByLabel("Your team's token").waitFor();
@@ -82,7 +71,7 @@ describe.skipIf(missing)('the pages', () => {
     await page.getByRole('link', { name: '1_0' }).click();
     await page.getByText('no success').waitFor();
     expect(await page.locator('.enfilade-map .walk').count()).toBe(1);
-    await keepScreenshot(page, 'browse-desktop');
+    await inspect(page, 'view-walk');
     await page.close();
   });
 
@@ -103,7 +92,7 @@ describe.skipIf(missing)('the pages', () => {
     await page.getByText('None yet.').waitFor();
     await page.getByLabel('Why').fill('a rope');
     await removed.first().click();
-    await keepScreenshot(page, 'verify-walk');
+    await inspect(page, 'verify-corrected');
     const [download] = await Promise.all([
       page.waitForEvent('download'),
       page.getByRole('button', { name: 'Save the corrections file' }).click(),
@@ -123,13 +112,13 @@ describe.skipIf(missing)('the pages', () => {
     await page.close();
   });
 
-  it.each(['/', '/episodes', '/leaderboard', '/submit', '/organise', '/review', '/view#home_0001', '/verify#home_0001'])(
+  it.each(['/', '/episodes', '/leaderboard', '/submit', '/organise', '/review', '/view#home_0001', '/verify#home_0001', '/view', '/verify#nowhere', '/view?split=val_seen&id=1_0'])(
     '%s keeps nobody out, at any width',
     async (path) => {
       const page = await openPage(home, path);
       await page.locator('h1').waitFor();
       await page.waitForLoadState('networkidle');
-      await inspect(page, path.split('#')[0]!.slice(1) || 'index');
+      await inspect(page, path.slice(1).replace(/\W+/g, '-') || 'index');
       await page.close();
     },
   );

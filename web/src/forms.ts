@@ -1,5 +1,5 @@
 /** Forms, and logging in with a token. */
-import { addHeader, api, byId, json, make, problems } from './page.ts';
+import { addSiteHeader, api, byId, json, make, problems } from './page.ts';
 
 /** Who asks, as the server sees it. */
 export interface Who {
@@ -85,8 +85,7 @@ export function loggedIn(who: Who): HTMLElement {
 
 /** A page for some roles only: to others it shows how to log in. Nothing if it did. */
 export async function onlyFor(roles: readonly Who['role'][], title: string): Promise<Who | undefined> {
-  const { synthetic } = await api.call<{ synthetic: boolean }>('scans');
-  addHeader(synthetic);
+  await addSiteHeader();
   const who = await api.call<Who>('session');
   if (roles.includes(who.role)) return who;
   const main = byId('main');

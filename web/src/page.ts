@@ -59,17 +59,28 @@ export function addHeader(synthetic: boolean, links: readonly Link[] = siteLinks
   document.body.prepend(make('a', { href: '#main', class: 'skip' }, 'To the content'), header);
 }
 
-/** A table that can be wider than the screen. */
+/** The header of a page that shows no building by itself. */
+export async function addSiteHeader(): Promise<void> {
+  const { synthetic } = await api.call<{ synthetic: boolean }>('scans');
+  addHeader(synthetic);
+}
+
+/** A table that can be wider than the screen. A heading stands over its column's numbers as they do: to the right. */
 export function table(head: readonly Child[], rows: readonly (readonly Child[])[]): HTMLElement {
-  const cell = (child: Child) => (child instanceof HTMLTableCellElement ? child : make('td', {}, child));
+  const isCell = (child: Child | undefined) => child instanceof HTMLTableCellElement;
+  const cell = (child: Child) => (isCell(child) ? child : make('td', {}, child));
+  const heading = (child: Child, k: number) => {
+    const first = rows[0]?.[k];
+    const number = first instanceof HTMLElement && first.classList.contains('number');
+    return isCell(child) ? child : make('th', { scope: 'col', ...(number && { class: 'number' }) }, child);
+  };
   return make(
     'div',
     { class: 'table', tabindex: '0', role: 'region', 'aria-label': 'Table' },
     make(
       'table',
       {},
-      make('thead', {}, make('tr', {}, ...head.map((child) =>
-        child instanceof HTMLTableCellElement ? child : make('th', { scope: 'col' }, child)))),
+      make('thead', {}, make('tr', {}, ...head.map(heading))),
       make('tbody', {}, ...rows.map((row) => make('tr', {}, ...row.map(cell)))),
     ),
   );
@@ -77,7 +88,8 @@ export function table(head: readonly Child[], rows: readonly (readonly Child[])[
 
 /** A message, with the problems of a file in a list. */
 export function problems(error: unknown): HTMLElement {
-  const message = error instanceof Error ? error.message : String(error);
+  // The server's sentences begin small, as a program's do; a field's name stays as it is.
+  const message = (error instanceof Error ? error.message : String(error)).replace(/^[a-z](?=[a-z]* )/, (letter) => letter.toUpperCase());
   const box = make('div', { role: 'alert' }, make('p', { class: 'problem' }, message));
   if (error instanceof ServerError && error.problems.length > 0) {
     box.append(
@@ -90,11 +102,18 @@ export function problems(error: unknown): HTMLElement {
   return box;
 }
 
-/** Runs a page; what goes wrong is shown on it. */
-export function run(page: () => Promise<void>): void {
+/**
+ * Runs a page; what goes wrong is shown on it.
+ * @param failure the heading then, where there is none yet
+ */
+export function run(page: () => Promise<void>, failure = 'This page cannot be shown', links = siteLinks): void {
   page().catch((error: unknown) => {
-    byId('main').classList.remove('wide');
-    byId('main').append(problems(error));
+    const main = byId('main');
+    if (main.classList.contains('wide')) main.replaceChildren(); // an empty view
+    main.classList.remove('wide');
+    if (!document.querySelector('header')) addHeader(false, links);
+    if (!main.querySelector('h1')) main.append(make('h1', {}, failure));
+    main.append(problems(error));
   });
 }
 

@@ -29,6 +29,10 @@ export interface Scan {
   readonly viewpoints: readonly Viewpoint[];
 }
 
+/** The index of the viewpoint with that id; -1 if the scan has none. */
+export const viewpointIndex = (scan: Scan, id: string | undefined): number =>
+  scan.viewpoints.findIndex((viewpoint) => viewpoint.id === id);
+
 export interface Episode {
   readonly instruction_id: string;
   readonly path_id: number;

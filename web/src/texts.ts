@@ -3,9 +3,12 @@
 /** A paragraph a line, as text areas break lines by themselves. */
 const unwrapped = (text: string): string => text.replace(/(?<=[^\n])\n {0,3}(?=[^\s#\d-])/g, ' ');
 
+/** What only the organiser knows: a collection isn't made while it stands there. */
+export const consentGap = '[Who you are, where, and how to reach you.]';
+
 export const consentText = unwrapped(`# About this study
 
-*[Who you are, where, and how to reach you.]* We study how people describe ways through buildings, so that robots can
+*${consentGap}* We study how people describe ways through buildings, so that robots can
 learn to follow what people say.
 
 - You look at pictures of a building in your browser and write, or follow, directions. No part of your screen, no sound

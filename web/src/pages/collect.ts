@@ -1,9 +1,8 @@
 /** Workers describe paths: `/collect?collection=NAME&key=K`, and what the platforms add. */
-import { run } from '../page.ts';
 import { work } from '../work/flow.ts';
 import { WriteTask } from '../work/write_task.ts';
 
-run(() => work('write', async (main, desk) => {
+work('write', async (main, desk) => {
   const task = await WriteTask.open(main, desk);
   return () => task.dispose();
-}));
+});

@@ -1,5 +1,5 @@
 /** The instructions of a split, with filters: `/episodes?split=S&q=words&offset=N`. */
-import { addHeader, api, byId, make, problems, run, table } from '../page.ts';
+import { addSiteHeader, api, byId, make, problems, run, table } from '../page.ts';
 import { forgetResults, keepResults, keptResults, parseResults, type Results } from '../results.ts';
 import type { Episode } from '../scan.ts';
 
@@ -14,7 +14,7 @@ interface EpisodeList {
 const perPage = 50;
 
 /** Choosing a results file, whose walks the viewer then shows beside the reference paths. */
-function resultsControl(split: () => string, changed: () => void): HTMLElement {
+function resultsControl(split: () => string, changed: () => void): { box: HTMLElement; forget: HTMLElement } {
   const file = make('input', { id: 'results', type: 'file', accept: '.json,application/json' });
   const forget = make('button', { type: 'button' }, 'Forget it');
   const said = make('div', { 'aria-live': 'polite' });
@@ -33,24 +33,24 @@ function resultsControl(split: () => string, changed: () => void): HTMLElement {
     said.replaceChildren();
     void forgetResults(split()).then(changed);
   });
-  return make('div', {}, make('label', { for: 'results' }, 'Results file of this split, to look at (it stays in this browser)'),
+  const box = make('div', {}, make('label', { for: 'results' }, 'Results file of this split, to look at (it stays in this browser)'),
     file, ' ', forget, said);
+  return { box, forget };
 }
 
 function rowOf(split: string, episode: Episode, results: Results | undefined): (Node | string)[] {
   const href = `/view?split=${encodeURIComponent(split)}&id=${encodeURIComponent(episode.instruction_id)}`;
   return [
     make('a', { href }, episode.instruction_id),
-    episode.scan,
     episode.instruction,
     ...(results ? [make('td', { class: 'number' }, String(results.get(episode.instruction_id)?.viewpoints.length ?? 'none'))] : []),
     make('td', { class: 'number' }, episode.distance === undefined ? 'hidden' : `${episode.distance} m`),
+    episode.scan,
   ];
 }
 
 run(async () => {
-  const { synthetic } = await api.call<{ synthetic: boolean }>('scans');
-  addHeader(synthetic);
+  await addSiteHeader();
   const { splits } = await api.call<SplitList>('splits');
   const main = byId('main');
   main.append(make('h1', {}, 'Episodes'));
@@ -67,6 +67,7 @@ run(async () => {
     const query = new URLSearchParams({ q: words.value, offset: String(offset), limit: String(perPage) });
     const found = await api.call<EpisodeList>(`splits/${encodeURIComponent(split.value)}/episodes?${query}`);
     const results = await keptResults(split.value);
+    chosen.forget.hidden = results === undefined;
     const last = Math.min(offset + perPage, found.matching);
     const turn = (text: string, to: number, possible: boolean) => {
       const button = make('button', { type: 'button' }, text);
@@ -75,7 +76,7 @@ run(async () => {
       return button;
     };
     list.replaceChildren(
-      table(['Id', 'Building', 'Instruction', ...(results ? ['Walked viewpoints'] : []), 'Length'],
+      table(['Id', 'Instruction', ...(results ? ['Walked viewpoints'] : []), 'Length', 'Building'],
         found.episodes.map((e) => rowOf(split.value, e, results))),
       make('p', { class: 'pages' }, turn('Before', offset - perPage, offset > 0),
         `${found.matching === 0 ? 0 : offset + 1} to ${last} of ${found.matching}`,
@@ -84,10 +85,11 @@ run(async () => {
   };
   const refresh = () => { show().catch((error: unknown) => list.replaceChildren(problems(error))); };
   const anew = () => { offset = 0; refresh(); };
+  const chosen = resultsControl(() => split.value, anew);
   split.addEventListener('change', anew);
   words.addEventListener('input', anew);
   main.append(make('label', { for: 'split' }, 'Split'), split,
     make('label', { for: 'words' }, 'Words in the instruction'), words,
-    resultsControl(() => split.value, anew), list);
+    chosen.box, list);
   await show();
 });

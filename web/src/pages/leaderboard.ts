@@ -1,5 +1,5 @@
 /** The leaderboard of a phase: `/leaderboard?phase=P`. */
-import { addHeader, api, byId, make, problems, run, table } from '../page.ts';
+import { addSiteHeader, api, byId, make, problems, run, table } from '../page.ts';
 
 interface Mean { readonly mean: number | null; readonly low: number | null; readonly high: number | null }
 interface Row {
@@ -36,7 +36,7 @@ const show = (value: number | null | undefined, unit: number): string =>
 function cellOf(row: Row, [name, , , unit]: Column): HTMLElement {
   const { mean, low, high } = row.means[name]!;
   return make('td', { class: 'number' }, show(mean, unit),
-    make('span', { class: 'interval' }, `${show(low, unit)} to ${show(high, unit)}`));
+    make('span', { class: 'interval' }, `${show(low, unit)}–${show(high, unit)}`));
 }
 
 function draw(box: HTMLElement, rows: readonly Row[], sorted: Column): void {
@@ -52,14 +52,13 @@ function draw(box: HTMLElement, rows: readonly Row[], sorted: Column): void {
     return make('th', { scope: 'col', class: 'number', 'aria-sort': !here ? 'none' : sorted[4] ? 'descending' : 'ascending' },
       button, here ? (sorted[4] ? ' ▾' : ' ▴') : '');
   });
-  box.replaceChildren(table(['Team', 'Method', 'Handed in', ...heads], order.map((row) => [
-    row.team, row.method, row.created.slice(0, 10), ...columns.map((column) => cellOf(row, column)),
+  box.replaceChildren(table(['Team', 'Method', ...heads, 'Handed in'], order.map((row) => [
+    row.team, row.method, ...columns.map((column) => cellOf(row, column)), make('td', { class: 'date' }, row.created.slice(0, 10)),
   ])));
 }
 
 run(async () => {
-  const { synthetic } = await api.call<{ synthetic: boolean }>('scans');
-  addHeader(synthetic);
+  await addSiteHeader();
   const { phases } = await api.call<{ phases: Phase[] }>('phases');
   const main = byId('main');
   main.append(make('h1', {}, 'Leaderboard'));

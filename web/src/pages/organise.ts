@@ -3,7 +3,7 @@ import type { Collection, Progress } from '../collections.ts';
 import { action, field, form, labelled, loggedIn, onlyFor } from '../forms.ts';
 import { markdown } from '../markdown.ts';
 import { api, byId, json, make, run } from '../page.ts';
-import { consentText, instructionsText } from '../texts.ts';
+import { consentGap, consentText, instructionsText } from '../texts.ts';
 
 interface SplitList {
   readonly splits: readonly { split: string; paths: number; instructions: number; goals_hidden: boolean }[];
@@ -15,40 +15,52 @@ const kindTexts: Record<Kind, string> = { write: 'People write directions', walk
 const platformTexts: Record<Platform, string> = { self: 'a link of your own', mturk: 'Mechanical Turk', prolific: 'Prolific' };
 
 function progressOf({ items, places, leased, submitted, accepted, rejected, complete, workers }: Progress, kind: Kind): HTMLElement {
-  const what = kind === 'write' ? 'paths' : 'instructions';
   const bar = make('progress', { max: String(Math.max(places, 1)), value: String(accepted + submitted), 'aria-label': 'Handed in' });
-  return make('div', {}, bar, make('p', {},
-    `${accepted + submitted} of ${places} handed in: ${accepted} accepted, ${submitted} to review. ${leased} with a worker now, ${rejected} rejected. ` +
-    `${complete} of ${items} ${what} complete. ${workers} worker${workers === 1 ? '' : 's'}.`));
+  const facts = [
+    `${complete} of ${items} ${kind === 'write' ? 'paths' : 'instructions'} complete`,
+    `${workers} worker${workers === 1 ? '' : 's'}${leased > 0 ? `, ${leased} at work now` : ''}`,
+    ...(rejected > 0 ? [`${rejected} rejected`] : []),
+  ];
+  return make('div', {}, bar,
+    make('p', {}, make('strong', {}, `${accepted + submitted} of ${places} handed in`), `: ${accepted} accepted, ${submitted} to review.`),
+    make('p', { class: 'note' }, `${facts.join('. ')}.`));
 }
 
-/** The files to be had; those of work that nobody reviewed yet are for a look, not for publishing. */
-function exportsOf({ collection, kind, splits = [] }: Collection): HTMLElement {
-  const link = (split: string, what: string, text: string, all = false) => {
-    const query = new URLSearchParams({ split, what, ...(all && { state: 'all' }) });
-    return make('a', { href: `/api/v1/collections/${encodeURIComponent(collection)}/export?${query}`, download: '' }, text);
-  };
-  const rows = splits.map(({ split, items }) => make('li', {}, `${split} (${items}): `,
-    link(split, 'annotations', 'R2R file'), ' · ',
-    ...(kind === 'walk' ? [link(split, 'results', 'results'), ' · ', link(split, 'walks', 'walks with times')]
-      : [link(split, 'annotations', 'with what is not reviewed', true)])));
-  return make('ul', { 'aria-label': 'Files' }, ...rows);
+/** The files to be had. Walks were checked when they were handed in, so theirs don't wait for a review. */
+function filesOf({ collection, kind, splits = [] }: Collection): HTMLElement {
+  const link = (split: string, what: string, text: string, state: 'accepted' | 'all') =>
+    make('a', { href: `/api/v1/collections/${encodeURIComponent(collection)}/export?${new URLSearchParams({ split, what, state })}`, download: '' }, text);
+  const rows = splits.map(({ split, items }) => make('li', {}, `${split} (${items}): `, ...(kind === 'write'
+    ? [link(split, 'annotations', 'R2R file', 'accepted'), ' · ', link(split, 'annotations', 'with what is not reviewed', 'all')]
+    : [link(split, 'annotations', 'R2R file', 'all'), ' · ', link(split, 'results', 'results', 'all'), ' · ', link(split, 'walks', 'walks with times', 'all')])));
+  return make('div', {}, make('h3', {}, 'Files'),
+    make('p', { class: 'note' }, kind === 'write' ? 'What was accepted.' : 'All walks but the rejected ones.'), make('ul', {}, ...rows));
+}
+
+/** The page for workers, which is longer than its box. */
+function linkOf({ collection, title, platform, link = '' }: Collection, said: HTMLElement): HTMLElement {
+  const text = make('input', { type: 'text', readonly: '', value: location.origin + link });
+  const [box] = labelled(`link-${collection}`, platform.kind === 'mturk' ? 'ExternalURL of the HIT' : 'Link for workers', text);
+  const copy = action('Copy', said, async () => {
+    text.select();
+    if (!isSecureContext) throw new Error('The link is selected: copy it by Ctrl+C.'); // no clipboard but by TLS or at home
+    await navigator.clipboard.writeText(text.value);
+    said.replaceChildren(make('p', { class: 'done' }, 'Copied.'));
+  }, { 'aria-label': `Copy the link: ${title}` });
+  box.append(make('div', { class: 'copied' }, text, copy));
+  return box;
 }
 
 function cardOf(collection: Collection, organiser: boolean, changed: () => Promise<void>): HTMLElement {
-  const { collection: name, title, kind, state, platform, progress, link } = collection;
-  const said = make('div');
+  const { collection: name, title, kind, state, platform, progress } = collection;
+  const said = make('div', { 'aria-live': 'polite' });
   const card = make('li', { class: 'card' }, make('h2', {}, title), make('p', { class: 'note' },
     `${kindTexts[kind]}, by ${platformTexts[platform.kind]}. ${state === 'open' ? 'Open.' : 'Closed.'}`));
   if (progress) card.append(progressOf(progress, kind));
   card.append(make('p', {}, make('a', { href: `/review?${new URLSearchParams({ collection: name })}` }, 'Review')));
   if (!organiser) return card;
-  if (link) {
-    const [box] = labelled(`link-${name}`, platform.kind === 'mturk' ? 'ExternalURL of the HIT' : 'Link for workers', make('input', { type: 'text', readonly: '', value: location.origin + link }));
-    card.append(box);
-  }
   const other = state === 'open' ? 'closed' : 'open';
-  card.append(exportsOf(collection), make('p', { class: 'buttons' },
+  card.append(linkOf(collection, said), filesOf(collection), make('p', { class: 'buttons' },
     action(state === 'open' ? 'Close' : 'Open again', said, async () => {
       await api.call(`collections/${encodeURIComponent(name)}`, json({ state: other }, 'PATCH'));
       await changed();
@@ -78,7 +90,7 @@ function sourceFields({ splits }: SplitList): { box: HTMLElement; read(): Promis
     const tick = make('input', { type: 'checkbox', value: split });
     return { tick, label: make('label', { class: 'row' }, tick, `${split} (${paths} paths${goals_hidden ? ', goals hidden' : ''})`) };
   });
-  const [fileBox, file] = field('paths', 'Or a file of paths', { type: 'file', accept: '.json,application/json' },
+  const [fileBox, file] = field('paths', splits.length > 0 ? 'Or a file of paths' : 'A file of paths', { type: 'file', accept: '.json,application/json' },
     'As enfilade sample writes, or any R2R file: path_id, scan, heading, path.');
   file.required = false;
   const [splitBox, split] = field('split', "That file's split, as the export will call it", { value: 'train', pattern: '[a-z0-9_\\-]{1,40}' });
@@ -89,11 +101,11 @@ function sourceFields({ splits }: SplitList): { box: HTMLElement; read(): Promis
     const chosen: object[] = boxes.filter(({ tick }) => tick.checked).map(({ tick }) => ({ split: tick.value, ...limit }));
     const [given] = file.files ?? [];
     if (given) chosen.push({ split: split.value, paths: JSON.parse(await given.text()) as object[], ...limit });
-    if (chosen.length === 0) throw new Error('Choose a split, or a file of paths.');
+    if (chosen.length === 0) throw new Error('Choose paths: a split of the data set, or a file.');
     return chosen;
   };
-  const list = make('fieldset', {}, make('legend', {}, 'Paths of the data set'), ...boxes.map(({ label }) => make('div', {}, label)),
-    ...(boxes.length === 0 ? [make('p', {}, 'It has none.')] : []));
+  const list = make('fieldset', {}, make('legend', {}, 'Paths of the data set'), ...boxes.map(({ label }) => make('div', {}, label)));
+  list.hidden = boxes.length === 0;
   return { box: make('div', {}, list, fileBox, splitBox, mostBox), read };
 }
 
@@ -133,10 +145,19 @@ function newCollection(splits: SplitList, made: () => Promise<void>): HTMLElemen
   consent.value = consentText;
   instructions.value = instructionsText.write;
   title.addEventListener('input', () => { name.value = slug(title.value); });
-  kind.addEventListener('change', () => { instructions.value = instructionsText[kind.value as Kind]; });
+  const lookedUp = make('p', { class: 'note', hidden: '' }, 'Everybody can look up where paths end, in a split whose goals are not hidden, on the page Episodes. ' +
+    'For walks that are paid for, take one with hidden goals, or a file of paths of your own.');
+  kind.addEventListener('change', () => {
+    instructions.value = instructionsText[kind.value as Kind];
+    lookedUp.hidden = kind.value !== 'walk';
+  });
   const more = make('details', {}, make('summary', {}, 'More'), perBox, leaseBox, visitBox);
   const optional = (key: string, input: HTMLInputElement) => (input.value ? { [key]: Number(input.value) } : {});
-  return form('Make it, and open it', [titleBox, nameBox, kindBox, sources.box, platform.box, consentBox, instructionsBox, more], async () => {
+  return form('Make it, and open it', [titleBox, nameBox, kindBox, sources.box, lookedUp, platform.box, consentBox, instructionsBox, more], async () => {
+    if (consent.value.includes(consentGap)) {
+      consent.focus();
+      throw new Error(`The consent still says "${consentGap}": say it there.`);
+    }
     await api.call('collections', json({
       name: name.value, title: title.value.trim(), kind: kind.value, consent: consent.value, instructions: instructions.value,
       sources: await sources.read(), platform: platform.read(),
@@ -158,8 +179,9 @@ run(async () => {
     list.hidden = collections.length === 0;
     none.hidden = collections.length > 0;
   };
-  const none = make('p', {}, 'There is none yet.');
-  main.append(make('h1', {}, 'Collections'), loggedIn(who), none, list);
+  const none = make('p', {}, organiser ? 'There is none yet.' : 'There is none yet; organisers make them.');
+  const said = make('div', { role: 'status' });
+  main.append(make('h1', {}, 'Collections'), loggedIn(who), said, none, list);
   await refresh();
   setInterval(() => {
     // Not under the hands of somebody who is using it.
@@ -167,7 +189,6 @@ run(async () => {
   }, 15_000);
   if (!organiser) return;
   const box = make('details', { class: 'new' }, make('summary', {}, make('h2', {}, 'Make a collection')));
-  const said = make('div', { role: 'status' });
   box.open = !none.hidden;
   box.append(newCollection(await api.call<SplitList>('splits'), async () => {
     box.open = false;
@@ -175,5 +196,5 @@ run(async () => {
     said.replaceChildren(make('p', { class: 'done' }, 'It is made. Send its link to workers.'));
     scrollTo(0, 0);
   }));
-  main.append(said, box);
+  main.append(box);
 });

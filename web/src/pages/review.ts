@@ -2,6 +2,7 @@
 import type { Change, Collection, Work } from '../collections.ts';
 import { action, field, labelled, loggedIn, onlyFor, type Who } from '../forms.ts';
 import { api, byId, dateTime, json, make, problems, run, table } from '../page.ts';
+import { viewpointIndex } from '../scan.ts';
 import { MiniMap, Player, Viewer } from '../viewer/enfilade-viewer.ts';
 
 type State = Work['state'];
@@ -9,6 +10,7 @@ const perPage = 50;
 const states: readonly (readonly [State | 'all', string])[] = [
   ['submitted', 'Waiting for review'], ['accepted', 'Accepted'], ['rejected', 'Rejected'], ['all', 'All'],
 ];
+const stateTexts: Record<State, string> = { submitted: 'waiting for review', accepted: 'accepted', rejected: 'rejected' };
 const flagTexts: Record<string, string> = {
   short: 'very short', pasted: 'partly pasted', 'goal-not-seen': 'never looked around at the goal',
 };
@@ -28,11 +30,11 @@ class Stage {
 
   /** Shows a work's path or walk from its start. Returns the fly-through. */
   async show(work: Work): Promise<HTMLElement> {
-    this.player?.pause();
+    this.player?.dispose();
     const ids = work.path ?? (work.steps ?? []).map(({ viewpoint }) => viewpoint);
     if (this.viewer?.scan.scan !== work.scan) await this.open(work.scan);
     const viewer = this.viewer!;
-    const path = ids.map((id) => viewer.scan.viewpoints.findIndex((v) => v.id === id))
+    const path = ids.map((id) => viewpointIndex(viewer.scan, id))
       .filter((v, k, all) => v !== all[k - 1]);
     await viewer.jump({ viewpoint: path[0]!, heading: work.heading, elevation: 0 });
     viewer.setPath(path);
@@ -66,8 +68,8 @@ class Reviewer {
     this.stage = stage;
     const turn = (text: string, label: string, by: number) =>
       action(text, this.said, () => this.go(this.at + by), { 'aria-label': label });
-    const [stateBox] = labelled('state', 'Show', this.state);
-    panel.append(stateBox, make('p', { class: 'buttons' }, turn('◀', 'The one before', -1), turn('▶', 'The next one', 1), this.place),
+    panel.append(make('label', { class: 'row' }, 'Show', this.state),
+      make('p', { class: 'buttons' }, turn('◀', 'The one before', -1), turn('▶', 'The next one', 1), this.place),
       this.said, this.work);
     this.state.addEventListener('change', () => {
       this.load().catch((error: unknown) => this.said.replaceChildren(problems(error)));
@@ -104,7 +106,7 @@ class Reviewer {
 
   private async show(work: Work): Promise<void> {
     const player = await this.stage.show(work);
-    const heading = make('h2', { tabindex: '-1' }, `Task ${work.task}: ${work.state}`);
+    const heading = make('h2', { tabindex: '-1' }, `Task ${work.task}: ${stateTexts[work.state]}`);
     const focused = this.work.contains(document.activeElement); // on what is about to go
     this.list[this.at] = work;
     this.work.replaceChildren(
@@ -129,14 +131,14 @@ class Reviewer {
     const save = action('Save the correction', this.said, async () => {
       await this.show(await api.call<Work>(`tasks/${work.task}/instruction`, json({ instruction: text.value.trim() }, 'PUT')));
     });
-    save.disabled = true;
-    text.addEventListener('input', () => { save.disabled = text.value.trim() === (work.instruction ?? ''); });
-    box.append(make('p', {}, save));
+    save.hidden = true;
+    text.addEventListener('input', () => { save.hidden = text.value.trim() === (work.instruction ?? ''); });
+    box.append(save);
     return box;
   }
 
   private verdict(work: Work): HTMLElement {
-    const [why, reason] = field('reason', 'Why it is rejected, for the worker to read', { maxlength: '500' });
+    const [why, reason] = field('reason', 'Why, if you reject it', { maxlength: '500' });
     reason.value = work.reason ?? '';
     const send = async (verdict: State): Promise<void> => {
       const body = verdict === 'rejected' ? { verdict, reason: reason.value.trim() } : { verdict };
@@ -156,8 +158,8 @@ class Reviewer {
   private history(list: readonly Change[]): HTMLElement[] {
     if (list.length === 0) return [];
     const rows = list.map(({ when, who, what, before, reason }) =>
-      [dateTime(when), who, what, before !== undefined ? `before: ${before}` : (reason ?? '')]);
-    return [make('h2', {}, 'What was done with it'), table(['When', 'Who', 'What', ''], rows)];
+      [dateTime(when), who, what, before ?? reason ?? '']);
+    return [make('h2', {}, 'What was done with it'), table(['When', 'Who', 'What', 'Why, or what it was'], rows)];
   }
 }
 
@@ -177,7 +179,7 @@ run(async () => {
   if (!name) return chooser(who);
   const collection = await api.call<Collection>(`collections/${encodeURIComponent(name)}`);
   document.title = `Review ${collection.title} · Enfilade`;
-  const [view, side, map] = [make('div', { class: 'view' }), make('aside', { class: 'side' }), make('div', { class: 'map' })];
+  const [view, side, map] = [make('div', { class: 'view' }), make('aside', { class: 'side work' }), make('div', { class: 'map' })];
   const panel = make('div', { class: 'panel' }, make('h1', {}, `Review: ${collection.title}`));
   side.append(map, panel);
   byId('main').append(view, side);

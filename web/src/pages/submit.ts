@@ -1,6 +1,6 @@
 /** Making a team, logging in, handing in, and a team's history. */
-import { field, form, loggedIn, loginForm, type Who } from '../forms.ts';
-import { addHeader, api, byId, dateTime, json, make, problems, run, table } from '../page.ts';
+import { field, form, loggedIn, loginForm, twice, type Who } from '../forms.ts';
+import { addSiteHeader, api, byId, dateTime, json, make, problems, run, table } from '../page.ts';
 
 interface Phase { readonly phase: string; readonly title: string; readonly per_day: number }
 interface Submission {
@@ -34,22 +34,21 @@ function showStranger(): void {
     made);
 }
 
-function historyTable(list: readonly Submission[], changed: () => void): HTMLElement {
+function historyTable(list: readonly Submission[], role: Who['role'], said: HTMLElement, changed: () => Promise<void>): HTMLElement {
   const show = (s: Submission, name: string, unit: number) => {
     const mean = s.means?.[name]?.mean;
     return make('td', { class: 'number' }, mean === undefined || mean === null ? '–' : (mean * unit).toFixed(unit === 1 ? 2 : 1));
   };
   return table(
-    ['No.', 'Phase', 'Method', 'Handed in', 'State', 'NE', 'SR', 'SPL', ''],
+    ['No.', ...(role === 'organiser' ? ['Team'] : []), 'Method', 'State', 'NE', 'SR', 'SPL', 'Phase', 'Handed in', ''],
     list.map((s) => {
-      const withdraw = make('button', { type: 'button', 'aria-label': `Withdraw submission ${s.id}` }, 'Withdraw');
-      withdraw.disabled = s.state === 'withdrawn';
-      withdraw.addEventListener('click', () => {
-        if (!confirm(`Withdraw submission ${s.id} from the leaderboard, for good?`)) return;
-        api.call(`submissions/${s.id}`, { method: 'DELETE' }).then(changed, (e: unknown) => main.append(problems(e)));
+      const withdraw = twice(`Withdraw ${s.id}`, `Withdraw ${s.id} for good?`, said, async () => {
+        await api.call(`submissions/${s.id}`, { method: 'DELETE' });
+        await changed();
       });
-      return [String(s.id), s.phase, s.method, dateTime(s.created), s.state,
-        show(s, 'nav_error', 1), show(s, 'success', 100), show(s, 'spl', 100), withdraw];
+      withdraw.disabled = s.state === 'withdrawn';
+      return [String(s.id), ...(role === 'organiser' ? [s.team] : []), s.method, s.state, show(s, 'nav_error', 1), show(s, 'success', 100),
+        show(s, 'spl', 100), s.phase, make('td', { class: 'date' }, dateTime(s.created)), withdraw];
     }),
   );
 }
@@ -60,11 +59,17 @@ async function showTeam(who: Who): Promise<void> {
   const [methodField, method] = field('method', 'Method, as the leaderboard shows it', { maxlength: '80' });
   const [fileField, file] = field('file', 'Results file (JSON)', { type: 'file', accept: '.json,application/json' });
   const said = make('div', { 'aria-live': 'polite' });
+  const heading = make('h2', { tabindex: '-1' }, who.role === 'team' ? 'What you handed in' : 'All submissions');
   const history = make('div', { 'aria-live': 'polite' });
   const refresh = async (): Promise<void> => {
     const { submissions } = await api.call<{ submissions: Submission[] }>('submissions');
-    history.replaceChildren(submissions.length === 0 ? make('p', {}, 'None yet.') : historyTable(submissions, () => void refresh()));
-    if (submissions.some(({ state }) => state === 'queued')) setTimeout(() => void refresh(), 1000);
+    history.replaceChildren(submissions.length === 0 ? make('p', {}, 'None yet.') : historyTable(submissions, who.role, said, async () => {
+      await refresh();
+      heading.focus(); // the button that was pressed is gone
+    }));
+    if (submissions.some(({ state }) => state === 'queued')) {
+      setTimeout(() => { refresh().catch((error: unknown) => said.replaceChildren(problems(error))); }, 1000);
+    }
   };
   main.append(loggedIn(who));
   if (who.role === 'team') {
@@ -75,15 +80,14 @@ async function showTeam(who: Who): Promise<void> {
       said.replaceChildren(make('p', { class: 'done' }, `The file is good: submission ${taken.id}.`),
         ...(taken.warnings ?? []).map((text) => make('p', { class: 'note' }, text)));
       await refresh();
-    }), said);
+    }));
   }
-  main.append(make('h2', {}, who.role === 'team' ? 'What you handed in' : 'All submissions'), history);
+  main.append(said, heading, history);
   await refresh();
 }
 
 run(async () => {
-  const { synthetic } = await api.call<{ synthetic: boolean }>('scans');
-  addHeader(synthetic);
+  await addSiteHeader();
   main.append(make('h1', {}, 'Submit'));
   const who = await api.call<Who>('session');
   if (who.role === 'stranger') showStranger();

@@ -8,7 +8,7 @@ import {
 import { parseLink } from '../deep_link.ts';
 import { directionTo, norm, subtract } from '../geometry.ts';
 import { addHeader, byId, make, run, table } from '../page.ts';
-import type { Scan } from '../scan.ts';
+import { type Scan, viewpointIndex } from '../scan.ts';
 import type { Mark } from '../viewer/discs.ts';
 import { MiniMap, Viewer } from '../viewer/enfilade-viewer.ts';
 
@@ -113,7 +113,7 @@ class Verifier {
   }
 
   private history(): HTMLElement {
-    const name = (id: string | undefined) => this.original.viewpoints.findIndex((v) => v.id === id);
+    const name = (id: string | undefined) => viewpointIndex(this.original, id);
     const rows = this.corrections.map(({ action, from, to, who, why }, k) => {
       const undo = make('button', { type: 'button', 'aria-label': `Undo correction ${k + 1}` }, 'Undo');
       undo.addEventListener('click', () => {

@@ -3,7 +3,7 @@ import { formatLink, parseLink } from '../deep_link.ts';
 import { distancesFrom, lengthOf } from '../distances.ts';
 import { addHeader, api, byId, make, run } from '../page.ts';
 import { keptResults } from '../results.ts';
-import type { Episode, Layer } from '../scan.ts';
+import { type Episode, type Layer, viewpointIndex } from '../scan.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { MiniMap, Player, Viewer } from '../viewer/enfilade-viewer.ts';
 
@@ -49,7 +49,7 @@ function followAddress(viewer: Viewer): void {
     if (location.hash === ours) return;
     const place = parseLink(location.hash);
     if (place?.scan !== viewer.scan.scan) return location.reload();
-    const viewpoint = viewer.scan.viewpoints.findIndex(({ id }) => id === place.viewpoint);
+    const viewpoint = viewpointIndex(viewer.scan, place.viewpoint);
     const { heading, elevation } = { ...viewer.pose, ...place };
     void viewer.jump({ heading, elevation, ...(viewpoint >= 0 && { viewpoint }) });
   });
@@ -65,7 +65,7 @@ function verdict(viewer: Viewer, path: readonly number[], walk: readonly number[
 }
 
 async function showEpisode(panel: HTMLElement, viewer: Viewer, map: MiniMap, episode: Episode): Promise<void> {
-  const indices = (ids: readonly string[]) => ids.map((id) => viewer.scan.viewpoints.findIndex((v) => v.id === id));
+  const indices = (ids: readonly string[]) => ids.map((id) => viewpointIndex(viewer.scan, id));
   const path = indices(episode.path ?? []);
   const results = await keptResults(new URLSearchParams(location.search).get('split') ?? '');
   const walk = indices(results?.get(episode.instruction_id)?.viewpoints ?? []);
@@ -102,7 +102,7 @@ run(async () => {
   side.append(make('div', { class: 'map' }, map.element), panel);
   if (episode) await showEpisode(panel, viewer, map, episode);
   panel.append(make('div', { class: 'controls' }, overlayControl(viewer)),
-    make('p', { class: 'note' }, `Drag to look, click a disc to go. ${keyHelp(viewer)}`));
+    make('p', { class: 'note' }, 'Drag to look, click a disc to go. ', make('span', { class: 'keys' }, keyHelp(viewer))));
   followAddress(viewer);
   window.enfilade = { viewer };
 });

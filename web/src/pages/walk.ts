@@ -1,5 +1,4 @@
 /** Workers follow instructions: `/walk?collection=NAME&key=K`, and what the platforms add. */
-import { run } from '../page.ts';
 import { work } from '../work/flow.ts';
 import { WalkTask } from '../work/walk_task.ts';
 
@@ -10,8 +9,8 @@ declare global {
   }
 }
 
-run(() => work('walk', async (main, desk) => {
+work('walk', async (main, desk) => {
   const task = await WalkTask.open(main, desk);
   window.walkTask = task;
   return () => task.dispose();
-}));
+});

@@ -13,7 +13,7 @@ export class Player {
   private readonly speed = document.createElement('select');
   private seconds = 0;
   private running = false;
-  private ended?: () => void;
+  private readonly ends = new AbortController();
 
   /** @param path viewpoints, each next to the one before; the flight begins with the pose's look. */
   constructor(viewer: Viewer, path: readonly number[]) {
@@ -38,13 +38,15 @@ export class Player {
     this.speed.value = '1';
     this.element.append(this.play, this.slider, this.speed);
     // Who takes the view into their own hands wants to look, not to be carried on.
-    for (const event of ['pointerdown', 'keydown']) viewer.element.addEventListener(event, () => this.pause());
+    const { signal } = this.ends;
+    for (const event of ['pointerdown', 'keydown']) viewer.element.addEventListener(event, () => this.pause(), { signal });
     this.label();
   }
 
-  /** Called once, when the goal is reached for the first time. */
-  onEnd(ended: () => void): void {
-    this.ended = ended;
+  dispose(): void {
+    this.pause();
+    this.ends.abort();
+    this.element.remove();
   }
 
   get playing(): boolean {
@@ -79,9 +81,7 @@ export class Player {
       const passed = Math.min(Math.max(now - before, 0) / 1000, 0.1);
       await this.seek(this.seconds + passed * Number(this.speed.value));
       before = now;
-      if (this.seconds < this.flight.seconds) continue;
-      this.pause();
-      this.ended?.();
+      if (this.seconds >= this.flight.seconds) this.pause();
     }
   }
 

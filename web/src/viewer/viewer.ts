@@ -12,7 +12,7 @@ import {
   worldFromCamera,
 } from '../geometry.ts';
 import { halfFieldOfView, navigable, type Step } from '../navigation.ts';
-import { Api, type Layer, type Scan } from '../scan.ts';
+import { Api, type Layer, type Scan, viewpointIndex } from '../scan.ts';
 import { Controls } from './controls.ts';
 import { Discs, floorBelow, type Mark } from './discs.ts';
 import { Flight, type Moment } from './flight.ts';
@@ -43,8 +43,9 @@ export interface Rules {
   readonly within: number;
   /** One looks so far up and down at most, radians. */
   readonly mostElevation: number;
-  /** The vertical opening, which stays, radians. The element should be `aspect` times as wide as high. */
+  /** The vertical opening, which stays, radians. */
   readonly vfov: number;
+  /** The picture is so many times as wide as high. */
   readonly aspect: number;
 }
 
@@ -109,6 +110,7 @@ export class Viewer {
     this.renderer.outputColorSpace = three.LinearSRGBColorSpace; // values pass as they are
     this.renderer.domElement.classList.add('enfilade-canvas');
     element.classList.add('enfilade-viewer');
+    if (options.rules) element.style.aspectRatio = String(options.rules.aspect);
     element.append(this.renderer.domElement);
     this.scene.add(this.here.mesh, this.there.mesh, this.discs.group);
     this.controls = new Controls(this);
@@ -288,6 +290,7 @@ export class Viewer {
     this.renderer.dispose();
     this.renderer.domElement.remove();
     this.element.classList.remove('enfilade-viewer');
+    this.element.style.removeProperty('aspect-ratio');
   }
 
   private may(viewpoint: number): boolean {
@@ -410,7 +413,7 @@ export class Viewer {
 }
 
 function startPose(scan: Scan, options: ViewerOptions): Pose {
-  const named = scan.viewpoints.findIndex(({ id }) => id === options.viewpoint);
+  const named = viewpointIndex(scan, options.viewpoint);
   if (options.viewpoint !== undefined && named < 0) {
     throw new Error(`${scan.scan} has no viewpoint ${options.viewpoint}`);
   }

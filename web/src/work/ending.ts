@@ -28,10 +28,11 @@ export function ending(visit: Visit, again: () => void): HTMLElement {
   const { done, why = 'finished', completion } = visit;
   const box = make('div', { class: 'narrow' },
     make('h1', { tabindex: '-1' }, done > 0 ? 'Thank you' : 'Nothing to do'),
-    ...(done > 0 ? [make('p', { class: 'done' }, done === 1 ? 'Your work has been received.' : `All ${done} of your tasks have been received.`)] : []),
+    ...(done > 0 ? [make('p', { class: 'done' }, done === 1 ? 'Your work has been received.' : `Your ${done} tasks have been received.`)] : []),
     make('p', {}, reasons[why]));
   if (completion?.kind === 'mturk') box.append(formOf(completion));
   if (completion?.kind === 'prolific') box.append(codeOf(completion));
+  if (completion?.kind === 'self') box.append(make('p', {}, 'You can close this page.'));
   if (why === 'all-leased') {
     const button = make('button', { type: 'button', class: 'main' }, 'Try again');
     button.addEventListener('click', again);

@@ -2,10 +2,10 @@
 import type { Collection } from '../collections.ts';
 import { action } from '../forms.ts';
 import { markdown } from '../markdown.ts';
-import { addHeader, byId, make, problems } from '../page.ts';
+import { addHeader, byId, make, problems, run } from '../page.ts';
 import { ServerError } from '../scan.ts';
 import { ending } from './ending.ts';
-import { arrive, type Task, type Visit, type WorkApi } from './visit.ts';
+import { arrive, type Submission, type Task, type Visit, type WorkApi } from './visit.ts';
 
 /** What a task's page works with. */
 export interface Desk {
@@ -83,7 +83,7 @@ class Flow {
     const said = make('div');
     const count = visit.of ? `${visit.done} of ${visit.of}` : String(visit.done);
     this.page(this.title(visit.done > 0 ? 'Received, thank you' : this.collection.title), ...resultOf(visit),
-      make('p', {}, visit.done > 0 ? `That makes ${count}.` : 'You gave the task back.'),
+      make('p', {}, visit.done > 0 ? `You have handed in ${count}.` : 'You gave the task back.'),
       make('p', {}, this.next('The next one', said)), said,
       make('p', { class: 'note' }, 'Or close this page: all that you handed in is kept.'));
   }
@@ -131,15 +131,25 @@ export const lostText = `${lost} Load the page again for another one.`;
 export const lostDraftText = `${lost} Copy what you want to keep, and load the page again for another one.`;
 
 /** What to say when the server takes no more of a task. */
-export function explainLoss(error: unknown): Error {
+function explainLoss(error: unknown): Error {
   const { code, status } = error instanceof ServerError ? error : { code: '', status: 0 };
   if (code === 'lease-lost') return new Error(lostText);
   if (status === 401) return new Error('You were away for a day, and have to come in anew: load the page again. Nothing is lost.');
   return error instanceof Error ? error : new Error(String(error));
 }
 
+/** Hands a task's work in; what was kept of it here is forgotten then. */
+export async function handIn({ api, task, proceed }: Desk, drafts: { forget(): void }, work: Submission): Promise<void> {
+  const visit = await api!.handIn(task.task!, work).catch((error: unknown) => { throw explainLoss(error); });
+  drafts.forget();
+  proceed(visit);
+}
+
 /** Runs a page of work. */
-export async function work(kind: Collection['kind'], show: ShowTask): Promise<void> {
+export const work = (kind: Collection['kind'], show: ShowTask): void =>
+  run(() => visit(kind, show), 'This link does not work', []);
+
+async function visit(kind: Collection['kind'], show: ShowTask): Promise<void> {
   const main = byId('main');
   const arrival = await arrive();
   const { collection } = arrival;

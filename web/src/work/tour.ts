@@ -58,6 +58,6 @@ export class Tour {
     this.dots.replaceChildren(...names.map((name) => make('i', { class: name.trim() })));
     const where = place === 0 ? ', the start' : place === this.path.length - 1 ? ', the goal' : '';
     const seen = this.path.filter((v) => this.looks.around(v)).length;
-    this.said.textContent = `Place ${place + 1} of ${this.path.length}${where}. You looked around at ${seen}.`;
+    this.said.textContent = `Place ${place + 1} of ${this.path.length}${where}. You looked around at ${seen} so far.`;
   }
 }

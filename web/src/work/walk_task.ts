@@ -6,7 +6,7 @@ import { make, say } from '../page.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { agentRules, Viewer } from '../viewer/enfilade-viewer.ts';
 import { type DraftState, Drafts } from './drafts.ts';
-import { type Desk, explainLoss, lostText, taskPanel } from './flow.ts';
+import { type Desk, handIn, lostText, taskPanel } from './flow.ts';
 import { Recorder } from './recorder.ts';
 
 interface Draft {
@@ -76,7 +76,8 @@ export class WalkTask {
     this.stop.disabled = !this.desk.api;
     panel.append(make('h2', {}, 'Follow this'), make('p', { class: 'instruction' }, this.desk.task.instruction ?? ''),
       this.sure, this.said, this.draftSaid,
-      make('p', { class: 'note' }, `Drag to look, click a ring on the floor to go. ${keyHelp(this.viewer)}`));
+      make('p', { class: 'note' }, 'Drag to look around, and down for what is near. Click or tap a ring on the floor to go there. ',
+        make('span', { class: 'keys' }, keyHelp(this.viewer))));
     return panel;
   }
 
@@ -115,9 +116,6 @@ export class WalkTask {
   private async handIn(): Promise<void> {
     const { width, height } = this.viewer.view;
     const camera = { width: Math.round(width), height: Math.round(height), vfov: this.viewer.pose.vfov };
-    const visit = await this.desk.api!.handIn(this.desk.task.task!, { steps: this.walked(), camera })
-      .catch((error: unknown) => { throw explainLoss(error); });
-    this.drafts.forget();
-    this.desk.proceed(visit);
+    await handIn(this.desk, this.drafts, { steps: this.walked(), camera });
   }
 }

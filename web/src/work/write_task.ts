@@ -1,9 +1,10 @@
 /** Writing directions for a path: its fly-through, its places, a text. */
 import { make, say } from '../page.ts';
 import { action, twice } from '../forms.ts';
+import { viewpointIndex } from '../scan.ts';
 import { MiniMap, Player, Viewer } from '../viewer/enfilade-viewer.ts';
 import { type DraftState, Drafts } from './drafts.ts';
-import { type Desk, explainLoss, lostDraftText, taskPanel } from './flow.ts';
+import { type Desk, handIn, lostDraftText, taskPanel } from './flow.ts';
 import { type Hint, hintsFor, wordsIn } from './hints.ts';
 import { Looks } from './looks.ts';
 import { Tour } from './tour.ts';
@@ -37,6 +38,7 @@ export class WriteTask {
   private readonly count = make('span', { id: 'words' });
   private readonly draftSaid = make('span', { role: 'status' });
   private readonly advice = make('div', { role: 'status' });
+  private readonly row = make('p', { class: 'buttons' });
   private readonly said = make('div');
   private readonly begin = performance.now();
   private pasted = 0;
@@ -55,7 +57,7 @@ export class WriteTask {
   private constructor(desk: Desk, viewer: Viewer, side: HTMLElement) {
     this.desk = desk;
     this.viewer = viewer;
-    const path = desk.task.path!.map((id) => viewer.scan.viewpoints.findIndex((v) => v.id === id));
+    const path = desk.task.path!.map((id) => viewpointIndex(viewer.scan, id));
     this.goal = path.at(-1)!;
     viewer.setPath(path);
     viewer.confine(path);
@@ -74,7 +76,7 @@ export class WriteTask {
 
   dispose(): void {
     this.drafts.dispose();
-    this.player.pause();
+    this.player.dispose();
     this.map.dispose();
     this.viewer.dispose();
   }
@@ -90,15 +92,16 @@ export class WriteTask {
   }
 
   private buttons(): HTMLElement {
-    const handIn = action('Hand in', this.said, () => this.handIn(), { class: 'main' });
+    const done = action('Hand in', this.said, () => this.handIn(), { class: 'main' });
     const giveBack = twice('Give this path back', 'Give it back? You will not be offered it again', this.said, async () => {
       const visit = await this.desk.api!.giveBack(this.desk.task.task!);
       this.drafts.forget();
       this.desk.proceed(visit);
     });
-    if (!this.desk.api) for (const button of [handIn, giveBack]) button.disabled = true;
+    if (!this.desk.api) for (const button of [done, giveBack]) button.disabled = true;
     this.text.disabled = !this.desk.api;
-    return make('p', { class: 'buttons' }, handIn, giveBack);
+    this.row.append(done, giveBack);
+    return this.row;
   }
 
   private listen(): void {
@@ -163,12 +166,9 @@ export class WriteTask {
     const hints = hintsFor(text, this.draft);
     const flags = hints.map(({ code }) => code);
     this.advise(hints);
+    this.row.scrollIntoView({ block: 'nearest' }); // advice pushed it down
     if (text === '') return this.text.focus();
     if (flags.some((flag) => !before.includes(flag))) return;
-    const { task } = this.desk.task;
-    const visit = await this.desk.api!.handIn(task!, { instruction: text, seconds: this.seconds, flags })
-      .catch((error: unknown) => { throw explainLoss(error); });
-    this.drafts.forget();
-    this.desk.proceed(visit);
+    await handIn(this.desk, this.drafts, { instruction: text, seconds: this.seconds, flags });
   }
 }
