@@ -5,7 +5,8 @@ namespace {
 
 [[noreturn]] void wrong_type(PyObject* o, const char* name, const char* wanted) {
   PyErr_Clear();
-  PyErr_Format(PyExc_TypeError, "%s: %R, a %s; %s is wanted", name, o, Py_TYPE(o)->tp_name, wanted);
+  PyErr_Format(PyExc_TypeError, "%s: %R of type %s; %s is wanted", name, o, Py_TYPE(o)->tp_name,
+               wanted);
   throw PythonErrorIsSet();
 }
 
@@ -69,6 +70,16 @@ std::string to_text(PyObject* o, const char* name) {
   return {data, static_cast<std::size_t>(size)};
 }
 
+bool to_flag(PyObject* o, const char* name) {
+  const PyNumberMethods* number = Py_TYPE(o)->tp_as_number;
+  if (o != Py_None && (number == nullptr || number->nb_bool == nullptr)) {
+    wrong_type(o, name, "True or False");
+  }
+  const int value = PyObject_IsTrue(o);
+  if (value < 0) throw PythonErrorIsSet();
+  return value != 0;
+}
+
 double to_angle(PyObject* o, const char* name) {
   if (PyFloat_CheckExact(o)) return PyFloat_AS_DOUBLE(o);
   double value = PyFloat_AsDouble(o);
@@ -91,6 +102,14 @@ std::int64_t to_index(PyObject* o, const char* name) {
   const std::int64_t value = PyLong_AsLongLong(integer);
   if (value == -1 && PyErr_Occurred() != nullptr) wrong_type(o, name, "an int of 64 bits");
   return value;
+}
+
+std::int64_t to_integer(PyObject* o, const char* name, std::int64_t least, std::int64_t most) {
+  const std::int64_t value = to_index(o, name);
+  if (value >= least && value <= most) return value;
+  PyErr_Format(PyExc_TypeError, "%s: %R; an int of %lld to %lld is wanted", name, o,
+               static_cast<long long>(least), static_cast<long long>(most));
+  throw PythonErrorIsSet();
 }
 
 std::vector<std::string> to_texts(PyObject* o, const char* name) {

@@ -14,9 +14,11 @@ bool is_text(PyObject* o);
 bool is_list(PyObject* o);  ///< a sequence that is no text
 
 std::string to_text(PyObject* o, const char* name);
+bool to_flag(PyObject* o, const char* name);  ///< what has a truth value as numbers have it; None
 double to_angle(PyObject* o, const char* name);
 /// Integers of any type, and arrays of one; no floats.
 std::int64_t to_index(PyObject* o, const char* name);
+std::int64_t to_integer(PyObject* o, const char* name, std::int64_t least, std::int64_t most);
 
 std::vector<std::string> to_texts(PyObject* o, const char* name);
 /// Of the first `count` elements; `out` is used again, so that a step allocates nothing.

@@ -4,9 +4,11 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
-#include <cstring>
+#include <limits>
 #include <span>
+#include <type_traits>
 
+#include "python/src/mattersim/arguments.h"
 #include "python/src/mattersim/cbf.h"
 #include "python/src/mattersim/simulator.h"
 
@@ -32,20 +34,47 @@ auto as_before(const F& f) {
   }
 }
 
-/// A method whose arguments nanobind converts.
-template <class R, class... Args>
-auto method(R (Simulator::*function)(Args...)) {
-  return [function](Simulator& self, Args... args) {
-    return as_before([&] { return (self.*function)(args...); });
-  };
+template <class T>
+T converted(PyObject* o, const char* name) {
+  if constexpr (std::is_same_v<T, bool>) {
+    return to_flag(o, name);
+  } else if constexpr (std::is_floating_point_v<T>) {
+    return to_angle(o, name);
+  } else {
+    return static_cast<T>(
+        to_integer(o, name, std::numeric_limits<T>::min(), std::numeric_limits<T>::max()));
+  }
 }
 
-/// A method that is given the objects as they come.
+// None comes through too: it is a flag that is not set.
+template <class>
+nb::arg anything() {
+  return nb::arg().none();
+}
+
+/// Binds a method of numbers and flags, converted as the old binding did.
+template <class R, class... Args>
+void def(nb::class_<Simulator>& c, const char* name, R (Simulator::*function)(Args...),
+         const char* doc) {
+  c.def(
+      name,
+      [=](Simulator& self, std::conditional_t<true, nb::handle, Args>... args) {
+        return as_before([&] { return (self.*function)(converted<Args>(args.ptr(), name)...); });
+      },
+      doc, anything<Args>()...);
+}
+
+/// Binds a method that is given the objects as they come. Without anything(): what is called at
+/// every step keeps nanobind's fastest way.
 template <class... Objects>
-auto object_method(void (Simulator::*function)(Objects...)) {
-  return [function](Simulator& self, std::conditional_t<true, nb::handle, Objects>... args) {
-    as_before([&] { (self.*function)(args.ptr()...); });
-  };
+void def_of_objects(nb::class_<Simulator>& c, const char* name,
+                    void (Simulator::*function)(Objects...), const char* doc) {
+  c.def(
+      name,
+      [=](Simulator& self, std::conditional_t<true, nb::handle, Objects>... args) {
+        as_before([&] { (self.*function)(args.ptr()...); });
+      },
+      doc);
 }
 
 nb::object get_state(Simulator& self) {
@@ -69,53 +98,55 @@ void cbf(const Picture& depth, const Picture& intensity, const Picture& mask,
 }
 
 void bind_setters(nb::class_<Simulator>& c) {
-  c.def("setDatasetPath", object_method(&Simulator::set_dataset_path),
-        "Folder of the scans' pictures. Default ./data/v1/scans/ (v0.1: ./data).");
-  c.def("setNavGraphPath", object_method(&Simulator::set_nav_graph_path),
-        "Folder of scans.txt and <scan>_connectivity.json. Default ./connectivity.");
-  c.def("setRenderingEnabled", method(&Simulator::set_rendering_enabled),
-        "False: no picture is opened. Default True.");
-  c.def("setCameraResolution", method(&Simulator::set_camera_resolution),
-        "Width and height, pixels. Default 320, 240. Heeded at the next action.");
-  c.def("setCameraVFOV", method(&Simulator::set_camera_vfov),
-        "Vertical field of view, radians. Default 0.8. Heeded at the next action.");
-  c.def("setElevationLimits", method(&Simulator::set_elevation_limits),
-        "Radians, -pi/2 < min < 0 < max < pi/2, else False is returned and nothing changes.");
-  c.def("setDiscretizedViewingAngles", method(&Simulator::set_discretized_viewing_angles),
-        "36 views: 12 headings x 3 elevations of 30 degrees. Default False.");
-  c.def("setRestrictedNavigation", method(&Simulator::set_restricted_navigation),
-        "Only what the picture's width shows is navigable. Default True.");
-  c.def("setPreloadingEnabled", method(&Simulator::set_preloading_enabled),
-        "Decode all pictures of all scans at initialize(), and keep them. Default False.");
-  c.def("setDepthEnabled", method(&Simulator::set_depth_enabled), "Draw depth too. Default False.");
-  c.def("setBatchSize", method(&Simulator::set_batch_size), "Agents. Default 1.");
-  c.def("setCacheSize", method(&Simulator::set_cache_size),
-        "Decoded panoramas to keep. Default 200.");
-  c.def("setSeed", method(&Simulator::set_seed), "Of random starts. Default 1 (v0.1: the clock).");
+  def_of_objects(c, "setDatasetPath", &Simulator::set_dataset_path,
+                 "Folder of the scans' pictures. Default ./data/v1/scans/ (v0.1: ./data).");
+  def_of_objects(c, "setNavGraphPath", &Simulator::set_nav_graph_path,
+                 "Folder of scans.txt and <scan>_connectivity.json. Default ./connectivity.");
+  def(c, "setRenderingEnabled", &Simulator::set_rendering_enabled,
+      "False: no picture is opened. Default True.");
+  def(c, "setCameraResolution", &Simulator::set_camera_resolution,
+      "Width and height, pixels. Default 320, 240. Heeded at the next action.");
+  def(c, "setCameraVFOV", &Simulator::set_camera_vfov,
+      "Vertical field of view, radians. Default 0.8. Heeded at the next action.");
+  def(c, "setElevationLimits", &Simulator::set_elevation_limits,
+      "Radians, -pi/2 < min < 0 < max < pi/2, else False is returned and nothing changes.");
+  def(c, "setDiscretizedViewingAngles", &Simulator::set_discretized_viewing_angles,
+      "36 views: 12 headings x 3 elevations of 30 degrees. Default False.");
+  def(c, "setRestrictedNavigation", &Simulator::set_restricted_navigation,
+      "Only what the picture's width shows is navigable. Default True.");
+  def(c, "setPreloadingEnabled", &Simulator::set_preloading_enabled,
+      "Decode all pictures of all scans at initialize(), and keep them. Default False.");
+  def(c, "setDepthEnabled", &Simulator::set_depth_enabled, "Draw depth too. Default False.");
+  def(c, "setBatchSize", &Simulator::set_batch_size, "Agents. Default 1.");
+  def(c, "setCacheSize", &Simulator::set_cache_size, "Decoded panoramas to keep. Default 200.");
+  def(c, "setSeed", &Simulator::set_seed, "Of random starts. Default 1 (v0.1: the clock).");
 }
 
 }  // namespace
 
 void bind(nb::module_& m) {
   if (add_types(m.ptr()) != 0) throw nb::python_error();
-  nb::class_<Simulator> c(m, "Simulator",
+  nb::class_<Simulator> c(m, "Simulator", nb::is_weak_referenceable(),
                           "The old simulator's interface, v0.2 (lists) and v0.1 (scalars).");
+  c.attr("__module__") = "MatterSim";
   c.def("__init__", [](Simulator* self) { as_before([&] { new (self) Simulator(); }); });
   bind_setters(c);
-  c.def("initialize", method(&Simulator::initialize), "Takes the settings over; v0.2.");
-  c.def("init", method(&Simulator::init), "Takes the settings over; v0.1.");
-  c.def("close", method(&Simulator::close), "Lets go of pictures; initialize() begins anew.");
-  c.def("newEpisode", object_method(&Simulator::new_episode),
-        "newEpisode(scanIds, viewpointIds, headings, elevations): lists, an element an agent "
-        "(v0.2), or scalars (v0.1, where viewpoint \"\" is a random one).");
-  c.def("newRandomEpisode", object_method(&Simulator::new_random_episode),
-        "newRandomEpisode(scanIds): random viewpoints, the old simulator's headings.");
-  c.def("makeAction", object_method(&Simulator::make_action),
-        "makeAction(indices, headings, elevations): move to navigableLocations[index], then turn "
-        "by so many radians.");
+  def(c, "initialize", &Simulator::initialize, "Takes the settings over; v0.2.");
+  def(c, "init", &Simulator::init, "Takes the settings over; v0.1.");
+  def(c, "close", &Simulator::close, "Lets go of pictures; initialize() begins anew.");
+  def_of_objects(
+      c, "newEpisode", &Simulator::new_episode,
+      "newEpisode(scanIds, viewpointIds, headings, elevations): lists, an element an agent "
+      "(v0.2), or scalars (v0.1, where viewpoint \"\" is a random one).");
+  def_of_objects(c, "newRandomEpisode", &Simulator::new_random_episode,
+                 "newRandomEpisode(scanIds): random viewpoints, the old simulator's headings.");
+  def_of_objects(
+      c, "makeAction", &Simulator::make_action,
+      "makeAction(indices, headings, elevations): move to navigableLocations[index], then turn "
+      "by so many radians.");
   c.def("getState", get_state,
         "A list of SimStates that later actions change (v0.2), or a copy of one (v0.1).");
-  c.def("resetTimers", method(&Simulator::reset_timers), "Begins timingInfo() anew.");
+  def(c, "resetTimers", &Simulator::reset_timers, "Begins timingInfo() anew.");
   c.def(
       "timingInfo", [](const Simulator& self) { return self.timing_info(); },
       "How long what took, as text.");

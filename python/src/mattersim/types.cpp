@@ -91,10 +91,13 @@ PyTypeObject* make_viewpoint_type() {
   static std::array getters{
       PyGetSetDef{"point", get_point, nullptr, "list: [x, y, z], as v0.1 has it.", nullptr},
       PyGetSetDef{}};
-  static std::array slots{PyType_Slot{Py_tp_dealloc, slot(free_viewpoint)},
-                          PyType_Slot{Py_tp_new, slot(refuse_new)},
-                          PyType_Slot{Py_tp_members, members.data()},
-                          PyType_Slot{Py_tp_getset, getters.data()}, PyType_Slot{}};
+  static std::array slots{
+      PyType_Slot{Py_tp_dealloc, slot(free_viewpoint)},
+      PyType_Slot{Py_tp_new, slot(refuse_new)},
+      PyType_Slot{Py_tp_doc, const_cast<char*>("A viewpoint as an agent sees it.")},
+      PyType_Slot{Py_tp_members, members.data()},
+      PyType_Slot{Py_tp_getset, getters.data()},
+      PyType_Slot{}};
   static PyType_Spec spec{"MatterSim.ViewPoint", sizeof(ViewPointObject), 0, Py_TPFLAGS_DEFAULT,
                           slots.data()};
   return reinterpret_cast<PyTypeObject*>(PyType_FromSpec(&spec));
@@ -180,10 +183,14 @@ PyTypeObject* make_state_type() {
                   "no reading.",
                   nullptr},
       PyGetSetDef{}};
-  static std::array slots{PyType_Slot{Py_tp_dealloc, slot(free_state)},
-                          PyType_Slot{Py_tp_new, slot(refuse_new)},
-                          PyType_Slot{Py_tp_members, members.data()},
-                          PyType_Slot{Py_tp_getset, getters.data()}, PyType_Slot{}};
+  static std::array slots{
+      PyType_Slot{Py_tp_dealloc, slot(free_state)},
+      PyType_Slot{Py_tp_new, slot(refuse_new)},
+      PyType_Slot{Py_tp_doc, const_cast<char*>("What an agent is in. In v0.2 later actions "
+                                               "change it; in v0.1 it is a copy.")},
+      PyType_Slot{Py_tp_members, members.data()},
+      PyType_Slot{Py_tp_getset, getters.data()},
+      PyType_Slot{}};
   static PyType_Spec spec{"MatterSim.SimState", sizeof(SimStateObject), 0, Py_TPFLAGS_DEFAULT,
                           slots.data()};
   return reinterpret_cast<PyTypeObject*>(PyType_FromSpec(&spec));
