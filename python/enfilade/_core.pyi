@@ -1,5 +1,6 @@
 # Made by python/tools/make_stubs.py.
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+import os
 from typing import Annotated, Any
 
 import numpy
@@ -34,22 +35,30 @@ class Graph:
         """Ids of where one can step to."""
 
     def distance(self, a: str, b: str) -> float:
-        """Shortest way along edges, metres; inf if there is none."""
+        """
+        Shortest way along edges, metres; inf if there is none. Raises UnknownNameError.
+        """
 
     def path(self, a: str, b: str) -> list[str] | None:
         """That way's viewpoints, both ends too; None if none."""
 
     def nearest(self, point: tuple[float, float, float]) -> str | None:
-        """The included viewpoint nearest to a point, metres."""
+        """
+        The included viewpoint nearest to a point, metres, world frame; None if there is none, or a coordinate is not finite.
+        """
 
 class Graphs:
     """
     The scans of a folder of <scan>_connectivity.json and scans.txt. A graph is read when first used, once a process.
     """
 
-    def __init__(self, folder: str) -> None: ...
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        """Raises FileError or InvalidInput for a folder without a scans.txt."""
 
     def __len__(self) -> int: ...
+
+    def __iter__(self) -> Iterator[str]:
+        """Names, as `scans`."""
 
     @property
     def scans(self) -> list[str]:
@@ -64,14 +73,18 @@ class Graphs:
         """Place in `scans`. Raises UnknownNameError."""
 
     def locate(self, scan: str, viewpoint: str) -> tuple[int, int]:
-        """Indices of an included viewpoint."""
+        """
+        Indices of an included viewpoint, of its scan first. Raises UnknownNameError.
+        """
 
     def load_all(self, threads: int = 0) -> None:
-        """Reads all that are not read yet."""
+        """
+        Reads all that are not read yet; threads 0: all cores. Raises FileError, InvalidInput.
+        """
 
-def write_small_dataset(folder: str, buildings: int = 6, seed: int = 1) -> None:
+def write_small_dataset(folder: str | os.PathLike[str], buildings: int = 6, seed: int = 1) -> None:
     """
-    Writes a small synthetic data set without pictures: graphs, R2R annotations.
+    Writes a small synthetic data set without pictures: graphs, R2R annotations. At least 3 buildings; the same arguments give the same bytes.
     """
 
 class BatchSimulator:
@@ -136,7 +149,7 @@ def panorama_places(folder: str) -> tuple[list[str], str]:
 class EpisodeSet:
     """What enfilade.Episodes is made of."""
 
-    def __init__(self, folder: str, split: str, all_instructions: bool) -> None: ...
+    def __init__(self, folder: str | os.PathLike[str], split: str, all_instructions: bool) -> None: ...
 
     def __len__(self) -> int: ...
 
@@ -145,11 +158,11 @@ class EpisodeSet:
     @property
     def graphs(self) -> Graphs: ...
 
-    def score(self, file: str, success_distance: float, bootstrap_samples: int) -> tuple[dict[str, tuple[float, float, float]], dict[str, dict[str, float]], list[str]]: ...
+    def score(self, file: str | os.PathLike[str], success_distance: float, bootstrap_samples: int) -> tuple[dict[str, tuple[float, float, float]], dict[str, dict[str, float]], list[str]]: ...
 
 def metrics(graphs: Graphs, scan: str, trajectory: Sequence[str], reference: Sequence[str], success_distance: float = 3.0) -> dict[str, float]:
     """
-    All metrics of one trajectory against one reference path, both lists of viewpoint ids: nav_error, success, spl, ndtw, cls, ... (docs/r2r.md has the equations).
+    All metrics of one trajectory against one reference path, both lists of viewpoint ids: nav_error, success, spl, ndtw, cls, ... (docs/r2r.md has the equations). Raises UnknownNameError, and ArgumentError for a path without viewpoints.
     """
 
 def tokenize(text: str) -> list[str]:
@@ -159,21 +172,33 @@ class Vocabulary:
     """Words and their ids: 0 <PAD>, 1 <UNK>, 2 <EOS>."""
 
     @staticmethod
-    def load(file: str) -> Vocabulary:
-        """One word a line, as R2R's train_vocab.txt."""
+    def load(file: str | os.PathLike[str]) -> Vocabulary:
+        """
+        One word a line, as R2R's train_vocab.txt. Raises FileError, InvalidInput.
+        """
 
     @staticmethod
-    def build(texts: Sequence[str], least_count: int = 5) -> Vocabulary: ...
+    def build(texts: Sequence[str], least_count: int = 5) -> Vocabulary:
+        """
+        The words that come at least so often, most frequent first; ties by alphabet.
+        """
+
+    def save(self, file: str | os.PathLike[str]) -> None:
+        """For load(). Raises FileError."""
 
     def __len__(self) -> int: ...
 
     @property
-    def words(self) -> list[str]: ...
+    def words(self) -> list[str]:
+        """By id."""
 
     def encode(self, text: str, length: int = 80) -> list[int]:
         """Ids: words reversed, <EOS>, <PAD> up to `length`."""
 
-    def decode(self, ids: Sequence[int]) -> str: ...
+    def decode(self, ids: Sequence[int]) -> str:
+        """
+        Back to words in reading order, without specials but <UNK>, which ids of no word are too.
+        """
 
 class BatchEnvironment:
     """What the environments of enfilade.gym are made of."""

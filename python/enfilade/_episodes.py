@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import operator
+import os
 from dataclasses import dataclass
 from typing import Iterator, Sequence, Union, overload
 
+from enfilade._arguments import whole
 from enfilade._core import EpisodeSet, Graphs
 
 
@@ -40,9 +43,13 @@ class Episodes(Sequence[Episode]):
             Matterport3DSimulator's layout.
         split: "train", "val_seen", "val_unseen", "test".
         all_instructions: fourth instructions too, which are trained on but not scored.
+
+    Raises FileError for a folder without such a split, InvalidInput with every fault of its file.
     """
 
-    def __init__(self, folder: str, split: str, *, all_instructions: bool = False) -> None:
+    def __init__(
+        self, folder: Union[str, os.PathLike[str]], split: str, *, all_instructions: bool = False
+    ) -> None:
         self._core = EpisodeSet(folder, split, all_instructions)
         self.split = split
 
@@ -61,20 +68,28 @@ class Episodes(Sequence[Episode]):
     def __getitem__(self, index: Union[int, slice]) -> Union[Episode, list[Episode]]:
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
-        if index < 0:
-            index += len(self)
-        if index < 0:
-            raise IndexError("episode")
-        return Episode(*self._core.episode(index))
+        place = operator.index(index)
+        if not -len(self) <= place < len(self):
+            raise IndexError(f"episode {place}: the split {self.split} has {len(self)}")
+        return Episode(*self._core.episode(place % len(self)))
 
     def __iter__(self) -> Iterator[Episode]:
         return (self[i] for i in range(len(self)))
 
     def score(
-        self, file: str, *, success_distance: float = 3.0, bootstrap_samples: int = 1000
+        self,
+        file: Union[str, os.PathLike[str]],
+        *,
+        success_distance: float = 3.0,
+        bootstrap_samples: int = 1000,
     ) -> Score:
         """Checks and scores a results file, in any of the forms found in the wild.
 
-        Raises InvalidInput with every fault of the file.
+        Args:
+            success_distance: metres along the graph, less than which a stop is a success.
+            bootstrap_samples: that the intervals of the means come from; 0: none.
+
+        Raises FileError, and InvalidInput with every fault of the file.
         """
-        return Score(*self._core.score(file, success_distance, bootstrap_samples))
+        samples = whole("bootstrap_samples", bootstrap_samples, 10**6)
+        return Score(*self._core.score(file, success_distance, samples))

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Mapping, Optional
+import os
+from typing import Any, Mapping, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from enfilade._arguments import whole
 from enfilade._core import Graphs, Panoramas, ViewArrays, ViewRenderer, panorama_places
 from enfilade._errors import ArgumentError
 from enfilade._simulator import Names, Simulator, scan_indices, viewpoint_indices
@@ -18,9 +20,12 @@ _COLOURS = {"rgb8": "uint8", "bgr8": "uint8", "rgba8": "uint8", "planar": "float
 _LAYERS = {"depth": "float32", "classes": "uint16", "instances": "uint32"}
 
 
-def open_panoramas(folder: str, graphs: Graphs) -> Panoramas:
-    """The pictures of a data folder: its `store`, `scans`, `v1/scans`, `data/v1/scans`, or itself."""
-    images, connectivity = panorama_places(folder)
+def open_panoramas(folder: Union[str, os.PathLike[str]], graphs: Graphs) -> Panoramas:
+    """The pictures of a data folder: its `store`, `scans`, `v1/scans`, `data/v1/scans`, or itself.
+
+    Raises FileError for what is no folder.
+    """
+    images, connectivity = panorama_places(os.fspath(folder))
     return Panoramas(images, connectivity, graphs)
 
 
@@ -34,6 +39,8 @@ class Renderer:
         cache_bytes: of decoded faces that are kept; a panorama of 512 texels takes 6.4 MB of colour.
         clamped_edges, eight_bit_depth: the old simulator's ways, for features made with it.
         device: an EGL device's index or UUID, for "gl"; empty: the first that works.
+
+    Raises ArgumentError for what is not allowed, and for graphs and panoramas of different scans.
     """
 
     def __init__(
@@ -48,9 +55,17 @@ class Renderer:
         eight_bit_depth: bool = False,
         device: str = "",
     ) -> None:
-        self.graphs = graphs
+        if graphs.scans != panoramas.scans:
+            raise ArgumentError("graphs and panoramas are of different scans")
+        self.graphs, self.panoramas = graphs, panoramas
         self._core = ViewRenderer(
-            panoramas, backend, threads, cache_bytes, clamped_edges, eight_bit_depth, device
+            panoramas,
+            backend,
+            threads,
+            whole("cache_bytes", cache_bytes, 2**63 - 1),
+            clamped_edges,
+            eight_bit_depth,
+            device,
         )
 
     @property
@@ -93,7 +108,9 @@ class Renderer:
         scan = scan_indices(self.graphs, scans)
         viewpoint = viewpoint_indices(self.graphs, scan, viewpoints)
         n = len(scan)
-        views = ViewArrays(scan, viewpoint, _angles(headings, n), _angles(elevations, n))
+        views = ViewArrays(
+            scan, viewpoint, _angles("headings", headings, n), _angles("elevations", elevations, n)
+        )
         return self._draw(views, width, height, vfov, colour, layers, ray_depth, out)
 
     def _draw(
@@ -107,7 +124,11 @@ class Renderer:
         ray_depth: bool = False,
         out: Optional[Mapping[str, Any]] = None,
     ) -> dict[str, Any]:
-        n = len(views)
+        n, width, height = len(views), whole("width", width), whole("height", height)
+        if out is not None and type(out) is not dict and not isinstance(out, Mapping):
+            raise TypeError(f"out: a {type(out).__name__}; a dict of arrays by name is wanted")
+        if isinstance(layers, str):
+            raise TypeError(f"layers '{layers}': a tuple is wanted: ('{layers}',)")
         pictures = dict(out) if out else {}
         for name in pictures:
             _check_shape(name, colour, pictures[name], n, height, width)
@@ -115,22 +136,34 @@ class Renderer:
             if name not in pictures:
                 shape = _shape(name, colour, n, height, width)
                 pictures[name] = self._core.memory(shape, _type(name, colour))
-        self._core.render(
-            views,
-            width,
-            height,
-            vfov,
-            pictures.get("colour"),
-            colour or "rgb8",
-            pictures.get("depth"),
-            ray_depth,
-            pictures.get("classes"),
-            pictures.get("instances"),
-        )
+        try:
+            self._core.render(
+                views,
+                width,
+                height,
+                vfov,
+                pictures.get("colour"),
+                colour or "rgb8",
+                pictures.get("depth"),
+                ray_depth,
+                pictures.get("classes"),
+                pictures.get("instances"),
+            )
+        except TypeError as error:
+            if not out:
+                raise
+            names = ", ".join(out)
+            raise TypeError(
+                f"out: {names}: contiguous, writable memory of the CPU is wanted of each"
+            ) from error
         return pictures
 
     def render_agents(self, simulator: Simulator, **options: Any) -> dict[str, Any]:
-        """What each agent of a simulator sees now, with its camera; options as of render()."""
+        """What each agent of a simulator sees now, with its camera; options as of render(). Raises
+        ArgumentError for a simulator of other scans, or with an agent that is nowhere yet."""
+        if simulator.graphs is not self.graphs and simulator.graphs.scans != self.graphs.scans:
+            raise ArgumentError("the simulator and the renderer are of different scans")
+        simulator._check_begun()
         width = options.pop("width", simulator.width)
         height = options.pop("height", simulator.height)
         vfov = options.pop("vfov", simulator.vfov)
@@ -169,11 +202,17 @@ def _check_shape(name: str, colour: Optional[str], picture: Any, n: int, h: int,
         raise ArgumentError(f"out['{name}']: one of colour, {', '.join(_LAYERS)} is wanted")
     if type(picture).__module__.startswith("jax"):  # it says nowhere that it may not be written
         raise ArgumentError(f"out['{name}']: JAX's arrays never change, so nothing can be drawn there")
-    if tuple(picture.shape) != wanted:
-        raise ArgumentError(f"out['{name}'] has shape {tuple(picture.shape)}, not {wanted}")
+    shape = getattr(picture, "shape", None)
+    if shape is None:
+        raise TypeError(f"out['{name}']: a {type(picture).__name__}; an array is wanted")
+    if tuple(shape) != wanted:
+        raise ArgumentError(f"out['{name}'] has shape {tuple(shape)}, not {wanted}")
 
 
-def _angles(values: ArrayLike, n: int) -> NDArray[np.float64]:
+def _angles(name: str, values: ArrayLike, n: int) -> NDArray[np.float64]:
     if type(values) is np.ndarray and values.dtype == np.float64 and values.shape == (n,):
         return values
-    return np.ascontiguousarray(np.broadcast_to(np.asarray(values, np.float64), (n,)))
+    try:
+        return np.ascontiguousarray(np.broadcast_to(np.asarray(values, np.float64), (n,)))
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(f"{name}: {n} numbers, or one, are wanted: {error}") from error

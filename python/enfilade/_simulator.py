@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from enfilade._arguments import MOST, whole
 from enfilade._core import BatchSimulator, Graphs, ViewArrays
+from enfilade._errors import ArgumentError
 
 if TYPE_CHECKING:
     from typing_extensions import TypeGuard
@@ -94,6 +96,13 @@ class Simulator:
         seed: of new_random_episodes().
         max_navigable: columns of `State.navigable_*`, m; Matterport3D needs 14.
         threads: that step() may use; 0: all cores. Never changes a result.
+
+    Attributes:
+        state: a State, arrays over the simulator's memory; every call that moves agents returns it.
+        graphs, batch_size, width, height, vfov: as given. Nothing can be set later: make another,
+            which takes microseconds.
+
+    Raises ArgumentError for a value outside what is allowed, TypeError for one of a wrong type.
     """
 
     def __init__(
@@ -113,30 +122,35 @@ class Simulator:
         max_navigable: int = 32,
         threads: int = 1,
     ) -> None:
+        if not isinstance(graphs, Graphs):
+            raise TypeError(f"graphs: a {type(graphs).__name__}; enfilade.Graphs(folder) is wanted")
         _check_word("field_of_view", field_of_view, ("linear", "perspective"))
         _check_word("random_starts", random_starts, ("uniform", "mattersim"))
+        if len(elevation_limits) != 2:
+            raise ArgumentError(f"elevation_limits {elevation_limits}: (min, max) is wanted")
         self.graphs = graphs
-        self.batch_size = batch_size
-        self.width, self.height, self.vfov = width, height, vfov
+        self.batch_size = whole("batch_size", batch_size)
+        self.width, self.height, self.vfov = whole("width", width), whole("height", height), vfov
         self._core = BatchSimulator(
             graphs,
-            batch_size=batch_size,
-            width=width,
-            height=height,
+            batch_size=self.batch_size,
+            width=self.width,
+            height=self.height,
             vfov=vfov,
             discretized=discretized,
             restricted=restricted,
             linear_view=field_of_view == "linear",
             elevation_limits=elevation_limits,
             mattersim_starts=random_starts == "mattersim",
-            seed=seed,
-            max_navigable=max_navigable,
+            seed=whole("seed", seed, 2**64 - 1),
+            max_navigable=whole("max_navigable", max_navigable),
             threads=threads,
         )
         self.state = State(**self._core.state_arrays())
         s = self.state
         self._views = ViewArrays(s.scan, s.viewpoint, s.heading, s.elevation)  # for a Renderer
-        self._nothing = np.zeros(batch_size)
+        self._nothing = np.zeros(self.batch_size)
+        self._begun = False  # all agents, as far as it was asked
 
     def new_episodes(
         self,
@@ -145,25 +159,40 @@ class Simulator:
         headings: ArrayLike = 0.0,
         elevations: ArrayLike = 0.0,
     ) -> State:
-        """Starts an episode for every agent; names or indices. One number serves all agents.
+        """Starts an episode for every agent.
 
-        Raises UnknownNameError for an unknown name, ArgumentError for what else cannot be.
+        Args:
+            scans, viewpoints: (n,) names, or indices into Graphs.scans and Graph.viewpoints.
+            headings: (n,) radians clockwise from +y, or one number for all.
+            elevations: (n,) radians above the horizon, or one number for all.
+
+        Raises UnknownNameError for an unknown name, ArgumentError for what else cannot be; then
+        everybody is where they were.
         """
         scan = scan_indices(self.graphs, scans)
         viewpoint = viewpoint_indices(self.graphs, scan, viewpoints)
-        self._core.new_episodes(scan, viewpoint, self._reals(headings), self._reals(elevations))
+        self._core.new_episodes(
+            scan, viewpoint, self._reals("headings", headings), self._reals("elevations", elevations)
+        )
         return self.state
 
     def new_episode(
         self, agent: int, scan: str, viewpoint: str, heading: float = 0.0, elevation: float = 0.0
     ) -> State:
-        """Starts an episode for one agent; the others stay as they are."""
+        """Starts an episode for one agent, of 0 to n - 1; the others stay as they are. Angles in
+        radians. Raises as new_episodes()."""
         place = self.graphs.locate(scan, viewpoint)
-        self._core.new_episode(agent, place[0], place[1], heading, elevation)
+        self._core.new_episode(whole("agent", agent), place[0], place[1], heading, elevation)
         return self.state
 
     def new_random_episodes(self, scans: Names) -> State:
-        """A random viewpoint and heading in each agent's scan, elevation 0."""
+        """A random viewpoint and heading in each agent's scan, elevation 0.
+
+        Args:
+            scans: (n,) names or indices.
+
+        Raises UnknownNameError, ArgumentError.
+        """
         self._core.new_random_episodes(scan_indices(self.graphs, scans))
         return self.state
 
@@ -183,23 +212,26 @@ class Simulator:
         Raises ArgumentError naming agent, value and range; then nobody has moved.
         """
         self._core.step(
-            _indices(indices),
-            self._nothing if heading_changes is None else self._reals(heading_changes),
-            self._nothing if elevation_changes is None else self._reals(elevation_changes),
+            _indices("indices", indices),
+            self._turns("heading_changes", heading_changes),
+            self._turns("elevation_changes", elevation_changes),
         )
         return self.state
 
     def viewpoint_ids(self) -> list[str]:
-        """Where the agents are, by name."""
+        """Where the agents are, by name. Raises ArgumentError for one that is nowhere yet."""
+        self._check_begun()
         scans = self.graphs.scans
-        return [
-            self.graphs[scans[s]].viewpoints[v]
-            for s, v in zip(self.state.scan, self.state.viewpoint)
-        ]
+        places = list(zip(self.state.scan.tolist(), self.state.viewpoint.tolist()))
+        names = {s: self.graphs[scans[s]].viewpoints for s, _ in places}
+        return [names[s][v] for s, v in places]
 
     def candidates(self, scan: str, viewpoint: str) -> list[Candidate]:
         """The neighbours of a viewpoint, each in the best of 36 views, in the order in which turning
-        from view 0 to 35 meets them. Does not disturb the agents."""
+        from view 0 to 35 meets them. Does not disturb the agents.
+
+        Raises UnknownNameError, for excluded viewpoints too.
+        """
         graph = self.graphs[scan]
         place = self.graphs.locate(scan, viewpoint)
         names, positions = graph.viewpoints, graph.positions
@@ -217,18 +249,34 @@ class Simulator:
         return found
 
     def all_candidates(self, scans: Optional[Names] = None) -> CandidateTable:
-        """candidates() of every included viewpoint of these scans (None: of all scans)."""
+        """candidates() of every included viewpoint of these scans, by names or indices (None: of all
+        scans). Raises UnknownNameError, ArgumentError."""
         wanted = np.arange(len(self.graphs), dtype=np.uint32)
         if scans is not None:
             wanted = scan_indices(self.graphs, scans)
         integers, reals = self._core.candidate_arrays(wanted)
         return CandidateTable(*integers.T, *reals.T)
 
-    def _reals(self, values: ArrayLike) -> NDArray[np.float64]:
-        array = np.asarray(values, np.float64)
+    def _check_begun(self) -> None:
+        """Raises ArgumentError naming an agent that is nowhere yet."""
+        if self._begun:
+            return
+        if not self.state.navigable_count.all():
+            agent = int(np.argmin(self.state.navigable_count))
+            raise ArgumentError(f"agent {agent}: no episode was started")
+        self._begun = True
+
+    def _turns(self, name: str, values: Optional[ArrayLike]) -> NDArray[np.float64]:
+        return self._nothing if values is None else self._reals(name, values)
+
+    def _reals(self, name: str, values: ArrayLike) -> NDArray[np.float64]:
+        try:
+            array = np.asarray(values, np.float64)
+        except (TypeError, ValueError) as error:
+            raise ArgumentError(f"{name}: numbers are wanted: {error}") from error
         if array.ndim == 0:
-            array = np.full(self.batch_size, array)
-        return np.ascontiguousarray(array)
+            return np.full(self.batch_size, array)
+        return np.ascontiguousarray(_row(name, array))
 
 
 def scan_indices(graphs: Graphs, scans: Names) -> NDArray[np.uint32]:
@@ -236,9 +284,9 @@ def scan_indices(graphs: Graphs, scans: Names) -> NDArray[np.uint32]:
     if _are_indices(scans):
         return scans
     array = np.atleast_1d(scans)
-    if array.dtype.kind == "U":
-        return np.array([graphs.index(str(name)) for name in array.ravel()], np.uint32)
-    return _indices(array)
+    if _are_texts(array):
+        return np.array([graphs.index(name) for name in _row("scans", array).tolist()], np.uint32)
+    return _indices("scans", array, "integers or names")
 
 
 def viewpoint_indices(
@@ -248,13 +296,15 @@ def viewpoint_indices(
     if _are_indices(viewpoints):
         return viewpoints
     array = np.atleast_1d(viewpoints)
-    if array.dtype.kind != "U":
-        return _indices(array)
-    if len(array) != len(scans):
-        raise ValueError(f"viewpoints: {len(array)} for {len(scans)} scans")
+    if not _are_texts(array):
+        return _indices("viewpoints", array, "integers or names")
+    if _row("viewpoints", array).shape != scans.shape:
+        raise ArgumentError(f"viewpoints: {len(array)} for {len(scans)} scans")
+    if len(scans) and scans.max() >= len(graphs):
+        raise ArgumentError(f"scans: index {scans.max()}: 0 to {len(graphs) - 1} are allowed")
     names = graphs.scans
     return np.array(
-        [graphs.locate(names[s], str(v))[1] for s, v in zip(scans, array)], np.uint32
+        [graphs.locate(names[s], v)[1] for s, v in zip(scans.tolist(), array.tolist())], np.uint32
     )
 
 
@@ -263,15 +313,31 @@ def _are_indices(values: Names) -> TypeGuard[NDArray[np.uint32]]:
     return type(values) is np.ndarray and values.dtype == np.uint32 and values.ndim == 1
 
 
-def _indices(values: ArrayLike) -> NDArray[np.uint32]:
-    array = np.asarray(values)
+def _are_texts(array: NDArray[Any]) -> bool:
+    """NumPy's texts, or objects that are texts, as data frames have them."""
+    objects = array.dtype.kind == "O" and array.size > 0
+    return array.dtype.kind == "U" or (objects and all(isinstance(v, str) for v in array.flat))
+
+
+def _row(name: str, array: NDArray[Any]) -> NDArray[Any]:
+    if array.ndim != 1:
+        raise ArgumentError(f"{name}: shape {array.shape}: a row is wanted, an element an agent")
+    return array
+
+
+def _indices(name: str, values: ArrayLike, wanted: str = "integers") -> NDArray[np.uint32]:
+    array = _row(name, np.atleast_1d(values))
+    if array.size == 0:  # an empty list has no type of its own
+        return np.zeros(0, np.uint32)
     if array.dtype.kind not in "iub":
-        raise TypeError(f"indices of type {array.dtype}: integers are wanted")
-    if array.dtype.kind == "i" and array.size and array.min() < 0:
-        raise ValueError(f"index {array.min()}: at least 0 is wanted")
-    return np.ascontiguousarray(array, np.uint32)
+        raise TypeError(f"{name} of type {array.dtype}: {wanted} are wanted")
+    found = np.ascontiguousarray(array, np.uint32)
+    if array.dtype != np.uint32 and (found != array).any():
+        agent = int(np.argmax(found != array))
+        raise ArgumentError(f"{name}: {array[agent]} of agent {agent}: 0 to {MOST} are allowed")
+    return found
 
 
 def _check_word(name: str, word: str, allowed: tuple[str, ...]) -> None:
     if word not in allowed:
-        raise ValueError(f"{name} '{word}': one of {', '.join(allowed)} is wanted")
+        raise ArgumentError(f"{name} '{word}': one of {', '.join(allowed)} is wanted")

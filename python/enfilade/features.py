@@ -13,7 +13,9 @@ from __future__ import annotations
 
 import base64
 import binascii
+import contextlib
 import importlib
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -22,7 +24,7 @@ from typing import Any, Callable, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from enfilade._errors import ArgumentError, InvalidInput
+from enfilade._errors import ArgumentError, FileError, InvalidInput
 
 VIEWS = 36
 MOST_VALUES = 1 << 24  #: of a viewpoint; what a file may claim in a few bytes
@@ -113,8 +115,9 @@ class Features(Mapping[Key, Array]):
 def open_features(file: Union[str, Path]) -> Features:
     """Opens a file of features; its suffix says what it is: .safetensors, .tsv, .h5, .hdf5.
 
-    Raises ArgumentError for another suffix, OSError for a file that cannot be read, InvalidInput for
-    one that is broken, ImportError naming the library that is missing.
+    A TSV is taken to have 36 views; read_tsv() reads those of others. Raises ArgumentError for
+    another suffix, OSError for a file that cannot be read, InvalidInput for one that is broken,
+    ImportError naming the library that is missing.
     """
     openers = {".safetensors": _open_safetensors, ".tsv": _open_tsv, ".h5": _open_hdf5,
                ".hdf5": _open_hdf5}  # fmt: skip
@@ -129,8 +132,9 @@ def open_features(file: Union[str, Path]) -> Features:
 # --- TSV ------------------------------------------------------------------------------------------
 
 
-def read_tsv(file: str, views: int = VIEWS) -> Iterator[ViewFeatures]:
-    """Reads a file line by line. Raises InvalidInput naming file, line and fault."""
+def read_tsv(file: Union[str, Path], views: int = VIEWS) -> Iterator[ViewFeatures]:
+    """Reads a file line by line; the format doesn't say how many views there are. Raises OSError, and
+    InvalidInput naming file, line and fault."""
     with open(file, encoding="ascii", errors="replace") as lines:
         for number, line in enumerate(lines, 1):
             try:
@@ -144,15 +148,29 @@ def read_tsv(file: str, views: int = VIEWS) -> Iterator[ViewFeatures]:
 
 
 def write_tsv(
-    file: str, features: Mapping[Key, Array], *, width: int, height: int, vfov: float
+    file: Union[str, Path],
+    features: Mapping[Key, NDArray[Any]],
+    *,
+    width: int,
+    height: int,
+    vfov: float,
+    views: int = VIEWS,
 ) -> None:
-    """Writes features by (scan, viewpoint), each (36, D); `vfov` in degrees."""
-    with open(file, "w", encoding="ascii") as out:
-        for (scan, viewpoint), values in features.items():
-            if values.ndim != 2:
-                raise ArgumentError(f"features of {viewpoint}: shape {values.shape}, not (views, D)")
+    """Writes features by (scan, viewpoint), each (views, D), as float32; `vfov` in degrees.
+
+    The file has its name when it is whole, not before. `views` other than 36 are for read_tsv() with
+    the same: the format doesn't say how many there are. Raises ArgumentError naming the viewpoint for
+    what could not be read again, OSError for a file that cannot be written.
+    """
+    shape: tuple[int, ...] = ()
+    with _whole_file(file) as part, open(part, "w", encoding="ascii") as out:
+        for key, given in features.items():
+            values = _checked(key, given)
+            shape = shape or (views, values.shape[1])
+            if values.shape != shape:
+                raise ArgumentError(f"features of {key}: shape {values.shape}, not {shape}")
             text = base64.b64encode(np.asarray(values, "<f4").tobytes()).decode("ascii")
-            out.write(f"{scan}\t{viewpoint}\t{width}\t{height}\t{vfov:g}\t{text}\n")
+            out.write(f"{key[0]}\t{key[1]}\t{width}\t{height}\t{vfov:g}\t{text}\n")
 
 
 def _open_tsv(file: str) -> Features:
@@ -175,20 +193,37 @@ def _open_tsv(file: str) -> Features:
 
 
 def write_safetensors(
-    file: str, features: Mapping[Key, NDArray[Any]], info: FeatureInfo = FeatureInfo()
+    file: Union[str, Path],
+    features: Mapping[Key, NDArray[Any]],
+    info: FeatureInfo = FeatureInfo(),
 ) -> None:
-    """Writes features by (scan, viewpoint), each (36, D) float32 or float16, as `enfilade features`
-    writes its own. Raises ArgumentError naming the viewpoint for what the format does not have."""
+    """Writes features by (scan, viewpoint), each (views, D) float32 or float16, as `enfilade features`
+    writes its own: the 36 views in the order of viewIndex.
+
+    The file has its name when it is whole, not before. Raises ArgumentError naming the viewpoint for
+    what the format does not have or could not be read again, OSError for a file that cannot be
+    written, ImportError without safetensors.
+    """
     library = _library("safetensors.numpy", "safetensors")
-    arrays = {}
-    for (scan, viewpoint), values in features.items():
-        if "_" in viewpoint or values.ndim != 2 or values.dtype not in (np.float32, np.float16):
+    arrays: dict[str, NDArray[Any]] = {}
+    for key, given in features.items():
+        values = _checked(key, given)
+        first = next(iter(arrays.values()), values)
+        known = values.dtype in (np.float32, np.float16)
+        if "_" in key[1] or not known or values.shape != first.shape:
             raise ArgumentError(
-                f"features of '{viewpoint}': {values.dtype} of shape {values.shape}; (views, D) of "
-                "float32 or float16 is wanted, and a name without _"
+                f"features of {key}: {values.dtype} of shape {values.shape}; (views, D) of float32 or "
+                "float16 is wanted, the same for all, and a viewpoint's name without _"
             )
-        arrays[f"{scan}_{viewpoint}"] = np.ascontiguousarray(values)
-    library.save_file(arrays, file, metadata=_metadata(info))
+        arrays[f"{key[0]}_{key[1]}"] = np.ascontiguousarray(values)
+    with _whole_file(file) as part:
+        part.touch()
+        mode = part.stat().st_mode
+        try:
+            library.save_file(arrays, part, metadata=_metadata(info))
+        except _library("safetensors", "safetensors").SafetensorError as error:
+            raise FileError(f"{file}: cannot be written: {error}") from error
+        part.chmod(mode)  # later versions of the library leave it to its owner alone
 
 
 def _open_safetensors(file: str) -> Features:
@@ -222,7 +257,7 @@ def _open_hdf5(file: str) -> Features:
     def dataset(name: str) -> Any:
         # Links and data in other files could lead where nobody expects to read.
         linked = not isinstance(root.get(name, getlink=True), library.HardLink)
-        found = None if linked else root[name]
+        found: Any = None if linked else root[name]
         if not isinstance(found, library.Dataset) or found.is_virtual or found.external:
             raise InvalidInput(f"{file}: '{name}': a link or data in other files, not a dataset")
         if found.dtype.kind != "f" or found.ndim != 2 or found.size > MOST_VALUES:
@@ -240,6 +275,33 @@ def _open_hdf5(file: str) -> Features:
 
 
 # --- what they have in common ---------------------------------------------------------------------
+
+
+@contextlib.contextmanager
+def _whole_file(file: Union[str, Path]) -> Iterator[Path]:
+    """A name beside a file's to write to; it becomes the file's when all went well, else it goes."""
+    part = Path(f"{os.fspath(file)}.{os.getpid()}.part")
+    try:
+        yield part
+        os.replace(part, file)
+    finally:
+        with contextlib.suppress(OSError):
+            part.unlink()
+
+
+def _checked(key: Key, given: Any) -> NDArray[Any]:
+    """Features that can be read again."""
+    names = len(key) == 2 and all(isinstance(name, str) and name.isascii() for name in key)
+    if not names or not all(key) or any(c.isspace() for c in "".join(key)):
+        raise ArgumentError(f"features of {key!r}: (scan, viewpoint) of ASCII names without spaces")
+    values = np.asarray(given)
+    if values.ndim != 2 or 0 in values.shape or values.dtype.kind != "f":
+        raise ArgumentError(
+            f"features of {key}: {values.dtype} of shape {values.shape}; floats, (views, D), are wanted"
+        )
+    if not np.isfinite(values).all():
+        raise ArgumentError(f"features of {key}: a number that is infinite or none")
+    return values
 
 
 def _library(module: str, package: str) -> Any:

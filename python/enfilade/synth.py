@@ -4,9 +4,12 @@ instructions, for machines without Matterport3D. Results on them are results on 
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
+from typing import Union
 
 from enfilade import _synth
+from enfilade._arguments import whole
 
 
 @dataclass(frozen=True)
@@ -19,7 +22,7 @@ class HomeReport:
 
 
 def write_homes(
-    folder: str,
+    folder: Union[str, os.PathLike[str]],
     *,
     preset: str = "small",
     homes: int = 0,
@@ -36,6 +39,15 @@ def write_homes(
         face_size: texels of a panorama's faces; 0: no pictures.
         threads: 0: all cores; never changes a byte.
 
-    A viewpoint takes about a second of one core at 256 texels.
+    A viewpoint takes about a second of one core at 256 texels. Raises ArgumentError for what cannot
+    be, FileError for a folder that cannot be written or holds something else.
     """
-    return HomeReport(*_synth.write_homes(folder, preset, homes, seed, face_size, threads))
+    made = _synth.write_homes(
+        os.fspath(folder),
+        preset,
+        whole("homes", homes),
+        whole("seed", seed, 2**64 - 1),
+        whole("face_size", face_size),
+        threads,
+    )
+    return HomeReport(*made)

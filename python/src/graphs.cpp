@@ -1,10 +1,12 @@
 // Graphs and Graph: navigation graphs.
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <filesystem>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -86,7 +88,8 @@ void bind_graph(nb::module_& m) {
           [](const Graph& g, const std::string& a, const std::string& b) {
             return g.graph->distance(g.at(a), g.at(b));
           },
-          "a"_a, "b"_a, "Shortest way along edges, metres; inf if there is none.")
+          "a"_a, "b"_a,
+          "Shortest way along edges, metres; inf if there is none. Raises UnknownNameError.")
       .def("path", path, "a"_a, "b"_a, "That way's viewpoints, both ends too; None if none.")
       .def(
           "nearest",
@@ -96,7 +99,10 @@ void bind_graph(nb::module_& m) {
             if (const auto v = g.graph->nearest({x, y, z})) id = g.graph->id(*v);
             return id;
           },
-          "point"_a, "The included viewpoint nearest to a point, metres.");
+          "point"_a,
+          "The included viewpoint nearest to a point, metres, world frame; None if there is none, "
+          "or a "
+          "coordinate is not finite.");
 }
 
 }  // namespace
@@ -107,9 +113,12 @@ void bind_graphs(nb::module_& m) {
       m, "Graphs",
       "The scans of a folder of <scan>_connectivity.json and scans.txt. A graph is "
       "read when first used, once a process.")
-      .def(nb::new_([](const std::string& folder) { return GraphSet::open_shared(folder); }),
-           "folder"_a)
+      .def(nb::new_(&GraphSet::open_shared), "folder"_a,
+           "Raises FileError or InvalidInput for a folder without a scans.txt.")
       .def("__len__", &GraphSet::size)
+      .def(
+          "__iter__", [](const GraphSet& g) { return nb::cast(g.scans()).attr("__iter__")(); },
+          nb::sig("def __iter__(self) -> collections.abc.Iterator[str]"), "Names, as `scans`.")
       .def_prop_ro("scans", &GraphSet::scans, "Names by index.")
       .def("__contains__",
            [](const GraphSet& s, const std::string& scan) { return s.find(scan).has_value(); })
@@ -123,16 +132,20 @@ void bind_graphs(nb::module_& m) {
             const graph::Location found = s.locate(scan, viewpoint);
             return std::tuple(found.scan.value, found.viewpoint.value);
           },
-          "scan"_a, "viewpoint"_a, "Indices of an included viewpoint.")
-      .def("load_all", &GraphSet::load_all, "threads"_a = 0,
-           nb::call_guard<nb::gil_scoped_release>(), "Reads all that are not read yet.");
+          "scan"_a, "viewpoint"_a,
+          "Indices of an included viewpoint, of its scan first. Raises UnknownNameError.")
+      .def(
+          "load_all", &GraphSet::load_all, "threads"_a = 0,
+          nb::call_guard<nb::gil_scoped_release>(),
+          "Reads all that are not read yet; threads 0: all cores. Raises FileError, InvalidInput.");
   m.def(
       "write_small_dataset",
-      [](const std::string& folder, std::size_t buildings, std::uint64_t seed) {
+      [](const std::filesystem::path& folder, std::size_t buildings, std::uint64_t seed) {
         synth::write_small_dataset(folder, buildings, seed);
       },
       "folder"_a, "buildings"_a = 6, "seed"_a = 1, nb::call_guard<nb::gil_scoped_release>(),
-      "Writes a small synthetic data set without pictures: graphs, R2R annotations.");
+      "Writes a small synthetic data set without pictures: graphs, R2R annotations. At least 3 "
+      "buildings; the same arguments give the same bytes.");
 }
 
 }  // namespace enfilade::python

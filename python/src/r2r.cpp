@@ -1,10 +1,14 @@
 // Room-to-Room: episodes, metrics, scores, tokens.
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <fmt/format.h>
+
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,8 +27,8 @@ namespace {
 using r2r::EpisodeSet;
 using namespace nb::literals;
 
-std::shared_ptr<const EpisodeSet> load_episodes(const std::string& folder, const std::string& split,
-                                                bool all_instructions) {
+std::shared_ptr<const EpisodeSet> load_episodes(const std::filesystem::path& folder,
+                                                const std::string& split, bool all_instructions) {
   const nb::gil_scoped_release unlocked;
   const scan::DataRoot root(folder);
   auto graphs = graph::GraphSet::open_shared(root.connectivity());
@@ -64,24 +68,32 @@ nb::dict as_dict(const r2r::EpisodeMetrics& metrics) {
   return d;
 }
 
+r2r::MetricOptions metric_options(double success_distance) {
+  if (!(success_distance > 0)) {
+    throw ArgumentError(
+        fmt::format("success_distance {}: more than 0 m is needed", success_distance));
+  }
+  return {success_distance};
+}
+
 nb::dict metrics(const graph::GraphSet& graphs, const std::string& scan,
                  const std::vector<std::string>& trajectory,
                  const std::vector<std::string>& reference, double success_distance) {
   const graph::NavGraph& graph = graphs.graph(scan);
   return as_dict(r2r::compute_metrics(graph, indices(graph, trajectory), indices(graph, reference),
-                                      {success_distance}));
+                                      metric_options(success_distance)));
 }
 
 // ({metric: (mean, low, high)}, {instruction_id: {metric: value}}, warnings)
-nb::tuple score_file(const EpisodeSet& episodes, const std::string& file, double success_distance,
-                     int bootstrap_samples) {
+nb::tuple score_file(const EpisodeSet& episodes, const std::filesystem::path& file,
+                     double success_distance, int bootstrap_samples) {
   r2r::Results results;
   r2r::Score score;
   {
     const nb::gil_scoped_release unlocked;
-    results = r2r::load_results(file, episodes);
     r2r::ScoreOptions options;
-    options.metrics.success_distance = success_distance;
+    options.metrics = metric_options(success_distance);
+    results = r2r::load_results(file, episodes);
     options.bootstrap_samples = bootstrap_samples;
     score = r2r::compute_score(results.trajectories, episodes, options);
   }
@@ -105,16 +117,20 @@ void bind_tokens(nb::module_& m) {
       "Words as R2R's released code splits them.");
   nb::class_<Vocabulary>(m, "Vocabulary", "Words and their ids: 0 <PAD>, 1 <UNK>, 2 <EOS>.")
       .def_static(
-          "load", [](const std::string& file) { return Vocabulary::load(file); }, "file"_a,
-          "One word a line, as R2R's train_vocab.txt.")
+          "load", [](const std::filesystem::path& file) { return Vocabulary::load(file); },
+          "file"_a, "One word a line, as R2R's train_vocab.txt. Raises FileError, InvalidInput.")
       .def_static(
           "build",
           [](const std::vector<std::string>& texts, std::size_t least_count) {
             return Vocabulary::build(texts, least_count);
           },
-          "texts"_a, "least_count"_a = 5)
+          "texts"_a, "least_count"_a = 5,
+          "The words that come at least so often, most frequent first; ties by alphabet.")
+      .def(
+          "save", [](const Vocabulary& v, const std::filesystem::path& file) { v.save(file); },
+          "file"_a, "For load(). Raises FileError.")
       .def("__len__", &Vocabulary::size)
-      .def_prop_ro("words", &Vocabulary::words)
+      .def_prop_ro("words", &Vocabulary::words, "By id.")
       .def(
           "encode",
           [](const Vocabulary& v, const std::string& text, std::size_t length) {
@@ -124,7 +140,9 @@ void bind_tokens(nb::module_& m) {
       .def(
           "decode",
           [](const Vocabulary& v, const std::vector<std::uint32_t>& ids) { return v.decode(ids); },
-          "ids"_a);
+          "ids"_a,
+          "Back to words in reading order, without specials but <UNK>, which ids of no word are "
+          "too.");
 }
 
 }  // namespace
@@ -138,7 +156,8 @@ void bind_r2r(nb::module_& m) {
                    "str]"))
       .def_prop_ro("graphs", [](const EpisodeSet& s) { return s.graphs; })
       .def("score", score_file, "file"_a, "success_distance"_a, "bootstrap_samples"_a,
-           nb::sig("def score(self, file: str, success_distance: float, bootstrap_samples: int) -> "
+           nb::sig("def score(self, file: str | os.PathLike, success_distance: float, "
+                   "bootstrap_samples: int) -> "
                    "tuple[dict[str, tuple[float, float, float]], dict[str, dict[str, float]], "
                    "list[str]]"));
   m.def("metrics", metrics, "graphs"_a, "scan"_a, "trajectory"_a, "reference"_a,
@@ -147,7 +166,8 @@ void bind_r2r(nb::module_& m) {
                 "reference: typing.Sequence[str], success_distance: float = 3.0) -> dict[str, "
                 "float]"),
         "All metrics of one trajectory against one reference path, both lists of viewpoint ids: "
-        "nav_error, success, spl, ndtw, cls, ... (docs/r2r.md has the equations).");
+        "nav_error, success, spl, ndtw, cls, ... (docs/r2r.md has the equations). Raises "
+        "UnknownNameError, and ArgumentError for a path without viewpoints.");
   bind_tokens(m);
 }
 

@@ -129,7 +129,8 @@ render::ColourOutput colour_output(const Buffer& buffer, const std::string& form
   if ((imagenet || format == "planar") && holds<float>(buffer)) {
     return {kPlanarFloat32, normalisation, memory_of<std::byte>(buffer)};
   }
-  if ((imagenet || format == "planar") && buffer.dtype().bits == 16) {
+  const nb::dlpack::dtype half{static_cast<std::uint8_t>(nb::dlpack::dtype_code::Float), 16, 1};
+  if ((imagenet || format == "planar") && buffer.dtype() == half) {  // not bfloat16, not int16
     return {kPlanarFloat16, normalisation, memory_of<std::byte>(buffer)};
   }
   throw ArgumentError(

@@ -188,6 +188,9 @@ CandidateColumns all_candidates(const std::shared_ptr<const GraphSet>& graphs,
   CandidateColumns columns;
   sim::CandidateFinder finder(graphs, config);
   for (const std::uint32_t scan : scans) {
+    if (scan >= graphs->size()) {
+      throw ArgumentError(fmt::format("scan {}: 0 to {} are allowed", scan, graphs->size() - 1));
+    }
     const graph::NavGraph& graph = graphs->graph(ScanIndex(scan));
     for (std::uint32_t v = 0; v < graph.size(); ++v) {
       if (!graph.included(ViewpointIndex(v))) continue;

@@ -3,11 +3,14 @@ skip, and say so."""
 
 from __future__ import annotations
 
+import functools
 import os
 from pathlib import Path
+from typing import Any, Callable
 
 import enfilade
 import pytest
+from old_simulator import make_simulator
 
 
 @pytest.fixture(scope="session")
@@ -28,8 +31,25 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 @pytest.fixture(scope="session")
+def homes(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Model homes with pictures, synthetic, as the notebooks make them: half a minute of one core."""
+    from enfilade import synth
+
+    folder = str(tmp_path_factory.mktemp("homes"))
+    report = synth.write_homes(folder, homes=3, face_size=64)
+    assert report.homes == 3 and report.paths > 0 and report.instructions == 3 * report.paths
+    return folder
+
+
+@pytest.fixture(scope="session")
 def connectivity(data: Path) -> str:
     return str(data / "connectivity")
+
+
+@pytest.fixture
+def make(connectivity: str) -> Callable[..., Any]:
+    """Makes a MatterSim.Simulator of the real graphs, without pictures."""
+    return functools.partial(make_simulator, connectivity)
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,7 @@ import math
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, Callable
 
 import enfilade
 import pytest
@@ -141,6 +141,85 @@ def test_candidates_of_all_viewpoints_are_those_of_each(graphs: enfilade.Graphs)
     assert row == len(table.scan) and (table.scan == graphs.index("synth_3")).all()
 
 
+def raises(error: Any, words: str, call: Callable[[], Any]) -> None:
+    with pytest.raises(error, match=words):
+        call()
+
+
+def test_wrong_arguments_are_named(graphs: enfilade.Graphs) -> None:
+    """Field, value and what is allowed; and nobody has moved."""
+    sim = enfilade.Simulator(graphs, 2)
+    wrong, refused = enfilade.ArgumentError, TypeError
+    raises(wrong, "agent 0: no episode", lambda: sim.viewpoint_ids())
+    ids = graphs["synth_1"].viewpoints
+    sim.new_episodes(["synth_1"] * 2, ids[:2])
+    before = sim.viewpoint_ids(), sim.state.step.tolist()
+    make, step, begin = enfilade.Simulator, sim.step, sim.new_episodes
+    for error, words, call in [
+        (refused, "graphs: a str", lambda: make("data/connectivity")),
+        (wrong, "batch_size -1", lambda: make(graphs, -1)),
+        (refused, "batch_size 1.5", lambda: make(graphs, 1.5)),
+        (wrong, "width -1", lambda: make(graphs, width=-1)),
+        (wrong, "seed -1", lambda: make(graphs, seed=-1)),
+        (wrong, "seed 1844", lambda: make(graphs, seed=2**64)),
+        (wrong, "max_navigable 0", lambda: make(graphs, max_navigable=0)),
+        (wrong, "threads -3", lambda: make(graphs, threads=-3)),
+        (wrong, "vertical field of view nan", lambda: make(graphs, vfov=math.nan)),
+        (wrong, "elevation_limits", lambda: make(graphs, elevation_limits=(-1, 0, 1))),
+        (wrong, "indices: 99 |index 99 ", lambda: step([0, 99])),
+        (wrong, "indices: -1 of agent 1", lambda: step([0, -1])),
+        (wrong, "indices: 8589934592 of agent 1", lambda: step([0, 2**33])),
+        (wrong, "indices: 4294967296", lambda: step(np.array([0, 2**32], np.uint64))),
+        (refused, "indices of type float64", lambda: step([0.0, 0.0])),
+        (refused, "indices of type object", lambda: step(None)),
+        (wrong, r"indices: shape \(1, 2\)", lambda: step([[0, 0]])),
+        (wrong, "indices: 0 elements for a batch of 2", lambda: step([])),
+        (wrong, "heading_changes: numbers", lambda: step([0, 0], ["a", "b"])),
+        (wrong, "heading_changes: 3 elements", lambda: step([0, 0], [0, 0, 0])),
+        (wrong, "elevation_changes: shape", lambda: step([0, 0], None, [[0, 0]])),
+        (wrong, "elevation change inf", lambda: step([0, 0], None, [0, math.inf])),
+        (wrong, "scans: 1 elements for a batch of 2", lambda: begin(["synth_1"], ids[:1])),
+        (wrong, "viewpoints: 1 for 2 scans", lambda: begin(["synth_1"] * 2, ids[:1])),
+        (wrong, "scan 99: 0 to 5", lambda: begin([99, 0], [0, 0])),
+        (wrong, "scans: index 99: 0 to 5", lambda: begin([99, 0], ids[:2])),
+        (wrong, "viewpoint 9999 of scan", lambda: begin([0, 0], [0, 9999])),
+        (wrong, "viewpoints: 4294967296 of agent 1", lambda: begin([0, 0], [0, 2**32])),
+        (refused, "scans of type .*integers or names", lambda: begin([b"synth_1"] * 2, ids[:2])),
+        (refused, "scans of type object", lambda: begin(None, None)),
+        (wrong, "heading nan", lambda: begin(["synth_1"] * 2, ids[:2], math.nan)),
+        (enfilade.UnknownNameError, "nope", lambda: begin(["synth_1"] * 2, ["nope", "nope"])),
+        (wrong, "agent 7: 0 to 1", lambda: sim.new_episode(7, "synth_1", ids[0])),
+        (wrong, "agent -1", lambda: sim.new_episode(-1, "synth_1", ids[0])),
+        (enfilade.UnknownNameError, "nope", lambda: sim.candidates("synth_1", "nope")),
+        (wrong, "scan 99: 0 to 5", lambda: sim.all_candidates([99])),  # it used to abort
+        (ValueError, "read-only", lambda: sim.state.heading.__setitem__(0, 1.0)),
+        (wrong, "success_distance nan", lambda: enfilade.metrics(
+            graphs, "synth_1", ids[:1], ids[:1], math.nan)),
+    ]:  # fmt: skip
+        raises(error, words, call)
+    assert (sim.viewpoint_ids(), sim.state.step.tolist()) == before
+    assert len(sim.all_candidates([]).scan) == 0
+
+
+def test_paths_and_names_come_as_people_have_them(small: str) -> None:
+    """pathlib's paths; names in object arrays, as data frames give them; NumPy's integers."""
+    graphs = enfilade.Graphs(Path(small) / "connectivity")
+    assert list(graphs) == graphs.scans
+    sim = enfilade.Simulator(graphs, np.int64(2), seed=np.uint32(3))
+    ids = graphs["synth_1"].viewpoints
+    sim.new_episodes(np.array(["synth_1"] * 2, object), np.array(ids[:2], object))
+    assert sim.viewpoint_ids() == ids[:2]
+    sim.new_episodes(np.array(["synth_1"] * 2), tuple(ids[2:4]))
+    assert sim.viewpoint_ids() == ids[2:4]
+    episodes = enfilade.Episodes(Path(small), "val_seen")
+    assert episodes[np.int64(0)] == episodes[0]
+    with pytest.raises(enfilade.FileError, match="nowhere.json"):
+        episodes.score(Path("nowhere.json"))
+    count = len(episodes)
+    with pytest.raises(IndexError, match=f"-{count + 1}: the split val_seen has {count}"):
+        episodes[-count - 1]
+
+
 # --- pictures -------------------------------------------------------------------------------------
 
 
@@ -246,6 +325,69 @@ def test_the_36_views_are_those_of_the_drop_in(pictured: Any, data: Path, refere
         assert (away > 2).mean() < 0.03  # along faces' edges, which the drop-in does not smooth
 
 
+def test_wrong_arguments_of_a_renderer_are_named(pictured: Any, graphs: enfilade.Graphs) -> None:
+    real, renderer, (scan, viewpoint, headings) = pictured
+    wrong, refused, size = enfilade.ArgumentError, TypeError, {"width": 64, "height": 48}
+
+    def draw(**options: Any) -> Any:
+        return renderer.render(scan, viewpoint, headings, **{**size, **options})
+
+    def into(picture: Any, **options: Any) -> Callable[[], Any]:
+        return lambda: draw(out={"colour": picture}, **options)
+
+    whole = np.zeros((1, 48, 64, 6), np.uint8)
+    planar = (1, 3, 48, 64)
+    for error, words, call in [
+        (wrong, "'hsv'", lambda: draw(colour="hsv")),
+        (wrong, "'smell'", lambda: draw(layers=("smell",))),
+        (refused, "a tuple is wanted", lambda: draw(layers="depth")),
+        (wrong, "width -1", lambda: draw(width=-1)),
+        (wrong, "size 0 x 48", lambda: draw(width=0)),
+        (refused, "width 64.0", lambda: draw(width=64.0)),
+        (wrong, "field of view 60 rad", lambda: draw(vfov=60)),
+        (wrong, "headings: 1 numbers", lambda: renderer.render(scan, viewpoint, [0, 1])),
+        (wrong, "headings: 1 numbers", lambda: renderer.render(scan, viewpoint, ["east"])),
+        (wrong, "heading: nan", lambda: renderer.render(scan, viewpoint, [math.nan])),
+        (wrong, "elevation: inf", lambda: renderer.render(scan, viewpoint, [0], [math.inf])),
+        (wrong, "scans: index 999", lambda: renderer.render([999], viewpoint, [0])),
+        (wrong, "scan: 999", lambda: renderer.render([999], [0], [0])),
+        (wrong, "viewpoint: 9999", lambda: renderer.render(scan, [9999], [0])),
+        (enfilade.UnknownNameError, "nope", lambda: renderer.render(scan, ["nope"], [0])),
+        (refused, "out: a ndarray", lambda: draw(out=whole)),
+        (refused, "out.'colour'.: a list", into([[0]])),
+        (refused, "out.'colour'.: a bytes", into(b"123")),
+        (refused, "contiguous", into(whole[..., ::2])),
+        (refused, "contiguous", into(np.zeros((1, 48, 64, 3), np.uint8, order="F"))),
+        (wrong, "64 bits a value", into(np.zeros((1, 48, 64, 3)))),
+        (wrong, "16 bits a value", into(np.zeros(planar, np.int16), colour="planar")),
+        (wrong, "out.'rgb'", lambda: draw(out={"rgb": whole[..., :3]})),
+        (wrong, "cache_bytes -1", lambda: make_like(renderer, real, cache_bytes=-1)),
+        (wrong, "different scans", lambda: make_like(renderer, graphs)),
+        (wrong, "different scans", lambda: renderer.render_agents(enfilade.Simulator(graphs))),
+        (wrong, "no episode", lambda: renderer.render_agents(enfilade.Simulator(real))),
+    ]:  # fmt: skip
+        raises(error, words, call)
+
+
+def test_halves_of_torch_are_told_apart(pictured: Any) -> None:
+    torch = pytest.importorskip("torch", reason="torch is not installed")
+    _, renderer, (scan, viewpoint, headings) = pictured
+
+    def draw(type: Any) -> Any:
+        picture = torch.zeros((1, 3, 48, 64), dtype=type)
+        renderer.render(scan, viewpoint, headings, width=64, height=48, colour="planar",
+                        out={"colour": picture})  # fmt: skip
+        return picture
+
+    raises(enfilade.ArgumentError, "16 bits a value", lambda: draw(torch.bfloat16))
+    assert 0.1 < draw(torch.float16).float().mean() < 0.9
+
+
+def make_like(renderer: enfilade.Renderer, graphs: enfilade.Graphs, **options: Any) -> Any:
+    """Another renderer of the same panoramas."""
+    return enfilade.Renderer(graphs, renderer.panoramas, **options)
+
+
 def test_missing_pictures_are_named(graphs: enfilade.Graphs, small: str) -> None:
     panoramas = enfilade.open_panoramas(small, graphs)
     renderer = enfilade.Renderer(graphs, panoramas)
@@ -301,3 +443,5 @@ def test_words_are_tokens(tmp_path: Path) -> None:
     words = enfilade.Vocabulary.build(["go left", "go right"], least_count=1)
     ids = words.encode("go left", 6)
     assert len(ids) == 6 and words.decode(ids) == "go left"
+    words.save(tmp_path / "words.txt")
+    assert enfilade.Vocabulary.load(tmp_path / "words.txt").words == words.words

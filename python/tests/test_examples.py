@@ -21,17 +21,6 @@ NEEDS = {
 }
 
 
-@pytest.fixture(scope="module")
-def homes(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """Model homes with pictures, as the notebooks make them: half a minute of one core."""
-    from enfilade import synth
-
-    folder = str(tmp_path_factory.mktemp("homes"))
-    report = synth.write_homes(folder, homes=3, face_size=64)
-    assert report.homes == 3 and report.paths > 0 and report.instructions == 3 * report.paths
-    return folder
-
-
 def skip_without_what_it_needs(example: str) -> None:
     for module, name in NEEDS[example].items():
         pytest.importorskip(module, reason=f"{name} is not installed")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pickle
+import re
 import struct
 import subprocess
 from pathlib import Path
@@ -32,7 +33,7 @@ def some() -> dict[tuple[str, str], Any]:
 def write(file: Path, some: dict[tuple[str, str], Any]) -> str:
     """HDF5 is written as the field's own files are."""
     if file.suffix == ".tsv":
-        features.write_tsv(str(file), some, width=224, height=224, vfov=75.5)
+        features.write_tsv(file, some, width=224, height=224, vfov=75.5)
     elif file.suffix == ".safetensors":
         pytest.importorskip("safetensors", reason="safetensors is not installed")
         features.write_safetensors(str(file), some, INFO)
@@ -81,13 +82,17 @@ def test_safetensors_are_read_by_their_bytes(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_broken_arrays_are_named(tmp_path: Path, some: Any, suffix: str) -> None:
+def test_broken_arrays_are_named(
+    tmp_path: Path, some: Any, suffix: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(features, "_checked", lambda key, values: values)  # as others write them
     some["b", "v3"] = some["b", "v3"].copy()
     some["b", "v3"][7, 1] = np.nan
-    some["b", "wide"] = np.ones((36, 6), np.float32)
+    if suffix == ".h5":
+        some["b", "wide"] = np.ones((36, 6), np.float32)
     found = features.open_features(write(tmp_path / f"f{suffix}", some))
     assert np.isfinite(found["b", "v1"]).all()
-    for name in ("v3", "wide"):
+    for name in ("v3", "wide") if suffix == ".h5" else ("v3",):
         with pytest.raises(enfilade.InvalidInput, match=rf"f{suffix}.*{name}"):
             found["b", name]
 
@@ -150,12 +155,81 @@ def test_a_missing_library_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
             features.open_features(tmp_path / f"f{suffix}")
 
 
+def save(file: Path, some: Any) -> None:
+    if file.suffix == ".tsv":
+        features.write_tsv(file, some, width=224, height=224, vfov=75.5)
+    else:
+        pytest.importorskip("safetensors", reason="safetensors is not installed")
+        features.write_safetensors(file, some, INFO)
+
+
+GOOD = np.ones((36, 4), np.float32)
+
+
+@pytest.mark.parametrize("suffix", [".tsv", ".safetensors"])
+@pytest.mark.parametrize(
+    ("key", "values"),
+    [
+        (("s", "flat"), np.ones(36, np.float32)),
+        (("s", "integers"), np.ones((36, 4), np.int32)),
+        (("s", "empty"), np.ones((36, 0), np.float32)),
+        (("s", "wide"), np.ones((36, 5), np.float32)),
+        (("s", "few"), np.ones((12, 4), np.float32)),
+        (("s", "infinite"), GOOD * np.inf),
+        (("s", "a\ttab"), GOOD),
+        (("s", "umläut"), GOOD),
+        (("", "nameless"), GOOD),
+        ("s_whole", GOOD),
+    ],
+)
+def test_what_could_not_be_read_is_not_written(
+    tmp_path: Path, suffix: str, key: Any, values: Any
+) -> None:
+    """The file that was there before stays, and nothing else does."""
+    file = tmp_path / f"f{suffix}"
+    file.write_text("old")
+    with pytest.raises(enfilade.ArgumentError, match=re.escape(repr(key))):
+        save(file, {("s", "v"): GOOD, key: values})
+    assert [one.name for one in tmp_path.iterdir()] == [file.name] and file.read_text() == "old"
+
+
 def test_what_is_not_in_safetensors_is_not_written(tmp_path: Path) -> None:
-    pytest.importorskip("safetensors", reason="safetensors is not installed")
-    for name, values in (("v", np.ones((36, 4))), ("v", np.ones(36, np.float32)),
-                         ("v_1", np.ones((36, 4), np.float32))):  # fmt: skip
+    for name, values in (("v", GOOD.astype(np.float64)), ("v_1", GOOD)):
         with pytest.raises(enfilade.ArgumentError, match=name):
-            features.write_safetensors(str(tmp_path / "f.safetensors"), {("s", name): values})
+            save(tmp_path / "f.safetensors", {("s", name): values})
+
+
+@pytest.mark.parametrize("suffix", [".tsv", ".safetensors"])
+def test_a_file_has_its_name_when_it_is_whole(tmp_path: Path, some: Any, suffix: str) -> None:
+    """A writer that dies leaves what was there before; what is written is as readable as any file."""
+    file = tmp_path / f"f{suffix}"
+    save(file, {("s", "v"): GOOD})
+    (tmp_path / "other").touch()
+    assert file.stat().st_mode == (tmp_path / "other").stat().st_mode
+
+    class Dies(dict):  # type: ignore[type-arg]
+        def items(self) -> Any:
+            yield from super().items()
+            os._exit(9)
+
+    child = os.fork()
+    if child == 0:
+        save(file, Dies(some))
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 9
+    assert (features.open_features(file)["s", "v"] == GOOD).all()
+    save(file, some)
+    assert set(features.open_features(file)) == set(some)
+    with pytest.raises(OSError):
+        save(tmp_path / "nowhere" / f"f{suffix}", some)
+
+
+def test_other_numbers_of_views_are_said_to_both(tmp_path: Path) -> None:
+    file, values = tmp_path / "f.tsv", np.arange(24, dtype=np.float32).reshape(12, 2)
+    with pytest.raises(enfilade.ArgumentError, match=r"\(12, 2\), not \(36, 2\)"):
+        save(file, {("s", "v"): values})
+    features.write_tsv(file, {("s", "v"): values}, width=224, height=224, vfov=90, views=12)
+    (row,) = features.read_tsv(file, views=12)
+    assert (row.features == values).all() and row.vfov == 90
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)

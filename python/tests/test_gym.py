@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import pickle
 import warnings
@@ -14,8 +15,11 @@ np = pytest.importorskip("numpy")
 gymnasium = pytest.importorskip("gymnasium", minversion="1.0")
 
 from gymnasium.utils.env_checker import check_env  # noqa: E402
-from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
+from gymnasium import wrappers  # noqa: E402
+from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv  # noqa: E402
+from gymnasium.wrappers import vector as vector_wrappers  # noqa: E402
 
+import enfilade  # noqa: E402
 from enfilade.gym import EnvConfig, RoomToRoomEnv, RoomToRoomVectorEnv, Transition  # noqa: E402
 
 
@@ -95,7 +99,100 @@ def check_final(ours: dict[str, Any], theirs: dict[str, Any], mode: AutoresetMod
         assert equal(np.where(mask, got, 0), np.where(mask, theirs["final_info"][name], 0))
 
 
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_environments_in_other_processes_do_the_same(small: str, mode: AutoresetMode) -> None:
+    """Without shared memory: there Gymnasium (1.4) reads texts once, before the first reset()."""
+    config = EnvConfig(small, max_steps=5)
+    ours = RoomToRoomVectorEnv(config, 3, autoreset_mode=mode)
+    theirs = AsyncVectorEnv(
+        [lambda: RoomToRoomEnv(config)] * 3, shared_memory=False, autoreset_mode=mode
+    )
+    try:
+        assert equal(ours.reset(seed=2)[0], theirs.reset(seed=2)[0])
+        ours.action_space.seed(1)
+        for _ in range(30):
+            actions = ours.action_space.sample()
+            assert equal(ours.step(actions)[:4], theirs.step(actions)[:4])
+    finally:
+        theirs.close()
+
+
+def test_gymnasiums_wrappers_wrap_them(small: str) -> None:
+    config = EnvConfig(small, max_steps=9)
+    one = wrappers.RecordEpisodeStatistics(wrappers.TimeLimit(RoomToRoomEnv(config), 3))
+    one.reset(seed=1)
+    rewards, ended = [], False
+    while not ended:
+        _, reward, stopped, cut, info = one.step(1)
+        rewards.append(reward)
+        ended = stopped or cut
+    assert len(rewards) == 3 and info["episode"]["r"] == pytest.approx(sum(rewards), abs=1e-5)
+    for mode in (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP):
+        plain = RoomToRoomVectorEnv(config, 4, autoreset_mode=mode)
+        many = vector_wrappers.RecordEpisodeStatistics(
+            vector_wrappers.NormalizeReward(RoomToRoomVectorEnv(config, 4, autoreset_mode=mode))
+        )
+        many.reset(seed=3), plain.reset(seed=3)
+        lengths = []
+        for step in range(40):
+            actions = np.full(4, 1 + step % 2)
+            seen, rewards, stopped, cut, info = many.step(actions)
+            want = plain.step(actions)
+            assert equal((seen, stopped, cut), (want[0], want[2], want[3]))
+            assert np.isfinite(rewards).all()
+            if "episode" in info:
+                lengths += info["episode"]["l"][info["_episode"]].tolist()
+        assert lengths and set(lengths) <= {8, 9}  # Gymnasium 1.1 counts one less after the first
+    numbers = vector_wrappers.FlattenObservation(
+        vector_wrappers.FilterObservation(RoomToRoomVectorEnv(config, 4), ["pose", "candidates"])
+    )
+    assert numbers.reset(seed=1)[0].shape == (4, 2 + 16 * 3)
+
+
+def test_the_same_seed_gives_the_same_steps(small: str) -> None:
+    """Again by the same environment, and by a pickled or copied one, which begins anew."""
+
+    def walk(env: Any) -> list[Any]:
+        env.action_space.seed(3)
+        found = [env.reset(seed=11)]
+        for _ in range(60):
+            found.append(env.step(env.action_space.sample()))
+            if isinstance(env, RoomToRoomEnv) and (found[-1][2] or found[-1][3]):
+                found.append(env.reset())
+        return found
+
+    config = EnvConfig(small, max_steps=5)
+    for env in (RoomToRoomEnv(config), RoomToRoomVectorEnv(config, 3, autoreset_mode="SameStep")):
+        first = walk(env)
+        again = [walk(env), walk(pickle.loads(pickle.dumps(env))), walk(copy.deepcopy(env))]
+        assert all(str(one) == str(first) for one in again)
+
+
+def test_what_is_seen_at_the_end_is_in_its_space(small: str) -> None:
+    for actions in ("viewpoint", "six"):
+        config = EnvConfig(small, max_steps=4, actions=actions)
+        envs = RoomToRoomVectorEnv(config, 8, autoreset_mode=AutoresetMode.SAME_STEP)
+        envs.reset(seed=0)
+        envs.action_space.seed(0)
+        ends = {"terminated": 0, "truncated": 0}
+        for _ in range(100):
+            seen, _, stopped, cut, info = envs.step(envs.action_space.sample())
+            assert envs.observation_space.contains(seen)
+            ends["terminated"] += int(stopped.sum())
+            ends["truncated"] += int(cut.sum())
+            for final in info.get("final_obs", ()):
+                assert final is None or envs.single_observation_space.contains(final)
+        assert min(ends.values()) > 10
+
+
 def test_make_vec_gives_the_native_one(small: str) -> None:
+    envs = gymnasium.make_vec(
+        "RoomToRoom-v0", 3, config=EnvConfig(small), autoreset_mode="SameStep"
+    )
+    assert envs.unwrapped.metadata["autoreset_mode"] == AutoresetMode.SAME_STEP
+    with pytest.raises(enfilade.ArgumentError, match="reset_mask"):
+        envs.reset(options={"reset_mask": np.zeros(3, bool)})
+    assert envs.reset(options={"episode": [2, 0, 1]})[1]["episode_index"].tolist() == [2, 0, 1]
     envs = gymnasium.make_vec("RoomToRoom-v0", 3, config=EnvConfig(small))
     assert isinstance(envs.unwrapped, RoomToRoomVectorEnv) and envs.num_envs == 3
     envs.reset(seed=1)
@@ -177,12 +274,17 @@ def test_rewards_are_pluggable(small: str) -> None:
 def test_configs_are_pickled_and_bad_ones_refused(small: str) -> None:
     config = EnvConfig(small, reward=halfway, observe=("rgb",))
     assert pickle.loads(pickle.dumps(config)) == config
-    for bad in ({"actions": "fly"}, {"observe": ("smell",)}, {"tokens": 0}):
+    wrong: dict[str, Any]
+    for wrong in ({"actions": "fly"}, {"observe": ("smell",)}, {"observe": "rgb"}, {"tokens": 0},
+                  {"reward": "money"}, {"reward": None}, {"width": -1}, {"seed": -1}):  # fmt: skip
+        with pytest.raises(enfilade.ArgumentError, match=next(iter(wrong))):
+            EnvConfig(small, **wrong)
+    with pytest.raises(TypeError, match="max_steps 2.5"):
+        EnvConfig(small, max_steps=2.5)  # type: ignore[arg-type]
+    for wrong in ({"max_steps": 0}, {"max_candidates": 2}, {"vfov": -1.0}):
         with pytest.raises(ValueError):
-            EnvConfig(small, **bad)
-    for bad in ({"reward": "money"}, {"max_steps": 0}, {"max_candidates": 2}, {"vfov": -1.0}):
-        with pytest.raises(ValueError):
-            RoomToRoomEnv(EnvConfig(small, **bad))
+            RoomToRoomEnv(EnvConfig(small, **wrong))
+    RoomToRoomEnv(EnvConfig(Path(small))).reset()
     with pytest.raises(ValueError, match="episode 'x'"):
         RoomToRoomEnv(EnvConfig(small)).reset(options={"episode": "x"})
     with pytest.raises(ValueError, match="hides its goals"):
@@ -201,6 +303,38 @@ def test_an_ended_episode_has_to_be_reset(small: str) -> None:
     with pytest.raises(ValueError, match="action 16"):
         env.reset()
         env.step(16)
+
+
+def test_wrong_calls_are_named_and_change_nothing(small: str) -> None:
+    config = EnvConfig(small)
+    one, many = RoomToRoomEnv(config, render_mode="ansi"), RoomToRoomVectorEnv(config, 2)
+    for call in (one.render, lambda: many.step([0, 0])):
+        with pytest.raises(enfilade.ArgumentError, match=r"reset\(\) has to come first"):
+            call()
+    kept = one.reset(seed=5), many.reset(seed=5)
+    wrong, refused = enfilade.ArgumentError, TypeError
+    for error, words, call in [
+        (refused, "actions of type float64", lambda: one.step(0.5)),
+        (refused, "actions of type object", lambda: one.step(None)),
+        (wrong, "action -1: 0 to 15", lambda: one.step(-1)),
+        (wrong, r"shape \(1, 2\), not \(1,\)", lambda: one.step([0, 1])),
+        (refused, "actions of type float64", lambda: many.step([0.5, 0.7])),
+        (wrong, r"shape \(1,\), not \(2,\)", lambda: many.step([0])),
+        (wrong, "agent 1: action 99", lambda: many.step([0, 99])),
+        (wrong, "episode -1", lambda: one.reset(options={"episode": -1})),
+        (wrong, "episode 1000000: 0 to", lambda: one.reset(options={"episode": 10**6})),
+        (refused, "episode 0.5", lambda: one.reset(options={"episode": 0.5})),
+        (wrong, "2 elements for 1 agents", lambda: one.reset(options={"episode": [0, 1]})),
+        (wrong, "seed -1", lambda: many.reset(seed=[5, -1])),
+        (wrong, "seed 1180591620717411303424", lambda: many.reset(seed=[None, 2**70])),
+        (wrong, "num_envs 0|batch_size 0", lambda: RoomToRoomVectorEnv(config, 0)),
+        (wrong, "num_envs -1", lambda: RoomToRoomVectorEnv(config, -1)),
+        (wrong, "reset_mask", lambda: many.reset(options={"reset_mask": np.zeros(2, bool)})),
+    ]:  # fmt: skip
+        with pytest.raises(error, match=words):
+            call()
+    assert one.arrays["step"].tolist() == [0] and many.arrays["step"].tolist() == [0, 0]
+    assert equal((one.reset(seed=5), many.reset(seed=5)), kept)
 
 
 @pytest.fixture
@@ -227,6 +361,19 @@ def test_pictures_are_seen_where_there_are_some(pictured: str, mode: Any) -> Non
     envs = RoomToRoomVectorEnv(config, 2)
     both, _ = envs.reset(seed=1)
     assert (both["rgb"][0] == seen["rgb"]).all() and envs.observation_space.contains(both)
+
+
+def test_the_checker_passes_with_pictures_and_render_modes(homes: str) -> None:
+    layers = ("rgb", "depth", "class", "instance")
+    config = EnvConfig(homes, observe=layers, width=64, height=48)
+    env = gymnasium.make("RoomToRoom-v0", config=config, render_mode="rgb_array")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped)
+    envs = RoomToRoomVectorEnv(config, 2, render_mode="rgb_array")
+    envs.reset(seed=1)
+    drawn = envs.render()
+    assert isinstance(drawn, tuple) and [one.shape for one in drawn] == [(48, 64, 3)] * 2
 
 
 @pytest.mark.parametrize("mode", list(AutoresetMode)[:2])

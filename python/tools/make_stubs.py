@@ -21,9 +21,9 @@ def make_stubs() -> str:
     generator = StubGen(importlib.import_module("enfilade._core"), quiet=True)
     generator.put(generator.module)
     # The drop-in's names have stubs of their own, in MatterSim/.
-    # Memory to draw into may be of any library.
+    # Memory to draw into may be of any library; strict checkers want to know of what a path is.
     lines = [
-        line.replace("Annotated[NDArray, ", "Annotated[Any, ")
+        line.replace("Annotated[NDArray, ", "Annotated[Any, ").replace("PathLike", "PathLike[str]")
         for line in generator.get().splitlines()
         if line != "from enfilade._core import mattersim as mattersim"
     ]

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, Optional, Sequence
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from enfilade._arguments import whole
 from enfilade._core import BatchEnvironment, ViewArrays, Vocabulary
 from enfilade._episodes import Episodes
+from enfilade._errors import ArgumentError
 from enfilade._renderer import Renderer, open_panoramas
 from enfilade.gym._config import EnvConfig, Transition
 
@@ -35,7 +38,7 @@ class Batch:
         reward = config.reward if isinstance(config.reward, str) else "none"
         self.core = BatchEnvironment(
             self.episodes._core,
-            batch_size=n,
+            batch_size=whole("num_envs", n),
             six_actions=config.actions == "six",
             reward=reward,
             max_steps=config.max_steps,
@@ -53,6 +56,7 @@ class Batch:
         self._all_texts = [episode.text for episode in self.episodes]
         self.texts = [""] * n
         self.tokens = np.zeros((n, config.tokens), np.int64)
+        self._begun = False
         self._renderer: Optional[Renderer] = None
         if config.observe:
             self.renderer()
@@ -63,7 +67,7 @@ class Batch:
         """Made when first wanted: graphs alone need no pictures."""
         if self._renderer is None:
             graphs = self.episodes.graphs
-            panoramas = open_panoramas(self.config.data, graphs)
+            panoramas = open_panoramas(os.fspath(self.config.data), graphs)
             self._renderer = Renderer(graphs, panoramas, backend=self.config.backend)
         return self._renderer
 
@@ -100,9 +104,11 @@ class Batch:
     # --- episodes ---------------------------------------------------------------------------------
 
     def seed(self, seeds: Sequence[Optional[int]]) -> None:
-        for agent, seed in enumerate(seeds):
-            if seed is not None:
-                self.core.seed(agent, seed)
+        """None leaves an agent's stream of episodes as it is."""
+        numbers = [None if seed is None else whole("seed", seed, 2**64 - 1) for seed in seeds]
+        for agent, number in enumerate(numbers):
+            if number is not None:
+                self.core.seed(agent, number)
 
     def reset(
         self,
@@ -111,10 +117,17 @@ class Batch:
     ) -> None:
         flags = None if mask is None else np.ascontiguousarray(mask, np.uint8)
         self.core.reset(flags, chosen)
+        self._begun = True
         self.read_instructions()
 
-    def step(self, actions: NDArray[np.int64]) -> NDArray[np.float64]:
-        """The rewards, (n,)."""
+    def step(self, chosen: ArrayLike) -> NDArray[np.float64]:
+        """The rewards, (n,). Nobody has moved if it raises TypeError or ArgumentError."""
+        actions = np.asarray(chosen)
+        if actions.dtype.kind not in "iub":
+            raise TypeError(f"actions of type {actions.dtype}: integers are wanted")
+        if actions.shape != (self.n,):
+            raise ArgumentError(f"actions: shape {actions.shape}, not ({self.n},)")
+        actions = np.ascontiguousarray(actions, np.int64)
         if isinstance(self.config.reward, str):
             self.core.step(actions)
             rewards: NDArray[np.float64] = self.arrays["reward"].copy()
@@ -148,18 +161,18 @@ class Batch:
         wanted = (options or {}).get("episode")
         if wanted is None:
             return None
-        each = [wanted] if isinstance(wanted, (str, int, np.integer)) else list(wanted)
+        each = list(wanted) if isinstance(wanted, (list, tuple, np.ndarray)) else [wanted]
         if len(each) == 1:
             each = each * self.n
         return np.array([self._index_of(one) for one in each], np.int64)
 
     def _index_of(self, wanted: Any) -> int:
         if not isinstance(wanted, str):
-            return int(wanted)
+            return whole("episode", wanted, len(self.episodes) - 1)
         for index, episode in enumerate(self.episodes):
             if episode.instruction_id == wanted:
                 return index
-        raise ValueError(f"episode '{wanted}' is not in the split {self.config.split}")
+        raise ArgumentError(f"episode '{wanted}' is not in the split {self.config.split}")
 
     # --- what is seen -----------------------------------------------------------------------------
 
@@ -208,7 +221,17 @@ class Batch:
         poses = ("scan", "viewpoint", "heading", "elevation")
         return ViewArrays(*(self.arrays[name][agents] for name in poses))
 
-    def describe(self, agent: int) -> str:
+    def render(self, mode: Optional[str]) -> Optional[list[Any]]:
+        """What there is to be seen of each agent in a render mode; None for no mode."""
+        if mode is None:
+            return None
+        if not self._begun:
+            raise ArgumentError("render(): reset() has to come first")
+        if mode == "rgb_array":
+            return list(self.pictures(("rgb",))["rgb"])
+        return [self._describe(agent) for agent in range(self.n)]
+
+    def _describe(self, agent: int) -> str:
         """Where an agent is, in words: render_mode "ansi"."""
         episode = self.episodes[int(self.arrays["episode"][agent])]
         graph = self.episodes.graphs[episode.scan]

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
-from typing import Callable, Optional, Union
+from typing import Callable, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
+from enfilade._arguments import whole
+from enfilade._errors import ArgumentError
+
 ACTIONS = ("viewpoint", "six")
+REWARDS = ("progress", "success", "none")
 LAYERS = ("rgb", "depth", "class", "instance")
 
 
@@ -48,7 +53,7 @@ class EnvConfig:
         seed: of the episodes, until reset(seed=...) gives another.
     """
 
-    data: str
+    data: Union[str, os.PathLike[str]]
     split: str = "train"
     actions: str = "viewpoint"
     reward: Union[str, Callable[[Transition], NDArray[np.float64]]] = "progress"
@@ -58,7 +63,7 @@ class EnvConfig:
     width: int = 640
     height: int = 480
     vfov: float = math.radians(60)
-    vocabulary: Optional[str] = None
+    vocabulary: Union[None, str, os.PathLike[str]] = None
     tokens: int = 80
     max_candidates: int = 16
     backend: str = "cpu"
@@ -66,9 +71,18 @@ class EnvConfig:
 
     def __post_init__(self) -> None:
         if self.actions not in ACTIONS:
-            raise ValueError(f"actions '{self.actions}': one of {', '.join(ACTIONS)} is wanted")
+            raise ArgumentError(f"actions '{self.actions}': one of {', '.join(ACTIONS)} is wanted")
+        if not callable(self.reward) and self.reward not in REWARDS:
+            raise ArgumentError(
+                f"reward {self.reward!r}: one of {', '.join(REWARDS)} or a function is wanted"
+            )
+        if isinstance(self.observe, str):
+            raise ArgumentError(f"observe '{self.observe}': a tuple is wanted: ('{self.observe}',)")
         for layer in self.observe:
             if layer not in LAYERS:
-                raise ValueError(f"observe '{layer}': any of {', '.join(LAYERS)} are wanted")
+                raise ArgumentError(f"observe '{layer}': any of {', '.join(LAYERS)} are wanted")
+        for name in ("max_steps", "width", "height", "tokens", "max_candidates"):
+            whole(name, getattr(self, name))
         if self.tokens < 1:
-            raise ValueError(f"tokens {self.tokens}: at least 1 is wanted")
+            raise ArgumentError(f"tokens {self.tokens}: at least 1 is wanted")
+        whole("seed", self.seed, 2**64 - 1)

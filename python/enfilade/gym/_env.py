@@ -6,16 +6,18 @@ from typing import Any, Optional, Union
 
 import gymnasium
 import numpy as np
+from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
 from enfilade._episodes import Episodes
+from enfilade._errors import ArgumentError
 from enfilade.gym._batch import RENDER_MODES, Batch
 from enfilade.gym._config import EnvConfig
 
 Observation = dict[str, Any]
 
 
-class RoomToRoomEnv(gymnasium.Env[Observation, Any]):
+class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
     """RoomToRoom-v0. Observations, a Dict:
 
     instruction: text. pose: heading and elevation, radians. candidates: (m, 3) rel_heading,
@@ -25,14 +27,15 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any]):
 
     reset(options={"episode": e}) takes an index or instruction id instead of drawing one.
     info: instruction_id, scan, viewpoint, distance (metres to the goal); at an episode's end also
-    success and spl. metrics() has the others.
+    success and spl. metrics() has the others. Pickled or copied, it is a new one of the same config.
     """
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 2}
 
     def __init__(self, config: EnvConfig, render_mode: Optional[str] = None) -> None:
+        EzPickle.__init__(self, config, render_mode)
         if render_mode is not None and render_mode not in RENDER_MODES:
-            raise ValueError(f"render_mode '{render_mode}': one of {', '.join(RENDER_MODES)}")
+            raise ArgumentError(f"render_mode '{render_mode}': one of {', '.join(RENDER_MODES)}")
         self._batch = Batch(config, 1)
         self._seeded = False
         self.render_mode = render_mode
@@ -42,14 +45,14 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any]):
     def reset(
         self, *, seed: Optional[int] = None, options: Optional[dict[str, Any]] = None
     ) -> tuple[Observation, dict[str, Any]]:
+        chosen = self._batch.chosen_episodes(options)
+        self._batch.seed([seed])
         super().reset(seed=seed)
-        if seed is not None:
-            self._batch.seed([seed])
-        self._batch.reset(chosen=self._batch.chosen_episodes(options))
+        self._batch.reset(chosen=chosen)
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        rewards = self._batch.step(np.array([action], np.int64))
+        rewards = self._batch.step([action])
         terminated = bool(self._batch.arrays["terminated"][0])
         truncated = bool(self._batch.arrays["truncated"][0])
         info = self._info()
@@ -73,10 +76,8 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any]):
 
     def render(self) -> Union[None, NDArray[np.uint8], str]:
         """rgb_array: (height, width, 3) uint8, what the agent sees. ansi: where it is, in words."""
-        if self.render_mode == "rgb_array":
-            picture: NDArray[np.uint8] = self._batch.pictures(("rgb",))["rgb"][0]
-            return picture
-        return self._batch.describe(0) if self.render_mode == "ansi" else None
+        seen = self._batch.render(self.render_mode)
+        return None if seen is None else seen[0]
 
     def _observation(self) -> Observation:
         return {name: value[0] for name, value in self._batch.observe().items()}

@@ -7,11 +7,13 @@ from typing import Any, Optional, Sequence, Union
 
 import gymnasium
 import numpy as np
+from gymnasium.utils import EzPickle
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
 from enfilade._episodes import Episodes
+from enfilade._errors import ArgumentError
 from enfilade.gym._batch import RENDER_MODES, Batch
 from enfilade.gym._config import EnvConfig
 
@@ -19,7 +21,7 @@ Observation = dict[str, Any]
 Flags = NDArray[np.bool_]
 
 
-class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[Any]]):
+class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[Any]], EzPickle):
     """RoomToRoom-v0, n at a time; observations as of RoomToRoomEnv, with n in front of each shape.
 
     Args:
@@ -30,8 +32,9 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
             DISABLED (reset(options={"reset_mask": flags})).
         render_mode: "rgb_array" or "ansi"; render() gives n of them.
 
-    info: distance, episode (index), and at an episode's end success and spl, each with its mask
-    `_name` as Gymnasium has it. metrics(k) has the others.
+    info: distance (metres to the goal), episode_index (into `episodes`), and at an episode's end
+    success and spl, each with its mask `_name` as Gymnasium has it. metrics(k) has the others.
+    Pickled or copied, it is a new one of the same config.
     """
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 2}
@@ -45,8 +48,11 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         render_mode: Optional[str] = None,
     ) -> None:
         super().__init__()
+        EzPickle.__init__(
+            self, config, num_envs, autoreset_mode=autoreset_mode, render_mode=render_mode
+        )
         if render_mode is not None and render_mode not in RENDER_MODES:
-            raise ValueError(f"render_mode '{render_mode}': one of {', '.join(RENDER_MODES)}")
+            raise ArgumentError(f"render_mode '{render_mode}': one of {', '.join(RENDER_MODES)}")
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         next_step = self.autoreset_mode == AutoresetMode.NEXT_STEP
         self._batch = Batch(config, num_envs, reset_at_next_step=next_step)
@@ -69,19 +75,21 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
             seed = [int(seed) + k for k in range(self.num_envs)]
         if seed is not None:
             if len(seed) != self.num_envs:
-                raise ValueError(f"seed: {len(seed)} for {self.num_envs} environments")
-            self._batch.seed(seed)
+                raise ArgumentError(f"seed: {len(seed)} for {self.num_envs} environments")
         mask = None
         if options is not None and "reset_mask" in options:
             mask = self._checked_mask(options["reset_mask"])
-        self._batch.reset(mask, self._batch.chosen_episodes(options))
+        chosen = self._batch.chosen_episodes(options)
+        if seed is not None:
+            self._batch.seed(seed)
+        self._batch.reset(mask, chosen)
         return self._batch.observe(), self._info(self._all if mask is None else mask)
 
     def step(
         self, actions: ArrayLike
     ) -> tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
         batch = self._batch
-        rewards = batch.step(np.ascontiguousarray(actions, np.int64))
+        rewards = batch.step(actions)
         terminated = batch.arrays["terminated"].astype(bool)
         truncated = batch.arrays["truncated"].astype(bool)
         info = self._info(self._all)
@@ -114,17 +122,15 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         return self._batch.core.metrics(agent)
 
     def render(self) -> Optional[tuple[Any, ...]]:
-        if self.render_mode == "rgb_array":
-            return tuple(self._batch.pictures(("rgb",))["rgb"])
-        if self.render_mode == "ansi":
-            return tuple(self._batch.describe(k) for k in range(self.num_envs))
-        return None
+        """A tuple of n, each as of RoomToRoomEnv.render()."""
+        seen = self._batch.render(self.render_mode)
+        return None if seen is None else tuple(seen)
 
     def _checked_mask(self, mask: Any) -> Flags:
         if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
             raise TypeError("options['reset_mask']: a NumPy array of bool is wanted")
         if mask.shape != (self.num_envs,) or not mask.any():
-            raise ValueError(f"options['reset_mask']: shape ({self.num_envs},), at least one True")
+            raise ArgumentError(f"options['reset_mask']: shape ({self.num_envs},), at least one True")
         return mask
 
     def _info(self, mask: Flags) -> dict[str, Any]:
@@ -132,8 +138,8 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         return {
             "distance": arrays["distance"].copy(),
             "_distance": mask.copy(),
-            "episode": arrays["episode"].copy(),
-            "_episode": mask.copy(),
+            "episode_index": arrays["episode"].copy(),
+            "_episode_index": mask.copy(),
         }
 
     def _end_metrics(self, ended: Flags) -> dict[str, Any]:

@@ -1,0 +1,21 @@
+"""Checks of what a caller gives, with words that name it. Needs no NumPy."""
+
+from __future__ import annotations
+
+import operator
+from typing import Any
+
+from enfilade._errors import ArgumentError
+
+MOST = 2**32 - 1  # of indices and sizes
+
+
+def whole(name: str, value: Any, most: int = MOST) -> int:
+    """An integer of any kind, 0 to `most`. Raises TypeError or ArgumentError naming it."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} {value!r}: an integer is wanted") from None
+    if not 0 <= number <= most:
+        raise ArgumentError(f"{name} {number}: 0 to {most} are allowed")
+    return number
