@@ -1,5 +1,7 @@
 #include "enfilade/core/threads.h"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -63,7 +65,14 @@ int available_threads() noexcept {
 #if EN_WITH_TBB
   return std::max(1, tbb::info::default_concurrency());
 #else
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  // Asked once: the standard library opens a file of the kernel's each time, and that takes as long
+  // as a small picture. It would also count cores that this process is kept from.
+  static const int kCores = [] {
+    cpu_set_t allowed;
+    const bool known = sched_getaffinity(0, sizeof(allowed), &allowed) == 0;
+    return known ? CPU_COUNT(&allowed) : static_cast<int>(std::thread::hardware_concurrency());
+  }();
+  return std::max(1, kCores);
 #endif
 }
 

@@ -270,6 +270,8 @@ class Simulator:
         return self._nothing if values is None else self._reals(name, values)
 
     def _reals(self, name: str, values: ArrayLike) -> NDArray[np.float64]:
+        if type(values) is np.ndarray and values.dtype == np.float64 and values.ndim == 1:
+            return values
         try:
             array = np.asarray(values, np.float64)
         except (TypeError, ValueError) as error:
@@ -308,7 +310,7 @@ def viewpoint_indices(
     )
 
 
-def _are_indices(values: Names) -> TypeGuard[NDArray[np.uint32]]:
+def _are_indices(values: Union[Names, ArrayLike]) -> TypeGuard[NDArray[np.uint32]]:
     """As State has them: there is nothing to convert, which would take microseconds of every step."""
     return type(values) is np.ndarray and values.dtype == np.uint32 and values.ndim == 1
 
@@ -326,6 +328,8 @@ def _row(name: str, array: NDArray[Any]) -> NDArray[Any]:
 
 
 def _indices(name: str, values: ArrayLike, wanted: str = "integers") -> NDArray[np.uint32]:
+    if _are_indices(values):
+        return values
     array = _row(name, np.atleast_1d(values))
     if array.size == 0:  # an empty list has no type of its own
         return np.zeros(0, np.uint32)
