@@ -3,8 +3,9 @@
 
 #include <fmt/format.h>
 #include <malloc.h>
-#include <signal.h>
+#include <csignal>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -129,29 +130,58 @@ void add_serve_options(CLI::App& verb, Options& options) {
       ->check(CLI::IsMember({"text", "json", "none"}));
 }
 
-void add_token(CLI::App& serve_verb, int& status) {
-  struct Token {
-    std::string database, label;
-    std::string role = "organiser";
-    std::optional<int> days;
-  };
-  CLI::App& verb = *serve_verb.add_subcommand(
-      "token", "Make an organiser's or a reviewer's token; prints it once");
-  const auto token = std::make_shared<Token>();
-  verb.add_option("--db", token->database, "The server's database")->required()->type_name("FILE");
-  verb.add_option("--label", token->label, "Whose it is")->required();
-  verb.add_option("--role", token->role, "organiser: everything; reviewer: what workers handed in")
+const std::map<std::string, service::TokenRole> kTokenRoles{
+    {"organiser", service::TokenRole::kOrganiser},
+    {"reviewer", service::TokenRole::kReviewer},
+    {"team", service::TokenRole::kTeam}};
+
+struct Token {
+  std::string database, label;
+  std::string role = "organiser";
+  std::optional<int> days;
+};
+
+void add_token_options(CLI::App& verb, Token& token) {
+  verb.add_option("--db", token.database, "The server's database")->required()->type_name("FILE");
+  verb.add_option("--label", token.label, "Whose it is; of a team, its name")->required();
+  verb.add_option("--role", token.role,
+                  "organiser: everything; reviewer: what workers handed in; team: its submissions")
       ->capture_default_str()
-      ->check(CLI::IsMember({"organiser", "reviewer"}));
+      ->check(CLI::IsMember(kTokenRoles));
+}
+
+void add_token(CLI::App& serve_verb, int& status) {
+  CLI::App& verb = *serve_verb.add_subcommand(
+      "token", "Make an organiser's, a reviewer's or a team's token; prints it once");
+  const auto token = std::make_shared<Token>();
+  add_token_options(verb, *token);
   verb.add_option("--days", token->days, "Until it expires (default: never)")
       ->check(CLI::Range(1, 3650));
   set_examples(verb, {"enfilade serve token --db vln.sqlite --label Ada --days 90",
-                      "enfilade serve token --db vln.sqlite --label Ben --role reviewer"});
+                      "enfilade serve token --db vln.sqlite --label Ben --role reviewer",
+                      "enfilade serve token --db vln.sqlite --label 'A team' --role team"});
   verb.callback([token, &status] {
-    const auto role =
-        token->role == "reviewer" ? service::StaffRole::kReviewer : service::StaffRole::kOrganiser;
-    fmt::print("{}\n",
-               service::create_staff_token(token->database, role, token->label, token->days));
+    fmt::print("{}\n", service::create_token(token->database, kTokenRoles.at(token->role),
+                                             token->label, token->days));
+    status = kSuccess;
+  });
+}
+
+void add_revoke(CLI::App& serve_verb, int& status) {
+  CLI::App& verb = *serve_verb.add_subcommand(
+      "revoke", "Take somebody's tokens back, at once, also while a server uses the database");
+  const auto token = std::make_shared<Token>();
+  add_token_options(verb, *token);
+  set_examples(verb, {"enfilade serve revoke --db vln.sqlite --label Ada",
+                      "enfilade serve revoke --db vln.sqlite --label 'A team' --role team"});
+  verb.callback([token, &status] {
+    const int revoked =
+        service::revoke_tokens(token->database, kTokenRoles.at(token->role), token->label);
+    if (revoked == 0) {
+      throw LookupError(
+          fmt::format("--label: {:?}, and no {}'s token has it", token->label, token->role));
+    }
+    fmt::print("{} revoked\n", revoked);
     status = kSuccess;
   });
 }
@@ -183,11 +213,13 @@ void add_serve(CLI::App& app, int& status) {
   const auto options = std::make_shared<Options>();
   add_serve_options(verb, *options);
   add_token(verb, status);
+  add_revoke(verb, status);
   add_backup(verb, status);
   verb.require_subcommand(0, 1);
   set_examples(verb, {"enfilade homes -o homes && enfilade serve homes",
                       "enfilade serve homes --db vln.sqlite --phases phases.json --port 9000",
                       "enfilade serve token --db vln.sqlite --label Ada",
+                      "enfilade serve revoke --db vln.sqlite --label Ada",
                       "enfilade serve backup --db vln.sqlite vln-monday.sqlite"});
   verb.callback([&verb, options, &status] {
     if (verb.get_subcommands().empty()) status = serve(*options);

@@ -5,7 +5,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 #include <atomic>
+#include <cmath>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/service/server.h"
 #include "tests/support/served_data.h"
 
@@ -23,18 +25,18 @@ std::string percent_encoded(const std::string& text) {
   return coded;
 }
 
-/// Sends bytes as they are, and gives what came back until the server closed.
-std::string exchange(int port, const std::vector<std::string>& pieces, int pause_ms) {
+int connect_to(int port) {
   const int socket_of = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   EXPECT_EQ(::connect(socket_of, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  for (const std::string& piece : pieces) {
-    if (::send(socket_of, piece.data(), piece.size(), MSG_NOSIGNAL) < 0) break;
-    std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
-  }
+  return socket_of;
+}
+
+/// What comes until the server closes; closes too.
+std::string read_to_end(int socket_of) {
   std::string answer;
   char buffer[4096];
   for (ssize_t n; (n = ::recv(socket_of, buffer, sizeof buffer, 0)) > 0;) {
@@ -42,6 +44,16 @@ std::string exchange(int port, const std::vector<std::string>& pieces, int pause
   }
   ::close(socket_of);
   return answer;
+}
+
+/// Sends bytes as they are, and gives what came back until the server closed.
+std::string exchange(int port, const std::vector<std::string>& pieces, int pause_ms) {
+  const int socket_of = connect_to(port);
+  for (const std::string& piece : pieces) {
+    if (::send(socket_of, piece.data(), piece.size(), MSG_NOSIGNAL) < 0) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
+  }
+  return read_to_end(socket_of);
 }
 
 TEST(Attacks, PathsThatClimbFindNothing) {
@@ -104,6 +116,70 @@ TEST(Attacks, EveryAnswerHasTheHeadersThatProtectBrowsers) {
   }
 }
 
+TEST(Attacks, WhatIsRefusedBeforeItIsReadHasThemToo) {
+  Served served;
+  const std::string host = " HTTP/1.1\r\nHost: x\r\n";
+  for (const std::string& request :
+       {"OPTIONS /healthz" + host, "TRACE /" + host, "FOO /" + host, "GET /a%0ab" + host,
+        "GET /" + std::string(3000, 'a') + host, "GET /healthz" + host + "Range: bytes=9-2\r\n",
+        "POST /api/v1/teams" + host + "Content-Type: multipart/form-data\r\nContent-Length: 0\r\n",
+        std::string("GARBAGE\r\n")}) {
+    const std::string answer = exchange(served.port(), {request + "\r\n"}, 10);
+    EXPECT_THAT(answer, HasSubstr("HTTP/1.1 4")) << request;
+    EXPECT_THAT(answer, HasSubstr("Content-Security-Policy: default-src 'none'")) << request;
+    EXPECT_THAT(answer, HasSubstr("X-Content-Type-Options: nosniff")) << request;
+  }
+}
+
+// cpp-httplib 0.11 would send as many bytes as the client names, its own memory after the answer.
+TEST(Attacks, APartOfAnAnswerIsNeverMoreThanTheAnswer) {
+  Served served;
+  const std::string whole = served.get("/api/v1/splits")->body;
+  for (const char* range : {"bytes=0-200000", "bytes=10-900000", "bytes=99999999-",
+                            "bytes=-99999999", "bytes=0-0,0-900000", "bytes=0-9"}) {
+    EXPECT_EQ(served.get("/api/v1/splits", {{"Range", range}})->body, whole) << range;
+    const auto none = served.get("/nothing", {{"Range", range}});
+    EXPECT_EQ(none->status, 404) << range;
+    EXPECT_LT(none->body.size(), 100U) << range;
+  }
+}
+
+std::size_t count_answers(const std::string& text) {
+  std::size_t count = 0;
+  for (std::size_t at = 0; (at = text.find("HTTP/1.1 ", at)) != std::string::npos; ++at) ++count;
+  return count;
+}
+
+// Behind a proxy that keeps its connexion, the second answer would be another client's.
+TEST(Attacks, NoRequestHidesInAnother) {
+  Served served;
+  const std::string hidden = "GET /api/v1/phases HTTP/1.1\r\nConnection: close\r\n\r\n";
+  const std::string size = std::to_string(hidden.size());
+  const std::string length = "Content-Length: " + size + "\r\n";
+  const std::string teams = "POST /api/v1/teams HTTP/1.1\r\n";
+  for (const std::string& head :
+       {"GET /healthz HTTP/1.1\r\n" + length, "HEAD /healthz HTTP/1.1\r\n" + length,
+        "OPTIONS /healthz HTTP/1.1\r\n" + length, "FOO /healthz HTTP/1.1\r\n" + length,
+        "POST /" + std::string(3000, 'a') + " HTTP/1.1\r\n" + length,
+        fmt::format("{}Content-Length: 0\r\n{}", teams, length),
+        fmt::format("{}{}Transfer-Encoding: chunked\r\n", teams, length),
+        fmt::format("{}Content-Length : {}\r\n", teams, size),
+        teams + "Transfer-Encoding: x-chunked\r\n", teams + "Content-Length: -1\r\n",
+        teams + "Content-Length: +0\r\n",
+        teams + "Transfer-Encoding: chunked\r\nTransfer-Encoding: identity\r\n"}) {
+    const std::string answers = exchange(served.port(), {head + "\r\n", hidden}, 50);
+    EXPECT_LE(count_answers(answers), 1U) << head << answers;
+    EXPECT_THAT(answers, Not(HasSubstr("phases"))) << head;
+  }
+  // No body, and none announced: the next request is one.
+  const std::string both =
+      exchange(served.port(), {"DELETE /api/v1/session HTTP/1.1\r\n\r\n", hidden}, 50);
+  EXPECT_EQ(count_answers(both), 2U) << both;
+  EXPECT_EQ(
+      count_answers(exchange(served.port(), {teams + "Content-Length: 3\r\n\r\n[1]", hidden}, 50)),
+      2U);
+}
+
 TEST(Attacks, BodiesThatAreTooLargeAreRefused) {
   ServerConfig config;
   config.most_submission_bytes = 100'000;
@@ -116,6 +192,49 @@ TEST(Attacks, BodiesThatAreTooLargeAreRefused) {
   EXPECT_EQ(served.get("/healthz")->status, 200);
 }
 
+/// Connexions that begin to hand in a large file, and wait.
+std::vector<int> begin_large(int port, const std::string& headers, std::size_t connexions,
+                             std::size_t bytes) {
+  std::vector<int> sockets;
+  for (std::size_t k = 0; k < connexions; ++k) {
+    sockets.push_back(connect_to(port));
+    const std::string piece = fmt::format(
+        "POST /api/v1/submissions?phase=open&method=m HTTP/1.1\r\n{}Content-Length: {}"
+        "\r\n\r\n{}",
+        headers, bytes + 1, std::string(bytes, ' '));
+    EXPECT_EQ(::send(sockets.back(), piece.data(), piece.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(piece.size()));
+  }
+  return sockets;
+}
+
+TEST(Attacks, ManyLargeBodiesAtOnceDoNotFillTheMemory) {
+  constexpr std::size_t kMost = 100'000;  // and eight times as much at once
+  ServerConfig config;
+  config.most_submission_bytes = kMost;
+  Served served(config, 32);
+  const auto team = served.team("A");
+  const std::string header = "Authorization: " + team.find("Authorization")->second + "\r\n";
+  const auto submit = [&] { return served.submit(team, "open", row_results(3))->status; };
+  // What strangers send is not kept.
+  const auto strangers = begin_large(served.port(), "", 16, kMost - 1);
+  EXPECT_EQ(submit(), 202);
+  const auto own = begin_large(served.port(), header, 9, kMost - 1);
+  int status = 0;
+  for (int k = 0; k < 500 && status != 503; ++k) {  // until they have all been read
+    status = submit();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(status, 503);
+  for (const int one : own) ::close(one);
+  for (int k = 0; k < 500 && status == 503; ++k) {
+    status = submit();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(status, 200);
+  for (const int one : strangers) ::close(one);
+}
+
 TEST(Attacks, ABodyThatDripsIsCutOff) {
   ServerConfig config;
   config.body_seconds = 0.3;
@@ -125,6 +244,27 @@ TEST(Attacks, ABodyThatDripsIsCutOff) {
       "1000\r\n\r\n"};
   for (int k = 0; k < 20; ++k) pieces.emplace_back("x");
   EXPECT_THAT(exchange(served.port(), pieces, 50), HasSubstr("408"));
+}
+
+TEST(Attacks, ABodyThatBreaksOffIsNotTaken) {
+  Served served;
+  const std::string head = "POST /api/v1/teams HTTP/1.1\r\nConnection: close\r\n";
+  const std::string body = R"({"name": "A"})";
+  const auto cut = [&](const std::string& headers, const std::string& part) {
+    const int socket_of = connect_to(served.port());
+    const std::string sent = head + headers + "\r\n" + part;
+    EXPECT_EQ(::send(socket_of, sent.data(), sent.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(sent.size()));
+    ::shutdown(socket_of, SHUT_WR);
+    return read_to_end(socket_of);
+  };
+  const std::string chunk = fmt::format("{:x}\r\n{}\r\n", body.size(), body);
+  EXPECT_THAT(cut("Content-Length: 100\r\n", body), Not(HasSubstr(" 201 ")));
+  EXPECT_THAT(cut("Transfer-Encoding: chunked\r\n", chunk), Not(HasSubstr(" 201 ")));
+  EXPECT_THAT(cut("Transfer-Encoding: chunked\r\n", chunk + "FFFFFFFFFFFFFFFFF\r\n"),
+              Not(HasSubstr(" 201 ")));
+  const auto made = served.client().Post("/api/v1/teams", body, "application/json");
+  EXPECT_EQ(made->status, 201) << made->body;  // the name is still free
 }
 
 TEST(Attacks, WhatIsNoHttpIsRefused) {
@@ -153,11 +293,35 @@ TEST(Attacks, ForgedExpiredAndForeignTokensOpenNothing) {
   EXPECT_EQ(served.client().Delete(own, b)->status, 404);
   EXPECT_EQ(served.submit(served.organiser(), "open", row_results(3))->status, 403);
   // Tokens of the command line go by the system's clock.
-  const std::string old =
-      create_staff_token(served.config().database, StaffRole::kOrganiser, "old", 1);
+  const std::string old = create_token(served.config().database, TokenRole::kOrganiser, "old", 1);
   EXPECT_EQ(served.get("/api/v1/submissions", {{"Authorization", "Bearer " + old}})->status, 200);
   now = 10'000'000'000;
   EXPECT_EQ(served.get("/api/v1/submissions", {{"Authorization", "Bearer " + old}})->status, 401);
+}
+
+TEST(Attacks, RevokedTokensOpenNothingNorDoTheirSessions) {
+  Served served;
+  const auto team = served.team("A");
+  const auto other = served.team("B");
+  const std::string token = team.find("Authorization")->second.substr(7);
+  const auto logged_in = served.client().Post(
+      "/api/v1/session", nlohmann::json{{"token", token}}.dump(), "application/json");
+  const std::string set = logged_in->get_header_value("Set-Cookie");
+  const httplib::Headers cookie{{"Cookie", set.substr(0, set.find(';'))}};
+  const auto organiser = served.organiser();
+  const auto& database = served.config().database;
+  const std::string list = "/api/v1/submissions";
+  EXPECT_EQ(revoke_tokens(database, TokenRole::kOrganiser, "A"), 0);  // a team of that name
+  EXPECT_EQ(served.get(list, team)->status, 200);
+  EXPECT_EQ(revoke_tokens(database, TokenRole::kTeam, "a"), 1);
+  EXPECT_EQ(served.get(list, team)->status, 401);
+  EXPECT_EQ(served.get(list, cookie)->status, 401);
+  EXPECT_EQ(served.get(list, other)->status, 200);
+  const std::string fresh = create_token(database, TokenRole::kTeam, "A", std::nullopt);
+  EXPECT_EQ(served.get(list, {{"Authorization", "Bearer " + fresh}})->status, 200);
+  EXPECT_EQ(revoke_tokens(database, TokenRole::kOrganiser, "organiser"), 1);
+  EXPECT_EQ(served.get(list, organiser)->status, 401);
+  EXPECT_THROW(create_token(database, TokenRole::kTeam, "C", std::nullopt), LookupError);
 }
 
 TEST(Attacks, GuessingTokensIsSlowedDown) {
@@ -220,12 +384,54 @@ TEST(Attacks, NoAnswerHasASecretGoal) {
   EXPECT_THAT(all, Not(HasSubstr("\"v4\"")));
 }
 
-TEST(Attacks, NamesThatDeceiveAreRefused) {
+TEST(Attacks, AnotherSiteCannotLogAVisitorInNorMakeTeams) {
   Served served;
+  const auto team = served.team("A");
+  const std::string token =
+      nlohmann::json{{"token", team.find("Authorization")->second.substr(7)}}.dump();
+  const auto log_in = [&](const char* site) {
+    return served.client()
+        .Post("/api/v1/session", {{"Sec-Fetch-Site", site}}, token, "text/plain")
+        ->status;
+  };
+  EXPECT_EQ(log_in("cross-site"), 403);
+  EXPECT_EQ(log_in("same-site"), 403);
+  EXPECT_EQ(log_in("same-origin"), 200);
+  const auto made = served.client().Post("/api/v1/teams", {{"Sec-Fetch-Site", "cross-site"}},
+                                         R"({"name": "B"})", "text/plain");
+  EXPECT_EQ(made->status, 403);
+}
+
+TEST(Attacks, MeansDoNotTellOneEpisodesError) {
+  Served served;
+  const auto team = served.team("A");
+  auto results = nlohmann::json::parse(row_results(3));
+  results[0]["trajectory"].erase(3);  // one of six stops 1 m before its goal
+  for (const char* phase : {"open", "test"}) served.submit(team, phase, results.dump());
+  const auto error = [&](int id, const httplib::Headers& who) {
+    served.scored(team, id);
+    const std::string target = "/api/v1/submissions/" + std::to_string(id);
+    return served.json(target, who).at("means").at("nav_error").at("mean").get<double>();
+  };
+  EXPECT_DOUBLE_EQ(error(1, team), 1.0 / 6);  // open goals
+  EXPECT_DOUBLE_EQ(error(2, team), 0.17);
+  EXPECT_DOUBLE_EQ(error(2, served.organiser()), 1.0 / 6);
+  const auto row = served.json("/api/v1/leaderboards/test").at("rows")[0].at("means");
+  EXPECT_DOUBLE_EQ(row.at("nav_error").at("mean").get<double>(), 0.17);
+  EXPECT_EQ(row.at("spl").at("mean"),
+            std::round(row.at("spl").at("mean").get<double>() * 1000) / 1000);
+}
+
+TEST(Attacks, NamesThatDeceiveAreRefused) {
+  ServerConfig config;
+  config.most_attempts = 100;
+  Served served(config);
   const auto post = [&served](const std::string& body) {
     return served.client().Post("/api/v1/teams", body, "application/json")->status;
   };
-  for (const char* name : {"", " a", "a\\u0000b", "a\\nb", "a\\u202eb", "a\\u0085"}) {
+  for (const char* name :
+       {"", " a", "a\\u0000b", "a\\nb", "a\\u202eb", "a\\u0085", "a\\u200bb", "\\ufeffa",
+        "a\\u00adb", "\\u3164", "a\\u00a0b", "a\\u2028", "\\udb40\\udc41a"}) {
     EXPECT_EQ(post(std::string("{\"name\": \"") + name + "\"}"), 422) << name;
   }
   EXPECT_EQ(post("{\"name\": \"" + std::string(81, 'a') + "\"}"), 422);
@@ -236,6 +442,7 @@ TEST(Attacks, NamesThatDeceiveAreRefused) {
   EXPECT_EQ(post("{\"name\": \"équipe 1\"}"), 201);  // SQLite folds ASCII only
   EXPECT_EQ(post("{\"name\": \"A\"}"), 201);
   EXPECT_EQ(post("{\"name\": \"a\"}"), 409);
+  EXPECT_EQ(post("{\"name\": \"テスト \u0422\"}"), 201);
 }
 
 TEST(Attacks, AFormulaInATeamsNameIsQuotedInTheSheet) {

@@ -88,7 +88,7 @@ struct Client::Impl {
   }
 };
 
-Client::Client(std::string server, std::string token)
+Client::Client(std::string server, const std::string& token)
     : impl_(std::make_unique<Impl>(std::move(server), token)) {}
 
 Client::~Client() = default;

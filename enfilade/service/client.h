@@ -24,7 +24,7 @@ struct SubmissionStatus {
 class Client {
  public:
   /// \param server "https://vln.example.org", "http://127.0.0.1:8080"; certificates are checked
-  Client(std::string server, std::string token);
+  Client(std::string server, const std::string& token);
   ~Client();
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;

@@ -180,7 +180,8 @@ TEST_F(Collect, PathsMayComeWithTheCollection) {
   const json path{{"path_id", 7},         {"scan", "row"},   {"heading", 0.25},
                   {"path", {"v4", "v3"}}, {"distance", 1.0}, {"instructions", json::array()}};
   body["sources"] = json::array({{{"split", "mine"}, {"paths", json::array({path})}}});
-  EXPECT_EQ(create(body).at("splits"), json::array({{{"split", "mine"}, {"items", 1}}}));
+  EXPECT_EQ(create(body).at("splits"),
+            json::array({{{"split", "mine"}, {"items", 1}, {"goals_hidden", false}}}));
   EXPECT_EQ(worker("one").begin().at("path"), json({"v4", "v3"}));
 }
 
@@ -213,7 +214,7 @@ TEST_F(Collect, StrangersSeeATitleAndNoKey) {
   EXPECT_EQ(seen.at("title"), "A title");
   for (const char* field : {"link", "progress", "splits"}) EXPECT_FALSE(seen.contains(field));
   const json reviewer =
-      served_.json("/api/v1/collections/pilot", served_.staff(StaffRole::kReviewer));
+      served_.json("/api/v1/collections/pilot", served_.staff(TokenRole::kReviewer));
   EXPECT_TRUE(reviewer.contains("progress"));
   EXPECT_FALSE(reviewer.contains("link"));
 }

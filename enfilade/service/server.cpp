@@ -1,6 +1,7 @@
 #include "enfilade/service/server.h"
 
 #include <fmt/format.h>
+#include <filesystem>
 #include <utility>
 
 #include "enfilade/core/errors.h"
@@ -10,13 +11,34 @@
 #include "enfilade/service/detail/web_files.h"
 
 namespace enfilade::service {
+namespace {
+
+detail::Role kept_role(TokenRole role) {
+  switch (role) {
+    case TokenRole::kReviewer:
+      return detail::Role::kReviewer;
+    case TokenRole::kTeam:
+      return detail::Role::kTeam;
+    case TokenRole::kOrganiser:
+      break;
+  }
+  return detail::Role::kOrganiser;
+}
+
+void check_exists(const std::filesystem::path& database) {
+  if (!std::filesystem::exists(database)) {
+    throw FileError(fmt::format("{}: there is no such database", database.string()));
+  }
+}
+
+}  // namespace
 
 struct Server::Impl {
   detail::App app;
   detail::Transport transport;
 
-  Impl(std::shared_ptr<const Site> site, const ServerConfig& config)
-      : app(std::move(site), config), transport(app, config) {}
+  Impl(const std::shared_ptr<const Site>& site, const ServerConfig& config)
+      : app(site, config), transport(app, config) {}
 };
 
 Server::Server(std::shared_ptr<const Site> site, const ServerConfig& config) {
@@ -33,8 +55,8 @@ void Server::stop() { impl_->transport.stop(); }
 
 bool has_web_client() noexcept { return !detail::web_files().empty(); }
 
-std::string create_staff_token(const std::filesystem::path& database, StaffRole role,
-                               const std::string& label, std::optional<int> days) {
+std::string create_token(const std::filesystem::path& database, TokenRole role,
+                         const std::string& label, std::optional<int> days) {
   constexpr std::size_t kLongestLabel = 80;
   if (!detail::is_label(label, kLongestLabel)) {
     throw ArgumentError(
@@ -44,15 +66,17 @@ std::string create_staff_token(const std::filesystem::path& database, StaffRole 
   const std::int64_t now = detail::system_clock()();
   std::optional<std::int64_t> expires;
   if (days) expires = now + std::int64_t{*days} * 24 * 3600;
-  const detail::Role kept =
-      role == StaffRole::kOrganiser ? detail::Role::kOrganiser : detail::Role::kReviewer;
-  return detail::add_staff(db, kept, label, now, expires);
+  return detail::add_token(db, kept_role(role), label, now, expires);
+}
+
+int revoke_tokens(const std::filesystem::path& database, TokenRole role, const std::string& label) {
+  check_exists(database);
+  detail::Database db(database);
+  return detail::revoke_tokens(db, kept_role(role), label, detail::system_clock()());
 }
 
 void back_up_database(const std::filesystem::path& database, const std::filesystem::path& copy) {
-  if (!std::filesystem::exists(database)) {
-    throw FileError(fmt::format("{}: there is no such database", database.string()));
-  }
+  check_exists(database);
   detail::back_up(database, copy);
 }
 

@@ -68,17 +68,24 @@ class Server {
 /// Whether this build has the web client in it; without it the API alone is served.
 bool has_web_client() noexcept;
 
-/// Who runs a benchmark or a collection.
-enum class StaffRole {
+/// Whose tokens are made and taken back by hand. Workers get theirs by their links.
+enum class TokenRole {
   kOrganiser,  ///< makes collections, takes what they came to, sees hidden scores
   kReviewer,   ///< accepts, rejects and corrects what workers hand in
+  kTeam,       ///< hands in results
 };
 
 /// Makes a token in a database (made if it isn't there), which a server may be using.
 /// \returns the token: only its hash is kept
-/// \param days until it expires; none: never  \throws FileError; ArgumentError for a bad label
-std::string create_staff_token(const std::filesystem::path& database, StaffRole role,
-                               const std::string& label, std::optional<int> days);
+/// \param label whose it is; for kTeam the name of a team that is there
+/// \param days until it expires; none: never
+/// \throws FileError; ArgumentError for a bad label; LookupError if there is no such team
+std::string create_token(const std::filesystem::path& database, TokenRole role,
+                         const std::string& label, std::optional<int> days);
+
+/// Takes back every token of that role and label. At once, for browsers that logged in by it too,
+/// and for good. \returns how many there were  \throws FileError
+int revoke_tokens(const std::filesystem::path& database, TokenRole role, const std::string& label);
 
 /// Copies a database, also while a server uses it; the copy appears whole. \throws FileError
 void back_up_database(const std::filesystem::path& database, const std::filesystem::path& copy);

@@ -138,7 +138,9 @@ TEST_F(Walk, TheExportIsScoredLikeAnyAgents) {
 TEST_F(Walk, GoalsOfASecretPhaseAreSecretHereToo) {
   json body = collection_body("pilot", "walk");
   body["sources"] = json::array({{{"split", "test"}, {"most", 1}}});
-  std::string all = create(body).dump();
+  const json made = create(body);
+  EXPECT_EQ(made.at("splits")[0].at("goals_hidden"), true);
+  std::string all = made.dump();
   for (const char* name : {"one", "two"}) {  // of the path's two instructions
     Worker one = worker(name);
     const json task = one.begin();

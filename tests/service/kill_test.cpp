@@ -187,8 +187,8 @@ Counts count_work(int port, const httplib::Headers& organiser, const std::string
 
 TEST_F(Kill, InstructionsAndWalksThatWereAcknowledgedAreThereOnce) {
   const httplib::Headers organiser{
-      {"Authorization", "Bearer " + create_staff_token(folder_.path() / "service.sqlite",
-                                                       StaffRole::kOrganiser, "o", std::nullopt)}};
+      {"Authorization", "Bearer " + create_token(folder_.path() / "service.sqlite",
+                                                 TokenRole::kOrganiser, "o", std::nullopt)}};
   std::size_t written = 0;
   std::size_t walked = 0;
   for (int round = 0; round < kills(); ++round) {

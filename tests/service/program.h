@@ -18,8 +18,8 @@ namespace enfilade::service::testing {
 class Program {
  public:
   /// Starts nothing. \param program the `enfilade` to run  \param words after `serve DATA`
-  Program(std::string program, std::filesystem::path data, std::filesystem::path database,
-          std::vector<std::string> words = {})
+  Program(std::string program, const std::filesystem::path& data,
+          const std::filesystem::path& database, const std::vector<std::string>& words = {})
       : words_{std::move(program), "serve", data, "--db", database, "--port", "0", "--log", "none"},
         said_(database.string() + ".out") {
     words_.insert(words_.end(), words.begin(), words.end());

@@ -38,7 +38,7 @@ class Collecting : public ::testing::Test {
   std::atomic<std::int64_t> now_{1'000'000};
   Served served_{config()};
   httplib::Headers organiser_ = served_.organiser();
-  httplib::Headers reviewer_ = served_.staff(StaffRole::kReviewer);
+  httplib::Headers reviewer_ = served_.staff(TokenRole::kReviewer);
   std::string key_;
 
  private:

@@ -79,11 +79,12 @@ inline std::string row_results(std::size_t moves) {
 /// The data set, and a server of it until the end of the test.
 class Served {
  public:
-  explicit Served(ServerConfig config = {}) : folder_("served"), config_(std::move(config)) {
+  explicit Served(ServerConfig config = {}, int threads = 8)
+      : folder_("served"), config_(std::move(config)) {
     write_served_data(folder_.path());
     config_.database = folder_.path() / "service.sqlite";
     config_.port = 0;
-    config_.threads = 8;
+    config_.threads = threads;
     start();
   }
 
@@ -113,11 +114,11 @@ class Served {
     const auto answer = nlohmann::json::parse(made->body);
     return {{"Authorization", "Bearer " + answer.at("token").get<std::string>()}};
   }
-  httplib::Headers organiser() { return staff(StaffRole::kOrganiser); }
-  httplib::Headers staff(StaffRole role) {
-    const char* label = role == StaffRole::kOrganiser ? "organiser" : "reviewer";
-    return {{"Authorization",
-             "Bearer " + create_staff_token(config_.database, role, label, std::nullopt)}};
+  httplib::Headers organiser() { return staff(TokenRole::kOrganiser); }
+  httplib::Headers staff(TokenRole role) {
+    const char* label = role == TokenRole::kOrganiser ? "organiser" : "reviewer";
+    return {
+        {"Authorization", "Bearer " + create_token(config_.database, role, label, std::nullopt)}};
   }
   httplib::Result submit(const httplib::Headers& team, const std::string& phase,
                          const std::string& results, const std::string& method = "method") {

@@ -21,7 +21,7 @@ export interface Collection {
   readonly synthetic: boolean;
   readonly per_item?: number;
   readonly lease_minutes?: number;
-  readonly splits?: readonly { readonly split: string; readonly items: number }[];
+  readonly splits?: readonly { readonly split: string; readonly items: number; readonly goals_hidden: boolean }[];
   readonly progress?: Progress;
   /** Path and query of the page for workers. Organisers only. */
   readonly link?: string;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "enfilade/service/detail/collections.h"
+#include "enfilade/service/detail/headers.h"
 #include "enfilade/service/detail/web_files.h"
 
 namespace enfilade::service::detail {
@@ -15,34 +16,6 @@ namespace {
 
 constexpr std::size_t kLongestPath = 512;
 constexpr std::size_t kWorthCompressing = 1024;  // below, the headers are most of it
-
-/// Scripts and styles from the server's own files only; pictures from it and from memory.
-std::string content_policy(std::string_view form_action, std::string_view frame_ancestors) {
-  return fmt::format(
-      "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
-      "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action {}; frame-ancestors {}",
-      form_action, frame_ancestors);
-}
-
-void add_security_headers(Response& response) {
-  const auto has = [&response](std::string_view name) {
-    return std::ranges::any_of(response.headers,
-                               [name](const auto& header) { return header.first == name; });
-  };
-  const auto add = [&](const char* name, std::string_view value) {
-    if (!has(name)) response.headers.emplace_back(name, value);
-  };
-  static const std::string kContentPolicy = content_policy("'self'", "'none'");
-  add("Content-Security-Policy", kContentPolicy);
-  add("X-Content-Type-Options", "nosniff");
-  if (!response.frameable) add("X-Frame-Options", "DENY");
-  add("Referrer-Policy", "no-referrer");
-  add("Cross-Origin-Opener-Policy", "same-origin");
-  add("Cross-Origin-Resource-Policy", "same-origin");
-  add("Permissions-Policy", "camera=(), microphone=(), geolocation=(), payment=()");
-  // What is not said to be kept isn't: answers may depend on who asks.
-  add("Cache-Control", "no-store");
-}
 
 bool is_text(std::string_view type) {
   return type.starts_with("text/") || type.starts_with("application/json") ||
@@ -124,15 +97,21 @@ void check_access(const Route& route, const Request& request) {
   }
 }
 
-/// A page of another site can make a browser send its cookie, but not this header.
+/// A page of another site can make a browser send its cookie, or log it in as somebody else, but
+/// neither send X-Enfilade nor keep the browser from saying where it comes from.
 void check_origin(const Request& request) {
-  if (request.method == "GET" || !request.principal || !request.principal->by_cookie) return;
-  if (request.header("x-enfilade").empty()) {
+  if (request.method == "GET") return;
+  const std::string_view site = request.header("sec-fetch-site");  // other clients send none
+  if (!site.empty() && site != "same-origin" && site != "none") {
+    throw HttpError(403, "cross-site", "this page is of another site");
+  }
+  const bool by_cookie = request.principal && request.principal->by_cookie;
+  if (by_cookie && request.header("x-enfilade").empty()) {
     throw HttpError(403, "cross-site", "requests with a cookie need the header X-Enfilade: 1");
   }
 }
 
-Context make_context(std::shared_ptr<const Site> site, ServerConfig config) {
+Context make_context(const std::shared_ptr<const Site>& site, ServerConfig config) {
   auto database = std::make_shared<Database>(config.database);
   const Clock clock = config.clock ? config.clock : system_clock();
   const int most = config.most_attempts;
@@ -188,8 +167,8 @@ void RateLimit::take(const std::string& address, std::int64_t now) {
   }
 }
 
-App::App(std::shared_ptr<const Site> site, ServerConfig config)
-    : context_(make_context(std::move(site), std::move(config))) {
+App::App(const std::shared_ptr<const Site>& site, ServerConfig config)
+    : context_(make_context(site, std::move(config))) {
   add_scan_routes(router_, context_);
   add_episode_routes(router_, context_);
   add_account_routes(router_, context_);
@@ -198,11 +177,6 @@ App::App(std::shared_ptr<const Site> site, ServerConfig config)
   add_review_routes(router_, context_);
   add_work_routes(router_, context_);
   add_operation_routes(router_, context_);
-}
-
-std::size_t App::most_bytes(std::string_view method, std::string_view path) const {
-  const Router::Match match = router_.find(method, path);
-  return match.route == nullptr ? 0 : match.route->most_bytes;
 }
 
 void App::identify(Request& request) {
@@ -257,7 +231,7 @@ Response App::page(const Request& request) const {
   return response;
 }
 
-Response App::answer(Request& request, std::string_view& pattern) {
+Response App::answer(Request& request, const BodyReader& read_body, std::string_view& pattern) {
   if (request.path.size() > kLongestPath) throw HttpError(414, "long-path", "the path is too long");
   Router::Match match = router_.find(request.method, request.path);
   if (match.route == nullptr) {
@@ -267,24 +241,22 @@ Response App::answer(Request& request, std::string_view& pattern) {
   }
   pattern = match.route->pattern;
   request.parameters = std::move(match.parameters);
-  if (request.body.size() > match.route->most_bytes) {
-    throw HttpError(413, "too-large",
-                    fmt::format("the body has more than {} bytes", match.route->most_bytes));
-  }
   identify(request);
   check_access(*match.route, request);
   check_origin(request);
+  // Only now: what a stranger sends to a team's route is not worth keeping.
+  if (read_body) request.body = read_body(match.route->most_bytes);
   return match.route->handle(request);
 }
 
-Response App::handle(Request request) {
+Response App::handle(Request request, const BodyReader& read_body) {
   const auto begin = std::chrono::steady_clock::now();
   context_.metrics.begin();
   std::string fault;
   std::string_view pattern = "(page)";
   Response response;
   try {
-    response = answer(request, pattern);
+    response = answer(request, read_body, pattern);
   } catch (...) {
     response = error_of(std::current_exception(), fault);
   }

@@ -58,20 +58,22 @@ void add_review_routes(Router& router, Context& context);
 void add_work_routes(Router& router, Context& context);
 void add_operation_routes(Router& router, Context& context);  ///< health, metrics, description
 
+/// Reads a request's body. \throws HttpError 413 if it has more than `most` bytes; 400, 408, 503
+using BodyReader = std::function<std::string(std::size_t most)>;
+
 /// The routes, and what holds for all of them: who may call, errors as JSON, headers, compression,
 /// counting. All functions may be called from any thread.
 class App {
  public:
-  App(std::shared_ptr<const Site> site, ServerConfig config);
+  App(const std::shared_ptr<const Site>& site, ServerConfig config);
 
   const Router& router() const noexcept { return router_; }
-  /// Largest body that is worth reading for this request.
-  std::size_t most_bytes(std::string_view method, std::string_view path) const;
-  /// Never throws: whatever goes wrong is a response.
-  Response handle(Request request);
+  /// Never throws: whatever goes wrong is a response. \param read_body called at most once, when it
+  /// is known that the asker may send one; none: there is no body
+  Response handle(Request request, const BodyReader& read_body = {});
 
  private:
-  Response answer(Request& request, std::string_view& pattern);
+  Response answer(Request& request, const BodyReader& read_body, std::string_view& pattern);
   Response page(const Request& request) const;
   void identify(Request& request);
 

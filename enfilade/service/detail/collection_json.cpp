@@ -37,7 +37,7 @@ ordered_json example_json(const Item& item, Kind kind) { return shown_item(item,
 ordered_json task_json(const Task& task) {
   ordered_json out{{"task", task.id}, {"state", task.state}, {"expires", iso_time(task.expires)}};
   out.update(shown_item(task.item, task.kind));
-  if (!task.draft.empty()) out["draft"] = ordered_json::parse(task.draft);
+  if (!task.draft.empty()) out["draft"] = nlohmann::json::parse(task.draft);
   if (!task.reason.empty()) out["reason"] = task.reason;
   return out;
 }

@@ -42,7 +42,8 @@ ordered_json view_of(Context& context, const Request& request, const Collection&
   out["tasks_per_visit"] = collection.tasks_per_visit;
   auto& splits = out["splits"] = ordered_json::array();
   for (const SplitSize& split : splits_of(*context.database, collection.id)) {
-    splits.push_back({{"split", split.split}, {"items", split.items}});
+    splits.push_back(
+        {{"split", split.split}, {"items", split.items}, {"goals_hidden", split.secret}});
   }
   out["progress"] = progress_json(progress_of(*context.database, collection.id, context.clock()),
                                   collection.per_item);
@@ -80,7 +81,7 @@ Response change_state(Context& context, const Request& request) {
 
 std::string visits_csv(const std::vector<VisitSummary>& visits) {
   std::string csv =
-      "visit,worker,external,assignment,group,created,submitted,accepted,rejected,bonuses,"
+      "visit,worker,external,assignment,group,created,to_review,accepted,rejected,bonuses,"
       "finished\r\n";
   for (const VisitSummary& visit : visits) {
     csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\r\n", visit.visit, visit.worker,
@@ -95,9 +96,7 @@ Response list_visits(Context& context, const Request& request) {
   const Collection collection = collection_of(context, request);
   const std::vector<VisitSummary> visits = visits_of(*context.database, collection);
   if (request.text("format") == "csv") {
-    Response csv = json_response(visits_csv(visits));
-    csv.type = "text/csv; charset=utf-8";
-    return csv;
+    return csv_response(visits_csv(visits));
   }
   auto list = ordered_json::array();
   for (const VisitSummary& visit : visits) {
@@ -125,7 +124,7 @@ Response file_of(std::string content, const std::string& name) {
 
 /// One of the collection's splits, whose names can stand in a file's.
 std::string split_of(Context& context, const Request& request, const Collection& collection) {
-  const std::string name = request.text("split");
+  std::string name = request.text("split");
   const auto splits = splits_of(*context.database, collection.id);
   if (std::ranges::find(splits, name, &SplitSize::split) == splits.end()) {
     throw HttpError(404, "unknown-split", "split: the collection has no such split");

@@ -181,12 +181,13 @@ Progress progress_of(Database& database, std::int64_t collection, std::int64_t n
 std::vector<SplitSize> splits_of(Database& database, std::int64_t collection) {
   return database.with([&](SQLite::Database& db) {
     SQLite::Statement rows(db,
-                           "SELECT split, count(*) FROM item WHERE collection = ? GROUP BY split "
-                           "ORDER BY min(id)");
+                           "SELECT split, count(*), max(secret) FROM item WHERE collection = ? "
+                           "GROUP BY split ORDER BY min(id)");
     rows.bind(1, collection);
     std::vector<SplitSize> splits;
     while (rows.executeStep()) {
-      splits.push_back({rows.getColumn(0).getString(), rows.getColumn(1).getInt64()});
+      splits.push_back({rows.getColumn(0).getString(), rows.getColumn(1).getInt64(),
+                        rows.getColumn(2).getInt() != 0});
     }
     return splits;
   });

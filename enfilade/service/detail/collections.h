@@ -10,7 +10,7 @@
 #include "enfilade/service/detail/platforms.h"
 #include "enfilade/service/site.h"
 
-namespace SQLite {
+namespace SQLite {  // NOLINT(readability-identifier-naming): its own name
 class Statement;
 }
 
@@ -70,6 +70,7 @@ struct Progress {
 struct SplitSize {
   std::string split;
   std::int64_t items = 0;
+  bool secret = false;  ///< has goals that never leave the server
 };
 
 /// A visit as an organiser pays for it.

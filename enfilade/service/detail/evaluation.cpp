@@ -8,13 +8,14 @@
 #include "enfilade/r2r/score.h"
 #include "enfilade/service/detail/http.h"
 #include "enfilade/service/detail/secrets.h"
+#include "enfilade/service/detail/sql.h"
 #include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service::detail {
 namespace {
 
 constexpr std::size_t kLongestMethod = 80;
-constexpr std::int64_t kDay = 24 * 3600;
+constexpr std::int64_t kDay = 24L * 3600;
 // Bytes of a file that is quoted in messages have this for their name.
 constexpr const char* kFileName = "submission";
 
@@ -28,28 +29,20 @@ constexpr const char* kSubmissions =
     "SELECT submission.id, submission.team, team.name, phase, method, state, submission.created, "
     "coalesce(score, '') FROM submission JOIN team ON team.id = submission.team WHERE ";
 
-std::optional<std::int64_t> find_same(SQLite::Database& db, std::int64_t team,
-                                      std::string_view phase, const std::string& method,
-                                      const std::string& digest) {
-  SQLite::Statement select(db,
-                           "SELECT id FROM submission WHERE team = ? AND phase = ? AND method = ? "
-                           "AND digest = ? AND state <> 'withdrawn'");
-  select.bind(1, team);
-  select.bind(2, std::string(phase));
-  select.bind(3, method);
-  select.bind(4, digest);
-  if (!select.executeStep()) return std::nullopt;
-  return select.getColumn(0).getInt64();
+/// Its id; 0 if there is none.
+std::int64_t find_same(SQLite::Database& db, const Submission& submission,
+                       const std::string& digest) {
+  return find_number(db,
+                     "SELECT id FROM submission WHERE team = ? AND phase = ? AND method = ? "
+                     "AND digest = ? AND state <> 'withdrawn'",
+                     submission.team, submission.phase, submission.method, digest);
 }
 
 void check_limit(SQLite::Database& db, std::int64_t team, const Phase& phase, std::int64_t now) {
-  SQLite::Statement count(
-      db, "SELECT count(*) FROM submission WHERE team = ? AND phase = ? AND created > ?");
-  count.bind(1, team);
-  count.bind(2, phase.name);
-  count.bind(3, now - kDay);
-  count.executeStep();
-  if (count.getColumn(0).getInt() >= phase.per_day) {
+  const std::int64_t taken = find_number(
+      db, "SELECT count(*) FROM submission WHERE team = ? AND phase = ? AND created > ?", team,
+      phase.name, now - kDay);
+  if (taken >= phase.per_day) {
     throw HttpError(429, "daily-limit",
                     fmt::format("phase {} takes {} submissions of a team in 24 hours", phase.name,
                                 phase.per_day));
@@ -99,16 +92,20 @@ Receipt Evaluation::receive(const Principal& team, std::string_view phase_name,
                     fmt::format("method: not 1 to {} printable characters", kLongestMethod));
   }
   Receipt receipt;
-  receipt.warnings =
-      r2r::parse_results(results, kFileName, site_->secret_episodes(*phase)).warnings;
+  {
+    // One at a time: it takes several times the file's size, and teams come all at once on the
+    // last day.
+    const std::scoped_lock lock(checking_);
+    receipt.warnings =
+        r2r::parse_results(results, kFileName, site_->secret_episodes(*phase)).warnings;
+  }
   const std::string digest = sha256(results);
   Submission& submission = receipt.submission;
   submission = {0, team.team, team.name, phase->name, method, "queued", clock_(), ""};
   submission.id = database_->transact([&](SQLite::Database& db) {
-    if (const auto same = find_same(db, team.team, phase->name, method, digest)) {
-      receipt.seen_before = true;
-      return *same;
-    }
+    const std::int64_t same = find_same(db, submission, digest);
+    receipt.seen_before = same != 0;
+    if (receipt.seen_before) return same;
     check_limit(db, team.team, *phase, submission.created);
     return insert_submission(db, submission, digest, gzip(results, 1));
   });
@@ -151,13 +148,12 @@ std::vector<Submission> Evaluation::scored(const Phase& phase) const {
 
 void Evaluation::withdraw(std::int64_t team, std::int64_t id) {
   const std::optional<Submission> found = find(id);
-  if (!found || found->team != team)
+  if (!found || found->team != team) {
     throw HttpError(404, "unknown-submission", "no such submission");
+  }
   if (found->state == "withdrawn") throw HttpError(409, "withdrawn", "it is withdrawn already");
   database_->transact([&](SQLite::Database& db) {
-    SQLite::Statement update(db, "UPDATE submission SET state = 'withdrawn' WHERE id = ?");
-    update.bind(1, id);
-    update.exec();
+    run(db, "UPDATE submission SET state = 'withdrawn' WHERE id = ?", id);
   });
 }
 

@@ -72,6 +72,7 @@ class Evaluation {
   std::shared_ptr<const Site> site_;
   std::shared_ptr<Database> database_;
   Clock clock_;
+  std::mutex checking_;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stopping_ = false;

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <charconv>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -27,10 +27,16 @@ const Phase& phase_of(const Context& context, std::string_view name) {
   return *phase;
 }
 
-bool may_see_scores(const Context& context, const Request& request, std::string_view phase_name) {
-  if (request.principal && request.principal->role == Role::kOrganiser) return true;
+/// How much of a submission's scores somebody gets to see.
+enum class Sight { kNone, kRounded, kExact };
+
+// Two files that differ in one episode have means that differ by its error alone, which tells how
+// far its goal is. Rounded as papers do, they don't, in a split of hundreds.
+Sight sight_of(const Context& context, const Request& request, std::string_view phase_name) {
+  if (request.principal && request.principal->role == Role::kOrganiser) return Sight::kExact;
   const Phase* phase = context.site->find_phase(phase_name);
-  return phase != nullptr && phase->scores == Scores::kPublic;
+  if (phase == nullptr || phase->scores == Scores::kHidden) return Sight::kNone;
+  return phase->goals_secret() ? Sight::kRounded : Sight::kExact;
 }
 
 std::string phase_list_json(const Context& context) {
@@ -47,18 +53,31 @@ std::string phase_list_json(const Context& context) {
   return ordered_json{{"phases", list}}.dump();
 }
 
-ordered_json columns_json(const Submission& submission) {
+/// To 0.01 m, or 0.1 %.
+void round_mean(std::string_view column, ordered_json& mean) {
+  const double parts = column == "trajectory_length" || column == "nav_error" ? 100 : 1000;
+  for (ordered_json& value : mean) {  // the mean and its interval; null if infinite
+    if (value.is_number()) value = std::round(value.get<double>() * parts) / parts;
+  }
+}
+
+ordered_json columns_json(const Submission& submission, Sight sight) {
   const ordered_json score = ordered_json::parse(submission.score);
   ordered_json means;
-  for (const char* column : kColumns) means[column] = score.at("means").at(column);
+  for (const char* column : kColumns) {
+    means[column] = score.at("means").at(column);
+    if (sight == Sight::kRounded) round_mean(column, means[column]);
+  }
   return means;
 }
 
-ordered_json submission_json(const Submission& submission, bool with_score) {
+ordered_json submission_json(const Submission& submission, Sight sight) {
   ordered_json one{{"id", submission.id},       {"team", submission.team_name},
                    {"phase", submission.phase}, {"method", submission.method},
                    {"state", submission.state}, {"created", iso_time(submission.created)}};
-  if (!submission.score.empty() && with_score) one["means"] = columns_json(submission);
+  if (!submission.score.empty() && sight != Sight::kNone) {
+    one["means"] = columns_json(submission, sight);
+  }
   return one;
 }
 
@@ -66,8 +85,7 @@ Response receive(Context& context, const Request& request) {
   const Receipt receipt = context.evaluation.receive(*request.principal, request.text("phase"),
                                                      request.text("method"), request.body);
   const Submission& submission = receipt.submission;
-  ordered_json out =
-      submission_json(submission, may_see_scores(context, request, submission.phase));
+  ordered_json out = submission_json(submission, sight_of(context, request, submission.phase));
   auto& warnings = out["warnings"] = ordered_json::array();
   for (const Diagnostic& warning : receipt.warnings) warnings.push_back(to_string(warning));
   return json_response(out.dump(), receipt.seen_before ? 200 : 202);
@@ -75,11 +93,8 @@ Response receive(Context& context, const Request& request) {
 
 /// The row, if it is the asker's to see.
 Submission own_submission(const Context& context, const Request& request) {
-  const std::string& text = request.parameter("id");
-  std::int64_t id = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
-  if (error == std::errc{} && end == text.data() + text.size()) {
-    auto found = context.evaluation.find(id);
+  if (const auto id = parse_number(request.parameter("id"))) {
+    auto found = context.evaluation.find(*id);
     const Principal& who = *request.principal;
     if (found && (who.role == Role::kOrganiser || found->team == who.team)) return *found;
   }
@@ -101,7 +116,7 @@ Response list_submissions(const Context& context, const Request& request) {
   const std::int64_t before = request.number("before", kMost, 1, kMost);
   auto list = ordered_json::array();
   for (const Submission& submission : context.evaluation.list(team, before)) {
-    list.push_back(submission_json(submission, may_see_scores(context, request, submission.phase)));
+    list.push_back(submission_json(submission, sight_of(context, request, submission.phase)));
   }
   return json_response(ordered_json{{"submissions", list}}.dump());
 }
@@ -109,10 +124,10 @@ Response list_submissions(const Context& context, const Request& request) {
 double spl_of(const ordered_json& row) { return row["means"]["spl"]["mean"].get<double>(); }
 
 /// Rows by falling SPL, earlier ones first where equal; of each team its best, or all.
-ordered_json leaderboard_rows(const Context& context, const Phase& phase, bool all) {
+ordered_json leaderboard_rows(const Context& context, const Phase& phase, Sight sight, bool all) {
   std::vector<ordered_json> rows;
   for (const Submission& submission : context.evaluation.scored(phase)) {
-    rows.push_back(submission_json(submission, true));
+    rows.push_back(submission_json(submission, sight));
   }
   std::ranges::stable_sort(rows, std::ranges::greater{}, spl_of);
   std::set<std::string> seen;
@@ -141,14 +156,13 @@ std::string leaderboard_csv(const ordered_json& rows) {
 
 Response leaderboard(const Context& context, const Request& request) {
   const Phase& phase = phase_of(context, request.parameter("phase"));
-  if (!may_see_scores(context, request, phase.name)) {
+  const Sight sight = sight_of(context, request, phase.name);
+  if (sight == Sight::kNone) {
     throw HttpError(403, "hidden-scores", "the scores of this phase are not public");
   }
-  const ordered_json rows = leaderboard_rows(context, phase, request.text("all") == "1");
+  const ordered_json rows = leaderboard_rows(context, phase, sight, request.text("all") == "1");
   if (request.text("format") == "csv") {
-    Response csv = json_response(leaderboard_csv(rows));
-    csv.type = "text/csv; charset=utf-8";
-    return csv;
+    return csv_response(leaderboard_csv(rows));
   }
   return json_response(ordered_json{
       {"phase", phase.name},
@@ -172,8 +186,8 @@ void add_evaluation_routes(Router& router, Context& context) {
       {"GET", "/api/v1/submissions/{id}", Access::kPublic, [&context](const Request& request) {
          known(request);
          const Submission found = own_submission(context, request);
-         const bool scores = may_see_scores(context, request, found.phase);
-         return json_response(submission_json(found, scores).dump());
+         const Sight sight = sight_of(context, request, found.phase);
+         return json_response(submission_json(found, sight).dump());
        }});
   router.add(
       {"DELETE", "/api/v1/submissions/{id}", Access::kTeam, [&context](const Request& request) {

@@ -28,8 +28,8 @@ constexpr double kMostSeconds = 86'400;
 constexpr double kMostPixels = 16'384;
 constexpr std::size_t kShown = 40;
 
-template <std::size_t n>
-using Found = std::array<std::optional<Element>, n>;
+template <std::size_t N>
+using Found = std::array<std::optional<Element>, N>;
 
 /// What is wrong with an instruction; empty if nothing is.
 std::string instruction_fault(std::string_view text) {

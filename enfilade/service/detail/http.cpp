@@ -47,20 +47,25 @@ std::int64_t Request::number(std::string_view name, std::int64_t otherwise, std:
   const auto found = query.find(name);
   if (found == query.end()) return otherwise;
   const std::string& text = found->second;
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || value < least || value > most) {
+  const auto value = parse_number(text);
+  if (!value || *value < least || *value > most) {
     throw HttpError(400, "bad-query",
                     fmt::format("{}: {:?}, not a whole number from {} to {}", name,
                                 text.substr(0, 40), least, most));
   }
-  return value;
+  return *value;
 }
 
 Response json_response(std::string json, int status) {
   Response response;
   response.status = status;
   response.body = std::make_shared<const std::string>(std::move(json));
+  return response;
+}
+
+Response csv_response(std::string csv) {
+  Response response = json_response(std::move(csv));
+  response.type = "text/csv; charset=utf-8";
   return response;
 }
 
@@ -82,6 +87,13 @@ Response error_response(int status, std::string_view code, std::string_view mess
   return json_response(nlohmann::ordered_json{{"error", error}}.dump(
                            -1, ' ', false, nlohmann::ordered_json::error_handler_t::replace),
                        status);
+}
+
+std::optional<std::int64_t> parse_number(std::string_view text) {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
 }
 
 std::vector<std::string_view> split_path(std::string_view path) {

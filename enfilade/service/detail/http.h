@@ -46,6 +46,7 @@ struct Response {
   bool frameable = false;  ///< its own Content-Security-Policy says who may frame it
 };
 Response json_response(std::string json, int status = 200);
+Response csv_response(std::string csv);
 
 /// An answer that isn't what was hoped for. `code` is stable and short, for scripts.
 class HttpError : public Error {
@@ -79,7 +80,7 @@ struct Route {
   std::string pattern;  ///< "/api/v1/scans/{scan}": a {name} takes one part of the path
   Access access = Access::kPublic;
   std::function<Response(const Request&)> handle;
-  std::size_t most_bytes = 16 * 1024;  ///< of the body
+  std::size_t most_bytes = 16U << 10U;  ///< of the body
 };
 
 /// Finds routes. Filled before the first request; then read by any thread.
@@ -98,6 +99,9 @@ class Router {
  private:
   std::vector<Route> routes_;
 };
+
+/// A whole number and nothing else; none if `text` is not one, or out of range.
+std::optional<std::int64_t> parse_number(std::string_view text);
 
 /// The parts between slashes: "/a/b" -> a, b.
 std::vector<std::string_view> split_path(std::string_view path);

@@ -23,8 +23,8 @@ constexpr std::size_t kLongestText = 20'000;
 constexpr std::size_t kMostItems = 100'000;
 constexpr std::size_t kShown = 40;
 
-template <std::size_t n>
-using Found = std::array<std::optional<Element>, n>;
+template <std::size_t N>
+using Found = std::array<std::optional<Element>, N>;
 
 class Reader {
  public:
@@ -47,7 +47,7 @@ class Reader {
       Collection& about = made.about;
       about.name = checked(*found[0], {root_, "name"}, is_name, "1 to 40 of a-z, 0-9, - and _");
       about.title = checked(
-          *found[1], {root_, "title"}, [](auto text) { return is_label(text, kLongestTitle); },
+          *found[1], {root_, "title"}, [](auto text) { return is_prose(text, kLongestTitle); },
           "1 to 80 printable characters");
       about.kind = one_of(*found[2], {root_, "kind"}, {"write", "walk"}) == "walk" ? Kind::kWalk
                                                                                    : Kind::kWrite;

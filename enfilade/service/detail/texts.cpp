@@ -1,6 +1,8 @@
 #include "enfilade/service/detail/texts.h"
 
 #include <algorithm>
+#include <array>
+#include <span>
 
 #include "enfilade/core/utf8.h"
 
@@ -10,27 +12,59 @@ namespace {
 constexpr std::size_t kLongestName = 40;
 constexpr std::size_t kLongestExternalId = 100;
 
-/// Of one character. U+0080 to U+009F are controls too; U+202A to U+202E and U+2066 to U+2069 turn
-/// text around.
-bool is_printable(std::string_view c) {
-  const auto first = static_cast<unsigned char>(c.front());
-  if (first < 0x20 || first == 0x7F) return false;
-  if (c.size() == 2) return c < "\xC2\x80" || c > "\xC2\x9F";
-  return c.size() != 3 || !((c >= "\xE2\x80\xAA" && c <= "\xE2\x80\xAE") ||
-                            (c >= "\xE2\x81\xA6" && c <= "\xE2\x81\xA9"));
+/// \pre c is one well-formed character of UTF-8
+char32_t code_point(std::string_view c) {
+  constexpr std::array<unsigned, 5> kFirstBits{0, 0x7F, 0x1F, 0x0F, 0x07};  // by the length
+  char32_t code = static_cast<unsigned char>(c.front()) & kFirstBits[c.size()];
+  for (const char next : c.substr(1))
+    code = (code << 6U) | (static_cast<unsigned char>(next) & 0x3FU);
+  return code;
 }
 
-enum class Breaks { kForbidden, kAllowed };
+struct Range {
+  char32_t first, last;
+};
 
-bool is_text(std::string_view text, std::size_t most, Breaks breaks) {
+bool is_in(char32_t code, std::span<const Range> ranges) {
+  return std::ranges::any_of(
+      ranges, [code](const Range& range) { return code >= range.first && code <= range.last; });
+}
+
+// Controls, and what turns the text after it around.
+constexpr std::array<Range, 4> kUnprintable{
+    {{0x00, 0x1F}, {0x7F, 0x9F}, {0x202A, 0x202E}, {0x2066, 0x2069}}};
+// What nobody sees (Unicode 15, Default_Ignorable_Code_Point), and blanks other than the space: two
+// names that look the same must not be two. In sentences some writing needs them.
+constexpr std::array<Range, 18> kUnseen{{{0xA0, 0xA0},
+                                         {0xAD, 0xAD},
+                                         {0x34F, 0x34F},
+                                         {0x61C, 0x61C},
+                                         {0x115F, 0x1160},
+                                         {0x1680, 0x1680},
+                                         {0x17B4, 0x17B5},
+                                         {0x180B, 0x180F},
+                                         {0x2000, 0x200F},
+                                         {0x2028, 0x202F},
+                                         {0x205F, 0x206F},
+                                         {0x2800, 0x2800},
+                                         {0x3000, 0x3000},
+                                         {0x3164, 0x3164},
+                                         {0xFE00, 0xFE0F},
+                                         {0xFEFF, 0xFEFF},
+                                         {0xFFA0, 0xFFA0},
+                                         {0xE0000, 0xE0FFF}}};
+
+enum class TextKind { kLabel, kProse };
+
+bool is_text(std::string_view text, std::size_t most, TextKind kind) {
   std::size_t characters = 0;
   for (; !text.empty(); ++characters) {
     const std::size_t size = utf8_length(text);
     if (size == 0) return false;
-    const bool is_break = text.front() == '\n' || text.front() == '\t';
-    if (!(is_break && breaks == Breaks::kAllowed) && !is_printable(text.substr(0, size))) {
-      return false;
-    }
+    const char32_t code = code_point(text.substr(0, size));
+    const bool is_break = kind == TextKind::kProse && (code == '\n' || code == '\t');
+    if (!is_break && is_in(code, kUnprintable)) return false;
+    if (kind == TextKind::kLabel && is_in(code, kUnseen)) return false;
     text.remove_prefix(size);
   }
   return characters > 0 && characters <= most;
@@ -43,11 +77,11 @@ bool is_mark(char c) { return c == '-' || c == '_'; }
 }  // namespace
 
 bool is_label(std::string_view text, std::size_t most) {
-  return is_text(text, most, Breaks::kForbidden) && text.front() != ' ' && text.back() != ' ';
+  return is_text(text, most, TextKind::kLabel) && text.front() != ' ' && text.back() != ' ';
 }
 
 bool is_prose(std::string_view text, std::size_t most) {
-  return is_text(text, most, Breaks::kAllowed);
+  return is_text(text, most, TextKind::kProse);
 }
 
 bool is_name(std::string_view text) {

@@ -6,11 +6,12 @@
 
 namespace enfilade::service::detail {
 
-/// UTF-8, 1 to `most` characters, no blank at either end, none of them a control character or one
-/// that turns text around.
+/// UTF-8, 1 to `most` characters, no blank at either end, none of them a control character, one
+/// that turns text around, one that nobody sees or a blank but the space.
 bool is_label(std::string_view text, std::size_t most);
 
-/// As is_label(), with line breaks, tabs and blanks wherever they like.
+/// As is_label(), with line breaks, tabs and blanks of all kinds wherever they like, and with the
+/// unseen characters that some writing needs.
 bool is_prose(std::string_view text, std::size_t most);
 
 /// 1 to 40 of a-z, 0-9, - and _: a part of URLs.

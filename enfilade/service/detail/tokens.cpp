@@ -26,7 +26,7 @@ struct Owner {
 std::string insert_token(SQLite::Database& db, Role role, Owner owner, const std::string& label,
                          std::int64_t now, std::optional<std::int64_t> expires) {
   // The prefix lets people, and scanners of published sources, see what leaked.
-  const std::string token = new_secret("enfilade_");
+  std::string token = new_secret("enfilade_");
   SQLite::Statement insert(db,
                            "INSERT INTO token (hash, role, team, label, created, expires, visit) "
                            "VALUES (?, ?, ?, ?, ?, ?, ?)");
@@ -77,11 +77,7 @@ NewTeam add_team(Database& database, const std::string& name, const std::string&
   }
   try {
     return database.transact([&](SQLite::Database& db) {
-      SQLite::Statement insert(db, "INSERT INTO team (name, contact, created) VALUES (?, ?, ?)");
-      insert.bind(1, name);
-      insert.bind(2, contact);
-      insert.bind(3, now);
-      insert.exec();
+      run(db, "INSERT INTO team (name, contact, created) VALUES (?, ?, ?)", name, contact, now);
       const std::int64_t id = db.getLastInsertRowid();
       return NewTeam{id, insert_token(db, Role::kTeam, {.team = id}, name, now, std::nullopt)};
     });
@@ -91,18 +87,33 @@ NewTeam add_team(Database& database, const std::string& name, const std::string&
   }
 }
 
-std::string add_staff(Database& database, Role role, const std::string& label, std::int64_t now,
+std::string add_token(Database& database, Role role, const std::string& label, std::int64_t now,
                       std::optional<std::int64_t> expires) {
-  return database.transact(
-      [&](SQLite::Database& db) { return insert_token(db, role, {}, label, now, expires); });
+  return database.transact([&](SQLite::Database& db) {
+    Owner owner;
+    if (role == Role::kTeam) {
+      owner.team = find_number(db, "SELECT id FROM team WHERE name = ?", label);
+      if (owner.team == 0) throw LookupError(fmt::format("{:?}: no team has this name", label));
+    }
+    return insert_token(db, role, owner, label, now, expires);
+  });
+}
+
+// A session is good as long as its token is.
+int revoke_tokens(Database& database, Role role, const std::string& label, std::int64_t now) {
+  return database.transact([&](SQLite::Database& db) {
+    run(db,
+        "UPDATE token SET revoked = ?1 WHERE role = ?2 AND revoked IS NULL AND "
+        "(label = ?3 OR team = (SELECT id FROM team WHERE name = ?3))",
+        now, std::string(to_string(role)), label);
+    return db.getChanges();
+  });
 }
 
 std::string add_worker_token(Database& database, std::int64_t visit, const std::string& label,
                              std::int64_t now) {
   return database.transact([&](SQLite::Database& db) {
-    SQLite::Statement clean(db, "DELETE FROM token WHERE role = 'worker' AND expires <= ?");
-    clean.bind(1, now);
-    clean.exec();
+    run(db, "DELETE FROM token WHERE role = 'worker' AND expires <= ?", now);
     return insert_token(db, Role::kWorker, {.visit = visit}, label, now, now + kWorkerSeconds);
   });
 }
@@ -113,16 +124,11 @@ std::optional<Principal> find_token(Database& database, std::string_view token, 
 }
 
 std::string start_session(Database& database, const Principal& who, std::int64_t now) {
-  const std::string secret = new_secret("");
+  std::string secret = new_secret("");
   database.transact([&](SQLite::Database& db) {
-    SQLite::Statement clean(db, "DELETE FROM session WHERE expires <= ?");
-    clean.bind(1, now);
-    clean.exec();
-    SQLite::Statement insert(db, "INSERT INTO session (hash, token, expires) VALUES (?, ?, ?)");
-    insert.bind(1, sha256(secret));
-    insert.bind(2, who.token);
-    insert.bind(3, now + kSessionSeconds);
-    insert.exec();
+    run(db, "DELETE FROM session WHERE expires <= ?", now);
+    run(db, "INSERT INTO session (hash, token, expires) VALUES (?, ?, ?)", sha256(secret),
+        who.token, now + kSessionSeconds);
   });
   return secret;
 }
@@ -140,11 +146,8 @@ std::optional<Principal> find_session(Database& database, std::string_view secre
 }
 
 void end_sessions(Database& database, std::int64_t token) {
-  database.transact([&](SQLite::Database& db) {
-    SQLite::Statement remove(db, "DELETE FROM session WHERE token = ?");
-    remove.bind(1, token);
-    remove.exec();
-  });
+  database.transact(
+      [&](SQLite::Database& db) { run(db, "DELETE FROM session WHERE token = ?", token); });
 }
 
 }  // namespace enfilade::service::detail

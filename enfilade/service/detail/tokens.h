@@ -30,9 +30,9 @@ struct NewTeam {
 };
 
 /// How long a log-in in a browser lasts.
-inline constexpr std::int64_t kSessionSeconds = 12 * 3600;
+inline constexpr std::int64_t kSessionSeconds = 12L * 3600;
 /// How long a worker's token is good: longer than anybody sits at it, and joining gives another.
-inline constexpr std::int64_t kWorkerSeconds = 24 * 3600;
+inline constexpr std::int64_t kWorkerSeconds = 24L * 3600;
 inline constexpr const char* kSessionCookie = "enfilade_session";
 
 // All \throw Error with SQLite's words if the database fails. `now`: seconds since 1970.
@@ -40,10 +40,12 @@ inline constexpr const char* kSessionCookie = "enfilade_session";
 /// \throws HttpError 409 if the name is taken, 422 if it is not 1 to 80 printable characters
 NewTeam add_team(Database& database, const std::string& name, const std::string& contact,
                  std::int64_t now);
-/// \returns the token, shown once  \param expires seconds since 1970; none: never
-/// \pre role is kOrganiser or kReviewer
-std::string add_staff(Database& database, Role role, const std::string& label, std::int64_t now,
+/// \returns the token, shown once  \param label of a team its name  \param expires seconds since
+/// 1970; none: never  \pre role is not kWorker  \throws LookupError if there is no such team
+std::string add_token(Database& database, Role role, const std::string& label, std::int64_t now,
                       std::optional<std::int64_t> expires);
+/// Those with that label; with them go the sessions that they began. \returns how many
+int revoke_tokens(Database& database, Role role, const std::string& label, std::int64_t now);
 /// For a visit, kWorkerSeconds long; forgets those of workers that have expired. \returns the token
 std::string add_worker_token(Database& database, std::int64_t visit, const std::string& label,
                              std::int64_t now);

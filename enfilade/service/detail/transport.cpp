@@ -4,10 +4,14 @@
 #include <httplib.h>
 #include <sys/socket.h>
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <chrono>
+#include <functional>
 #include <thread>
 #include <utility>
+
+#include "enfilade/service/detail/headers.h"
 
 namespace enfilade::service::detail {
 namespace {
@@ -44,22 +48,128 @@ Request convert(const httplib::Request& from, bool behind_proxy) {
   return request;
 }
 
+enum class Connexion { kStays, kCloses };
+
 // By a provider of known length, as that is what cpp-httplib does not compress by itself: the App
-// has done so where it pays.
-void convert(Response from, httplib::Response& to) {
+// has done so where it pays. A provider that fails closes the connexion.
+void convert(Response from, httplib::Response& to, Connexion connexion = Connexion::kStays) {
   to.status = from.status;
   for (auto& [name, value] : from.headers) to.set_header(name, value);
+  const bool closes = connexion == Connexion::kCloses;
+  if (closes) to.set_header("Connection", "close");
   if (from.body->empty()) {
     to.set_header("Content-Type", from.type);
     return;
   }
   const std::size_t size = from.body->size();
-  to.set_content_provider(size, from.type,
-                          [body = std::move(from.body)](std::size_t offset, std::size_t length,
-                                                        httplib::DataSink& sink) {
-                            return sink.write(body->data() + offset, length);
-                          });
+  const auto send = [body = std::move(from.body), closes](std::size_t offset, std::size_t length,
+                                                          httplib::DataSink& sink) {
+    // cpp-httplib 0.11 takes the end of a Range from the client as it is.
+    const std::string_view rest = std::string_view(*body).substr(std::min(offset, body->size()));
+    return sink.write(rest.data(), std::min(length, rest.size())) && !closes;
+  };
+  to.set_content_provider(size, from.type, send);
 }
+
+/// What isn't the App's to answer. Nobody knows where the next request begins on that connexion.
+void refuse(int status, std::string_view code, std::string_view message, httplib::Response& to) {
+  Response response = error_response(status, code, message);
+  add_security_headers(response);
+  convert(std::move(response), to, Connexion::kCloses);
+}
+
+bool may_have_body(std::string_view method) {
+  return method == "POST" || method == "PUT" || method == "PATCH" || method == "DELETE";
+}
+
+bool has_body(const httplib::Request& request) {
+  return request.has_header("Content-Length") || request.has_header("Transfer-Encoding");
+}
+
+/// Whether a proxy before this server could see another end of the request than cpp-httplib does,
+/// and so be made to give one client's answer to another.
+bool end_is_unclear(const httplib::Request& request) {
+  const auto blank = [](char c) { return c == ' ' || c == '\t'; };
+  for (const auto& [name, value] : request.headers) {
+    if (std::ranges::any_of(name, blank)) return true;  // "Content-Length : 3"
+  }
+  const std::size_t lengths = request.get_header_value_count("Content-Length");
+  const std::size_t codings = request.get_header_value_count("Transfer-Encoding");
+  if (lengths + codings > 1) return true;
+  if (codings == 1 && lower(request.get_header_value("Transfer-Encoding")) != "chunked")
+    return true;
+  const std::string length = request.get_header_value("Content-Length");
+  constexpr std::size_t kMostDigits = 15;
+  const bool digits = std::ranges::all_of(length, [](char c) { return c >= '0' && c <= '9'; });
+  if (lengths == 1 && (length.empty() || length.size() > kMostDigits || !digits)) return true;
+  // cpp-httplib would leave the body where the next request is looked for.
+  return has_body(request) && length != "0" && !may_have_body(request.method);
+}
+
+/// The body of a request: bytes are taken from the connexion once, whoever wants them.
+class Body {
+ public:
+  /// \param held bytes of bodies that are in memory, of all connexions
+  Body(const httplib::ContentReader& reader, const ServerConfig& config,
+       std::atomic<std::size_t>& held)
+      : reader_(reader), config_(config), held_(held) {}
+  ~Body() { held_ -= kept_; }
+  Body(const Body&) = delete;
+  Body& operator=(const Body&) = delete;
+
+  /// All of it. \throws HttpError 413 if that is more than `most` bytes; 408, 400, 503
+  std::string read(std::size_t most) {
+    std::string body;
+    bool busy = false;
+    const auto late = deadline();
+    std::size_t size = 0;
+    begun_ = true;
+    whole_ = reader_([&](const char* data, std::size_t more) {
+      size += more;
+      if (size <= most && !busy) {
+        kept_ += more;
+        busy = (held_ += more) > kMostHeld * config_.most_submission_bytes;
+        body.append(data, more);
+      }
+      // What is too large is read to its end, so that the client gets to hear of it; up to a point.
+      return !late() && size <= 2 * config_.most_submission_bytes;
+    });
+    if (late()) throw HttpError(408, "slow-body", "the body took too long");
+    if (size > most) {
+      throw HttpError(413, "too-large", fmt::format("the body has more than {} bytes", most));
+    }
+    if (!whole_) throw HttpError(400, "bad-body", "the body broke off");
+    if (busy) throw HttpError(503, "busy", "too many large files at once; try again");
+    return body;
+  }
+
+  /// Reads what nobody asked for. \returns whether the next request begins behind it
+  bool finish() {
+    if (!begun_) {
+      try {
+        read(0);
+      } catch (const HttpError&) {  // of no interest
+      }
+    }
+    return whole_;
+  }
+
+ private:
+  // Bodies of the largest size that may be in memory at a time.
+  static constexpr std::size_t kMostHeld = 8;
+
+  std::function<bool()> deadline() const {
+    const auto end =
+        std::chrono::steady_clock::now() + std::chrono::duration<double>(config_.body_seconds);
+    return [end] { return std::chrono::steady_clock::now() > end; };
+  }
+
+  const httplib::ContentReader& reader_;
+  const ServerConfig& config_;
+  std::atomic<std::size_t>& held_;
+  std::size_t kept_ = 0;
+  bool begun_ = false, whole_ = false;
+};
 
 }  // namespace
 
@@ -68,6 +178,7 @@ struct Transport::Impl {
   ServerConfig config;
   httplib::Server server;
   int port = 0;
+  std::atomic<std::size_t> held = 0;  // bytes of bodies
   std::thread listener;
 
   Impl(App& its_app, const ServerConfig& its_config) : app(its_app), config(its_config) {
@@ -92,7 +203,6 @@ struct Transport::Impl {
     server.set_keep_alive_max_count(kKeepAliveRequests);
     server.set_read_timeout(kReadSeconds);
     server.set_write_timeout(kReadSeconds);
-    server.set_payload_max_length(config.most_submission_bytes);
     server.set_tcp_nodelay(true);
     // cpp-httplib's own choice, SO_REUSEPORT, would let two servers share a port and its requests.
     server.set_socket_options([](socket_t socket) {
@@ -102,18 +212,26 @@ struct Transport::Impl {
   }
 
   void route() {
-    // cpp-httplib matches targets with std::regex, which a long one would take down.
     server.set_pre_routing_handler([](const httplib::Request& from, httplib::Response& to) {
-      if (from.path.size() <= kLongestTarget) return httplib::Server::HandlerResponse::Unhandled;
-      convert(error_response(414, "long-path", "the path is too long"), to);
+      auto& own = const_cast<httplib::Request&>(from);  // cpp-httplib's variable, lent as const
+      // Parts of answers are nothing that the pages need, and 0.11 gets them wrong.
+      own.ranges.clear();
+      if (end_is_unclear(from)) {
+        own.method = "GET";  // what answers HEAD has no end that could close the connexion
+        refuse(400, "unclear-end", "it is not clear where this request ends", to);
+      } else if (from.path.size() > kLongestTarget) {
+        // cpp-httplib matches targets with std::regex, which a long one would take down.
+        refuse(414, "long-path", "the path is too long", to);
+      } else {
+        return httplib::Server::HandlerResponse::Unhandled;
+      }
       return httplib::Server::HandlerResponse::Handled;
     });
-    // What cpp-httplib itself refuses: bodies that are too large, lines that are no HTTP.
-    server.set_error_handler([](const httplib::Request&, httplib::Response& to) {
-      if (to.body.empty() && to.status >= 400 && !to.has_header("Content-Security-Policy")) {
-        to.set_content(*error_response(to.status, "refused", "this is no acceptable request").body,
-                       "application/json");
-      }
+    // What cpp-httplib itself refuses: lines that are no HTTP, methods that it does not know.
+    server.set_error_handler([](const httplib::Request& from, httplib::Response& to) {
+      const_cast<httplib::Request&>(from).ranges.clear();
+      if (to.has_header("Content-Security-Policy")) return;  // ours
+      refuse(to.status, "refused", "this is no acceptable request", to);
     });
     server.Get(".*", [this](const httplib::Request& from, httplib::Response& to) {
       convert(app.handle(convert(from, config.behind_proxy)), to);
@@ -128,29 +246,20 @@ struct Transport::Impl {
     server.Delete(".*", with_body);
   }
 
-  // Reads all of the body, or the rest would be taken for the next request; keeps no more of it
-  // than the route wants to see.
   void answer_with_body(const httplib::Request& from, httplib::Response& to,
                         const httplib::ContentReader& reader) {
-    Request request = convert(from, config.behind_proxy);
-    const std::size_t most = app.most_bytes(request.method, request.path);
-    const auto begin = std::chrono::steady_clock::now();
-    const std::chrono::duration<double> allowed(config.body_seconds);
-    bool late = false;
-    const bool whole = reader([&](const char* data, std::size_t size) {
-      late = std::chrono::steady_clock::now() - begin > allowed;
-      if (request.body.size() <= most) request.body.append(data, size);
-      return !late;
-    });
-    if (late) {
-      convert(error_response(408, "slow-body", "the body took too long"), to);
-    } else if (!whole) {
-      convert(error_response(to.status >= 400 ? to.status : 400, "bad-body",
-                             to.status == 413 ? "the body is too large" : "the body broke off"),
-              to);
-    } else {
-      convert(app.handle(std::move(request)), to);
+    if (!has_body(from)) {  // cpp-httplib would wait for one
+      convert(app.handle(convert(from, config.behind_proxy)), to);
+      return;
     }
+    if (from.is_multipart_form_data()) {  // it would take the parts apart
+      refuse(415, "bad-type", "no route takes a form in parts", to);
+      return;
+    }
+    Body body(reader, config, held);
+    Response response = app.handle(convert(from, config.behind_proxy),
+                                   [&body](std::size_t most) { return body.read(most); });
+    convert(std::move(response), to, body.finish() ? Connexion::kStays : Connexion::kCloses);
   }
 };
 

@@ -1,7 +1,7 @@
 // For workers: coming by a link, taking a task, handing it in.
 #include "enfilade/service/detail/work_routes.h"
 
-#include <charconv>
+#include <fmt/format.h>
 
 #include "enfilade/service/detail/bodies.h"
 #include "enfilade/service/detail/collection_json.h"
@@ -113,9 +113,22 @@ Response show_task(Context& context, const Request& request) {
   throw HttpError(404, "unknown-task", "no such task");
 }
 
+/// \throws HttpError 400 for a body that would take long, or much of the stack, to write again
+nlohmann::json parse_draft(const std::string& text) {
+  static constexpr int kDeepest = 16;
+  const auto check_depth = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+    if (depth > kDeepest) {
+      throw HttpError(400, "bad-body", fmt::format("the draft is deeper than {}", kDeepest));
+    }
+    return true;
+  };
+  // Not ordered_json, to which each further name of an object costs a look at all before it.
+  return nlohmann::json::parse(text, check_depth, false);
+}
+
 Response save_draft(Context& context, const Request& request) {
-  const ordered_json body = parse_object(request.body);
-  const auto draft = body.find("draft");
+  const nlohmann::json body = parse_draft(request.body);
+  const auto draft = body.is_object() ? body.find("draft") : body.end();
   if (draft == body.end() || !draft->is_object()) {
     throw HttpError(400, "bad-body", "draft: must be there, and an object");
   }
@@ -143,13 +156,9 @@ Response submit(Context& context, const Request& request) {
 }  // namespace
 
 std::int64_t task_id(const Request& request) {
-  const std::string& text = request.parameter("task");
-  std::int64_t id = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
-  if (error != std::errc{} || end != text.data() + text.size()) {
-    throw HttpError(404, "unknown-task", "no such task");
-  }
-  return id;
+  const auto id = parse_number(request.parameter("task"));
+  if (!id) throw HttpError(404, "unknown-task", "no such task");
+  return *id;
 }
 
 void add_work_routes(Router& router, Context& context) {

@@ -30,9 +30,10 @@ function progressOf({ items, places, leased, submitted, accepted, rejected, comp
 function filesOf({ collection, kind, splits = [] }: Collection): HTMLElement {
   const link = (split: string, what: string, text: string, state: 'accepted' | 'all') =>
     make('a', { href: `/api/v1/collections/${encodeURIComponent(collection)}/export?${new URLSearchParams({ split, what, state })}`, download: '' }, text);
-  const rows = splits.map(({ split, items }) => make('li', {}, `${split} (${items}): `, ...(kind === 'write'
+  const rows = splits.map(({ split, items, goals_hidden }) => make('li', {}, `${split} (${items}): `, ...(kind === 'write'
     ? [link(split, 'annotations', 'R2R file', 'accepted'), ' · ', link(split, 'annotations', 'with what is not reviewed', 'all')]
-    : [link(split, 'annotations', 'R2R file', 'all'), ' · ', link(split, 'results', 'results', 'all'), ' · ', link(split, 'walks', 'walks with times', 'all')])));
+    : [...(goals_hidden ? [] : [link(split, 'annotations', 'R2R file', 'all'), ' · ']),
+      link(split, 'results', 'results', 'all'), ' · ', link(split, 'walks', 'walks with times', 'all')])));
   return make('div', {}, make('h3', {}, 'Files'),
     make('p', { class: 'note' }, kind === 'write' ? 'What was accepted.' : 'All walks but the rejected ones.'), make('ul', {}, ...rows));
 }

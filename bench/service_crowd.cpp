@@ -1,5 +1,5 @@
 // 200 scripted workers at a server of its own, for a minute: what each of them waits for, what is
-// lost, and what the server needs. Not a test but a measurement, as its figures are the machine's:
+// lost, and what the server needs. \returns 1 if any of them saw an error
 //   service_crowd ENFILADE DATA SPLIT [WORKERS [SECONDS]]
 #include <fmt/format.h>
 #include <algorithm>
@@ -189,7 +189,7 @@ int run(const std::vector<std::string>& words) {
   program.start();
   const httplib::Headers organiser{
       {"Authorization",
-       "Bearer " + create_staff_token(database, StaffRole::kOrganiser, "o", std::nullopt)}};
+       "Bearer " + create_token(database, TokenRole::kOrganiser, "o", std::nullopt)}};
   Crowd crowd;
   crowd.port = program.port();
   crowd.write_key = make_collection(crowd.port, organiser, "write", split);
