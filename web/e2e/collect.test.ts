@@ -156,7 +156,7 @@ describe.skipIf(missing)('a collection', () => {
     await reviewer.getByText('this was the last').waitFor();
     await reviewer.getByRole('combobox', { name: 'Show' }).selectOption('rejected');
     await reviewer.getByText('1 of 1').waitFor();
-    expect(await reviewer.getByLabel('Why, if you reject it').inputValue()).toBe('It leads elsewhere.');
+    await expect.poll(() => reviewer.getByLabel('Why, if you reject it').inputValue(), { timeout: patience }).toBe('It leads elsewhere.');
     await reviewer.close();
   });
 

@@ -4,7 +4,7 @@ import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import type { WalkTask } from '../src/work/walk_task.ts';
-import { complaints, type Home, makeCollection, missing, newToken, openHome, openPage, results } from './harness.ts';
+import { complaints, type Home, makeCollection, missing, newToken, openHome, openPage, patience, results } from './harness.ts';
 
 declare const window: { walkTask?: WalkTask };
 
@@ -129,7 +129,7 @@ describe.skipIf(missing)('without a mouse', () => {
     await page.getByRole('button', { name: 'Play' }).waitFor();
     await tabTo(page, /^Show/);
     await page.keyboard.press('d'); // selects by the first letter: depth
-    await expect.poll(() => page.getByRole('combobox', { name: 'Show' }).inputValue()).toBe('depth');
+    await expect.poll(() => page.getByRole('combobox', { name: 'Show' }).inputValue(), { timeout: patience }).toBe('depth');
     await page.close();
   });
 
@@ -242,6 +242,7 @@ describe.skipIf(missing)('without a mouse', () => {
 
   it('results are handed in, found on the leaderboard and withdrawn', async () => {
     const page = await openPage(home, '/submit');
+    page.on('filechooser', () => undefined); // from now on no dialogue opens of its own, however late somebody waits for it
     await page.getByLabel("The team's name").waitFor();
     await tabTo(page, /^The team's name/);
     await page.keyboard.type('Keys');
