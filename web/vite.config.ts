@@ -1,11 +1,29 @@
-import { readdirSync } from 'node:fs';
+import { readdirSync, readFileSync } from 'node:fs';
+import { basename } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import type { Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
 
 const here = (path: string) => fileURLToPath(new URL(path, import.meta.url));
 const pages = readdirSync(here('pages')).filter((name) => name.endsWith('.html'));
 
+/** A file of pages/ has its title and its main element; all else is the same: src/frame.html. */
+const framed: Plugin = {
+  name: 'framed',
+  transformIndexHtml: {
+    order: 'pre',
+    handler(page, { filename }) {
+      const [title = '', main = ''] = page.trim().split('\n');
+      return readFileSync(here('src/frame.html'), 'utf8')
+        .replace('<!-- title -->', title)
+        .replace('<!-- main -->', main)
+        .replace('NAME', basename(filename, '.html'));
+    },
+  },
+};
+
 export default defineConfig({
+  plugins: [framed],
   root: here('pages'),
   base: '/',
   build: {
