@@ -204,11 +204,17 @@ const Arrows& direct_arrows() {
       {"render", {"scan"}},
       {"sim", {"graph", "render"}},
       {"r2r", {"graph"}},
+      {"capture", {"scan", "mesh", "graph"}},
+      {"dataset", {"r2r", "render", "sim"}},
       {"draw", {"graph", "render", "r2r"}},
+      {"features", {"core", "geometry"}},
       {"synth", {"scan", "mesh", "graph", "r2r"}},
+      {"homes", {"capture", "r2r"}},
       {"agents", {"sim", "render", "r2r"}},
-      {"report", {"r2r", "graph", "render", "scan", "draw"}},
-      {"service", {"r2r", "graph", "scan", "draw"}},
+      {"models", {"features", "r2r"}},
+      {"neural", {"agents", "models"}},
+      {"report", {"dataset", "draw", "models"}},
+      {"service", {"dataset", "draw"}},
   };
   return kArrows;
 }
