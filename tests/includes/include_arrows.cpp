@@ -89,10 +89,22 @@ Place place_of(std::string_view path) {
   return {root, rest.substr(0, next)};
 }
 
+/// The sub-folder of its library that a file lies in: "http" for "enfilade/service/http/x.h". Empty
+/// for a file right in the library, and where the library has no row in rooms().
+std::string_view room_of(std::string_view path) {
+  const Place place = place_of(path);
+  if (!rooms().contains(place.folder)) return {};
+  const std::string_view rest = path.substr(path.find(place.folder) + place.folder.size() + 1);
+  const std::size_t slash = rest.find('/');
+  return slash == std::string_view::npos ? std::string_view{} : rest.substr(0, slash);
+}
+
 bool is_unit_test(std::string_view path) { return path.ends_with("_test.cpp"); }
 bool in_detail(std::string_view path) { return path.find("/detail/") != std::string_view::npos; }
+bool in_room(std::string_view path) { return !in_detail(path) && !room_of(path).empty(); }
 bool is_public_header(std::string_view path) {
-  return path.starts_with("enfilade/") && path.ends_with(".h") && !in_detail(path);
+  return path.starts_with("enfilade/") && path.ends_with(".h") && !in_detail(path) &&
+         !in_room(path);
 }
 
 /// Goes through one file.
@@ -104,6 +116,9 @@ class FileChecker {
   void check() {
     const bool known = place_.root != "enfilade" || allowed_.contains(place_.folder);
     if (!known) report("unknown-folder", "lies in no folder of the table of arrows");
+    if (in_room(file_.path) && !rooms_here().contains(room_of(file_.path))) {
+      report("unknown-folder", "lies in no room of its library's table");
+    }
     for (std::string_view rest = file_.text; !rest.empty();) {
       ++line_;
       const std::size_t end = std::min(rest.find('\n'), rest.size());
@@ -126,7 +141,7 @@ class FileChecker {
     const Place target = place_of(name);
     if (std::ranges::find(kRoots, target.root) != kRoots.end()) {
       check_arrow(name, target);
-      if (in_detail(name)) check_detail(name, target);
+      if (in_detail(name) || in_room(name)) check_private(name, target);
     } else if (!is_standard(name)) {
       check_third_party(name);
     }
@@ -149,12 +164,28 @@ class FileChecker {
     return place_.root == "tests" && target.root == "apps";  // tests call the command line's parts
   }
 
-  void check_detail(std::string_view name, const Place& target) {
+  /// \pre `name` lies in a detail/ or in a room
+  void check_private(std::string_view name, const Place& target) {
     if (target != place_ && target.folder != "core") {
       report("detail", fmt::format("\"{}\" is private to its folder", name));
     } else if (is_public_header(file_.path)) {
       report("private-header",
              fmt::format("a public header includes \"{}\", which is not installed", name));
+    } else if (in_room(name)) {
+      check_room(name);
+    }
+  }
+
+  const Arrows& rooms_here() const { return rooms().find(place_.folder)->second; }
+
+  // What lies right in the library may include all of its rooms; its detail/ none.
+  void check_room(std::string_view name) {
+    const std::string_view from = room_of(file_.path);
+    const std::string_view to = room_of(name);
+    if (from.empty() || from == to) return;
+    const auto row = rooms_here().find(from);
+    if (row == rooms_here().end() || !row->second.contains(to)) {
+      report("upward", fmt::format("{}/{}/ may not include \"{}\"", place_.folder, from, name));
     }
   }
 
@@ -217,6 +248,19 @@ const Arrows& direct_arrows() {
       {"service", {"dataset", "draw"}},
   };
   return kArrows;
+}
+
+const std::map<std::string, Arrows, std::less<>>& rooms() {
+  static const std::map<std::string, Arrows, std::less<>> kRooms{
+      {"service",
+       transitive_closure({{"store", {}},
+                           {"accounts", {"store"}},
+                           {"browsing", {}},
+                           {"evaluation", {"accounts", "store"}},
+                           {"collecting", {"store"}},
+                           {"http", {"accounts", "browsing", "evaluation", "collecting"}}})},
+  };
+  return kRooms;
 }
 
 Arrows transitive_closure(const Arrows& direct) {

@@ -26,6 +26,11 @@ inline constexpr std::size_t kMaxLines = 600;
 /// The folders of enfilade/ and those that each may include directly.
 const Arrows& direct_arrows();
 
+/// The rooms of a library: its sub-folders beside detail/, and those that each may include, closed
+/// over chains. Headers in rooms are private to the library, as those in detail/. A library without
+/// a row has no rooms: headers in its sub-folders are public.
+const std::map<std::string, Arrows, std::less<>>& rooms();
+
 /// A folder may also include what those that it includes may include.
 /// \throws ArgumentError naming the folder if the arrows make a ring or lead to an unknown one.
 Arrows transitive_closure(const Arrows& direct);
@@ -34,10 +39,11 @@ Arrows transitive_closure(const Arrows& direct);
 std::string_view included_name(std::string_view line);
 
 /// Everything about the sources that is against the rules, in the order of the files and lines:
-///   unknown-folder  a folder of enfilade/ that the table of arrows does not have
-///   upward          an include that no chain of arrows allows
-///   detail          another folder's detail/ header, core's excepted
-///   private-header  a public header includes a detail/ header, which is not installed
+///   unknown-folder  a folder of enfilade/ that the table of arrows does not have, or a room that
+///                   its library's table does not have
+///   upward          an include that no chain of arrows allows, between folders or between rooms
+///   detail          a header of another folder's detail/ (core's excepted) or rooms
+///   private-header  a public header includes one of detail/ or of a room: these are not installed
 ///   third-party     a library that is not allowed there (public headers may use none), or one of
 ///                   our own files that is not named from the root of the tree
 ///   too-long        more than kMaxLines lines

@@ -94,6 +94,22 @@ TEST(IncludeArrows, KeepDetailHeadersInTheirFolder) {
               ElementsAre("detail"));
 }
 
+TEST(IncludeArrows, KeepRoomsInTheirLibraryAndInTheirOrder) {
+  EXPECT_THAT(codes("enfilade/service/server.cpp", "enfilade/service/http/app.h"), IsEmpty());
+  EXPECT_THAT(codes("enfilade/service/http/app.h", "enfilade/service/store/database.h"), IsEmpty());
+  EXPECT_THAT(codes("enfilade/service/http/app.h", "httplib.h"), IsEmpty());
+  EXPECT_THAT(codes("enfilade/service/store/sql.h", "enfilade/service/detail/text.h"), IsEmpty());
+  EXPECT_THAT(codes("enfilade/service/store/sql.h", "enfilade/service/http/app.h"),
+              ElementsAre("upward"));
+  EXPECT_THAT(codes("enfilade/service/detail/text.h", "enfilade/service/store/sql.h"),
+              ElementsAre("upward"));
+  EXPECT_THAT(codes("enfilade/service/server.h", "enfilade/service/http/app.h"),
+              ElementsAre("private-header"));
+  EXPECT_THAT(codes("apps/enfilade/serve.cpp", "enfilade/service/http/app.h"),
+              ElementsAre("detail"));
+  EXPECT_THAT(codes("enfilade/service/cellar/wine.h", "string"), ElementsAre("unknown-folder"));
+}
+
 TEST(IncludeArrows, KeepPublicHeadersToWhatIsInstalled) {
   EXPECT_THAT(codes("enfilade/scan/regions.h", "enfilade/core/detail/json.h"),
               ElementsAre("private-header"));
