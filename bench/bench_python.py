@@ -104,7 +104,7 @@ FRAMES, TURNS = 600, 7
 
 
 class Walk:
-    """The walk that apps/bench_render takes: std::mt19937 gives the numbers of NumPy's MT19937. Its
+    """The walk that bench_render takes: std::mt19937 gives the numbers of NumPy's MT19937. Its
     actions are drawn beforehand: drawing lots in Python is none of the package's work."""
 
     def __init__(self, graphs: enfilade.Graphs, scans: list[str], batch: int, size: tuple[int, int]):

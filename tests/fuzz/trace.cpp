@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "apps/replay_mattersim/trace.h"
+#include "tests/conformance/trace.h"
 #include "enfilade/core/errors.h"
 #include "tests/fuzz/memory_file.h"
 
@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace enfilade;
   const fuzz::MemoryFile file(data, size);
   try {
-    apps::TraceReader reader(file.path());
+    tests::TraceReader reader(file.path());
     while (reader.next()) continue;
   } catch (const Error&) {
   }

@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "apps/check_vectors/check_vectors.h"
+#include "tests/conformance/vectors.h"
 #include "enfilade/core/errors.h"
 #include "tests/fuzz/fixture.h"
 #include "tests/fuzz/memory_file.h"
@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const auto kGraphs = fuzz::graphs();
   const fuzz::MemoryFile file(data, size);
   try {
-    apps::check_vectors(file.path(), kGraphs, {});
+    tests::check_vectors(file.path(), kGraphs, {});
   } catch (const Error&) {
   }
   return 0;

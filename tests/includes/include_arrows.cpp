@@ -48,7 +48,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"torch/", {"enfilade/agents/neural/"}},
       {"c10/", {"enfilade/agents/neural/"}},
       {"hdf5.h", {"enfilade/agents/neural/"}},
-      {"CLI/", {"apps/"}},
+      {"CLI/", {"apps/", "bench/", "tests/conformance/"}},
       {"benchmark/", {"bench/"}},
       {"gtest/", {"tests/"}},
       {"gmock/", {"tests/"}},
@@ -161,7 +161,8 @@ class FileChecker {
     }
     // A benchmark may drive what the tests drive: scripted workers, a server of its own.
     if (target.root == "tests") return is_unit_test(file_.path) || place_.root == "bench";
-    return place_.root == "tests" && target.root == "apps";  // tests call the command line's parts
+    // Tests call the command line's parts; programs of both have its options and exit codes.
+    return (place_.root == "tests" || place_.root == "bench") && target.root == "apps";
   }
 
   /// \pre `name` lies in a detail/ or in a room

@@ -76,6 +76,7 @@ TEST(IncludeArrows, KeepTheLibraryFromWhatIsBuiltOnIt) {
   EXPECT_THAT(codes("enfilade/draw/plan_test.cpp", "tests/support/temporary_folder.h"), IsEmpty());
   EXPECT_THAT(codes("examples/walk.cpp", "apps/table.h"), ElementsAre("upward"));
   EXPECT_THAT(codes("tests/cli/score_test.cpp", "apps/table.h"), IsEmpty());
+  EXPECT_THAT(codes("bench/bench_render.cpp", "apps/common/program.h"), IsEmpty());
 }
 
 TEST(IncludeArrows, FailOnAFolderThatIsNotInTheTable) {

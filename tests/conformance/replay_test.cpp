@@ -1,5 +1,5 @@
 // A trace of a square room, worked out by hand, and what happens to traces that are wrong.
-#include "apps/replay_mattersim/replay.h"
+#include "tests/conformance/replay.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "apps/replay_mattersim/trace.h"
 #include "enfilade/core/file.h"
+#include "tests/conformance/trace.h"
 #include "tests/support/graphs.h"
 #include "tests/support/temporary_folder.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 namespace {
 
 using ::testing::HasSubstr;
@@ -173,4 +173,4 @@ TEST_F(Traces, CompressedOnesAreReadAndCutOnesRefused) {
 }
 
 }  // namespace
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests

@@ -14,8 +14,10 @@
 #include "enfilade/graph/compare.h"
 #include "enfilade/synth/built_home.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 namespace {
+
+using namespace apps;
 
 struct Options {
   std::size_t homes = 20;
@@ -196,10 +198,10 @@ int check(const Options& options) {
 }
 
 }  // namespace
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests
 
 int main(int argc, char** argv) {
-  using namespace enfilade::apps;
+  using namespace enfilade::tests;
   CLI::App app{"Checks navigation graphs of model homes against the generator's own knowledge."};
   Options options;
   int status = kSuccess;

@@ -1,4 +1,4 @@
-#include "apps/bench_render/bench_render.h"
+#include "bench/render_speed.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "apps/common/program.h"
 
-namespace enfilade::apps {
+namespace enfilade::bench {
 namespace {
 
 const Buildings& buildings() {
@@ -28,7 +28,7 @@ TEST(OutputMemory, HoldsWhatIsNamed) {
   const OutputMemory depth("depth", kSmall, 1);
   EXPECT_FALSE(depth.outputs().colour);
   for (const char* wrong : {"", "rgb+", "rgb+f16", "smell", "rgb,depth"}) {
-    EXPECT_THROW(OutputMemory(wrong, kSmall, 1), UsageError) << wrong;
+    EXPECT_THROW(OutputMemory(wrong, kSmall, 1), apps::UsageError) << wrong;
   }
 }
 
@@ -83,4 +83,4 @@ TEST(Measure, WalkMemoryGrowsWithTheCache) {
 }
 
 }  // namespace
-}  // namespace enfilade::apps
+}  // namespace enfilade::bench

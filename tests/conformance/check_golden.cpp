@@ -6,14 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "apps/check_golden/check_golden.h"
-#include "apps/common/data_beside.h"
 #include "apps/common/program.h"
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
+#include "tests/conformance/data_beside.h"
+#include "tests/conformance/golden.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 namespace {
+
+using namespace apps;
 
 namespace fs = std::filesystem;
 
@@ -117,10 +119,10 @@ ExitCode check_or_say_what_is_missing(const Options& options) {
 }
 
 }  // namespace
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests
 
 int main(int argc, char** argv) {
-  using namespace enfilade::apps;
+  using namespace enfilade::tests;
   CLI::App app("Renders the poses of golden pictures as the old simulator did and compares.",
                "check_golden");
   Options options;

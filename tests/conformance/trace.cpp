@@ -1,4 +1,4 @@
-#include "apps/replay_mattersim/trace.h"
+#include "tests/conformance/trace.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -11,7 +11,7 @@
 
 #include "enfilade/core/detail/json.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 namespace {
 
 using json::Element;
@@ -318,4 +318,4 @@ std::optional<TraceStep> TraceReader::next() {
   return step;
 }
 
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests

@@ -1,4 +1,4 @@
-#include "apps/check_golden/check_golden.h"
+#include "tests/conformance/golden.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -14,7 +14,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 namespace {
 
 using json::Element;
@@ -242,4 +242,4 @@ image::Image8 side_by_side(const image::Image16& ours, const image::Image16& gol
   return sheet;
 }
 
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests

@@ -1,4 +1,4 @@
-#include "apps/check_vectors/check_vectors.h"
+#include "tests/conformance/vectors.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "enfilade/r2r/metrics.h"
 #include "enfilade/sim/simulator.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 namespace {
 
 using json::Element;
@@ -344,4 +344,4 @@ VectorReport check_vectors(const std::filesystem::path& file,
   return report;
 }
 
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests

@@ -1,4 +1,4 @@
-#include "apps/replay_mattersim/replay.h"
+#include "tests/conformance/replay.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include <utility>
 #include <variant>
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 namespace {
 
 class Comparer {
@@ -111,4 +111,4 @@ Comparison Replay::compare(const TraceStep& step) {
   return result;
 }
 
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests

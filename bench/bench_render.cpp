@@ -12,14 +12,16 @@
 #include <string>
 #include <vector>
 
-#include "apps/bench_render/bench_render.h"
 #include "apps/common/program.h"
+#include "bench/render_speed.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/render/gl_devices.h"
 
-namespace enfilade::apps {
+namespace enfilade::bench {
 namespace {
+
+using namespace apps;
 
 using Json = nlohmann::ordered_json;
 
@@ -335,10 +337,10 @@ void add_combination_options(CLI::App& app, Options& o) {
 }
 
 }  // namespace
-}  // namespace enfilade::apps
+}  // namespace enfilade::bench
 
 int main(int argc, char** argv) {
-  using namespace enfilade::apps;
+  using namespace enfilade::bench;
   CLI::App app("Measures how fast panoramas are drawn.", "bench_render");
   Options o;
   int status = kSuccess;

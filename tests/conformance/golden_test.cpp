@@ -1,4 +1,4 @@
-#include "apps/check_golden/check_golden.h"
+#include "tests/conformance/golden.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include "enfilade/core/errors.h"
 #include "tests/support/graphs.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 namespace {
 
 using ::testing::HasSubstr;
@@ -148,4 +148,4 @@ TEST(Golden, ColourDifferenceIsMagnified) {
 }
 
 }  // namespace
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests

@@ -8,7 +8,7 @@
 
 #include "enfilade/graph/graph_set.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 
 /// Largest differences that count as equal.
 struct VectorTolerances {
@@ -29,4 +29,4 @@ VectorReport check_vectors(const std::filesystem::path& file,
                            const std::shared_ptr<const graph::GraphSet>& graphs,
                            const VectorTolerances& tolerances);
 
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests

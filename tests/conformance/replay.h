@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "apps/replay_mattersim/trace.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/sim/simulator.h"
+#include "tests/conformance/trace.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 
 /// One value that came out otherwise.
 struct Mismatch {
@@ -49,4 +49,4 @@ class Replay {
   std::map<std::string, Body> bodies_;  // by configuration
 };
 
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests

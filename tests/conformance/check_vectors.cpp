@@ -4,12 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "apps/check_vectors/check_vectors.h"
-#include "apps/common/data_beside.h"
 #include "apps/common/program.h"
+#include "tests/conformance/data_beside.h"
+#include "tests/conformance/vectors.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 namespace {
+
+using namespace apps;
 
 struct Options {
   std::vector<std::string> files;
@@ -36,10 +38,10 @@ ExitCode check(const Options& options) {
 }
 
 }  // namespace
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests
 
 int main(int argc, char** argv) {
-  using namespace enfilade::apps;
+  using namespace enfilade::tests;
   CLI::App app("Compares golden vectors of metrics and navigable viewpoints with ours.",
                "check_vectors");
   Options options;

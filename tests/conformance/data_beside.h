@@ -5,7 +5,7 @@
 
 #include "apps/common/program.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 
 /// `data` (of --data) if it is given; else ENFILADE_DATA; else `../data` beside the recorded file's
 /// folder, where those who hand out both have it.
@@ -15,7 +15,7 @@ inline scan::DataRoot open_data_beside(const std::string& data, const std::files
     const auto beside = std::filesystem::absolute(file).parent_path().parent_path() / "data";
     if (std::filesystem::is_directory(beside)) return scan::DataRoot(beside);
   }
-  return open_data(data);
+  return apps::open_data(data);
 }
 
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests

@@ -1,4 +1,4 @@
-#include "apps/bench_render/bench_render.h"
+#include "bench/render_speed.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -15,7 +15,7 @@
 #include "enfilade/core/threads.h"
 #include "enfilade/sim/observe.h"
 
-namespace enfilade::apps {
+namespace enfilade::bench {
 namespace {
 
 using scan::Layer;
@@ -225,7 +225,8 @@ void OutputMemory::add(const std::string& word, std::size_t pixels) {
   const auto colour = std::ranges::find_if(
       kColourWords, [&](const ColourWord& known) { return word == known.word; });
   if (colour != kColourWords.end()) {
-    if (outputs_.colour) throw UsageError(fmt::format("--outputs: {} beside another colour", word));
+    if (outputs_.colour)
+      throw apps::UsageError(fmt::format("--outputs: {} beside another colour", word));
     colour_.resize(pixels * render::pixel_bytes(colour->format));
     outputs_.colour = {colour->format, render::kImageNet, colour_};
   } else if (word == "depth") {
@@ -240,7 +241,7 @@ void OutputMemory::add(const std::string& word, std::size_t pixels) {
     instances_.resize(pixels);
     outputs_.instances = {instances_};
   } else {
-    throw UsageError(fmt::format(
+    throw apps::UsageError(fmt::format(
         "--outputs: {:?} is none of rgb, bgr, rgba, f16, f32, depth, class, instance", word));
   }
 }
@@ -358,4 +359,4 @@ void draw_first_frame(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
   throw LookupError(fmt::format("scan {} in {} has no panorama", source.scan(), source.origin()));
 }
 
-}  // namespace enfilade::apps
+}  // namespace enfilade::bench

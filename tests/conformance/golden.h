@@ -12,7 +12,7 @@
 #include "enfilade/image/image.h"
 #include "enfilade/render/renderer.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 
 /// One picture of a `golden.json`.
 struct GoldenPose {
@@ -86,4 +86,4 @@ GoldenPicture load_pictures(const std::filesystem::path& folder, const GoldenPos
 image::Image8 side_by_side(const image::Image8& ours, const image::Image8& golden);
 image::Image8 side_by_side(const image::Image16& ours, const image::Image16& golden);
 
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests

@@ -6,13 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/data_beside.h"
 #include "apps/common/program.h"
-#include "apps/replay_mattersim/replay.h"
-#include "apps/replay_mattersim/trace.h"
+#include "tests/conformance/data_beside.h"
+#include "tests/conformance/replay.h"
+#include "tests/conformance/trace.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 namespace {
+
+using namespace apps;
 
 constexpr std::size_t kShown = 10;  // mismatches, without --verbose
 
@@ -85,10 +87,10 @@ int replay_all(const Options& options) {
 }
 
 }  // namespace
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests
 
 int main(int argc, char** argv) {
-  using namespace enfilade::apps;
+  using namespace enfilade::tests;
   CLI::App app(
       "Replays recorded runs of MatterSim through Enfilade's simulator. Counts the states in "
       "which\n"

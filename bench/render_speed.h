@@ -19,7 +19,7 @@
 #include "enfilade/scan/panorama_set.h"
 #include "enfilade/sim/simulator.h"
 
-namespace enfilade::apps {
+namespace enfilade::bench {
 
 /// Scans to walk in; one ScanIndex serves both sets.
 struct Buildings {
@@ -122,4 +122,4 @@ WalkMemory measure_walk_memory(const Buildings& buildings, const Combination& co
 void draw_first_frame(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
                       const Combination& combination, const BenchSettings& settings);
 
-}  // namespace enfilade::apps
+}  // namespace enfilade::bench

@@ -12,7 +12,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/sim/simulator.h"
 
-namespace enfilade::apps {
+namespace enfilade::tests {
 
 /// The first line.
 struct TraceHeader {
@@ -70,4 +70,4 @@ class TraceReader {
   TraceHeader header_;
 };
 
-}  // namespace enfilade::apps
+}  // namespace enfilade::tests
