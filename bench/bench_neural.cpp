@@ -16,18 +16,20 @@
 #include <vector>
 
 #include "bench/main.h"
-#include "enfilade/agents/neural/instructions.h"
-#include "enfilade/agents/neural/network.h"
-#include "enfilade/agents/neural/products.h"
-#include "enfilade/agents/neural/r2r_environment.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/models/instructions.h"
+#include "enfilade/neural/network.h"
+#include "enfilade/neural/products.h"
+#include "enfilade/neural/r2r_environment.h"
 #include "enfilade/scan/data_root.h"
 
 namespace enfilade {
 namespace {
 
-using namespace agents::neural;  // NOLINT: a benchmark's own file
+using namespace features;  // NOLINT: a benchmark of its own file
+using namespace models;
+using namespace neural;
 
 constexpr std::size_t kBatch = 100;
 using Time = std::chrono::nanoseconds;

@@ -181,7 +181,7 @@ void examine_networks(Report& report) {
   }
   report.add("libtorch", State::kWorks, torch->version);
   report.add("BLAS", State::kFact, torch->blas.empty() ? "inside libtorch" : torch->blas);
-  const bool slow = torch->product_speed < agents::neural::kSlowBlas;
+  const bool slow = torch->product_speed < neural::kSlowBlas;
   report.add("products", slow ? State::kMissing : State::kWorks,
              fmt::format("{:.0f} GFLOP/s on {} threads, (100, 2592) x (2592, 2048)",
                          torch->product_speed, torch->threads),

@@ -8,16 +8,15 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/agents/neural/evaluation.h"
-#include "enfilade/agents/neural/model_directory.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/neural/evaluation.h"
+#include "enfilade/neural/model.h"
 #include "enfilade/r2r/score.h"
 
 namespace enfilade::apps {
 namespace {
 
 namespace fs = std::filesystem;
-namespace neural = agents::neural;
 
 struct Options {
   std::string model;
@@ -32,7 +31,7 @@ struct Options {
 
 r2r::EpisodeSet load_split(const std::string& split, const scan::DataRoot& root,
                            const std::shared_ptr<const graph::GraphSet>& graphs,
-                           neural::DataFingerprint& fingerprint) {
+                           models::DataFingerprint& fingerprint) {
   const r2r::Annotations annotations = r2r::load_annotations(root.annotations(split), split);
   r2r::EpisodeSet episodes = make_episodes(annotations, graphs);
   fingerprint.add(annotations);
@@ -45,7 +44,7 @@ void evaluate(const Options& options, neural::Model& model, const neural::Prepar
   const neural::WalkOptions walk_options{options.batch_size, model.config.training.max_steps};
   const neural::GreedyWalk walk = neural::walk_greedily(
       model.network, split, walk_options, progress_bar(fmt::format("{}, {}", options.model, name)));
-  neural::ModelFiles files{options.model};
+  models::ModelFiles files{options.model};
   if (!options.output.empty()) {
     const fs::path folder(options.output);
     write_walk(folder / (name + ".json"), folder / (name + ".attention.json"), walk, split,
@@ -65,22 +64,22 @@ void evaluate(const Options& options, neural::Model& model, const neural::Prepar
 void run(const Options& options) {
   neural::set_threads(options.threads);
   neural::Model model = neural::load_model(options.model, options.device);
-  std::optional<neural::FeatureSet> file;
+  std::optional<features::FeatureSet> file;
   if (model.config.training.network.inputs.vision && !options.features.empty()) {
-    file = neural::FeatureSet::open(options.features);
+    file = features::FeatureSet::open(options.features);
   }
-  const neural::FeatureSet* features = usable_features(model.config, file ? &*file : nullptr);
+  const features::FeatureSet* features = usable_features(model.config, file ? &*file : nullptr);
   const scan::DataRoot root = open_data(options.data);
   const auto graphs = graph::GraphSet::open(root.connectivity());
-  neural::DataFingerprint here;
+  models::DataFingerprint here;
   if (file) here.features = file->info();
   std::vector<neural::PreparedSplit> splits;
   for (const std::string& split : options.splits) {
-    splits.push_back(prepare(load_split(split, root, graphs, here), model.vocabulary,
+    splits.push_back(neural::prepare(load_split(split, root, graphs, here), model.vocabulary,
                              model.config.training.network.max_words, features));
   }
   const auto warnings =
-      differences(model.config.data, here, neural::ModelFiles{options.model}.config().string());
+      differences(model.config.data, here, models::ModelFiles{options.model}.config().string());
   if (!warnings.empty()) print_diagnostics(warnings);
   for (const neural::PreparedSplit& split : splits) evaluate(options, model, split);
 }

@@ -8,9 +8,9 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/agents/neural/feature_set.h"
-#include "enfilade/agents/neural/features.h"
-#include "enfilade/agents/neural/network.h"
+#include "enfilade/features/feature_set.h"
+#include "enfilade/neural/compute_features.h"
+#include "enfilade/neural/network.h"
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/panorama_set.h"
 
@@ -18,7 +18,6 @@ namespace enfilade::apps {
 namespace {
 
 namespace fs = std::filesystem;
-namespace neural = agents::neural;
 
 constexpr const char* kRandomWeights = "random";
 
@@ -83,18 +82,18 @@ void print_report(const neural::FeatureReport& report, const fs::path& file) {
 }
 
 void run(Options o) {
-  const auto type = o.float16 ? neural::DType::kFloat16 : neural::DType::kFloat32;
+  const auto type = o.float16 ? features::DType::kFloat16 : features::DType::kFloat32;
   if (!o.merge.empty()) {
     const std::vector<fs::path> from(o.merge.begin(), o.merge.end());
-    neural::convert_features(from, o.output, type);
-    fmt::print("{}: {} viewpoints\n", o.output, neural::FeatureSet::open(o.output).keys().size());
+    features::convert_features(from, o.output, type);
+    fmt::print("{}: {} viewpoints\n", o.output, features::FeatureSet::open(o.output).keys().size());
     return;
   }
   set_encoder(o);
   neural::set_threads(o.job.threads);
   o.job.type = type;
   o.job.shard = parse_shard(o.shard);
-  (void)neural::format_of(o.output);  // complains before an hour's work, not after
+  (void)features::format_of(o.output);  // complains before an hour's work, not after
   const fs::path file = shard_file(o.output, o.job.shard);
   const auto report =
       neural::compute_features(panoramas_of(o), o.job, file, progress_bar("features"));

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "enfilade/agents/agent.h"
-#include "enfilade/agents/neural/device.h"
+#include "enfilade/neural/device.h"
 #include "enfilade/r2r/annotations.h"
 
 namespace enfilade::apps {
@@ -33,7 +33,7 @@ bool can_learn();
 void hand_over_to_learn();
 
 /// What libtorch does here; nothing in `enfilade`.
-std::optional<agents::neural::TorchReport> torch_report();
+std::optional<neural::TorchReport> torch_report();
 
 /// The agent of a model directory, for these episodes; prints what differs between their data and
 /// that which it was trained on. In `enfilade`: hand_over_to_learn(). \param features file; empty:

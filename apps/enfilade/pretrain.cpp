@@ -1,5 +1,5 @@
 // enfilade pretrain: a small image encoder, trained on what the renderer says is to be seen.
-#include "enfilade/agents/neural/pretrain.h"
+#include "enfilade/neural/pretrain.h"
 
 #include <fmt/format.h>
 #include <cmath>
@@ -12,15 +12,13 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/agents/neural/network.h"
+#include "enfilade/neural/network.h"
 #include "enfilade/r2r/annotations.h"
 #include "enfilade/synth/home_set.h"
 #include "enfilade/synth/house_files.h"
 
 namespace enfilade::apps {
 namespace {
-
-namespace neural = agents::neural;
 
 struct Options {
   std::string data, output = "home_encoder.safetensors";

@@ -8,13 +8,13 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/agents/neural/trainer.h"
+#include "enfilade/neural/network.h"
+#include "enfilade/neural/trainer.h"
 
 namespace enfilade::apps {
 namespace {
 
 namespace fs = std::filesystem;
-namespace neural = agents::neural;
 
 struct Options {
   std::string data;
@@ -22,12 +22,12 @@ struct Options {
   std::string output;
   std::string feedback = "student";
   std::string inputs = "language+vision";
-  std::string after_end{to_string(neural::AfterEnd::kWalksOn)};
-  std::string forward{to_string(neural::ForwardTo::kNearest)};
+  std::string after_end{to_string(models::AfterEnd::kWalksOn)};
+  std::string forward{to_string(models::ForwardTo::kNearest)};
   std::string device = "cpu";
   std::size_t iterations = 0;  // 0: the paper's
   int threads = 0;
-  neural::TrainConfig config;
+  models::TrainConfig config;
 };
 
 std::string duration(double seconds) {
@@ -47,7 +47,7 @@ class Reporter {
               fmt::print("{}: going on from iteration {}\n", output_, iteration);
             },
             [this](const neural::TrainingProgress& progress) { show(progress); },
-            [this](const neural::EvaluationRecord& record) { show(record); }};
+            [this](const models::EvaluationRecord& record) { show(record); }};
   }
   double data_share() const { return progress_.data_share; }
 
@@ -59,7 +59,7 @@ class Reporter {
                progress.iterations, progress.loss, success_, duration(progress.seconds_left));
   }
 
-  void show(const neural::EvaluationRecord& record) {
+  void show(const models::EvaluationRecord& record) {
     if (live_) fmt::print(stderr, "\r\033[K");
     if (record.iteration != evaluated_) success_ = ", success";
     evaluated_ = record.iteration;
@@ -80,20 +80,20 @@ class Reporter {
   std::string success_;
 };
 
-neural::TrainConfig config_of(const Options& options) {
-  neural::TrainConfig config = options.config;
-  config.feedback = neural::parse_feedback(options.feedback);
-  config.network.inputs = neural::parse_inputs(options.inputs);
-  config.after_end = neural::parse_after_end(options.after_end);
-  config.forward = neural::parse_forward_to(options.forward);
+models::TrainConfig config_of(const Options& options) {
+  models::TrainConfig config = options.config;
+  config.feedback = models::parse_feedback(options.feedback);
+  config.network.inputs = models::parse_inputs(options.inputs);
+  config.after_end = models::parse_after_end(options.after_end);
+  config.forward = models::parse_forward_to(options.forward);
   config.iterations =
-      options.iterations > 0 ? options.iterations : neural::paper_iterations(config.feedback);
+      options.iterations > 0 ? options.iterations : models::paper_iterations(config.feedback);
   validate(config);
   return config;
 }
 
 void run(const Options& options) {
-  const neural::TrainConfig config = config_of(options);
+  const models::TrainConfig config = config_of(options);
   const scan::DataRoot root = open_data(options.data);
   std::optional<fs::path> features;
   if (config.network.inputs.vision) {
@@ -116,7 +116,7 @@ void run(const Options& options) {
 }
 
 void add_recipe(CLI::App& verb, Options& options) {
-  neural::TrainConfig& config = options.config;
+  models::TrainConfig& config = options.config;
   const auto number = [&](const char* name, std::size_t& value, const char* what) {
     verb.add_option(name, value, what)->check(whole_number(1))->capture_default_str();
   };

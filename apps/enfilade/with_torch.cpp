@@ -4,11 +4,9 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/learn.h"
-#include "enfilade/agents/neural/seq2seq_agent.h"
+#include "enfilade/neural/seq2seq_agent.h"
 
 namespace enfilade::apps {
-
-namespace neural = agents::neural;
 
 bool can_learn() { return true; }
 
@@ -21,13 +19,13 @@ std::unique_ptr<agents::Agent> load_trained_agent(const std::string& folder,
                                                   const r2r::EpisodeSet& episodes) {
   neural::set_threads(0);
   neural::Model model = neural::load_model(folder);
-  std::optional<neural::FeatureSet> file;
-  if (!features.empty()) file = neural::FeatureSet::open(features);
-  neural::DataFingerprint here;
+  std::optional<features::FeatureSet> file;
+  if (!features.empty()) file = features::FeatureSet::open(features);
+  models::DataFingerprint here;
   here.add_graphs(episodes);
   if (file) here.features = file->info();
   const auto warnings =
-      differences(model.config.data, here, neural::ModelFiles{folder}.config().string());
+      differences(model.config.data, here, models::ModelFiles{folder}.config().string());
   if (!warnings.empty()) print_diagnostics(warnings);
   std::optional<neural::ViewFeatures> views;
   if (const auto* used = usable_features(model.config, file ? &*file : nullptr)) {

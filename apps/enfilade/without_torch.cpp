@@ -55,7 +55,7 @@ void hand_over_to_learn() {
   throw FileError(fmt::format("{}: cannot be started: {}", program.string(), std::strerror(errno)));
 }
 
-std::optional<agents::neural::TorchReport> torch_report() { return std::nullopt; }
+std::optional<neural::TorchReport> torch_report() { return std::nullopt; }
 
 std::unique_ptr<agents::Agent> load_trained_agent(const std::string& /*folder*/,
                                                   const std::string& /*features*/,

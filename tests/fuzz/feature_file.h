@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/agents/neural/feature_set.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/features/feature_set.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tests {
@@ -20,7 +20,7 @@ inline void read_features(const std::string& name, const std::uint8_t* data, std
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   try {
-    const auto read = agents::neural::FeatureSet::open(file);
+    const auto read = features::FeatureSet::open(file);
     std::vector<float> views(read.info().views * read.info().dimensions);
     for (std::size_t row = 0; row < read.keys().size(); ++row) read.copy_views(row, views);
   } catch (const InvalidInput&) {

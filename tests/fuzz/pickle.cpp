@@ -5,16 +5,16 @@
 #include <string>
 #include <string_view>
 
-#include "enfilade/agents/neural/tensor_file.h"
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/features/tensor_file.h"
 #include "tests/fuzz/memory_file.h"
 
 namespace {
 
 void read(const std::string& bytes) {
   using namespace enfilade;
-  using namespace enfilade::agents::neural;
+  using namespace enfilade::features;
   try {
     const fuzz::MemoryFile file(bytes);
     const TensorFile weights = TensorFile::open(file.path());

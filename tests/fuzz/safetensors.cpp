@@ -6,15 +6,15 @@
 #include <filesystem>
 #include <optional>
 
-#include "enfilade/agents/neural/tensor_file.h"
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/features/tensor_file.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/support/temporary_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace enfilade;
-  using namespace enfilade::agents::neural;
+  using namespace enfilade::features;
   static const tests::TemporaryFolder folder("fuzz_safetensors");
   const std::filesystem::path written = folder.path() / "written";
   std::optional<TensorFile> read;

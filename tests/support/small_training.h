@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <vector>
 
-#include "enfilade/agents/neural/feature_set.h"
-#include "enfilade/agents/neural/trainer.h"
 #include "enfilade/core/rng.h"
+#include "enfilade/features/feature_set.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/neural/trainer.h"
 #include "enfilade/scan/data_root.h"
 #include "enfilade/synth/small_building.h"
 #include "tests/support/temporary_folder.h"
@@ -31,7 +31,7 @@ class SmallTraining {
   scan::DataRoot root() const { return scan::DataRoot(data()); }
 
   void write_features(const std::filesystem::path& file, std::size_t dimensions) const {
-    using namespace agents::neural;  // NOLINT(google-build-using-namespace): names of one folder
+    using namespace features;  // NOLINT(google-build-using-namespace): names of one folder
     const auto graphs = graph::GraphSet::open(root().connectivity());
     std::vector<FeatureKey> keys;
     for (const std::string& scan : graphs->scans()) {
@@ -54,8 +54,8 @@ class SmallTraining {
 
   /// Learns nothing, but goes through everything: 12 iterations, evaluation at 6 and 12,
   /// checkpoints at 5, 10 and 12.
-  static agents::neural::TrainConfig config() {
-    agents::neural::TrainConfig config;
+  static models::TrainConfig config() {
+    models::TrainConfig config;
     config.network.max_words = 30;
     config.network.word_embedding = 6;
     config.network.hidden = 8;
@@ -69,8 +69,8 @@ class SmallTraining {
     return config;
   }
 
-  agents::neural::TrainingData load(const agents::neural::TrainConfig& config) const {
-    return load_training_data(root(), config, features());
+  neural::TrainingData load(const models::TrainConfig& config) const {
+    return neural::load_training_data(root(), config, features());
   }
 
  private:

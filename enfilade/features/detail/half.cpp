@@ -1,0 +1,88 @@
+#include "enfilade/features/detail/half.h"
+
+#include <array>
+#include <bit>
+#include <cstring>
+
+namespace enfilade::features::detail {
+namespace {
+
+// Loops of this length have no remainder, so compilers turn them into vector instructions.
+constexpr std::size_t kBlock = 16;
+
+// Without denormal floats, which a thread may be told to take for zero; and without a choice
+// between floats, which gcc 12 makes a jump of.
+inline float to_float(std::uint32_t half) {
+  const std::uint32_t magnitude = (half & 0x7fffU) << 13U;
+  const std::uint32_t normal = magnitude + (112U << 23U);
+  const auto subnormal =
+      std::bit_cast<std::uint32_t>(std::bit_cast<float>(magnitude + (113U << 23U)) - 0x1p-14F);
+  const std::uint32_t is_subnormal =
+      0U - static_cast<std::uint32_t>((magnitude & 0x0f800000U) == 0);
+  const std::uint32_t value = (normal & ~is_subnormal) | (subnormal & is_subnormal);
+  return std::bit_cast<float>(value | (half & 0x8000U) << 16U);
+}
+
+inline std::uint32_t infinite_or_nan(std::uint16_t half) {
+  return static_cast<std::uint32_t>((half & 0x7c00U) == 0x7c00U);
+}
+
+inline std::uint32_t infinite_or_nan(float value) {
+  constexpr std::uint32_t kExponent = 0x7f800000U;
+  return static_cast<std::uint32_t>((std::bit_cast<std::uint32_t>(value) & kExponent) == kExponent);
+}
+
+}  // namespace
+
+std::uint16_t to_half(float value) noexcept {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  const std::uint32_t magnitude = bits & 0x7fffffffU;
+  std::uint32_t half = 0;
+  if (magnitude > 0x7f800000U) {  // not a number
+    half = 0x7e00U;
+  } else if (magnitude >= 0x477ff000U) {  // 65520
+    half = 0x7c00U;
+  } else if (magnitude < 0x38800000U) {
+    // Below 2^-14 halves are multiples of 2^-24, which is what floats from 0.5 on are, too.
+    half = std::bit_cast<std::uint32_t>(std::bit_cast<float>(magnitude) + 0.5F) - 0x3f000000U;
+  } else {
+    half = (magnitude - (112U << 23U) + 0xfffU + (magnitude >> 13U & 1U)) >> 13U;
+  }
+  return static_cast<std::uint16_t>(half | (bits >> 16U & 0x8000U));
+}
+
+bool copy_halves(const std::byte* from, std::span<float> out) noexcept {
+  std::uint32_t wrong = 0;
+  std::size_t i = 0;
+  std::array<std::uint16_t, kBlock> halves;
+  for (; i + kBlock <= out.size(); i += kBlock) {
+    std::memcpy(halves.data(), from + 2 * i, sizeof(halves));
+    float* to = out.data() + i;
+    for (std::size_t k = 0; k < kBlock; ++k) wrong |= infinite_or_nan(halves[k]);
+    for (std::size_t k = 0; k < kBlock; ++k) to[k] = to_float(halves[k]);
+  }
+  for (; i < out.size(); ++i) {
+    std::memcpy(halves.data(), from + 2 * i, sizeof(std::uint16_t));
+    wrong |= infinite_or_nan(halves[0]);
+    out[i] = to_float(halves[0]);
+  }
+  return wrong == 0;
+}
+
+bool copy_floats(const std::byte* from, std::span<float> out) noexcept {
+  if (!out.empty()) std::memcpy(out.data(), from, out.size_bytes());
+  return all_finite(out);
+}
+
+bool all_finite(std::span<const float> values) noexcept {
+  std::uint32_t wrong = 0;
+  std::size_t i = 0;
+  for (; i + kBlock <= values.size(); i += kBlock) {
+    const float* block = values.data() + i;
+    for (std::size_t k = 0; k < kBlock; ++k) wrong |= infinite_or_nan(block[k]);
+  }
+  for (; i < values.size(); ++i) wrong |= infinite_or_nan(values[i]);
+  return wrong == 0;
+}
+
+}  // namespace enfilade::features::detail

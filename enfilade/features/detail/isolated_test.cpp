@@ -1,0 +1,66 @@
+#include "enfilade/features/detail/isolated.h"
+
+#include <gmock/gmock.h>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/features/formats/stored_arrays.h"
+#include "tests/support/refusal.h"
+
+namespace enfilade::features::detail {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string refusal(const std::function<void()>& work) {
+  return tests::refusal<InvalidInput>([&] { run_isolated("f.h5", "damaged", work); });
+}
+
+TEST(Isolated, SharedMemoryIsWhatComesBack) {
+  SharedMemory memory;
+  int own = 0;
+  run_isolated("f.h5", "damaged", [&] {
+    own = 1;
+    memory.write_at(2, std::as_bytes(std::span("cd", 2)));
+    memory.write_at(0, std::as_bytes(std::span("ab", 2)));
+  });
+  EXPECT_EQ(own, 0);
+  EXPECT_EQ(read_file(memory.path()), "abcd");
+}
+
+TEST(Isolated, WhatIsThrownIsThrown) {
+  EXPECT_EQ(refusal([] { formats::refuse("f.h5", "here", "wrong", "a fault"); }),
+            "error: f.h5: here: a fault [wrong]");
+  EXPECT_THAT(tests::refusal<FileError>([] {
+                run_isolated("f.h5", "damaged", [] { throw FileError("f.h5: cannot open: why"); });
+              }),
+              "f.h5: cannot open: why");
+}
+
+TEST(Isolated, ACrashIsADamagedFile) {
+  for (const auto& crash : std::vector<std::function<void()>>{
+           [] { std::raise(SIGSEGV); }, [] { std::abort(); }, [] { std::raise(SIGKILL); },
+           [] { std::_Exit(0); }, [] { throw std::runtime_error("something else"); }}) {
+    EXPECT_THAT(refusal(crash), AllOf(HasSubstr("f.h5"), HasSubstr("damaged")));
+  }
+}
+
+TEST(Isolated, NothingIsPrinted) {
+  ::testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
+  EXPECT_EQ(refusal([] {
+              std::puts("printed");
+              std::fputs("printed", stderr);
+              std::fflush(nullptr);
+            }),
+            "accepted");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
+}
+
+}  // namespace
+}  // namespace enfilade::features::detail

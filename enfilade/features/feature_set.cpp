@@ -1,0 +1,281 @@
+#include "enfilade/features/feature_set.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+
+#include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/features/detail/half.h"
+#include "enfilade/features/formats/feature_hdf5.h"
+#include "enfilade/features/formats/feature_rows.h"
+#include "enfilade/features/formats/feature_safetensors.h"
+#include "enfilade/features/formats/feature_tsv.h"
+#include "enfilade/features/formats/stored_arrays.h"
+
+namespace enfilade::features {
+namespace {
+
+namespace fs = std::filesystem;
+
+formats::FeatureRows read_rows(const fs::path& file) {
+  switch (format_of(file)) {
+    case FeatureFormat::kSafetensors:
+      return formats::read_feature_safetensors(file);
+    case FeatureFormat::kTsv:
+      return formats::read_feature_tsv(file);
+    case FeatureFormat::kHdf5:
+      break;
+  }
+  return formats::read_feature_hdf5(file);
+}
+
+std::unique_ptr<formats::RowWriter> write_rows(const fs::path& file, const FeatureInfo& info,
+                                               const std::vector<FeatureKey>& keys) {
+  switch (format_of(file)) {
+    case FeatureFormat::kSafetensors:
+      return formats::write_feature_safetensors(file, info, keys);
+    case FeatureFormat::kTsv:
+      return formats::write_feature_tsv(file, info, keys);
+    case FeatureFormat::kHdf5:
+      break;
+  }
+  return formats::write_feature_hdf5(file, info, keys);
+}
+
+std::string place_of(const FeatureKey& key) {
+  return fmt::format("scan {:?}, viewpoint {:?}", key.scan, key.viewpoint);
+}
+
+void check_info(const fs::path& file, const FeatureInfo& info) {
+  if (info.views == 0 || info.dimensions == 0) {
+    throw ArgumentError(fmt::format("{}: {} views of {} dimensions, not 1 or more of each",
+                                    file.string(), info.views, info.dimensions));
+  }
+  if (info.type != DType::kFloat32 && info.type != DType::kFloat16) {
+    throw ArgumentError(
+        fmt::format("{}: numbers of type {}, not F32 or F16", file.string(), to_string(info.type)));
+  }
+  validate(info.camera);
+}
+
+// One name a viewpoint, in each of the formats.
+void check_keys(const fs::path& file, const std::vector<FeatureKey>& keys) {
+  if (keys.empty()) throw ArgumentError(file.string() + ": features of no viewpoint");
+  const auto unfit = [](unsigned char c) { return c < 0x20 || c == '/' || c == 0x7f; };
+  std::unordered_map<std::string, std::size_t> names;
+  for (const FeatureKey& key : keys) {
+    const std::string name = formats::name_of(key);
+    if (key.scan.empty() || key.viewpoint.empty() || std::ranges::any_of(name, unfit) ||
+        key.viewpoint.find('_') != std::string::npos) {
+      throw ArgumentError(
+          fmt::format("{}: {}: not names without control characters and \"/\", the "
+                      "viewpoint's without \"_\"",
+                      file.string(), place_of(key)));
+    }
+    if (!names.emplace(name, names.size()).second) {
+      throw ArgumentError(fmt::format("{}: {} comes twice", file.string(), place_of(key)));
+    }
+  }
+}
+
+}  // namespace
+
+FeatureFormat format_of(const fs::path& file) {
+  const std::string suffix = file.extension().string();
+  if (suffix == ".safetensors") return FeatureFormat::kSafetensors;
+  if (suffix == ".tsv") return FeatureFormat::kTsv;
+  if (suffix == ".h5" || suffix == ".hdf5") return FeatureFormat::kHdf5;
+  throw ArgumentError(
+      fmt::format("{}: ends neither in .safetensors nor in .tsv, .h5 or .hdf5", file.string()));
+}
+
+// --- FeatureSet -----------------------------------------------------------------------------
+
+struct FeatureSet::Impl {
+  explicit Impl(const fs::path& path) : file(path.string()), read(read_rows(path)) {
+    rows.reserve(read.keys.size());
+    for (std::size_t i = 0; i < read.keys.size(); ++i) {
+      if (!rows.emplace(formats::name_of(read.keys[i]), i).second) {
+        formats::refuse(file, place_of(read.keys[i]), "repeated-viewpoint",
+                        "comes twice, not once");
+      }
+    }
+  }
+
+  void copy(std::size_t row, std::size_t first, std::span<float> out) const {
+    const std::byte* const from = read.rows[row] + first * size_of(read.info.type);
+    const bool finite = read.info.type == DType::kFloat16 ? detail::copy_halves(from, out)
+                                                          : detail::copy_floats(from, out);
+    if (!finite) {
+      formats::refuse(file, place_of(read.keys[row]), "not-finite",
+                      "a number that is infinite or none");
+    }
+  }
+
+  std::string file;
+  formats::FeatureRows read;
+  std::unordered_map<std::string, std::size_t> rows;  ///< by name: a scan's may have a "_", too
+};
+
+FeatureSet FeatureSet::open(const fs::path& file) {
+  FeatureSet set;
+  set.impl_ = std::make_shared<const Impl>(file);
+  return set;
+}
+
+const FeatureInfo& FeatureSet::info() const noexcept { return impl_->read.info; }
+
+std::span<const FeatureKey> FeatureSet::keys() const noexcept { return impl_->read.keys; }
+
+std::optional<std::size_t> FeatureSet::row(std::string_view scan,
+                                           std::string_view viewpoint) const {
+  const auto found =
+      impl_->rows.find(formats::name_of({std::string(scan), std::string(viewpoint)}));
+  if (found == impl_->rows.end()) return std::nullopt;
+  return found->second;
+}
+
+void FeatureSet::copy_view(std::size_t row, std::size_t view, std::span<float> out) const {
+  EN_CHECK_LT(row, keys().size());
+  EN_CHECK_LT(view, info().views);
+  EN_CHECK_EQ(out.size(), info().dimensions);
+  impl_->copy(row, view * info().dimensions, out);
+}
+
+void FeatureSet::copy_views(std::size_t row, std::span<float> out) const {
+  EN_CHECK_LT(row, keys().size());
+  EN_CHECK_EQ(out.size(), formats::row_elements(info()));
+  impl_->copy(row, 0, out);
+}
+
+// --- FeatureWriter --------------------------------------------------------------------------
+
+struct FeatureWriter::Impl {
+  Impl(const fs::path& path, const FeatureInfo& what, std::vector<FeatureKey> of)
+      : file(path.string()), info(what), keys(std::move(of)), done(keys.size()) {
+    check_info(path, info);
+    check_keys(path, keys);
+    rows = write_rows(path, info, keys);
+    for (std::size_t i = 0; i < keys.size(); ++i) done[i] = rows->written(i);
+    left = static_cast<std::size_t>(std::ranges::count(done, false));
+  }
+
+  void check_numbers(std::size_t row, std::span<const float> views) const {
+    if (views.size() != formats::row_elements(info)) {
+      throw ArgumentError(fmt::format("{}: {}: {} numbers, not {} x {}", file, place_of(keys[row]),
+                                      views.size(), info.views, info.dimensions));
+    }
+    const float largest = info.type == DType::kFloat16 ? 65504.0F : 3.402823466e38F;
+    // Halves are rounded to the nearest: up to half a step above the largest goes down to it.
+    const float limit = info.type == DType::kFloat16 ? 65520.0F : INFINITY;
+    const auto unfit = [limit](float value) { return !(std::abs(value) < limit); };
+    const auto wrong = std::ranges::find_if(views, unfit);
+    if (wrong != views.end()) {
+      throw ArgumentError(fmt::format("{}: {}: number {} is {}, not from -{} to {}", file,
+                                      place_of(keys[row]), wrong - views.begin(), *wrong, largest,
+                                      largest));
+    }
+  }
+
+  std::string file;
+  FeatureInfo info;
+  std::vector<FeatureKey> keys;
+  std::vector<bool> done;
+  std::size_t left = 0;
+  std::unique_ptr<formats::RowWriter> rows;
+};
+
+FeatureWriter FeatureWriter::create(const fs::path& file, const FeatureInfo& info,
+                                    std::vector<FeatureKey> keys) {
+  FeatureWriter writer;
+  writer.impl_ = std::make_unique<Impl>(file, info, std::move(keys));
+  return writer;
+}
+
+FeatureWriter::FeatureWriter() = default;
+FeatureWriter::~FeatureWriter() = default;
+FeatureWriter::FeatureWriter(FeatureWriter&&) noexcept = default;
+FeatureWriter& FeatureWriter::operator=(FeatureWriter&&) noexcept = default;
+
+bool FeatureWriter::written(std::size_t row) const {
+  EN_CHECK_LT(row, impl_->keys.size());
+  return impl_->done[row];
+}
+
+std::size_t FeatureWriter::rows_left() const noexcept { return impl_->left; }
+
+void FeatureWriter::write(std::size_t row, std::span<const float> views) {
+  EN_CHECK_LT(row, impl_->keys.size());
+  EN_CHECK(impl_->rows != nullptr);  // not finished
+  impl_->check_numbers(row, views);
+  impl_->rows->write(row, views);
+  if (!impl_->done[row]) --impl_->left;
+  impl_->done[row] = true;
+}
+
+void FeatureWriter::finish() {
+  EN_CHECK(impl_->rows != nullptr);
+  if (impl_->left > 0) {
+    const auto missing =
+        static_cast<std::size_t>(std::ranges::find(impl_->done, false) - impl_->done.begin());
+    throw ArgumentError(fmt::format("{}: {} of {} viewpoints are not written yet, the first of {}",
+                                    impl_->file, impl_->left, impl_->keys.size(),
+                                    place_of(impl_->keys[missing])));
+  }
+  impl_->rows->finish();
+  impl_->rows.reset();
+}
+
+// --- conversion -----------------------------------------------------------------------------
+
+namespace {
+
+std::string text_of(const FeatureInfo& info) {
+  std::string text = fmt::format("{} views of {} dimensions", info.views, info.dimensions);
+  for (const auto& [name, value] : formats::metadata_of(info)) {
+    text += fmt::format(", {} {:?}", name, value);
+  }
+  return text;
+}
+
+}  // namespace
+
+void convert_features(std::span<const fs::path> from, const fs::path& to, DType type) {
+  if (from.empty()) throw ArgumentError(to.string() + ": made of no file");
+  std::vector<FeatureSet> sets;
+  std::vector<FeatureKey> keys;
+  std::unordered_map<std::string, std::size_t> origins;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    sets.push_back(FeatureSet::open(from[i]));
+    const std::string here = text_of(sets[i].info()), first = text_of(sets[0].info());
+    if (here != first) {
+      formats::refuse(from[i].string(), "", "differing-info",
+                      fmt::format("{}; not {} as in {}", here, first, from[0].string()));
+    }
+    for (const FeatureKey& key : sets[i].keys()) {
+      const auto [origin, fresh] = origins.emplace(formats::name_of(key), i);
+      if (!fresh) {
+        formats::refuse(from[i].string(), place_of(key), "repeated-viewpoint",
+                        "is in " + from[origin->second].string() + ", too");
+      }
+      keys.push_back(key);
+    }
+  }
+  FeatureInfo info = sets[0].info();
+  info.type = type;
+  FeatureWriter writer = FeatureWriter::create(to, info, std::move(keys));
+  std::vector<float> views(formats::row_elements(info));
+  std::size_t row = 0;
+  for (const FeatureSet& set : sets) {
+    for (std::size_t i = 0; i < set.keys().size(); ++i, ++row) {
+      set.copy_views(i, views);
+      writer.write(row, views);
+    }
+  }
+  writer.finish();
+}
+
+}  // namespace enfilade::features

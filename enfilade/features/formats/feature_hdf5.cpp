@@ -1,0 +1,448 @@
+#include "enfilade/features/formats/feature_hdf5.h"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "enfilade/core/detail/mapped_file.h"
+#include "enfilade/core/detail/part_file.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/features/detail/half.h"
+#include "enfilade/features/detail/isolated.h"
+#include "enfilade/features/formats/feature_safetensors.h"
+#include "enfilade/features/formats/safetensors.h"
+#include "enfilade/features/formats/stored_arrays.h"
+
+namespace enfilade::features::formats {
+namespace {
+
+// No viewpoint has as many numbers; more would be memory that a small file asks for.
+constexpr std::uint64_t kMostElements = std::uint64_t{1} << 24;
+
+/// Held around every use of the library.
+class Library {
+ public:
+  Library() : lock_(mutex()) {
+    // A file that could not be closed, as the disk was full, stays open in the library, which would
+    // try again when the program ends, and crash. All others are closed by Handle.
+    [[maybe_unused]] static const herr_t kNothingAtExit = H5dont_atexit();
+    H5Eget_auto2(H5E_DEFAULT, &print_, &print_data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~Library() { H5Eset_auto2(H5E_DEFAULT, print_, print_data_); }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+
+  /// What the library says of its last error.
+  static std::string reason() {
+    std::string text;
+    H5Ewalk2(
+        H5E_DEFAULT, H5E_WALK_UPWARD,
+        [](unsigned level, const H5E_error2_t* error, void* into) -> herr_t {
+          // The innermost call knows best.
+          if (level == 0 && error->desc != nullptr) *static_cast<std::string*>(into) = error->desc;
+          return 0;
+        },
+        &text);
+    return text.empty() ? "for no reason that it gives" : text.substr(0, 300);
+  }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+  }
+
+  std::lock_guard<std::mutex> lock_;
+  H5E_auto2_t print_ = nullptr;
+  void* print_data_ = nullptr;
+};
+
+using Close = herr_t (*)(hid_t);
+
+/// Something of the library's; below 0 if it could not be had.
+class Handle {
+ public:
+  Handle(hid_t id, Close closer) : id_(id), close_(closer) {}
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
+  ~Handle() { close(); }
+
+  hid_t id() const { return id_; }
+  bool good() const { return id_ >= 0; }
+  bool close() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
+
+ private:
+  hid_t id_;
+  Close close_;
+};
+
+// numpy's float16, which HDF5 has no name for.
+Handle half_type() {
+  Handle type(H5Tcopy(H5T_IEEE_F32LE), H5Tclose);
+  H5Tset_fields(type.id(), 15, 10, 5, 0, 10);
+  H5Tset_size(type.id(), 2);
+  H5Tset_ebias(type.id(), 15);
+  return type;
+}
+
+// Of these only: the library converts from any layout of bits that a file describes, also from
+// impossible ones, and then reads where nothing is.
+bool is_plain_float(hid_t type) {
+  const Handle half = half_type();
+  const std::array<hid_t, 5> plain{half.id(), H5T_IEEE_F32LE, H5T_IEEE_F32BE, H5T_IEEE_F64LE,
+                                   H5T_IEEE_F64BE};
+  return std::ranges::any_of(plain, [&](hid_t one) { return H5Tequal(type, one) > 0; });
+}
+bool is_plain_number(hid_t type) {
+  const std::array<hid_t, 6> plain{H5T_STD_I32LE, H5T_STD_I64LE, H5T_STD_I16LE,
+                                   H5T_STD_U32LE, H5T_STD_U64LE, H5T_STD_U16LE};
+  return is_plain_float(type) ||
+         std::ranges::any_of(plain, [&](hid_t one) { return H5Tequal(type, one) > 0; });
+}
+
+Handle type_in_memory(DType type) {
+  return type == DType::kFloat16 ? half_type() : Handle(H5Tcopy(H5T_NATIVE_FLOAT), H5Tclose);
+}
+
+// --- reading ---
+
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& path)
+      : name_(path.string()), file_(open(path, name_)) {}
+
+  /// As safetensors.
+  void copy_to(detail::SharedMemory& memory) {
+    const std::vector<std::string> names = datasets();
+    if (names.empty()) refuse(name_, "", "no-features", "holds no viewpoint's features");
+    for (const std::string& name : names) key_of(name, name_);
+    read_texts();
+    info_ = info_of(names[0], open_dataset(names[0]));
+    const std::vector<std::int64_t> shape{static_cast<std::int64_t>(info_.views),
+                                          static_cast<std::int64_t>(info_.dimensions)};
+    std::vector<NamedArray> arrays;
+    for (const std::string& name : names) arrays.push_back({name, info_.type, shape, {}});
+    const SafetensorsLayout layout = lay_out_safetensors(arrays, metadata_of(info_));
+    memory.write_at(0, std::as_bytes(std::span(layout.start)));
+    std::vector<std::byte> row(row_bytes(info_));
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      read_dataset(names[i], row);
+      memory.write_at(layout.offsets[i], row);
+    }
+  }
+
+ private:
+  static Handle open(const std::filesystem::path& path, const std::string& name) {
+    Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    if (!file.good()) {
+      refuse(name, "", "bad-hdf5", "no HDF5 file, or a damaged one: " + Library::reason());
+    }
+    return file;
+  }
+
+  [[noreturn]] void fail(const std::string& dataset, const char* code, std::string message) const {
+    refuse(name_, fmt::format("{:?}", dataset.substr(0, 100)), code, std::move(message));
+  }
+  [[noreturn]] void fail_damaged(const std::string& dataset) const {
+    fail(dataset, "bad-hdf5", "cannot be read: " + Library::reason());
+  }
+
+  struct Links {
+    std::vector<std::string> names;
+    bool hard = true;
+  };
+
+  // Links could lead to other files, where nobody expects to read.
+  std::vector<std::string> datasets() const {
+    Links links;
+    const herr_t result = H5Literate(
+        file_.id(), H5_INDEX_NAME, H5_ITER_INC, nullptr,
+        [](hid_t, const char* name, const H5L_info_t* info, void* into) -> herr_t {
+          auto& found = *static_cast<Links*>(into);
+          try {
+            found.names.emplace_back(name);
+          } catch (const std::exception&) {
+            return -1;  // nothing may be thrown through the library
+          }
+          found.hard = info->type == H5L_TYPE_HARD;
+          return found.hard ? 0 : 1;
+        },
+        &links);
+    if (!links.hard) fail(links.names.back(), "foreign-link", "a link, not a dataset");
+    if (result < 0) {
+      refuse(name_, "", "bad-hdf5", "its list of datasets cannot be read: " + Library::reason());
+    }
+    return std::move(links.names);
+  }
+
+  void read_texts() {
+    info_.encoder = text("encoder");
+    info_.preprocessing = text("preprocessing");
+    info_.weights = text("weights");
+  }
+
+  // An attribute of the file, if it is a text of fixed length, as ours are.
+  std::string text(const char* name) const {
+    constexpr std::size_t kLongest = 4096;
+    if (H5Aexists(file_.id(), name) <= 0) return {};
+    const Handle attribute(H5Aopen(file_.id(), name, H5P_DEFAULT), H5Aclose);
+    const Handle type(H5Aget_type(attribute.id()), H5Tclose);
+    const Handle space(H5Aget_space(attribute.id()), H5Sclose);
+    const std::size_t size = H5Tget_size(type.id());
+    if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) != 0 ||
+        H5Sget_simple_extent_npoints(space.id()) != 1 || size == 0 || size > kLongest) {
+      return {};
+    }
+    std::string value(size, '\0');
+    if (H5Aread(attribute.id(), type.id(), value.data()) < 0) {
+      refuse(name_, name, "bad-hdf5", "cannot be read: " + Library::reason());
+    }
+    value.resize(std::min(value.find('\0'), value.size()));
+    return value;
+  }
+
+  Handle open_dataset(const std::string& name) const {
+    Handle dataset(H5Dopen2(file_.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
+    if (!dataset.good()) fail_damaged(name);
+    return dataset;
+  }
+
+  void read_dataset(const std::string& name, std::span<std::byte> row) const {
+    const Handle dataset = open_dataset(name);
+    check_layout(name, dataset);
+    check_equal(name, info_of(name, dataset));
+    if (H5Dread(dataset.id(), type_in_memory(info_.type).id(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                row.data()) < 0) {
+      fail_damaged(name);
+    }
+    check_finite(name, row.data());
+  }
+
+  // A dataset without data reads as zeros, and chunks are made room for as large as they claim.
+  void check_layout(const std::string& name, const Handle& dataset) const {
+    if (H5Dget_storage_size(dataset.id()) == 0) fail(name, "no-data", "a dataset without data");
+    const Handle made(H5Dget_create_plist(dataset.id()), H5Pclose);
+    const H5D_layout_t layout = H5Pget_layout(made.id());
+    if (layout == H5D_VIRTUAL || H5Pget_external_count(made.id()) != 0) {
+      fail(name, "foreign-link", "data that is in other files");
+    }
+    if (layout != H5D_CHUNKED) return;
+    std::array<hsize_t, 2> chunk{};
+    if (H5Pget_chunk(made.id(), 2, chunk.data()) != 2) fail_damaged(name);
+    check_size(name, chunk);
+  }
+
+  void check_size(const std::string& name, const std::array<hsize_t, 2>& size) const {
+    if (size[0] == 0 || size[1] == 0 || size[0] > kMostElements ||
+        size[1] > kMostElements / size[0]) {
+      fail(name, "bad-shape",
+           fmt::format("{} x {} numbers, not 1 to {}", size[0], size[1], kMostElements));
+    }
+  }
+
+  FeatureInfo info_of(const std::string& name, const Handle& dataset) const {
+    const Handle space(H5Dget_space(dataset.id()), H5Sclose);
+    const Handle type(H5Dget_type(dataset.id()), H5Tclose);
+    if (!space.good() || !type.good()) fail_damaged(name);
+    std::array<hsize_t, 2> size{};
+    if (H5Sget_simple_extent_ndims(space.id()) != 2 ||
+        H5Sget_simple_extent_dims(space.id(), size.data(), nullptr) != 2) {
+      fail(name, "bad-shape", "not an array of views and dimensions");
+    }
+    check_size(name, size);
+    if (!is_plain_float(type.id())) {
+      fail(name, "unsupported-type", "not floating-point numbers of 16, 32 or 64 bits");
+    }
+    FeatureInfo info = info_;
+    info.views = size[0];
+    info.dimensions = size[1];
+    info.type = H5Tget_size(type.id()) == 2 ? DType::kFloat16 : DType::kFloat32;
+    info.camera = make_camera(
+        number(name, dataset, "image_w").value_or(info_.camera.width),
+        number(name, dataset, "image_h").value_or(info_.camera.height),
+        number(name, dataset, "vfov").value_or(to_degrees(info_.camera.vertical_field_of_view)),
+        name_, fmt::format("{:?}", name));
+    return info;
+  }
+
+  std::optional<double> number(const std::string& dataset_name, const Handle& dataset,
+                               const char* name) const {
+    if (H5Aexists(dataset.id(), name) <= 0) return std::nullopt;
+    const Handle attribute(H5Aopen(dataset.id(), name, H5P_DEFAULT), H5Aclose);
+    const Handle type(H5Aget_type(attribute.id()), H5Tclose);
+    const Handle space(H5Aget_space(attribute.id()), H5Sclose);
+    double value = 0;
+    if (!is_plain_number(type.id()) || H5Sget_simple_extent_npoints(space.id()) != 1 ||
+        H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, &value) < 0) {
+      fail(dataset_name, "bad-number", fmt::format("attribute {}: not a number", name));
+    }
+    return value;
+  }
+
+  void check_equal(const std::string& name, const FeatureInfo& found) const {
+    const FeatureInfo& first = info_;
+    if (found.views != first.views || found.dimensions != first.dimensions ||
+        found.type != first.type) {
+      fail(name, "differing-size",
+           fmt::format("{} x {} of {}, not {} x {} of {} as the first", found.views,
+                       found.dimensions, to_string(found.type), first.views, first.dimensions,
+                       to_string(first.type)));
+    }
+    if (metadata_of(found) != metadata_of(first)) {
+      fail(name, "differing-camera", "image_w, image_h or vfov other than the first's");
+    }
+  }
+
+  void check_finite(const std::string& name, const std::byte* row) const {
+    std::vector<float> floats(row_elements(info_));
+    const bool finite = info_.type == DType::kFloat16 ? detail::copy_halves(row, floats)
+                                                      : detail::copy_floats(row, floats);
+    if (!finite) fail(name, "not-finite", "a number that is infinite or none");
+  }
+
+  std::string name_;
+  Handle file_;
+  FeatureInfo info_;
+};
+
+// --- writing ---
+
+class Hdf5Rows final : public RowWriter {
+ public:
+  Hdf5Rows(std::filesystem::path file, const FeatureInfo& info, const std::vector<FeatureKey>& keys)
+      : target_(std::move(file)), info_(info), keys_(keys) {
+    path_ = PartFile(target_).path();  // and it can be written, or PartFile says why not
+    const Library library;
+    Handle made(H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+    check(made.good());
+    write_text(made, "encoder", info.encoder, TextLength::kFixed);
+    write_text(made, "preprocessing", info.preprocessing, TextLength::kFixed);
+    write_text(made, "weights", info.weights, TextLength::kFixed);
+    file_ = std::move(made);
+  }
+  ~Hdf5Rows() override {
+    const Library library;
+    file_.close();
+  }
+
+  bool written(std::size_t) const override { return false; }
+
+  void write(std::size_t row, std::span<const float> views) override {
+    const void* data = views.data();
+    if (info_.type == DType::kFloat16) {
+      halves_.resize(views.size());
+      std::ranges::transform(views, halves_.begin(), detail::to_half);
+      data = halves_.data();
+    }
+    const Library library;
+    const std::string name = name_of(keys_[row]);
+    if (H5Lexists(file_.id(), name.c_str(), H5P_DEFAULT) > 0) {
+      check(H5Ldelete(file_.id(), name.c_str(), H5P_DEFAULT) >= 0);
+    }
+    const std::array<hsize_t, 2> size{info_.views, info_.dimensions};
+    const Handle space(H5Screate_simple(2, size.data(), nullptr), H5Sclose);
+    const Handle stored =
+        info_.type == DType::kFloat16 ? half_type() : Handle(H5Tcopy(H5T_IEEE_F32LE), H5Tclose);
+    const Handle dataset(H5Dcreate2(file_.id(), name.c_str(), stored.id(), space.id(), H5P_DEFAULT,
+                                    H5P_DEFAULT, H5P_DEFAULT),
+                         H5Dclose);
+    check(dataset.good());
+    check(H5Dwrite(dataset.id(), type_in_memory(info_.type).id(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                   data) >= 0);
+    write_attributes(dataset, keys_[row]);
+  }
+
+  void finish() override {
+    {
+      const Library library;
+      check(H5Fflush(file_.id(), H5F_SCOPE_LOCAL) >= 0);
+      check(file_.close());
+    }
+    PartFile(target_).finish();
+  }
+
+ private:
+  void check(bool done) const {
+    if (!done) {
+      throw FileError(fmt::format("{}: cannot be written: {}", path_.string(), Library::reason()));
+    }
+  }
+
+  void write_attributes(const Handle& dataset, const FeatureKey& key) {
+    write_text(dataset, "scanId", key.scan, TextLength::kVariable);
+    write_text(dataset, "viewpointId", key.viewpoint, TextLength::kVariable);
+    write_number(dataset, "image_w", info_.camera.width);
+    write_number(dataset, "image_h", info_.camera.height);
+    const double vfov = std::stod(degrees_text(info_.camera.vertical_field_of_view));
+    write_number(dataset, "vfov", vfov);
+  }
+
+  /// h5py gives texts of variable length as Python's str. Ours are fixed, as we read them again:
+  /// in a damaged file, variable ones lead the library astray.
+  enum class TextLength : std::uint8_t { kFixed, kVariable };
+
+  void write_text(const Handle& to, const char* name, const std::string& text, TextLength length) {
+    if (text.empty()) return;
+    const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+    const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+    const bool fixed = length == TextLength::kFixed;
+    check(H5Tset_size(type.id(), fixed ? text.size() : H5T_VARIABLE) >= 0 &&
+          H5Tset_cset(type.id(), H5T_CSET_UTF8) >= 0 &&
+          H5Tset_strpad(type.id(), fixed ? H5T_STR_NULLPAD : H5T_STR_NULLTERM) >= 0);
+    const char* const start = text.c_str();
+    write_attribute(to, name, type, space, fixed ? static_cast<const void*>(start) : &start);
+  }
+
+  // Whole numbers as integers, as h5py would.
+  void write_number(const Handle& to, const char* name, double value) {
+    const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+    const bool whole = value == std::floor(value);
+    const Handle type(H5Tcopy(whole ? H5T_STD_I64LE : H5T_IEEE_F64LE), H5Tclose);
+    const auto integer = static_cast<std::int64_t>(value);
+    write_attribute(to, name, type, space, whole ? static_cast<const void*>(&integer) : &value);
+  }
+
+  void write_attribute(const Handle& to, const char* name, const Handle& type, const Handle& space,
+                       const void* value) {
+    const Handle attribute(
+        H5Acreate2(to.id(), name, type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    check(attribute.good() && H5Awrite(attribute.id(), type.id(), value) >= 0);
+  }
+
+  std::filesystem::path target_, path_;
+  FeatureInfo info_;
+  std::vector<FeatureKey> keys_;
+  Handle file_{-1, H5Fclose};
+  std::vector<std::uint16_t> halves_;
+};
+
+}  // namespace
+
+FeatureRows read_feature_hdf5(const std::filesystem::path& file) {
+  const MappedFile readable(file);  // the library does not tell one reason from another
+  detail::SharedMemory memory;
+  {
+    const Library library;
+    detail::run_isolated(file.string(), "bad-hdf5", [&] { Reader(file).copy_to(memory); });
+  }
+  return feature_rows_of(std::make_shared<const MappedFile>(memory.path()), file.string());
+}
+
+std::unique_ptr<RowWriter> write_feature_hdf5(const std::filesystem::path& file,
+                                              const FeatureInfo& info,
+                                              const std::vector<FeatureKey>& keys) {
+  return std::make_unique<Hdf5Rows>(file, info, keys);
+}
+
+}  // namespace enfilade::features::formats

@@ -1,0 +1,169 @@
+#include "enfilade/features/formats/feature_safetensors.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+#include <algorithm>
+#include <cstring>
+
+#include "enfilade/core/detail/part_file.h"
+#include "enfilade/features/detail/half.h"
+#include "enfilade/features/formats/safetensors.h"
+
+namespace enfilade::features::formats {
+namespace {
+
+// --- reading ---
+
+void check_array(const NamedArray& array, const FeatureInfo& info, const std::string& file) {
+  const std::string where = fmt::format("{:?}", array.name);
+  if (array.shape.size() != 2 || array.shape[0] == 0 || array.shape[1] == 0) {
+    refuse(file, where, "bad-shape", "not an array of views and dimensions");
+  }
+  if (array.type != DType::kFloat32 && array.type != DType::kFloat16) {
+    refuse(file, where, "unsupported-type",
+           fmt::format("numbers of type {}, not F32 or F16", to_string(array.type)));
+  }
+  const auto views = static_cast<std::size_t>(array.shape[0]);
+  const auto dimensions = static_cast<std::size_t>(array.shape[1]);
+  if (views != info.views || dimensions != info.dimensions || array.type != info.type) {
+    refuse(file, where, "differing-size",
+           fmt::format("{} x {} of {}, not {} x {} of {} as the first", views, dimensions,
+                       to_string(array.type), info.views, info.dimensions, to_string(info.type)));
+  }
+}
+
+// --- writing ---
+
+std::vector<NamedArray> arrays_of(const FeatureInfo& info, const std::vector<FeatureKey>& keys) {
+  const std::vector<std::int64_t> shape{static_cast<std::int64_t>(info.views),
+                                        static_cast<std::int64_t>(info.dimensions)};
+  std::vector<NamedArray> arrays;
+  arrays.reserve(keys.size());
+  for (const FeatureKey& key : keys) arrays.push_back({name_of(key), info.type, shape, {}});
+  return arrays;
+}
+
+/// The part is the file to be with a journal behind it: 8 bytes a row, its checksum if it was
+/// written, else 0. A row that was torn, or lost by a power cut, does not have its checksum.
+class SafetensorsRows final : public RowWriter {
+ public:
+  SafetensorsRows(const std::filesystem::path& file, const FeatureInfo& info,
+                  const std::vector<FeatureKey>& keys)
+      : layout_(lay_out_safetensors(arrays_of(info, keys), metadata_of(info))),
+        type_(info.type),
+        row_(row_bytes(info)),
+        written_(keys.size()),
+        part_(file) {
+    if (!resume()) begin();
+  }
+
+  bool written(std::size_t row) const override { return written_[row]; }
+
+  void write(std::size_t row, std::span<const float> views) override {
+    if (type_ == DType::kFloat16) {
+      halves_.resize(views.size());
+      std::ranges::transform(views, halves_.begin(), detail::to_half);
+      write_bytes(row, std::as_bytes(std::span(halves_)));
+    } else {
+      write_bytes(row, std::as_bytes(views));
+    }
+  }
+
+  void finish() override {
+    part_.synchronise();
+    // A part of just this size is taken for a whole one, so data goes to the disk first.
+    part_.resize(layout_.file_bytes);
+    part_.finish();
+  }
+
+ private:
+  std::uint64_t part_bytes() const {
+    return layout_.file_bytes + sizeof(std::uint64_t) * written_.size();
+  }
+
+  std::uint64_t checksum(std::size_t row, std::span<const std::byte> bytes) const {
+    return std::max<std::uint64_t>(XXH3_64bits_withSeed(bytes.data(), bytes.size(), row + 1), 1);
+  }
+
+  void mark(std::size_t row, std::uint64_t checksum) {
+    part_.write_at(layout_.file_bytes + sizeof(checksum) * row,
+                   std::as_bytes(std::span(&checksum, 1)));
+    written_[row] = true;
+  }
+
+  void write_bytes(std::size_t row, std::span<const std::byte> bytes) {
+    part_.write_at(layout_.offsets[row], bytes);
+    mark(row, checksum(row, bytes));
+  }
+
+  bool resume() {
+    const MappedFile map(part_.path());
+    const auto bytes = std::as_bytes(map.bytes());
+    const auto start = std::as_bytes(std::span(layout_.start));
+    const bool whole = bytes.size() == layout_.file_bytes;  // a run was killed before it renamed it
+    if ((!whole && bytes.size() != part_bytes()) ||
+        !std::ranges::equal(bytes.first(start.size()), start)) {
+      return false;
+    }
+    for (std::size_t row = 0; row < written_.size(); ++row) {
+      const std::uint64_t found = checksum(row, bytes.subspan(layout_.offsets[row], row_));
+      if (whole) {
+        mark(row, found);
+        continue;
+      }
+      std::uint64_t kept = 0;
+      std::memcpy(&kept, bytes.data() + layout_.file_bytes + sizeof(kept) * row, sizeof(kept));
+      written_[row] = kept == found;
+    }
+    return true;
+  }
+
+  void begin() {
+    part_.resize(0);
+    part_.resize(part_bytes());
+    part_.write_at(0, std::as_bytes(std::span(layout_.start)));
+  }
+
+  SafetensorsLayout layout_;
+  DType type_;
+  std::size_t row_;  ///< bytes
+  std::vector<bool> written_;
+  PartFile part_;
+  std::vector<std::uint16_t> halves_;
+};
+
+}  // namespace
+
+FeatureRows read_feature_safetensors(const std::filesystem::path& file) {
+  return feature_rows_of(std::make_shared<const MappedFile>(file), file.string());
+}
+
+FeatureRows feature_rows_of(const std::shared_ptr<const MappedFile>& map, const std::string& name) {
+  StoredArrays stored = read_safetensors(std::as_bytes(map->bytes()), name);
+  if (stored.arrays.empty()) refuse(name, "", "no-features", "holds no viewpoint's features");
+  std::ranges::sort(stored.arrays, {}, &NamedArray::name);
+  FeatureRows read;
+  const NamedArray& first = stored.arrays[0];
+  if (first.shape.size() == 2) {
+    read.info.views = static_cast<std::size_t>(first.shape[0]);
+    read.info.dimensions = static_cast<std::size_t>(first.shape[1]);
+  }
+  read.info.type = first.type;
+  read_metadata(stored.metadata, name, read.info);
+  for (const NamedArray& array : stored.arrays) {
+    read.keys.push_back(key_of(array.name, name));
+    check_array(array, read.info, name);
+    read.rows.push_back(array.bytes.data());
+  }
+  read.memory = std::move(stored.memory);
+  read.memory.push_back(map);
+  return read;
+}
+
+std::unique_ptr<RowWriter> write_feature_safetensors(const std::filesystem::path& file,
+                                                     const FeatureInfo& info,
+                                                     const std::vector<FeatureKey>& keys) {
+  return std::make_unique<SafetensorsRows>(file, info, keys);
+}
+
+}  // namespace enfilade::features::formats

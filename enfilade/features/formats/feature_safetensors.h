@@ -1,0 +1,24 @@
+/// \file  Features as safetensors: an array a viewpoint.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "enfilade/core/detail/mapped_file.h"
+#include "enfilade/features/formats/feature_rows.h"
+
+namespace enfilade::features::formats {
+
+/// Mapped. \throws FileError, InvalidInput
+FeatureRows read_feature_safetensors(const std::filesystem::path& file);
+
+/// The same of a file in memory. \param map keeps it. \param name for messages
+FeatureRows feature_rows_of(const std::shared_ptr<const MappedFile>& map, const std::string& name);
+
+/// Goes on with a part of the same info and keys. \throws FileError, ArgumentError
+std::unique_ptr<RowWriter> write_feature_safetensors(const std::filesystem::path& file,
+                                                     const FeatureInfo& info,
+                                                     const std::vector<FeatureKey>& keys);
+
+}  // namespace enfilade::features::formats

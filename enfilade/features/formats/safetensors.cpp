@@ -1,0 +1,300 @@
+#include "enfilade/features/formats/safetensors.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "enfilade/core/detail/json.h"
+
+namespace enfilade::features::formats {
+namespace {
+
+constexpr std::uint64_t kLongestHeader = 100'000'000;  // of the format's own reader
+constexpr std::size_t kLengthBytes = 8;
+constexpr std::size_t kAlignment = 64;  // of a cache line, and of any vector instruction's memory
+constexpr std::string_view kMetadata = "__metadata__";
+
+std::uint64_t little_endian(std::span<const std::byte> bytes) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < kLengthBytes; ++i) {
+    value |= std::to_integer<std::uint64_t>(bytes[i]) << 8 * i;
+  }
+  return value;
+}
+
+std::optional<DType> dtype_of(std::string_view name) {
+  for (int i = 0; i <= static_cast<int>(DType::kBool); ++i) {
+    if (to_string(static_cast<DType>(i)) == name) return static_cast<DType>(i);
+  }
+  return std::nullopt;
+}
+
+/// An array's bytes, counted from behind the header.
+struct Range {
+  std::uint64_t begin = 0, end = 0;
+};
+
+/// Reads what the header says. Faults are collected.
+class HeaderReader {
+ public:
+  HeaderReader(json::Faults& faults, StoredArrays& into, std::vector<Range>& ranges)
+      : faults_(faults), into_(into), ranges_(ranges) {}
+
+  void read(json::Element root) {
+    const json::Path path;
+    const auto object = json::object(root, path, faults_);
+    if (!object) return;
+    std::set<std::string_view> names;
+    for (const auto field : *object) {
+      const json::Path at(path, field.key);
+      if (!names.insert(field.key).second) {
+        faults_.error(at, "repeated-name", "comes twice, not once");
+      } else if (field.key == kMetadata) {
+        read_metadata(field.value, at);
+      } else {
+        read_array(field.key, field.value, at);
+      }
+    }
+  }
+
+ private:
+  void read_metadata(json::Element element, const json::Path& path) {
+    const auto object = json::object(element, path, faults_);
+    if (!object) return;
+    for (const auto field : *object) {
+      const auto value = json::string(field.value, json::Path(path, field.key), faults_);
+      if (value) into_.metadata[std::string(field.key)] = *value;
+    }
+  }
+
+  void read_array(std::string_view name, json::Element element, const json::Path& path) {
+    static constexpr std::array<json::Field, 3> kFields{{{"dtype"}, {"shape"}, {"data_offsets"}}};
+    std::array<std::optional<json::Element>, 3> found;
+    if (!json::fields(element, kFields, found, path, faults_)) return;
+    const auto type = read_type(*found[0], json::Path(path, "dtype"));
+    auto shape = read_numbers(*found[1], json::Path(path, "shape"));
+    const json::Path offsets_path(path, "data_offsets");
+    const auto offsets = read_numbers(*found[2], offsets_path);
+    if (!type || !shape || !offsets) return;
+    if (offsets->size() != 2 || (*offsets)[0] > (*offsets)[1]) {
+      faults_.error(offsets_path, "bad-offsets", "not [begin, end] with begin at or before end");
+      return;
+    }
+    const Range range{static_cast<std::uint64_t>((*offsets)[0]),
+                      static_cast<std::uint64_t>((*offsets)[1])};
+    const auto bytes = bytes_of_shape(*shape, *type);
+    if (!bytes || *bytes != range.end - range.begin) {
+      faults_.error(
+          offsets_path, "bad-size",
+          fmt::format("{} bytes, not the {} of {} numbers of type {}", range.end - range.begin,
+                      bytes ? fmt::to_string(*bytes) : "too many", shape_text(*shape),
+                      to_string(*type)));
+      return;
+    }
+    into_.arrays.push_back({std::string(name), *type, *std::move(shape), {}});
+    ranges_.push_back(range);
+  }
+
+  static std::string shape_text(std::span<const std::int64_t> shape) {
+    std::string text = "1";
+    for (const std::int64_t side : shape) text += fmt::format(" x {}", side);
+    return shape.empty() ? text : text.substr(4);
+  }
+
+  std::optional<DType> read_type(json::Element element, const json::Path& path) {
+    const auto name = json::string(element, path, faults_);
+    if (!name) return std::nullopt;
+    const auto type = dtype_of(*name);
+    if (!type) {
+      faults_.error(path, "unsupported-type",
+                    fmt::format("{}, not F16, BF16, F32, F64, I32, I64, U8, U64 or BOOL",
+                                json::describe(element)));
+    }
+    return type;
+  }
+
+  std::optional<std::vector<std::int64_t>> read_numbers(json::Element element,
+                                                        const json::Path& path) {
+    const auto array = json::array(element, path, faults_);
+    if (!array) return std::nullopt;
+    std::vector<std::int64_t> numbers;
+    for (const json::Element number : *array) {
+      const json::Path at(path, numbers.size());
+      const auto value = json::integer(number, at, faults_);
+      if (!value) return std::nullopt;
+      if (*value < 0) {
+        faults_.error(at, "negative", fmt::format("{}, not 0 or more", *value));
+        return std::nullopt;
+      }
+      numbers.push_back(*value);
+    }
+    return numbers;
+  }
+
+  json::Faults& faults_;
+  StoredArrays& into_;
+  std::vector<Range>& ranges_;
+};
+
+std::span<const std::byte> header_of(std::span<const std::byte> file, const std::string& name) {
+  if (file.size() < kLengthBytes) {
+    refuse(name, "byte 0", "truncated",
+           fmt::format("{} bytes, not the 8 and more of a safetensors file", file.size()));
+  }
+  const std::uint64_t bytes = little_endian(file);
+  if (bytes > kLongestHeader) {
+    refuse(name, "byte 0", "bad-header",
+           fmt::format("a header of {} bytes, at most {} are allowed: no safetensors file", bytes,
+                       kLongestHeader));
+  }
+  if (bytes > file.size() - kLengthBytes) {
+    refuse(name, "byte 0", "truncated",
+           fmt::format("a header of {} bytes in a file of {}", bytes, file.size()));
+  }
+  const auto header = file.subspan(kLengthBytes, bytes);
+  if (header.empty() || header[0] != std::byte{'{'}) {
+    refuse(name, "byte 8", "bad-header", "a header that does not begin with \"{\"");
+  }
+  return header;
+}
+
+// The format allows neither holes nor overlaps, nor bytes behind the last array.
+void check_ranges(const std::vector<NamedArray>& arrays, const std::vector<Range>& ranges,
+                  std::uint64_t bytes, json::Faults& faults) {
+  std::vector<std::size_t> order(ranges.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {},
+                    [&](std::size_t i) { return std::pair(ranges[i].begin, ranges[i].end); });
+  std::uint64_t end = 0;
+  const json::Path root;
+  for (const std::size_t i : order) {
+    const json::Path array(root, arrays[i].name);
+    const json::Path path(array, "data_offsets");
+    if (ranges[i].end > bytes) {
+      faults.error(
+          path, "truncated",
+          fmt::format("ends at byte {} of the data, of which there are {}", ranges[i].end, bytes));
+      return;
+    }
+    if (ranges[i].begin != end) {
+      faults.error(path, ranges[i].begin < end ? "overlap" : "hole",
+                   fmt::format("begins at byte {} of the data, not at {} where the one before ends",
+                               ranges[i].begin, end));
+      return;
+    }
+    end = ranges[i].end;
+  }
+  if (end != bytes) {
+    faults.error(root, "surplus",
+                 fmt::format("{} bytes of data, of which arrays have {}", bytes, end));
+  }
+}
+
+nlohmann::ordered_json header_of(std::span<const NamedArray> arrays,
+                                 std::span<const std::uint64_t> begins,
+                                 const std::map<std::string, std::string>& metadata) {
+  nlohmann::ordered_json::object_t header;  // grows at its end; operator[] would search all of it
+  if (!metadata.empty()) header.emplace_back(std::string(kMetadata), metadata);
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    const NamedArray& array = arrays[i];
+    const std::uint64_t bytes = *bytes_of_shape(array.shape, array.type);
+    nlohmann::ordered_json entry;
+    entry["dtype"] = to_string(array.type);
+    entry["shape"] = array.shape;
+    entry["data_offsets"] = {begins[i], begins[i] + bytes};
+    header.emplace_back(array.name, std::move(entry));
+  }
+  return header;
+}
+
+void check_names(std::span<const NamedArray> arrays) {
+  std::set<std::string_view> names;
+  for (const NamedArray& array : arrays) {
+    if (array.name == kMetadata || !names.insert(array.name).second) {
+      throw ArgumentError(fmt::format(
+          "array {:?}: {}", array.name,
+          array.name == kMetadata ? "the format keeps this name" : "comes twice, not once"));
+    }
+    const auto negative = [](std::int64_t side) { return side < 0; };
+    if (std::ranges::any_of(array.shape, negative) || !bytes_of_shape(array.shape, array.type)) {
+      throw ArgumentError(
+          fmt::format("array {:?}: a side below 0, or a size beyond memory", array.name));
+    }
+  }
+}
+
+// Data in this order has each array aligned as well as the format, which allows no gaps, lets it
+// be: first those that leave the next one aligned, then by the size of an element.
+std::vector<std::size_t> order_of_data(std::span<const NamedArray> arrays) {
+  std::vector<std::size_t> order(arrays.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::size_t i) {
+    const NamedArray& array = arrays[i];
+    return *bytes_of_shape(array.shape, array.type) % kAlignment == 0 ? kAlignment
+                                                                      : size_of(array.type);
+  });
+  return order;
+}
+
+}  // namespace
+
+StoredArrays read_safetensors(std::span<const std::byte> file, const std::string& name) {
+  const auto header = header_of(file, name);
+  const auto document =
+      json::Document::parse({reinterpret_cast<const char*>(header.data()), header.size()}, name);
+  const auto data = file.subspan(kLengthBytes + header.size());
+  StoredArrays read;
+  std::vector<Range> ranges;
+  json::Faults faults(name);
+  HeaderReader(faults, read, ranges).read(document.root());
+  faults.throw_if_errors();
+  check_ranges(read.arrays, ranges, data.size(), faults);
+  faults.throw_if_errors();
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const auto bytes = data.subspan(ranges[i].begin, ranges[i].end - ranges[i].begin);
+    read.arrays[i].bytes = read.aligned(bytes, read.arrays[i].type);
+  }
+  return read;
+}
+
+SafetensorsLayout lay_out_safetensors(std::span<const NamedArray> arrays,
+                                      const std::map<std::string, std::string>& metadata) {
+  check_names(arrays);
+  SafetensorsLayout layout;
+  layout.offsets.resize(arrays.size());
+  std::uint64_t end = 0;
+  for (const std::size_t i : order_of_data(arrays)) {
+    layout.offsets[i] = end;
+    end += *bytes_of_shape(arrays[i].shape, arrays[i].type);
+  }
+  std::string header;
+  try {
+    header = header_of(arrays, layout.offsets, metadata).dump();
+  } catch (const nlohmann::json::exception& error) {
+    throw ArgumentError(fmt::format("a name or metadata: no UTF-8 ({})", error.what()));
+  }
+  header.resize(
+      (kLengthBytes + header.size() + kAlignment - 1) / kAlignment * kAlignment - kLengthBytes,
+      ' ');
+  if (header.size() > kLongestHeader) {
+    throw ArgumentError(fmt::format("{} arrays: a header of {} bytes, at most {} are allowed",
+                                    arrays.size(), header.size(), kLongestHeader));
+  }
+  for (std::size_t i = 0; i < kLengthBytes; ++i) {
+    layout.start += static_cast<char>(header.size() >> 8 * i & 255U);
+  }
+  layout.start += header;
+  for (std::uint64_t& offset : layout.offsets) offset += layout.start.size();
+  layout.file_bytes = layout.start.size() + end;
+  return layout;
+}
+
+}  // namespace enfilade::features::formats

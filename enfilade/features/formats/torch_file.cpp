@@ -1,0 +1,343 @@
+#include "enfilade/features/formats/torch_file.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+
+#include "enfilade/features/formats/pickle.h"
+#include "enfilade/scan/file_tree.h"
+
+namespace enfilade::features::formats {
+namespace {
+
+using Bytes = std::span<const std::byte>;
+/// Gives the bytes of a whole storage. \throws InvalidInput
+using FindStorage = std::function<Bytes(const PickledStorage&)>;
+
+// --- which tensors ---
+
+const Value* find(const Dictionary& dictionary, std::string_view key) {
+  const Value* found = nullptr;
+  for (const auto& [name, value] : dictionary.items) {
+    const auto* text = std::get_if<std::string>(&name->is);
+    if (text != nullptr && *text == key) found = value;
+  }
+  return found;
+}
+
+using Tensors = std::map<std::string, const PickledTensor*>;
+
+Tensors tensors_in(const Dictionary& dictionary) {
+  Tensors tensors;
+  for (const auto& [name, value] : dictionary.items) {
+    const auto* text = std::get_if<std::string>(&name->is);
+    const auto* tensor = std::get_if<PickledTensor>(&value->is);
+    if (text != nullptr && tensor != nullptr) tensors.insert_or_assign(*text, tensor);
+  }
+  return tensors;
+}
+
+// Training programs put the dictionary of tensors into one that also has the epoch, the optimiser
+// and so on.
+Tensors find_tensors(const Value* root, const std::string& name) {
+  constexpr std::array<std::string_view, 4> kInner{"state_dict", "model_state_dict", "model",
+                                                   "module"};
+  constexpr int kDeepest = 4;
+  for (int depth = 0; depth < kDeepest && root != nullptr; ++depth) {
+    const auto* dictionary = std::get_if<Dictionary>(&root->is);
+    if (dictionary == nullptr) break;
+    Tensors tensors = tensors_in(*dictionary);
+    if (!tensors.empty()) return tensors;
+    root = nullptr;
+    for (std::size_t i = 0; i < kInner.size() && root == nullptr; ++i) {
+      root = find(*dictionary, kInner[i]);
+    }
+  }
+  refuse(name, "", "no-tensors",
+         "no dictionary of tensors, nor one below \"state_dict\", \"model_state_dict\", \"model\" "
+         "or \"module\"");
+}
+
+// --- from storages to arrays ---
+
+[[noreturn]] void refuse_tensor(const std::string& file, const std::string& tensor,
+                                std::string code, std::string message) {
+  refuse(file, fmt::format("{:?}", tensor), std::move(code), std::move(message));
+}
+
+// The elements from a tensor's first to its last in its storage; none if that is beyond any size.
+std::optional<std::uint64_t> extent(const PickledTensor& tensor) {
+  std::uint64_t last = 0;
+  for (std::size_t i = 0; i < tensor.shape.size(); ++i) {
+    if (tensor.shape[i] == 0) return 0;
+    const auto steps = static_cast<std::uint64_t>(tensor.shape[i] - 1);
+    std::uint64_t reach = 0;
+    if (__builtin_mul_overflow(steps, static_cast<std::uint64_t>(tensor.strides[i]), &reach) ||
+        __builtin_add_overflow(last, reach, &last)) {
+      return std::nullopt;
+    }
+  }
+  return last + 1;
+}
+
+bool is_contiguous(const PickledTensor& tensor) {
+  std::int64_t stride = 1;
+  for (std::size_t i = tensor.shape.size(); i-- > 0;) {
+    if (tensor.shape[i] != 1 && tensor.strides[i] != stride) return false;
+    stride *= tensor.shape[i];
+  }
+  return true;
+}
+
+// Row by row, whatever the order of the elements in `from`, which begins with the first.
+void gather(const PickledTensor& tensor, Bytes from, std::size_t size, std::span<std::byte> to) {
+  std::vector<std::int64_t> index(tensor.shape.size());
+  std::size_t at = 0;
+  for (std::size_t filled = 0; filled < to.size(); filled += size) {
+    std::memcpy(to.data() + filled, from.data() + at * size, size);
+    for (std::size_t i = index.size(); i-- > 0;) {
+      const auto stride = static_cast<std::size_t>(tensor.strides[i]);
+      at += stride;
+      if (++index[i] < tensor.shape[i]) break;
+      at -= stride * static_cast<std::size_t>(tensor.shape[i]);
+      index[i] = 0;
+    }
+  }
+}
+
+class ArrayBuilder {
+ public:
+  ArrayBuilder(const std::string& file, const FindStorage& find_storage, StoredArrays& into)
+      : file_(file), find_storage_(find_storage), into_(into) {}
+
+  void build(const std::string& name, const PickledTensor& tensor) {
+    if (tensor.storage == nullptr) refuse_tensor(file_, name, "bad-pickle", "has no data");
+    const auto& storage = std::get<PickledStorage>(tensor.storage->is);
+    const auto bytes = bytes_of_shape(tensor.shape, storage.type);
+    const auto reach = extent(tensor);
+    const Bytes all = bytes_of(name, storage);
+    const std::uint64_t elements = all.size() / size_of(storage.type);
+    const auto offset = static_cast<std::uint64_t>(tensor.offset);
+    if (!bytes || !reach || offset > elements || *reach > elements - offset) {
+      refuse_tensor(file_, name, "bad-size",
+                    fmt::format("reaches beyond the {} elements of its storage", elements));
+    }
+    NamedArray array{name, storage.type, tensor.shape, {}};
+    const Bytes from = all.subspan(offset * size_of(storage.type));
+    if (*bytes == 0 || is_contiguous(tensor)) {
+      array.bytes = into_.aligned(from.first(*bytes), storage.type);
+    } else {
+      array.bytes = gathered(name, tensor, from, size_of(storage.type), *bytes);
+    }
+    into_.arrays.push_back(std::move(array));
+  }
+
+ private:
+  Bytes bytes_of(const std::string& name, const PickledStorage& storage) const {
+    const Bytes all = find_storage_(storage);
+    const std::size_t size = size_of(storage.type);
+    const auto elements = static_cast<std::uint64_t>(storage.elements);
+    if (all.size() % size != 0 || all.size() / size != elements) {
+      refuse_tensor(file_, name, "bad-size",
+                    fmt::format("a storage of {} bytes, not of {} elements of {} bytes", all.size(),
+                                elements, size));
+    }
+    if (!storage.view) return all;
+    const auto offset = static_cast<std::uint64_t>(storage.view->offset);
+    const auto viewed = static_cast<std::uint64_t>(storage.view->elements);
+    if (offset > elements || viewed > elements - offset) {
+      refuse_tensor(file_, name, "bad-size",
+                    fmt::format("a view beyond the {} elements of its storage", elements));
+    }
+    return all.subspan(offset * size, viewed * size);
+  }
+
+  Bytes gathered(const std::string& name, const PickledTensor& tensor, Bytes from, std::size_t size,
+                 std::size_t bytes) {
+    // Strides of 0 make any size out of one number: nothing that is learnt looks like that, and a
+    // small file could fill the memory.
+    if (bytes > from.size()) {
+      refuse_tensor(
+          file_, name, "expanded",
+          fmt::format("{} bytes out of a storage of {}: repeats its numbers", bytes, from.size()));
+    }
+    const auto to = into_.allocate(bytes);
+    gather(tensor, from, size, to);
+    return to;
+  }
+
+  const std::string& file_;
+  const FindStorage& find_storage_;
+  StoredArrays& into_;
+};
+
+void build_arrays(const Pickle& pickle, const std::string& file, const FindStorage& find_storage,
+                  StoredArrays& into) {
+  ArrayBuilder builder(file, find_storage, into);
+  for (const auto& [name, tensor] : find_tensors(pickle.root, file)) builder.build(name, *tensor);
+}
+
+Bytes bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
+
+// --- pickles with storages behind them ---
+
+constexpr std::array<std::uint8_t, 12> kMagic{0x8a, 0x0a, 0x6c, 0xfc, 0x9c, 0x46,
+                                              0xf9, 0x20, 0x6a, 0xa8, 0x50, 0x19};
+
+bool has_magic(Bytes file) {
+  const auto start = file.first(std::min<std::size_t>(file.size(), 32));
+  return !std::ranges::search(start, std::as_bytes(std::span(kMagic))).empty();
+}
+
+/// The parts of such a file, one behind the other.
+class PickleSequence {
+ public:
+  PickleSequence(Bytes file, const std::string& name) : file_(file), name_(name) {}
+
+  Pickle next() {
+    Pickle pickle = read_pickle(file_.subspan(at_), name_, at_);
+    at_ += pickle.bytes;
+    return pickle;
+  }
+
+  // The number of elements, then the elements.
+  Bytes next_storage(const std::string& key, const PickledStorage& storage) {
+    std::uint64_t elements = 0;
+    if (file_.size() - at_ < sizeof(elements)) truncated(key);
+    std::memcpy(&elements, file_.data() + at_, sizeof(elements));
+    at_ += sizeof(elements);
+    if (elements != static_cast<std::uint64_t>(storage.elements)) {
+      refuse(name_, fmt::format("byte {}", at_ - sizeof(elements)), "bad-size",
+             fmt::format("a storage of {} elements, not of the {} that were announced", elements,
+                         storage.elements));
+    }
+    if (elements > (file_.size() - at_) / size_of(storage.type)) truncated(key);
+    const Bytes bytes = file_.subspan(at_, elements * size_of(storage.type));
+    at_ += bytes.size();
+    return bytes;
+  }
+
+ private:
+  [[noreturn]] void truncated(const std::string& key) const {
+    refuse(name_, fmt::format("byte {}", at_), "truncated",
+           fmt::format("the file ends within storage {:?}", key));
+  }
+
+  Bytes file_;
+  const std::string& name_;
+  std::size_t at_ = 0;
+};
+
+std::vector<std::string> strings_of(const Pickle& pickle, const std::string& name) {
+  std::vector<std::string> strings;
+  const auto* list = std::get_if<List>(&pickle.root->is);
+  if (list == nullptr) refuse(name, "", "bad-pickle", "no list of storages behind the tensors");
+  for (const Value* const item : list->items) {
+    const auto* text = std::get_if<std::string>(&item->is);
+    if (text == nullptr) refuse(name, "", "bad-pickle", "a storage's key that is no text");
+    strings.push_back(*text);
+  }
+  return strings;
+}
+
+void check_version(const Pickle& pickle, const std::string& name) {
+  constexpr std::int64_t kVersion = 1001;
+  const auto* version = std::get_if<std::int64_t>(&pickle.root->is);
+  if (version == nullptr || *version != kVersion) {
+    refuse(name, "", "bad-pickle", fmt::format("a version of the format other than {}", kVersion));
+  }
+}
+
+void check_byte_order(const Pickle& pickle, const std::string& name) {
+  const auto* dictionary = std::get_if<Dictionary>(&pickle.root->is);
+  const Value* const little = dictionary == nullptr ? nullptr : find(*dictionary, "little_endian");
+  const bool* const is_little = little == nullptr ? nullptr : std::get_if<bool>(&little->is);
+  if (is_little == nullptr || !*is_little) {
+    refuse(name, "", "big-endian", "written on a big-endian machine, which is not read");
+  }
+}
+
+}  // namespace
+
+bool looks_like_zip(Bytes file) noexcept {
+  constexpr std::string_view kSignature("PK\x03\x04", 4);
+  return file.size() >= kSignature.size() &&
+         std::ranges::equal(file.first(kSignature.size()), bytes_of(kSignature));
+}
+
+bool looks_like_pickle(Bytes file) noexcept {
+  // A safetensors file of a header this long may begin likewise, but its ninth byte is a "{".
+  return file.size() >= 2 && file[0] == std::byte{0x80} && file[1] >= std::byte{2} &&
+         file[1] <= std::byte{5} && (file.size() < 9 || file[8] != std::byte{'{'});
+}
+
+StoredArrays read_torch_zip(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  const auto zip = scan::FileTree::zip(file);
+  const auto text = zip->read("data.pkl");
+  if (!text) {
+    refuse(name, "", "no-tensors", "a zip archive without data.pkl: not written by torch.save()");
+  }
+  if (zip->read("byteorder").value_or("little") != "little") {
+    refuse(name, "byteorder", "big-endian", "written on a big-endian machine, which is not read");
+  }
+  const Pickle pickle = read_pickle(bytes_of(*text), zip->path_of("data.pkl"));
+  StoredArrays read;
+  std::unordered_map<std::string, Bytes> storages;
+  build_arrays(
+      pickle, name,
+      [&](const PickledStorage& storage) {
+        const auto known = storages.find(storage.key);
+        if (known != storages.end()) return known->second;
+        auto content = zip->read(storage.key);
+        if (!content) refuse(name, "data/" + storage.key, "truncated", "is not in the archive");
+        const auto kept = std::make_shared<const std::string>(*std::move(content));
+        read.memory.push_back(kept);
+        return storages[storage.key] = bytes_of(*kept);
+      },
+      read);
+  return read;
+}
+
+StoredArrays read_torch_pickle(Bytes file, const std::string& name) {
+  if (!has_magic(file)) {
+    refuse(name, "byte 0", "foreign-pickle", "a pickle, but not one that torch.save() wrote");
+  }
+  PickleSequence parts(file, name);
+  parts.next();  // the magic number
+  check_version(parts.next(), name);
+  check_byte_order(parts.next(), name);
+  const Pickle pickle = parts.next();
+  std::unordered_map<std::string_view, const PickledStorage*> announced;
+  for (const PickledStorage* storage : storages_of(pickle)) announced[storage->key] = storage;
+  std::unordered_map<std::string, Bytes> storages;
+  for (const std::string& key : strings_of(parts.next(), name)) {
+    const auto storage = announced.find(key);
+    if (storage == announced.end()) {
+      refuse(name, "", "bad-pickle", fmt::format("storage {:?}, which no tensor has", key));
+    }
+    storages[key] = parts.next_storage(key, *storage->second);
+  }
+  StoredArrays read;
+  build_arrays(
+      pickle, name,
+      [&](const PickledStorage& storage) {
+        const auto found = storages.find(storage.key);
+        if (found == storages.end()) {
+          refuse(name, "", "truncated", fmt::format("storage {:?} is not there", storage.key));
+        }
+        return found->second;
+      },
+      read);
+  return read;
+}
+
+}  // namespace enfilade::features::formats

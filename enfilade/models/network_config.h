@@ -1,0 +1,45 @@
+/// \file  Sizes and optimiser settings of the sequence-to-sequence network.
+#pragma once
+#include <cstddef>
+#include <string_view>
+
+namespace enfilade::models {
+
+/// What the agent may use. Weights have their shapes all the same; those of no use only decay.
+struct Inputs {
+  bool language = true;  ///< off: every instruction is a lone <EOS>
+  bool vision = true;    ///< off: features are zero, and not looked at
+};
+
+/// The paper's sizes.
+struct NetworkConfig {
+  std::size_t vocabulary = 0;  ///< words, with the three specials
+  std::size_t max_words = 80;
+  std::size_t word_embedding = 256;
+  std::size_t hidden = 512;
+  std::size_t action_embedding = 32;
+  std::size_t features = 2048;  ///< 0 with vision off needs no feature at all
+  double dropout = 0.5;         ///< [0, 1)
+  Inputs inputs;
+};
+/// \throws ArgumentError naming the field, its value and what is allowed
+void validate(const NetworkConfig& config);
+
+/// Adam with L2 inside, as the recipe has it; one for the encoder, one for the decoder, alike.
+struct AdamConfig {
+  double learning_rate = 1e-4;
+  double beta1 = 0.9;
+  double beta2 = 0.999;
+  double epsilon = 1e-8;
+  double weight_decay = 5e-4;  ///< added to the gradient, times the weight
+};
+
+/// Where the next action comes from.
+enum class Feedback {
+  kTeacher,  ///< the label
+  kSample,   ///< drawn from the softmax: student-forcing
+  kArgmax,   ///< the likeliest
+};
+std::string_view to_string(Feedback feedback) noexcept;  ///< "teacher", "sample", "argmax"
+
+}  // namespace enfilade::models

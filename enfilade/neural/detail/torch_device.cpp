@@ -1,0 +1,50 @@
+#include "enfilade/neural/detail/torch_device.h"
+
+#include <ATen/ATen.h>
+#include <fmt/format.h>
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <string_view>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade::neural::detail {
+namespace {
+
+constexpr std::string_view kCuda = "cuda";
+
+c10::Device parse_device(const std::string& name) {
+  if (name == "cpu") return c10::kCPU;
+  if (name == kCuda) return {c10::kCUDA, 0};
+  std::string_view number = name;
+  if (number.starts_with("cuda:")) {
+    number.remove_prefix(kCuda.size() + 1);
+    std::int8_t card = 0;  // c10::DeviceIndex
+    const auto [stop, code] = std::from_chars(number.data(), number.data() + number.size(), card);
+    if (code == std::errc() && stop == number.data() + number.size() && card >= 0) {
+      return {c10::kCUDA, card};
+    }
+  }
+  throw ArgumentError(
+      fmt::format("device {:?}: \"cpu\", \"cuda\", or \"cuda:N\" for card N is allowed", name));
+}
+
+}  // namespace
+
+c10::Device open_device(const std::string& name) {
+  const c10::Device device = parse_device(name);
+  if (device.is_cpu()) return device;
+  try {
+    // The only question that every version of libtorch, with CUDA or without, answers alike.
+    (void)at::zeros({1}, at::TensorOptions(device)).cpu();
+  } catch (const std::exception& error) {
+    const std::string_view reason = error.what();
+    // What follows the first sentence is pages long, or about where in libtorch it happened.
+    throw Error(fmt::format("device {}: libtorch cannot use it: {}", name,
+                            reason.substr(0, std::min(reason.find('\n'), reason.find(". ")))));
+  }
+  return device;
+}
+
+}  // namespace enfilade::neural::detail

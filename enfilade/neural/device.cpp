@@ -1,0 +1,64 @@
+#include "enfilade/neural/device.h"
+
+#include <ATen/ATen.h>
+#include <ATen/Parallel.h>
+#include <dlfcn.h>
+#include <torch/version.h>
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/neural/detail/torch_device.h"
+#include "enfilade/neural/network.h"
+
+namespace enfilade::neural {
+namespace {
+
+// The dynamic linker binds libtorch to whatever library defines sgemm_ first.
+std::string blas_library() {
+  void* const product = dlsym(RTLD_DEFAULT, "sgemm_");
+  Dl_info info{};
+  if (product == nullptr || dladdr(product, &info) == 0 || info.dli_fname == nullptr) return {};
+  std::error_code code;
+  const std::filesystem::path file = std::filesystem::canonical(info.dli_fname, code);
+  return code ? info.dli_fname : file.string();
+}
+
+double product_speed() {
+  constexpr std::int64_t kRows = 100, kInner = 2592, kColumns = 2048;
+  constexpr int kRepetitions = 8;  // the first ones wake threads and fill caches
+  const at::Tensor a = at::ones({kRows, kInner}), b = at::ones({kInner, kColumns});
+  double best = 0;
+  for (int i = 0; i < kRepetitions; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    const at::Tensor product = at::mm(a, b);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    best = std::max(best, 2e-9 * kRows * kInner * kColumns / took.count());
+  }
+  return best;
+}
+
+std::string cuda_state() {
+  try {
+    detail::open_device("cuda");
+    return "works";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+}  // namespace
+
+TorchReport examine_torch() {
+  set_threads(0);  // libtorch's own choice may be half of the cores
+  TorchReport report;
+  report.version = TORCH_VERSION;
+  report.threads = at::get_num_threads();
+  report.blas = blas_library();
+  report.product_speed = product_speed();
+  report.cuda = cuda_state();
+  return report;
+}
+
+}  // namespace enfilade::neural

@@ -1,0 +1,29 @@
+#include "enfilade/neural/encoder.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/neural/encoders/home_encoder.h"
+#include "enfilade/neural/encoders/resnet.h"
+
+namespace enfilade::neural {
+
+std::string_view to_string(Preprocessing preprocessing) noexcept {
+  return preprocessing == Preprocessing::kCaffe ? "caffe" : "torchvision";
+}
+
+std::vector<std::string> encoder_names() { return {"resnet18", "resnet50", "resnet152", "home"}; }
+
+std::unique_ptr<ImageEncoder> make_encoder(const EncoderConfig& config) {
+  const std::vector<std::string> names = encoder_names();
+  if (std::ranges::find(names, config.name) == names.end()) {
+    throw LookupError(
+        fmt::format("encoder {:?}: one of {} is expected", config.name, fmt::join(names, ", ")));
+  }
+  if (config.name == "home") return encoders::make_home_encoder(config);
+  return encoders::make_resnet(config);
+}
+
+}  // namespace enfilade::neural

@@ -1,0 +1,62 @@
+/// \file  The network of home_network.h while it learns.
+#pragma once
+#include <ATen/core/Tensor.h>
+#include <cstdint>
+#include <vector>
+
+#include "enfilade/core/rng.h"
+#include "enfilade/neural/encoders/home_network.h"
+#include "enfilade/neural/encoders/home_pictures.h"
+
+namespace enfilade::neural::encoders {
+
+/// Words that the pictures show often enough to be learnt, and how labels map to them.
+HomeWords words_of(const LabelledPictures& pictures);
+
+/// Labels as numbers of words: classes (n, c, rows, columns) uint8, rooms (n), -1: not known.
+void number_labels(const HomeWords& words, LabelledPictures& pictures);
+
+/// uint8 (n, height, width, 3) -> what HomeNetwork wants.
+at::Tensor as_input(const at::Tensor& colours);
+
+/// Parameters with gradients; each convolution of the trunk has a batch normalisation.
+class HomeTraining {
+ public:
+  /// \param pictures numbered; looked at for how frequent classes are
+  HomeTraining(const HomeWords& words, const LabelledPictures& pictures, std::uint64_t seed,
+               c10::Device device);
+
+  /// One step of Adam on these pictures, mirrored and recoloured at random. Returns the loss.
+  double step(const LabelledPictures& pictures, const std::vector<std::int64_t>& which,
+              double learning_rate);
+
+  /// The network as it is now, with its normalisations folded in; "features.*" are for the caller
+  /// to add.
+  Weights folded() const;
+  std::size_t parameters() const;
+
+ private:
+  struct TrunkLayer {
+    at::Tensor weight, scale, shift, mean, variance;
+  };
+  struct Moments {
+    at::Tensor first, second;
+  };
+
+  at::Tensor parameter(at::Tensor values);
+  HomeOutputs run(at::Tensor x);
+  at::Tensor loss_of(const HomeOutputs& outputs, const LabelledPictures& truth) const;
+  void adam(double learning_rate);
+
+  c10::Device device_;
+  Rng rng_;
+  std::vector<TrunkLayer> trunk_;
+  at::Tensor classes_weight_, classes_bias_, distances_weight_, distances_bias_, rooms_weight_,
+      rooms_bias_;
+  at::Tensor class_weights_;  // (c, 1, 1)
+  std::vector<at::Tensor> parameters_;
+  std::vector<Moments> moments_;
+  std::int64_t steps_ = 0;
+};
+
+}  // namespace enfilade::neural::encoders

@@ -1,0 +1,233 @@
+#include "enfilade/neural/encoders/resnet.h"
+
+#include <ATen/ATen.h>
+#include <c10/core/InferenceMode.h>
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/neural/detail/torch_device.h"
+#include "enfilade/neural/encoders/convolution.h"
+#include "enfilade/neural/encoders/encoder_input.h"
+#include "enfilade/neural/encoders/random_weights.h"
+#include "enfilade/neural/encoders/weights.h"
+
+namespace enfilade::neural::encoders {
+namespace {
+
+struct Architecture {
+  std::string_view name;
+  std::array<int, 4> blocks;  ///< a stage
+  bool bottleneck;            ///< 1x1, 3x3, 1x1 instead of two 3x3
+};
+constexpr std::array<Architecture, 3> kArchitectures{{{"resnet18", {2, 2, 2, 2}, false},
+                                                      {"resnet50", {3, 4, 6, 3}, true},
+                                                      {"resnet152", {3, 8, 36, 3}, true}}};
+constexpr std::int64_t kStemChannels = 64, kBottleneckExpansion = 4;
+
+const Architecture& architecture(std::string_view name) {
+  const auto found = std::ranges::find(kArchitectures, name, &Architecture::name);
+  EN_CHECK(found != kArchitectures.end());
+  return *found;
+}
+
+// A convolution and the normalisation behind it, by their names in weight files.
+struct Layer {
+  std::string convolution, norm;
+  std::int64_t in, out, size, stride;
+};
+
+struct BlockPlan {
+  std::vector<Layer> layers;
+  std::optional<Layer> shortcut;
+};
+
+// Of version 1.5, which torchvision has: a bottleneck's stride is in its 3 x 3 convolution.
+// (Caffe's ResNet-152, and so the released R2R features, have it in the first 1 x 1.)
+BlockPlan plan_block(const std::string& name, bool bottleneck, std::int64_t in, std::int64_t width,
+                     std::int64_t stride) {
+  const std::int64_t out = bottleneck ? width * kBottleneckExpansion : width;
+  BlockPlan plan;
+  const auto add = [&](std::int64_t from, std::int64_t to, std::int64_t size, std::int64_t step) {
+    const std::size_t number = plan.layers.size() + 1;
+    plan.layers.push_back({fmt::format("{}.conv{}", name, number),
+                           fmt::format("{}.bn{}", name, number), from, to, size, step});
+  };
+  if (bottleneck) {
+    add(in, width, 1, 1);
+    add(width, width, 3, stride);
+    add(width, out, 1, 1);
+  } else {
+    add(in, width, 3, stride);
+    add(width, width, 3, 1);
+  }
+  if (stride != 1 || in != out) {
+    plan.shortcut = Layer{name + ".downsample.0", name + ".downsample.1", in, out, 1, stride};
+  }
+  return plan;
+}
+
+struct Plan {
+  Layer stem{"conv1", "bn1", 3, kStemChannels, 7, 2};
+  std::vector<BlockPlan> blocks;
+  std::int64_t features = 0;
+
+  std::vector<Layer> layers() const {
+    std::vector<Layer> all{stem};
+    for (const BlockPlan& block : blocks) {
+      all.insert(all.end(), block.layers.begin(), block.layers.end());
+      if (block.shortcut) all.push_back(*block.shortcut);
+    }
+    return all;
+  }
+};
+
+Plan plan_network(const Architecture& a) {
+  Plan plan;
+  std::int64_t in = kStemChannels, width = kStemChannels;
+  for (std::size_t stage = 0; stage < a.blocks.size(); ++stage, width *= 2) {
+    for (int b = 0; b < a.blocks.at(stage); ++b) {
+      const std::int64_t stride = b == 0 && stage > 0 ? 2 : 1;
+      plan.blocks.push_back(
+          plan_block(fmt::format("layer{}.{}", stage + 1, b), a.bottleneck, in, width, stride));
+      in = a.bottleneck ? width * kBottleneckExpansion : width;
+    }
+  }
+  plan.features = in;
+  return plan;
+}
+
+constexpr std::array<const char*, 4> kNormArrays{".weight", ".bias", ".running_mean",
+                                                 ".running_var"};
+
+std::vector<ArraySpec> arrays_of(const Plan& plan) {
+  std::vector<ArraySpec> arrays;
+  for (const Layer& layer : plan.layers()) {
+    arrays.push_back(
+        {layer.convolution + ".weight", {layer.out, layer.in, layer.size, layer.size}});
+    for (const char* array : kNormArrays) arrays.push_back({layer.norm + array, {layer.out}});
+  }
+  return arrays;
+}
+
+// The classifier and a counter of training that no computation uses.
+bool is_unused(std::string_view name) {
+  return name.starts_with("fc.") || name.ends_with(".num_batches_tracked");
+}
+
+// Normalisations that do nothing, but for the last of a block: halved, or values would double from
+// block to block.
+Weights random_weights(const Plan& plan, std::uint64_t seed) {
+  Weights weights;
+  Rng rng(seed);
+  for (const ArraySpec& array : arrays_of(plan)) {
+    const bool zeros = array.name.ends_with(".running_mean") || array.name.ends_with(".bias");
+    weights[array.name] = array.shape.size() > 1 ? he_normal(array.shape, rng)
+                          : zeros                ? at::zeros(array.shape)
+                                                 : at::ones(array.shape);
+  }
+  constexpr double kHalf = 0.5;
+  for (const BlockPlan& block : plan.blocks) {
+    weights.at(block.layers.back().norm + ".weight").mul_(kHalf);
+  }
+  return weights;
+}
+
+struct Block {
+  std::vector<Convolution> layers;
+  std::optional<Convolution> shortcut;
+};
+
+class ResNet final : public ImageEncoder {
+ public:
+  explicit ResNet(const EncoderConfig& config)
+      : preprocessing_(config.preprocessing), device_(detail::open_device(config.device)) {
+    const Plan plan = plan_network(architecture(config.name));
+    const Weights weights =
+        config.weights.empty()
+            ? random_weights(plan, config.seed)
+            : read_weights(features::TensorFile::open(config.weights), arrays_of(plan), is_unused);
+    hash_ = hash_of(weights);
+    dimensions_ = static_cast<std::size_t>(plan.features);
+    const c10::InferenceMode no_gradients;
+    stem_ = make(plan.stem, weights);
+    for (const BlockPlan& from : plan.blocks) {
+      Block& block = blocks_.emplace_back();
+      for (const Layer& layer : from.layers) block.layers.push_back(make(layer, weights));
+      if (from.shortcut) block.shortcut = make(*from.shortcut, weights);
+    }
+  }
+
+  std::size_t dimensions() const override { return dimensions_; }
+  Camera camera() const override { return {640, 480, degrees(60)}; }
+  std::string weights_hash() const override { return hash_; }
+
+  render::Normalisation normalisation() const override {
+    if (preprocessing_ == Preprocessing::kTorchvision) return render::kImageNet;
+    constexpr float kFull = 255;
+    return {{123.2F / kFull, 115.9F / kFull, 103.1F / kFull}, {1 / kFull, 1 / kFull, 1 / kFull}};
+  }
+
+  void encode(std::span<const float> pictures, std::size_t n, const Camera& camera,
+              std::span<float> features) override {
+    check_sizes(pictures.size(), n, camera, dimensions_, features.size());
+    if (n == 0) return;
+    const c10::InferenceMode no_gradients;
+    const at::Tensor input = picture_tensor(pictures, n, camera);
+    const at::Tensor output = forward(prepare(input, device_, layout_));
+    std::ranges::copy_n(output.data_ptr<float>(), output.numel(), features.begin());
+  }
+
+ private:
+  Convolution make(const Layer& layer, const Weights& weights) const {
+    const auto norm = [&](const char* array) { return weights.at(layer.norm + array); };
+    Convolution c;
+    c.weight = weights.at(layer.convolution + ".weight");
+    c.stride = layer.stride;
+    c.padding = layer.size / 2;
+    // The renderer's pictures are R G B; a network made for Caffe's pictures wants B G R.
+    if (layer.in == 3 && preprocessing_ == Preprocessing::kCaffe) c.weight = c.weight.flip(1);
+    fold({norm(".weight"), norm(".bias"), norm(".running_mean"), norm(".running_var")}, c);
+    prepare(c, device_, layout_);
+    return c;
+  }
+
+  static at::Tensor run(const Block& block, const at::Tensor& x) {
+    at::Tensor y = x;
+    for (std::size_t i = 0; i < block.layers.size(); ++i) {
+      y = apply(block.layers[i], y);
+      if (i + 1 < block.layers.size()) y = at::relu_(y);
+    }
+    y.add_(block.shortcut ? apply(*block.shortcut, x) : x);
+    return at::relu_(y);
+  }
+
+  // (n, dimensions), in memory of the processor, contiguous.
+  at::Tensor forward(at::Tensor x) const {
+    x = apply(stem_, x);
+    x = at::max_pool2d(at::relu_(x), {3, 3}, {2, 2}, {1, 1});
+    for (const Block& block : blocks_) x = run(block, x);
+    if (layout_ == Layout::kOneDnn) x = x.to_dense();
+    return x.mean({2, 3}).cpu().contiguous();
+  }
+
+  Preprocessing preprocessing_;
+  c10::Device device_;
+  Layout layout_ = best_layout(device_);
+  std::size_t dimensions_ = 0;
+  std::string hash_;
+  Convolution stem_;
+  std::vector<Block> blocks_;
+};
+
+}  // namespace
+
+std::unique_ptr<ImageEncoder> make_resnet(const EncoderConfig& config) {
+  return std::make_unique<ResNet>(config);
+}
+
+}  // namespace enfilade::neural::encoders

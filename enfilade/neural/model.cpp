@@ -1,0 +1,27 @@
+#include "enfilade/neural/model.h"
+
+#include <fmt/format.h>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade::neural {
+
+namespace fs = std::filesystem;
+
+Model load_model(const fs::path& folder, const std::string& device) {
+  const models::ModelFiles files{folder};
+  for (const fs::path& file : {files.config(), files.vocabulary(), files.weights()}) {
+    if (fs::exists(file)) continue;
+    throw FileError(fmt::format("{}: no {} in it, so it is no model; `enfilade train` makes one",
+                                folder.string(), file.filename().string()));
+  }
+  models::ModelConfig config = models::load_model_config(files.config());
+  r2r::Vocabulary vocabulary = models::load_vocabulary(files, config.training.network);
+  const models::StateFile state = models::open_state(files.weights());
+  Network network(config.training.network, config.training.seed, device);
+  network.load_weights(state.file);
+  return {std::move(config), std::move(vocabulary), state.iteration, std::move(network)};
+}
+
+}  // namespace enfilade::neural

@@ -1,0 +1,161 @@
+#include "enfilade/neural/pretrain.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/neural/encoder.h"
+#include "enfilade/neural/encoders/home_score.h"
+#include "tests/support/panoramas.h"
+#include "tests/support/refusal.h"
+#include "tests/support/temporary_folder.h"
+
+namespace enfilade::neural {
+namespace {
+
+using ::testing::HasSubstr;
+using tests::refusal;
+using tests::TemporaryFolder;
+
+// Grey walls (class 1, 4 m off) with patches of things at random places: red chairs (3), green
+// plants (14), blue beds (11), all 2 m off.
+scan::Panorama patchwork(std::uint64_t seed) {
+  constexpr std::uint32_t kSize = 32, kPatch = 8;
+  struct Thing {
+    std::uint16_t object;
+    std::array<std::uint8_t, 3> colour;
+    std::uint16_t distance;
+  };
+  static constexpr std::array<Thing, 4> kThings{{{1, {128, 128, 128}, 16000},
+                                                 {3, {220, 30, 30}, 8000},
+                                                 {14, {30, 220, 30}, 8000},
+                                                 {11, {30, 30, 220}, 8000}}};
+  scan::Panorama p = scan::make_panorama(kSize);
+  Rng rng(seed);
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    std::array<std::size_t, 16> patches{};
+    for (std::size_t& patch : patches) patch = rng.below(3) == 0 ? rng.below(4) : 0;
+    for (std::uint32_t y = 0; y < kSize; ++y) {
+      for (std::uint32_t x = 0; x < kSize; ++x) {
+        const Thing& thing = kThings.at(patches.at(y / kPatch * 4 + x / kPatch));
+        std::ranges::copy(thing.colour, p.colour[k].at(x, y));
+        *p.classes[k].at(x, y) = thing.object;
+        *p.depth[k].at(x, y) = thing.distance;
+      }
+    }
+  }
+  return p;
+}
+
+std::shared_ptr<const scan::PanoramaSource> patchworks(const std::string& scan, std::size_t n,
+                                                       std::uint64_t seed) {
+  std::vector<scan::Panorama> panoramas;
+  for (std::size_t i = 0; i < n; ++i) panoramas.push_back(patchwork(seed + i));
+  return std::make_shared<scan::MemoryPanoramas>(scan::testing::row_of_viewpoints(scan, n),
+                                                 std::move(panoramas));
+}
+
+PretrainConfig small_config() {
+  PretrainConfig config;
+  config.training = {"known"};
+  config.unseen = {"other"};
+  config.pictures = 300;
+  config.epochs = 4;
+  config.room = [](const std::string&, const std::string& viewpoint) {
+    return viewpoint == "v0" ? 'k' : 'b';
+  };
+  return config;
+}
+
+std::shared_ptr<const scan::PanoramaSet> both() {
+  return scan::PanoramaSet::of({patchworks("known", 20, 100), patchworks("other", 6, 500)});
+}
+
+TEST(Pretrain, LearnsWhatIsWhere) {
+  const TemporaryFolder folder("pretrain");
+  const auto file = folder.path() / "home.safetensors";
+  std::size_t steps = 0;
+  const PretrainReport report = pretrain_home_encoder(
+      both(), small_config(), file, [&](std::size_t step, std::size_t, double) { steps = step; });
+  EXPECT_EQ(report.classes, (std::vector<std::int64_t>{0, 1, 3, 11, 14}));
+  EXPECT_EQ(report.rooms, "bk");
+  EXPECT_EQ(report.steps, steps);
+  // Pure colours: nearly all of it is learnt in a few dozen steps, in places never seen too.
+  EXPECT_GT(report.unseen.mean_average_precision, 0.9);
+  EXPECT_GT(report.unseen.mean_average_precision, report.unseen.chance + 0.2);
+  EXPECT_LT(report.unseen.distance_error, 0.3);  // ln 2 = 0.69 lies between the two distances
+  const auto encoder = make_encoder({.name = "home", .weights = file});
+  EXPECT_EQ(encoder->dimensions(), 3U * (5 + 1) + 2);
+}
+
+TEST(Pretrain, TheSameSeedGivesTheSameBytes) {
+  const TemporaryFolder folder("pretrain");
+  PretrainConfig config = small_config();
+  config.pictures = 64;
+  config.epochs = 1;
+  const auto bytes = [&](std::uint64_t seed, int threads) {
+    config.seed = seed;
+    config.threads = threads;
+    pretrain_home_encoder(both(), config, folder.path() / "home.safetensors");
+    return read_file(folder.path() / "home.safetensors");
+  };
+  const std::string first = bytes(1, 1);
+  EXPECT_EQ(bytes(1, 2), first);
+  EXPECT_NE(bytes(2, 1), first);
+}
+
+TEST(Pretrain, RefusesWhatItCannotLearnFrom) {
+  const TemporaryFolder folder("pretrain");
+  const auto file = folder.path() / "home.safetensors";
+  const auto refused = [&](const PretrainConfig& config) {
+    return refusal([&] { pretrain_home_encoder(both(), config, file); });
+  };
+  PretrainConfig config = small_config();
+  config.training.clear();
+  EXPECT_THAT(refused(config), HasSubstr("training: no scan"));
+  config = small_config();
+  config.epochs = 0;
+  EXPECT_THAT(refused(config), HasSubstr("epochs: 0"));
+  config = small_config();
+  config.training = {"nowhere"};
+  EXPECT_THAT(refused(config), HasSubstr("nowhere"));
+
+  scan::Panorama colour_only = patchwork(1);
+  colour_only.classes = {};
+  const auto set = scan::PanoramaSet::of({std::make_shared<scan::MemoryPanoramas>(
+      scan::testing::row_of_viewpoints("known", 1), std::vector{colour_only})});
+  config = small_config();
+  config.unseen.clear();
+  EXPECT_THAT(refusal<LookupError>([&] { pretrain_home_encoder(set, config, file); }),
+              HasSubstr("class"));
+}
+
+TEST(Pretrain, AnEncodersFileIsNoOtherOne) {
+  const TemporaryFolder folder("pretrain");
+  const auto file = folder.path() / "other.safetensors";
+  const std::vector<float> values(3);
+  features::write_safetensors(
+      file, std::vector<features::NamedArray>{
+                {"a", features::DType::kFloat32, {3}, std::as_bytes(std::span(values))}});
+  EXPECT_THAT(refusal<InvalidInput>([&] { make_encoder({.name = "home", .weights = file}); }),
+              HasSubstr("enfilade pretrain"));
+}
+
+TEST(AveragePrecision, IsWorkedOutByHand) {
+  const std::vector<float> scores{0.9F, 0.8F, 0.7F, 0.6F};
+  const auto precision = [&](std::vector<std::uint8_t> truths) {
+    return encoders::average_precision(scores, truths);
+  };
+  EXPECT_DOUBLE_EQ(precision({1, 1, 0, 0}), 1);
+  EXPECT_DOUBLE_EQ(precision({0, 1, 0, 1}), (1 / 2.0 + 2 / 4.0) / 2);
+  EXPECT_DOUBLE_EQ(precision({0, 0, 0, 1}), 0.25);
+  EXPECT_TRUE(std::isnan(precision({0, 0, 0, 0})));
+}
+
+}  // namespace
+}  // namespace enfilade::neural

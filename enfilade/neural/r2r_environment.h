@@ -1,0 +1,72 @@
+/// \file  Room-to-Room episodes in the native simulator, as the network walks through them.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/agents/agent.h"
+#include "enfilade/models/train_config.h"
+#include "enfilade/neural/environment.h"
+#include "enfilade/neural/view_features.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/r2r/results.h"
+#include "enfilade/sim/simulator.h"
+
+namespace enfilade::neural {
+
+struct R2rEnvironmentConfig {
+  std::size_t batch_size = 100;
+  std::size_t max_steps = 20;  ///< that memory is kept for; longer walks allocate
+  models::AfterEnd after_end = models::AfterEnd::kWalksOn;
+  models::ForwardTo forward = models::ForwardTo::kNearest;
+};
+
+/// A batch of episodes of one split, in SimulatorConfig::room_to_room(). Start: the path's first
+/// viewpoint, heading snapped to 30 degrees, elevation 0. `forward` where nothing is ahead, and
+/// inputs that are no action, stay. observe() and step() allocate nothing up to max_steps. One
+/// thread at a time.
+class R2rEnvironment : public Environment {
+ public:
+  /// `episodes` and `features` (null: none, dimensions() is 0) have to outlive *this.
+  /// \throws ArgumentError for a batch_size of 0, or kIntended where goals are hidden
+  R2rEnvironment(const r2r::EpisodeSet& episodes, const ViewFeatures* features,
+                 const R2rEnvironmentConfig& config);
+
+  /// Begins these episodes (indices into EpisodeSet::episodes). Must come before the first
+  /// observe(). \throws ArgumentError for another number than batch_size, or an index out of range
+  void start(std::span<const std::size_t> episodes);
+
+  std::size_t size() const override { return config_.batch_size; }
+  std::size_t dimensions() const override;
+  bool has_teacher() const override { return has_teacher_; }  ///< no goal of the split is hidden
+  void observe(const EnvironmentView& out) override;
+  bool step(std::span<const std::int32_t> actions) override;
+  std::span<const std::uint8_t> ended() const override { return ended_; }
+
+  /// What each agent has walked since start(), as results files want it: the start, then an entry
+  /// an action until `end`, which adds none.
+  std::span<const r2r::Trajectory> trajectories() const noexcept { return trajectories_; }
+
+ private:
+  agents::Decision teacher(std::size_t agent) const;
+  std::int32_t label(std::size_t agent) const;
+  sim::Action action_of(std::size_t agent, std::int32_t action) const;
+  void record(std::size_t agent);
+
+  const r2r::EpisodeSet& episodes_;
+  const ViewFeatures* features_;
+  R2rEnvironmentConfig config_;
+  bool has_teacher_;
+  sim::Simulator simulator_;
+  sim::StateBuffer buffer_;
+  sim::StateSpans state_;
+  std::vector<const r2r::ReferencePath*> paths_;  // of each agent's episode
+  std::vector<const graph::NavGraph*> graphs_;
+  std::vector<std::uint8_t> ended_;
+  std::vector<sim::Action> actions_;
+  std::vector<r2r::Trajectory> trajectories_;
+};
+
+}  // namespace enfilade::neural

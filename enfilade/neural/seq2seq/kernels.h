@@ -1,0 +1,90 @@
+/// \file  What the network does between matrix products: on the CPU fused loops, elsewhere (and as
+/// the oracle of those) plain ATen.
+#pragma once
+#include <ATen/ATen.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "enfilade/neural/network.h"
+#include "enfilade/neural/seq2seq/dropout.h"
+
+namespace enfilade::neural::seq2seq {
+
+/// A mask for each row of a tensor; `rows` empty: nothing is dropped.
+struct Masks {
+  Dropout dropout;
+  Site site = Site::kWords;
+  std::span<const MaskRow> rows;
+
+  bool on() const noexcept { return dropout.on() && !rows.empty(); }
+};
+
+/// Which rows of a tensor are meant, in order; empty: all.
+using RowList = std::span<const std::int64_t>;
+
+/// The memory of one instruction batch, as attention needs it.
+struct Context {
+  at::Tensor words;                       ///< (n, words, h); past a length: anything
+  std::span<const std::int64_t> lengths;  ///< (n)
+};
+
+/// All tensors are of one type and device, their last dimension contiguous. Nothing is allocated
+/// that grows with the batch, on the CPU. Results do not depend on the number of threads.
+class Kernels {
+ public:
+  virtual ~Kernels() = default;
+
+  /// \param gates (n, 4 h) sums without bias, i f g o -> activations
+  /// \param outputs,cells (n, h) written
+  virtual void lstm_forward(const at::Tensor& gates, const at::Tensor& bias,
+                            const at::Tensor& previous_cells, const at::Tensor& cells,
+                            const at::Tensor& outputs) const = 0;
+  /// \param gates activations -> gradient of the sums
+  /// \param cell_gradient (n, h) of `cells` -> of `previous_cells`
+  virtual void lstm_backward(const at::Tensor& gates, const at::Tensor& previous_cells,
+                             const at::Tensor& cells, const at::Tensor& from_outputs,
+                             const at::Tensor& from_next,
+                             const at::Tensor& cell_gradient) const = 0;
+
+  /// out[to[i]] = in[from[i]], dropped by mask i.
+  virtual void move_rows(const at::Tensor& in, RowList from, const at::Tensor& out, RowList to,
+                         const Masks& masks) const = 0;
+  /// out[to[i]] += in[i], in the order of i.
+  virtual void add_rows(const at::Tensor& in, const at::Tensor& out, RowList to) const = 0;
+  virtual void column_sums(const at::Tensor& in, const at::Tensor& out) const = 0;
+  virtual void add_bias(const at::Tensor& x, const at::Tensor& bias) const = 0;  ///< to each row
+  virtual void clear(const at::Tensor& x) const = 0;  ///< zeros \pre x is contiguous
+
+  virtual void tanh(const at::Tensor& x) const = 0;
+  virtual void tanh_backward(const at::Tensor& y, const at::Tensor& gradient) const = 0;
+
+  /// weights = softmax(words . query) over a row's words, 0 past them; mixed = weights . words.
+  /// \param query,mixed (steps, n, h); weights (steps, n, words)
+  virtual void attend(const Context& context, const at::Tensor& query, const at::Tensor& weights,
+                      const at::Tensor& mixed) const = 0;
+  /// \param words_gradient (n, words, h); past a length: anything
+  virtual void attend_backward(const Context& context, const at::Tensor& query,
+                               const at::Tensor& weights, const at::Tensor& mixed_gradient,
+                               const at::Tensor& query_gradient,
+                               const at::Tensor& words_gradient) const = 0;
+
+  /// All flat and of one length. \param updates this one included
+  virtual void adam(const models::AdamConfig& config, std::uint64_t updates,
+                    const at::Tensor& weights, const at::Tensor& gradients, const at::Tensor& first,
+                    const at::Tensor& second) const = 0;
+  virtual bool all_finite(const at::Tensor& flat) const = 0;
+};
+
+/// For float on the CPU.
+std::unique_ptr<Kernels> make_cpu_kernels();
+/// For any type and device.
+std::unique_ptr<Kernels> make_aten_kernels();
+
+/// What set_threads() was told.
+int kernel_threads() noexcept;
+
+}  // namespace enfilade::neural::seq2seq

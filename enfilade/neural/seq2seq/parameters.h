@@ -1,0 +1,69 @@
+/// \file  The network's weights, gradients and moments, each kind in one piece of memory.
+#pragma once
+#include <ATen/ATen.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "enfilade/neural/network.h"
+
+namespace enfilade::neural::seq2seq {
+
+enum class Weight : std::uint8_t {
+  kWordEmbedding,
+  kEncoderInput,
+  kEncoderHidden,
+  kEncoderInputBias,
+  kEncoderHiddenBias,
+  kStart,
+  kStartBias,
+  kActionEmbedding,
+  kDecoderInput,
+  kDecoderHidden,
+  kDecoderInputBias,
+  kDecoderHiddenBias,
+  kAttentionIn,
+  kAttentionOut,
+  kAction,
+  kActionBias,
+};
+inline constexpr std::size_t kWeights = 16;
+
+struct WeightInfo {
+  const char* name = nullptr;  ///< as the released code calls it
+  std::vector<std::int64_t> shape;
+  std::int64_t begin = 0;  ///< in the flat arrays
+  std::int64_t elements = 0;
+};
+std::array<WeightInfo, kWeights> weight_infos(const models::NetworkConfig& config);
+
+/// The flat arrays, zeros between weights where one's end is not the next one's aligned begin.
+class Parameters {
+ public:
+  Parameters(const models::NetworkConfig& config, const at::TensorOptions& options);
+
+  /// Random numbers by `seed`, distributed as PyTorch's modules do it: embeddings normal (row 0 of
+  /// the words, PAD, is zero), LSTM uniform up to 1/sqrt(hidden), linear uniform up to
+  /// 1/sqrt(inputs). The same on every device. Gradients and moments become 0.
+  void initialise(const models::NetworkConfig& config, std::uint64_t seed);
+
+  const std::array<WeightInfo, kWeights>& infos() const noexcept { return infos_; }
+  const at::Tensor& weight(Weight which) const { return weights_[index(which)]; }
+  const at::Tensor& gradient(Weight which) const { return gradients_[index(which)]; }
+  /// A part of a flat array, in the shape of weight i.
+  at::Tensor view(const at::Tensor& flat, std::size_t i) const;
+
+  at::Tensor flat_weights, flat_gradients, first, second;
+  std::uint64_t updates = 0;
+
+ private:
+  static std::size_t index(Weight which) { return static_cast<std::size_t>(which); }
+
+  std::array<WeightInfo, kWeights> infos_;
+  std::array<at::Tensor, kWeights> weights_, gradients_;
+};
+
+}  // namespace enfilade::neural::seq2seq

@@ -1,0 +1,315 @@
+// The loops once for each instruction set that Highway knows, the best one chosen at run time.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "enfilade/neural/seq2seq/simd_kernels.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "enfilade/neural/seq2seq/simd_kernels.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace enfilade::neural::seq2seq {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Full = hn::ScalableTag<float>;
+using One = hn::CappedTag<float, 1>;
+template <class D>
+using V = hn::Vec<D>;
+
+// body(tag, i) for registers of elements from begin on, then for each element that is left.
+template <class Body>
+HWY_INLINE void for_elements(std::size_t begin, std::size_t end, const Body& body) {
+  const Full full;
+  const One one;
+  std::size_t i = begin;
+  for (; i + hn::Lanes(full) <= end; i += hn::Lanes(full)) body(full, i);
+  for (; i < end; ++i) body(one, i);
+}
+
+// e^x = power (1 + rest), |rest| < 0.42: for the gates, where Highway's own functions, which know
+// no bounds, took most of the time. The power of two nearest, and Taylor's series of what is left,
+// in which the eighth term is below a float's rounding. NaN stays NaN: Min and Max give their
+// second operand then. \pre |x| <= 87 or NaN
+template <class D>
+struct Exponential {
+  V<D> power, rest;
+};
+template <class D>
+HWY_INLINE Exponential<D> exponential(D d, V<D> x) {
+  const hn::RebindToSigned<D> di;
+  const auto nearest = hn::NearestInt(hn::Mul(x, hn::Set(d, 1.44269504F)));
+  const auto n = hn::ConvertTo(d, nearest);
+  // ln 2 in two parts, the first with so few digits that n times it is exact.
+  const auto r =
+      hn::NegMulAdd(n, hn::Set(d, 1.42860677e-6F), hn::NegMulAdd(n, hn::Set(d, 0.693145752F), x));
+  const auto r2 = hn::Mul(r, r);
+  const auto low = hn::MulAdd(r, hn::Set(d, 1.0F / 6), hn::Set(d, 0.5F));
+  const auto middle = hn::MulAdd(r, hn::Set(d, 1.0F / 120), hn::Set(d, 1.0F / 24));
+  const auto high = hn::MulAdd(r, hn::Set(d, 1.0F / 5040), hn::Set(d, 1.0F / 720));
+  const auto series = hn::MulAdd(r2, hn::MulAdd(r2, high, middle), low);
+  const auto exponent = hn::ShiftLeft<23>(hn::Add(nearest, hn::Set(di, 127)));
+  return {hn::BitCast(d, exponent), hn::MulAdd(r2, series, r)};
+}
+
+template <class D>
+HWY_INLINE V<D> sigmoid(D d, V<D> x) {
+  const auto one = hn::Set(d, 1.0F);
+  const auto bounded = hn::Max(hn::Set(d, -87.0F), hn::Min(hn::Set(d, 87.0F), hn::Neg(x)));
+  const auto e = exponential(d, bounded);
+  return hn::Div(one, hn::MulAdd(e.power, hn::Add(one, e.rest), one));
+}
+
+// (e^2|x| - 1) / (e^2|x| + 1): the difference is made without e^2|x|, so small ones keep all
+// digits. From 40 on the quotient is 1.
+template <class D>
+HWY_INLINE V<D> tanh_of(D d, V<D> x) {
+  const auto size = hn::Abs(x);
+  const auto e = exponential(d, hn::Min(hn::Set(d, 40.0F), hn::Add(size, size)));
+  const auto less_one = hn::MulAdd(e.power, e.rest, hn::Sub(e.power, hn::Set(d, 1.0F)));
+  return hn::CopySign(hn::Div(less_one, hn::Add(less_one, hn::Set(d, 2.0F))), x);
+}
+
+void lstm_forward(const LstmForward& step, std::size_t begin, std::size_t end) {
+  const std::size_t h = step.rows.hidden;
+  const float* bias = step.bias;
+  for (std::size_t r = begin; r < end; ++r) {
+    float* gates = step.rows.gates[r];
+    const float* previous = step.rows.previous[r];
+    float* cells = step.rows.cells[r];
+    float* outputs = step.outputs[r];
+    for_elements(0, h, [&](auto d, std::size_t j) HWY_ATTR {
+      const auto sum = [&](std::size_t gate) HWY_ATTR {
+        return hn::Add(hn::LoadU(d, gates + gate * h + j), hn::LoadU(d, bias + gate * h + j));
+      };
+      const auto in = sigmoid(d, sum(0)), forget = sigmoid(d, sum(1));
+      const auto candidate = tanh_of(d, sum(2)), out = sigmoid(d, sum(3));
+      const auto cell = hn::MulAdd(forget, hn::LoadU(d, previous + j), hn::Mul(in, candidate));
+      hn::StoreU(in, d, gates + j);
+      hn::StoreU(forget, d, gates + h + j);
+      hn::StoreU(candidate, d, gates + 2 * h + j);
+      hn::StoreU(out, d, gates + 3 * h + j);
+      hn::StoreU(cell, d, cells + j);
+      hn::StoreU(hn::Mul(out, tanh_of(d, cell)), d, outputs + j);
+    });
+  }
+}
+
+void lstm_backward(const LstmBackward& step, std::size_t begin, std::size_t end) {
+  const std::size_t h = step.rows.hidden;
+  for (std::size_t r = begin; r < end; ++r) {
+    float* gates = step.rows.gates[r];
+    const float* previous = step.rows.previous[r];
+    const float* cells = step.rows.cells[r];
+    const float* from_outputs = step.from_outputs[r];
+    const float* from_next = step.from_next[r];
+    float* gradient = step.cells[r];
+    for_elements(0, h, [&](auto d, std::size_t j) HWY_ATTR {
+      const auto one = hn::Set(d, 1.0F);
+      const auto in = hn::LoadU(d, gates + j), forget = hn::LoadU(d, gates + h + j);
+      const auto candidate = hn::LoadU(d, gates + 2 * h + j);
+      const auto out = hn::LoadU(d, gates + 3 * h + j);
+      const auto squashed = tanh_of(d, hn::LoadU(d, cells + j));
+      const auto output = hn::Add(hn::LoadU(d, from_outputs + j), hn::LoadU(d, from_next + j));
+      const auto cell = hn::MulAdd(hn::Mul(output, out), hn::NegMulAdd(squashed, squashed, one),
+                                   hn::LoadU(d, gradient + j));
+      // y (1 - y) of a sigmoid
+      const auto slope = [&](auto y) HWY_ATTR { return hn::NegMulAdd(y, y, y); };
+      hn::StoreU(hn::Mul(hn::Mul(cell, candidate), slope(in)), d, gates + j);
+      hn::StoreU(hn::Mul(hn::Mul(cell, hn::LoadU(d, previous + j)), slope(forget)), d,
+                 gates + h + j);
+      hn::StoreU(hn::Mul(hn::Mul(cell, in), hn::NegMulAdd(candidate, candidate, one)), d,
+                 gates + 2 * h + j);
+      hn::StoreU(hn::Mul(hn::Mul(output, squashed), slope(out)), d, gates + 3 * h + j);
+      hn::StoreU(hn::Mul(cell, forget), d, gradient + j);
+    });
+  }
+}
+
+void drop(const float* in, float* out, std::size_t n, const std::uint64_t* kept, float scale) {
+  for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+    const hn::RebindToUnsigned<decltype(d)> du;
+    // Registers hold a power of two of elements, at most 32 of which are looked at in one word.
+    const auto bits = static_cast<std::uint32_t>(kept[i / 64] >> (i % 64));
+    const auto lane = hn::Shl(hn::Set(du, 1U), hn::Iota(du, 0));
+    const auto keep = hn::RebindMask(d, hn::TestBit(hn::Set(du, bits), lane));
+    hn::StoreU(hn::IfThenElseZero(keep, hn::Mul(hn::LoadU(d, in + i), hn::Set(d, scale))), d,
+               out + i);
+  });
+}
+
+void tanh(float* x, std::size_t n) {
+  for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+    hn::StoreU(tanh_of(d, hn::LoadU(d, x + i)), d, x + i);
+  });
+}
+
+void tanh_backward(const float* y, float* gradient, std::size_t n) {
+  for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+    const auto value = hn::LoadU(d, y + i);
+    const auto slope = hn::NegMulAdd(value, value, hn::Set(d, 1.0F));
+    hn::StoreU(hn::Mul(hn::LoadU(d, gradient + i), slope), d, gradient + i);
+  });
+}
+
+float dot(const float* a, const float* b, std::size_t n) {
+  const Full d;
+  const std::size_t lanes = hn::Lanes(d);
+  auto sum = hn::Zero(d);
+  std::size_t i = 0;
+  for (; i + lanes <= n; i += lanes) {
+    sum = hn::MulAdd(hn::LoadU(d, a + i), hn::LoadU(d, b + i), sum);
+  }
+  float result = hn::GetLane(hn::SumOfLanes(d, sum));
+  for (; i < n; ++i) result += a[i] * b[i];
+  return result;
+}
+
+// Four rows of a by two of b: eight sums in registers. Each is dot()'s in the same order.
+void scores_4x2(Rows a, Rows b, Rows out, std::size_t i, std::size_t j, std::size_t k) {
+  const Full d;
+  const std::size_t lanes = hn::Lanes(d);
+  auto s00 = hn::Zero(d), s01 = s00, s10 = s00, s11 = s00;
+  auto s20 = s00, s21 = s00, s30 = s00, s31 = s00;
+  std::size_t x = 0;
+  for (; x + lanes <= k; x += lanes) {
+    const auto b0 = hn::LoadU(d, b[j] + x), b1 = hn::LoadU(d, b[j + 1] + x);
+    const auto a0 = hn::LoadU(d, a[i] + x), a1 = hn::LoadU(d, a[i + 1] + x);
+    const auto a2 = hn::LoadU(d, a[i + 2] + x), a3 = hn::LoadU(d, a[i + 3] + x);
+    s00 = hn::MulAdd(a0, b0, s00), s01 = hn::MulAdd(a0, b1, s01);
+    s10 = hn::MulAdd(a1, b0, s10), s11 = hn::MulAdd(a1, b1, s11);
+    s20 = hn::MulAdd(a2, b0, s20), s21 = hn::MulAdd(a2, b1, s21);
+    s30 = hn::MulAdd(a3, b0, s30), s31 = hn::MulAdd(a3, b1, s31);
+  }
+  const auto put = [&](std::size_t row, std::size_t column, auto sum) HWY_ATTR {
+    float result = hn::GetLane(hn::SumOfLanes(d, sum));
+    for (std::size_t y = x; y < k; ++y) result += a[row][y] * b[column][y];
+    out[row][column] = result;
+  };
+  put(i, j, s00), put(i, j + 1, s01), put(i + 1, j, s10), put(i + 1, j + 1, s11);
+  put(i + 2, j, s20), put(i + 2, j + 1, s21), put(i + 3, j, s30), put(i + 3, j + 1, s31);
+}
+
+void scores(Rows a, Rows b, Rows out, std::size_t m, std::size_t n, std::size_t k) {
+  const std::size_t whole_m = m - m % 4, whole_n = n - n % 2;
+  for (std::size_t j = 0; j < whole_n; j += 2) {
+    for (std::size_t i = 0; i < whole_m; i += 4) scores_4x2(a, b, out, i, j, k);
+    for (std::size_t i = whole_m; i < m; ++i) {
+      out[i][j] = dot(a[i], b[j], k);
+      out[i][j + 1] = dot(a[i], b[j + 1], k);
+    }
+  }
+  for (std::size_t i = 0; i < m && whole_n < n; ++i) out[i][n - 1] = dot(a[i], b[n - 1], k);
+}
+
+// Rows i .. of the result, kCount of them, in columns j ..: a register each.
+template <std::size_t kCount, class D>
+HWY_INLINE void combine_rows(const Combination& c, D d, std::size_t i, std::size_t j) {
+  const auto start = [&](std::size_t r)
+                         HWY_ATTR { return c.add ? hn::LoadU(d, c.out[i + r] + j) : hn::Zero(d); };
+  const auto weight = [&](std::size_t r, std::size_t k)
+                          HWY_ATTR { return hn::Set(d, c.a[(i + r) * c.a_row + k * c.a_column]); };
+  if constexpr (kCount == 4) {
+    auto s0 = start(0), s1 = start(1), s2 = start(2), s3 = start(3);
+    for (std::size_t k = 0; k < c.k; ++k) {
+      const auto b = hn::LoadU(d, c.b[k] + j);
+      s0 = hn::MulAdd(weight(0, k), b, s0), s1 = hn::MulAdd(weight(1, k), b, s1);
+      s2 = hn::MulAdd(weight(2, k), b, s2), s3 = hn::MulAdd(weight(3, k), b, s3);
+    }
+    hn::StoreU(s0, d, c.out[i] + j), hn::StoreU(s1, d, c.out[i + 1] + j);
+    hn::StoreU(s2, d, c.out[i + 2] + j), hn::StoreU(s3, d, c.out[i + 3] + j);
+  } else {
+    auto sum = start(0);
+    for (std::size_t k = 0; k < c.k; ++k) {
+      sum = hn::MulAdd(weight(0, k), hn::LoadU(d, c.b[k] + j), sum);
+    }
+    hn::StoreU(sum, d, c.out[i] + j);
+  }
+}
+
+void combine(const Combination& c) {
+  for_elements(0, c.n, [&](auto d, std::size_t j) HWY_ATTR {
+    std::size_t i = 0;
+    for (; i + 4 <= c.m; i += 4) combine_rows<4>(c, d, i, j);
+    for (; i < c.m; ++i) combine_rows<1>(c, d, i, j);
+  });
+}
+
+void softmax(float* x, std::size_t n) {
+  const float most = *std::max_element(x, x + n);
+  for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+    const auto shifted = hn::Sub(hn::LoadU(d, x + i), hn::Set(d, most));
+    const auto e = exponential(d, hn::Max(hn::Set(d, -87.0F), shifted));
+    hn::StoreU(hn::MulAdd(e.power, e.rest, e.power), d, x + i);
+  });
+  float sum = 0;
+  for (std::size_t i = 0; i < n; ++i) sum += x[i];
+  for (std::size_t i = 0; i < n; ++i) x[i] /= sum;
+}
+
+void softmax_backward(const float* y, float* gradient, std::size_t n) {
+  const float sum = dot(y, gradient, n);
+  for (std::size_t i = 0; i < n; ++i) gradient[i] = y[i] * (gradient[i] - sum);
+}
+
+void add_row(const float* in, float* out, std::size_t n) {
+  for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+    hn::StoreU(hn::Add(hn::LoadU(d, out + i), hn::LoadU(d, in + i)), d, out + i);
+  });
+}
+
+void adam(const AdamStep& step, std::size_t begin, std::size_t end) {
+  for_elements(begin, end, [&](auto d, std::size_t i) HWY_ATTR {
+    const auto weight = hn::LoadU(d, step.weights + i);
+    const auto gradient =
+        hn::MulAdd(weight, hn::Set(d, step.weight_decay), hn::LoadU(d, step.gradients + i));
+    const auto first = hn::MulAdd(hn::LoadU(d, step.first + i), hn::Set(d, step.beta1),
+                                  hn::Mul(gradient, hn::Set(d, 1 - step.beta1)));
+    const auto second =
+        hn::MulAdd(hn::LoadU(d, step.second + i), hn::Set(d, step.beta2),
+                   hn::Mul(hn::Mul(gradient, gradient), hn::Set(d, 1 - step.beta2)));
+    const auto divisor =
+        hn::MulAdd(hn::Sqrt(second), hn::Set(d, step.scale), hn::Set(d, step.epsilon));
+    hn::StoreU(first, d, step.first + i);
+    hn::StoreU(second, d, step.second + i);
+    hn::StoreU(hn::NegMulAdd(hn::Set(d, step.rate), hn::Div(first, divisor), weight), d,
+               step.weights + i);
+  });
+}
+
+// A number times 0 is 0 unless it is infinite or NaN, and a sum that NaN came into stays NaN.
+bool all_finite(const float* x, std::size_t n) {
+  const Full d;
+  const std::size_t lanes = hn::Lanes(d);
+  auto sum = hn::Zero(d);
+  std::size_t i = 0;
+  for (; i + lanes <= n; i += lanes) sum = hn::MulAdd(hn::LoadU(d, x + i), hn::Zero(d), sum);
+  float result = hn::GetLane(hn::SumOfLanes(d, sum));
+  for (; i < n; ++i) result += x[i] * 0.0F;
+  return result == 0;
+}
+
+const SimdKernels* kernels() {
+  static constexpr SimdKernels kKernels{
+      lstm_forward, lstm_backward,    drop,    tanh, tanh_backward, scores, combine,
+      softmax,      softmax_backward, add_row, adam, all_finite,
+  };
+  return &kKernels;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace enfilade::neural::seq2seq
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace enfilade::neural::seq2seq {
+namespace {
+HWY_EXPORT(kernels);
+}  // namespace
+
+const SimdKernels& simd_kernels() noexcept { return *HWY_DYNAMIC_DISPATCH(kernels)(); }
+
+}  // namespace enfilade::neural::seq2seq
+#endif

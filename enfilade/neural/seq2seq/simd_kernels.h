@@ -1,0 +1,77 @@
+/// \file  Inner loops on the CPU, on ranges that the caller's threads divide among them.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+namespace enfilade::neural::seq2seq {
+
+/// A matrix somewhere in memory; its rows' elements lie side by side.
+struct Rows {
+  float* data = nullptr;
+  std::size_t stride = 0;  ///< from a row to the next
+
+  float* operator[](std::size_t row) const noexcept { return data + row * stride; }
+};
+
+/// n rows of an LSTM cell; gates are i, f, g, o beside each other, as PyTorch has them.
+struct LstmRows {
+  Rows gates;     ///< (n, 4 h) forward: sums in, activations out; backward: those in, gradient out
+  Rows previous;  ///< (n, h) cells before
+  Rows cells;     ///< (n, h) after
+  std::size_t hidden = 0;
+};
+struct LstmForward {
+  LstmRows rows;
+  const float* bias = nullptr;  ///< (4 h) added to the sums
+  Rows outputs;                 ///< (n, h) written
+};
+struct LstmBackward {
+  LstmRows rows;
+  Rows from_outputs;  ///< (n, h) gradient of the outputs from outside
+  Rows from_next;     ///< (n, h) and from the next step
+  Rows cells;         ///< (n, h) gradient of the cells, in: after; out: before
+};
+
+/// out (m, n) = sum over k of a(i, k) b(k, j), a anywhere.
+struct Combination {
+  const float* a = nullptr;
+  std::size_t a_row = 0;  ///< from a(i, k) to a(i + 1, k)
+  std::size_t a_column = 0;
+  Rows b;
+  Rows out;
+  std::size_t m = 0, n = 0, k = 0;
+  bool add = false;  ///< to what is in `out`
+};
+
+struct AdamStep {
+  float* weights = nullptr;
+  const float* gradients = nullptr;
+  float* first = nullptr;
+  float* second = nullptr;
+  float beta1 = 0, beta2 = 0, epsilon = 0, weight_decay = 0;
+  float rate = 0;   ///< learning rate / (1 - beta1^updates)
+  float scale = 0;  ///< 1 / sqrt(1 - beta2^updates)
+};
+
+struct SimdKernels {
+  void (*lstm_forward)(const LstmForward&, std::size_t begin, std::size_t end);
+  void (*lstm_backward)(const LstmBackward&, std::size_t begin, std::size_t end);
+  /// Kept elements times scale, others 0. In place is allowed.
+  void (*drop)(const float* in, float* out, std::size_t n, const std::uint64_t* kept, float scale);
+  void (*tanh)(float* x, std::size_t n);
+  void (*tanh_backward)(const float* y, float* gradient, std::size_t n);  ///< times 1 - y^2
+  /// out (m, n) = a (m, k) times the transpose of b (n, k)
+  void (*scores)(Rows a, Rows b, Rows out, std::size_t m, std::size_t n, std::size_t k);
+  void (*combine)(const Combination&);
+  void (*softmax)(float* x, std::size_t n);  ///< \pre n > 0
+  /// gradient -> y (gradient - sum(y gradient))
+  void (*softmax_backward)(const float* y, float* gradient, std::size_t n);
+  void (*add_row)(const float* in, float* out, std::size_t n);
+  void (*adam)(const AdamStep&, std::size_t begin, std::size_t end);
+  bool (*all_finite)(const float* x, std::size_t n);
+};
+
+/// The best that this machine has. NaN comes out wherever NaN goes in.
+const SimdKernels& simd_kernels() noexcept;
+
+}  // namespace enfilade::neural::seq2seq

@@ -1,0 +1,79 @@
+#include "enfilade/neural/seq2seq_agent.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade::neural {
+namespace {
+
+agents::Decision decision_of(std::int32_t action, const agents::Observation& seen) {
+  switch (static_cast<ModelAction>(action)) {
+    case ModelAction::kLeft:
+      return agents::Decision::turn(-1);
+    case ModelAction::kRight:
+      return agents::Decision::turn(1);
+    case ModelAction::kUp:
+      return agents::Decision::turn(0, 1);
+    case ModelAction::kDown:
+      return agents::Decision::turn(0, -1);
+    case ModelAction::kForward:
+      return agents::Decision::go(seen.navigable.size() > 1 ? 1 : 0);
+    case ModelAction::kEnd:
+      break;
+  }
+  return agents::Decision::stop_here();
+}
+
+}  // namespace
+
+Seq2SeqAgent::Seq2SeqAgent(Model model, std::optional<ViewFeatures> features)
+    : model_(std::move(model)), features_(std::move(features)) {
+  const models::NetworkConfig& network = model_.config.training.network;
+  if (!network.inputs.vision) {
+    features_.reset();
+  } else if (!features_ || features_->dimensions() != network.features) {
+    throw ArgumentError(fmt::format("features of {} numbers a view; the network needs {}",
+                                    features_ ? features_->dimensions() : 0, network.features));
+  }
+}
+
+void Seq2SeqAgent::start(std::span<const agents::Observation> batch) {
+  const std::size_t words = model_.config.training.network.max_words;
+  std::vector<std::uint32_t> tokens;
+  tokens.reserve(batch.size() * words);
+  scans_.clear();
+  for (const agents::Observation& seen : batch) {
+    const auto row = model_.vocabulary.encode(seen.episode->text, words);
+    tokens.insert(tokens.end(), row.begin(), row.end());
+    if (features_) scans_.push_back(features_->scan(seen.graph->scan()));
+  }
+  seen_.resize(batch.size() * model_.config.training.network.features);
+  forward_open_.resize(batch.size());
+  actions_.resize(batch.size());
+  model_.network.begin({tokens, batch.size()}, model_.config.training.max_steps);
+}
+
+void Seq2SeqAgent::act(std::span<const agents::Observation> batch,
+                       std::span<agents::Decision> decisions) {
+  // Whoever has not said `end` by now is stopped, all at once: they began together.
+  if (!batch.empty() && batch[0].step >= model_.config.training.max_steps) {
+    std::ranges::fill(decisions, agents::Decision::stop_here());
+    return;
+  }
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    forward_open_[i] = batch[i].navigable.size() > 1 ? 1 : 0;
+    if (!features_) continue;
+    const std::size_t n = features_->dimensions();
+    features_->copy(scans_[i], batch[i].viewpoint, batch[i].view_index,
+                    std::span(seen_).subspan(i * n, n));
+  }
+  model_.network.act(seen_, forward_open_, actions_);
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    decisions[i] = decision_of(actions_[i], batch[i]);
+  }
+}
+
+}  // namespace enfilade::neural

@@ -1,0 +1,59 @@
+/// \file  Training a sequence-to-sequence agent: data in, model directory out.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "enfilade/features/feature_set.h"
+#include "enfilade/models/data_fingerprint.h"
+#include "enfilade/models/train_config.h"
+#include "enfilade/models/training_log.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/scan/data_root.h"
+
+namespace enfilade::neural {
+
+struct TrainingData {
+  r2r::EpisodeSet training;                 ///< of all splits trained on, fourth instructions too
+  std::vector<r2r::EpisodeSet> validation;  ///< scored instructions only
+  std::optional<features::FeatureSet> features;  ///< none: the agent does not see
+  models::DataFingerprint fingerprint;
+};
+/// Reads what `config` names. \throws ArgumentError if the agent is to see and `features` is none;
+/// errors of the files
+TrainingData load_training_data(const scan::DataRoot& root, const models::TrainConfig& config,
+                                const std::optional<std::filesystem::path>& features);
+
+/// How far training is.
+struct TrainingProgress {
+  std::uint64_t iteration = 0;  ///< done
+  std::uint64_t iterations = 0;
+  double loss = 0;          ///< of this iteration: summed over steps, by max_steps
+  double seconds_left = 0;  ///< at the pace so far, evaluations included
+  double data_share = 0;    ///< of training's time: environment, features, instructions
+};
+
+/// What training tells its caller, from the thread that trains. Exceptions end the training, at no
+/// harm to the model directory.
+struct TrainingListener {
+  std::function<void(std::uint64_t iteration)> resumed;  ///< after a checkpoint was loaded
+  std::function<void(const TrainingProgress&)> iteration;
+  std::function<void(const models::EvaluationRecord&)> evaluation;
+};
+
+/// Trains to config.iterations, from the checkpoint in `directory` if there is one, and leaves a
+/// model directory there. The same config, data and device give the same weights to the bit, be it
+/// in one go or killed and begun again any number of times. Returns false if there was nothing to
+/// do. \throws ArgumentError for a config that is not possible, or not that of the model in
+/// `directory`, or data that is not what it was trained on (each says what differs); FileError if
+/// another process trains there, or a file cannot be written: then the last checkpoint is whole;
+/// InvalidInput for a broken checkpoint, naming the one before it; Error for a loss that is not
+/// finite
+bool train(const models::TrainConfig& config, const TrainingData& data,
+           const std::filesystem::path& directory, const std::string& device = "cpu",
+           const TrainingListener& listener = {});
+
+}  // namespace enfilade::neural

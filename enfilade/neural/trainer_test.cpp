@@ -1,0 +1,337 @@
+#include "enfilade/neural/trainer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <fmt/format.h>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/models/folder_lock.h"
+#include "enfilade/neural/device.h"
+#include "enfilade/neural/evaluation.h"
+#include "enfilade/neural/model.h"
+#include "enfilade/r2r/score.h"
+#include "tests/support/refusal.h"
+#include "tests/support/small_training.h"
+
+namespace enfilade::neural {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+// What an interrupted run throws, in place of the signal that a process would get.
+struct Stop : std::runtime_error {
+  Stop() : std::runtime_error("stopped") {}
+};
+
+class TrainerTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { small_ = std::make_unique<tests::SmallTraining>(); }
+  static void TearDownTestSuite() { small_.reset(); }
+
+  fs::path fresh(const std::string& name) const {
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    return small_->model(std::string(test->name()) + "_" + name);
+  }
+  bool train_into(const fs::path& folder, const models::TrainConfig& config) const {
+    return train(config, small_->load(config), folder);
+  }
+  void train_until(const fs::path& folder, const models::TrainConfig& config,
+                   std::uint64_t stop) const {
+    TrainingListener listener;
+    listener.iteration = [stop](const TrainingProgress& progress) {
+      if (progress.iteration == stop) throw Stop();
+    };
+    EXPECT_THROW(train(config, small_->load(config), folder, "cpu", listener), Stop);
+  }
+  static std::string weights(const fs::path& folder) {
+    return read_file(models::ModelFiles{folder}.weights());
+  }
+  static std::vector<nlohmann::json> log(const fs::path& folder) {
+    std::vector<nlohmann::json> lines;
+    const std::string text = read_file(models::ModelFiles{folder}.log());
+    for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1) {
+      lines.push_back(nlohmann::json::parse(text.substr(at, text.find('\n', at) - at)));
+      for (const char* own : {"time", "seconds"}) lines.back().erase(own);
+    }
+    std::erase_if(lines, [](const nlohmann::json& line) { return line["type"] == "start"; });
+    return lines;
+  }
+
+  static std::unique_ptr<tests::SmallTraining> small_;
+};
+std::unique_ptr<tests::SmallTraining> TrainerTest::small_;
+
+TEST_F(TrainerTest, LeavesAModelDirectory) {
+  const fs::path folder = fresh("model");
+  EXPECT_TRUE(train_into(folder, small_->config()));
+  const Model model = load_model(folder);
+  EXPECT_EQ(model.iteration, 12U);
+  EXPECT_EQ(model.config.training.network.features, small_->kDimensions);
+  EXPECT_EQ(model.config.training.network.vocabulary, model.vocabulary.size());
+  std::vector<std::string> lines;
+  for (const auto& line : log(folder)) {
+    lines.push_back(line["type"].get<std::string>() + line["iteration"].dump());
+  }
+  EXPECT_THAT(lines, ElementsAre("train5", "evaluation6", "evaluation6", "train10", "train12",
+                                 "evaluation12", "evaluation12"));
+}
+
+TEST_F(TrainerTest, ResultsAreThoseOfTheLastEvaluation) {
+  const fs::path folder = fresh("model");
+  train_into(folder, small_->config());
+  const auto data = small_->load(small_->config());
+  for (std::size_t k = 0; k < 2; ++k) {
+    const r2r::EpisodeSet& split = data.validation[k];
+    const auto results = load_results(models::ModelFiles{folder}.results(split.split), split);
+    const auto score = compute_score(results.trajectories, split);
+    const auto line = log(folder).at(5 + k);
+    EXPECT_EQ(line["split"], split.split);
+    EXPECT_EQ(line["episodes"], split.episodes.size());
+    EXPECT_EQ(line["success_rate"], score.mean("success").mean);
+    EXPECT_EQ(line["nav_error"], score.mean("nav_error").mean);
+    EXPECT_EQ(line["spl"], score.mean("spl").mean);
+    EXPECT_GT(line["loss"], 0);
+  }
+}
+
+TEST_F(TrainerTest, TheSameSeedGivesTheSameBytesAndAnotherOnesOthers) {
+  models::TrainConfig config = small_->config();
+  train_into(fresh("a"), config);
+  train_into(fresh("b"), config);
+  config.seed = 2;
+  train_into(fresh("c"), config);
+  EXPECT_EQ(weights(fresh("a")), weights(fresh("b")));
+  EXPECT_EQ(log(fresh("a")), log(fresh("b")));
+  EXPECT_NE(weights(fresh("a")), weights(fresh("c")));
+}
+
+// At sizes as small as these OpenBLAS gives the same at any number of threads; MKL, which is inside
+// PyPI's PyTorch, only with one number of them.
+TEST_F(TrainerTest, ThreadsChangeNothing) {
+  const std::string blas = examine_torch().blas;
+  set_threads(2);
+  train_into(fresh("two"), small_->config());
+  train_into(fresh("again"), small_->config());
+  EXPECT_EQ(weights(fresh("two")), weights(fresh("again")));
+  if (blas.find("openblas") != std::string::npos) {
+    set_threads(1);
+    train_into(fresh("one"), small_->config());
+    EXPECT_EQ(weights(fresh("one")), weights(fresh("two")));
+  }
+  set_threads(0);
+}
+
+TEST_F(TrainerTest, GoesOnToTheBitAfterBeingStoppedAnywhere) {
+  for (const models::Feedback feedback : {models::Feedback::kSample, models::Feedback::kTeacher}) {
+    models::TrainConfig config = small_->config();
+    config.feedback = feedback;
+    const std::string name(to_string(feedback));
+    train_into(fresh(name), config);
+    // Before the first checkpoint, between two, right after one, and between evaluation and end.
+    for (const std::uint64_t stop : {3, 7, 10, 12}) {
+      const fs::path folder = fresh(name + std::to_string(stop));
+      train_until(folder, config, stop);
+      EXPECT_TRUE(train_into(folder, config));
+      EXPECT_EQ(weights(folder), weights(fresh(name))) << name << " stopped at " << stop;
+      EXPECT_EQ(log(folder), log(fresh(name))) << name << " stopped at " << stop;
+    }
+  }
+}
+
+TEST_F(TrainerTest, EvaluationChangesNoWeight) {
+  models::TrainConfig config = small_->config();
+  train_into(fresh("with"), config);
+  config.evaluate_every = 0;
+  train_into(fresh("without"), config);
+  EXPECT_EQ(weights(fresh("with")), weights(fresh("without")));
+}
+
+TEST_F(TrainerTest, IsDoneWhenItIsDoneAndCanBeMadeLonger) {
+  models::TrainConfig config = small_->config();
+  train_into(fresh("short"), config);
+  EXPECT_FALSE(train_into(fresh("short"), config));
+  config.iterations = 20;
+  EXPECT_TRUE(train_into(fresh("short"), config));
+  train_into(fresh("long"), config);
+  EXPECT_EQ(weights(fresh("short")), weights(fresh("long")));
+}
+
+TEST_F(TrainerTest, WritesWeightsThatAKillLeftBehind) {
+  const fs::path folder = fresh("model");
+  train_into(folder, small_->config());
+  const std::string before = weights(folder);
+  fs::remove(models::ModelFiles{folder}.weights());
+  EXPECT_FALSE(train_into(folder, small_->config()));
+  EXPECT_EQ(weights(folder), before);
+}
+
+TEST_F(TrainerTest, RefusesToGoOnWithOtherOptionsOrData) {
+  const fs::path folder = fresh("model");
+  models::TrainConfig config = small_->config();
+  train_into(folder, config);
+  config.network.hidden = 9;
+  config.seed = 5;
+  EXPECT_THAT([&] { train_into(folder, config); },
+              ThrowsMessage<ArgumentError>(AllOf(HasSubstr("was trained otherwise"),
+                                                 HasSubstr("hidden: 8, not 9"),
+                                                 HasSubstr("seed: 1, not 5"))));
+  config = small_->config();
+  TrainingData data = small_->load(config);
+  data.fingerprint.graphs.begin()->second = "other";
+  EXPECT_THAT([&] { train(config, data, folder); },
+              ThrowsMessage<ArgumentError>(HasSubstr("here it is other")));
+  data = small_->load(config);
+  data.training.episodes[0].text = "word word word word word";
+  EXPECT_THAT([&] { train(config, data, folder); },
+              ThrowsMessage<ArgumentError>(HasSubstr("vocabulary")));
+}
+
+TEST_F(TrainerTest, RefusesFeaturesOfAnotherSizeThanTheModels) {
+  const fs::path folder = fresh("model"), other = small_->model("other.safetensors");
+  const models::TrainConfig config = small_->config();
+  train_into(folder, config);
+  small_->write_features(other, 4);
+  EXPECT_THAT([&] { train(config, load_training_data(small_->root(), config, other), folder); },
+              ThrowsMessage<ArgumentError>(HasSubstr("features: 5, not 4")));
+}
+
+TEST_F(TrainerTest, NeedsFeaturesOnlyToSee) {
+  models::TrainConfig config = small_->config();
+  EXPECT_THAT([&] { load_training_data(small_->root(), config, std::nullopt); },
+              ThrowsMessage<ArgumentError>(HasSubstr("needs features")));
+  for (const char* inputs : {"language", "none"}) {
+    config.network.inputs = models::parse_inputs(inputs);
+    EXPECT_TRUE(
+        train(config, load_training_data(small_->root(), config, std::nullopt), fresh(inputs)));
+    EXPECT_EQ(load_model(fresh(inputs)).config.training.network.features, 0U);
+  }
+}
+
+TEST_F(TrainerTest, ABrokenCheckpointIsNamedAndTheOneBeforeGoesOnToTheBit) {
+  const fs::path folder = fresh("model");
+  const models::ModelFiles files{folder};
+  train_into(fresh("whole"), small_->config());
+  train_until(folder, small_->config(), 11);
+  std::string bytes = read_file(files.checkpoint());
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  write_file_atomically(files.checkpoint(), bytes);
+  EXPECT_THAT(
+      [&] { train_into(folder, small_->config()); },
+      ThrowsMessage<InvalidInput>(AllOf(HasSubstr("checkpoint.safetensors"),
+                                        HasSubstr("remove it to go on from the one before"))));
+  bytes.resize(bytes.size() / 3);  // cut off
+  write_file_atomically(files.checkpoint(), bytes);
+  EXPECT_THROW(train_into(folder, small_->config()), InvalidInput);
+  fs::remove(files.checkpoint());
+  train_into(folder, small_->config());
+  EXPECT_EQ(weights(folder), weights(fresh("whole")));
+}
+
+// No file of this process may grow beyond `bytes` while it lives, as if the disk were full.
+class FullDisk {
+ public:
+  explicit FullDisk(std::uintmax_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    EXPECT_EQ(getrlimit(RLIMIT_FSIZE, &before_), 0);
+    const struct rlimit small {
+      bytes, before_.rlim_max
+    };
+    EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  struct rlimit before_ {};
+  void (*handler_)(int);
+};
+
+TEST_F(TrainerTest, ADiskThatFillsUpLeavesTheLastCheckpointWhole) {
+  train_into(fresh("whole"), small_->config());
+  struct Case {
+    std::uintmax_t room;  // 0: a little less than a checkpoint
+    const char* file;     // that does not fit
+  };
+  for (const Case& one :
+       {Case{0, "checkpoint.safetensors"}, {5000, "results/"}, {1, "config.json"}}) {
+    const fs::path folder = fresh(fmt::format("room_{}", one.room));
+    const models::ModelFiles files{folder};
+    train_until(folder, small_->config(), 6);  // with a checkpoint at 5
+    std::string said;
+    {
+      models::TrainConfig config = small_->config();
+      if (one.room == 0) config.evaluate_every = 0;  // its files are larger than a checkpoint
+      const FullDisk disk(one.room > 0 ? one.room : fs::file_size(files.checkpoint()) - 100);
+      said = tests::refusal<FileError>([&] { train_into(folder, config); });
+    }
+    EXPECT_THAT(said, HasSubstr(one.file)) << one.room;
+    EXPECT_EQ(models::open_state(files.checkpoint()).iteration, 5U) << one.room;
+    EXPECT_TRUE(train_into(folder, small_->config()));
+    EXPECT_EQ(weights(folder), weights(fresh("whole"))) << one.room;
+  }
+}
+
+TEST_F(TrainerTest, OneProcessAtATime) {
+  const fs::path folder = fresh("model");
+  make_folder(folder);
+  const models::FolderLock lock(models::ModelFiles{folder}.lock());
+  EXPECT_THAT([&] { train_into(folder, small_->config()); },
+              ThrowsMessage<FileError>(HasSubstr("another process is training in this folder")));
+}
+
+TEST_F(TrainerTest, SplitsToTrainOnAreJoined) {
+  models::TrainConfig config = small_->config();
+  const std::size_t train_only = small_->load(config).training.episodes.size();
+  config.splits = {"train", "val_seen", "val_unseen"};
+  const TrainingData data = small_->load(config);
+  const std::size_t others =
+      data.validation[0].episodes.size() + data.validation[1].episodes.size();
+  EXPECT_EQ(data.training.episodes.size(), train_only + others);
+  EXPECT_EQ(data.training.split, "train+val_seen+val_unseen");
+  // Each episode still has its own path.
+  const r2r::Episode& last = data.training.episodes.back();
+  const r2r::Episode& same = data.validation[1].episodes.back();
+  EXPECT_EQ(last.instruction_id, same.instruction_id);
+  EXPECT_EQ(data.training.path_of(last).viewpoints, data.validation[1].path_of(same).viewpoints);
+}
+
+TEST_F(TrainerTest, HiddenGoalsCannotBeTrainedOn) {
+  models::TrainConfig config = small_->config();
+  config.splits = {"test"};
+  EXPECT_THAT([&] { small_->load(config); },
+              ThrowsMessage<ArgumentError>(HasSubstr("split test: its goals are hidden")));
+}
+
+TEST_F(TrainerTest, TellsHowFarItIs) {
+  models::TrainConfig config = small_->config();
+  std::vector<std::uint64_t> iterations;
+  std::size_t evaluations = 0;
+  TrainingListener listener;
+  listener.iteration = [&](const TrainingProgress& progress) {
+    iterations.push_back(progress.iteration);
+    EXPECT_EQ(progress.iterations, 12U);
+    EXPECT_GT(progress.loss, 0);
+    EXPECT_GT(progress.data_share, 0);
+    EXPECT_LT(progress.data_share, 1);
+  };
+  listener.evaluation = [&](const models::EvaluationRecord&) { ++evaluations; };
+  train(config, small_->load(config), fresh("model"), "cpu", listener);
+  EXPECT_THAT(iterations, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12));
+  EXPECT_EQ(evaluations, 4U);
+}
+
+}  // namespace
+}  // namespace enfilade::neural

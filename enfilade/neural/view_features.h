@@ -1,0 +1,40 @@
+/// \file  Features of the views of buildings, by the indices that the simulator speaks of.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/core/ids.h"
+#include "enfilade/features/feature_set.h"
+#include "enfilade/r2r/annotations.h"
+
+namespace enfilade::neural {
+
+/// A FeatureSet with the names of viewpoints looked up once. Immutable: any thread. Copies share.
+class ViewFeatures {
+ public:
+  static constexpr std::size_t kViews = 36;  ///< of a viewpoint: 12 headings, 3 elevations
+
+  /// Looks up each included viewpoint of each scan that `episodes` use; reads their graphs.
+  /// \throws InvalidInput if the set has not kViews views a viewpoint, or lacks viewpoints, which
+  /// it names; errors of graph files
+  ViewFeatures(features::FeatureSet features, const r2r::EpisodeSet& episodes);
+
+  std::size_t dimensions() const noexcept { return features_.info().dimensions; }
+  ScanIndex scan(std::string_view name) const { return graphs_->at(name); }  ///< of copy()
+  /// What is seen in view `view` (StateSpans::view_index) of an included viewpoint.
+  /// \pre the scan is one of the episodes', out.size() == dimensions()
+  void copy(ScanIndex scan, ViewpointIndex viewpoint, std::uint32_t view,
+            std::span<float> out) const {
+    features_.copy_view(rows_[scan.at()][viewpoint.at()], view, out);
+  }
+
+ private:
+  features::FeatureSet features_;
+  std::shared_ptr<const graph::GraphSet> graphs_;
+  std::vector<std::vector<std::uint32_t>> rows_;  // by scan, by viewpoint; empty: not in use
+};
+
+}  // namespace enfilade::neural
