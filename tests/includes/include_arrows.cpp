@@ -254,6 +254,8 @@ const Arrows& direct_arrows() {
 
 const std::map<std::string, Arrows, std::less<>>& rooms() {
   static const std::map<std::string, Arrows, std::less<>> kRooms{
+      {"features", {{"formats", {}}}},
+      {"neural", {{"encoders", {}}, {"seq2seq", {}}}},
       {"service",
        transitive_closure({{"store", {}},
                            {"accounts", {"store"}},

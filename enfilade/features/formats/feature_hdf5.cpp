@@ -14,8 +14,8 @@
 #include "enfilade/core/detail/part_file.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/features/detail/half.h"
-#include "enfilade/features/detail/isolated.h"
 #include "enfilade/features/formats/feature_safetensors.h"
+#include "enfilade/features/formats/isolated.h"
 #include "enfilade/features/formats/safetensors.h"
 #include "enfilade/features/formats/stored_arrays.h"
 
@@ -123,7 +123,7 @@ class Reader {
       : name_(path.string()), file_(open(path, name_)) {}
 
   /// As safetensors.
-  void copy_to(detail::SharedMemory& memory) {
+  void copy_to(SharedMemory& memory) {
     const std::vector<std::string> names = datasets();
     if (names.empty()) refuse(name_, "", "no-features", "holds no viewpoint's features");
     for (const std::string& name : names) key_of(name, name_);
@@ -431,10 +431,10 @@ class Hdf5Rows final : public RowWriter {
 
 FeatureRows read_feature_hdf5(const std::filesystem::path& file) {
   const MappedFile readable(file);  // the library does not tell one reason from another
-  detail::SharedMemory memory;
+  SharedMemory memory;
   {
     const Library library;
-    detail::run_isolated(file.string(), "bad-hdf5", [&] { Reader(file).copy_to(memory); });
+    run_isolated(file.string(), "bad-hdf5", [&] { Reader(file).copy_to(memory); });
   }
   return feature_rows_of(std::make_shared<const MappedFile>(memory.path()), file.string());
 }

@@ -1,4 +1,4 @@
-#include "enfilade/features/detail/isolated.h"
+#include "enfilade/features/formats/isolated.h"
 
 #include <gmock/gmock.h>
 #include <csignal>
@@ -10,7 +10,7 @@
 #include "enfilade/features/formats/stored_arrays.h"
 #include "tests/support/refusal.h"
 
-namespace enfilade::features::detail {
+namespace enfilade::features::formats {
 namespace {
 
 using ::testing::AllOf;
@@ -33,7 +33,7 @@ TEST(Isolated, SharedMemoryIsWhatComesBack) {
 }
 
 TEST(Isolated, WhatIsThrownIsThrown) {
-  EXPECT_EQ(refusal([] { formats::refuse("f.h5", "here", "wrong", "a fault"); }),
+  EXPECT_EQ(refusal([] { refuse("f.h5", "here", "wrong", "a fault"); }),
             "error: f.h5: here: a fault [wrong]");
   EXPECT_THAT(tests::refusal<FileError>([] {
                 run_isolated("f.h5", "damaged", [] { throw FileError("f.h5: cannot open: why"); });
@@ -63,4 +63,4 @@ TEST(Isolated, NothingIsPrinted) {
 }
 
 }  // namespace
-}  // namespace enfilade::features::detail
+}  // namespace enfilade::features::formats

@@ -1,4 +1,4 @@
-#include "enfilade/features/detail/isolated.h"
+#include "enfilade/features/formats/isolated.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -16,7 +16,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/features/formats/stored_arrays.h"
 
-namespace enfilade::features::detail {
+namespace enfilade::features::formats {
 namespace {
 
 [[noreturn]] void fail(const std::string& what, int reason) {
@@ -143,7 +143,7 @@ void run_isolated(const std::string& file, const std::string& code,
   }
   if (outcome == std::string(1, kDone)) return;
   if (!outcome.empty()) rethrow(outcome);
-  formats::refuse(file, "", code, "so damaged that its library does not come to an end with it");
+  refuse(file, "", code, "so damaged that its library does not come to an end with it");
 }
 
-}  // namespace enfilade::features::detail
+}  // namespace enfilade::features::formats

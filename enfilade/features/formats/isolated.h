@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-namespace enfilade::features::detail {
+namespace enfilade::features::formats {
 
 /// Bytes in memory that a process shares with its copies.
 class SharedMemory {
@@ -31,4 +31,4 @@ class SharedMemory {
 void run_isolated(const std::string& file, const std::string& code,
                   const std::function<void()>& work);
 
-}  // namespace enfilade::features::detail
+}  // namespace enfilade::features::formats
