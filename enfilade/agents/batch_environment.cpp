@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "enfilade/agents/six_actions.h"
 #include "enfilade/core/errors.h"
 
 namespace enfilade::agents {
@@ -60,12 +60,8 @@ BatchEnvironment::BatchEnvironment(std::shared_ptr<const r2r::EpisodeSet> episod
                                    const EnvironmentConfig& config)
     : episodes_(std::move(episodes)),
       config_((validate(*episodes_, config), config)),
-      simulator_(episodes_->graphs, simulator_config(config)),
-      buffer_(config.batch_size, config.max_navigable),
-      state_(buffer_.spans()),
-      actions_(config.batch_size),
-      trajectories_(config.batch_size),
-      ended_(config.batch_size, 1) {
+      batch_(*episodes_, simulator_config(config)),
+      actions_(config.batch_size) {
   const std::size_t n = config.batch_size;
   outcome_.reward.resize(n);
   for (auto* flags : {&outcome_.terminated, &outcome_.truncated, &outcome_.began}) flags->resize(n);
@@ -80,25 +76,18 @@ void BatchEnvironment::seed(std::size_t agent, std::uint64_t seed) { rngs_[agent
 
 std::int64_t BatchEnvironment::action_count() const noexcept {
   return config_.actions == ActionSpace::kSixActions
-             ? kStopOfSix + 1
+             ? kSixActions
              : static_cast<std::int64_t>(config_.max_navigable);
 }
 
-sim::EpisodeStart BatchEnvironment::start_of(std::size_t episode) const {
-  const r2r::ReferencePath& path = episodes_->path_of(episodes_->episodes[episode]);
-  return {{path.scan, path.viewpoints.front()}, path.heading, Radians(0)};
-}
-
 void BatchEnvironment::begin(std::size_t agent, std::size_t episode) {
-  simulator_.new_episode(agent, start_of(episode), state_);
+  batch_.begin(agent, episode);
   outcome_.episode[agent] = static_cast<std::uint32_t>(episode);
   outcome_.began[agent] = 1;
   outcome_.reward[agent] = 0;
   outcome_.terminated[agent] = outcome_.truncated[agent] = 0;
-  outcome_.distance[agent] = shortest_[agent] = distance_to_goal(agent);
+  outcome_.distance[agent] = shortest_[agent] = batch_.distance_to_goal(agent);
   walked_[agent] = 0;
-  trajectories_[agent].assign(1, state_.viewpoint[agent]);
-  ended_[agent] = 0;
 }
 
 void BatchEnvironment::reset(std::span<const std::uint8_t> mask,
@@ -130,7 +119,7 @@ void BatchEnvironment::check_actions(std::span<const std::int64_t> actions) cons
   check_length("actions", actions.size(), config_.batch_size);
   if (!started_) throw ArgumentError("step(): reset() has to come first");
   for (std::size_t i = 0; i < actions.size(); ++i) {
-    if (ended_[i] != 0 && !config_.reset_at_next_step) {
+    if (batch_.ended(i) && !config_.reset_at_next_step) {
       throw ArgumentError(
           fmt::format("agent {}: its episode has ended; reset() begins another", i));
     }
@@ -141,39 +130,28 @@ void BatchEnvironment::check_actions(std::span<const std::int64_t> actions) cons
 }
 
 sim::Action BatchEnvironment::action_of(std::size_t agent, std::int64_t number) const {
-  const std::uint32_t count = state_.navigable_count[agent];
+  const sim::StateSpans& now = state();
+  const std::uint32_t count = now.navigable_count[agent];
   if (config_.actions == ActionSpace::kSixActions) {
-    switch (number) {
-      case 0:
-        return {0, Radians(-1), {}};
-      case 1:
-        return {0, Radians(1), {}};
-      case 2:
-        return {0, {}, Radians(1)};
-      case 3:
-        return {0, {}, Radians(-1)};
-      case 4:
-        return {count > 1 ? 1U : 0U, {}, {}};
-      default:
-        return {};
-    }
+    return to_action(static_cast<SixAction>(number), count);
   }
   if (number == 0 || number >= count) return {};
   const auto index = static_cast<std::uint32_t>(number);
-  const std::size_t row = agent * buffer_.max_navigable() + index;
-  return {index, Radians(state_.navigable_rel_heading[row]), Radians(-state_.elevation[agent])};
+  const std::size_t row = agent * config_.max_navigable + index;
+  return {index, Radians(now.navigable_rel_heading[row]), Radians(-now.elevation[agent])};
 }
 
 void BatchEnvironment::step(std::span<const std::int64_t> actions) {
   check_actions(actions);
   for (std::size_t i = 0; i < actions.size(); ++i) {
-    actions_[i] = ended_[i] != 0 ? sim::Action{} : action_of(i, actions[i]);
+    actions_[i] = batch_.ended(i) ? sim::Action{} : action_of(i, actions[i]);
   }
-  simulator_.step(actions_, state_);
-  const std::int64_t stop = config_.actions == ActionSpace::kSixActions ? kStopOfSix : 0;
+  batch_.step(actions_);
+  const bool six = config_.actions == ActionSpace::kSixActions;
+  const std::int64_t stop = six ? static_cast<std::int64_t>(SixAction::kStop) : 0;
   for (std::size_t i = 0; i < actions.size(); ++i) {
     outcome_.began[i] = 0;
-    if (ended_[i] != 0) {
+    if (batch_.ended(i)) {
       begin(i, rngs_[i].below(episodes_->episodes.size()));
     } else {
       judge(i, actions[i] == stop);
@@ -181,40 +159,29 @@ void BatchEnvironment::step(std::span<const std::int64_t> actions) {
   }
 }
 
-double BatchEnvironment::distance_to_goal(std::size_t agent) const {
-  const r2r::Episode& episode = episodes_->episodes[outcome_.episode[agent]];
-  const r2r::ReferencePath& path = episodes_->path_of(episode);
-  if (path.viewpoints.size() < 2) return std::numeric_limits<double>::quiet_NaN();
-  return episodes_->graph_of(episode).distance(state_.viewpoint[agent], path.viewpoints.back());
-}
-
 void BatchEnvironment::judge(std::size_t agent, bool stopped) {
-  const bool moved = state_.viewpoint[agent] != trajectories_[agent].back();
+  const std::vector<r2r::TrajectoryPoint>& points = batch_.trajectory(agent).points;
+  const ViewpointIndex from = points[points.size() - 2].viewpoint, to = points.back().viewpoint;
+  const bool moved = from != to;
   const double before = outcome_.distance[agent];
-  const double now = moved ? distance_to_goal(agent) : before;
+  const double now = moved ? batch_.distance_to_goal(agent) : before;
   const bool success = stopped && now < config_.success_distance;
   double reward = 0;
   if (config_.reward == Reward::kSuccess) reward = success ? 1 : 0;
   if (config_.reward == Reward::kProgress) {
     reward = (moved ? before - now : 0) + (stopped ? (success ? kStopReward : -kStopReward) : 0);
   }
-  if (moved) walked_[agent] += step_length(agent);
-  trajectories_[agent].push_back(state_.viewpoint[agent]);
+  if (moved) walked_[agent] += batch_.graph(agent).edge(from, to)->length;
   outcome_.distance[agent] = now;
   outcome_.reward[agent] = reward;
   outcome_.terminated[agent] = stopped ? 1 : 0;
-  outcome_.truncated[agent] = !stopped && state_.step[agent] >= config_.max_steps ? 1 : 0;
-  ended_[agent] = outcome_.terminated[agent] | outcome_.truncated[agent];
-  if (ended_[agent] != 0) finish(agent);
-}
-
-double BatchEnvironment::step_length(std::size_t agent) const {
-  const graph::NavGraph& graph = episodes_->graph_of(episodes_->episodes[outcome_.episode[agent]]);
-  return graph.edge(trajectories_[agent].back(), state_.viewpoint[agent])->length;
+  outcome_.truncated[agent] = !stopped && state().step[agent] >= config_.max_steps ? 1 : 0;
+  if ((outcome_.terminated[agent] | outcome_.truncated[agent]) != 0) finish(agent);
 }
 
 // An agent that is cut off is judged by where it is, as it would be if it stopped there.
 void BatchEnvironment::finish(std::size_t agent) {
+  batch_.end(agent);
   const double distance = outcome_.distance[agent], shortest = shortest_[agent];
   const double success = distance < config_.success_distance ? 1 : 0;
   const double longest = std::max(walked_[agent], shortest);
@@ -228,12 +195,13 @@ r2r::EpisodeMetrics BatchEnvironment::compute_metrics(std::size_t agent) const {
     throw ArgumentError(
         fmt::format("agent {} of {}: no episode was begun", agent, config_.batch_size));
   }
-  const r2r::Episode& episode = episodes_->episodes[outcome_.episode[agent]];
-  const r2r::ReferencePath& path = episodes_->path_of(episode);
+  const r2r::ReferencePath& path = batch_.path(agent);
   if (path.viewpoints.size() < 2) {
     throw ArgumentError(fmt::format("path {} hides its goal", path.path_id));
   }
-  return r2r::compute_metrics(episodes_->graph_of(episode), trajectories_[agent], path.viewpoints,
+  std::vector<ViewpointIndex> walked;
+  for (const auto& point : batch_.trajectory(agent).points) walked.push_back(point.viewpoint);
+  return r2r::compute_metrics(batch_.graph(agent), walked, path.viewpoints,
                               {config_.success_distance});
 }
 

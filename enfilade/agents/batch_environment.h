@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "enfilade/agents/episode_batch.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/r2r/annotations.h"
 #include "enfilade/r2r/metrics.h"
@@ -16,16 +17,11 @@ namespace enfilade::agents {
 /// What the numbers that an agent says stand for (the paper, section 3 and its baseline). What is
 /// not possible at the moment leaves the agent where it is.
 enum class ActionSpace {
-  /// 0: stop; k: walk to entry k of the navigable list, which has all neighbours, and look where
-  /// one
-  /// walked, levelly.
+  /// 0: stop; k: walk to entry k of the navigable list, which has all neighbours, and look in the
+  /// direction of the walk, elevation 0.
   kViewpoint,
-  /// 0 left, 1 right, 2 up, 3 down (a view of 30 degrees each), 4 forward (entry 1 of the list:
-  /// what
-  /// is nearest to the picture's middle), 5 stop.
-  kSixActions,
+  kSixActions,  ///< SixAction: 0 left, 1 right, 2 up, 3 down, 4 forward, 5 stop
 };
-inline constexpr std::int64_t kStopOfSix = 5;
 
 enum class Reward {
   kNone,      ///< always 0
@@ -82,7 +78,7 @@ class BatchEnvironment {
   const EnvironmentConfig& config() const noexcept { return config_; }
   const r2r::EpisodeSet& episodes() const noexcept { return *episodes_; }
   std::int64_t action_count() const noexcept;
-  const sim::StateSpans& state() const noexcept { return state_; }
+  const sim::StateSpans& state() const noexcept { return batch_.state(); }
   const Outcome& outcome() const noexcept { return outcome_; }
   /// All metrics of what the agent has walked in its episode so far. O(steps * reference length).
   /// \throws ArgumentError for an agent beyond the batch, before reset(), or if the goal is hidden
@@ -90,25 +86,18 @@ class BatchEnvironment {
 
  private:
   void check_actions(std::span<const std::int64_t> actions) const;
-  sim::EpisodeStart start_of(std::size_t episode) const;
   void begin(std::size_t agent, std::size_t episode);
   sim::Action action_of(std::size_t agent, std::int64_t number) const;
   void judge(std::size_t agent, bool stopped);
   void finish(std::size_t agent);
-  double distance_to_goal(std::size_t agent) const;
-  double step_length(std::size_t agent) const;
 
   std::shared_ptr<const r2r::EpisodeSet> episodes_;
   EnvironmentConfig config_;
-  sim::Simulator simulator_;
-  sim::StateBuffer buffer_;
-  sim::StateSpans state_;
+  EpisodeBatch batch_;
   Outcome outcome_;
   std::vector<Rng> rngs_;
   std::vector<sim::Action> actions_;
-  std::vector<std::vector<ViewpointIndex>> trajectories_;
   std::vector<double> shortest_, walked_;  // metres, of the present episode
-  std::vector<std::uint8_t> ended_;        // 1 before the first episode too
   bool started_ = false;
 };
 

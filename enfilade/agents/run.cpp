@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
-#include <optional>
+#include <numeric>
 #include <utility>
 
+#include "enfilade/agents/episode_batch.h"
 #include "enfilade/agents/random.h"
 #include "enfilade/agents/shortest.h"
 #include "enfilade/core/errors.h"
@@ -13,126 +14,50 @@
 namespace enfilade::agents {
 namespace {
 
-using r2r::Episode;
 using r2r::EpisodeSet;
 using r2r::Trajectory;
 
 // Runs the episodes [first, first + count) in one simulator, to the end of the last.
-class BatchRun {
- public:
-  BatchRun(Agent& agent, const EpisodeSet& episodes, const RunOptions& options, std::size_t first,
-           std::size_t count)
-      : agent_(agent),
-        episodes_(episodes),
-        options_(options),
-        first_(first),
-        simulator_(episodes.graphs, batch_config(options, count)),
-        buffer_(count, options.simulator.max_navigable),
-        state_(buffer_.spans()),
-        observations_(count),
-        decisions_(count),
-        actions_(count),
-        trajectories_(count) {}
+std::vector<Trajectory> run_batch(Agent& agent, const EpisodeSet& episodes,
+                                  const RunOptions& options, std::size_t first, std::size_t count) {
+  sim::SimulatorConfig config = options.simulator;
+  config.batch_size = count;
+  config.seed = options.seed;
+  EpisodeBatch batch(episodes, config);
+  std::vector<std::size_t> chosen(count);
+  std::iota(chosen.begin(), chosen.end(), first);
+  batch.begin(chosen);
 
-  std::vector<Trajectory> run() {
-    begin();
-    for (std::size_t actions = 0; actions < options_.max_actions && running_ > 0; ++actions) {
-      observe();
-      agent_.act(observations_, decisions_);
-      apply();
-    }
-    return std::move(trajectories_);
+  std::vector<Rng> rngs;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string& id = batch.episode(i).instruction_id;
+    rngs.emplace_back(options.seed, stream_of(id.data(), id.size()));
   }
-
- private:
-  static sim::SimulatorConfig batch_config(const RunOptions& options, std::size_t count) {
-    sim::SimulatorConfig config = options.simulator;
-    config.batch_size = count;
-    config.seed = options.seed;
-    return config;
-  }
-
-  const Episode& episode(std::size_t slot) const { return episodes_.episodes[first_ + slot]; }
-
-  void begin() {
-    std::vector<sim::EpisodeStart> starts;
-    for (std::size_t i = 0; i < observations_.size(); ++i) {
-      const Episode& e = episode(i);
-      const r2r::ReferencePath& path = episodes_.path_of(e);
-      starts.push_back({{path.scan, path.viewpoints.front()}, path.heading, Radians(0)});
-      rngs_.emplace_back(options_.seed,
-                         stream_of(e.instruction_id.data(), e.instruction_id.size()));
+  std::vector<Observation> observations(count);
+  const auto observe = [&] {
+    for (std::size_t i = 0; i < count; ++i) {
+      observations[i] = batch.observation(i);
+      observations[i].rng = &rngs[i];
     }
-    simulator_.new_episodes(starts, state_);
-    for (std::size_t i = 0; i < observations_.size(); ++i) {
-      trajectories_[i].episode = first_ + i;
-      record(i);
-      Observation& seen = observations_[i];
-      seen.episode = &episode(i);
-      seen.graph = &episodes_.graph_of(episode(i));
-      seen.reference = episodes_.path_of(episode(i)).viewpoints;
-      seen.rng = &rngs_[i];
-    }
-    running_ = observations_.size();
-    observe();
-    agent_.start(observations_);
-  }
+  };
+  observe();
+  agent.start(observations);
 
-  void observe() {
-    for (std::size_t i = 0; i < observations_.size(); ++i) {
-      Observation& seen = observations_[i];
-      seen.viewpoint = state_.viewpoint[i];
-      seen.heading = Radians(state_.heading[i]);
-      seen.elevation = Radians(state_.elevation[i]);
-      seen.view_index = state_.view_index[i];
-      seen.step = state_.step[i];
-      const std::size_t row = i * buffer_.max_navigable();
-      const std::size_t n = state_.navigable_count[i];
-      seen.navigable = {state_.navigable_viewpoint.subspan(row, n),
-                        state_.navigable_rel_heading.subspan(row, n),
-                        state_.navigable_rel_elevation.subspan(row, n),
-                        state_.navigable_distance.subspan(row, n)};
+  std::vector<Decision> decisions(count);
+  std::vector<sim::Action> actions(count);
+  for (std::size_t taken = 0; taken < options.max_actions && batch.running() > 0; ++taken) {
+    if (taken > 0) observe();
+    agent.act(observations, decisions);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Decision& d = decisions[i];
+      if (d.stop) batch.end(i);
+      actions[i] =
+          batch.ended(i) ? sim::Action{} : sim::Action{d.index, d.heading_change, d.elevation_change};
     }
+    if (batch.running() > 0) batch.step(actions);
   }
-
-  // Ended episodes stay where they are: the simulator steps the whole batch.
-  void apply() {
-    for (std::size_t i = 0; i < decisions_.size(); ++i) {
-      Observation& seen = observations_[i];
-      if (!seen.ended && decisions_[i].stop) {
-        seen.ended = true;
-        --running_;
-      }
-      const Decision& d = decisions_[i];
-      actions_[i] =
-          seen.ended ? sim::Action{} : sim::Action{d.index, d.heading_change, d.elevation_change};
-    }
-    if (running_ == 0) return;
-    simulator_.step(actions_, state_);
-    for (std::size_t i = 0; i < decisions_.size(); ++i) {
-      if (!observations_[i].ended) record(i);
-    }
-  }
-
-  void record(std::size_t slot) {
-    trajectories_[slot].points.push_back(
-        {state_.viewpoint[slot], Radians(state_.heading[slot]), Radians(state_.elevation[slot])});
-  }
-
-  Agent& agent_;
-  const EpisodeSet& episodes_;
-  const RunOptions& options_;
-  std::size_t first_;
-  std::size_t running_ = 0;
-  sim::Simulator simulator_;
-  sim::StateBuffer buffer_;
-  sim::StateSpans state_;
-  std::vector<Rng> rngs_;
-  std::vector<Observation> observations_;
-  std::vector<Decision> decisions_;
-  std::vector<sim::Action> actions_;
-  std::vector<Trajectory> trajectories_;
-};
+  return batch.take_trajectories();
+}
 
 void require_goals(const Agent& agent, const EpisodeSet& episodes) {
   for (const r2r::ReferencePath& path : episodes.paths) {
@@ -153,7 +78,7 @@ std::vector<Trajectory> run_agent(Agent& agent, const EpisodeSet& episodes,
   all.reserve(total);
   for (std::size_t first = 0; first < total; first += options.batch_size) {
     const std::size_t count = std::min(options.batch_size, total - first);
-    for (Trajectory& one : BatchRun(agent, episodes, options, first, count).run()) {
+    for (Trajectory& one : run_batch(agent, episodes, options, first, count)) {
       all.push_back(std::move(one));
     }
     if (progress) progress(all.size(), total);

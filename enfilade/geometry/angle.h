@@ -25,6 +25,14 @@ struct Radians {
 constexpr Radians degrees(double degrees) { return Radians(degrees * (kPi / 180)); }
 constexpr double to_degrees(Radians angle) { return angle.value * (180 / kPi); }
 
+/// `90_deg`, `-8.5_deg` after `using namespace enfilade::literals`.
+inline namespace literals {
+constexpr Radians operator""_deg(long double value) { return degrees(static_cast<double>(value)); }
+constexpr Radians operator""_deg(unsigned long long value) {
+  return degrees(static_cast<double>(value));
+}
+}  // namespace literals
+
 /// The same heading in [0, 2 pi], as MatterSim computes it: fmod, then additions of 2 pi while
 /// negative. A negative angle closer to 0 than half a bit of 2 pi gives 2 pi itself.
 inline Radians wrap_heading(Radians heading) {

@@ -20,9 +20,7 @@ SimulatorConfig all_views(SimulatorConfig config) {
 
 CandidateFinder::CandidateFinder(std::shared_ptr<const graph::GraphSet> graphs,
                                  const SimulatorConfig& config)
-    : simulator_(std::move(graphs), all_views(config)),
-      buffer_(kViews, config.max_navigable),
-      state_(buffer_.spans()) {
+    : simulator_(std::move(graphs), all_views(config)) {
   for (std::size_t view = 0; view < kViews; ++view) {
     const double row = static_cast<double>(view / 12) - 1;
     starts_.push_back(
@@ -32,27 +30,28 @@ CandidateFinder::CandidateFinder(std::shared_ptr<const graph::GraphSet> graphs,
 
 const std::vector<Candidate>& CandidateFinder::find(graph::Location location) {
   for (EpisodeStart& start : starts_) start.location = location;
-  simulator_.new_episodes(starts_, state_);
+  simulator_.new_episodes(starts_);
   found_.clear();
   for (std::uint32_t view = 0; view < kViews; ++view) {
-    for (std::uint32_t k = 1; k < state_.navigable_count[view]; ++k) keep(view, k);
+    for (std::uint32_t k = 1; k < simulator_.state().navigable_count[view]; ++k) keep(view, k);
   }
   return found_;
 }
 
 void CandidateFinder::keep(std::uint32_t view, std::uint32_t index) {
-  const std::size_t at = view * buffer_.max_navigable() + index;
-  const double right = state_.navigable_rel_heading[at];
-  const double up = state_.navigable_rel_elevation[at];
-  const Candidate candidate{state_.navigable_viewpoint[at],
+  const StateSpans& state = simulator_.state();
+  const std::size_t at = view * state.max_navigable() + index;
+  const double right = state.navigable_rel_heading[at];
+  const double up = state.navigable_rel_elevation[at];
+  const Candidate candidate{state.navigable_viewpoint[at],
                             view,
                             index,
                             Radians(right),
                             Radians(up),
-                            Radians(state_.heading[view] + right),
-                            Radians(state_.elevation[view] + up),
+                            Radians(state.heading[view] + right),
+                            Radians(state.elevation[view] + up),
                             std::sqrt(right * right + up * up),
-                            state_.navigable_distance[at]};
+                            state.navigable_distance[at]};
   const auto known = std::ranges::find(found_, candidate.viewpoint, &Candidate::viewpoint);
   if (known == found_.end()) {
     found_.push_back(candidate);

@@ -40,8 +40,6 @@ class CandidateFinder {
   void keep(std::uint32_t view, std::uint32_t index);
 
   Simulator simulator_;
-  StateBuffer buffer_;
-  StateSpans state_;
   std::vector<EpisodeStart> starts_;
   std::vector<Candidate> found_;
 };

@@ -122,6 +122,8 @@ struct Simulator::Impl {
   detail::ViewLimit limit;
   std::array<Direction, kHeadings> directions;  // of discretized viewing
   Agents agents;
+  StateBuffer buffer;
+  StateSpans state;  // of buffer
   NavigableViews views;
   MatterSimRandom random;
 };
@@ -132,6 +134,8 @@ Simulator::Impl::Impl(std::shared_ptr<const graph::GraphSet> set, const Simulato
       limit{given.navigation == Navigation::kUnrestricted, std::cos(half_field_of_view(given))},
       directions{},
       agents(given),
+      buffer(given.batch_size, given.max_navigable),
+      state(buffer.spans()),
       views(std::min(given.batch_size, kChunk), given.max_navigable),
       random(given.seed) {
   for (int i = 0; i < kHeadings; ++i) {
@@ -390,6 +394,7 @@ Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
 const SimulatorConfig& Simulator::config() const noexcept { return impl_->config; }
 const graph::GraphSet& Simulator::graphs() const noexcept { return *impl_->graphs; }
+const StateSpans& Simulator::state() const noexcept { return impl_->state; }
 
 void Simulator::new_episodes(std::span<const EpisodeStart> starts, const StateSpans& out) {
   impl_->check_output(out);

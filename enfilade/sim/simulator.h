@@ -1,4 +1,5 @@
-/// \file  The batched state machine of the paper (Anderson et al., CVPR 2018, section 3).
+/// \file  The batched simulator: agents that move between viewpoints and turn (Anderson et al.,
+/// CVPR 2018, section 3).
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -94,10 +95,17 @@ class ActionError : public ArgumentError {
 };
 
 /// Walks a batch of agents through the buildings of a GraphSet. Needs no picture, display or GPU.
-/// Owns the truth about its agents; each call writes the whole state of each agent it concerns into
-/// `out`, the caller's memory. step() allocates nothing with one thread. Same start, actions and
-/// seed give the same bytes at any batch size and thread count. One thread at a time per simulator;
-/// any number of simulators share a GraphSet. Making one costs microseconds.
+/// Each call that moves agents writes the whole state of each agent that it concerns: into state(),
+/// the simulator's own memory, or, where the caller brings memory (`out`), into that alone. Owns
+/// the truth about its agents: what a caller does to that memory changes nothing. step() allocates
+/// nothing with one thread. Same start, actions and seed give the same bytes at any batch size and
+/// thread count. One thread at a time per simulator; any number of simulators share a GraphSet.
+/// Making one costs microseconds.
+///
+///     sim::Simulator simulator(graphs, sim::SimulatorConfig::room_to_room());
+///     simulator.new_random_episodes(std::vector{ScanIndex(0)});
+///     simulator.step(std::vector{sim::Action{0, degrees(30), {}}});
+///     simulator.state().heading[0];
 class Simulator {
  public:
   /// \throws ArgumentError as validate(), or if `graphs` is null
@@ -109,6 +117,9 @@ class Simulator {
   const SimulatorConfig& config() const noexcept;
   const graph::GraphSet& graphs() const noexcept;
   std::size_t batch_size() const noexcept { return config().batch_size; }
+  /// What the last calls without `out` wrote; agents without such a call are 0. Valid as long as
+  /// the simulator, which may be moved.
+  const StateSpans& state() const noexcept;
 
   /// Starts an episode for every agent. Reads graphs that nobody has read yet.
   /// \pre out has the shapes of batch_size() and max_navigable
@@ -117,19 +128,30 @@ class Simulator {
   /// with more neighbours than max_navigable - 1; FileError, InvalidInput for a graph's file. Then
   /// nothing has happened.
   void new_episodes(std::span<const EpisodeStart> starts, const StateSpans& out);
+  void new_episodes(std::span<const EpisodeStart> starts) { new_episodes(starts, state()); }
   /// The same for one agent, as in a vector environment whose episodes end at different times.
   void new_episode(std::size_t agent, const EpisodeStart& start, const StateSpans& out);
+  void new_episode(std::size_t agent, const EpisodeStart& start) {
+    new_episode(agent, start, state());
+  }
   /// A random viewpoint and heading for every agent, elevation 0.
   /// \throws as new_episodes(); ActionError for a graph in which no viewpoint is included
   void new_random_episodes(std::span<const ScanIndex> scans, const StateSpans& out);
+  void new_random_episodes(std::span<const ScanIndex> scans) {
+    new_random_episodes(scans, state());
+  }
   /// The same for one agent: with kUniform what new_random_episodes() would give it next.
   void new_random_episode(std::size_t agent, ScanIndex scan, const StateSpans& out);
+  void new_random_episode(std::size_t agent, ScanIndex scan) {
+    new_random_episode(agent, scan, state());
+  }
 
   /// One action for every agent.
   /// \throws ArgumentError if actions.size() != batch_size(), `out` has other shapes or no episode
   /// was started; ActionError for an index outside an agent's navigable list or a change that is
   /// not finite. Then nothing has happened.
   void step(std::span<const Action> actions, const StateSpans& out);
+  void step(std::span<const Action> actions) { step(actions, state()); }
 
   /// Writes the state again, e.g. into other memory. \throws as step()
   void write_state(const StateSpans& out) const;

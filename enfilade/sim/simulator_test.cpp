@@ -52,7 +52,7 @@ struct Walker {
 
   std::vector<ViewpointIndex> list(std::size_t agent = 0) const {
     const auto row =
-        out.navigable_viewpoint.subspan(agent * buffer.max_navigable(), out.navigable_count[agent]);
+        out.navigable_viewpoint.subspan(agent * out.max_navigable(), out.navigable_count[agent]);
     return {row.begin(), row.end()};
   }
 
@@ -87,6 +87,28 @@ TEST(Simulator, WalksRoundASquare) {
   w.turn(-1);
   EXPECT_THAT(w.list(), ElementsAre(v(1), v(2)));
   EXPECT_NEAR(to_degrees(Radians(w.out.navigable_rel_heading[1])), -30, 1e-5);
+}
+
+TEST(Simulator, OwnStateIsWhatACallerWouldGet) {
+  const auto graphs = set_of(graph::testing::square());
+  Walker brought(graphs, SimulatorConfig::room_to_room());
+  Simulator own(graphs, SimulatorConfig::room_to_room());
+  const std::array<EpisodeStart, 1> starts{at(0)};
+  const std::array<Action, 1> turn{Action{0, Radians(1), {}}};
+  brought.start(starts[0]);
+  own.new_episodes(starts);
+  for (int i = 0; i < 3; ++i) {
+    brought.act(turn[0]);
+    own.step(turn);
+  }
+  Simulator moved = std::move(own);
+  EXPECT_EQ(moved.state().heading[0], brought.out.heading[0]);
+  EXPECT_EQ(moved.state().navigable_count[0], brought.out.navigable_count[0]);
+  EXPECT_EQ(moved.state().navigable_viewpoint[1], brought.out.navigable_viewpoint[1]);
+  // Memory of the caller's is written alone.
+  moved.step(turn, brought.out);
+  EXPECT_EQ(moved.state().step[0], 3U);
+  EXPECT_EQ(brought.out.step[0], 4U);
 }
 
 TEST(Simulator, ListsStartHereAndGoFromTheMiddleOut) {

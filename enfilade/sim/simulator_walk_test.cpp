@@ -143,7 +143,7 @@ class Walk {
                                    s.step[i],
                                    s.navigable_count[i]};
     for (std::size_t k = 0; k < s.navigable_count[i]; ++k) {
-      const std::size_t at = i * buffer_.max_navigable() + k;
+      const std::size_t at = i * buffer_.spans().max_navigable() + k;
       all.push_back(s.navigable_viewpoint[at].value);
       all.push_back(std::bit_cast<std::uint64_t>(s.navigable_rel_heading[at]));
       all.push_back(std::bit_cast<std::uint64_t>(s.navigable_rel_elevation[at]));

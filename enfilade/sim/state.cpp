@@ -3,8 +3,7 @@
 namespace enfilade::sim {
 
 StateBuffer::StateBuffer(std::size_t batch_size, std::size_t max_navigable)
-    : max_navigable_(max_navigable),
-      scan_(batch_size),
+    : scan_(batch_size),
       viewpoint_(batch_size),
       heading_(batch_size),
       elevation_(batch_size),

@@ -1,4 +1,4 @@
-/// \file  The state of a batch of agents, as arrays that the caller owns.
+/// \file  The state of a batch of agents, as arrays.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -8,8 +8,8 @@
 
 namespace enfilade::sim {
 
-/// Where a Simulator writes: one array a quantity, shape (batch), and for what an agent may walk
-/// to, shape (batch, max_navigable) row-major. Row k of `navigable_*` is filled up to
+/// The state of n = batch agents: one array a quantity, shape (batch), and for the viewpoints that
+/// an agent may walk to, shape (batch, max_navigable), row-major. Row k of `navigable_*` is filled up to
 /// navigable_count[k]; the rest keeps what it held. Entry 0 is the present viewpoint with zeros;
 /// the others follow by rising sqrt(rel_heading^2 + rel_elevation^2), ties by viewpoint.
 struct StateSpans {
@@ -25,18 +25,19 @@ struct StateSpans {
   std::span<double> navigable_rel_heading;    ///< radians from the view's middle, right positive
   std::span<double> navigable_rel_elevation;  ///< radians from the view's middle, up positive
   std::span<double> navigable_distance;       ///< metres, straight line
+
+  std::size_t batch_size() const noexcept { return scan.size(); }
+  /// Columns of navigable_*. \pre batch_size() > 0
+  std::size_t max_navigable() const noexcept { return navigable_viewpoint.size() / scan.size(); }
 };
 
-/// Owns the memory of a StateSpans, for callers with no memory of their own. A plain value.
+/// Memory for a StateSpans, for callers who keep more than one state of a simulator. A plain value.
 class StateBuffer {
  public:
   StateBuffer(std::size_t batch_size, std::size_t max_navigable);
   StateSpans spans() noexcept;  ///< valid as long as *this, until it is moved or assigned to
-  std::size_t batch_size() const noexcept { return scan_.size(); }
-  std::size_t max_navigable() const noexcept { return max_navigable_; }
 
  private:
-  std::size_t max_navigable_;
   std::vector<ScanIndex> scan_;
   std::vector<ViewpointIndex> viewpoint_;
   std::vector<double> heading_, elevation_;

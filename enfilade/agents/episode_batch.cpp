@@ -1,0 +1,113 @@
+#include "enfilade/agents/episode_batch.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade::agents {
+
+sim::EpisodeStart start_of(const r2r::EpisodeSet& episodes, std::size_t episode) {
+  const r2r::ReferencePath& path = episodes.path_of(episodes.episodes[episode]);
+  return {{path.scan, path.viewpoints.front()}, path.heading, Radians(0)};
+}
+
+EpisodeBatch::EpisodeBatch(const r2r::EpisodeSet& episodes, const sim::SimulatorConfig& config,
+                           std::size_t reserved_steps)
+    : episodes_(episodes),
+      simulator_(episodes.graphs, config),
+      graphs_(config.batch_size),
+      ended_(config.batch_size, 1),
+      reserved_steps_(reserved_steps),
+      trajectories_(config.batch_size) {}
+
+void EpisodeBatch::check_episode(std::size_t episode) const {
+  if (episode < episodes_.episodes.size()) return;
+  throw ArgumentError(fmt::format("episode {}: split {} has {}", episode, episodes_.split,
+                                  episodes_.episodes.size()));
+}
+
+void EpisodeBatch::begin(std::span<const std::size_t> episodes) {
+  if (episodes.size() != size()) {
+    throw ArgumentError(
+        fmt::format("{} episodes for a batch of {}: as many are needed", episodes.size(), size()));
+  }
+  std::vector<sim::EpisodeStart> starts;
+  starts.reserve(size());
+  for (const std::size_t episode : episodes) {
+    check_episode(episode);
+    starts.push_back(start_of(episodes_, episode));
+  }
+  simulator_.new_episodes(starts);
+  for (std::size_t i = 0; i < size(); ++i) began(i, episodes[i]);
+}
+
+void EpisodeBatch::begin(std::size_t slot, std::size_t episode) {
+  check_episode(episode);
+  simulator_.new_episode(slot, start_of(episodes_, episode));
+  began(slot, episode);
+}
+
+void EpisodeBatch::began(std::size_t slot, std::size_t episode) {
+  graphs_[slot] = &episodes_.graph_of(episodes_.episodes[episode]);
+  trajectories_[slot].episode = episode;
+  trajectories_[slot].points.clear();
+  trajectories_[slot].points.reserve(reserved_steps_ + 1);
+  running_ += ended_[slot];
+  ended_[slot] = 0;
+  record(slot);
+}
+
+void EpisodeBatch::step(std::span<const sim::Action> actions) {
+  simulator_.step(actions);
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (ended_[i] == 0) record(i);
+  }
+}
+
+void EpisodeBatch::end(std::size_t slot) {
+  if (ended_[slot] != 0) return;
+  ended_[slot] = 1;
+  --running_;
+}
+
+double EpisodeBatch::distance_to_goal(std::size_t slot) const {
+  const std::vector<ViewpointIndex>& reference = path(slot).viewpoints;
+  if (reference.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+  return graph(slot).distance(state().viewpoint[slot], reference.back());
+}
+
+Observation EpisodeBatch::observation(std::size_t slot) const {
+  const sim::StateSpans& now = state();
+  const std::size_t row = slot * config().max_navigable;
+  const std::size_t n = now.navigable_count[slot];
+  return {.episode = &episode(slot),
+          .graph = graphs_[slot],
+          .reference = path(slot).viewpoints,
+          .viewpoint = now.viewpoint[slot],
+          .heading = Radians(now.heading[slot]),
+          .elevation = Radians(now.elevation[slot]),
+          .view_index = now.view_index[slot],
+          .step = now.step[slot],
+          .navigable = {now.navigable_viewpoint.subspan(row, n),
+                        now.navigable_rel_heading.subspan(row, n),
+                        now.navigable_rel_elevation.subspan(row, n),
+                        now.navigable_distance.subspan(row, n)},
+          .rng = nullptr,
+          .ended = ended(slot)};
+}
+
+void EpisodeBatch::record(std::size_t slot) {
+  const sim::StateSpans& now = state();
+  trajectories_[slot].points.push_back(
+      {now.viewpoint[slot], Radians(now.heading[slot]), Radians(now.elevation[slot])});
+}
+
+std::vector<r2r::Trajectory> EpisodeBatch::take_trajectories() {
+  for (std::size_t i = 0; i < size(); ++i) end(i);
+  return std::exchange(trajectories_, std::vector<r2r::Trajectory>(size()));
+}
+
+}  // namespace enfilade::agents

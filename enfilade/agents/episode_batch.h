@@ -1,0 +1,85 @@
+/// \file  A batch of episodes that are walked in one simulator: the one episode walker.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "enfilade/agents/agent.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/r2r/results.h"
+#include "enfilade/sim/simulator.h"
+
+namespace enfilade::agents {
+
+/// Where an episode starts: its path's first viewpoint and heading, elevation 0.
+sim::EpisodeStart start_of(const r2r::EpisodeSet& episodes, std::size_t episode);
+
+/// Episodes in slots 0 .. size() - 1: which episode each slot has, where its agent is, what it has
+/// walked, and whether it has ended. Agents, environments and training are built on it; what their
+/// actions mean (six actions, a neighbour of the list, ...) is an *action space*: a function from a
+/// number and a slot's state to a sim::Action. A new action space needs no change here.
+///
+/// All slots move at once, since the simulator steps its whole batch: give ended ones the action
+/// {}, which leaves them where they are. step() allocates nothing but what trajectories grow by
+/// beyond `reserved_steps`. One thread at a time.
+class EpisodeBatch {
+ public:
+  /// `episodes` has to outlive *this. `config.batch_size` is size(). Every slot has ended until
+  /// begin(). \param reserved_steps that trajectories have memory for from the start
+  /// \throws ArgumentError as sim::Simulator
+  EpisodeBatch(const r2r::EpisodeSet& episodes, const sim::SimulatorConfig& config,
+               std::size_t reserved_steps = 0);
+
+  std::size_t size() const noexcept { return simulator_.batch_size(); }
+  const r2r::EpisodeSet& episodes() const noexcept { return episodes_; }
+  const sim::SimulatorConfig& config() const noexcept { return simulator_.config(); }
+  const sim::StateSpans& state() const noexcept { return simulator_.state(); }
+
+  /// Begins an episode in every slot. \param episodes indices into EpisodeSet::episodes
+  /// \throws ArgumentError for another number than size(), or an index out of range; errors of
+  /// graph files. Then nothing has happened.
+  void begin(std::span<const std::size_t> episodes);
+  /// Begins one in a slot. \pre slot < size() (here and below) \throws as above
+  void begin(std::size_t slot, std::size_t episode);
+
+  /// One action for every slot; slots that have not ended add a point to their trajectories.
+  /// \throws as sim::Simulator::step(); then nothing has happened
+  void step(std::span<const sim::Action> actions);
+  /// The slot's episode is over: its trajectory stays as it is until the next begin().
+  void end(std::size_t slot);
+
+  bool ended(std::size_t slot) const { return ended_[slot] != 0; }
+  std::span<const std::uint8_t> ended() const noexcept { return ended_; }  ///< (size()) 1: ended
+  std::size_t running() const noexcept { return running_; }  ///< slots that have not ended
+
+  // Of a slot's episode. \pre begin() was called for the slot
+  std::size_t index(std::size_t slot) const { return trajectories_[slot].episode; }
+  const r2r::Episode& episode(std::size_t slot) const { return episodes_.episodes[index(slot)]; }
+  const r2r::ReferencePath& path(std::size_t slot) const { return episodes_.path_of(episode(slot)); }
+  const graph::NavGraph& graph(std::size_t slot) const { return *graphs_[slot]; }
+  /// Along the graph to the last viewpoint of the path, metres; NaN if the goal is hidden.
+  double distance_to_goal(std::size_t slot) const;
+  /// What the slot's agent sees and is told, but for `rng`. Valid until the next step() or begin().
+  Observation observation(std::size_t slot) const;
+
+  /// The start, then an entry an action until end(), as results files want it.
+  const r2r::Trajectory& trajectory(std::size_t slot) const { return trajectories_[slot]; }
+  std::span<const r2r::Trajectory> trajectories() const noexcept { return trajectories_; }
+  /// All of them, moved out; every slot has ended then.
+  std::vector<r2r::Trajectory> take_trajectories();
+
+ private:
+  void check_episode(std::size_t episode) const;
+  void began(std::size_t slot, std::size_t episode);
+  void record(std::size_t slot);
+
+  const r2r::EpisodeSet& episodes_;
+  sim::Simulator simulator_;
+  std::vector<const graph::NavGraph*> graphs_;
+  std::vector<std::uint8_t> ended_;
+  std::size_t running_ = 0;
+  std::size_t reserved_steps_;
+  std::vector<r2r::Trajectory> trajectories_;
+};
+
+}  // namespace enfilade::agents

@@ -1,0 +1,40 @@
+#include "enfilade/agents/six_actions.h"
+
+#include <array>
+
+namespace enfilade::agents {
+
+std::string_view to_string(SixAction action) noexcept {
+  constexpr std::array<std::string_view, kSixActions> kNames{"left", "right",   "up",
+                                                             "down", "forward", "end"};
+  return kNames[static_cast<std::size_t>(action)];
+}
+
+sim::Action to_action(SixAction action, std::uint32_t navigable_count) noexcept {
+  // Only the sign of a change counts.
+  switch (action) {
+    case SixAction::kLeft:
+      return {0, Radians(-1), {}};
+    case SixAction::kRight:
+      return {0, Radians(1), {}};
+    case SixAction::kUp:
+      return {0, {}, Radians(1)};
+    case SixAction::kDown:
+      return {0, {}, Radians(-1)};
+    case SixAction::kForward:
+      return {navigable_count > 1 ? 1U : 0U, {}, {}};
+    case SixAction::kStop:
+      break;
+  }
+  return {};
+}
+
+SixAction six_action_of(const Decision& decision) noexcept {
+  if (decision.heading_change.value > 0) return SixAction::kRight;
+  if (decision.heading_change.value < 0) return SixAction::kLeft;
+  if (decision.elevation_change.value > 0) return SixAction::kUp;
+  if (decision.elevation_change.value < 0) return SixAction::kDown;
+  return decision.index > 0 ? SixAction::kForward : SixAction::kStop;
+}
+
+}  // namespace enfilade::agents

@@ -1,0 +1,37 @@
+#include "enfilade/agents/six_actions.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace enfilade::agents {
+namespace {
+
+TEST(SixActions, AreNamedAsInTheReleasedCode) {
+  std::string names;
+  for (std::int32_t k = 0; k < kSixActions; ++k) {
+    names += std::string(to_string(static_cast<SixAction>(k))) + " ";
+  }
+  EXPECT_EQ(names, "left right up down forward end ");
+}
+
+TEST(SixActions, ForwardStaysWhereNothingIsAhead) {
+  EXPECT_EQ(to_action(SixAction::kForward, 2).index, 1U);
+  EXPECT_EQ(to_action(SixAction::kForward, 5).index, 1U);
+  EXPECT_EQ(to_action(SixAction::kForward, 1).index, 0U);
+}
+
+TEST(SixActions, ComeBackFromTheDecisionThatTheyAre) {
+  for (std::int32_t k = 0; k < kSixActions; ++k) {
+    const auto action = static_cast<SixAction>(k);
+    const sim::Action done = to_action(action, 2);
+    Decision decision{action == SixAction::kStop, done.index, done.heading_change,
+                      done.elevation_change};
+    EXPECT_EQ(six_action_of(decision), action) << to_string(action);
+  }
+  // Any neighbour that is walked to is forward.
+  EXPECT_EQ(six_action_of(Decision::go(3)), SixAction::kForward);
+}
+
+}  // namespace
+}  // namespace enfilade::agents
