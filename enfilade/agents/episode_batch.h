@@ -55,7 +55,9 @@ class EpisodeBatch {
   // Of a slot's episode. \pre begin() was called for the slot
   std::size_t index(std::size_t slot) const { return trajectories_[slot].episode; }
   const r2r::Episode& episode(std::size_t slot) const { return episodes_.episodes[index(slot)]; }
-  const r2r::ReferencePath& path(std::size_t slot) const { return episodes_.path_of(episode(slot)); }
+  const r2r::ReferencePath& path(std::size_t slot) const {
+    return episodes_.path_of(episode(slot));
+  }
   const graph::NavGraph& graph(std::size_t slot) const { return *graphs_[slot]; }
   /// Along the graph to the last viewpoint of the path, metres; NaN if the goal is hidden.
   double distance_to_goal(std::size_t slot) const;

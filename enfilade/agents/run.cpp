@@ -51,8 +51,8 @@ std::vector<Trajectory> run_batch(Agent& agent, const EpisodeSet& episodes,
     for (std::size_t i = 0; i < count; ++i) {
       const Decision& d = decisions[i];
       if (d.stop) batch.end(i);
-      actions[i] =
-          batch.ended(i) ? sim::Action{} : sim::Action{d.index, d.heading_change, d.elevation_change};
+      actions[i] = batch.ended(i) ? sim::Action{}
+                                  : sim::Action{d.index, d.heading_change, d.elevation_change};
     }
     if (batch.running() > 0) batch.step(actions);
   }

@@ -9,9 +9,9 @@
 namespace enfilade::sim {
 
 /// The state of n = batch agents: one array a quantity, shape (batch), and for the viewpoints that
-/// an agent may walk to, shape (batch, max_navigable), row-major. Row k of `navigable_*` is filled up to
-/// navigable_count[k]; the rest keeps what it held. Entry 0 is the present viewpoint with zeros;
-/// the others follow by rising sqrt(rel_heading^2 + rel_elevation^2), ties by viewpoint.
+/// an agent may walk to, shape (batch, max_navigable), row-major. Row k of `navigable_*` is filled
+/// up to navigable_count[k]; the rest keeps what it held. Entry 0 is the present viewpoint with
+/// zeros; the others follow by rising sqrt(rel_heading^2 + rel_elevation^2), ties by viewpoint.
 struct StateSpans {
   std::span<ScanIndex> scan;
   std::span<ViewpointIndex> viewpoint;

@@ -29,8 +29,6 @@ class BatchSimulator {
   BatchSimulator(std::shared_ptr<const GraphSet> graphs, const sim::SimulatorConfig& config)
       : graphs_(graphs),
         native_(graphs, config),
-        buffer_(config.batch_size, config.max_navigable),
-        state_(buffer_.spans()),
         starts_(config.batch_size),
         actions_(config.batch_size) {}
 
@@ -45,7 +43,7 @@ class BatchSimulator {
 
   const sim::Simulator& native() const { return native_; }
   const std::shared_ptr<const GraphSet>& graphs() const { return graphs_; }
-  const sim::StateSpans& state() const { return state_; }
+  const sim::StateSpans& state() const { return native_.state(); }
 
  private:
   void check(const char* name, std::size_t found) const {
@@ -56,8 +54,6 @@ class BatchSimulator {
 
   std::shared_ptr<const GraphSet> graphs_;
   sim::Simulator native_;
-  sim::StateBuffer buffer_;
-  sim::StateSpans state_;
   std::vector<sim::EpisodeStart> starts_;
   std::vector<sim::Action> actions_;
   std::optional<sim::CandidateFinder> finder_;
@@ -78,7 +74,7 @@ void BatchSimulator::new_episodes(const Row<std::uint32_t>& scans,
                   Radians(headings.data()[i]),
                   Radians(elevations.data()[i])};
   }
-  native_.new_episodes(starts_, state_);
+  native_.new_episodes(starts_);
 }
 
 void BatchSimulator::new_episode(std::size_t agent, std::uint32_t scan, std::uint32_t viewpoint,
@@ -86,8 +82,7 @@ void BatchSimulator::new_episode(std::size_t agent, std::uint32_t scan, std::uin
   const Busy busy(busy_);
   const nb::gil_scoped_release unlocked;
   native_.new_episode(
-      agent, {{ScanIndex(scan), ViewpointIndex(viewpoint)}, Radians(heading), Radians(elevation)},
-      state_);
+      agent, {{ScanIndex(scan), ViewpointIndex(viewpoint)}, Radians(heading), Radians(elevation)});
 }
 
 void BatchSimulator::new_random_episodes(const Row<std::uint32_t>& scans) {
@@ -96,7 +91,7 @@ void BatchSimulator::new_random_episodes(const Row<std::uint32_t>& scans) {
   const nb::gil_scoped_release unlocked;
   std::vector<ScanIndex> indices;
   for (const std::uint32_t scan : span_of(scans)) indices.emplace_back(scan);
-  native_.new_random_episodes(indices, state_);
+  native_.new_random_episodes(indices);
 }
 
 void BatchSimulator::step(const Row<std::uint32_t>& indices, const Row<double>& headings,
@@ -109,7 +104,7 @@ void BatchSimulator::step(const Row<std::uint32_t>& indices, const Row<double>& 
   for (std::size_t i = 0; i < actions_.size(); ++i) {
     actions_[i] = {indices.data()[i], Radians(headings.data()[i]), Radians(elevations.data()[i])};
   }
-  native_.step(actions_, state_);
+  native_.step(actions_);
 }
 
 std::vector<sim::Candidate> BatchSimulator::candidates(std::uint32_t scan,

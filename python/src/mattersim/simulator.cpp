@@ -61,10 +61,7 @@ std::size_t widest(const SharedGraphs& graphs, const std::vector<sim::EpisodeSta
 }  // namespace
 
 Simulator::Walk::Walk(std::shared_ptr<SharedGraphs> shared, const sim::SimulatorConfig& config)
-    : graphs(std::move(shared)),
-      native(graphs->set(), config),
-      buffer(config.batch_size, config.max_navigable),
-      state(buffer.spans()) {}
+    : graphs(std::move(shared)), native(graphs->set(), config) {}
 
 Simulator::Simulator() : options_(Options::from_environment()) {}
 Simulator::~Simulator() = default;
@@ -333,7 +330,7 @@ void Simulator::start(const std::shared_ptr<SharedGraphs>& graphs,
                     walk_->native.config().max_navigable >= rows;
   if (!fits) fresh = std::make_unique<Walk>(graphs, native_config(rows));
   Walk& walk = fresh ? *fresh : *walk_;
-  carry_out(walk, [&] { walk.native.new_episodes(starts, walk.state); });
+  carry_out(walk, [&] { walk.native.new_episodes(starts); });
   if (fresh) walk_ = std::move(fresh);
   camera_changed_ = false;
   started_ = true;
@@ -354,15 +351,15 @@ void Simulator::carry_out(Walk& walk, const Step& step) {
   const bool may_go_back = started_ && &walk == walk_.get();
   std::vector<sim::EpisodeStart> before;
   for (std::size_t i = 0; may_go_back && i < active_.batch_size; ++i) {
-    before.push_back({{walk.state.scan[i], walk.state.viewpoint[i]},
-                      Radians(walk.state.heading[i]),
-                      Radians(walk.state.elevation[i])});
+    before.push_back({{walk.native.state().scan[i], walk.native.state().viewpoint[i]},
+                      Radians(walk.native.state().heading[i]),
+                      Radians(walk.native.state().elevation[i])});
   }
   step();
   try {
-    pictures_->draw(walk.state);
+    pictures_->draw(walk.native.state());
   } catch (...) {
-    if (may_go_back) walk.native.new_episodes(before, walk.state);
+    if (may_go_back) walk.native.new_episodes(before);
     throw;
   }
   frames_ += active_.batch_size;
@@ -399,7 +396,7 @@ void Simulator::read_actions(PyObject* indices, PyObject* headings, PyObject* el
   }
   actions_.clear();
   for (std::size_t i = 0; i < indices_.size(); ++i) {
-    const std::uint32_t count = walk_->state.navigable_count[i];
+    const std::uint32_t count = walk_->native.state().navigable_count[i];
     if (indices_[i] < 0 || indices_[i] >= count) {
       throw ArgumentError(fmt::format(
           "MatterSim: Invalid action index: {} in environment {} of {}: 0 to {} are allowed",
@@ -413,10 +410,10 @@ void Simulator::read_actions(PyObject* indices, PyObject* headings, PyObject* el
 // What the actions lead to, as starts: for the simulator of another camera that takes over.
 std::vector<sim::EpisodeStart> Simulator::after_action() const {
   std::vector<sim::EpisodeStart> starts;
-  const sim::StateSpans& now = walk_->state;
+  const sim::StateSpans& now = walk_->native.state();
   for (std::size_t i = 0; i < actions_.size(); ++i) {
     const sim::Action& action = actions_[i];
-    const std::size_t row = i * walk_->buffer.max_navigable() + action.index;
+    const std::size_t row = i * now.max_navigable() + action.index;
     const bool views = active_.discretized;
     const double right = action.heading_change.value, up = action.elevation_change.value;
     starts.push_back({{now.scan[i], now.navigable_viewpoint[row]},
@@ -434,11 +431,11 @@ void Simulator::make_action(PyObject* indices, PyObject* headings, PyObject* ele
     auto fresh =
         std::make_unique<Walk>(walk_->graphs, native_config(walk_->native.config().max_navigable));
     const std::vector<sim::EpisodeStart> starts = after_action();
-    carry_out(*fresh, [&] { fresh->native.new_episodes(starts, fresh->state); });
+    carry_out(*fresh, [&] { fresh->native.new_episodes(starts); });
     walk_ = std::move(fresh);
     camera_changed_ = false;
   } else {
-    carry_out(*walk_, [&] { walk_->native.step(actions_, walk_->state); });
+    carry_out(*walk_, [&] { walk_->native.step(actions_); });
   }
   write_states(true);
 }
@@ -454,7 +451,7 @@ void Simulator::write_states(bool moved) {
 void Simulator::write_state(std::size_t agent, bool moved) {
   SimStateObject& state = *reinterpret_cast<SimStateObject*>(
       PyList_GET_ITEM(states_.get(), static_cast<Py_ssize_t>(agent)));
-  const sim::StateSpans& now = walk_->state;
+  const sim::StateSpans& now = walk_->native.state();
   const std::vector<ViewpointNames>& names = walk_->graphs->names(now.scan[agent]);
   const bool live = api_ == Api::kV2;
   Object here;
@@ -465,7 +462,7 @@ void Simulator::write_state(std::size_t agent, bool moved) {
   } else {
     here = make_viewpoint(names[now.viewpoint[agent].at()], {});
   }
-  const std::size_t row = agent * walk_->buffer.max_navigable();
+  const std::size_t row = agent * now.max_navigable();
   const std::uint32_t count = now.navigable_count[agent];
   Object list = Object::own(PyList_New(count));
   PyList_SET_ITEM(list.get(), 0,

@@ -65,14 +65,12 @@ class Simulator {
   std::string timing_info() const;
 
  private:
-  /// A native simulator with its memory; another one takes its place where another configuration or
+  /// A native simulator with its graphs; another one takes its place where another configuration or
   /// other graphs are wanted.
   struct Walk {
     Walk(std::shared_ptr<SharedGraphs> shared, const sim::SimulatorConfig& config);
     std::shared_ptr<SharedGraphs> graphs;
     sim::Simulator native;
-    sim::StateBuffer buffer;
-    sim::StateSpans state;
   };
   void begin(Api api);
   void ensure_begun(Api api);
