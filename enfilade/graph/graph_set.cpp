@@ -4,6 +4,7 @@
 #include <atomic>
 #include <map>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "enfilade/core/check.h"
@@ -29,8 +30,17 @@ GraphSet::GraphSet(std::string origin, std::vector<std::string> scans)
 GraphSet::~GraphSet() = default;
 
 std::shared_ptr<const GraphSet> GraphSet::open(const std::filesystem::path& directory) {
-  return std::shared_ptr<const GraphSet>(
-      new GraphSet(directory.string(), scan::load_scan_list(directory)));
+  return open(directory, scan::load_scan_list(directory));
+}
+
+std::shared_ptr<const GraphSet> GraphSet::open(const std::filesystem::path& directory,
+                                               std::vector<std::string> scans) {
+  std::set<std::string_view> seen;
+  for (const std::string& scan : scans) {
+    if (seen.insert(scan).second) continue;
+    throw ArgumentError(fmt::format("scans: {:?} twice; each may be named once", scan));
+  }
+  return std::shared_ptr<const GraphSet>(new GraphSet(directory.string(), std::move(scans)));
 }
 
 std::shared_ptr<const GraphSet> GraphSet::open_shared(const std::filesystem::path& directory) {

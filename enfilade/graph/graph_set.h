@@ -27,6 +27,10 @@ class GraphSet {
  public:
   /// \throws FileError, InvalidInput: as scan::load_scan_list
   static std::shared_ptr<const GraphSet> open(const std::filesystem::path& directory);
+  /// Those scans of a folder, in this order; it need have no `scans.txt`.
+  /// \throws ArgumentError if one is named twice
+  static std::shared_ptr<const GraphSet> open(const std::filesystem::path& directory,
+                                              std::vector<std::string> scans);
   /// As open(), but a folder that this process has open already is shared, not read again.
   static std::shared_ptr<const GraphSet> open_shared(const std::filesystem::path& directory);
   /// A set of graphs that are in memory. \throws ArgumentError if two have one scan id.

@@ -87,4 +87,9 @@ Image8 tone_map(const ImageF& linear, std::optional<double> exposure = std::null
 /// \throws FileError; InvalidInput
 Image8 load_picture(const std::string& path, std::optional<double> exposure = std::nullopt);
 
+/// Writes a picture of 1 or 3 channels as the name says: .png, .jpg or .jpeg. Atomic.
+/// \param jpeg_quality 1 .. 100, 4:4:4 from 90 on; not looked at for PNG
+/// \throws FileError; ArgumentError for another name
+void save(const std::string& path, const Image8& picture, int jpeg_quality = 92);
+
 }  // namespace enfilade::image

@@ -1,9 +1,12 @@
+#include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/image/detail/refuse.h"
 
 namespace enfilade::image {
 namespace {
+
+constexpr int kFullChromaFrom = 90;  // JPEG quality: below it, halved chroma is not seen
 
 // Grey becomes three equal channels, an alpha channel is dropped.
 Image8 to_rgb(Image8 picture) {
@@ -28,6 +31,20 @@ Image8 load_picture(const std::string& path, std::optional<double> exposure) {
   if (text.starts_with("#?")) return tone_map(decode_hdr(bytes, path), exposure);
   refuse(path, "", "unknown-picture",
          text.empty() ? "the file is empty" : "neither JPEG, nor PNG, nor Radiance HDR");
+}
+
+void save(const std::string& path, const Image8& picture, int jpeg_quality) {
+  const std::size_t dot = path.rfind('.');
+  const std::string suffix = dot == std::string::npos ? "" : path.substr(dot);
+  std::vector<std::uint8_t> bytes;
+  if (suffix == ".png") {
+    bytes = encode_png(picture);
+  } else if (suffix == ".jpg" || suffix == ".jpeg") {
+    bytes = encode_jpeg(picture, jpeg_quality, jpeg_quality >= kFullChromaFrom);
+  } else {
+    throw ArgumentError(path + ": a name that ends in .png, .jpg or .jpeg is expected");
+  }
+  write_file_atomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace enfilade::image

@@ -25,7 +25,6 @@ class LoadPicture : public testing::Test {
     return write(std::string_view(reinterpret_cast<const char*>(content.data()), content.size()));
   }
 
- private:
   const tests::TemporaryFolder folder_{"load_picture"};
 };
 
@@ -54,6 +53,21 @@ TEST_F(LoadPicture, GivesThreeChannelsWhateverTheFileHas) {
   EXPECT_THAT(load_picture(write(encode_png(grey))).pixels, ElementsAre(5, 5, 5, 6, 6, 6));
   EXPECT_THAT(load_picture(write(encode_png(grey_alpha))).pixels, ElementsAre(5, 5, 5, 6, 6, 6));
   EXPECT_THAT(load_picture(write(encode_png(rgba))).pixels, ElementsAre(1, 2, 3, 4, 5, 6));
+}
+
+TEST_F(LoadPicture, ReadsWhatSaveWrote) {
+  Image8 picture(3, 2, 3);
+  for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
+    picture.pixels[i] = static_cast<std::uint8_t>(10 * i);
+  }
+  const std::string png = (folder_.path() / "saved.png").string();
+  const std::string jpg = (folder_.path() / "saved.jpg").string();
+  save(png, picture);
+  EXPECT_EQ(load_picture(png), picture);
+  save(jpg, Image8(8, 8, 3), 95);
+  EXPECT_EQ(load_picture(jpg), Image8(8, 8, 3));
+  EXPECT_THAT([&] { save("picture.gif", picture); },
+              ThrowsMessage<ArgumentError>(HasSubstr(".png, .jpg or .jpeg")));
 }
 
 TEST_F(LoadPicture, RefusesOtherFiles) {

@@ -14,6 +14,33 @@
 
 namespace enfilade::scan {
 
+namespace {
+
+LookupError not_found(const std::string& scan, const std::string& tried) {
+  return LookupError(
+      fmt::format("scan {:?}: no panoramas found; {}", scan,
+                  tried.empty() ? "no folder to look in was named (--images)" : "tried:" + tried));
+}
+
+// Nothing where no place has the scan; `tried` names them then.
+std::shared_ptr<const PanoramaSource> find_panoramas(const PanoramaPlaces& places,
+                                                     const std::string& scan, std::string& tried) {
+  for (const std::filesystem::path& folder : places.images) {
+    const std::filesystem::path packed = store_file(folder, scan);
+    std::error_code ignored;
+    if (std::filesystem::exists(packed, ignored)) return Store::open(packed);
+    tried += fmt::format("\n  {}", packed.string());
+    try {
+      return MatterportImages::open(folder, places.connectivity, scan);
+    } catch (const LookupError& error) {  // lists what it looked for
+      tried += fmt::format("\n  {}", error.what());
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace
+
 // `opened` is what everyone reads; `source` owns it and is touched under the mutex only.
 struct PanoramaSet::Slot {
   std::atomic<const PanoramaSource*> opened{nullptr};
@@ -70,35 +97,34 @@ ScanIndex PanoramaSet::at(std::string_view scan) const {
   throw LookupError(fmt::format("scan {:?}: not one of the {} of this set", scan, size()));
 }
 
+const PanoramaSource* PanoramaSet::find_source(ScanIndex scan) const {
+  std::string tried;
+  return open(scan, tried);
+}
+
 const PanoramaSource& PanoramaSet::source(ScanIndex scan) const {
+  std::string tried;
+  if (const PanoramaSource* found = open(scan, tried)) return *found;
+  throw not_found(scans_[scan.at()], tried);
+}
+
+const PanoramaSource* PanoramaSet::open(ScanIndex scan, std::string& tried) const {
   EN_CHECK_LT(scan.at(), size());
   Slot& slot = slots_[scan.at()];
-  if (const PanoramaSource* opened = slot.opened.load(std::memory_order_acquire)) return *opened;
+  if (const PanoramaSource* opened = slot.opened.load(std::memory_order_acquire)) return opened;
   const std::scoped_lock lock(slot.mutex);
   if (!slot.source) {
-    slot.source = open_panoramas(places_, scans_[scan.at()]);
+    slot.source = find_panoramas(places_, scans_[scan.at()], tried);
     slot.opened.store(slot.source.get(), std::memory_order_release);
   }
-  return *slot.source;
+  return slot.source.get();
 }
 
 std::shared_ptr<const PanoramaSource> open_panoramas(const PanoramaPlaces& places,
                                                      const std::string& scan) {
   std::string tried;
-  for (const std::filesystem::path& folder : places.images) {
-    const std::filesystem::path packed = store_file(folder, scan);
-    std::error_code ignored;
-    if (std::filesystem::exists(packed, ignored)) return Store::open(packed);
-    tried += fmt::format("\n  {}", packed.string());
-    try {
-      return MatterportImages::open(folder, places.connectivity, scan);
-    } catch (const LookupError& error) {  // lists what it looked for
-      tried += fmt::format("\n  {}", error.what());
-    }
-  }
-  throw LookupError(
-      fmt::format("scan {:?}: no panoramas found; {}", scan,
-                  tried.empty() ? "no folder to look in was named (--images)" : "tried:" + tried));
+  if (auto found = find_panoramas(places, scan, tried)) return found;
+  throw not_found(scan, tried);
 }
 
 }  // namespace enfilade::scan

@@ -43,10 +43,13 @@ class PanoramaSet {
   /// Opens the scan if nobody has. \pre scan < size()
   /// \throws LookupError naming the scan and every place that was tried; FileError, InvalidInput
   const PanoramaSource& source(ScanIndex scan) const;
+  /// As source(), but null where no place has the scan. \throws FileError, InvalidInput
+  const PanoramaSource* find_source(ScanIndex scan) const;
 
  private:
   struct Slot;
   PanoramaSet(PanoramaPlaces places, std::vector<std::string> scans);
+  const PanoramaSource* open(ScanIndex scan, std::string& tried) const;
   PanoramaPlaces places_;
   std::vector<std::string> scans_;
   std::unique_ptr<Slot[]> slots_;

@@ -1,0 +1,100 @@
+/// \file  A data set: graphs, panoramas, episodes and regions of one folder behind one name.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/render/face_cache.h"
+#include "enfilade/scan/panorama_set.h"
+#include "enfilade/scan/regions.h"
+
+namespace enfilade::dataset {
+
+/// For a data set whose parts do not all lie in one folder. Empty fields: as the folder has them.
+struct DatasetConfig {
+  std::filesystem::path folder;               ///< may be empty if what is used is named below
+  std::filesystem::path connectivity;         ///< folder of <scan>_connectivity.json
+  std::vector<std::filesystem::path> images;  ///< folders in which panoramas are looked for
+  std::vector<std::string> scans;             ///< only these, in this order
+};
+
+/// A part of a data set, for people: what is there, or what is missing and how to get it.
+struct Part {
+  std::string name;  ///< "connectivity", "R2R val_seen", "regions", "panoramas"
+  bool present = false;
+  std::string found;   ///< "90 scans"; or why it cannot be used
+  std::string advice;  ///< how to get it; empty if it is there
+};
+
+/// A folder in one of the layouts found in the wild: Enfilade's and model homes' (`connectivity/`,
+/// `r2r/`, `regions/`, `store/`), a checkout of Matterport3DSimulator (`connectivity/`,
+/// `tasks/R2R/data/`, `data/v1/scans/`), or all files side by side.
+///
+///     const Dataset d("data");
+///     sim::Simulator simulator(d.graphs(), sim::SimulatorConfig::room_to_room());
+///     const r2r::EpisodeSet episodes = d.episodes("val_unseen");
+///
+/// A folder of stores alone is a data set too: stores bring their graphs. Making one looks at the
+/// folder only; each part is opened at its first use, once, and copies of a
+/// Dataset share it. All functions may be called from any thread. What they return by reference
+/// lives as long as a copy of the Dataset does.
+class Dataset {
+ public:
+  /// \throws FileError if `folder` is not a folder
+  explicit Dataset(const std::filesystem::path& folder);
+  explicit Dataset(DatasetConfig config);  ///< \throws as above, for a folder that is named
+  /// The folder that the environment variable ENFILADE_DATA names; nothing if it is unset or empty.
+  /// \throws FileError if it names no folder
+  static std::optional<Dataset> from_environment();
+
+  const std::filesystem::path& folder() const noexcept;
+  /// Whether Enfilade made the buildings (homes.json or the first line of README.md says so). Every
+  /// figure of theirs has to be called synthetic.
+  bool synthetic() const;
+  /// Everything that a data set can have, each part looked for, annotations read: about a second
+  /// for R2R. Never throws for what is missing or broken.
+  std::vector<Part> examine() const;
+
+  /// The navigation graphs, one a scan.
+  /// \throws FileError, InvalidInput: as graph::GraphSet::open(), scan::Store::open()
+  const std::shared_ptr<const graph::GraphSet>& graphs() const;
+  /// The panoramas, in the order of the graphs: one ScanIndex serves both. Whether a scan has any
+  /// shows when it is used. \throws as graphs()
+  const std::shared_ptr<const scan::PanoramaSet>& panoramas() const;
+  /// Decoded faces of panoramas(), shared by everyone who draws from this data set.
+  const std::shared_ptr<render::FaceCache>& faces() const;
+  /// Which region each viewpoint is in. \throws FileError, InvalidInput
+  const scan::RegionMap& regions() const;
+
+  /// Those of train, val_seen, val_unseen and test that are there, in this order.
+  std::vector<std::string> splits() const;
+  bool has_split(std::string_view split) const;  ///< any name: R2R_<split>.json
+  /// The split as its file has it. Read anew by each call.
+  /// \throws FileError naming every place that was tried; InvalidInput
+  r2r::Annotations annotations(std::string_view split) const;
+  /// The split's episodes, to be walked in graphs(). Read anew by each call.
+  /// \throws as annotations(), graphs() and r2r::make_episodes()
+  r2r::EpisodeSet episodes(std::string_view split,
+                           r2r::Instructions instructions = r2r::Instructions::kScored) const;
+
+  // Where the files are. Each throws FileError naming every place that was tried.
+  std::filesystem::path connectivity_folder() const;                     ///< with scans.txt
+  std::filesystem::path annotations_file(std::string_view split) const;  ///< R2R_<split>.json
+  std::filesystem::path regions_file() const;  ///< region_to_panorama.json
+  /// The folders that may hold panoramas (`store`, `scans`, `v1/scans`, `data/v1/scans` and the
+  /// folder itself, those that are there), and connectivity_folder().
+  scan::PanoramaPlaces panorama_places() const;
+
+ private:
+  struct Opened;
+  std::shared_ptr<const graph::GraphSet> open_graphs() const;
+  std::shared_ptr<const DatasetConfig> config_;
+  std::shared_ptr<Opened> opened_;
+};
+
+}  // namespace enfilade::dataset

@@ -1,0 +1,166 @@
+#include "enfilade/dataset/dataset.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/scan/store.h"
+#include "tests/support/graphs.h"
+#include "tests/support/made_panoramas.h"
+#include "tests/support/temporary_folder.h"
+
+namespace enfilade::dataset {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::ThrowsMessage;
+
+void write(const fs::path& file, std::string_view text) {
+  make_folder(file.parent_path());
+  write_file_atomically(file, text);
+}
+
+// A square building with one path, in Enfilade's layout.
+void write_square(const fs::path& folder) {
+  write(folder / "connectivity/scans.txt", "square\n");
+  write(folder / "connectivity/square_connectivity.json",
+        scan::to_json(graph::testing::square("square")));
+  write(folder / "r2r/R2R_val_unseen.json",
+        R"([{"path_id": 7, "scan": "square", "heading": 0, "path": ["v0", "v1", "v2"],
+             "distance": 4, "instructions": ["one", "two", "three", "four"]}])");
+  write(folder / "regions/region_to_panorama.json", R"({"square": {"0": ["v0", "v1"]}})");
+}
+
+TEST(Dataset, KnowsTheLayoutsInTheWild) {
+  const tests::TemporaryFolder made("dataset_layouts");
+  const fs::path& root = made.path();
+  for (const char* file :
+       {"ours/connectivity/scans.txt", "ours/r2r/R2R_train.json", "checkout/connectivity/scans.txt",
+        "checkout/tasks/R2R/data/R2R_train.json", "flat/scans.txt", "flat/R2R_train.json"}) {
+    write(root / file, "x");
+  }
+  EXPECT_EQ(Dataset(root / "ours").connectivity_folder(), root / "ours/connectivity");
+  EXPECT_EQ(Dataset(root / "ours").annotations_file("train"), root / "ours/r2r/R2R_train.json");
+  EXPECT_EQ(Dataset(root / "checkout").annotations_file("train"),
+            root / "checkout/tasks/R2R/data/R2R_train.json");
+  EXPECT_EQ(Dataset(root / "flat").connectivity_folder(), root / "flat");
+  EXPECT_THAT([&] { (void)Dataset(root / "ours").annotations_file("val"); },
+              ThrowsMessage<FileError>(HasSubstr("tried: r2r/R2R_val.json, tasks/R2R/data/")));
+  EXPECT_THAT([&] { (void)Dataset(root / "ours").regions_file(); },
+              ThrowsMessage<FileError>(HasSubstr("holds no region map")));
+  EXPECT_THAT([&] { Dataset gone(root / "absent"); },
+              ThrowsMessage<FileError>(HasSubstr("not a folder")));
+
+  fs::create_directories(root / "ours/store");
+  fs::create_directories(root / "ours/v1/scans");
+  const scan::PanoramaPlaces places = Dataset(root / "ours").panorama_places();
+  EXPECT_EQ(places.images,
+            (std::vector<fs::path>{root / "ours/store", root / "ours/v1/scans", root / "ours"}));
+  EXPECT_EQ(places.connectivity, root / "ours/connectivity");
+}
+
+TEST(Dataset, HasGraphsEpisodesAndRegions) {
+  const tests::TemporaryFolder made("dataset_parts");
+  write_square(made.path());
+  const Dataset data(made.path());
+  EXPECT_FALSE(data.synthetic());
+  EXPECT_EQ(data.graphs()->graph("square").size(), 4U);
+  EXPECT_THAT(data.splits(), ElementsAre("val_unseen"));
+  EXPECT_TRUE(data.has_split("val_unseen"));
+  EXPECT_FALSE(data.has_split("train"));
+  EXPECT_FALSE(data.has_split(""));
+  const r2r::EpisodeSet episodes = data.episodes("val_unseen");
+  EXPECT_EQ(episodes.episodes.size(), 3U);
+  EXPECT_EQ(episodes.graphs, data.graphs());
+  EXPECT_EQ(data.episodes("val_unseen", r2r::Instructions::kAll).episodes.size(), 4U);
+  EXPECT_EQ(data.regions().find("square", "v1"), 0U);
+  EXPECT_EQ(data.panoramas()->scans(), data.graphs()->scans());
+  EXPECT_EQ(data.panoramas()->find_source(ScanIndex(0)), nullptr);
+}
+
+TEST(Dataset, CopiesShareWhatOneOfThemHasOpened) {
+  const tests::TemporaryFolder made("dataset_copies");
+  write_square(made.path());
+  const Dataset one(made.path());
+  const Dataset two = one;  // NOLINT(performance-unnecessary-copy-initialization): the point
+  EXPECT_EQ(one.graphs(), two.graphs());
+  EXPECT_EQ(&one.regions(), &two.regions());
+}
+
+TEST(Dataset, OpensAgainWhatCouldNotBeOpened) {
+  const tests::TemporaryFolder made("dataset_again");
+  const Dataset data(made.path());
+  EXPECT_THROW((void)data.graphs(), FileError);
+  write_square(made.path());
+  EXPECT_EQ(data.graphs()->size(), 1U);
+}
+
+TEST(Dataset, SaysWhetherItsBuildingsAreMadeUp) {
+  const tests::TemporaryFolder made("dataset_synthetic");
+  write(made.path() / "real/README.md", "Scans of our office\n\nNot SYNTHETIC.\n");
+  write(made.path() / "readme/README.md", "# SYNTHETIC buildings\n");
+  write(made.path() / "homes/homes.json", "{}");
+  EXPECT_FALSE(Dataset(made.path() / "real").synthetic());
+  EXPECT_TRUE(Dataset(made.path() / "readme").synthetic());
+  EXPECT_TRUE(Dataset(made.path() / "homes").synthetic());
+}
+
+TEST(Dataset, ToldWhatIsMissingAndHowToGetIt) {
+  const tests::TemporaryFolder made("dataset_missing");
+  write_square(made.path());
+  std::vector<std::string> present;
+  for (const Part& part : Dataset(made.path()).examine()) {
+    if (part.present) {
+      present.push_back(part.name + ": " + part.found);
+      EXPECT_THAT(part.advice, IsEmpty());
+    } else {
+      EXPECT_FALSE(part.found.empty() || part.advice.empty()) << part.name;
+    }
+  }
+  EXPECT_THAT(present,
+              ElementsAre("connectivity: 1 scans", "R2R val_unseen: 1 paths, 4 instructions",
+                          "regions: 1 regions in 1 scans"));
+}
+
+TEST(Dataset, MayBeAFolderOfStores) {
+  const tests::TemporaryFolder made("dataset_stores");
+  for (const char* scan : {"b", "a"}) {
+    const scan::MemoryPanoramas panoramas(scan::testing::row_of_viewpoints(scan, 2),
+                                          {2, render::testing::made_panorama(8)});
+    scan::pack(panoramas, made.path(), {.colour = scan::ColourCoding::kRaw});
+  }
+  const Dataset all(made.path());
+  EXPECT_THAT(all.graphs()->scans(), ElementsAre("a", "b"));
+  EXPECT_NE(all.panoramas()->find_source(ScanIndex(1)), nullptr);
+  const Dataset one(DatasetConfig{{}, {}, {made.path()}, {"b"}});
+  EXPECT_THAT(one.graphs()->scans(), ElementsAre("b"));
+  EXPECT_EQ(one.panoramas()->source(ScanIndex(0)).scan(), "b");
+}
+
+TEST(Dataset, MayBeSomeScansOnly) {
+  const tests::TemporaryFolder made("dataset_scans");
+  write_square(made.path());
+  // Not in scans.txt: a folder of graphs need not have one then.
+  write(made.path() / "connectivity/other_connectivity.json",
+        scan::to_json(graph::testing::square("other")));
+  const Dataset data(DatasetConfig{made.path(), {}, {}, {"other"}});
+  EXPECT_THAT(data.graphs()->scans(), ElementsAre("other"));
+  EXPECT_EQ(data.graphs()->graph("other").size(), 4U);
+  EXPECT_THAT(
+      [&] {
+        (void)Dataset(DatasetConfig{made.path(), {}, {}, {"a", "a"}}).graphs();
+      },
+      ThrowsMessage<ArgumentError>(HasSubstr("\"a\" twice")));
+}
+
+}  // namespace
+}  // namespace enfilade::dataset
