@@ -60,7 +60,7 @@ void set_rooms(const scan::DataRoot& data, neural::PretrainConfig& config) {
 }
 
 // A line now and then, for logs too.
-neural::TrainingProgress loss_lines() {
+neural::PretrainProgress loss_lines() {
   return [next = std::size_t{0}, sum = 0.0, n = 0](std::size_t step, std::size_t steps,
                                                    double loss) mutable {
     constexpr std::size_t kLines = 10;

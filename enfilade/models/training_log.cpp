@@ -5,9 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/errors.h"
@@ -20,12 +20,10 @@ namespace {
 
 namespace fs = std::filesystem;
 using json::Element;
-using json::Faults;
-using json::Field;
 using json::Path;
 using Json = nlohmann::ordered_json;
 
-// To a tenth of a millisecond: the digits beyond would say nothing.
+// To a tenth of a millisecond: the digits beyond mean nothing.
 double rounded(double seconds) { return std::round(seconds * 1e4) / 1e4; }
 
 // Seconds since 1970.
@@ -37,101 +35,116 @@ double now() {
 struct NumberField {
   const char* name;
   double EvaluationRecord::*value;
+  bool required = false;
 };
 constexpr std::array<NumberField, 6> kNumbers{
     {{"loss", &EvaluationRecord::loss},
      {"trajectory_length", &EvaluationRecord::trajectory_length},
-     {"nav_error", &EvaluationRecord::nav_error},
-     {"success_rate", &EvaluationRecord::success_rate},
+     {"nav_error", &EvaluationRecord::nav_error, true},
+     {"success_rate", &EvaluationRecord::success_rate, true},
      {"oracle_success_rate", &EvaluationRecord::oracle_success_rate},
      {"spl", &EvaluationRecord::spl}}};
 
-// What an old log says, with the seconds since 1970 of each line.
-struct KeptLog {
-  std::vector<std::pair<double, TrainRecord>> train;
-  std::vector<std::pair<double, EvaluationRecord>> evaluation;
-};
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
-// A log that is read back: which lines stay, and what they say.
-class LogReader {
+// One line of a log.
+class Line {
  public:
-  LogReader(const fs::path& path, std::uint64_t iteration)
-      : faults_(path.string()), iteration_(iteration) {
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) return;
-    const std::string text = read_file(path);
-    std::size_t line = 0;
-    for (std::size_t begin = 0; begin < text.size();) {
-      const std::size_t end = text.find('\n', begin);
-      if (end == std::string::npos) break;  // half-written
-      read_line(std::string_view(text).substr(begin, end - begin), ++line);
-      begin = end + 1;
-    }
-    faults_.throw_if_errors();
-    if (kept_.size() != text.size()) write_file_atomically(path, kept_);
+  Line(std::string_view text, const std::string& name)
+      : document_(json::Document::parse(text, name)), faults_(name) {
+    type_ = this->text("type");
   }
 
-  KeptLog take() { return std::move(records_); }
+  const std::string& type() const { return type_; }
+  void throw_if_errors() { faults_.throw_if_errors(); }
+
+  // Nothing where it is not there or null.
+  std::optional<double> number(const char* name, bool required) {
+    const auto found = field(name, required);
+    if (!found || (!required && found->is_null())) return std::nullopt;
+    return json::number(*found, Path(root_, name), faults_);
+  }
+  std::uint64_t whole(const char* name, bool required = true) {
+    const auto found = field(name, required);
+    const auto value = found ? json::integer(*found, Path(root_, name), faults_) : std::nullopt;
+    return static_cast<std::uint64_t>(value.value_or(0));
+  }
+  std::string text(const char* name) {
+    const auto found = field(name, true);
+    return found ? std::string(json::string(*found, Path(root_, name), faults_).value_or("")) : "";
+  }
 
  private:
-  void read_line(std::string_view text, std::size_t number) {
-    const auto document =
-        json::Document::parse(text, fmt::format("{}, line {}", faults_.file(), number));
-    const Path file;
-    const Path path(file, number - 1);  // "$[2]": the third line
-    const Element root = document.root();
-    const auto type = string(root, "type", path);
-    const auto iteration = this->number(root, "iteration", path);
-    const double time = this->number(root, "time", path);
-    if (iteration > static_cast<double>(iteration_)) return;
-    kept_.append(text).append("\n");
-    if (type == "train") read_train(root, path, time);
-    if (type == "evaluation") read_evaluation(root, path, time);
-  }
-
-  void read_train(Element root, const Path& path, double time) {
-    records_.train.emplace_back(
-        time, TrainRecord{whole(root, "iteration", path), number(root, "loss", path),
-                          number(root, "seconds", path)});
-  }
-
-  void read_evaluation(Element root, const Path& path, double time) {
-    EvaluationRecord record;
-    record.iteration = whole(root, "iteration", path);
-    record.split = string(root, "split", path);
-    record.episodes = static_cast<std::size_t>(whole(root, "episodes", path));
-    for (const NumberField& field : kNumbers) record.*field.value = number(root, field.name, path);
-    records_.evaluation.emplace_back(time, std::move(record));
-  }
-
-  std::optional<Element> field(Element root, const char* name, const Path& path) {
-    const std::array<Field, 1> wanted{{{name}}};
+  std::optional<Element> field(const char* name, bool required) {
+    const std::array<json::Field, 1> wanted{{{name, required}}};
     std::array<std::optional<Element>, 1> found;
-    json::fields(root, wanted, found, path, faults_);
+    json::fields(document_.root(), wanted, found, root_, faults_);
     return found[0];
   }
 
-  double number(Element root, const char* name, const Path& path) {
-    const auto found = field(root, name, path);
-    return found ? json::number(*found, Path(path, name), faults_).value_or(0) : 0;
-  }
-
-  std::uint64_t whole(Element root, const char* name, const Path& path) {
-    const auto found = field(root, name, path);
-    const auto value = found ? json::integer(*found, Path(path, name), faults_) : std::nullopt;
-    return static_cast<std::uint64_t>(value.value_or(0));
-  }
-
-  std::string string(Element root, const char* name, const Path& path) {
-    const auto found = field(root, name, path);
-    return found ? std::string(json::string(*found, Path(path, name), faults_).value_or("")) : "";
-  }
-
-  Faults faults_;
-  std::uint64_t iteration_;
-  std::string kept_;  // lines
-  KeptLog records_;
+  json::Document document_;
+  json::Faults faults_;
+  Path root_;
+  std::string type_;
 };
+
+TrainRecord read_training(Line& line) {
+  return {line.whole("iteration"), line.number("loss", true).value_or(0),
+          line.number("seconds", false).value_or(0), line.number("time", false).value_or(0)};
+}
+
+EvaluationRecord read_evaluation(Line& line) {
+  EvaluationRecord record;
+  record.iteration = line.whole("iteration");
+  record.split = line.text("split");
+  record.episodes = static_cast<std::size_t>(line.whole("episodes", false));
+  for (const NumberField& field : kNumbers) {
+    record.*field.value = line.number(field.name, field.required).value_or(kMissing);
+  }
+  record.time = line.number("time", false).value_or(0);
+  return record;
+}
+
+void add(TrainingHistory& history, const TrainRecord& record) {
+  const auto drop_from = [&record](auto& records) {
+    while (!records.empty() && records.back().iteration >= record.iteration) records.pop_back();
+  };
+  drop_from(history.training);
+  drop_from(history.evaluations);
+  history.training.push_back(record);
+}
+
+void add(TrainingHistory& history, EvaluationRecord record) {
+  std::erase_if(history.evaluations, [&record](const EvaluationRecord& old) {
+    return old.split == record.split && old.iteration >= record.iteration;
+  });
+  history.evaluations.push_back(std::move(record));
+}
+
+// Calls visit(line, text) for each whole line that is not empty.
+template <class Visit>
+void for_each_line(std::string_view lines, const std::string& file, const Visit& visit) {
+  std::size_t number = 0;
+  for (std::size_t end = lines.find('\n'); end != std::string_view::npos; end = lines.find('\n')) {
+    const std::string_view text = lines.substr(0, end);
+    lines.remove_prefix(end + 1);
+    ++number;
+    if (text.empty()) continue;
+    Line line(text, fmt::format("{}, line {}", file, number));
+    visit(line, text);
+    line.throw_if_errors();
+  }
+}
+
+// Cuts off the lines of a log that are beyond `iteration`, and a last one without its end.
+void cut(const fs::path& log, std::uint64_t iteration) {
+  const std::string text = read_file(log);
+  std::string kept;
+  for_each_line(text, log.string(), [&](Line& line, std::string_view line_text) {
+    if (line.whole("iteration") <= iteration) kept.append(line_text).append("\n");
+  });
+  if (kept.size() != text.size()) write_file_atomically(log, kept);
+}
 
 void remove_events(const fs::path& folder) {
   std::error_code ignored;
@@ -148,58 +161,83 @@ detail::EventFile new_events(const fs::path& folder) {
 
 }  // namespace
 
+double TrainingHistory::seconds() const noexcept {
+  double sum = 0;
+  for (const TrainRecord& record : training) sum += record.seconds;
+  return sum;
+}
+
+TrainingHistory parse_training_log(std::string_view lines, const std::string& file) {
+  TrainingHistory history;
+  for_each_line(lines, file, [&history](Line& line, std::string_view /*text*/) {
+    if (line.type() == "train") add(history, read_training(line));
+    if (line.type() == "evaluation") add(history, read_evaluation(line));
+  });
+  return history;
+}
+
+TrainingHistory load_training_log(const fs::path& file) {
+  return parse_training_log(read_file(file), file.string());
+}
+
 struct TrainingLog::Impl {
-  Impl(const fs::path& log, const KeptLog& kept)
+  Impl(const fs::path& log, const TrainingHistory& before)
       : lines(log), events(new_events(log.parent_path())) {
-    for (const auto& [time, record] : kept.train) show(record, time);
-    for (const auto& [time, record] : kept.evaluation) show(record, time);
+    for (const TrainRecord& record : before.training) show(record);
+    for (const EvaluationRecord& record : before.evaluations) show(record);
   }
 
-  void show(const TrainRecord& record, double time) {
-    events.add({"train/loss", record.loss, record.iteration, time});
+  void show(const TrainRecord& record) {
+    events.add({"train/loss", record.loss, record.iteration, record.time});
   }
-  void show(const EvaluationRecord& record, double time) {
+  void show(const EvaluationRecord& record) {
     for (const NumberField& field : kNumbers) {
       const std::string tag = fmt::format("{}/{}", record.split, field.name);
-      events.add({tag, record.*field.value, record.iteration, time});
+      events.add({tag, record.*field.value, record.iteration, record.time});
     }
   }
+  void write(const Json& line) { lines.write(line.dump() + "\n"); }
 
   detail::AppendFile lines;
   detail::EventFile events;
 };
 
-TrainingLog::TrainingLog(const fs::path& log, std::uint64_t iteration)
-    : impl_(std::make_unique<Impl>(log, LogReader(log, iteration).take())) {}
+TrainingLog::TrainingLog(const fs::path& log, std::uint64_t iteration) {
+  std::error_code ignored;
+  TrainingHistory before;
+  if (fs::exists(log, ignored)) {
+    cut(log, iteration);
+    before = load_training_log(log);
+  }
+  impl_ = std::make_unique<Impl>(log, before);
+}
 TrainingLog::~TrainingLog() = default;
 
 void TrainingLog::start(const std::string& config, std::uint64_t iteration) {
-  const Json line{{"type", "start"},
-                  {"time", now()},
-                  {"iteration", iteration},
-                  {"config", Json::parse(config)}};
-  impl_->lines.write(line.dump() + "\n");
+  impl_->write({{"type", "start"},
+                {"time", now()},
+                {"iteration", iteration},
+                {"config", Json::parse(config)}});
 }
 
-void TrainingLog::add(const TrainRecord& record) {
-  const double time = now();
-  const Json line{{"type", "train"},
-                  {"iteration", record.iteration},
-                  {"loss", record.loss},
-                  {"seconds", rounded(record.seconds)},
-                  {"time", time}};
-  impl_->lines.write(line.dump() + "\n");
-  impl_->show(record, time);
+void TrainingLog::add(TrainRecord record) {
+  record.time = now();
+  impl_->write({{"type", "train"},
+                {"iteration", record.iteration},
+                {"loss", record.loss},
+                {"seconds", rounded(record.seconds)},
+                {"time", record.time}});
+  impl_->show(record);
 }
 
-void TrainingLog::add(const EvaluationRecord& record) {
-  const double time = now();
+void TrainingLog::add(EvaluationRecord record) {
+  record.time = now();
   Json line{{"type", "evaluation"}, {"iteration", record.iteration}, {"split", record.split}};
   for (const NumberField& field : kNumbers) line[field.name] = record.*field.value;
   line["episodes"] = record.episodes;
-  line["time"] = time;
-  impl_->lines.write(line.dump() + "\n");
-  impl_->show(record, time);
+  line["time"] = record.time;
+  impl_->write(line);
+  impl_->show(record);
 }
 
 }  // namespace enfilade::models

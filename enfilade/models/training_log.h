@@ -1,13 +1,25 @@
-/// \file  What training says of itself in its folder: log.jsonl and TensorBoard's events.
+/// \file  The log of a training run: log.jsonl of a model directory, and TensorBoard's events.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace enfilade::models {
 
-/// What an evaluation during training found. Rates are shares, 0 to 1; lengths metres.
+/// The training loss over some consecutive iterations.
+struct TrainRecord {
+  std::uint64_t iteration = 0;  ///< the last of them
+  double loss = 0;              ///< mean of the iterations; each summed over steps, by max_steps
+  double seconds = 0;           ///< spent on all of them, evaluation left out
+  double time = 0;              ///< when it was logged, seconds since 1970; set by the log
+};
+
+/// The result of an evaluation during training. Rates are shares, 0 to 1; lengths are in metres.
 struct EvaluationRecord {
   std::uint64_t iteration = 0;
   std::string split;
@@ -18,31 +30,43 @@ struct EvaluationRecord {
   double success_rate = 0;
   double oracle_success_rate = 0;
   double spl = 0;
+  double time = 0;  ///< as TrainRecord's
 };
 
-/// A stretch of iterations.
-struct TrainRecord {
-  std::uint64_t iteration = 0;  ///< the last of the stretch
-  double loss = 0;              ///< mean of the stretch
-  double seconds = 0;           ///< of all of them, evaluation left out
+/// The content of a log.
+struct TrainingHistory {
+  std::vector<TrainRecord> training;          ///< by rising iteration
+  std::vector<EvaluationRecord> evaluations;  ///< by rising iteration of each split
+
+  double seconds() const noexcept;  ///< of all training records together
 };
 
-/// Both logs of a model directory. Killing the process loses at most the line being written. One
-/// thread.
+/// Reads a log.jsonl. Each line is a JSON object whose "type" is "train", "evaluation" or another
+/// one, which is ignored, as are further fields; so is a last line without its end, which training
+/// is writing or was killed in. Where training went on from a checkpoint, iterations come again:
+/// the later ones count. "iteration" and "loss" of training, and "iteration", "split", "nav_error"
+/// and "success_rate" of an evaluation are required; its other numbers are NaN where they are
+/// missing. \throws FileError; InvalidInput naming the line
+TrainingHistory load_training_log(const std::filesystem::path& file);
+/// The same for a text; `file` is its name in messages.
+TrainingHistory parse_training_log(std::string_view lines, const std::string& file);
+
+/// Writes both logs of a model directory. If the process is killed, at most the line being written
+/// is lost. One thread.
 class TrainingLog {
  public:
-  /// Goes on with a log.jsonl and the events beside it. Of what is there, lines beyond `iteration`,
-  /// which will come again, and a half-written last line are cut off, and the events are written
-  /// anew from the rest. \throws FileError; InvalidInput for a log that is none
+  /// Continues the log.jsonl at `log` and writes the events beside it anew. Lines beyond
+  /// `iteration`, whose iterations will be done again, and an incomplete last line are cut off.
+  /// \throws FileError; InvalidInput as load_training_log()
   TrainingLog(const std::filesystem::path& log, std::uint64_t iteration);
   ~TrainingLog();
   TrainingLog(const TrainingLog&) = delete;
   TrainingLog& operator=(const TrainingLog&) = delete;
 
-  /// \param config the model's config.json \param iteration done before
+  /// \param config the model's config.json \param iteration done before \throws FileError
   void start(const std::string& config, std::uint64_t iteration);
-  void add(const TrainRecord& record);
-  void add(const EvaluationRecord& record);
+  void add(TrainRecord record);       ///< \throws FileError
+  void add(EvaluationRecord record);  ///< \throws FileError
 
  private:
   struct Impl;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/errors.h"
@@ -18,6 +19,56 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
+
+std::string train(int iteration, double loss) {
+  return R"({"type": "train", "iteration": )" + std::to_string(iteration) + R"(, "loss": )" +
+         std::to_string(loss) + R"(, "seconds": 0.5})" + "\n";
+}
+
+std::string evaluation(int iteration, const std::string& split, double error) {
+  return R"({"type": "evaluation", "iteration": )" + std::to_string(iteration) + R"(, "split": ")" +
+         split + R"(", "loss": null, "nav_error": )" + std::to_string(error) +
+         R"(, "success_rate": 0.25})" + "\n";
+}
+
+TEST(TrainingHistory, ReadsTrainingAndEvaluations) {
+  const TrainingHistory log =
+      parse_training_log("{\"type\": \"start\", \"time\": \"now\"}\n" + train(1, 2) + train(2, 1) +
+                             evaluation(2, "val_seen", 9) + "\n" + "{\"type\": \"news\"}\n",
+                         "log.jsonl");
+  ASSERT_EQ(log.training.size(), 2U);
+  EXPECT_EQ(log.training[1].iteration, 2U);
+  EXPECT_EQ(log.training[1].loss, 1);
+  EXPECT_EQ(log.seconds(), 1);
+  ASSERT_EQ(log.evaluations.size(), 1U);
+  EXPECT_EQ(log.evaluations[0].nav_error, 9);
+  EXPECT_EQ(log.evaluations[0].success_rate, 0.25);
+  EXPECT_TRUE(std::isnan(log.evaluations[0].loss));
+}
+
+TEST(TrainingHistory, WhatWasDoneAgainAfterACheckpointCounts) {
+  const TrainingHistory log = parse_training_log(
+      train(1, 4) + train(2, 3) + evaluation(2, "val_seen", 9) + train(3, 2) + train(2, 30) +
+          evaluation(2, "val_seen", 8) + evaluation(2, "val_unseen", 7),
+      "log.jsonl");
+  ASSERT_EQ(log.training.size(), 2U);
+  EXPECT_EQ(log.training[1].loss, 30);
+  EXPECT_EQ(log.seconds(), 1) << "of the iterations that count";
+  ASSERT_EQ(log.evaluations.size(), 2U);
+  EXPECT_EQ(log.evaluations[0].nav_error, 8);
+}
+
+TEST(TrainingHistory, ALastLineWithoutItsEndIsNotReadYet) {
+  const TrainingHistory log = parse_training_log(train(1, 4) + R"({"type": "tra)", "log.jsonl");
+  EXPECT_EQ(log.training.size(), 1U);
+}
+
+TEST(TrainingHistory, NamesTheLineThatIsBroken) {
+  EXPECT_THAT([] { parse_training_log(train(1, 4) + "{\n", "log.jsonl"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("log.jsonl, line 2")));
+  EXPECT_THAT([] { parse_training_log("{\"type\": \"train\", \"iteration\": 1}\n", "log.jsonl"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("loss")));
+}
 
 class TrainingLogTest : public ::testing::Test {
  protected:

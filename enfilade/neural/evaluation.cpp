@@ -1,12 +1,8 @@
 #include "enfilade/neural/evaluation.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <set>
 #include <tuple>
@@ -14,6 +10,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/models/attention.h"
 
 namespace enfilade::neural {
 namespace {
@@ -86,21 +83,34 @@ std::set<std::size_t> shown_episodes(const GreedyWalk& walk, const r2r::EpisodeS
   return shown;
 }
 
-void append_step(std::string& json, const AttentionTrace& trace, std::size_t step,
-                 const models::ReadingOrder& order, const r2r::TrajectoryPoint& point,
-                 const graph::NavGraph& graph) {
-  std::vector<float> attention;
+models::AttentionStep attention_step(const AttentionTrace& trace, std::size_t step,
+                                     const models::ReadingOrder& order,
+                                     const r2r::TrajectoryPoint& point,
+                                     const graph::NavGraph& graph) {
+  models::AttentionStep result{
+      std::string(to_string(static_cast<ModelAction>(trace.actions[step]))),
+      {},
+      graph.id(point.viewpoint),
+      point.heading.value,
+      point.elevation.value};
   const std::vector<float>& row = trace.attention[step];
   for (const std::size_t place : order.places) {
-    attention.push_back(place < row.size() ? row[place] : 0);
+    result.attention.push_back(place < row.size() ? row[place] : 0);
   }
-  const auto action = static_cast<ModelAction>(trace.actions[step]);
-  fmt::format_to(std::back_inserter(json),
-                 R"({}{{"action":"{}","attention":[{:.4f}],"viewpoint":{},"heading":{:.6g},)"
-                 R"("elevation":{:.6g}}})",
-                 step == 0 ? "" : ",", to_string(action), fmt::join(attention, ","),
-                 nlohmann::json(graph.id(point.viewpoint)).dump(), point.heading.value,
-                 point.elevation.value + 0.0);
+  return result;
+}
+
+models::EpisodeAttention episode_attention(const GreedyWalk& walk, std::size_t i,
+                                           const PreparedSplit& split,
+                                           const r2r::Vocabulary& vocabulary) {
+  const models::ReadingOrder order = models::reading_order(split.instructions.row(i), vocabulary);
+  const graph::NavGraph& graph = split.episodes.graph_of(split.episodes.episodes[i]);
+  models::EpisodeAttention episode{order.words, {}};
+  for (std::size_t step = 0; step < walk.traces[i].actions.size(); ++step) {
+    episode.steps.push_back(
+        attention_step(walk.traces[i], step, order, walk.trajectories[i].points.at(step), graph));
+  }
+  return episode;
 }
 
 }  // namespace
@@ -167,21 +177,12 @@ void write_walk(const std::filesystem::path& results, const std::filesystem::pat
                 const r2r::Vocabulary& vocabulary, std::size_t attention_episodes) {
   for (const auto& file : {results, attention}) make_folder(file.parent_path());
   write_file_atomically(results, to_json(walk.trajectories, split.episodes));
-  std::string json = "{";
+  std::vector<std::pair<std::string, models::EpisodeAttention>> shown;
   for (const std::size_t i : shown_episodes(walk, split.episodes, attention_episodes)) {
-    const r2r::Episode& episode = split.episodes.episodes[i];
-    const models::ReadingOrder order = models::reading_order(split.instructions.row(i), vocabulary);
-    json += fmt::format("{}\n{}:{{\"words\":{},\"steps\":[", json.size() > 1 ? "," : "",
-                        nlohmann::json(episode.instruction_id).dump(),
-                        nlohmann::json(order.words).dump());
-    const AttentionTrace& trace = walk.traces[i];
-    for (std::size_t step = 0; step < trace.actions.size(); ++step) {
-      append_step(json, trace, step, order, walk.trajectories[i].points.at(step),
-                  split.episodes.graph_of(episode));
-    }
-    json += "]}";
+    shown.emplace_back(split.episodes.episodes[i].instruction_id,
+                       episode_attention(walk, i, split, vocabulary));
   }
-  write_file_atomically(attention, json + "\n}\n");
+  write_file_atomically(attention, models::attention_json(shown));
 }
 
 }  // namespace enfilade::neural

@@ -87,7 +87,7 @@ double learning_rate(std::size_t step, std::size_t steps) {
 }
 
 void train(encoders::HomeTraining& network, const encoders::LabelledPictures& pictures,
-           const PretrainConfig& config, PretrainReport& report, const TrainingProgress& progress) {
+           const PretrainConfig& config, PretrainReport& report, const PretrainProgress& progress) {
   std::vector<std::int64_t> order(static_cast<std::size_t>(pictures.rooms.numel()));
   std::iota(order.begin(), order.end(), 0);
   Rng rng(config.seed, kOrderStream);
@@ -143,7 +143,7 @@ double since(Clock::time_point start) {
 PretrainReport pretrain_home_encoder(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
                                      const PretrainConfig& config,
                                      const std::filesystem::path& file,
-                                     const TrainingProgress& progress) {
+                                     const PretrainProgress& progress) {
   check(config);
   const c10::Device device = detail::open_device(config.device);
   const Split split = split_places(*panoramas, config);

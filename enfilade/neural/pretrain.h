@@ -47,8 +47,8 @@ struct PretrainReport {
   HomeScore unseen;  ///< in scans of config.unseen
 };
 
-/// Told after each step.
-using TrainingProgress = std::function<void(std::size_t step, std::size_t steps, double loss)>;
+/// Called after each step of pretraining.
+using PretrainProgress = std::function<void(std::size_t step, std::size_t steps, double loss)>;
 
 /// Draws pictures in the training scans (headings and elevations at random), with what the renderer
 /// says is to be seen: classes and distances, cell by cell; trains a network to say it from colour
@@ -59,6 +59,6 @@ using TrainingProgress = std::function<void(std::size_t step, std::size_t steps,
 PretrainReport pretrain_home_encoder(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
                                      const PretrainConfig& config,
                                      const std::filesystem::path& file,
-                                     const TrainingProgress& progress = {});
+                                     const PretrainProgress& progress = {});
 
 }  // namespace enfilade::neural

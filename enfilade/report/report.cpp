@@ -9,6 +9,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/models/training_log.h"
 #include "enfilade/report/detail/dataset_parts.h"
 #include "enfilade/report/detail/gallery.h"
 #include "enfilade/report/detail/page.h"
@@ -19,7 +20,6 @@
 #include "enfilade/report/results_table.h"
 #include "enfilade/report/run_directory.h"
 #include "enfilade/report/scored_runs.h"
-#include "enfilade/report/training_log.h"
 
 namespace enfilade::report {
 namespace {
@@ -51,9 +51,9 @@ std::string model_fact(const ModelDirectory& model) {
   const std::filesystem::path file = model.folder / "log.jsonl";
   std::error_code code;
   if (!std::filesystem::exists(file, code)) return "no log";
-  const TrainingLog log = load_training_log(file);
+  const models::TrainingHistory log = models::load_training_log(file);
   if (log.training.empty()) return "not trained yet";
-  return fmt::format("{:.0f} iterations, {}", log.training.back().iteration, duration(log.seconds));
+  return fmt::format("{} iterations, {}", log.training.back().iteration, duration(log.seconds()));
 }
 
 Json config_json(const ModelDirectory& model) {

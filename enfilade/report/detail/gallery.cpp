@@ -61,10 +61,10 @@ std::vector<Moment> moments_of(const r2r::Trajectory& trajectory) {
 }
 
 // As the attention file tells it; where it ran out of steps, the place it came to follows.
-std::vector<Moment> moments_of(const EpisodeAttention& attention, const graph::NavGraph& graph,
-                               const r2r::Trajectory& trajectory) {
+std::vector<Moment> moments_of(const models::EpisodeAttention& attention,
+                               const graph::NavGraph& graph, const r2r::Trajectory& trajectory) {
   std::vector<Moment> moments;
-  for (const AttentionStep& step : attention.steps) {
+  for (const models::AttentionStep& step : attention.steps) {
     const auto v = graph.find(step.viewpoint);
     if (!v) {
       throw LookupError(
@@ -162,7 +162,7 @@ Json episode_json(const GalleryRun& gallery, const r2r::EpisodeSet& episodes,
   const graph::NavGraph& graph = episodes.graph_of(episode);
   const r2r::EpisodeMetrics& m = gallery.run->score.episodes[chosen.episode];
   const r2r::Trajectory& trajectory = gallery.run->trajectories[chosen.episode];
-  const EpisodeAttention* attention = nullptr;
+  const models::EpisodeAttention* attention = nullptr;
   if (gallery.attention) {
     const auto found = gallery.attention->find(episode.instruction_id);
     if (found != gallery.attention->end()) attention = &found->second;
@@ -196,7 +196,7 @@ void load_attention_of(GalleryRun& gallery, const RunDirectory& found) {
     if (model.agent != gallery.run->agent) continue;
     const auto file = model.folder / "results" / (gallery.run->split + ".attention.json");
     std::error_code code;
-    if (std::filesystem::exists(file, code)) gallery.attention = load_attention(file);
+    if (std::filesystem::exists(file, code)) gallery.attention = models::load_attention(file);
   }
   if (gallery.attention) return;
   gallery.no_attention =

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/report/attention.h"
+#include "enfilade/models/attention.h"
 #include "enfilade/report/detail/photographer.h"
 #include "enfilade/report/detail/picture_parts.h"
 #include "enfilade/report/scored_runs.h"
@@ -15,7 +15,7 @@ namespace enfilade::report::detail {
 /// What the gallery is about.
 struct GalleryRun {
   const ScoredRun* run = nullptr;
-  std::optional<AttentionFile> attention;
+  std::optional<models::AttentionFile> attention;
   std::string no_attention;  ///< a sentence: why there is none
 };
 

@@ -10,8 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/models/training_log.h"
 #include "enfilade/report/detail/dataset_parts.h"
-#include "enfilade/report/training_log.h"
+#include "enfilade/report/training_curve.h"
 
 namespace enfilade::report::detail {
 namespace {
@@ -78,21 +79,21 @@ Json success_by_length(const std::vector<const ScoredRun*>& runs, const ScoredRu
   return all;
 }
 
-Json evaluation_json(const EvaluationPoint& point) {
-  return {{"iteration", point.iteration},
-          {"loss", std::isfinite(point.loss) ? Json(point.loss) : Json(nullptr)},
-          {"error", point.nav_error},
-          {"success", point.success}};
+Json evaluation_json(const models::EvaluationRecord& record) {
+  return {{"iteration", static_cast<double>(record.iteration)},
+          {"loss", std::isfinite(record.loss) ? Json(record.loss) : Json(nullptr)},
+          {"error", record.nav_error},
+          {"success", record.success_rate}};
 }
 
-Json run_json(const std::string& name, const TrainingLog& log) {
+Json run_json(const std::string& name, const models::TrainingHistory& log) {
   Json training = Json::array();
-  for (const TrainingPoint& point : thinned(log.training, kPoints)) {
+  for (const CurvePoint& point : training_curve(log.training, kPoints)) {
     training.push_back({{"iteration", point.iteration}, {"loss", point.loss}});
   }
   Json splits = Json::object();
-  for (const EvaluationPoint& point : log.evaluations) {
-    splits[point.split].push_back(evaluation_json(point));
+  for (const models::EvaluationRecord& record : log.evaluations) {
+    splits[record.split].push_back(evaluation_json(record));
   }
   return {{"run", name}, {"train", std::move(training)}, {"evaluations", std::move(splits)}};
 }
@@ -136,7 +137,7 @@ Json curves_part(const RunDirectory& found) {
     if (all.empty() || all.back()["agent"] != agent) {
       all.push_back({{"agent", agent}, {"runs", Json::array()}});
     }
-    all.back()["runs"].push_back(run_json(model.agent, load_training_log(file)));
+    all.back()["runs"].push_back(run_json(model.agent, models::load_training_log(file)));
   }
   if (all.empty()) return missing("The model directories have no log.jsonl.");
   return {{"agents", std::move(all)}};

@@ -15,7 +15,7 @@ nlohmann::ordered_json errors_part(const ScoredRuns& runs);
 nlohmann::ordered_json by_length_part(const ScoredRuns& runs);
 
 /// Loss, navigation error and success over training, by agent, run and split.
-/// \throws as load_training_log()
+/// \throws as models::load_training_log()
 nlohmann::ordered_json curves_part(const RunDirectory& found);
 
 /// Wilson's 95 % interval of a share. \pre n > 0

@@ -1,11 +1,11 @@
-#include "enfilade/report/attention.h"
+#include "enfilade/models/attention.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "enfilade/core/errors.h"
 
-namespace enfilade::report {
+namespace enfilade::models {
 namespace {
 
 using ::testing::ElementsAre;
@@ -26,6 +26,19 @@ TEST(Attention, ReadsWordsAndSteps) {
   EXPECT_THAT(episode.steps[0].attention, ElementsAre(0.25, 0.75));
   EXPECT_EQ(episode.steps[1].viewpoint, "v1");
   EXPECT_EQ(episode.steps[1].elevation, -0.5);
+}
+
+TEST(Attention, IsWrittenAsItIsRead) {
+  const AttentionFile read = parse_attention(kGood, "a.json");
+  const std::vector<std::pair<std::string, EpisodeAttention>> episodes(read.begin(), read.end());
+  EXPECT_EQ(attention_json(episodes),
+            "{\n\"1_0\":{\"words\":[\"walk\",\"on\"],\"steps\":["
+            R"({"action":"forward","attention":[0.2500,0.7500],"viewpoint":"v0","heading":1.5,)"
+            R"("elevation":0},)"
+            R"({"action":"end","attention":[1.0000,0.0000],"viewpoint":"v1","heading":1.5,)"
+            R"("elevation":-0.5}]})"
+            "\n}\n");
+  EXPECT_EQ(attention_json({}), "{\n}\n");
 }
 
 struct Bad {
@@ -60,4 +73,4 @@ INSTANTIATE_TEST_SUITE_P(
             "bad-weight", "attention[0]"}));
 
 }  // namespace
-}  // namespace enfilade::report
+}  // namespace enfilade::models

@@ -1,13 +1,15 @@
-#include "enfilade/report/attention.h"
+#include "enfilade/models/attention.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <array>
+#include <iterator>
+#include <nlohmann/json.hpp>
 #include <optional>
-#include <utility>
 
 #include "enfilade/core/detail/json.h"
 
-namespace enfilade::report {
+namespace enfilade::models {
 namespace {
 
 using json::Element;
@@ -86,6 +88,14 @@ AttentionFile read(const json::Document& document) {
   return file;
 }
 
+void append(std::string& json, const AttentionStep& step) {
+  fmt::format_to(std::back_inserter(json),
+                 R"({{"action":"{}","attention":[{:.4f}],"viewpoint":{},"heading":{:.6g},)"
+                 R"("elevation":{:.6g}}})",
+                 step.action, fmt::join(step.attention, ","), nlohmann::json(step.viewpoint).dump(),
+                 step.heading, step.elevation + 0.0);  // no -0
+}
+
 }  // namespace
 
 AttentionFile load_attention(const std::filesystem::path& file) {
@@ -96,4 +106,18 @@ AttentionFile parse_attention(std::string_view json, const std::string& file) {
   return read(json::Document::parse(json, file));
 }
 
-}  // namespace enfilade::report
+std::string attention_json(std::span<const std::pair<std::string, EpisodeAttention>> episodes) {
+  std::string json = "{";
+  for (const auto& [id, episode] : episodes) {
+    json += fmt::format("{}\n{}:{{\"words\":{},\"steps\":[", json.size() > 1 ? "," : "",
+                        nlohmann::json(id).dump(), nlohmann::json(episode.words).dump());
+    for (std::size_t step = 0; step < episode.steps.size(); ++step) {
+      if (step > 0) json += ',';
+      append(json, episode.steps[step]);
+    }
+    json += "]}";
+  }
+  return json + "\n}\n";
+}
+
+}  // namespace enfilade::models
