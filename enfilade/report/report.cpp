@@ -9,6 +9,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/models/model_directory.h"
 #include "enfilade/models/training_log.h"
 #include "enfilade/report/detail/dataset_parts.h"
 #include "enfilade/report/detail/gallery.h"
@@ -48,7 +49,7 @@ std::string duration(double seconds) {
 }
 
 std::string model_fact(const ModelDirectory& model) {
-  const std::filesystem::path file = model.folder / "log.jsonl";
+  const std::filesystem::path file = models::ModelFiles{model.folder}.log();
   std::error_code code;
   if (!std::filesystem::exists(file, code)) return "no log";
   const models::TrainingHistory log = models::load_training_log(file);
@@ -57,7 +58,7 @@ std::string model_fact(const ModelDirectory& model) {
 }
 
 Json config_json(const ModelDirectory& model) {
-  const std::filesystem::path file = model.folder / "config.json";
+  const std::filesystem::path file = models::ModelFiles{model.folder}.config();
   try {
     return Json::parse(read_file(file));
   } catch (const nlohmann::json::exception& error) {

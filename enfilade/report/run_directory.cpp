@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/models/model_directory.h"
 
 namespace enfilade::report {
 namespace {
@@ -74,7 +75,7 @@ class Finder {
 
   void add_folder(const fs::path& folder) {
     std::error_code code;
-    if (fs::exists(folder / "config.json", code)) {
+    if (fs::exists(models::ModelFiles{folder}.config(), code)) {
       add_model(folder);
       return;
     }
@@ -82,7 +83,7 @@ class Finder {
     if (fs::is_directory(folder / "results", code)) add_results_of(folder / "results");
     if (!fs::is_directory(folder / "models", code)) return;
     for (const fs::path& path : entries(folder / "models")) {
-      if (fs::exists(path / "config.json", code)) add_model(path);
+      if (fs::exists(models::ModelFiles{path}.config(), code)) add_model(path);
     }
   }
 
@@ -112,7 +113,8 @@ class Finder {
     const fs::path whole = fs::weakly_canonical(file);
     const fs::path owner = whole.parent_path().parent_path();
     std::error_code code;
-    if (fs::exists(owner / "config.json", code) && has_split(data_, whole.stem().string())) {
+    if (fs::exists(models::ModelFiles{owner}.config(), code) &&
+        has_split(data_, whole.stem().string())) {
       add_results(file, owner.filename().string(), whole.stem().string());
       return;
     }

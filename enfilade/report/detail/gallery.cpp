@@ -14,6 +14,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/draw/floor_plan.h"
+#include "enfilade/models/model_directory.h"
 #include "enfilade/r2r/tokenizer.h"
 #include "enfilade/report/detail/dataset_parts.h"
 
@@ -194,7 +195,7 @@ Json episode_json(const GalleryRun& gallery, const r2r::EpisodeSet& episodes,
 void load_attention_of(GalleryRun& gallery, const RunDirectory& found) {
   for (const ModelDirectory& model : found.models) {
     if (model.agent != gallery.run->agent) continue;
-    const auto file = model.folder / "results" / (gallery.run->split + ".attention.json");
+    const auto file = models::ModelFiles{model.folder}.attention(gallery.run->split);
     std::error_code code;
     if (std::filesystem::exists(file, code)) gallery.attention = models::load_attention(file);
   }

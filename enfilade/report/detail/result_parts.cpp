@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/models/model_directory.h"
 #include "enfilade/models/training_log.h"
 #include "enfilade/report/detail/dataset_parts.h"
 #include "enfilade/report/training_curve.h"
@@ -130,7 +131,7 @@ Json curves_part(const RunDirectory& found) {
   if (found.models.empty()) return missing("No model was trained here.");
   Json all = Json::array();
   for (const ModelDirectory& model : found.models) {
-    const std::filesystem::path file = model.folder / "log.jsonl";
+    const std::filesystem::path file = models::ModelFiles{model.folder}.log();
     std::error_code code;
     if (!std::filesystem::exists(file, code)) continue;
     const std::string agent(without_seed(model.agent));
