@@ -27,11 +27,11 @@ if(NPM_PROGRAM)
 else()
   message(STATUS "npm is not on this machine: the server will have no web client")
   file(WRITE ${web_files_source}.new "// Made by web/bundle.cmake: no npm, no files.
-#include \"enfilade/service/detail/web_files.h\"
+#include \"enfilade/service/http/web_files.h\"
 
-namespace enfilade::service::detail {
+namespace enfilade::service::http {
 std::span<const WebFile> web_files() { return {}; }
-}  // namespace enfilade::service::detail
+}  // namespace enfilade::service::http
 ")
   configure_file(${web_files_source}.new ${web_files_source} COPYONLY)
 endif()

@@ -46,9 +46,9 @@ writeFileSync(
   `// Made by web/embed.mjs.
 #include <array>
 
-#include "enfilade/service/detail/web_files.h"
+#include "enfilade/service/http/web_files.h"
 
-namespace enfilade::service::detail {
+namespace enfilade::service::http {
 namespace {
 
 template <std::size_t N>
@@ -67,6 +67,6 @@ ${rows.join('\n')}
   return kFiles;
 }
 
-}  // namespace enfilade::service::detail
+}  // namespace enfilade::service::http
 `,
 );

@@ -5,24 +5,25 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/service/detail/app.h"
+#include "enfilade/service/detail/clock.h"
 #include "enfilade/service/detail/texts.h"
-#include "enfilade/service/detail/transport.h"
-#include "enfilade/service/detail/web_files.h"
+#include "enfilade/service/http/app.h"
+#include "enfilade/service/http/transport.h"
+#include "enfilade/service/http/web_files.h"
 
 namespace enfilade::service {
 namespace {
 
-detail::Role kept_role(TokenRole role) {
+accounts::Role kept_role(TokenRole role) {
   switch (role) {
     case TokenRole::kReviewer:
-      return detail::Role::kReviewer;
+      return accounts::Role::kReviewer;
     case TokenRole::kTeam:
-      return detail::Role::kTeam;
+      return accounts::Role::kTeam;
     case TokenRole::kOrganiser:
       break;
   }
-  return detail::Role::kOrganiser;
+  return accounts::Role::kOrganiser;
 }
 
 void check_exists(const std::filesystem::path& database) {
@@ -34,8 +35,8 @@ void check_exists(const std::filesystem::path& database) {
 }  // namespace
 
 struct Server::Impl {
-  detail::App app;
-  detail::Transport transport;
+  http::App app;
+  http::Transport transport;
 
   Impl(const std::shared_ptr<const Site>& site, const ServerConfig& config)
       : app(site, config), transport(app, config) {}
@@ -53,7 +54,7 @@ int Server::port() const noexcept { return impl_->transport.port(); }
 
 void Server::stop() { impl_->transport.stop(); }
 
-bool has_web_client() noexcept { return !detail::web_files().empty(); }
+bool has_web_client() noexcept { return !http::web_files().empty(); }
 
 std::string create_token(const std::filesystem::path& database, TokenRole role,
                          const std::string& label, std::optional<int> days) {
@@ -62,22 +63,22 @@ std::string create_token(const std::filesystem::path& database, TokenRole role,
     throw ArgumentError(
         fmt::format("label: {:?}, not 1 to {} printable characters", label, kLongestLabel));
   }
-  detail::Database db(database);
+  store::Database db(database);
   const std::int64_t now = detail::system_clock()();
   std::optional<std::int64_t> expires;
   if (days) expires = now + std::int64_t{*days} * 24 * 3600;
-  return detail::add_token(db, kept_role(role), label, now, expires);
+  return accounts::add_token(db, kept_role(role), label, now, expires);
 }
 
 int revoke_tokens(const std::filesystem::path& database, TokenRole role, const std::string& label) {
   check_exists(database);
-  detail::Database db(database);
-  return detail::revoke_tokens(db, kept_role(role), label, detail::system_clock()());
+  store::Database db(database);
+  return accounts::revoke_tokens(db, kept_role(role), label, detail::system_clock()());
 }
 
 void back_up_database(const std::filesystem::path& database, const std::filesystem::path& copy) {
   check_exists(database);
-  detail::back_up(database, copy);
+  store::back_up(database, copy);
 }
 
 }  // namespace enfilade::service

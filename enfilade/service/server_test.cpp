@@ -7,7 +7,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"
-#include "enfilade/service/detail/app.h"
+#include "enfilade/service/http/app.h"
 #include "tests/support/refusal.h"
 #include "tests/support/served_data.h"
 
@@ -177,9 +177,9 @@ TEST(Server, TheDescriptionNamesEveryRouteAndNoOther) {
     }
   }
   served.stop();
-  const detail::App app(Site::open(served.root() / "data"), served.config());
+  const http::App app(Site::open(served.root() / "data"), served.config());
   std::vector<std::string> routes;
-  for (const detail::Route& route : app.router().routes()) {
+  for (const http::Route& route : app.router().routes()) {
     routes.push_back(route.method + " " + route.pattern);
   }
   EXPECT_THAT(described, ::testing::UnorderedElementsAreArray(routes));

@@ -1,0 +1,54 @@
+/// \file  The faces of panoramas as browsers take them.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <future>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <tuple>
+
+#include "enfilade/geometry/cube_map.h"
+#include "enfilade/scan/panorama_set.h"
+
+namespace enfilade::service::browsing {
+
+/// Six pictures by index(CubeFace): JPEG for colour; depth and classes as PNG in the colours of
+/// draw/colour_maps.h.
+using FaceFiles = std::array<std::shared_ptr<const std::string>, kCubeFaces>;
+
+/// A cache: browsers ask for all six faces of a viewpoint at once, and workers walk the same paths.
+/// All functions may be called from any thread.
+class Faces {
+ public:
+  /// \param most_bytes the least recently used panorama goes first
+  explicit Faces(const scan::PanoramaSet& panoramas, std::size_t most_bytes = 32U << 20U);
+
+  /// Colour as the source's own JPEGs where it has them; else encoded.
+  /// \throws as scan::PanoramaSource: LookupError if there is no such picture
+  FaceFiles get(ScanIndex scan, ViewpointIndex viewpoint, scan::Layer layer);
+  /// Changes whenever the scan's pictures do; empty if that can't be told. Asked of the source
+  /// once. \throws as above
+  std::string version(ScanIndex scan);
+
+ private:
+  using Key = std::tuple<ScanIndex, ViewpointIndex, scan::Layer>;
+  struct Entry {
+    std::shared_future<FaceFiles> files;  // made by who came first
+    std::size_t bytes = 0;                // 0 while being made
+    std::list<Key>::iterator use;
+  };
+  void add_bytes(const Key& key, const FaceFiles& files);
+
+  const scan::PanoramaSet& panoramas_;
+  std::size_t most_bytes_;
+  std::mutex mutex_;
+  std::size_t bytes_ = 0;
+  std::list<Key> by_use_;  // latest first
+  std::map<Key, Entry> entries_;
+  std::map<ScanIndex, std::string> versions_;
+};
+
+}  // namespace enfilade::service::browsing

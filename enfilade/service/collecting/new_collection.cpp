@@ -1,0 +1,279 @@
+// Reading a new collection. It may be megabytes of paths by hand, so all faults come at once.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <set>
+
+#include "enfilade/core/detail/json.h"
+#include "enfilade/r2r/score.h"
+#include "enfilade/service/collecting/collections.h"
+#include "enfilade/service/detail/texts.h"
+
+namespace enfilade::service::collecting {
+namespace {
+
+using json::Element;
+using json::Path;
+
+constexpr const char* kFileName = "collection";
+constexpr std::size_t kLongestTitle = 80;
+constexpr std::size_t kLongestText = 20'000;
+constexpr std::size_t kMostItems = 100'000;
+constexpr std::size_t kShown = 40;
+
+template <std::size_t N>
+using Found = std::array<std::optional<Element>, N>;
+
+class Reader {
+ public:
+  explicit Reader(const Site& site) : site_(site) {}
+
+  NewCollection read(Element root) {
+    static constexpr std::array<json::Field, 10> kFields{{{"name"},
+                                                          {"title"},
+                                                          {"kind"},
+                                                          {"consent"},
+                                                          {"instructions"},
+                                                          {"sources"},
+                                                          {"per_item", false},
+                                                          {"lease_minutes", false},
+                                                          {"tasks_per_visit", false},
+                                                          {"platform", false}}};
+    Found<kFields.size()> found;
+    NewCollection made;
+    if (json::fields(root, kFields, found, root_, faults_)) {
+      Collection& about = made.about;
+      about.name =
+          checked(*found[0], {root_, "name"}, detail::is_name, "1 to 40 of a-z, 0-9, - and _");
+      about.title = checked(
+          *found[1], {root_, "title"},
+          [](auto text) { return detail::is_prose(text, kLongestTitle); },
+          "1 to 80 printable characters");
+      about.kind = one_of(*found[2], {root_, "kind"}, {"write", "walk"}) == "walk" ? Kind::kWalk
+                                                                                   : Kind::kWrite;
+      about.consent = prose(*found[3], {root_, "consent"});
+      about.instructions = prose(*found[4], {root_, "instructions"});
+      read_rules(about, found[6], found[7], found[8], found[9]);
+      kind_ = about.kind;
+      read_sources(*found[5], {root_, "sources"});
+      made.items = std::move(items_);
+    }
+    throw_if_faulty();
+    return made;
+  }
+
+ private:
+  void read_rules(Collection& about, std::optional<Element> per_item, std::optional<Element> lease,
+                  std::optional<Element> per_visit, std::optional<Element> platform) {
+    if (platform) about.platform = read_platform(*platform, {root_, "platform"});
+    about.per_item = about.kind == Kind::kWrite ? 3 : 1;
+    if (per_item) about.per_item = number(*per_item, {root_, "per_item"}, 1, 100);
+    if (lease) about.lease_seconds = 60L * number(*lease, {root_, "lease_minutes"}, 1, 1440);
+    about.tasks_per_visit = about.platform.kind == PlatformKind::kSelf ? 0 : 1;
+    if (per_visit) {
+      about.tasks_per_visit = number(*per_visit, {root_, "tasks_per_visit"}, 0, 1000);
+    }
+  }
+
+  template <class Check>
+  std::string checked(Element element, const Path& path, Check check, const char* allowed) {
+    const auto text = json::string(element, path, faults_);
+    if (text && !check(*text)) {
+      faults_.error(path, "bad-text",
+                    fmt::format("{:?}, not {}", text->substr(0, kShown), allowed));
+    }
+    return std::string(text.value_or(""));
+  }
+
+  std::string prose(Element element, const Path& path) {
+    return checked(
+        element, path, [](auto text) { return detail::is_prose(text, kLongestText); },
+        "1 to 20000 characters");
+  }
+
+  std::string one_of(Element element, const Path& path,
+                     std::initializer_list<std::string_view> allowed) {
+    return checked(
+        element, path,
+        [allowed](auto text) { return std::ranges::find(allowed, text) != allowed.end(); },
+        fmt::format("{}", fmt::join(allowed, " or ")).c_str());
+  }
+
+  int number(Element element, const Path& path, int least, int most) {
+    const auto value = json::integer(element, path, faults_);
+    if (value && (*value < least || *value > most)) {
+      faults_.error(path, "out-of-range",
+                    fmt::format("{}, not from {} to {}", *value, least, most));
+    }
+    return static_cast<int>(std::clamp<std::int64_t>(value.value_or(least), least, most));
+  }
+
+  Platform read_platform(Element element, const Path& path) {
+    static constexpr std::array<json::Field, 3> kFields{
+        {{"kind"}, {"origins", false}, {"completion_code", false}}};
+    Found<kFields.size()> found;
+    if (!json::fields(element, kFields, found, path, faults_)) return {};
+    const std::string kind = one_of(*found[0], {path, "kind"}, {"self", "mturk", "prolific"});
+    Platform platform;
+    if (kind == "mturk") {
+      platform.kind = PlatformKind::kMturk;
+      platform.origins = found[1] ? read_origins(*found[1], {path, "origins"}) : mturk_origins();
+    } else if (kind == "prolific") {
+      platform.kind = PlatformKind::kProlific;
+      const Path here(path, "completion_code");
+      if (found[2]) {
+        platform.completion_code =
+            checked(*found[2], here, detail::is_external_id, "a study's code");
+      } else {
+        faults_.error(here, "missing-field", "Prolific pays by it, and it is not there");
+      }
+    }
+    return platform;
+  }
+
+  std::vector<std::string> read_origins(Element element, const Path& path) {
+    std::vector<std::string> origins;
+    const auto list = json::array(element, path, faults_);
+    if (!list) return origins;
+    for (const Element one : *list) {
+      origins.push_back(
+          checked(one, Path(path, origins.size()), is_origin, "an origin such as https://host"));
+    }
+    return origins;
+  }
+
+  void read_sources(Element element, const Path& path) {
+    const auto list = json::array(element, path, faults_);
+    if (!list) return;
+    std::size_t k = 0;
+    for (const Element source : *list) read_source(source, Path(path, k++));
+    if (items_.size() > kMostItems) {
+      faults_.error(path, "too-many",
+                    fmt::format("{} items; {} are allowed", items_.size(), kMostItems));
+    }
+    if (items_.empty() && faults_.errors() == 0 && more_.empty()) {
+      faults_.error(path, "no-paths", "there is nothing to do in it");
+    }
+  }
+
+  void read_source(Element element, const Path& path) {
+    static constexpr std::array<json::Field, 3> kFields{
+        {{"split"}, {"paths", false}, {"most", false}}};
+    Found<kFields.size()> found;
+    if (!json::fields(element, kFields, found, path, faults_)) return;
+    const std::string split =
+        checked(*found[0], {path, "split"}, detail::is_name, "1 to 40 of a-z, 0-9, - and _");
+    most_ = found[2] ? static_cast<std::size_t>(
+                           number(*found[2], {path, "most"}, 1, static_cast<int>(kMostItems)))
+                     : kMostItems;
+    if (found[1]) {
+      read_paths(*found[1], {path, "paths"}, split);
+    } else {
+      take_split({path, "split"}, split);
+    }
+  }
+
+  void read_paths(Element element, const Path& path, const std::string& split) {
+    try {
+      r2r::Annotations annotations =
+          r2r::parse_annotations(simdjson::minify(element), kFileName, split);
+      r2r::look_up_paths(annotations, site_.graphs());
+      add_annotations(annotations, path, false);
+    } catch (const InvalidInput& error) {
+      for (Diagnostic fault : error.diagnostics()) {  // their paths begin at the list
+        fault.where =
+            path.text() + fault.where.substr(std::min<std::size_t>(1, fault.where.size()));
+        more_.push_back(std::move(fault));
+      }
+    }
+  }
+
+  void take_split(const Path& path, const std::string& split) {
+    const auto phase = std::ranges::find_if(site_.phases(), [&split](const Phase& one) {
+      return one.split == split && one.goals_secret();
+    });
+    const PublicSplit* open = site_.find_split(split);
+    if (kind_ == Kind::kWalk && phase != site_.phases().end()) {
+      add_annotations(annotations_of(site_.secret_episodes(*phase)), path, true);
+    } else if (open != nullptr && !open->goals_hidden) {
+      add_annotations(open->annotations, path, false);
+    } else {
+      faults_.error(path, open == nullptr ? "unknown-split" : "hidden-goal",
+                    fmt::format("{:?}: the data set has {}", split.substr(0, kShown),
+                                open == nullptr ? "no such split" : "its starts only"));
+    }
+  }
+
+  static r2r::Annotations annotations_of(const r2r::EpisodeSet& episodes) {
+    r2r::Annotations annotations{episodes.split, "", {}};
+    for (const r2r::ReferencePath& path : episodes.paths) {
+      const graph::NavGraph& graph = episodes.graphs->graph(path.scan);
+      r2r::PathAnnotation one{path.path_id, graph.scan(), path.heading, {}, std::nullopt, {}};
+      for (const ViewpointIndex v : path.viewpoints) one.path.push_back(graph.id(v));
+      annotations.paths.push_back(std::move(one));
+    }
+    for (const r2r::Episode& episode : episodes.episodes) {
+      annotations.paths[episode.path].instructions.push_back(episode.text);
+    }
+    return annotations;
+  }
+
+  void add_annotations(const r2r::Annotations& annotations, const Path& path, bool secret) {
+    for (std::size_t k = 0; k < std::min(most_, annotations.paths.size()); ++k) {
+      const r2r::PathAnnotation& one = annotations.paths[k];
+      const Path here(path, k);
+      if (one.goal_hidden()) {
+        faults_.error(here, "hidden-goal", "a path of one viewpoint has no goal");
+      } else if (!path_ids_.insert(one.path_id).second) {
+        faults_.error(here, "repeated-path-id", fmt::format("{} was there before", one.path_id));
+      } else if (kind_ == Kind::kWalk && one.instructions.empty()) {
+        faults_.error(here, "no-instruction", "there is nothing to walk by");
+      } else {
+        add_items(annotations.split, one, secret);
+      }
+    }
+  }
+
+  void add_items(const std::string& split, const r2r::PathAnnotation& one, bool secret) {
+    Item item{0, split, one.path_id, 0, one.scan, one.heading, one.path, one.distance, "", secret};
+    if (kind_ == Kind::kWrite) {
+      items_.push_back(std::move(item));
+      return;
+    }
+    for (; item.number < std::min(r2r::kScoredInstructions, one.instructions.size());
+         ++item.number) {
+      item.instruction = one.instructions[item.number];
+      items_.push_back(item);
+    }
+  }
+
+  void throw_if_faulty() {
+    if (more_.empty()) {
+      faults_.throw_if_errors();
+      return;
+    }
+    std::vector<Diagnostic> all = faults_.take();
+    std::ranges::move(more_, std::back_inserter(all));
+    throw InvalidInput(std::move(all));
+  }
+
+  const Site& site_;
+  const Path root_;
+  json::Faults faults_{kFileName};
+  std::vector<Diagnostic> more_;  // from readers that have their own
+  Kind kind_ = Kind::kWrite;
+  std::size_t most_ = kMostItems;
+  std::set<std::int64_t> path_ids_;
+  std::vector<Item> items_;
+};
+
+}  // namespace
+
+NewCollection read_new_collection(const Site& site, std::string_view body) {
+  const json::Document document = json::Document::parse(body, kFileName);
+  return Reader(site).read(document.root());
+}
+
+}  // namespace enfilade::service::collecting

@@ -1,0 +1,129 @@
+#include "enfilade/service/collecting/platforms.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+
+#include "enfilade/service/detail/secrets.h"
+#include "enfilade/service/detail/texts.h"
+#include "enfilade/service/http/http.h"
+
+namespace enfilade::service::collecting {
+namespace {
+
+constexpr std::array<std::string_view, 3> kKinds{"self", "mturk", "prolific"};
+constexpr std::size_t kLongestWorker = 100;
+constexpr std::size_t kLongestOrigin = 200;
+// What MTurk has in the place of an assignment before the worker took it.
+constexpr std::string_view kNoAssignment = "ASSIGNMENT_ID_NOT_AVAILABLE";
+
+std::string parameter(const Parameters& parameters, std::string_view name) {
+  const auto found = parameters.find(name);
+  return found == parameters.end() ? std::string() : found->second;
+}
+
+std::string external_id(const Parameters& parameters, std::string_view name) {
+  std::string value = parameter(parameters, name);
+  if (!detail::is_external_id(value)) {
+    throw http::HttpError(
+        422, "bad-parameter",
+        fmt::format("{}: {:?}, not 1 to 100 of A-Z, a-z, 0-9, - and _", name, value.substr(0, 40)));
+  }
+  return value;
+}
+
+Arrival by_link(const Parameters& parameters) {
+  constexpr std::size_t kNameSize = 34;  // "w-" and 128 bits
+  const auto named = parameters.find("worker");
+  if (named == parameters.end())
+    return {false, detail::new_secret("w-").substr(0, kNameSize), "", "", ""};
+  if (!detail::is_label(named->second, kLongestWorker)) {
+    throw http::HttpError(422, "bad-parameter",
+                          fmt::format("worker: not 1 to {} printable characters", kLongestWorker));
+  }
+  return {false, named->second, "", "", ""};
+}
+
+Arrival by_mturk(const Platform& platform, const Parameters& parameters) {
+  const std::string assignment = parameter(parameters, "assignmentId");
+  if (assignment.empty() || assignment == kNoAssignment) return {true, "", "", "", ""};
+  std::string submit_to = parameter(parameters, "turkSubmitTo");
+  while (submit_to.ends_with('/')) submit_to.pop_back();
+  // It comes with the worker's own address line: anything but a known one would send the form, and
+  // the worker, wherever somebody likes.
+  if (std::ranges::find(platform.origins, submit_to) == platform.origins.end()) {
+    throw http::HttpError(422, "bad-parameter",
+                          fmt::format("turkSubmitTo: {:?}, not one of the collection's origins",
+                                      submit_to.substr(0, 80)));
+  }
+  return {false, external_id(parameters, "workerId"), external_id(parameters, "assignmentId"),
+          external_id(parameters, "hitId"), std::move(submit_to)};
+}
+
+Arrival by_prolific(const Parameters& parameters) {
+  return {false, external_id(parameters, "PROLIFIC_PID"), external_id(parameters, "SESSION_ID"),
+          external_id(parameters, "STUDY_ID"), ""};
+}
+
+}  // namespace
+
+std::string_view to_string(PlatformKind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
+
+PlatformKind platform_kind(std::string_view text) {
+  return static_cast<PlatformKind>(std::ranges::find(kKinds, text) - kKinds.begin());
+}
+
+std::vector<std::string> mturk_origins() {
+  return {"https://www.mturk.com", "https://worker.mturk.com", "https://workersandbox.mturk.com"};
+}
+
+bool is_origin(std::string_view text) {
+  if (text.size() > kLongestOrigin) return false;
+  std::string_view host = text;
+  if (host.starts_with("https://")) {
+    host.remove_prefix(8);
+  } else if (host.starts_with("http://127.0.0.1") || host.starts_with("http://localhost")) {
+    host.remove_prefix(7);
+  } else {
+    return false;
+  }
+  return !host.empty() && std::ranges::all_of(host, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '.' || c == ':';
+  });
+}
+
+Arrival read_arrival(const Platform& platform, const Parameters& parameters) {
+  switch (platform.kind) {
+    case PlatformKind::kMturk:
+      return by_mturk(platform, parameters);
+    case PlatformKind::kProlific:
+      return by_prolific(parameters);
+    case PlatformKind::kSelf:
+      break;
+  }
+  return by_link(parameters);
+}
+
+Completion completion(const Platform& platform, const std::string& assignment,
+                      const std::string& submit_to, std::int64_t visit, std::int64_t tasks) {
+  Completion out;
+  out.kind = platform.kind;
+  if (platform.kind == PlatformKind::kMturk) {
+    out.action = submit_to + "/mturk/externalSubmit";
+    // MTurk refuses a form that has nothing but the assignment.
+    out.fields = {{"assignmentId", assignment},
+                  {"visit", fmt::format("{}", visit)},
+                  {"tasks", fmt::format("{}", tasks)}};
+  } else if (platform.kind == PlatformKind::kProlific) {
+    out.code = platform.completion_code;
+    out.url = "https://app.prolific.com/submissions/complete?cc=" + platform.completion_code;
+  }
+  return out;
+}
+
+std::string_view placeholders(PlatformKind kind) {
+  if (kind != PlatformKind::kProlific) return "";  // MTurk adds its parameters by itself
+  return "&PROLIFIC_PID={{%PROLIFIC_PID%}}&STUDY_ID={{%STUDY_ID%}}&SESSION_ID={{%SESSION_ID%}}";
+}
+
+}  // namespace enfilade::service::collecting

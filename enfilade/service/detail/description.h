@@ -1,7 +1,0 @@
-/// \file  The API's OpenAPI description, openapi.json, as a build step put it into the library.
-#pragma once
-#include <string_view>
-
-namespace enfilade::service::detail {
-extern const std::string_view kOpenApi;
-}

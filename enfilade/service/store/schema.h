@@ -1,0 +1,171 @@
+/// \file  The tables, as the steps that make them.
+#pragma once
+#include <array>
+
+namespace enfilade::service::store {
+
+/// Migration k takes a database of version k to version k + 1. Those that were released stay as
+/// they are: a change is a new one at the end. Times are seconds since 1970.
+inline constexpr std::array<const char*, 2> kMigrations{
+    // 1: evaluation
+    R"sql(
+CREATE TABLE team (
+  id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL UNIQUE COLLATE NOCASE,
+  contact TEXT NOT NULL,
+  created INTEGER NOT NULL
+) STRICT;
+
+CREATE TABLE token (
+  id INTEGER PRIMARY KEY,
+  hash TEXT NOT NULL UNIQUE,
+  role TEXT NOT NULL CHECK (role IN ('team', 'organiser')),
+  team INTEGER REFERENCES team (id),
+  label TEXT NOT NULL,
+  created INTEGER NOT NULL,
+  expires INTEGER,
+  revoked INTEGER,
+  CHECK ((role = 'team') = (team IS NOT NULL))
+) STRICT;
+
+CREATE TABLE session (
+  hash TEXT PRIMARY KEY,
+  token INTEGER NOT NULL REFERENCES token (id),
+  expires INTEGER NOT NULL
+) STRICT;
+
+CREATE TABLE submission (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  team INTEGER NOT NULL REFERENCES team (id),
+  phase TEXT NOT NULL,
+  method TEXT NOT NULL,
+  created INTEGER NOT NULL,
+  state TEXT NOT NULL CHECK (state IN ('queued', 'scored', 'failed', 'withdrawn')),
+  digest TEXT NOT NULL,
+  content BLOB NOT NULL,
+  score TEXT,
+  finished INTEGER
+) STRICT;
+CREATE INDEX submission_team ON submission (team, phase, created);
+CREATE INDEX submission_phase ON submission (phase, state);
+)sql",
+    // 2: collections. SQLite can't change a CHECK: token, and session which refers to it, are made
+    // anew.
+    R"sql(
+CREATE TABLE collection (
+  id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL UNIQUE,
+  title TEXT NOT NULL,
+  kind TEXT NOT NULL CHECK (kind IN ('write', 'walk')),
+  open INTEGER NOT NULL CHECK (open IN (0, 1)),
+  link_key TEXT NOT NULL,
+  platform TEXT NOT NULL CHECK (platform IN ('self', 'mturk', 'prolific')),
+  origins TEXT NOT NULL,  -- a line each
+  completion_code TEXT NOT NULL,
+  consent TEXT NOT NULL,
+  instructions TEXT NOT NULL,
+  per_item INTEGER NOT NULL,
+  lease_seconds INTEGER NOT NULL,
+  tasks_per_visit INTEGER NOT NULL,  -- 0: no end
+  created INTEGER NOT NULL
+) STRICT;
+
+CREATE TABLE item (  -- a path to describe, or an instruction to walk; given out by rising id
+  id INTEGER PRIMARY KEY,
+  collection INTEGER NOT NULL REFERENCES collection (id),
+  split TEXT NOT NULL,
+  path_id INTEGER NOT NULL,
+  number INTEGER NOT NULL,  -- of the instruction; 0 for write
+  scan TEXT NOT NULL,
+  heading REAL NOT NULL,
+  path TEXT NOT NULL,  -- viewpoints, a line each
+  distance REAL,
+  instruction TEXT NOT NULL,  -- to walk; '' for write
+  secret INTEGER NOT NULL,    -- its goal
+  state TEXT NOT NULL CHECK (state IN ('fresh', 'begun', 'complete')),
+  UNIQUE (collection, path_id, number)
+) STRICT;
+CREATE INDEX item_state ON item (collection, state, id);
+
+CREATE TABLE worker (
+  id INTEGER PRIMARY KEY,
+  collection INTEGER NOT NULL REFERENCES collection (id),
+  external TEXT NOT NULL,
+  consented INTEGER,
+  created INTEGER NOT NULL,
+  UNIQUE (collection, external)
+) STRICT;
+
+CREATE TABLE visit (
+  id INTEGER PRIMARY KEY,
+  worker INTEGER NOT NULL REFERENCES worker (id),
+  external TEXT NOT NULL,  -- assignment or session of the platform
+  grouped TEXT NOT NULL,   -- HIT or study
+  submit_to TEXT NOT NULL,
+  created INTEGER NOT NULL,
+  UNIQUE (worker, external)
+) STRICT;
+
+CREATE TABLE task (  -- an item with a worker, who gets no item twice
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  item INTEGER NOT NULL REFERENCES item (id),
+  worker INTEGER NOT NULL REFERENCES worker (id),
+  visit INTEGER NOT NULL REFERENCES visit (id),
+  state TEXT NOT NULL
+    CHECK (state IN ('leased', 'returned', 'lapsed', 'submitted', 'accepted', 'rejected')),
+  expires INTEGER NOT NULL,  -- of the lease
+  draft TEXT NOT NULL DEFAULT '',
+  content TEXT NOT NULL DEFAULT '',  -- the instruction, or a walk's steps
+  digest TEXT NOT NULL DEFAULT '',   -- of what was handed in, whatever reviewers changed since
+  seconds REAL NOT NULL DEFAULT 0,
+  flags TEXT NOT NULL DEFAULT '',  -- a line each
+  camera TEXT NOT NULL DEFAULT '',
+  error REAL,  -- of a walk, metres
+  submitted INTEGER NOT NULL DEFAULT 0,
+  reason TEXT NOT NULL DEFAULT '',
+  UNIQUE (item, worker)
+) STRICT;
+CREATE INDEX task_worker ON task (worker);
+CREATE INDEX task_visit ON task (visit);
+CREATE INDEX task_state ON task (state);
+
+CREATE TABLE event (  -- what reviewers did
+  id INTEGER PRIMARY KEY,
+  task INTEGER NOT NULL REFERENCES task (id),
+  at INTEGER NOT NULL,
+  who TEXT NOT NULL,
+  what TEXT NOT NULL CHECK (what IN ('edited', 'accepted', 'rejected')),
+  before TEXT NOT NULL,
+  reason TEXT NOT NULL
+) STRICT;
+CREATE INDEX event_task ON event (task);
+
+CREATE TABLE token_2 (
+  id INTEGER PRIMARY KEY,
+  hash TEXT NOT NULL UNIQUE,
+  role TEXT NOT NULL CHECK (role IN ('team', 'organiser', 'reviewer', 'worker')),
+  team INTEGER REFERENCES team (id),
+  visit INTEGER REFERENCES visit (id),
+  label TEXT NOT NULL,
+  created INTEGER NOT NULL,
+  expires INTEGER,
+  revoked INTEGER,
+  CHECK ((role = 'team') = (team IS NOT NULL)),
+  CHECK ((role = 'worker') = (visit IS NOT NULL))
+) STRICT;
+INSERT INTO token_2 (id, hash, role, team, label, created, expires, revoked)
+  SELECT id, hash, role, team, label, created, expires, revoked FROM token;
+CREATE TABLE session_2 (
+  hash TEXT PRIMARY KEY,
+  token INTEGER NOT NULL REFERENCES token_2 (id),
+  expires INTEGER NOT NULL
+) STRICT;
+INSERT INTO session_2 SELECT hash, token, expires FROM session;
+DROP TABLE session;
+DROP TABLE token;
+ALTER TABLE token_2 RENAME TO token;
+ALTER TABLE session_2 RENAME TO session;
+CREATE INDEX token_worker ON token (expires) WHERE role = 'worker';
+)sql"};
+
+}  // namespace enfilade::service::store
