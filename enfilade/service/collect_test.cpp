@@ -58,7 +58,7 @@ TEST_F(Collect, AWorkerWhoLeavesLosesTheLeaseAndThePathIsDoneByAnother) {
   const json task = waits.lease().at("task");
   ASSERT_TRUE(task.is_object());
   // Whoever left comes back too late: the place is another's now.
-  EXPECT_EQ(leaves.write(abandoned.at("task"), kText).at("error").at("code"), "lease-lost");
+  EXPECT_EQ(leaves.write(abandoned.at("task"), kText).at("error").at("code"), "lease-expired");
   EXPECT_EQ(leaves.draft(abandoned.at("task"), json::object()).at("status"), 409);
   EXPECT_EQ(waits.write(task.at("task"), kText).at("status"), 200);
   EXPECT_EQ(progress().at("complete"), 1);
@@ -102,7 +102,7 @@ TEST_F(Collect, OneWorkerHasNoTwoPlacesOfAPath) {
   const json task = returns.begin();
   EXPECT_EQ(returns.give_back(task.at("task")).at("status"), 200);
   EXPECT_EQ(returns.lease().at("why"), "none-left");
-  EXPECT_EQ(returns.write(task.at("task"), kText).at("error").at("code"), "returned");
+  EXPECT_EQ(returns.write(task.at("task"), kText).at("error").at("code"), "already-returned");
   for (const char* name : {"three", "four"}) EXPECT_TRUE(worker(name).begin().is_object());
 }
 
@@ -127,8 +127,8 @@ TEST_F(Collect, HandingInTwiceIsOnce) {
   const std::int64_t id = one.begin().at("task");
   EXPECT_EQ(one.write(id, kText).at("done"), 1);
   EXPECT_EQ(one.write(id, kText).at("done"), 1);  // its answer was lost, say
-  EXPECT_EQ(one.write(id, "Something else, as long.").at("error").at("code"), "submitted");
-  EXPECT_EQ(one.give_back(id).at("error").at("code"), "submitted");
+  EXPECT_EQ(one.write(id, "Something else, as long.").at("error").at("code"), "already-submitted");
+  EXPECT_EQ(one.give_back(id).at("error").at("code"), "already-submitted");
   const json work = served_.json("/api/v1/collections/pilot/work", organiser_);
   EXPECT_EQ(work.at("matching"), 1);
   EXPECT_EQ(work.at("work").at(0).at("instruction"), kText);
@@ -156,7 +156,7 @@ TEST_F(Collect, ConsentComesBeforeAnyTask) {
   create(collection_body("pilot", "write"));
   Worker one = worker("one");
   EXPECT_EQ(one.join().at("visit").at("consented"), false);
-  EXPECT_EQ(one.lease().at("error").at("code"), "no-consent");
+  EXPECT_EQ(one.lease().at("error").at("code"), "consent-required");
   EXPECT_EQ(one.consent().at("consented"), true);
   EXPECT_TRUE(one.lease().at("task").is_object());
 }
@@ -168,7 +168,7 @@ TEST_F(Collect, AClosedCollectionTakesWhatIsOut) {
   const auto closed = served_.client().Patch("/api/v1/collections/pilot", organiser_,
                                              R"({"state": "closed"})", "application/json");
   EXPECT_EQ(closed->status, 200);
-  EXPECT_EQ(worker("two").join().at("error").at("code"), "closed");
+  EXPECT_EQ(worker("two").join().at("error").at("code"), "collection-closed");
   Worker again = worker("one");
   EXPECT_EQ(again.join().at("status"), 200);
   EXPECT_EQ(one.write(task.at("task"), kText).at("status"), 200);
@@ -287,7 +287,7 @@ TEST_F(Collect, MechanicalTurksParametersAreNotBelieved) {
   parameters["turkSubmitTo"] = "https://www.mturk.com/";
   EXPECT_EQ(come(parameters).join().at("status"), 200);
   parameters["workerId"] = "A2WORKER";
-  EXPECT_EQ(come(parameters).join().at("error").at("code"), "assignment-taken");
+  EXPECT_EQ(come(parameters).join().at("error").at("code"), "conflict");
   parameters["workerId"] = "<script>";
   EXPECT_EQ(come(parameters).join().at("status"), 422);
 }

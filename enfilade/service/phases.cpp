@@ -1,21 +1,19 @@
 #include "enfilade/service/phases.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <array>
 #include <optional>
 #include <set>
 #include <utility>
 
-#include "enfilade/core/detail/json.h"
 #include "enfilade/core/file.h"
+#include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service {
 namespace {
 
-constexpr std::size_t kShown = 40;  // of a value that a message repeats
-constexpr std::int64_t kMostPerDay = 1000;
+constexpr int kMostPerDay = 1000;
 
 /// Reads one entry of "phases".
 class PhaseReader {
@@ -29,7 +27,7 @@ class PhaseReader {
                                                          {"annotations", false},
                                                          {"scores", false},
                                                          {"per_day", false}}};
-    std::array<std::optional<json::Element>, kFields.size()> found;
+    detail::Found<kFields.size()> found;
     if (!json::fields(element, kFields, found, path_, faults_)) return std::nullopt;
     const std::size_t before = faults_.errors();
     Phase phase;
@@ -38,7 +36,10 @@ class PhaseReader {
     phase.title = found[2] ? text("title", *found[2]) : phase.name;
     if (found[3]) phase.annotations = text("annotations", *found[3]);
     if (found[4]) phase.scores = scores(*found[4]);
-    if (found[5]) phase.per_day = per_day(*found[5]);
+    if (found[5]) {
+      phase.per_day =
+          detail::integer_within(*found[5], {path_, "per_day"}, 1, kMostPerDay, faults_);
+    }
     if (faults_.errors() != before) return std::nullopt;
     return phase;
   }
@@ -52,33 +53,15 @@ class PhaseReader {
   }
 
   std::string name(std::string_view field, json::Element element) {
-    const json::Path here(path_, field);
-    const auto value = json::string(element, here, faults_);
-    if (value && !detail::is_name(*value)) {
-      faults_.error(
-          here, "bad-name",
-          fmt::format("{:?}, not 1 to 40 of a-z, 0-9, - and _", value->substr(0, kShown)));
-    }
-    return std::string(value.value_or(""));
+    return detail::text_that(detail::is_name, element, {path_, field},
+                             "1 to 40 of a-z, 0-9, - and _", faults_, "bad-name");
   }
 
   Scores scores(json::Element element) {
-    const json::Path here(path_, "scores");
-    const auto value = json::string(element, here, faults_);
-    if (value && *value != "public" && *value != "hidden") {
-      faults_.error(here, "bad-scores",
-                    fmt::format("{:?}, not \"public\" or \"hidden\"", value->substr(0, kShown)));
-    }
-    return value == "hidden" ? Scores::kHidden : Scores::kPublic;
-  }
-
-  int per_day(json::Element element) {
-    const json::Path here(path_, "per_day");
-    const auto value = json::integer(element, here, faults_);
-    if (value && (*value < 1 || *value > kMostPerDay)) {
-      faults_.error(here, "out-of-range", fmt::format("{}, not from 1 to {}", *value, kMostPerDay));
-    }
-    return static_cast<int>(std::clamp<std::int64_t>(value.value_or(1), 1, kMostPerDay));
+    const auto known = [](std::string_view text) { return text == "public" || text == "hidden"; };
+    const std::string text = detail::text_that(known, element, {path_, "scores"},
+                                               "\"public\" or \"hidden\"", faults_, "bad-scores");
+    return text == "hidden" ? Scores::kHidden : Scores::kPublic;
   }
 
   const json::Path& path_;
@@ -92,7 +75,7 @@ std::vector<Phase> parse_phases(std::string_view text, const std::string& file) 
   json::Faults faults(file);
   const json::Path root;
   const std::array<json::Field, 1> wanted{{{"phases"}}};
-  std::array<std::optional<json::Element>, 1> found;
+  detail::Found<1> found;
   std::vector<Phase> phases;
   std::set<std::string> names;
   const json::Path list_path(root, "phases");

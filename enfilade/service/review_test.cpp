@@ -66,7 +66,7 @@ TEST_F(Review, ARejectedOnesPlaceGoesToAnotherWorker) {
   EXPECT_EQ(careless.task(task).at("reason"), "No way in it.");
   EXPECT_EQ(careless.lease().at("why"), "none-left");
   EXPECT_TRUE(worker("next").begin().is_object());
-  EXPECT_EQ(judge(task, {{"verdict", "accepted"}}).at("error").at("code"), "place-taken");
+  EXPECT_EQ(judge(task, {{"verdict", "accepted"}}).at("error").at("code"), "conflict");
 }
 
 TEST_F(Review, ACorrectionKeepsWhatStoodThere) {

@@ -88,7 +88,7 @@ TEST_F(Walk, HandingInTwiceIsOnce) {
   const json again = one.walk(task, row_steps(0, 3));
   EXPECT_EQ(again.at("done"), 1);
   EXPECT_EQ(again.at("walked").at("bonus"), true);
-  EXPECT_EQ(one.walk(task, row_steps(0, 2)).at("error").at("code"), "submitted");
+  EXPECT_EQ(one.walk(task, row_steps(0, 2)).at("error").at("code"), "already-submitted");
 }
 
 // What enfilade score does with the files.

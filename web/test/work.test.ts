@@ -180,7 +180,7 @@ describe('a draft', () => {
   });
   it('is not sent again to a server that refuses it', async () => {
     const drafts = new Drafts<Text>('7', storage, async () => {
-      throw new ServerError(409, 'lease-lost', 'it lapsed');
+      throw new ServerError(409, 'lease-expired', 'it lapsed');
     });
     drafts.onState((state) => told.push(state));
     drafts.change({ text: 'Go' });

@@ -1,16 +1,118 @@
 #include "enfilade/service/collecting/collection_json.h"
 
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 #include "enfilade/service/detail/clock.h"
-#include "enfilade/service/store/database.h"
+#include "enfilade/service/detail/names.h"
+#include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service::collecting {
 namespace {
 
 using nlohmann::ordered_json;
 
-/// What of an item is shown to who is to work on it.
-ordered_json shown_item(const Item& item, Kind kind) {
-  ordered_json out{{"kind", to_string(kind)}, {"scan", item.scan}, {"heading", item.heading.value}};
+ordered_json completion_json(const Completion& completion) {
+  ordered_json out{{"kind", detail::name_of(completion.kind)}};
+  if (!completion.action.empty()) out["action"] = completion.action;
+  for (const auto& [name, value] : completion.fields) out["fields"][name] = value;
+  if (!completion.url.empty()) out["url"] = completion.url;
+  if (!completion.code.empty()) out["code"] = completion.code;
+  return out;
+}
+
+}  // namespace
+
+ordered_json collection_json(const Collection& collection, bool synthetic) {
+  return {{"collection", collection.name},
+          {"title", collection.title},
+          {"kind", detail::name_of(collection.kind)},
+          {"state", collection.open ? "open" : "closed"},
+          {"platform", {{"kind", detail::name_of(collection.platform.kind)}}},
+          {"consent", collection.consent},
+          {"instructions", collection.instructions},
+          {"synthetic", synthetic}};
+}
+
+ordered_json progress_json(store::Database& database, const Collection& collection,
+                           std::int64_t now) {
+  auto splits = ordered_json::array();
+  for (const SplitSize& split : splits_of(database, collection.id)) {
+    splits.push_back(
+        {{"split", split.split}, {"items", split.items}, {"goals_hidden", split.secret}});
+  }
+  const Progress progress = progress_of(database, collection.id, now);
+  return {{"created", detail::iso_time(collection.created)},
+          {"per_item", collection.per_item},
+          {"lease_minutes", collection.lease_seconds / 60},
+          {"tasks_per_visit", collection.tasks_per_visit},
+          {"splits", splits},
+          {"progress",
+           {{"items", progress.items},
+            {"places", progress.items * collection.per_item},
+            {"leased", progress.leased},
+            {"submitted", progress.submitted},
+            {"accepted", progress.accepted},
+            {"rejected", progress.rejected},
+            {"complete", progress.complete},
+            {"workers", progress.workers}}}};
+}
+
+ordered_json platform_json(const Platform& platform) {
+  ordered_json out{{"kind", detail::name_of(platform.kind)}};
+  if (platform.kind == PlatformKind::kMturk) out["origins"] = platform.origins;
+  if (platform.kind == PlatformKind::kProlific) out["completion_code"] = platform.completion_code;
+  return out;
+}
+
+ordered_json visits_json(const std::vector<VisitSummary>& visits) {
+  auto list = ordered_json::array();
+  for (const VisitSummary& visit : visits) {
+    list.push_back({{"visit", visit.visit},
+                    {"worker", visit.worker},
+                    {"external", visit.external},
+                    {"assignment", visit.assignment},
+                    {"group", visit.group},
+                    {"created", detail::iso_time(visit.created)},
+                    {"submitted", visit.submitted},
+                    {"accepted", visit.accepted},
+                    {"rejected", visit.rejected},
+                    {"bonuses", visit.bonuses},
+                    {"finished", visit.finished}});
+  }
+  return list;
+}
+
+std::string visits_csv(const std::vector<VisitSummary>& visits) {
+  std::string csv =
+      "visit,worker,external,assignment,group,created,to_review,accepted,rejected,bonuses,"
+      "finished\r\n";
+  for (const VisitSummary& visit : visits) {
+    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\r\n", visit.visit, visit.worker,
+                       detail::sheet_text(visit.external), detail::sheet_text(visit.assignment),
+                       detail::sheet_text(visit.group), detail::iso_time(visit.created),
+                       visit.submitted, visit.accepted, visit.rejected, visit.bonuses,
+                       visit.finished ? 1 : 0);
+  }
+  return csv;
+}
+
+ordered_json visit_json(const Collection& collection, const Visit& visit,
+                        const std::optional<Task>& task, bool finished) {
+  ordered_json out{{"consented", visit.consented}, {"done", visit.done}};
+  if (collection.tasks_per_visit > 0) out["of"] = collection.tasks_per_visit;
+  out["finished"] = finished;
+  out["task"] = task ? task_json(*task) : ordered_json();
+  if (finished && visit.done > 0) {
+    out["completion"] = completion_json(
+        completion(collection.platform, visit.assignment, visit.submit_to, visit.id, visit.done));
+  }
+  return out;
+}
+
+ordered_json item_json(const Item& item, Kind kind) {
+  ordered_json out{
+      {"kind", detail::name_of(kind)}, {"scan", item.scan}, {"heading", item.heading.value}};
   if (kind == Kind::kWrite) {
     out["path"] = item.path;
   } else {
@@ -20,44 +122,25 @@ ordered_json shown_item(const Item& item, Kind kind) {
   return out;
 }
 
-}  // namespace
-
-ordered_json collection_json(const Collection& collection, bool synthetic) {
-  return {{"collection", collection.name},
-          {"title", collection.title},
-          {"kind", to_string(collection.kind)},
-          {"state", collection.open ? "open" : "closed"},
-          {"platform", {{"kind", to_string(collection.platform.kind)}}},
-          {"consent", collection.consent},
-          {"instructions", collection.instructions},
-          {"synthetic", synthetic}};
-}
-
-ordered_json example_json(const Item& item, Kind kind) { return shown_item(item, kind); }
-
 ordered_json task_json(const Task& task) {
-  ordered_json out{
-      {"task", task.id}, {"state", task.state}, {"expires", detail::iso_time(task.expires)}};
-  out.update(shown_item(task.item, task.kind));
+  ordered_json out{{"task", task.id},
+                   {"state", detail::name_of(task.state)},
+                   {"expires", detail::iso_time(task.expires)}};
+  out.update(item_json(task.item, task.kind));
   if (!task.draft.empty()) out["draft"] = nlohmann::json::parse(task.draft);
   if (!task.reason.empty()) out["reason"] = task.reason;
   return out;
 }
 
-ordered_json completion_json(const Completion& completion) {
-  ordered_json out{{"kind", to_string(completion.kind)}};
-  if (!completion.action.empty()) out["action"] = completion.action;
-  for (const auto& [name, value] : completion.fields) out["fields"][name] = value;
-  if (!completion.url.empty()) out["url"] = completion.url;
-  if (!completion.code.empty()) out["code"] = completion.code;
-  return out;
-}
-
 ordered_json work_json(const Task& task, bool secrets) {
-  ordered_json out{{"task", task.id},          {"kind", to_string(task.kind)},
-                   {"state", task.state},      {"worker", task.worker},
-                   {"split", task.item.split}, {"path_id", task.item.path_id},
-                   {"scan", task.item.scan},   {"heading", task.item.heading.value}};
+  ordered_json out{{"task", task.id},
+                   {"kind", detail::name_of(task.kind)},
+                   {"state", detail::name_of(task.state)},
+                   {"worker", task.worker},
+                   {"split", task.item.split},
+                   {"path_id", task.item.path_id},
+                   {"scan", task.item.scan},
+                   {"heading", task.item.heading.value}};
   if (task.kind == Kind::kWrite) {
     out["path"] = task.item.path;
     out["instruction"] = task.content;
@@ -77,9 +160,10 @@ ordered_json work_json(const Task& task, bool secrets) {
 ordered_json events_json(const std::vector<Event>& events) {
   auto list = ordered_json::array();
   for (const Event& event : events) {
-    ordered_json one{
-        {"when", detail::iso_time(event.at)}, {"who", event.who}, {"what", event.what}};
-    if (event.what == "edited") one["before"] = event.before;
+    ordered_json one{{"when", detail::iso_time(event.at)},
+                     {"who", event.who},
+                     {"what", detail::name_of(event.what)}};
+    if (event.what == EventKind::kEdited) one["before"] = event.before;
     if (!event.reason.empty()) one["reason"] = event.reason;
     list.push_back(std::move(one));
   }

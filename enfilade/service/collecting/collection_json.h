@@ -1,7 +1,10 @@
-/// \file  Collections, visits and tasks as openapi.json has them, each for who may see it.
+/// \file  Collections, visits and tasks as openapi.json has them, each for those who may see it.
 #pragma once
-#include <nlohmann/json.hpp>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "enfilade/service/collecting/tasks.h"
 
@@ -9,15 +12,23 @@ namespace enfilade::service::collecting {
 
 /// What everybody may see of a collection.
 nlohmann::ordered_json collection_json(const Collection& collection, bool synthetic);
+/// What reviewers and organisers see besides: its rules, its splits, and how far the work is.
+nlohmann::ordered_json progress_json(store::Database& database, const Collection& collection,
+                                     std::int64_t now);
+/// For organisers.
+nlohmann::ordered_json platform_json(const Platform& platform);
+nlohmann::ordered_json visits_json(const std::vector<VisitSummary>& visits);
+std::string visits_csv(const std::vector<VisitSummary>& visits);
 
-/// To its worker: nothing of a walk's goal.
+/// For its worker. \param task what the visit holds  \param finished no more tasks are given to it
+nlohmann::ordered_json visit_json(const Collection& collection, const Visit& visit,
+                                  const std::optional<Task>& task, bool finished);
+/// For its worker: nothing of a walk's goal.
 nlohmann::ordered_json task_json(const Task& task);
 /// As task_json(), of an item that nobody has.
-nlohmann::ordered_json example_json(const Item& item, Kind kind);
+nlohmann::ordered_json item_json(const Item& item, Kind kind);
 
-nlohmann::ordered_json completion_json(const Completion& completion);
-
-/// To reviewers. \param secrets whether they may know who reached a secret goal
+/// For reviewers. \param secrets whether they may know who reached a secret goal
 nlohmann::ordered_json work_json(const Task& task, bool secrets);
 nlohmann::ordered_json events_json(const std::vector<Event>& events);
 

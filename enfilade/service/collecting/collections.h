@@ -1,5 +1,6 @@
-/// \file  Collections: what workers are to describe or to walk.
+/// \file  Collections: sets of paths for workers to describe, or of instructions to walk.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,14 +10,7 @@
 #include "enfilade/r2r/annotations.h"
 #include "enfilade/service/collecting/platforms.h"
 #include "enfilade/service/site.h"
-
-namespace SQLite {  // NOLINT(readability-identifier-naming): its own name
-class Statement;
-}
-
-namespace enfilade::service::store {
-class Database;
-}
+#include "enfilade/service/store/database.h"
 
 namespace enfilade::service::collecting {
 
@@ -24,19 +18,19 @@ enum class Kind : std::uint8_t {
   kWrite,  ///< a path is shown, an instruction is written
   kWalk,   ///< an instruction is shown, a path is walked: the Human agent
 };
-std::string_view to_string(Kind kind);  ///< "write", "walk"
+constexpr std::array<std::string_view, 2> names_of(Kind /*enum*/) { return {"write", "walk"}; }
 
 struct Collection {
   std::int64_t id = 0;
   std::string name, title;
   Kind kind = Kind::kWrite;
   bool open = true;
-  std::string key;  ///< of the link: who has none can't join
+  std::string key;  ///< part of the link; needed to join
   Platform platform;
   std::string consent, instructions;  ///< Markdown
   int per_item = 3;                   ///< different workers an item
   std::int64_t lease_seconds = 1800;
-  int tasks_per_visit = 0;  ///< 0: no end
+  int tasks_per_visit = 0;  ///< 0: no limit
   std::int64_t created = 0;
 };
 
@@ -48,11 +42,11 @@ struct Item {
   std::size_t number = 0;  ///< of the instruction
   std::string scan;
   Radians heading;
-  std::vector<std::string> path;  ///< start to goal. Of kWalk, no worker is ever sent more than the
-                                  ///< first of it
+  /// Viewpoints from start to goal. Of kWalk, only the first is ever sent to a worker.
+  std::vector<std::string> path;
   std::optional<double> distance;
   std::string instruction;  ///< kWalk
-  bool secret = false;      ///< the goal is of a phase with secret ones: it never leaves the server
+  bool secret = false;  ///< the goal is of a phase with secret goals: it never leaves the server
 };
 
 struct NewCollection {
@@ -60,7 +54,7 @@ struct NewCollection {
   std::vector<Item> items;
 };
 
-/// Reads the body of POST /api/v1/collections (openapi.json), and checks it whole.
+/// Reads the body of POST /api/v1/collections (openapi.json), and checks all of it.
 /// \throws InvalidInput with every fault and its JSON path
 NewCollection read_new_collection(const Site& site, std::string_view body);
 
@@ -75,42 +69,42 @@ struct SplitSize {
   bool secret = false;  ///< has goals that never leave the server
 };
 
-/// A visit as an organiser pays for it.
+/// A visit, as an organiser pays for it.
 struct VisitSummary {
   std::int64_t visit = 0, worker = 0;
-  std::string external, assignment, group;
+  std::string external, assignment, group;  ///< the platform's ids
   std::int64_t created = 0, submitted = 0, accepted = 0, rejected = 0, bonuses = 0;
   bool finished = false;
 };
 
-// All \throw Error with SQLite's words if the database fails. `now`: seconds since 1970.
+// `now`: seconds since 1970.
 
-/// \returns it with its id, key and time  \throws HttpError 409 if the name is taken
-Collection add_collection(store::Database& database, const NewCollection& made, std::int64_t now);
-/// \throws HttpError 404
-Collection collection_named(store::Database& database, std::string_view name);
+/// \returns it with its id, key and time  \throws ServiceError kConflict if the name is taken
+Collection add_collection(store::Database& database, const NewCollection& added, std::int64_t now);
+/// None if no collection has this name.
 std::optional<Collection> find_collection(store::Database& database, std::string_view name);
+/// \throws ServiceError kNotFound
+Collection get_collection(store::Database& database, std::string_view name);
 Collection collection_of_visit(store::Database& database, std::int64_t visit);
 std::vector<Collection> list_collections(store::Database& database);
 void set_open(store::Database& database, std::int64_t collection, bool open);
 Progress progress_of(store::Database& database, std::int64_t collection, std::int64_t now);
 std::vector<SplitSize> splits_of(store::Database& database, std::int64_t collection);
 std::vector<VisitSummary> visits_of(store::Database& database, const Collection& collection);
+
+/// Of a split, by id.
+std::vector<Item> items_of(store::Database& database, std::int64_t collection,
+                           std::string_view split);
 /// The first item: what a preview shows.
 Item first_item(store::Database& database, std::int64_t collection);
 
 /// Path and query of the page for workers, with the key and what the platform fills in.
 std::string link_of(const Collection& collection);
 
-/// The columns of an item, and reading them from a row where they come first.
+/// The columns of an item, for a query of table item; read_item() reads them.
 inline constexpr const char* kItemColumns =
     "item.id, item.split, item.path_id, item.number, item.scan, item.heading, item.path, "
     "item.distance, item.instruction, item.secret";
-inline constexpr int kItemColumnCount = 10;
-Item read_item(SQLite::Statement& row);
-
-/// A line each, as lists are kept in the database. \pre no line break in any, none empty
-std::string join_lines(const std::vector<std::string>& lines);
-std::vector<std::string> split_lines(std::string_view text);
+Item read_item(store::Row& row);
 
 }  // namespace enfilade::service::collecting

@@ -19,10 +19,10 @@ r2r::PathAnnotation annotation_of(const Item& item) {
 
 /// The first walk of each instruction, of the paths that have all of theirs.
 std::vector<Task> whole_walks(store::Database& database, const Collection& collection,
-                              const std::string& split, Taken taken) {
+                              const std::string& split, Reviewed reviewed) {
   std::vector<Task> walks;
   std::set<std::int64_t> walked;
-  for (Task& task : collected(database, collection.id, split, taken == Taken::kAll)) {
+  for (Task& task : work_of(database, collection.id, split, reviewed)) {
     if (walked.insert(task.item.id).second) walks.push_back(std::move(task));
   }
   std::set<std::int64_t> incomplete;  // path ids
@@ -62,20 +62,19 @@ std::string instruction_id(const Item& item) {
 }  // namespace
 
 std::string annotations_json(store::Database& database, const Collection& collection,
-                             const std::string& split, Taken taken) {
+                             const std::string& split, Reviewed reviewed) {
   if (collection.kind == Kind::kWrite) {
-    return r2r::to_json(by_path(split,
-                                collected(database, collection.id, split, taken == Taken::kAll),
+    return r2r::to_json(by_path(split, work_of(database, collection.id, split, reviewed),
                                 [](const Task& task) { return task.content; }));
   }
-  return r2r::to_json(by_path(split, whole_walks(database, collection, split, taken),
+  return r2r::to_json(by_path(split, whole_walks(database, collection, split, reviewed),
                               [](const Task& task) { return task.item.instruction; }));
 }
 
 std::string results_json(store::Database& database, const Collection& collection,
-                         const std::string& split, Taken taken) {
+                         const std::string& split, Reviewed reviewed) {
   std::vector<std::string> entries;
-  for (const Task& task : whole_walks(database, collection, split, taken)) {
+  for (const Task& task : whole_walks(database, collection, split, reviewed)) {
     auto trajectory = ordered_json::array();
     for (const auto& step : ordered_json::parse(task.content)) {
       trajectory.push_back({step["viewpoint"], step["heading"], step["elevation"]});
@@ -87,9 +86,9 @@ std::string results_json(store::Database& database, const Collection& collection
 }
 
 std::string walks_json(store::Database& database, const Collection& collection,
-                       const std::string& split, Taken taken) {
+                       const std::string& split, Reviewed reviewed) {
   std::vector<std::string> entries;
-  for (const Task& task : whole_walks(database, collection, split, taken)) {
+  for (const Task& task : whole_walks(database, collection, split, reviewed)) {
     ordered_json one{{"instr_id", instruction_id(task.item)},
                      {"scan", task.item.scan},
                      {"worker", task.worker},

@@ -6,14 +6,17 @@
 #include <iterator>
 #include <set>
 
-#include "enfilade/core/detail/json.h"
 #include "enfilade/r2r/score.h"
 #include "enfilade/service/collecting/collections.h"
+#include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service::collecting {
 namespace {
 
+using detail::Found;
+using detail::integer_within;
+using detail::text_that;
 using json::Element;
 using json::Path;
 
@@ -21,10 +24,6 @@ constexpr const char* kFileName = "collection";
 constexpr std::size_t kLongestTitle = 80;
 constexpr std::size_t kLongestText = 20'000;
 constexpr std::size_t kMostItems = 100'000;
-constexpr std::size_t kShown = 40;
-
-template <std::size_t N>
-using Found = std::array<std::optional<Element>, N>;
 
 class Reader {
  public:
@@ -45,14 +44,10 @@ class Reader {
     NewCollection made;
     if (json::fields(root, kFields, found, root_, faults_)) {
       Collection& about = made.about;
-      about.name =
-          checked(*found[0], {root_, "name"}, detail::is_name, "1 to 40 of a-z, 0-9, - and _");
-      about.title = checked(
-          *found[1], {root_, "title"},
-          [](auto text) { return detail::is_prose(text, kLongestTitle); },
-          "1 to 80 printable characters");
-      about.kind = one_of(*found[2], {root_, "kind"}, {"write", "walk"}) == "walk" ? Kind::kWalk
-                                                                                   : Kind::kWrite;
+      about.name = name(*found[0], {root_, "name"});
+      about.title = text_that([](auto text) { return detail::is_prose(text, kLongestTitle); },
+                              *found[1], {root_, "title"}, "1 to 80 printable characters", faults_);
+      about.kind = one_of<Kind>(*found[2], {root_, "kind"});
       about.consent = prose(*found[3], {root_, "consent"});
       about.instructions = prose(*found[4], {root_, "instructions"});
       read_rules(about, found[6], found[7], found[8], found[9]);
@@ -69,45 +64,33 @@ class Reader {
                   std::optional<Element> per_visit, std::optional<Element> platform) {
     if (platform) about.platform = read_platform(*platform, {root_, "platform"});
     about.per_item = about.kind == Kind::kWrite ? 3 : 1;
-    if (per_item) about.per_item = number(*per_item, {root_, "per_item"}, 1, 100);
-    if (lease) about.lease_seconds = 60L * number(*lease, {root_, "lease_minutes"}, 1, 1440);
+    if (per_item) about.per_item = integer_within(*per_item, {root_, "per_item"}, 1, 100, faults_);
+    if (lease)
+      about.lease_seconds =
+          60L * integer_within(*lease, {root_, "lease_minutes"}, 1, 1440, faults_);
     about.tasks_per_visit = about.platform.kind == PlatformKind::kSelf ? 0 : 1;
     if (per_visit) {
-      about.tasks_per_visit = number(*per_visit, {root_, "tasks_per_visit"}, 0, 1000);
+      about.tasks_per_visit =
+          integer_within(*per_visit, {root_, "tasks_per_visit"}, 0, 1000, faults_);
     }
   }
 
-  template <class Check>
-  std::string checked(Element element, const Path& path, Check check, const char* allowed) {
-    const auto text = json::string(element, path, faults_);
-    if (text && !check(*text)) {
-      faults_.error(path, "bad-text",
-                    fmt::format("{:?}, not {}", text->substr(0, kShown), allowed));
-    }
-    return std::string(text.value_or(""));
+  std::string name(Element element, const Path& path) {
+    return text_that(detail::is_name, element, path, "1 to 40 of a-z, 0-9, - and _", faults_);
   }
 
   std::string prose(Element element, const Path& path) {
-    return checked(
-        element, path, [](auto text) { return detail::is_prose(text, kLongestText); },
-        "1 to 20000 characters");
+    const auto check = [](auto text) { return detail::is_prose(text, kLongestText); };
+    return text_that(check, element, path, "1 to 20000 characters", faults_);
   }
 
-  std::string one_of(Element element, const Path& path,
-                     std::initializer_list<std::string_view> allowed) {
-    return checked(
-        element, path,
-        [allowed](auto text) { return std::ranges::find(allowed, text) != allowed.end(); },
-        fmt::format("{}", fmt::join(allowed, " or ")).c_str());
-  }
-
-  int number(Element element, const Path& path, int least, int most) {
-    const auto value = json::integer(element, path, faults_);
-    if (value && (*value < least || *value > most)) {
-      faults_.error(path, "out-of-range",
-                    fmt::format("{}, not from {} to {}", *value, least, most));
-    }
-    return static_cast<int>(std::clamp<std::int64_t>(value.value_or(least), least, most));
+  /// One of the enumeration's names; the first value if it is none of them.
+  template <class Enum>
+  Enum one_of(Element element, const Path& path) {
+    const auto known = [](auto text) { return detail::find_named<Enum>(text).has_value(); };
+    const std::string text = text_that(
+        known, element, path, fmt::format("{}", fmt::join(names_of(Enum{}), " or ")), faults_);
+    return detail::find_named<Enum>(text).value_or(Enum{});
   }
 
   Platform read_platform(Element element, const Path& path) {
@@ -115,17 +98,15 @@ class Reader {
         {{"kind"}, {"origins", false}, {"completion_code", false}}};
     Found<kFields.size()> found;
     if (!json::fields(element, kFields, found, path, faults_)) return {};
-    const std::string kind = one_of(*found[0], {path, "kind"}, {"self", "mturk", "prolific"});
     Platform platform;
-    if (kind == "mturk") {
-      platform.kind = PlatformKind::kMturk;
+    platform.kind = one_of<PlatformKind>(*found[0], {path, "kind"});
+    if (platform.kind == PlatformKind::kMturk) {
       platform.origins = found[1] ? read_origins(*found[1], {path, "origins"}) : mturk_origins();
-    } else if (kind == "prolific") {
-      platform.kind = PlatformKind::kProlific;
+    } else if (platform.kind == PlatformKind::kProlific) {
       const Path here(path, "completion_code");
       if (found[2]) {
         platform.completion_code =
-            checked(*found[2], here, detail::is_external_id, "a study's code");
+            text_that(detail::is_external_id, *found[2], here, "a study's code", faults_);
       } else {
         faults_.error(here, "missing-field", "Prolific pays by it, and it is not there");
       }
@@ -138,8 +119,8 @@ class Reader {
     const auto list = json::array(element, path, faults_);
     if (!list) return origins;
     for (const Element one : *list) {
-      origins.push_back(
-          checked(one, Path(path, origins.size()), is_origin, "an origin such as https://host"));
+      origins.push_back(text_that(is_origin, one, Path(path, origins.size()),
+                                  "an origin such as https://host", faults_));
     }
     return origins;
   }
@@ -163,10 +144,9 @@ class Reader {
         {{"split"}, {"paths", false}, {"most", false}}};
     Found<kFields.size()> found;
     if (!json::fields(element, kFields, found, path, faults_)) return;
-    const std::string split =
-        checked(*found[0], {path, "split"}, detail::is_name, "1 to 40 of a-z, 0-9, - and _");
-    most_ = found[2] ? static_cast<std::size_t>(
-                           number(*found[2], {path, "most"}, 1, static_cast<int>(kMostItems)))
+    const std::string split = name(*found[0], {path, "split"});
+    most_ = found[2] ? static_cast<std::size_t>(integer_within(
+                           *found[2], {path, "most"}, 1, static_cast<int>(kMostItems), faults_))
                      : kMostItems;
     if (found[1]) {
       read_paths(*found[1], {path, "paths"}, split);
@@ -201,7 +181,7 @@ class Reader {
       add_annotations(open->annotations, path, false);
     } else {
       faults_.error(path, open == nullptr ? "unknown-split" : "hidden-goal",
-                    fmt::format("{:?}: the data set has {}", split.substr(0, kShown),
+                    fmt::format("{:?}: the data set has {}", split.substr(0, detail::kQuoted),
                                 open == nullptr ? "no such split" : "its starts only"));
     }
   }

@@ -2,16 +2,17 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 
+#include "enfilade/service/detail/errors.h"
 #include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
-#include "enfilade/service/http/http.h"
 
 namespace enfilade::service::collecting {
 namespace {
 
-constexpr std::array<std::string_view, 3> kKinds{"self", "mturk", "prolific"};
+using detail::ErrorCode;
+using detail::ServiceError;
+
 constexpr std::size_t kLongestWorker = 100;
 constexpr std::size_t kLongestOrigin = 200;
 // What MTurk has in the place of an assignment before the worker took it.
@@ -25,8 +26,8 @@ std::string parameter(const Parameters& parameters, std::string_view name) {
 std::string external_id(const Parameters& parameters, std::string_view name) {
   std::string value = parameter(parameters, name);
   if (!detail::is_external_id(value)) {
-    throw http::HttpError(
-        422, "bad-parameter",
+    throw ServiceError(
+        ErrorCode::kInvalidInput,
         fmt::format("{}: {:?}, not 1 to 100 of A-Z, a-z, 0-9, - and _", name, value.substr(0, 40)));
   }
   return value;
@@ -38,8 +39,8 @@ Arrival by_link(const Parameters& parameters) {
   if (named == parameters.end())
     return {false, detail::new_secret("w-").substr(0, kNameSize), "", "", ""};
   if (!detail::is_label(named->second, kLongestWorker)) {
-    throw http::HttpError(422, "bad-parameter",
-                          fmt::format("worker: not 1 to {} printable characters", kLongestWorker));
+    throw ServiceError(ErrorCode::kInvalidInput,
+                       fmt::format("worker: not 1 to {} printable characters", kLongestWorker));
   }
   return {false, named->second, "", "", ""};
 }
@@ -52,9 +53,9 @@ Arrival by_mturk(const Platform& platform, const Parameters& parameters) {
   // It comes with the worker's own address line: anything but a known one would send the form, and
   // the worker, wherever somebody likes.
   if (std::ranges::find(platform.origins, submit_to) == platform.origins.end()) {
-    throw http::HttpError(422, "bad-parameter",
-                          fmt::format("turkSubmitTo: {:?}, not one of the collection's origins",
-                                      submit_to.substr(0, 80)));
+    throw ServiceError(ErrorCode::kInvalidInput,
+                       fmt::format("turkSubmitTo: {:?}, not one of the collection's origins",
+                                   submit_to.substr(0, 80)));
   }
   return {false, external_id(parameters, "workerId"), external_id(parameters, "assignmentId"),
           external_id(parameters, "hitId"), std::move(submit_to)};
@@ -66,12 +67,6 @@ Arrival by_prolific(const Parameters& parameters) {
 }
 
 }  // namespace
-
-std::string_view to_string(PlatformKind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
-
-PlatformKind platform_kind(std::string_view text) {
-  return static_cast<PlatformKind>(std::ranges::find(kKinds, text) - kKinds.begin());
-}
 
 std::vector<std::string> mturk_origins() {
   return {"https://www.mturk.com", "https://worker.mturk.com", "https://workersandbox.mturk.com"};

@@ -1,6 +1,7 @@
-/// \file  Where workers come from and how they are let go: a link of one's own, Amazon Mechanical
-/// Turk (an ExternalQuestion), Prolific.
+/// \file  Platforms that send workers: the server's own link, Amazon Mechanical Turk (an
+/// ExternalQuestion), Prolific.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -11,40 +12,40 @@
 namespace enfilade::service::collecting {
 
 enum class PlatformKind : std::uint8_t { kSelf, kMturk, kProlific };
-std::string_view to_string(PlatformKind kind);  ///< "self", "mturk", "prolific"
-/// \pre the text is one of those
-PlatformKind platform_kind(std::string_view text);
+constexpr std::array<std::string_view, 3> names_of(PlatformKind /*enum*/) {
+  return {"self", "mturk", "prolific"};
+}
 
 struct Platform {
   PlatformKind kind = PlatformKind::kSelf;
-  /// Mechanical Turk: who may frame the pages and take their form, each as is_origin() has it.
+  /// Mechanical Turk: sites that may frame the pages and receive their form; see is_origin().
   std::vector<std::string> origins;
   std::string completion_code;  ///< Prolific: of the study
 };
 
 /// Those of Mechanical Turk and its sandbox.
 std::vector<std::string> mturk_origins();
-/// "https://www.mturk.com"; http for this machine only, where stand-ins run. Nothing in it can end
-/// a directive of a Content-Security-Policy.
+/// "https://www.mturk.com"; http for this machine only, where tests run. It has no character that
+/// ends a directive of a Content-Security-Policy.
 bool is_origin(std::string_view text);
 
-/// Query of the page's address, decoded.
+/// The query of the page's address, decoded.
 using Parameters = std::map<std::string, std::string, std::less<>>;
 
-/// Somebody at the door.
+/// A worker who opens the link, as the platform describes the worker.
 struct Arrival {
-  bool preview = false;    ///< looks at the task before taking it; the rest is empty then
-  std::string worker;      ///< the platform's id of who it is
+  bool preview = false;    ///< the worker has not accepted the task yet; the rest is empty then
+  std::string worker;      ///< the platform's id of the worker
   std::string assignment;  ///< what is paid for: assignmentId, SESSION_ID; "" if self-hosted
   std::string group;       ///< hitId, STUDY_ID
   std::string submit_to;   ///< Mechanical Turk: the origin to post to when done
 };
 
-/// What the platform's query says. A self-hosted worker without a name gets one that nobody can
-/// guess. \throws HttpError 422 naming the parameter
+/// Reads the platform's query. A self-hosted worker without a name gets a random one.
+/// \throws ServiceError kInvalidInput naming the parameter
 Arrival read_arrival(const Platform& platform, const Parameters& parameters);
 
-/// How a worker leaves.
+/// How the worker tells the platform that the visit is finished.
 struct Completion {
   PlatformKind kind = PlatformKind::kSelf;
   std::string action;                                       ///< Mechanical Turk: of the form
@@ -54,7 +55,7 @@ struct Completion {
 Completion completion(const Platform& platform, const std::string& assignment,
                       const std::string& submit_to, std::int64_t visit, std::int64_t tasks);
 
-/// What has to be added to a link's query for the platform to fill in; "" if nothing.
+/// Placeholders for a link's query, which the platform fills in; "" if it needs none.
 std::string_view placeholders(PlatformKind kind);
 
 }  // namespace enfilade::service::collecting

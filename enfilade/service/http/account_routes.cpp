@@ -2,77 +2,78 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "enfilade/service/http/app.h"
-#include "enfilade/service/http/bodies.h"
+#include "enfilade/service/detail/names.h"
+#include "enfilade/service/http/errors.h"
+#include "enfilade/service/http/routes.h"
 
 namespace enfilade::service::http {
 namespace {
 
 using nlohmann::ordered_json;
 
-std::string principal_json(const accounts::Principal& who) {
-  return ordered_json{{"role", to_string(who.role)}, {"name", who.name}}.dump();
+ordered_json principal_json(const accounts::Principal& principal) {
+  return {{"role", detail::name_of(principal.role)}, {"name", principal.name}};
+}
+
+void set_cookie(Response& response, std::string_view secret, std::int64_t seconds, bool secure) {
+  response.add_header(
+      "Set-Cookie",
+      fmt::format("{}={}; Path=/; Max-Age={}; HttpOnly; SameSite=Strict{}",
+                  accounts::kSessionCookie, secret, seconds, secure ? "; Secure" : ""));
 }
 
 Response register_team(Context& context, const Request& request) {
   if (!context.config.open_registration) {
-    throw HttpError(403, "closed", "ask the organisers for a team");
+    throw HttpError(403, "ask the organisers for a team");
   }
   const std::int64_t now = context.clock();
-  context.registrations.take(request.address, now);
+  context.registrations.count(request.address, now);
   const ordered_json body = parse_object(request.body);
-  const std::string name = field(body, "name", true);
-  const accounts::NewTeam team =
-      accounts::add_team(*context.database, name, field(body, "contact", false), now);
-  return json_response(ordered_json{{"id", team.id}, {"name", name}, {"token", team.token}}.dump(),
-                       201);
+  const std::string name = text_field(body, "name");
+  const accounts::NewTeam team = accounts::add_team(
+      context.database, name, text_field(body, "contact", Presence::kOptional), now);
+  return json_response({{"id", team.id}, {"name", name}, {"token", team.token}}, 201);
 }
 
 Response log_in(Context& context, const Request& request) {
   const std::int64_t now = context.clock();
-  const auto who = accounts::find_token(*context.database,
-                                        field(parse_object(request.body), "token", true), now);
-  if (!who) {
-    context.failures.take(request.address, now);
-    throw HttpError(401, "bad-token", "the token is unknown, expired or revoked");
+  const auto principal =
+      accounts::find_token(context.database, text_field(parse_object(request.body), "token"), now);
+  if (!principal) {
+    context.failures.count(request.address, now);
+    throw HttpError(401, "the token is unknown, expired or revoked");
   }
   // Workers come by a link, and their pages hold the token themselves: inside a frame of another
   // site there are no cookies.
-  if (who->role == accounts::Role::kWorker) throw HttpError(403, "not-allowed", "not for workers");
-  Response response = json_response(principal_json(*who));
+  if (principal->role == accounts::Role::kWorker) throw HttpError(403, "not for workers");
+  Response response = json_response(principal_json(*principal));
   const bool tls = context.config.behind_proxy && request.header("x-forwarded-proto") == "https";
-  response.headers.emplace_back(
-      "Set-Cookie",
-      fmt::format("{}={}; Path=/; Max-Age={}; HttpOnly; SameSite=Strict{}",
-                  accounts::kSessionCookie, accounts::start_session(*context.database, *who, now),
-                  accounts::kSessionSeconds, tls ? "; Secure" : ""));
+  set_cookie(response, accounts::start_session(context.database, *principal, now),
+             accounts::kSessionSeconds, tls);
   return response;
+}
+
+Response session(Context& /*context*/, const Request& request) {
+  return json_response(request.principal ? principal_json(*request.principal)
+                                         : ordered_json{{"role", "stranger"}});
 }
 
 Response log_out(Context& context, const Request& request) {
   if (request.principal && request.principal->by_cookie) {
-    accounts::end_sessions(*context.database, request.principal->token);
+    accounts::end_sessions(context.database, request.principal->token);
   }
-  Response response = json_response("{}");
-  response.headers.emplace_back(
-      "Set-Cookie",
-      fmt::format("{}=; Path=/; Max-Age=0; HttpOnly; SameSite=Strict", accounts::kSessionCookie));
+  Response response = json_response(ordered_json::object());
+  set_cookie(response, "", 0, false);
   return response;
 }
 
 }  // namespace
 
-void add_account_routes(Router& router, Context& context) {
-  router.add({"POST", "/api/v1/teams", Access::kPublic,
-              [&context](const Request& request) { return register_team(context, request); }});
-  router.add({"POST", "/api/v1/session", Access::kPublic,
-              [&context](const Request& request) { return log_in(context, request); }});
-  router.add({"GET", "/api/v1/session", Access::kPublic, [](const Request& request) {
-                return json_response(request.principal ? principal_json(*request.principal)
-                                                       : R"({"role":"stranger"})");
-              }});
-  router.add({"DELETE", "/api/v1/session", Access::kPublic,
-              [&context](const Request& request) { return log_out(context, request); }});
+void add_account_routes(Router& router) {
+  router.add({"POST", "/api/v1/teams", Access::kPublic, register_team});
+  router.add({"POST", "/api/v1/session", Access::kPublic, log_in});
+  router.add({"GET", "/api/v1/session", Access::kPublic, session});
+  router.add({"DELETE", "/api/v1/session", Access::kPublic, log_out});
 }
 
 }  // namespace enfilade::service::http

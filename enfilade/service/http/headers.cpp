@@ -1,9 +1,43 @@
 #include "enfilade/service/http/headers.h"
 
 #include <fmt/format.h>
-#include <algorithm>
+
+#include "enfilade/service/detail/gzip.h"
 
 namespace enfilade::service::http {
+namespace {
+
+constexpr std::size_t kWorthCompressing = 1024;  // below, the headers are most of it
+
+bool is_text(std::string_view type) {
+  return type.starts_with("text/") || type.starts_with("application/json") ||
+         type.starts_with("image/svg");
+}
+
+}  // namespace
+
+bool accepts_gzip(const Request& request) {
+  const std::string_view accepted = request.header("accept-encoding");
+  return accepted.find("gzip") != std::string_view::npos &&
+         accepted.find("gzip;q=0") == std::string_view::npos;
+}
+
+void compress(const Request& request, Response& response) {
+  if (!is_text(response.type) || response.body->size() < kWorthCompressing) return;
+  if (response.header("Content-Encoding")) return;
+  response.add_header("Vary", "Accept-Encoding");
+  if (!accepts_gzip(request)) return;
+  response.body = std::make_shared<const std::string>(detail::gzip(*response.body, 5));
+  response.add_header("Content-Encoding", "gzip");
+}
+
+void compare_with_cached(const Request& request, Response& response) {
+  const std::string_view known = request.header("if-none-match");
+  const auto tag = response.header("ETag");
+  if (response.status != 200 || !tag || known.find(*tag) == std::string_view::npos) return;
+  response.status = 304;
+  response.body = std::make_shared<const std::string>();
+}
 
 std::string content_policy(std::string_view form_action, std::string_view frame_ancestors) {
   return fmt::format(
@@ -13,12 +47,8 @@ std::string content_policy(std::string_view form_action, std::string_view frame_
 }
 
 void add_security_headers(Response& response) {
-  const auto has = [&response](std::string_view name) {
-    return std::ranges::any_of(response.headers,
-                               [name](const auto& header) { return header.first == name; });
-  };
-  const auto add = [&](const char* name, std::string_view value) {
-    if (!has(name)) response.headers.emplace_back(name, value);
+  const auto add = [&response](const char* name, std::string_view value) {
+    if (!response.header(name)) response.add_header(name, std::string(value));
   };
   static const std::string kContentPolicy = content_policy("'self'", "'none'");
   add("Content-Security-Policy", kContentPolicy);
@@ -28,7 +58,7 @@ void add_security_headers(Response& response) {
   add("Cross-Origin-Opener-Policy", "same-origin");
   add("Cross-Origin-Resource-Policy", "same-origin");
   add("Permissions-Policy", "camera=(), microphone=(), geolocation=(), payment=()");
-  // What is not said to be kept isn't: answers may depend on who asks.
+  // Responses may depend on who asks: none is cached unless it says so itself.
   add("Cache-Control", "no-store");
 }
 

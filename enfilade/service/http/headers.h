@@ -1,11 +1,17 @@
-/// \file  Headers that protect browsers, on every answer.
+/// \file  Headers of responses: what protects browsers, what saves bytes.
 #pragma once
 #include <string>
 #include <string_view>
 
-#include "enfilade/service/http/http.h"
+#include "enfilade/service/http/messages.h"
 
 namespace enfilade::service::http {
+
+bool accepts_gzip(const Request& request);
+/// Compresses a text that is long enough, for a client that accepts it.
+void compress(const Request& request, Response& response);
+/// Makes it a 304 if the client's cached copy has the same ETag.
+void compare_with_cached(const Request& request, Response& response);
 
 /// A Content-Security-Policy: scripts and styles from the server's own files only, pictures from it
 /// and from memory.

@@ -2,28 +2,37 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/service/collecting/tasks.h"
-#include "enfilade/service/http/app.h"
 #include "enfilade/service/http/description.h"
+#include "enfilade/service/http/routes.h"
 
 namespace enfilade::service::http {
+namespace {
 
-void add_operation_routes(Router& router, Context& context) {
-  router.add({"GET", "/healthz", Access::kPublic, [&context](const Request&) {
-                context.evaluation.queued();  // the database answers
-                return json_response(R"({"status":"ok"})");
-              }});
-  router.add(
-      {"GET", "/metrics", Access::kPublic, [&context](const Request&) {
-         Response response = json_response(context.metrics.text(
-             {{"enfilade_submissions_queued", static_cast<double>(context.evaluation.queued())},
-              {"enfilade_work_to_review",
-               static_cast<double>(collecting::waiting_for_review(*context.database))},
-              {"process_resident_memory_bytes", static_cast<double>(resident_bytes())}}));
-         response.type = "text/plain; version=0.0.4; charset=utf-8";
-         return response;
-       }});
-  router.add({"GET", "/api/v1/openapi.json", Access::kPublic,
-              [](const Request&) { return json_response(std::string(kOpenApi)); }});
+Response health(Context& context, const Request& /*request*/) {
+  context.submissions.queued();  // fails if the database does not answer
+  return json_response({{"status", "ok"}});
+}
+
+Response metrics(Context& context, const Request& /*request*/) {
+  return text_response(
+      "text/plain; version=0.0.4; charset=utf-8",
+      context.metrics.text(
+          {{"enfilade_submissions_queued", static_cast<double>(context.submissions.queued())},
+           {"enfilade_work_to_review",
+            static_cast<double>(collecting::waiting_for_review(context.database))},
+           {"process_resident_memory_bytes", static_cast<double>(resident_bytes())}}));
+}
+
+Response description(Context& /*context*/, const Request& /*request*/) {
+  return text_response("application/json", std::string(kOpenApi));
+}
+
+}  // namespace
+
+void add_operation_routes(Router& router) {
+  router.add({"GET", "/healthz", Access::kPublic, health});
+  router.add({"GET", "/metrics", Access::kPublic, metrics});
+  router.add({"GET", "/api/v1/openapi.json", Access::kPublic, description});
 }
 
 }  // namespace enfilade::service::http

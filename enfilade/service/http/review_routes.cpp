@@ -1,88 +1,91 @@
-// For reviewers and organisers: what workers handed in.
+// For reviewers and organisers: what workers submitted.
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "enfilade/service/collecting/collection_json.h"
-#include "enfilade/service/collecting/handed_in.h"
+#include "enfilade/service/collecting/submitted_work.h"
+#include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
-#include "enfilade/service/http/bodies.h"
-#include "enfilade/service/http/work_routes.h"
+#include "enfilade/service/http/errors.h"
+#include "enfilade/service/http/routes.h"
 
 namespace enfilade::service::http {
 namespace {
 
+using collecting::TaskState;
+using collecting::Verdict;
 using nlohmann::ordered_json;
 
 constexpr std::size_t kLongestReason = 500;
 
 bool may_know_secrets(const Request& request) {
-  return request.principal->role == accounts::Role::kOrganiser;
+  return request.is_from(accounts::Role::kOrganiser);
 }
 
-Response work_queue(Context& context, const Request& request) {
+/// The query's state of submitted work; none: all.
+std::optional<TaskState> state_of(const Request& request) {
+  const std::string text = request.text("state");
+  if (text.empty()) return TaskState::kSubmitted;
+  if (text == "all") return std::nullopt;
+  const auto state = detail::find_named<TaskState>(text);
+  if (!state || *state < TaskState::kSubmitted) {
+    throw HttpError(400, "state: not submitted, accepted, rejected or all");
+  }
+  return state;
+}
+
+Response list_work(Context& context, const Request& request) {
   const collecting::Collection collection =
-      collecting::collection_named(*context.database, request.parameter("collection"));
-  std::string state = request.text("state");
-  if (state.empty()) state = "submitted";
-  if (state != "submitted" && state != "accepted" && state != "rejected" && state != "all") {
-    throw HttpError(400, "bad-query", "state: not submitted, accepted, rejected or all");
-  }
+      collecting::get_collection(context.database, request.parameter("collection"));
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
-  const collecting::WorkPage page = collecting::list_work(*context.database, collection.id, state,
-                                                          request.number("after", 0, 0, kMost),
-                                                          request.number("limit", 50, 1, 200));
+  const collecting::WorkPage page = collecting::list_work(
+      context.database, collection.id, state_of(request), request.number("after", 0, 0, kMost),
+      request.number("limit", 50, 1, 200));
   auto work = ordered_json::array();
-  for (const collecting::Task& task : page.tasks)
+  for (const collecting::Task& task : page.tasks) {
     work.push_back(collecting::work_json(task, may_know_secrets(request)));
-  return json_response(ordered_json{{"matching", page.matching}, {"work", work}}.dump());
+  }
+  return json_response({{"matching", page.matching}, {"work", work}});
 }
 
-Response judge_work(Context& context, const Request& request) {
+Response review(Context& context, const Request& request) {
   const ordered_json body = parse_object(request.body);
-  const std::string verdict = field(body, "verdict", true);
-  const std::string reason = field(body, "reason", false);
-  if (verdict != "accepted" && verdict != "rejected") {
-    throw HttpError(400, "bad-body", "verdict: not \"accepted\" or \"rejected\"");
+  const auto verdict = detail::find_named<Verdict>(text_field(body, "verdict"));
+  const std::string reason = text_field(body, "reason", Presence::kOptional);
+  if (!verdict) throw HttpError(400, "verdict: not \"accepted\" or \"rejected\"");
+  const bool needs_reason = *verdict == Verdict::kRejected;
+  if (needs_reason ? !detail::is_prose(reason, kLongestReason) : !reason.empty()) {
+    throw HttpError(400, "reason: of a rejection, 1 to 500 printable characters; else none");
   }
-  const bool rejected = verdict == "rejected";
-  if (rejected ? !detail::is_prose(reason, kLongestReason) : !reason.empty()) {
-    throw HttpError(400, "bad-body",
-                    "reason: of a rejection, 1 to 500 printable characters; else none");
-  }
-  const std::int64_t id = task_id(request);
-  collecting::judge(*context.database, id,
-                    rejected ? collecting::Verdict::kRejected : collecting::Verdict::kAccepted,
-                    reason, request.principal->name, context.clock());
-  return work_response(context, request, id);
+  const std::int64_t task = task_of(request);
+  collecting::review(context.database, task, *verdict, reason, request.principal->name,
+                     context.clock());
+  return work_response(context, request, task);
 }
 
-Response correct(Context& context, const Request& request) {
-  const std::string instruction = field(parse_object(request.body), "instruction", true);
+Response edit(Context& context, const Request& request) {
+  const std::string instruction = text_field(parse_object(request.body), "instruction");
   collecting::check_instruction(instruction, "$.instruction");
-  const std::int64_t id = task_id(request);
-  if (collecting::find_work(*context.database, id).kind != collecting::Kind::kWrite) {
-    throw HttpError(409, "a-walk", "it is a walk, and has no instruction of its own");
-  }
-  collecting::edit(*context.database, id, instruction, request.principal->name, context.clock());
-  return work_response(context, request, id);
+  const std::int64_t task = task_of(request);
+  collecting::edit(context.database, task, instruction, request.principal->name, context.clock());
+  return work_response(context, request, task);
 }
 
 }  // namespace
 
 Response work_response(Context& context, const Request& request, std::int64_t id) {
-  const collecting::Task task = collecting::find_work(*context.database, id);
+  const collecting::Task task = collecting::find_work(context.database, id);
   ordered_json out = collecting::work_json(task, may_know_secrets(request));
   if (task.kind == collecting::Kind::kWalk) out["steps"] = ordered_json::parse(task.content);
-  out["history"] = collecting::events_json(collecting::events_of(*context.database, id));
-  return json_response(out.dump());
+  out["history"] = collecting::events_json(collecting::events_of(context.database, id));
+  return json_response(out);
 }
 
-void add_review_routes(Router& router, Context& context) {
-  router.add({"GET", "/api/v1/collections/{collection}/work", Access::kReviewer,
-              [&context](const Request& request) { return work_queue(context, request); }});
-  router.add({"PUT", "/api/v1/tasks/{task}/review", Access::kReviewer,
-              [&context](const Request& request) { return judge_work(context, request); }});
-  router.add({"PUT", "/api/v1/tasks/{task}/instruction", Access::kReviewer,
-              [&context](const Request& request) { return correct(context, request); }});
+void add_review_routes(Router& router) {
+  const std::string task = "/api/v1/tasks/{task}";
+  router.add({"GET", "/api/v1/collections/{collection}/work", Access::kReviewer, list_work});
+  router.add({"PUT", task + "/review", Access::kReviewer, review});
+  router.add({"PUT", task + "/instruction", Access::kReviewer, edit});
 }
 
 }  // namespace enfilade::service::http

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "enfilade/service/http/errors.h"
 #include "enfilade/service/http/headers.h"
 
 namespace enfilade::service::http {
@@ -72,8 +73,8 @@ void convert(Response from, httplib::Response& to, Connexion connexion = Connexi
 }
 
 /// What isn't the App's to answer. Nobody knows where the next request begins on that connexion.
-void refuse(int status, std::string_view code, std::string_view message, httplib::Response& to) {
-  Response response = error_response(status, code, message);
+void refuse(int status, std::string_view message, httplib::Response& to) {
+  Response response = error_response(status, message);
   add_security_headers(response);
   convert(std::move(response), to, Connexion::kCloses);
 }
@@ -134,12 +135,12 @@ class Body {
       // What is too large is read to its end, so that the client gets to hear of it; up to a point.
       return !late() && size <= 2 * config_.most_submission_bytes;
     });
-    if (late()) throw HttpError(408, "slow-body", "the body took too long");
+    if (late()) throw HttpError(408, "the body took too long");
     if (size > most) {
-      throw HttpError(413, "too-large", fmt::format("the body has more than {} bytes", most));
+      throw HttpError(413, fmt::format("the body has more than {} bytes", most));
     }
-    if (!whole_) throw HttpError(400, "bad-body", "the body broke off");
-    if (busy) throw HttpError(503, "busy", "too many large files at once; try again");
+    if (!whole_) throw HttpError(400, "the body broke off");
+    if (busy) throw HttpError(503, "too many large files at once; try again");
     return body;
   }
 
@@ -218,10 +219,10 @@ struct Transport::Impl {
       own.ranges.clear();
       if (end_is_unclear(from)) {
         own.method = "GET";  // what answers HEAD has no end that could close the connexion
-        refuse(400, "unclear-end", "it is not clear where this request ends", to);
+        refuse(400, "it is not clear where this request ends", to);
       } else if (from.path.size() > kLongestTarget) {
         // cpp-httplib matches targets with std::regex, which a long one would take down.
-        refuse(414, "long-path", "the path is too long", to);
+        refuse(414, "the path is too long", to);
       } else {
         return httplib::Server::HandlerResponse::Unhandled;
       }
@@ -231,7 +232,7 @@ struct Transport::Impl {
     server.set_error_handler([](const httplib::Request& from, httplib::Response& to) {
       const_cast<httplib::Request&>(from).ranges.clear();
       if (to.has_header("Content-Security-Policy")) return;  // ours
-      refuse(to.status, "refused", "this is no acceptable request", to);
+      refuse(to.status, "this is no acceptable request", to);
     });
     server.Get(".*", [this](const httplib::Request& from, httplib::Response& to) {
       convert(app.handle(convert(from, config.behind_proxy)), to);
@@ -253,7 +254,7 @@ struct Transport::Impl {
       return;
     }
     if (from.is_multipart_form_data()) {  // it would take the parts apart
-      refuse(415, "bad-type", "no route takes a form in parts", to);
+      refuse(415, "no route takes a form in parts", to);
       return;
     }
     Body body(reader, config, held);

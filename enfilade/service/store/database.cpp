@@ -1,6 +1,8 @@
 #include "enfilade/service/store/database.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
 #include <system_error>
 
 #include "enfilade/core/errors.h"
@@ -23,6 +25,20 @@ SQLite::Database open_file(const fs::path& file, int flags) {
 }
 
 }  // namespace
+
+std::string join_lines(const std::vector<std::string>& lines) {
+  return fmt::format("{}", fmt::join(lines, "\n"));
+}
+
+std::vector<std::string> split_lines(std::string_view text) {
+  std::vector<std::string> lines;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    lines.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
 
 Database::Database(const fs::path& file)
     : file_(file.string()), db_(open_file(file, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)) {

@@ -3,45 +3,99 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
+#include <vector>
+
+#include "enfilade/service/store/sql.h"
 
 namespace enfilade::service::store {
 
-/// One connexion, one user of it at a time: writes take turns in SQLite anyway, and reads here are
-/// of a few rows. All functions may be called from any thread; \throws Error with SQLite's words.
+/// One connection, used by one thread at a time: SQLite serialises writes anyway, and reads here
+/// are of a few rows. All functions may be called from any thread. \throws std::runtime_error with
+/// SQLite's message if a statement fails
 class Database {
  public:
   /// Opens or makes the file, and brings its schema up to date, each migration in a transaction.
   /// \throws FileError if it can't be opened, or was made by a newer Enfilade
   explicit Database(const std::filesystem::path& file);
 
-  /// Calls use(SQLite::Database&) while nobody else does.
-  template <class Use>
-  auto with(Use&& use) {
-    const std::scoped_lock lock(mutex_);
-    return std::forward<Use>(use)(db_);
+  /// Runs a statement; the values take the places of its question marks. \returns how many rows it
+  /// inserted, updated or deleted
+  template <class... Values>
+  int run(const std::string& sql, const Values&... values) {
+    const auto held = hold();
+    SQLite::Statement statement = prepare(sql, values...);
+    return statement.exec();
   }
-  /// As with(), in a transaction: all of it happens, on the disk when this returns, or nothing.
-  template <class Use>
-  auto transact(Use&& use) {
-    const std::scoped_lock lock(mutex_);
+  /// As run(), of an INSERT. \returns the new row's id
+  template <class... Values>
+  std::int64_t insert(const std::string& sql, const Values&... values) {
+    const auto held = hold();
+    run(sql, values...);
+    return db_.getLastInsertRowid();
+  }
+  /// What `read(Row&)` returns for each row of a SELECT.
+  template <class Read, class... Values>
+  auto select(const Read& read, const std::string& sql, const Values&... values) {
+    const auto held = hold();
+    SQLite::Statement statement = prepare(sql, values...);
+    std::vector<std::invoke_result_t<Read, Row&>> found;
+    while (statement.executeStep()) {
+      Row row(statement);
+      found.push_back(read(row));
+    }
+    return found;
+  }
+  /// As select(), of the first row; none if there is no row.
+  template <class Read, class... Values>
+  auto find(const Read& read, const std::string& sql, const Values&... values)
+      -> std::optional<std::invoke_result_t<Read, Row&>> {
+    const auto held = hold();
+    SQLite::Statement statement = prepare(sql, values...);
+    if (!statement.executeStep()) return std::nullopt;
+    Row row(statement);
+    return read(row);
+  }
+  /// The number in the first column of the first row; 0 if there is no row.
+  template <class... Values>
+  std::int64_t find_number(const std::string& sql, const Values&... values) {
+    return find(read_value<std::int64_t>, sql, values...).value_or(0);
+  }
+
+  /// Calls change() in a transaction: all that it runs happens, on the disk when this returns, or
+  /// nothing of it. \pre not within another transaction
+  template <class Change>
+  auto transact(Change&& change) {
+    const auto held = hold();
     SQLite::Transaction transaction(db_, SQLite::TransactionBehavior::IMMEDIATE);
-    if constexpr (std::is_void_v<decltype(use(db_))>) {
-      std::forward<Use>(use)(db_);
+    if constexpr (std::is_void_v<std::invoke_result_t<Change>>) {
+      std::forward<Change>(change)();
       transaction.commit();
     } else {
-      auto result = std::forward<Use>(use)(db_);
+      auto result = std::forward<Change>(change)();
       transaction.commit();
       return result;
     }
   }
+  /// Keeps other threads away for as long as the returned lock lives, so that several reads agree.
+  std::unique_lock<std::recursive_mutex> hold() { return std::unique_lock(mutex_); }
 
  private:
+  template <class... Values>
+  SQLite::Statement prepare(const std::string& sql, const Values&... values) {
+    SQLite::Statement statement(db_, sql);
+    int k = 0;
+    (bind(statement, ++k, values), ...);
+    return statement;
+  }
   void migrate();
 
-  std::mutex mutex_;
+  std::recursive_mutex mutex_;
   std::string file_;
   SQLite::Database db_;
 };

@@ -14,47 +14,35 @@ namespace {
 using ::testing::HasSubstr;
 
 int version_of(Database& database) {
-  return database.with(
-      [](SQLite::Database& db) { return db.execAndGet("PRAGMA user_version").getInt(); });
+  return static_cast<int>(database.find_number("PRAGMA user_version"));
 }
 
 TEST(Database, IsMadeWithTheNewestSchemaInWalMode) {
   const tests::TemporaryFolder folder("database");
   Database database(folder.path() / "a.sqlite");
   EXPECT_EQ(version_of(database), static_cast<int>(kMigrations.size()));
-  EXPECT_EQ(database.with([](SQLite::Database& db) {
-    return db.execAndGet("PRAGMA journal_mode").getString();
-  }),
-            "wal");
+  EXPECT_EQ(database.find(read_value<std::string>, "PRAGMA journal_mode"), "wal");
 }
 
 TEST(Database, KeepsItsContentWhenItIsOpenedAgain) {
   const tests::TemporaryFolder folder("database");
   for (int k = 0; k < 2; ++k) {
     Database database(folder.path() / "a.sqlite");
-    database.transact([k](SQLite::Database& db) {
-      db.exec("INSERT INTO team (name, contact, created) VALUES ('t" + std::to_string(k) +
-              "', '', 0)");
-    });
-    EXPECT_EQ(database.with([](SQLite::Database& db) {
-      return db.execAndGet("SELECT count(*) FROM team").getInt();
-    }),
-              k + 1);
+    database.run("INSERT INTO team (name, contact, created) VALUES (?, '', 0)",
+                 "t" + std::to_string(k));
+    EXPECT_EQ(database.find_number("SELECT count(*) FROM team"), k + 1);
   }
 }
 
 TEST(Database, ATransactionThatThrowsLeavesNothing) {
   const tests::TemporaryFolder folder("database");
   Database database(folder.path() / "a.sqlite");
-  EXPECT_THROW(database.transact([](SQLite::Database& db) {
-    db.exec("INSERT INTO team (name, contact, created) VALUES ('t', '', 0)");
+  EXPECT_THROW(database.transact([&database] {
+    database.run("INSERT INTO team (name, contact, created) VALUES ('t', '', 0)");
     throw LookupError("changed my mind");
   }),
                LookupError);
-  EXPECT_EQ(database.with([](SQLite::Database& db) {
-    return db.execAndGet("SELECT count(*) FROM team").getInt();
-  }),
-            0);
+  EXPECT_EQ(database.find_number("SELECT count(*) FROM team"), 0);
 }
 
 /// A database as the first version of the schema left it, with somebody logged in.
@@ -78,25 +66,44 @@ TEST(Database, AnOlderOneIsBroughtUpToDateWithAllThatIsInIt) {
   write_version_1(file);
   Database database(file);
   EXPECT_EQ(version_of(database), static_cast<int>(kMigrations.size()));
-  database.with([](SQLite::Database& db) {
-    EXPECT_EQ(db.execAndGet("SELECT team FROM token WHERE hash = 'h'").getInt(), 3);
-    EXPECT_EQ(db.execAndGet("SELECT expires FROM token WHERE hash = 'i'").getInt(), 9);
-    EXPECT_EQ(db.execAndGet("SELECT token.label FROM session JOIN token ON token.id = "
-                            "session.token")
-                  .getString(),
-              "Ada");
-    EXPECT_EQ(db.execAndGet("SELECT count(*) FROM submission").getInt(), 1);
-    SQLite::Statement broken(db, "PRAGMA foreign_key_check");
-    EXPECT_FALSE(broken.executeStep());
-    // References follow the tables' new names: whoever has a session can't be deleted.
-    EXPECT_THROW(db.exec("DELETE FROM token WHERE hash = 'i'"), SQLite::Exception);
-  });
+  EXPECT_EQ(database.find_number("SELECT team FROM token WHERE hash = 'h'"), 3);
+  EXPECT_EQ(database.find_number("SELECT expires FROM token WHERE hash = 'i'"), 9);
+  EXPECT_EQ(database.find(read_value<std::string>,
+                          "SELECT token.label FROM session JOIN token ON token.id = session.token"),
+            "Ada");
+  EXPECT_EQ(database.find_number("SELECT count(*) FROM submission"), 1);
+  EXPECT_FALSE(database.find(read_value<std::string>, "PRAGMA foreign_key_check"));
+  // References follow the tables' new names: a token with a session can't be deleted.
+  EXPECT_THROW(database.run("DELETE FROM token WHERE hash = 'i'"), SQLite::Exception);
+}
+
+TEST(Database, ValuesComeBackAsTheyWere) {
+  const tests::TemporaryFolder folder("database");
+  Database database(folder.path() / "a.sqlite");
+  database.run("CREATE TABLE kept (number INTEGER, real REAL, lines TEXT, bytes BLOB, none TEXT)");
+  const std::string bytes("a\0b", 3);
+  const std::vector<std::string> lines{"one", "two"};
+  EXPECT_EQ(database.insert("INSERT INTO kept VALUES (?, ?, ?, ?, ?)", -3, 0.5, lines, Blob{bytes},
+                            std::optional<std::string>()),
+            1);
+  const auto check = [&](Row& row) {
+    int number = 0;
+    std::optional<double> real;
+    std::vector<std::string> list;
+    std::string blob;
+    std::optional<std::string> none("some");
+    row >> number >> real >> list >> blob >> none;
+    return number == -3 && real == 0.5 && list == lines && blob == bytes && !none;
+  };
+  EXPECT_EQ(database.find(check, "SELECT * FROM kept"), true);
+  EXPECT_EQ(database.find(check, "SELECT * FROM kept WHERE number = ?", 4), std::nullopt);
+  EXPECT_EQ(database.run("DELETE FROM kept"), 1);
 }
 
 TEST(Database, OneOfANewerProgramIsRefused) {
   const tests::TemporaryFolder folder("database");
   const auto file = folder.path() / "a.sqlite";
-  Database(file).with([](SQLite::Database& db) { db.exec("PRAGMA user_version = 99"); });
+  Database(file).run("PRAGMA user_version = 99");
   EXPECT_THAT(tests::refusal<FileError>([&file] { const Database again(file); }),
               HasSubstr("its schema has version 99"));
 }
@@ -114,16 +121,11 @@ TEST(Database, AnotherFileIsRefusedAndLeftAsItWas) {
 TEST(Database, ABackUpIsMadeWhileItIsOpen) {
   const tests::TemporaryFolder folder("database");
   Database database(folder.path() / "a.sqlite");
-  database.transact([](SQLite::Database& db) {
-    db.exec("INSERT INTO team (name, contact, created) VALUES ('t', '', 0)");
-  });
+  database.run("INSERT INTO team (name, contact, created) VALUES ('t', '', 0)");
   back_up(folder.path() / "a.sqlite", folder.path() / "copy.sqlite");
   back_up(folder.path() / "a.sqlite", folder.path() / "copy.sqlite");  // replaces the first
   Database copy(folder.path() / "copy.sqlite");
-  EXPECT_EQ(copy.with([](SQLite::Database& db) {
-    return db.execAndGet("SELECT name FROM team").getString();
-  }),
-            "t");
+  EXPECT_EQ(copy.find(read_value<std::string>, "SELECT name FROM team"), "t");
 }
 
 }  // namespace

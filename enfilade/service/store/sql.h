@@ -1,28 +1,97 @@
-/// \file  A statement in a line.
+/// \file  Values of C++ into statements of SQL, and rows back into values.
 #pragma once
 #include <SQLiteCpp/SQLiteCpp.h>
-#include <SQLiteCpp/VariadicBind.h>
+#include <concepts>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/service/detail/names.h"
 
 namespace enfilade::service::store {
 
-/// SQLITE_CONSTRAINT_UNIQUE, as SQLite::Exception::getExtendedErrorCode() has it.
-inline constexpr int kUniqueViolated = 2067;
+/// Bytes for a column of type BLOB.
+struct Blob {
+  std::string_view bytes;
+};
 
-template <class... Values>
-void run(SQLite::Database& db, const std::string& query, const Values&... values) {
-  SQLite::Statement statement(db, query);
-  SQLite::bind(statement, values...);
-  statement.exec();
+/// How a list is stored: an entry a line. \pre no entry is empty or has a line break
+std::string join_lines(const std::vector<std::string>& lines);
+std::vector<std::string> split_lines(std::string_view text);
+
+template <class T>
+void bind(SQLite::Statement& statement, int k, const T& value) {
+  if constexpr (std::integral<T>) {
+    statement.bind(k, static_cast<std::int64_t>(value));
+  } else if constexpr (std::floating_point<T>) {
+    statement.bind(k, static_cast<double>(value));
+  } else if constexpr (detail::Named<T>) {
+    statement.bind(k, std::string(detail::name_of(value)));
+  } else {
+    statement.bind(k, std::string(value));
+  }
+}
+/// None is NULL.
+template <class T>
+void bind(SQLite::Statement& statement, int k, const std::optional<T>& value) {
+  value ? bind(statement, k, *value) : statement.bind(k);
+}
+inline void bind(SQLite::Statement& statement, int k, const std::vector<std::string>& lines) {
+  statement.bind(k, join_lines(lines));
+}
+inline void bind(SQLite::Statement& statement, int k, const Blob& blob) {
+  statement.bind(k, blob.bytes.data(), static_cast<int>(blob.bytes.size()));
 }
 
-/// The first column of the first row; 0 if there is no row.
-template <class... Values>
-std::int64_t find_number(SQLite::Database& db, const std::string& query, const Values&... values) {
-  SQLite::Statement select(db, query);
-  SQLite::bind(select, values...);
-  return select.executeStep() ? select.getColumn(0).getInt64() : 0;
+/// The columns of a row, read from left to right: `row >> id >> name`.
+class Row {
+ public:
+  explicit Row(SQLite::Statement& statement) : statement_(statement) {}
+
+  template <class T>
+  Row& operator>>(T& value) {
+    const SQLite::Column column = statement_.getColumn(next_++);
+    if constexpr (std::integral<T>) {
+      value = static_cast<T>(column.getInt64());
+    } else if constexpr (std::floating_point<T>) {
+      value = column.getDouble();
+    } else if constexpr (detail::Named<T>) {
+      const auto found = detail::find_named<T>(column.getString());
+      if (!found) throw Error("the database has a name that this program does not know");
+      value = *found;
+    } else {
+      value = column.getString();
+    }
+    return *this;
+  }
+  template <class T>
+  Row& operator>>(std::optional<T>& value) {
+    if (statement_.getColumn(next_).isNull()) {
+      ++next_;
+      value.reset();
+      return *this;
+    }
+    return *this >> value.emplace();
+  }
+  Row& operator>>(std::vector<std::string>& lines) {
+    lines = split_lines(statement_.getColumn(next_++).getString());
+    return *this;
+  }
+
+ private:
+  SQLite::Statement& statement_;
+  int next_ = 0;
+};
+
+/// A row as one value, where it has one column.
+template <class T>
+T read_value(Row& row) {
+  T value{};
+  row >> value;
+  return value;
 }
 
 }  // namespace enfilade::service::store

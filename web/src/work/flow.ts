@@ -133,7 +133,7 @@ export const lostDraftText = `${lost} Copy what you want to keep, and load the p
 /** What to say when the server takes no more of a task. */
 function explainLoss(error: unknown): Error {
   const { code, status } = error instanceof ServerError ? error : { code: '', status: 0 };
-  if (code === 'lease-lost') return new Error(lostText);
+  if (code === 'lease-expired') return new Error(lostText);
   if (status === 401) return new Error('You were away for a day, and have to come in anew: load the page again. Nothing is lost.');
   return error instanceof Error ? error : new Error(String(error));
 }

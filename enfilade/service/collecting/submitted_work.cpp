@@ -1,18 +1,19 @@
-#include "enfilade/service/collecting/handed_in.h"
+#include "enfilade/service/collecting/submitted_work.h"
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "enfilade/core/check.h"
-#include "enfilade/core/detail/json.h"
+#include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service::collecting {
 namespace {
 
+using detail::Found;
+using detail::number_within;
 using json::Element;
 using json::Faults;
 using json::Path;
@@ -26,10 +27,6 @@ constexpr std::array<std::string_view, 3> kFlags{"short", "pasted", "goal-not-se
 constexpr std::size_t kMostSteps = 5000;
 constexpr double kMostSeconds = 86'400;
 constexpr double kMostPixels = 16'384;
-constexpr std::size_t kShown = 40;
-
-template <std::size_t N>
-using Found = std::array<std::optional<Element>, N>;
 
 /// What is wrong with an instruction; empty if nothing is.
 std::string instruction_fault(std::string_view text) {
@@ -50,14 +47,6 @@ std::string instruction_fault(std::string_view text) {
   return "";
 }
 
-double number_within(Element element, const Path& path, double least, double most, Faults& faults) {
-  const auto value = json::number(element, path, faults);
-  if (value && !(*value >= least && *value <= most)) {
-    faults.error(path, "out-of-range", fmt::format("{}, not from {} to {}", *value, least, most));
-  }
-  return value.value_or(least);
-}
-
 std::vector<std::string> read_flags(Element element, const Path& path, Faults& faults) {
   std::vector<std::string> flags;
   const auto list = json::array(element, path, faults);
@@ -67,7 +56,8 @@ std::vector<std::string> read_flags(Element element, const Path& path, Faults& f
     const Path here(path, k++);
     const auto text = json::string(one, here, faults);
     if (text && std::ranges::find(kFlags, *text) == kFlags.end()) {
-      faults.error(here, "unknown-flag", fmt::format("{:?} is no flag", text->substr(0, kShown)));
+      faults.error(here, "unknown-flag",
+                   fmt::format("{:?} is no flag", text->substr(0, detail::kQuoted)));
     } else if (text && std::ranges::find(flags, *text) == flags.end()) {
       flags.emplace_back(*text);
     }
@@ -129,9 +119,9 @@ class WalkReader {
     const auto to = graph_.find(id);
     const bool first = !std::exchange(begun_, true);
     if (!to || !graph_.included(*to)) {
-      faults_.error(
-          path, "unknown-viewpoint",
-          fmt::format("{:?} is no viewpoint of scan {}'s graph", id.substr(0, kShown), item_.scan));
+      faults_.error(path, "unknown-viewpoint",
+                    fmt::format("{:?} is no viewpoint of scan {}'s graph",
+                                id.substr(0, detail::kQuoted), item_.scan));
     } else if (first && id != item_.path.front()) {
       faults_.error(path, "wrong-start",
                     fmt::format("{:?}, and the walk starts at {:?}", id, item_.path.front()));
@@ -171,14 +161,14 @@ void check_instruction(std::string_view instruction, const char* where) {
   }
 }
 
-HandedIn read_written(std::string_view body) {
+SubmittedWork read_instruction(std::string_view body) {
   static constexpr std::array<json::Field, 3> kFields{
       {{"instruction"}, {"seconds", false}, {"flags", false}}};
   const json::Document document = json::Document::parse(body, kFileName);
   Faults faults(kFileName);
   const Path root;
   Found<kFields.size()> found;
-  HandedIn work;
+  SubmittedWork work;
   if (json::fields(document.root(), kFields, found, root, faults)) {
     const Path here(root, "instruction");
     work.content = json::string(*found[0], here, faults).value_or("");
@@ -193,14 +183,14 @@ HandedIn read_written(std::string_view body) {
   return work;
 }
 
-HandedIn read_walked(std::string_view body, const Item& item, const graph::GraphSet& graphs) {
+SubmittedWork read_walk(std::string_view body, const Item& item, const graph::GraphSet& graphs) {
   static constexpr std::array<json::Field, 2> kFields{{{"steps"}, {"camera", false}}};
   const json::Document document = json::Document::parse(body, kFileName);
   const graph::NavGraph& graph = graphs.graph(item.scan);
   Faults faults(kFileName);
   const Path root;
   Found<kFields.size()> found;
-  HandedIn work;
+  SubmittedWork work;
   WalkReader walk(graph, item, faults);
   if (json::fields(document.root(), kFields, found, root, faults)) {
     work.content = walk.read(*found[0], Path(root, "steps")).dump();

@@ -1,5 +1,6 @@
-/// \file  Submissions: checked when they come, kept, scored in the background.
+/// \file  Submissions: checked when they are received, stored, and scored in the background.
 #pragma once
+#include <array>
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
@@ -15,64 +16,65 @@
 #include "enfilade/service/detail/clock.h"
 #include "enfilade/service/phases.h"
 #include "enfilade/service/site.h"
-#include "enfilade/service/store/database.h"
 
 namespace enfilade::service::evaluation {
 
-/// A submission without its content.
+enum class SubmissionState : std::uint8_t { kQueued, kScored, kFailed, kWithdrawn };
+constexpr std::array<std::string_view, 4> names_of(SubmissionState /*enum*/) {
+  return {"queued", "scored", "failed", "withdrawn"};
+}
+
+/// A submission without its results file.
 struct Submission {
   std::int64_t id = 0;
   std::int64_t team = 0;
   std::string team_name, phase, method;
-  std::string state;  ///< "queued", "scored", "failed", "withdrawn"
+  SubmissionState state = SubmissionState::kQueued;
   std::int64_t created = 0;
   std::string score;  ///< r2r::to_json(Score) without episodes; empty unless scored
 };
 
-/// What handing in came to.
+/// The answer to a results file.
 struct Receipt {
   Submission submission;
   std::vector<Diagnostic> warnings;
-  bool seen_before = false;  ///< this very file was there: nothing was added
+  bool known = false;  ///< the same file was submitted before: nothing was added
 };
 
 /// All functions may be called from any thread. What receive() acknowledged is on the disk; what is
 /// queued there is scored after a restart.
-class Evaluation {
+class Submissions {
  public:
-  /// Starts the thread that scores.
-  Evaluation(std::shared_ptr<const Site> site, std::shared_ptr<store::Database> database,
-             detail::Clock clock);
+  /// Starts the thread that scores. \pre the database outlives *this
+  Submissions(std::shared_ptr<const Site> site, store::Database& database, detail::Clock clock);
   /// Waits for the submission that is being scored; the others stay queued.
-  ~Evaluation();
-  Evaluation(const Evaluation&) = delete;
-  Evaluation& operator=(const Evaluation&) = delete;
+  ~Submissions();
+  Submissions(const Submissions&) = delete;
+  Submissions& operator=(const Submissions&) = delete;
 
-  /// Checks a results file whole and queues it. The same file of the same team for the same phase
-  /// and method is taken once, so that a client may repeat what got no answer.
-  /// \throws InvalidInput with every fault of the file; HttpError 404 for an unknown phase, 422 for
-  /// a bad name of the method, 429 past the phase's limit
+  /// Checks a whole results file and queues it. The same file of the same team for the same phase
+  /// and method is one submission, so that a client may repeat a request that got no answer.
+  /// \throws InvalidInput with every fault of the file; ServiceError kNotFound for an unknown
+  /// phase, kInvalidInput for a bad name of the method, kRateLimited past the phase's limit
   Receipt receive(const accounts::Principal& team, std::string_view phase,
                   const std::string& method, const std::string& results);
   /// A team's, or with team 0 everybody's, newest first: the first 500 whose id is below `before`.
   std::vector<Submission> list(std::int64_t team, std::int64_t before) const;
   std::optional<Submission> find(std::int64_t id) const;
-  /// From the leaderboard, for good; its place in the day's limit stays taken.
-  /// \throws HttpError 404 if it isn't the team's, 409 if it is withdrawn already
+  /// Takes it off the leaderboard, for good; it still counts for the limit of its day.
+  /// \throws ServiceError kNotFound if it isn't the team's, kConflict if it was withdrawn before
   void withdraw(std::int64_t team, std::int64_t id);
-  /// Scored submissions of a phase, in the order of their coming.
+  /// Scored submissions of a phase, oldest first.
   std::vector<Submission> scored(const Phase& phase) const;
   std::int64_t queued() const;
 
  private:
-  std::vector<Submission> select(const std::string& condition, std::int64_t a,
-                                 const std::string& b) const;
   void work();
   bool score_next();
-  std::string score(const Phase& phase, const std::string& results) const;
+  std::string score(const std::string& phase, const std::string& results) const;
 
   std::shared_ptr<const Site> site_;
-  std::shared_ptr<store::Database> database_;
+  store::Database& database_;
   detail::Clock clock_;
   std::mutex checking_;
   std::mutex mutex_;

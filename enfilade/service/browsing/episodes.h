@@ -1,0 +1,23 @@
+/// \file  Splits and episodes, as everybody may see them.
+#pragma once
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "enfilade/service/site.h"
+
+namespace enfilade::service::browsing {
+
+/// Which episodes of a split. An empty text matches all.
+struct EpisodeFilter {
+  std::string scan;
+  std::string words;  ///< part of the instruction, in any case
+  std::string id;     ///< of the instruction: "12_0"
+  std::int64_t offset = 0, limit = 50;
+};
+
+nlohmann::ordered_json split_list_json(const Site& site);
+/// A page of the episodes that match, and how many there are.
+nlohmann::ordered_json episodes_json(const PublicSplit& split, const EpisodeFilter& filter);
+
+}  // namespace enfilade::service::browsing

@@ -1,0 +1,76 @@
+#include "enfilade/service/browsing/scans.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "enfilade/draw/floor_plan.h"
+
+namespace enfilade::service::browsing {
+namespace {
+
+using nlohmann::ordered_json;
+
+// A float's shortest digits: a reader that takes them as a double and rounds has the same float.
+ordered_json number(float value) { return ordered_json::parse(fmt::format("{}", value)); }
+
+ordered_json viewpoint_json(const graph::NavGraph& graph, ViewpointIndex v,
+                            const scan::PanoramaSource* source) {
+  const Vec3f position = graph.position(v);
+  ordered_json one{{"id", graph.id(v)},
+                   {"included", graph.included(v)},
+                   {"position", {number(position.x), number(position.y), number(position.z)}},
+                   {"height", number(graph.height(v))}};
+  auto& neighbours = one["neighbours"] = ordered_json::array();
+  for (const graph::Edge& edge : graph.edges(v)) neighbours.push_back(edge.target.value);
+  auto& layers = one["layers"] = ordered_json::array();
+  const auto pictured = source == nullptr ? std::nullopt : source->find(graph.id(v));
+  if (!pictured) return one;
+  one["rotation"] = source->poses()[pictured->at()].world_from_panorama.m;
+  const scan::FaceSizes sizes = source->face_sizes(*pictured);
+  for (const scan::Layer layer : {scan::Layer::kColour, scan::Layer::kDepth, scan::Layer::kClass}) {
+    if (sizes[index(layer)] != 0) layers.push_back(to_string(layer));
+  }
+  return one;
+}
+
+}  // namespace
+
+const scan::PanoramaSource* find_source(const Site& site, ScanIndex scan) {
+  try {
+    return &site.panoramas().source(scan);
+  } catch (const LookupError&) {
+    return nullptr;
+  }
+}
+
+ordered_json scan_list_json(const Site& site) {
+  auto list = ordered_json::array();
+  for (std::size_t s = 0; s < site.graphs().size(); ++s) {
+    const graph::NavGraph& graph = site.graphs().graph(ScanIndex(s));
+    list.push_back({{"scan", graph.scan()},
+                    {"viewpoints", graph.included_count()},
+                    {"edges", graph.edge_count() / 2},
+                    {"pictures", find_source(site, ScanIndex(s)) != nullptr}});
+  }
+  return {{"synthetic", site.synthetic()}, {"scans", list}};
+}
+
+ordered_json scan_json(const Site& site, ScanIndex scan) {
+  const graph::NavGraph& graph = site.graphs().graph(scan);
+  const scan::PanoramaSource* source = find_source(site, scan);
+  ordered_json out{{"scan", graph.scan()}, {"synthetic", site.synthetic()}};
+  auto& storeys = out["storeys"] = ordered_json::array();
+  for (const draw::Storey& storey : draw::find_storeys(graph)) {
+    auto& list = storeys.emplace_back(ordered_json{{"floor", storey.floor}})["viewpoints"] =
+        ordered_json::array();
+    for (const ViewpointIndex v : storey.viewpoints) list.push_back(v.value);
+  }
+  auto& viewpoints = out["viewpoints"] = ordered_json::array();
+  for (std::size_t v = 0; v < graph.size(); ++v) {
+    viewpoints.push_back(viewpoint_json(graph, ViewpointIndex(v), source));
+  }
+  return out;
+}
+
+}  // namespace enfilade::service::browsing

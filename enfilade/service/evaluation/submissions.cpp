@@ -1,0 +1,197 @@
+#include "enfilade/service/evaluation/submissions.h"
+
+#include <fmt/format.h>
+#include <utility>
+
+#include "enfilade/r2r/results.h"
+#include "enfilade/r2r/score.h"
+#include "enfilade/service/detail/errors.h"
+#include "enfilade/service/detail/gzip.h"
+#include "enfilade/service/detail/secrets.h"
+#include "enfilade/service/detail/texts.h"
+#include "enfilade/service/store/database.h"
+
+namespace enfilade::service::evaluation {
+namespace {
+
+using detail::ErrorCode;
+using detail::ServiceError;
+
+constexpr std::size_t kLongestMethod = 80;
+constexpr std::int64_t kDay = 24L * 3600;
+// Messages that quote bytes of a results file call the file so.
+constexpr const char* kFileName = "submission";
+
+/// Of submissions_where().
+Submission read_submission(store::Row& row) {
+  Submission found;
+  row >> found.id >> found.team >> found.team_name >> found.phase >> found.method >> found.state >>
+      found.created >> found.score;
+  return found;
+}
+
+std::string submissions_where(std::string_view condition) {
+  return fmt::format(
+      "SELECT submission.id, submission.team, team.name, phase, method, state, "
+      "submission.created, coalesce(score, '') FROM submission JOIN team ON team.id = "
+      "submission.team WHERE {}",
+      condition);
+}
+
+void check_limit(store::Database& database, std::int64_t team, const Phase& phase,
+                 std::int64_t now) {
+  const std::int64_t taken = database.find_number(
+      "SELECT count(*) FROM submission WHERE team = ? AND phase = ? AND created > ?", team,
+      phase.name, now - kDay);
+  if (taken >= phase.per_day) {
+    throw ServiceError(ErrorCode::kRateLimited,
+                       fmt::format("phase {} takes {} submissions of a team in 24 hours",
+                                   phase.name, phase.per_day));
+  }
+}
+
+}  // namespace
+
+Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& database,
+                         detail::Clock clock)
+    : site_(std::move(site)),
+      database_(database),
+      clock_(std::move(clock)),
+      worker_([this] { work(); }) {}
+
+Submissions::~Submissions() {
+  {
+    const std::scoped_lock lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  worker_.join();
+}
+
+Receipt Submissions::receive(const accounts::Principal& team, std::string_view phase_name,
+                             const std::string& method, const std::string& results) {
+  const Phase* phase = site_->find_phase(phase_name);
+  if (phase == nullptr) throw ServiceError(ErrorCode::kNotFound, "no phase of this name");
+  if (!detail::is_label(method, kLongestMethod)) {
+    throw ServiceError(ErrorCode::kInvalidInput,
+                       fmt::format("method: not 1 to {} printable characters", kLongestMethod));
+  }
+  Receipt receipt;
+  {
+    // One at a time: a check takes several times the file's size in memory, and many teams submit
+    // at once on the last day.
+    const std::scoped_lock lock(checking_);
+    receipt.warnings =
+        r2r::parse_results(results, kFileName, site_->secret_episodes(*phase)).warnings;
+  }
+  const std::string digest = detail::sha256(results);
+  const std::int64_t now = clock_();
+  const std::int64_t id = database_.transact([&] {
+    const std::int64_t same = database_.find_number(
+        "SELECT id FROM submission WHERE team = ? AND phase = ? AND method = ? AND digest = ? "
+        "AND state <> 'withdrawn'",
+        team.team, phase->name, method, digest);
+    receipt.known = same != 0;
+    if (receipt.known) return same;
+    check_limit(database_, team.team, *phase, now);
+    const std::string content = detail::gzip(results, 1);
+    return database_.insert(
+        "INSERT INTO submission (team, phase, method, created, state, digest, content) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?)",
+        team.team, phase->name, method, now, SubmissionState::kQueued, digest,
+        store::Blob{content});
+  });
+  receipt.submission = receipt.known ? find(id).value()
+                                     : Submission{id,          team.team, team.name,
+                                                  phase->name, method,    SubmissionState::kQueued,
+                                                  now,         ""};
+  const std::scoped_lock lock(mutex_);
+  asked_ = true;
+  wake_.notify_all();
+  return receipt;
+}
+
+std::vector<Submission> Submissions::list(std::int64_t team, std::int64_t before) const {
+  return database_.select(
+      read_submission,
+      submissions_where("(?1 = 0 OR submission.team = ?1) AND submission.id < ?2 "
+                        "ORDER BY submission.id DESC LIMIT 500"),
+      team, before);
+}
+
+std::optional<Submission> Submissions::find(std::int64_t id) const {
+  return database_.find(read_submission, submissions_where("submission.id = ?"), id);
+}
+
+std::vector<Submission> Submissions::scored(const Phase& phase) const {
+  return database_.select(
+      read_submission, submissions_where("state = 'scored' AND phase = ? ORDER BY submission.id"),
+      phase.name);
+}
+
+void Submissions::withdraw(std::int64_t team, std::int64_t id) {
+  const std::optional<Submission> found = find(id);
+  if (!found || found->team != team) {
+    throw ServiceError(ErrorCode::kNotFound, "no such submission");
+  }
+  if (found->state == SubmissionState::kWithdrawn) {
+    throw ServiceError(ErrorCode::kConflict, "it is withdrawn already");
+  }
+  database_.run("UPDATE submission SET state = 'withdrawn' WHERE id = ?", id);
+}
+
+std::int64_t Submissions::queued() const {
+  return database_.find_number("SELECT count(*) FROM submission WHERE state = 'queued'");
+}
+
+void Submissions::work() {
+  while (true) {
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait(lock, [this] { return stopping_ || asked_; });
+      if (stopping_) return;
+      asked_ = false;
+    }
+    while (score_next()) {
+      const std::scoped_lock lock(mutex_);
+      if (stopping_) return;
+    }
+  }
+}
+
+std::string Submissions::score(const std::string& phase_name, const std::string& results) const {
+  const Phase* phase = site_->find_phase(phase_name);
+  if (phase == nullptr) throw LookupError("the phase is gone");
+  const r2r::EpisodeSet& episodes = site_->secret_episodes(*phase);
+  const r2r::Results checked = r2r::parse_results(results, kFileName, episodes);
+  return r2r::to_json(r2r::compute_score(checked.trajectories, episodes));
+}
+
+// The oldest that is queued. A failure is stored as one: it must neither end the thread nor be
+// tried again.
+bool Submissions::score_next() {
+  struct Queued {
+    std::int64_t id = 0;
+    std::string phase, content;
+  };
+  const auto read = [](store::Row& row) {
+    Queued found;
+    row >> found.id >> found.phase >> found.content;
+    return found;
+  };
+  const auto next = database_.find(
+      read, "SELECT id, phase, content FROM submission WHERE state = 'queued' ORDER BY id LIMIT 1");
+  if (!next) return false;
+  std::optional<std::string> result;
+  try {
+    result = score(next->phase, detail::gunzip(next->content));
+  } catch (const std::exception&) {
+    result.reset();  // the phase, its annotations or the graphs were changed since it was received
+  }
+  database_.run(
+      "UPDATE submission SET state = ?, score = ?, finished = ? WHERE id = ? AND state = 'queued'",
+      result ? SubmissionState::kScored : SubmissionState::kFailed, result, clock_(), next->id);
+  return true;
+}
+
+}  // namespace enfilade::service::evaluation

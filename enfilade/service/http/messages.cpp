@@ -1,0 +1,117 @@
+#include "enfilade/service/http/messages.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "enfilade/core/check.h"
+#include "enfilade/service/detail/errors.h"
+#include "enfilade/service/http/errors.h"
+
+namespace enfilade::service::http {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// A whole number and nothing else; none if `text` is not one, or out of range.
+std::optional<std::int64_t> parse_number(std::string_view text) {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+std::string_view Request::header(std::string_view name) const {
+  const auto found = headers.find(name);
+  return found == headers.end() ? std::string_view{} : std::string_view(found->second);
+}
+
+const std::string& Request::parameter(std::string_view name) const {
+  const auto found = parameters.find(name);
+  EN_CHECK(found != parameters.end());
+  return found->second;
+}
+
+std::int64_t Request::id(std::string_view name, const char* missing) const {
+  const auto value = parse_number(parameter(name));
+  if (!value) throw detail::ServiceError(detail::ErrorCode::kNotFound, missing);
+  return *value;
+}
+
+std::string Request::text(std::string_view name) const {
+  const auto found = query.find(name);
+  return found == query.end() ? std::string{} : found->second;
+}
+
+std::int64_t Request::number(std::string_view name, std::int64_t otherwise, std::int64_t least,
+                             std::int64_t most) const {
+  const auto found = query.find(name);
+  if (found == query.end()) return otherwise;
+  const std::string& text = found->second;
+  const auto value = parse_number(text);
+  if (!value || *value < least || *value > most) {
+    throw HttpError(400, fmt::format("{}: {:?}, not a whole number from {} to {}", name,
+                                     text.substr(0, 40), least, most));
+  }
+  return *value;
+}
+
+const accounts::Principal& Request::known_principal() const {
+  if (!principal) {
+    throw HttpError(401, "this needs a token: Authorization: Bearer enfilade_...");
+  }
+  return *principal;
+}
+
+std::optional<std::string_view> Response::header(std::string_view name) const {
+  const auto found = std::ranges::find(headers, name, &std::pair<std::string, std::string>::first);
+  if (found == headers.end()) return std::nullopt;
+  return found->second;
+}
+
+void Response::add_header(std::string name, std::string value) {
+  headers.emplace_back(std::move(name), std::move(value));
+}
+
+Response text_response(std::string type, std::string text) {
+  Response response;
+  response.type = std::move(type);
+  response.body = std::make_shared<const std::string>(std::move(text));
+  return response;
+}
+
+Response json_response(const ordered_json& json, int status) {
+  Response response = text_response("application/json", json.dump());
+  response.status = status;
+  return response;
+}
+
+Response csv_response(std::string csv) {
+  return text_response("text/csv; charset=utf-8", std::move(csv));
+}
+
+Response file_response(std::string json, const std::string& name) {
+  Response response = text_response("application/json", std::move(json));
+  response.add_header("Content-Disposition", fmt::format("attachment; filename=\"{}\"", name));
+  return response;
+}
+
+ordered_json parse_object(const std::string& body) {
+  ordered_json object = ordered_json::parse(body, nullptr, false);
+  if (!object.is_object()) throw HttpError(400, "the body is not a JSON object");
+  return object;
+}
+
+std::string text_field(const ordered_json& object, const char* name, Presence presence) {
+  const auto found = object.find(name);
+  if (found == object.end() && presence == Presence::kOptional) return {};
+  if (found == object.end() || !found->is_string()) {
+    throw HttpError(400, fmt::format("{}: must be there, and a text", name));
+  }
+  return found->get<std::string>();
+}
+
+}  // namespace enfilade::service::http

@@ -1,0 +1,68 @@
+/// \file  Requests and responses as routes see them, whatever library carries them.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "enfilade/service/accounts/tokens.h"
+
+namespace enfilade::service::http {
+
+using Texts = std::map<std::string, std::string, std::less<>>;
+
+struct Request {
+  std::string method;  ///< "GET", "POST", "DELETE"; HEAD comes as GET
+  std::string path;    ///< decoded, without the query
+  Texts query;         ///< decoded; of repeated names the first
+  Texts headers;       ///< names in lower case
+  std::string body;
+  std::string address;                           ///< of the client
+  Texts parameters;                              ///< of the route's pattern
+  std::optional<accounts::Principal> principal;  ///< who sends it, if they said so
+
+  std::string_view header(std::string_view name) const;  ///< "" if absent
+  /// \pre the route's pattern has {name}
+  const std::string& parameter(std::string_view name) const;
+  /// As parameter(), a whole number. \throws ServiceError kNotFound with `missing` if it is none
+  std::int64_t id(std::string_view name, const char* missing) const;
+  /// A whole number of the query. \throws HttpError 400 if it is none, or out of range
+  std::int64_t number(std::string_view name, std::int64_t otherwise, std::int64_t least,
+                      std::int64_t most) const;
+  std::string text(std::string_view name) const;  ///< of the query; "" if absent
+
+  bool is_from(accounts::Role role) const { return principal && principal->role == role; }
+  /// \throws HttpError 401 if the client did not say who it is
+  const accounts::Principal& known_principal() const;
+};
+
+struct Response {
+  int status = 200;
+  std::string type = "application/json";
+  /// Shared: faces and the pages' files are the same for everybody.
+  std::shared_ptr<const std::string> body = std::make_shared<const std::string>();
+  std::vector<std::pair<std::string, std::string>> headers;
+  bool frameable = false;  ///< its own Content-Security-Policy says who may frame it
+
+  std::optional<std::string_view> header(std::string_view name) const;
+  void add_header(std::string name, std::string value);
+};
+Response json_response(const nlohmann::ordered_json& json, int status = 200);
+Response text_response(std::string type, std::string text);
+Response csv_response(std::string csv);
+/// JSON to be saved as a file.
+Response file_response(std::string json, const std::string& name);
+
+/// The body as a JSON object. \throws HttpError 400 if it is none
+nlohmann::ordered_json parse_object(const std::string& body);
+/// A text of an object. \throws HttpError 400 if it is none, or is required and absent
+enum class Presence : std::uint8_t { kRequired, kOptional };
+std::string text_field(const nlohmann::ordered_json& object, const char* name,
+                       Presence presence = Presence::kRequired);
+
+}  // namespace enfilade::service::http
