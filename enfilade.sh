@@ -37,6 +37,8 @@ usage: ./enfilade.sh COMMAND [ARGUMENTS]
                                 (none: the demo's homes, or two small ones made now)
   build [--preset P]            build; programs are left in build/P/bin/ (P is release)
   test  [--preset P] [ARGS]     build and run the tests; ARGS go to ctest, as in -R NavGraph
+  docs  [ARGS]                  build the documentation: build/docs/index.html; with the examples'
+                                output where a build has them; ARGS go to tools/docs/site.py
   bench [ARGS]                  build and run the benchmarks; ARGS go to each of them
   lint  [--fix] [FILES]         clang-format, clang-tidy and the shell scripts (all, or those FILES);
                                 --fix lays the sources out instead of complaining
@@ -209,7 +211,7 @@ command_test() {
   [[ -z "${CI:-}" ]] || preset=ci
   parse_preset "$preset" "$@"
   [[ $preset != fuzz ]] || die 2 "the preset 'fuzz' has no tests: its programs are run by hand"
-  ensure_packages "build and test Enfilade" build web test python
+  ensure_packages "build and test Enfilade" build web test python docs
   if ensure_python; then
     python=(-DEN_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python")
     if ensure_torch_python; then
@@ -217,6 +219,11 @@ command_test() {
     else
       say "the examples in Python that need PyTorch are not tested"
     fi
+  fi
+  if ensure_docs; then
+    python+=("-DEN_DOCS_PYTHON=$root/build/docs-python/bin/python")
+  else
+    say "the documentation is not built"
   fi
   if ensure_pages; then
     web=ON
@@ -230,6 +237,21 @@ command_test() {
     tee "build/$preset/test.log" || status=$?
   summarize "build/$preset/test.log" "build/$preset/Testing/Temporary/LastTest.log"
   exit "$status"
+}
+
+# --- documentation --------------------------------------------------------------------------------
+
+command_docs() {
+  local build arguments=(-o build/docs)
+  ensure_packages "build the documentation" docs
+  ensure_docs || die 3 "without what tools/docs/requirements.txt lists, there can be no site"
+  for build in build/ci build/release build/dev; do  # of the first that has examples they are run
+    [[ -d $build/examples ]] || continue
+    arguments+=(--build "$build")
+    [[ ! -x build/python/bin/python ]] || arguments+=(--python build/python/bin/python)
+    break
+  done
+  build/docs-python/bin/python -B tools/docs/site.py "${arguments[@]}" "$@"
 }
 
 # --- benchmarks and lint --------------------------------------------------------------------------
@@ -333,6 +355,7 @@ main() {
     serve) command_serve "$@" ;;
     build) command_build "$@" ;;
     test) command_test "$@" ;;
+    docs) command_docs "$@" ;;
     bench) command_bench "$@" ;;
     lint) command_lint "$@" ;;
     help | --help | -h) show_help ;;

@@ -43,7 +43,7 @@ make_environment() {
   shift 3
   cmp -s "$wanted" "$folder/requirements.txt" && return
   mkdir -p build
-  say "making a Python environment for the tests, in $folder"
+  say "making a Python environment in $folder"
   alone=$(sed -n 's/^# --no-deps //p' "$wanted")
   if { "$program" -m venv --clear "$@" "$folder" && "$folder/bin/pip" install -q -r "$wanted" &&
     { [[ -z $alone ]] || "$folder/bin/pip" install -q --no-deps "$alone"; }; } >"$folder.log" 2>&1; then
@@ -66,4 +66,9 @@ ensure_torch_python() {
   "$system" -c 'import torch' 2>/dev/null || return 1
   [[ "$("$system" -c "$version")" == "$(build/python/bin/python -c "$version")" ]] || return 1
   make_environment build/python-torch "$system" python/tests/requirements-torch.txt --system-site-packages
+}
+
+# ensure_docs: what builds the site of the documentation, in build/docs-python.
+ensure_docs() {
+  make_environment build/docs-python python3 tools/docs/requirements.txt
 }

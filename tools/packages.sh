@@ -43,6 +43,8 @@ test  libgmock-dev       header  gmock/gmock.h
 python python3-venv      package -
 python python3-dev       package -
 python python3-torch     package -
+docs  doxygen          command doxygen
+docs  python3-venv     package -
 bench libbenchmark-dev   header  benchmark/benchmark.h
 fuzz  clang-16           command clang++-16
 fuzz  libclang-rt-16-dev package -
