@@ -242,13 +242,15 @@ command_test() {
 # --- documentation --------------------------------------------------------------------------------
 
 command_docs() {
-  local build arguments=(-o build/docs)
+  local build python arguments=(-o build/docs)
   ensure_packages "build the documentation" docs
   ensure_docs || die 3 "without what tools/docs/requirements.txt lists, there can be no site"
   for build in build/ci build/release build/dev; do  # of the first that has examples they are run
     [[ -d $build/examples ]] || continue
     arguments+=(--build "$build")
-    [[ ! -x build/python/bin/python ]] || arguments+=(--python build/python/bin/python)
+    for python in build/python{,-torch}/bin/python; do
+      [[ ! -x $python ]] || arguments+=(--python "$python")
+    done
     break
   done
   build/docs-python/bin/python -B tools/docs/site.py "${arguments[@]}" "$@"

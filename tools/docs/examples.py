@@ -18,6 +18,7 @@ from typing import Optional
 from markdown_tree import ROOT
 
 PICTURES = {".png", ".jpg", ".jpeg", ".svg"}
+_HOMES = ("--homes", "3", "--kind", "flat", "--size", "64", "--samples", "1")
 _LANGUAGE = {".cpp": "cpp", ".py": "python", ".html": "html", ".sh": "sh", ".ts": "ts", ".txt": "text"}
 
 
@@ -51,9 +52,12 @@ def introduction(file: Path) -> tuple[str, str]:
         words = ast.get_docstring(module) or ""
         heading = re.match(r"#\s+(.*)\n*", words)
         return (heading[1], words[heading.end() :]) if heading else (file.stem, words)
-    comment = re.match(r"(?:\s*<!doctype[^>]*>)?(?:\s*<html[^>]*>)?\s*<!--(.*?)-->", text, re.S | re.I) \
-        if file.suffix == ".html" else re.match(r"(?:#!.*\n)?((?:\s*(?://|#).*\n)+)", text)  # fmt: skip
-    words = re.sub(r"^\s*(//|#)\s?", "", comment[1], flags=re.M).strip() if comment else ""
+    if file.suffix == ".html":
+        comment = re.search(r"<!--(.*?)-->", text, re.S)
+    else:
+        mark = "//" if file.suffix == ".cpp" else "#"
+        comment = re.match(rf"(?:#!.*\n)?((?:{mark}.*\n)+)", text)
+    words = re.sub(r"^\s*(//|#)?[ \t]*", "", comment[1], flags=re.M).strip() if comment else ""
     title, _, rest = words.partition(": ")
     if rest and len(title) < 40:
         return f"{title}", rest[0].upper() + rest[1:]
@@ -63,8 +67,8 @@ def introduction(file: Path) -> tuple[str, str]:
 class Runner:
     """Runs examples with the programs of a build, once for each state of source and programs."""
 
-    def __init__(self, build: Optional[Path], work: Path, python: Optional[Path]) -> None:
-        self._build, self._python, self._work = build, python, work
+    def __init__(self, build: Optional[Path], work: Path, pythons: list[Path]) -> None:
+        self._build, self._pythons, self._work = build, pythons, work
         self._homes: Optional[Path] = None
 
     def run(self, file: Path) -> Run:
@@ -81,7 +85,7 @@ class Runner:
 
     def _run_python(self, file: Path) -> Run:
         modules = list((self._build or Path()).glob("python/enfilade/_core*.so"))
-        if not modules or self._python is None:
+        if not modules or not self._pythons:
             return Run(not_run="the Python package is not built (`EN_BUILD_PYTHON`)")
         usage = re.search(r"`python (\S+\.py[^`]*)`", file.read_text(encoding="utf-8"))
         words = re.sub(r"\s*\[[^\]]*\]", "", usage[1]).split() if usage else [file.name]
@@ -91,7 +95,12 @@ class Runner:
         arguments = [str(homes) if word == "DATA" else word.lower() for word in words[1:]]
         shown = " ".join(["python", file.name, *("homes" if word == "DATA" else word.lower() for word in words[1:])])
         environment = {"PYTHONPATH": f"{self._build}/python", "PYTHONDONTWRITEBYTECODE": "1"}
-        return self._once(file, [str(self._python), str(file), *arguments], shown, modules, environment)
+        run = Run()
+        for python in self._pythons:  # the first that has what the example imports
+            run = self._once(file, [str(python), str(file), *arguments], shown, modules, environment)
+            if not run.not_run:
+                break
+        return run
 
     def _data(self) -> Optional[Path]:
         """Three model homes, made once."""
@@ -102,12 +111,12 @@ class Runner:
             folder = self._work / "homes"
             if not (folder / "homes.json").exists():
                 shutil.rmtree(folder, ignore_errors=True)
-                subprocess.run([program, "homes", "--preset", "small", "-o", folder], check=True, capture_output=True)
+                subprocess.run([program, "homes", *_HOMES, "-o", folder], check=True, capture_output=True)
             self._homes = folder
         return self._homes
 
     def _once(self, file: Path, command: list[str], shown: str, made_of: list[Path], more: dict[str, str]) -> Run:
-        state = file.read_bytes() + repr([(p.name, p.stat().st_mtime_ns) for p in made_of]).encode()
+        state = file.read_bytes() + repr((command[0], [(p.name, p.stat().st_mtime_ns) for p in made_of])).encode()
         folder = self._work / "runs" / f"{file.stem}-{hashlib.sha256(state).hexdigest()[:16]}"
         record = folder / "run.json"
         if not record.exists():
@@ -143,7 +152,8 @@ def write(stage: Path, runner: Runner) -> list[str]:
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(_page(file, title, words, runner.run(file), target.parent), encoding="utf-8")
         pages.append(page)
-        first = re.split(r"(?<=[.:])\s", " ".join(words.split()), maxsplit=1)[0]
+        plain = re.sub(r"^As a program: `[^`]*`(?:,[^.]*\.)?", "", " ".join(words.split())).strip()
+        first = re.split(r"(?<=[.:])\s", plain, maxsplit=1)[0]
         overview.append(f"| [{title}]({os.path.relpath(page, 'examples')}) `{file.relative_to(ROOT / 'examples')}` | {first} |")
     (stage / "examples/index.md").write_text("\n".join(overview) + "\n", encoding="utf-8")
     return ["examples/index.md", *pages]

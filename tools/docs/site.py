@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Optional
 from urllib.parse import unquote
 
+import architecture
 import cpp_reference
 import examples
 import markdown_tree as tree
@@ -78,7 +79,8 @@ class Stage:
 
         text = self._linked_names(tree.rewrite_links(text, moved), place)
         text = re.sub(r"^(```)([\w+-]+) +(.*)$", self._fence, text, flags=re.M)
-        self._write(place, _lists_apart(text))
+        wide = "---\nhide: [navigation, toc]\n---\n" if page == DOCS / "README.md" else ""
+        self._write(place, wide + _lists_apart(text))
         return place
 
     @staticmethod
@@ -285,6 +287,9 @@ def build(arguments: argparse.Namespace) -> None:
     headers = cpp_reference.Reader(work / "doxygen/xml").headers()
     loader = python_reference.load()
     faults = [*tree.check(), *headers_faults, *cpp_reference.undocumented(headers), *python_reference.undocumented(loader)]
+    if architecture.PICTURE.read_text(encoding="utf-8") != architecture.draw():
+        picture = str(architecture.PICTURE.relative_to(ROOT))
+        faults.append(Fault(picture, 1, "is not what arrows and pages say: run tools/docs/architecture.py"))
     wrong = "broken links, wrong comments or names without one"
     report(faults, wrong, arguments.keep_going)
 
@@ -296,8 +301,8 @@ def build(arguments: argparse.Namespace) -> None:
     write_reference_indices(stage, cpp, headers)
     program = Path(arguments.build).resolve() if arguments.build and not arguments.no_runs else None
     # The link of an environment is kept: what it leads to has not its packages.
-    interpreter = Path(os.path.abspath(arguments.python)) if arguments.python else None
-    shown = examples.write(stage.folder, examples.Runner(program, work, interpreter))
+    pythons = [Path(os.path.abspath(python)) for python in arguments.python]
+    shown = examples.write(stage.folder, examples.Runner(program, work, pythons))
     for page in tree.pages():
         if page.is_relative_to(DOCS) or not page.is_relative_to(ROOT / "examples"):
             stage.add_page(page)
@@ -318,7 +323,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--output", default="build/docs", help="folder of the site; made anew")
     parser.add_argument("--build", help="folder of a build, whose examples are run")
-    parser.add_argument("--python", help="the Python that its package was built for, to run examples with")
+    parser.add_argument("--python", action="append", default=[],
+                        help="a Python that its package was built for, to run examples with; may be repeated")
     parser.add_argument("--no-runs", action="store_true", help="examples without their output")
     parser.add_argument("--keep-going", action="store_true", help="make the pages in spite of faults, then fail")
     build(parser.parse_args())
