@@ -35,12 +35,7 @@ void add_mesh_options(CLI::App& verb, MeshOptions& options) {
 
 std::string scan_of(const MeshOptions& options, const std::string& graph) {
   if (!options.scan.empty()) {
-    const char first = options.scan.front();
-    if (first != '.' && first != '-' && std::ranges::all_of(options.scan, [](unsigned char c) {
-          return c == '.' || is_plain(c);
-        })) {
-      return options.scan;
-    }
+    if (scan::is_scan_id(options.scan)) return options.scan;
     throw UsageError(
         fmt::format("--scan {:?}: letters, digits, _, - and . are allowed, not first a - or a .",
                     options.scan));

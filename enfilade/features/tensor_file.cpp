@@ -5,9 +5,9 @@
 #include <array>
 #include <utility>
 
-#include "enfilade/core/detail/mapped_file.h"
-#include "enfilade/core/detail/part_file.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/mapped_file.h"
+#include "enfilade/core/part_file.h"
 #include "enfilade/features/formats/safetensors.h"
 #include "enfilade/features/formats/stored_arrays.h"
 #include "enfilade/features/formats/torch_file.h"

@@ -70,6 +70,12 @@ std::vector<std::uint8_t> encode_png(const Image8& picture);
 /// Greyscale. \param picture 1 channel
 std::vector<std::uint8_t> encode_png(const Image16& picture);
 
+/// Ids of 32 bits as a PNG: 16-bit greyscale if none is above 65535, else 8-bit RGBA with
+/// id = R + 256 G + 65536 B + 2^24 A. \param ids 1 channel
+std::vector<std::uint8_t> encode_ids(const Image32& ids);
+/// Its inverse; any greyscale is read. \throws InvalidInput, also for other PNGs
+Image32 decode_ids(Bytes png, const std::string& file);
+
 // --- Radiance HDR (RGBE) --------------------------------------------------------------------
 
 /// Linear light, RGB, the file's exposure taken back. Run-length coded (new and old style) and flat

@@ -31,6 +31,12 @@ using Image16 = Image<std::uint16_t>;
 using Image32 = Image<std::uint32_t>;
 using ImageF = Image<float>;
 
+/// Units of a picture of depth (Image16) in a metre: a unit is a quarter millimetre; 0 is no
+/// reading.
+inline constexpr double kDepthUnitsPerMetre = 4000;
+/// A distance in these units: rounded, and 1 .. 65535 (16.38 m), as 0 has another meaning.
+std::uint16_t depth_units(double metres);
+
 /// Six square pictures of one size and channel count, by index(CubeFace).
 template <class T>
 using CubeMap = std::array<Image<T>, kCubeFaces>;
@@ -51,6 +57,18 @@ CubeMap<T> split_strip(const Image<T>& strip);
 /// Its inverse. \throws ArgumentError unless the faces are square and alike
 template <class T>
 Image<T> join_strip(const CubeMap<T>& faces);
+
+/// The unfolded cube: a cross of 4 x 3 faces around the front one, whose top and bottom faces hang
+/// on the front one (a strip's on the back one). The corners are 0. \throws as join_strip()
+template <class T>
+Image<T> join_cross(const CubeMap<T>& faces);
+
+/// The picture turned by 180 degrees.
+template <class T>
+Image<T> half_turn(const Image<T>& picture);
+/// Rows `first` to `first` + `count` of a picture. \pre it has them
+template <class T>
+Image<T> rows(const Image<T>& picture, std::size_t first, std::size_t count);
 
 /// Area average, as Matterport3DSimulator's preprocessing shrinks sky-boxes (any ratio >= 1 in
 /// each direction; each pixel is the exact mean of the area it covers, rounded to nearest).

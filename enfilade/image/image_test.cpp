@@ -120,5 +120,43 @@ TEST(Shrink, RefusesToEnlarge) {
   EXPECT_THROW(shrink(picture, 4, 0), ArgumentError);
 }
 
+TEST(Rows, CutOneOfManyViews) {
+  Image8 picture(1, 4, 1);
+  picture.pixels = {1, 2, 3, 4};
+  EXPECT_EQ(rows(picture, 2, 2).pixels, (std::vector<std::uint8_t>{3, 4}));
+}
+
+TEST(HalfTurn, SwapsCorners) {
+  Image8 picture(2, 2, 1);
+  picture.pixels = {1, 2, 3, 4};
+  EXPECT_EQ(half_turn(picture).pixels, (std::vector<std::uint8_t>{4, 3, 2, 1}));
+}
+
+TEST(JoinCross, HangsTopAndBottomOnTheFront) {
+  CubeMap<std::uint16_t> faces;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    faces[k] = Image16(2, 2, 1);
+    for (std::size_t i = 0; i < 4; ++i) {
+      faces[k].pixels[i] = static_cast<std::uint16_t>(10 * (k + 1) + i);
+    }
+  }
+  const Image16 cross = join_cross(faces);
+  EXPECT_EQ(cross.width, 8U);
+  EXPECT_EQ(cross.height, 6U);
+  const auto first = [&](CubeFace face) { return 10 * (index(face) + 1); };
+  EXPECT_EQ(*cross.at(2, 2), first(CubeFace::kFront));
+  EXPECT_EQ(*cross.at(0, 2), first(CubeFace::kLeft));
+  EXPECT_EQ(*cross.at(7, 3), first(CubeFace::kBack) + 3);
+  EXPECT_EQ(*cross.at(2, 0), first(CubeFace::kUp) + 3);  // turned
+  EXPECT_EQ(*cross.at(3, 5), first(CubeFace::kDown));
+  EXPECT_EQ(*cross.at(0, 0), 0);
+}
+
+TEST(DepthUnits, AreRoundedAndNeverZero) {
+  EXPECT_EQ(depth_units(1), 4000);
+  EXPECT_EQ(depth_units(0.00001), 1);
+  EXPECT_EQ(depth_units(1000), 65535);
+}
+
 }  // namespace
 }  // namespace enfilade::image

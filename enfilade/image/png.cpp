@@ -179,4 +179,37 @@ std::vector<std::uint8_t> encode_png(const Image16& picture) {
                 header_for(picture.width, picture.height, picture.channels, 16));
 }
 
+std::vector<std::uint8_t> encode_ids(const Image32& ids) {
+  if (ids.pixels.empty() || std::ranges::max(ids.pixels) <= 65535) {
+    Image16 grey(ids.width, ids.height, 1);
+    std::ranges::transform(ids.pixels, grey.pixels.begin(),
+                           [](std::uint32_t id) { return static_cast<std::uint16_t>(id); });
+    return encode_png(grey);
+  }
+  Image8 rgba(ids.width, ids.height, 4);
+  for (std::size_t i = 0; i < rgba.pixels.size(); ++i) {
+    rgba.pixels[i] = static_cast<std::uint8_t>(ids.pixels[i / 4] >> 8 * (i % 4));
+  }
+  return encode_png(rgba);
+}
+
+Image32 decode_ids(Bytes png, const std::string& file) {
+  const Shape shape = png_shape(png, file);
+  Image32 ids(shape.width, shape.height, 1);
+  if (shape.channels == 1) {
+    std::ranges::copy(decode_png16(png, file).pixels, ids.pixels.begin());
+    return ids;
+  }
+  if (shape.channels != 4 || shape.bits != 8) {
+    refuse(file, "", "bad-colours",
+           fmt::format("{} channels of {} bits, neither greyscale nor RGBA of 8 bits",
+                       shape.channels, shape.bits));
+  }
+  const Image8 rgba = decode_png8(png, file);
+  for (std::size_t i = 0; i < rgba.pixels.size(); ++i) {
+    ids.pixels[i / 4] |= std::uint32_t{rgba.pixels[i]} << 8 * (i % 4);
+  }
+  return ids;
+}
+
 }  // namespace enfilade::image

@@ -112,5 +112,21 @@ TEST(Png, RefusesAHeaderThatClaimsTooMuch) {
               ThrowsMessage<InvalidInput>(HasSubstr("ends too early")));
 }
 
+TEST(Ids, TakeSixteenBitsOrFourBytes) {
+  Image32 ids(2, 1, 1);
+  ids.pixels = {7, 65535};
+  EXPECT_EQ(decode_png16(encode_ids(ids), "ids").pixels, (std::vector<std::uint16_t>{7, 65535}));
+  EXPECT_EQ(decode_ids(encode_ids(ids), "ids"), ids);
+  ids.pixels = {7, 0x04030201};
+  EXPECT_EQ(decode_png8(encode_ids(ids), "ids").pixels,
+            (std::vector<std::uint8_t>{7, 0, 0, 0, 1, 2, 3, 4}));
+  EXPECT_EQ(decode_ids(encode_ids(ids), "ids"), ids);
+}
+
+TEST(Ids, AreNoColours) {
+  EXPECT_THROW(decode_ids(encode_png(Image8(1, 1, 3)), "ids"), InvalidInput);
+  EXPECT_THROW(decode_ids(encode_png(Image8(1, 1, 2)), "ids"), InvalidInput);
+}
+
 }  // namespace
 }  // namespace enfilade::image

@@ -37,20 +37,16 @@ struct Memory {
   Memory& operator=(const Memory&) = delete;
 };
 
-std::size_t texel_bytes(Layer layer) {
+std::size_t texel_bytes(Layer layer) noexcept {
   return layer == Layer::kColour || layer == Layer::kInstance ? 4 : 2;
 }
 
 // Colour has a border of one texel around it, and 8-byte loads at its last texel reach beyond it.
-std::size_t border(Layer layer) { return layer == Layer::kColour ? 1 : 0; }
+std::size_t border(Layer layer) noexcept { return layer == Layer::kColour ? 1 : 0; }
 
-std::size_t row_bytes(Layer layer, std::uint32_t size) {
+std::size_t row_bytes(Layer layer, std::uint32_t size) noexcept {
   const std::size_t bytes = (size + 2 * border(layer)) * texel_bytes(layer);
   return (bytes + 15) / 16 * 16;
-}
-
-std::size_t face_bytes(Layer layer, std::uint32_t size) {
-  return row_bytes(layer, size) * (size + 2 * border(layer)) + kAlignment;
 }
 
 struct KeyHash {
@@ -100,6 +96,10 @@ std::array<T*, kCubeFaces> addresses(const Unit& unit) {
 }
 
 }  // namespace
+
+std::size_t face_bytes(Layer layer, std::uint32_t size) noexcept {
+  return row_bytes(layer, size) * (size + 2 * border(layer)) + kAlignment;
+}
 
 struct FaceCache::Impl {
   Impl(std::shared_ptr<const scan::PanoramaSet> set, const FaceCacheConfig& c)
@@ -185,11 +185,7 @@ Entry& FaceCache::Impl::add(Lock& lock, const FaceKey& key, std::uint32_t size) 
 void FaceCache::Impl::plan_one(Lock& lock, const FaceKey& key, std::vector<Unit>& units) {
   const scan::PanoramaSource& source = panoramas->source(key.scan);
   const std::uint32_t size = source.face_sizes(key.viewpoint)[index(key.layer)];
-  if (size == 0) {  // asking for it anyway makes the source say where it looked
-    Unit none;
-    none.first = key;
-    decode(none);
-  }
+  if (size == 0) throw source.lacks(key.layer, key.viewpoint);
   Unit& unit = units.emplace_back();  // first, so that what follows is undone if it throws
   unit.first = key;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
@@ -241,7 +237,6 @@ void FaceCache::Impl::decode(const Unit& unit) {
     const Face face = face_of(*unit.entries[k]);
     colour[k] = {const_cast<std::uint8_t*>(face.origin), face.stride, face.size};
   }
-  if (mask == 0) mask = static_cast<scan::FaceMask>(1U << index(unit.first.face));
   switch (unit.first.layer) {
     case Layer::kColour:
       return source.read_colour(unit.first.viewpoint, mask, colour);

@@ -27,6 +27,9 @@ struct Face {
   std::uint32_t size = 0;                ///< texels along an edge, border not counted
 };
 
+/// What a decoded face takes in a FaceCache, bytes: colour's border and rows' alignment included.
+std::size_t face_bytes(scan::Layer layer, std::uint32_t size) noexcept;
+
 struct FaceCacheConfig {
   /// What may be kept; what is in use at the moment is kept in any case. A face of 512 texels takes
   /// 1.06 MB of colour and 0.5 MB of depth.

@@ -110,8 +110,16 @@ Connectivity read(const json::Document& document, std::string scan) {
 }  // namespace
 
 bool is_scan_id(std::string_view scan) {
-  return !scan.empty() && scan[0] != '.' &&
-         scan.find_first_of(std::string_view("/\\\0", 3)) == std::string_view::npos;
+  constexpr std::string_view kAllowed =
+      "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-.";
+  constexpr std::size_t kLongest = 255;  // of a file name, and of the store's names
+  return !scan.empty() && scan.size() <= kLongest && scan[0] != '.' && scan[0] != '-' &&
+         scan.find_first_not_of(kAllowed) == std::string_view::npos;
+}
+
+void require_scan_id(std::string_view scan) {
+  if (is_scan_id(scan)) return;
+  throw LookupError(fmt::format("scan {:?}: not a scan id (letters, digits, _ and -)", scan));
 }
 
 std::filesystem::path connectivity_file(const std::filesystem::path& directory,
@@ -120,9 +128,7 @@ std::filesystem::path connectivity_file(const std::filesystem::path& directory,
 }
 
 Connectivity load_connectivity(const std::filesystem::path& directory, std::string_view scan) {
-  if (!is_scan_id(scan)) {
-    throw LookupError(fmt::format("scan {:?}: not a scan id (letters, digits, _ and -)", scan));
-  }
+  require_scan_id(scan);
   return read(json::Document::load(connectivity_file(directory, scan)), std::string(scan));
 }
 

@@ -31,9 +31,12 @@ struct Connectivity {
   std::vector<ConnectivityEntry> entries;
 };
 
-/// Can the name be part of a file's name, in any folder? Not empty, nor with a slash (of either
-/// kind), a zero byte or a dot in front.
+/// True for 1 to 255 letters, digits, '_', '-' and '.', the first neither '-' nor '.': a name that
+/// is safe in files' names, command lines and URLs. Matterport3D's `17DRP5sb8fy` and HM3D's
+/// `00000-kfPV7w3FaU5` are scan ids. Everything that reads or writes a scan asks here.
 bool is_scan_id(std::string_view scan);
+/// \throws LookupError naming `scan` if it is no scan id
+void require_scan_id(std::string_view scan);
 
 /// Reads `<directory>/<scan>_connectivity.json`.
 /// \throws FileError if it cannot be read; InvalidInput listing every fault with its JSON path if

@@ -97,14 +97,21 @@ TEST(Connectivity, AScanIdIsNoPath) {
   EXPECT_THROW(load_connectivity(tests::TemporaryFolder("empty").path(), "absent"), FileError);
 }
 
-TEST(IsScanId, WantsAPartOfAFilesName) {
-  for (const char* id : {"17DRP5sb8fy", "home_0001", "a.b", "-", "my house"}) {
+TEST(IsScanId, IsANameThatIsSafeEverywhere) {
+  // Matterport3D's, HM3D's, ours, Gibson's, ScanNet's.
+  for (const char* id : {"17DRP5sb8fy", "00000-kfPV7w3FaU5", "home_0001", "Allensville",
+                         "scene0000_00", "a.b", "_", "0"}) {
     EXPECT_TRUE(is_scan_id(id)) << id;
+    EXPECT_NO_THROW(require_scan_id(id));
   }
-  for (const std::string_view id : {"", ".", "..", ".hidden", "a/b", "a\\b", "/", "../a"}) {
+  for (const std::string_view id : {"", ".", "..", ".hidden", "-", "-o", "my house", "a/b", "a\\b",
+                                    "/", "../a", "h\xc3\xa4user", "a\nb"}) {
     EXPECT_FALSE(is_scan_id(id)) << id;
+    EXPECT_THROW(require_scan_id(id), LookupError);
   }
   EXPECT_FALSE(is_scan_id(std::string_view("a\0b", 3)));
+  EXPECT_TRUE(is_scan_id(std::string(255, 'a')));
+  EXPECT_FALSE(is_scan_id(std::string(256, 'a')));
 }
 
 TEST(ScanList, RefusesWhatIsNoList) {

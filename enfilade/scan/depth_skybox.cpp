@@ -168,9 +168,7 @@ double blend(std::vector<Reading>& readings) {
 }
 
 std::uint16_t in_units(double metres) {
-  if (metres <= 0) return 0;
-  return static_cast<std::uint16_t>(
-      std::clamp(std::round(metres * kDepthUnitsPerMetre), 1., 65535.));
+  return metres <= 0 ? std::uint16_t{0} : image::depth_units(metres);
 }
 
 }  // namespace

@@ -46,8 +46,6 @@ struct MatterportImages::Impl {
                                    ViewpointIndex viewpoint, std::optional<image::CubeMap<T>> map);
   FaceSizes read_sizes(const std::string& viewpoint) const;
   std::optional<image::CubeMap<std::uint16_t>> read_depth(const PanoramaPose& pose) const;
-  [[noreturn]] void throw_lacking(const MatterportImages& source, Layer layer,
-                                  const std::string& id) const;
 
   fs::path connectivity;  ///< folder
   detail::SkyboxFiles skybox;
@@ -121,7 +119,7 @@ image::CubeMap<T> MatterportImages::Impl::checked(const MatterportImages& source
                                                   std::optional<image::CubeMap<T>> map) {
   const Impl& impl = *source.impl_;
   const std::string& id = source.poses()[viewpoint.at()].viewpoint;
-  if (!map) impl.throw_lacking(source, layer, id);
+  if (!map) throw source.lacks(layer, viewpoint);
   const std::uint32_t size = impl.sizes_at(viewpoint, id)[index(layer)];
   if ((*map)[0].width != size) {
     throw InvalidInput({{Severity::kError, source.origin(), "", "changed",
@@ -132,11 +130,10 @@ image::CubeMap<T> MatterportImages::Impl::checked(const MatterportImages& source
   return *std::move(map);
 }
 
-void MatterportImages::Impl::throw_lacking(const MatterportImages& source, Layer layer,
-                                           const std::string& id) const {
-  throw LookupError(fmt::format("scan {:?}, viewpoint {:?}: no {}; tried:{}{}", source.scan(), id,
-                                to_string(layer), skybox.tried(layer, id),
-                                layer == Layer::kDepth ? undistorted.tried(id) : ""));
+std::string MatterportImages::tried(Layer layer, ViewpointIndex viewpoint) const {
+  const std::string& id = poses()[viewpoint.at()].viewpoint;
+  return "; tried:" + impl_->skybox.tried(layer, id) +
+         (layer == Layer::kDepth ? impl_->undistorted.tried(id) : "");
 }
 
 std::shared_ptr<const MatterportImages> MatterportImages::open(const fs::path& root,
@@ -167,33 +164,28 @@ FaceSizes MatterportImages::face_sizes(ViewpointIndex viewpoint) const {
                   [&] { return impl_->sizes_at(viewpoint, poses()[viewpoint.at()].viewpoint); });
 }
 
-void MatterportImages::read_colour(
-    ViewpointIndex viewpoint, FaceMask wanted,
-    const std::array<image::BorderedFace, kCubeFaces>& buffers) const {
-  Impl::at(*this, viewpoint, [&] {
-    const auto faces = Impl::checked(*this, Layer::kColour, viewpoint,
-                                     impl_->skybox.colour(poses()[viewpoint.at()].viewpoint));
-    image::write_faces(faces, wanted, buffers);
-  });
-}
-
-void MatterportImages::read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
-                               const std::array<std::uint16_t*, kCubeFaces>& buffers) const {
-  EN_CHECK(layer == Layer::kDepth || layer == Layer::kClass);
+void MatterportImages::read(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+                            const FaceBuffers& buffers) const {
+  const auto checked = [&](auto map) {
+    return Impl::checked(*this, layer, viewpoint, std::move(map));
+  };
   Impl::at(*this, viewpoint, [&] {
     const PanoramaPose& pose = poses()[viewpoint.at()];
-    auto faces = layer == Layer::kDepth ? impl_->read_depth(pose)
-                                        : impl_->skybox.strip_16(layer, pose.viewpoint);
-    image::copy_faces(Impl::checked(*this, layer, viewpoint, std::move(faces)), wanted, buffers);
-  });
-}
-
-void MatterportImages::read_instances(ViewpointIndex viewpoint, FaceMask wanted,
-                                      const std::array<std::uint32_t*, kCubeFaces>& buffers) const {
-  Impl::at(*this, viewpoint, [&] {
-    image::copy_faces(Impl::checked(*this, Layer::kInstance, viewpoint,
-                                    impl_->skybox.instances(poses()[viewpoint.at()].viewpoint)),
-                      wanted, buffers);
+    const detail::SkyboxFiles& skybox = impl_->skybox;
+    switch (layer) {
+      case Layer::kColour:
+        return image::write_faces(checked(skybox.colour(pose.viewpoint)), wanted,
+                                  std::get<ColourFaces>(buffers));
+      case Layer::kDepth:
+        return image::copy_faces(checked(impl_->read_depth(pose)), wanted,
+                                 std::get<Faces16>(buffers));
+      case Layer::kClass:
+        return image::copy_faces(checked(skybox.strip_16(layer, pose.viewpoint)), wanted,
+                                 std::get<Faces16>(buffers));
+      case Layer::kInstance:
+        return image::copy_faces(checked(skybox.instances(pose.viewpoint)), wanted,
+                                 std::get<Faces32>(buffers));
+    }
   });
 }
 
@@ -203,7 +195,7 @@ std::optional<std::array<std::string, kCubeFaces>> MatterportImages::colour_jpeg
     const std::string& id = poses()[viewpoint.at()].viewpoint;
     auto jpegs = impl_->skybox.colour_jpegs(id);
     if (!jpegs && impl_->skybox.size(Layer::kColour, id) == 0) {
-      impl_->throw_lacking(*this, Layer::kColour, id);
+      throw lacks(Layer::kColour, viewpoint);
     }
     return jpegs;
   });

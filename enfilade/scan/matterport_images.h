@@ -38,22 +38,18 @@ class MatterportImages final : public PanoramaSource {
   Connectivity connectivity() const override;
   FaceSizes face_sizes(ViewpointIndex viewpoint) const override;
   bool reads_whole_panoramas() const noexcept override { return true; }
-  void read_colour(ViewpointIndex viewpoint, FaceMask wanted,
-                   const std::array<image::BorderedFace, kCubeFaces>& buffers) const override;
-  void read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
-               const std::array<std::uint16_t*, kCubeFaces>& buffers) const override;
-  void read_instances(ViewpointIndex viewpoint, FaceMask wanted,
-                      const std::array<std::uint32_t*, kCubeFaces>& buffers) const override;
-
   /// The colour faces as the files' own JPEG bytes, by index(CubeFace), where nothing has to be
   /// decoded for it: face files as they are, strips cut on their blocks' edges
   /// (image::cut_jpeg_strip). Nothing otherwise. \throws as read_colour()
   std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
       ViewpointIndex viewpoint) const override;
   std::string state() const override;  ///< names, sizes and times of all files
+  std::string tried(Layer layer, ViewpointIndex viewpoint) const override;
 
  private:
   struct Impl;
+  void read(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+            const FaceBuffers& buffers) const override;
   explicit MatterportImages(std::unique_ptr<Impl> impl, std::string origin,
                             std::vector<PanoramaPose> poses, std::string scan);
   std::unique_ptr<Impl> impl_;

@@ -35,13 +35,6 @@ void check_map(const image::CubeMap<T>& map, std::uint32_t channels, Layer layer
   }
 }
 
-[[noreturn]] void throw_lacking(const PanoramaSource& source, ViewpointIndex viewpoint,
-                                Layer layer) {
-  throw LookupError(fmt::format("scan {:?}, viewpoint {:?}: no {} in {}", source.scan(),
-                                source.poses().at(viewpoint.at()).viewpoint, to_string(layer),
-                                source.origin()));
-}
-
 template <class T>
 std::uint64_t checksum_of_faces(const image::CubeMap<T>& map, std::uint64_t seed) {
   for (const image::Image<T>& face : map) {
@@ -134,6 +127,22 @@ std::optional<std::array<std::string, kCubeFaces>> PanoramaSource::colour_jpegs(
   return std::nullopt;
 }
 
+void PanoramaSource::read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+                             const Faces16& buffers) const {
+  EN_CHECK(layer == Layer::kDepth || layer == Layer::kClass);
+  read(layer, viewpoint, wanted, buffers);
+}
+
+std::string PanoramaSource::tried(Layer /*layer*/, ViewpointIndex /*viewpoint*/) const {
+  return " in " + origin_;
+}
+
+LookupError PanoramaSource::lacks(Layer layer, ViewpointIndex viewpoint) const {
+  return LookupError(fmt::format("scan {:?}, viewpoint {:?}: no {}{}", scan_,
+                                 poses_.at(viewpoint.at()).viewpoint, to_string(layer),
+                                 tried(layer, viewpoint)));
+}
+
 std::string PanoramaSource::state() const { return {}; }
 
 std::vector<PanoramaPose> poses_of(const Connectivity& connectivity) {
@@ -211,28 +220,20 @@ FaceSizes MemoryPanoramas::face_sizes(ViewpointIndex viewpoint) const {
   return panoramas_.at(viewpoint.at()).sizes();
 }
 
-void MemoryPanoramas::read_colour(
-    ViewpointIndex viewpoint, FaceMask wanted,
-    const std::array<image::BorderedFace, kCubeFaces>& buffers) const {
-  const image::CubeMap<std::uint8_t>& colour = panoramas_.at(viewpoint.at()).colour;
-  if (colour[0].width == 0) throw_lacking(*this, viewpoint, Layer::kColour);
-  image::write_faces(colour, wanted, buffers);
-}
-
-void MemoryPanoramas::read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
-                              const std::array<std::uint16_t*, kCubeFaces>& buffers) const {
-  EN_CHECK(layer == Layer::kDepth || layer == Layer::kClass);
+void MemoryPanoramas::read(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+                           const FaceBuffers& buffers) const {
   const Panorama& panorama = panoramas_.at(viewpoint.at());
-  const auto& map = layer == Layer::kDepth ? panorama.depth : panorama.classes;
-  if (map[0].width == 0) throw_lacking(*this, viewpoint, layer);
-  image::copy_faces(map, wanted, buffers);
-}
-
-void MemoryPanoramas::read_instances(ViewpointIndex viewpoint, FaceMask wanted,
-                                     const std::array<std::uint32_t*, kCubeFaces>& buffers) const {
-  const auto& map = panoramas_.at(viewpoint.at()).instances;
-  if (map[0].width == 0) throw_lacking(*this, viewpoint, Layer::kInstance);
-  image::copy_faces(map, wanted, buffers);
+  if (panorama.sizes()[index(layer)] == 0) throw lacks(layer, viewpoint);
+  switch (layer) {
+    case Layer::kColour:
+      return image::write_faces(panorama.colour, wanted, std::get<ColourFaces>(buffers));
+    case Layer::kDepth:
+      return image::copy_faces(panorama.depth, wanted, std::get<Faces16>(buffers));
+    case Layer::kClass:
+      return image::copy_faces(panorama.classes, wanted, std::get<Faces16>(buffers));
+    case Layer::kInstance:
+      return image::copy_faces(panorama.instances, wanted, std::get<Faces32>(buffers));
+  }
 }
 
 std::string MemoryPanoramas::state() const {

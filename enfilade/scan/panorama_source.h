@@ -8,8 +8,10 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <variant>
 #include <vector>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/core/ids.h"
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/image/cube_border.h"
@@ -30,7 +32,7 @@ constexpr std::size_t index(Layer layer) { return static_cast<std::size_t>(layer
 std::string_view to_string(Layer layer);  ///< "colour", "depth", "class", "instance"
 
 /// Units of Layer::kDepth in a metre.
-inline constexpr double kDepthUnitsPerMetre = 4000;
+using image::kDepthUnitsPerMetre;
 
 /// Edge lengths of a panorama's faces, texels, by index(Layer); 0 where it lacks the layer.
 using FaceSizes = std::array<std::uint32_t, kLayers>;
@@ -42,6 +44,13 @@ inline constexpr LayerMask kAllLayers = 15;
 /// Faces as bits 1 << index(CubeFace).
 using FaceMask = std::uint8_t;
 inline constexpr FaceMask kAllFaces = 63;
+
+/// Where faces are written, by index(CubeFace): colour with its border, the others as n x n values
+/// in rows.
+using ColourFaces = std::array<image::BorderedFace, kCubeFaces>;
+using Faces16 = std::array<std::uint16_t*, kCubeFaces>;
+using Faces32 = std::array<std::uint32_t*, kCubeFaces>;
+using FaceBuffers = std::variant<ColourFaces, Faces16, Faces32>;
 
 /// Where the panorama of a viewpoint was taken.
 struct PanoramaPose {
@@ -77,20 +86,29 @@ class PanoramaSource {
   virtual FaceSizes face_sizes(ViewpointIndex viewpoint) const = 0;
 
   /// True if one face costs as much as all six (a strip): callers then ask for all at once.
-  virtual bool reads_whole_panoramas() const noexcept = 0;
+  virtual bool reads_whole_panoramas() const noexcept { return false; }
 
   /// Decodes the faces in `wanted` into buffers[index(face)], borders included; the others are not
-  /// looked at. \pre buffers have the size of face_sizes()
-  /// \throws LookupError if the panorama lacks the layer, naming scan, viewpoint and the files that
-  /// were tried; FileError; InvalidInput naming file, scan and viewpoint for broken ones
-  virtual void read_colour(ViewpointIndex viewpoint, FaceMask wanted,
-                           const std::array<image::BorderedFace, kCubeFaces>& buffers) const = 0;
-  /// Depth and class: n x n values a face, row-major, no border. \throws as read_colour()
-  virtual void read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
-                       const std::array<std::uint16_t*, kCubeFaces>& buffers) const = 0;
+  /// touched. \pre buffers have the size of face_sizes()
+  /// \throws LookupError if the panorama lacks the layer: lacks(); FileError; InvalidInput naming
+  /// file, scan and viewpoint for broken ones
+  void read_colour(ViewpointIndex viewpoint, FaceMask wanted, const ColourFaces& buffers) const {
+    read(Layer::kColour, viewpoint, wanted, buffers);
+  }
+  /// Depth or class: n x n values a face, row-major, no border. \throws as read_colour()
+  void read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+               const Faces16& buffers) const;
   /// Instances, likewise.
-  virtual void read_instances(ViewpointIndex viewpoint, FaceMask wanted,
-                              const std::array<std::uint32_t*, kCubeFaces>& buffers) const = 0;
+  void read_instances(ViewpointIndex viewpoint, FaceMask wanted, const Faces32& buffers) const {
+    read(Layer::kInstance, viewpoint, wanted, buffers);
+  }
+
+  /// Where the layer of a panorama is looked for, to follow "no colour" in messages: " in
+  /// <origin>", or "; tried:" and the files, one a line. Whether it is there, face_sizes() tells.
+  virtual std::string tried(Layer layer, ViewpointIndex viewpoint) const;
+  /// What the read functions throw if the panorama lacks the layer: names scan, viewpoint, layer
+  /// and what was tried().
+  LookupError lacks(Layer layer, ViewpointIndex viewpoint) const;
 
   /// The colour faces as JPEG, by index(CubeFace), where they are had without decoding and
   /// encoding. Nothing otherwise. \throws as read_colour()
@@ -106,6 +124,10 @@ class PanoramaSource {
   PanoramaSource(std::string scan, std::string origin, std::vector<PanoramaPose> poses);
 
  private:
+  /// Reads one layer; `buffers` holds the kind that the layer needs. \throws as read_colour()
+  virtual void read(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+                    const FaceBuffers& buffers) const = 0;
+
   std::string scan_, origin_;
   std::vector<PanoramaPose> poses_;
   std::unordered_map<std::string_view, ViewpointIndex> by_id_;
@@ -141,16 +163,12 @@ class MemoryPanoramas final : public PanoramaSource {
   MemoryPanoramas(Connectivity connectivity, std::vector<Panorama> panoramas);
   Connectivity connectivity() const override { return connectivity_; }
   FaceSizes face_sizes(ViewpointIndex viewpoint) const override;
-  bool reads_whole_panoramas() const noexcept override { return false; }
-  void read_colour(ViewpointIndex viewpoint, FaceMask wanted,
-                   const std::array<image::BorderedFace, kCubeFaces>& buffers) const override;
-  void read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
-               const std::array<std::uint16_t*, kCubeFaces>& buffers) const override;
-  void read_instances(ViewpointIndex viewpoint, FaceMask wanted,
-                      const std::array<std::uint32_t*, kCubeFaces>& buffers) const override;
   std::string state() const override;  ///< a checksum of all pixels
 
  private:
+  void read(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+            const FaceBuffers& buffers) const override;
+
   Connectivity connectivity_;
   std::vector<Panorama> panoramas_;
 };

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
-#include "enfilade/core/detail/mapped_file.h"
+#include "enfilade/core/mapped_file.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/scan/detail/store_format.h"
 
@@ -84,8 +84,7 @@ struct Store::Impl {
   std::uint32_t size_of(const PanoramaSource& store, ViewpointIndex viewpoint, Layer layer) const;
   void read_colour_face(const FaceName& name, const image::BorderedFace& face) const;
   template <class T>
-  void read_faces(const PanoramaSource& store, Layer layer, ViewpointIndex viewpoint,
-                  FaceMask wanted, const std::array<T*, kCubeFaces>& buffers) const;
+  void read_face(const FaceName& name, std::uint32_t size, T* buffer) const;
   void verify_records(const std::string& origin, std::vector<Diagnostic>& faults) const;
   void verify_faces(const PanoramaSource& store, ViewpointIndex viewpoint, std::mutex& mutex,
                     std::vector<Diagnostic>& faults) const;
@@ -97,11 +96,7 @@ struct Store::Impl {
 std::uint32_t Store::Impl::size_of(const PanoramaSource& store, ViewpointIndex viewpoint,
                                    Layer layer) const {
   const std::uint32_t size = catalogue.sizes.at(viewpoint.at())[index(layer)];
-  if (size == 0) {
-    throw LookupError(fmt::format("scan {:?}, viewpoint {:?}: no {} in {}", store.scan(),
-                                  store.poses()[viewpoint.at()].viewpoint, to_string(layer),
-                                  store.origin()));
-  }
+  if (size == 0) throw store.lacks(layer, viewpoint);
   return size;
 }
 
@@ -127,17 +122,11 @@ void Store::Impl::read_colour_face(const FaceName& name, const image::BorderedFa
 }
 
 template <class T>
-void Store::Impl::read_faces(const PanoramaSource& store, Layer layer, ViewpointIndex viewpoint,
-                             FaceMask wanted, const std::array<T*, kCubeFaces>& buffers) const {
-  const std::uint32_t size = size_of(store, viewpoint, layer);
-  for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    if ((wanted >> k & 1) == 0) continue;
-    const FaceName name{store, viewpoint, layer, k};
-    const FaceEntry& found = whole_entry(name);
-    if (!detail::decode_texels(found.coding, bytes_of(found), size, buffers[k])) {
-      refuse(fault(name, "damaged-face",
-                   fmt::format("cannot be decompressed to {} x {} values", size, size)));
-    }
+void Store::Impl::read_face(const FaceName& name, std::uint32_t size, T* buffer) const {
+  const FaceEntry& found = whole_entry(name);
+  if (!detail::decode_texels(found.coding, bytes_of(found), size, buffer)) {
+    refuse(fault(name, "damaged-face",
+                 fmt::format("cannot be decompressed to {} x {} values", size, size)));
   }
 }
 
@@ -182,9 +171,7 @@ void Store::Impl::verify_faces(const PanoramaSource& store, ViewpointIndex viewp
 }
 
 std::filesystem::path store_file(const std::filesystem::path& directory, const std::string& scan) {
-  if (!is_scan_id(scan) || scan.size() > detail::kLongestName) {
-    throw LookupError(fmt::format("scan {:?}: not a scan id (letters, digits, _ and -)", scan));
-  }
+  require_scan_id(scan);
   return directory / (scan + ".enfilade");
 }
 
@@ -227,25 +214,21 @@ FaceSizes Store::face_sizes(ViewpointIndex viewpoint) const {
   return impl_->catalogue.sizes.at(viewpoint.at());
 }
 
-void Store::read_colour(ViewpointIndex viewpoint, FaceMask wanted,
-                        const std::array<image::BorderedFace, kCubeFaces>& buffers) const {
-  const std::uint32_t size = impl_->size_of(*this, viewpoint, Layer::kColour);
+void Store::read(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+                 const FaceBuffers& buffers) const {
+  const std::uint32_t size = impl_->size_of(*this, viewpoint, layer);
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     if ((wanted >> k & 1) == 0) continue;
-    EN_CHECK_EQ(buffers[k].size, size);
-    impl_->read_colour_face({*this, viewpoint, Layer::kColour, k}, buffers[k]);
+    const FaceName name{*this, viewpoint, layer, k};
+    if (const auto* colour = std::get_if<ColourFaces>(&buffers)) {
+      EN_CHECK_EQ((*colour)[k].size, size);
+      impl_->read_colour_face(name, (*colour)[k]);
+    } else if (const auto* values = std::get_if<Faces16>(&buffers)) {
+      impl_->read_face(name, size, (*values)[k]);
+    } else {
+      impl_->read_face(name, size, std::get<Faces32>(buffers)[k]);
+    }
   }
-}
-
-void Store::read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
-                    const std::array<std::uint16_t*, kCubeFaces>& buffers) const {
-  EN_CHECK(layer == Layer::kDepth || layer == Layer::kClass);
-  impl_->read_faces(*this, layer, viewpoint, wanted, buffers);
-}
-
-void Store::read_instances(ViewpointIndex viewpoint, FaceMask wanted,
-                           const std::array<std::uint32_t*, kCubeFaces>& buffers) const {
-  impl_->read_faces(*this, Layer::kInstance, viewpoint, wanted, buffers);
 }
 
 std::optional<std::array<std::string, kCubeFaces>> Store::colour_jpegs(

@@ -16,7 +16,7 @@ namespace enfilade::scan {
 
 inline constexpr std::uint32_t kStoreVersion = 1;
 
-/// `<directory>/<scan>.enfilade`. \throws LookupError if `scan` cannot be part of a file name
+/// `<directory>/<scan>.enfilade`. \throws LookupError if `scan` is no scan id
 std::filesystem::path store_file(const std::filesystem::path& directory, const std::string& scan);
 
 /// How RGB faces are kept.
@@ -63,13 +63,6 @@ class Store final : public PanoramaSource {
 
   Connectivity connectivity() const override;
   FaceSizes face_sizes(ViewpointIndex viewpoint) const override;
-  bool reads_whole_panoramas() const noexcept override { return false; }
-  void read_colour(ViewpointIndex viewpoint, FaceMask wanted,
-                   const std::array<image::BorderedFace, kCubeFaces>& buffers) const override;
-  void read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
-               const std::array<std::uint16_t*, kCubeFaces>& buffers) const override;
-  void read_instances(ViewpointIndex viewpoint, FaceMask wanted,
-                      const std::array<std::uint32_t*, kCubeFaces>& buffers) const override;
   std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
       ViewpointIndex viewpoint) const override;
   std::string state() const override;  ///< its checksums
@@ -82,6 +75,8 @@ class Store final : public PanoramaSource {
 
  private:
   struct Impl;
+  void read(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
+            const FaceBuffers& buffers) const override;
   Store(std::unique_ptr<Impl> impl, std::string scan, std::string origin,
         std::vector<PanoramaPose> poses);
   std::unique_ptr<Impl> impl_;

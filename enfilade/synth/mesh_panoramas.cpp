@@ -55,21 +55,19 @@ const mesh::CubeCapture& MeshPanoramas::capture(ViewpointIndex viewpoint) const 
   return taken.pictures;
 }
 
-void MeshPanoramas::read_colour(ViewpointIndex viewpoint, scan::FaceMask wanted,
-                                const std::array<image::BorderedFace, kCubeFaces>& buffers) const {
-  image::write_faces(capture(viewpoint).colour, wanted, buffers);
-}
-
-void MeshPanoramas::read_16(scan::Layer layer, ViewpointIndex viewpoint, scan::FaceMask wanted,
-                            const std::array<std::uint16_t*, kCubeFaces>& buffers) const {
+void MeshPanoramas::read(scan::Layer layer, ViewpointIndex viewpoint, scan::FaceMask wanted,
+                         const scan::FaceBuffers& buffers) const {
   const mesh::CubeCapture& pictures = capture(viewpoint);
-  image::copy_faces(layer == scan::Layer::kDepth ? pictures.depth : pictures.classes, wanted,
-                    buffers);
-}
-
-void MeshPanoramas::read_instances(ViewpointIndex viewpoint, scan::FaceMask wanted,
-                                   const std::array<std::uint32_t*, kCubeFaces>& buffers) const {
-  image::copy_faces(capture(viewpoint).instances, wanted, buffers);
+  switch (layer) {
+    case scan::Layer::kColour:
+      return image::write_faces(pictures.colour, wanted, std::get<scan::ColourFaces>(buffers));
+    case scan::Layer::kDepth:
+      return image::copy_faces(pictures.depth, wanted, std::get<scan::Faces16>(buffers));
+    case scan::Layer::kClass:
+      return image::copy_faces(pictures.classes, wanted, std::get<scan::Faces16>(buffers));
+    case scan::Layer::kInstance:
+      return image::copy_faces(pictures.instances, wanted, std::get<scan::Faces32>(buffers));
+  }
 }
 
 }  // namespace enfilade::synth

@@ -21,15 +21,11 @@ class MeshPanoramas final : public scan::PanoramaSource {
   scan::Connectivity connectivity() const override { return connectivity_; }
   scan::FaceSizes face_sizes(ViewpointIndex viewpoint) const override;
   bool reads_whole_panoramas() const noexcept override { return true; }
-  void read_colour(ViewpointIndex viewpoint, scan::FaceMask wanted,
-                   const std::array<image::BorderedFace, kCubeFaces>& buffers) const override;
-  void read_16(scan::Layer layer, ViewpointIndex viewpoint, scan::FaceMask wanted,
-               const std::array<std::uint16_t*, kCubeFaces>& buffers) const override;
-  void read_instances(ViewpointIndex viewpoint, scan::FaceMask wanted,
-                      const std::array<std::uint32_t*, kCubeFaces>& buffers) const override;
   std::string state() const override { return state_; }
 
  private:
+  void read(scan::Layer layer, ViewpointIndex viewpoint, scan::FaceMask wanted,
+            const scan::FaceBuffers& buffers) const override;
   const mesh::CubeCapture& capture(ViewpointIndex viewpoint) const;
 
   std::shared_ptr<const mesh::LitMesh> mesh_;

@@ -40,14 +40,9 @@ void validate(const scan::Connectivity& connectivity, const ScanFilesOptions& o)
   const auto check = [](bool good, const std::string& message) {
     if (!good) throw ArgumentError(message);
   };
-  const std::string& scan = connectivity.scan;
-  const bool is_name = !scan.empty() && std::ranges::all_of(scan, [](unsigned char c) {
-    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' ||
-           c == '-' || c == '.';
-  });
-  check(is_name && scan[0] != '.',
-        fmt::format("scan {:?}: letters, digits, '_', '-' and '.' are allowed, not first a '.'",
-                    scan));
+  check(scan::is_scan_id(connectivity.scan),
+        fmt::format("scan {:?}: letters, digits, _, - and . are allowed, not first a - or a .",
+                    connectivity.scan));
   check(o.face_size >= 1 && o.face_size <= 8192,
         fmt::format("face_size: {}, not from 1 to 8192", o.face_size));
   check(o.image_width >= 10 && o.image_width <= 8192,
@@ -191,23 +186,6 @@ std::string jpeg(const image::Image8& picture, int quality) {
   return text(image::encode_jpeg(picture, quality, quality >= 90));
 }
 
-std::string encode_ids(const image::Image32& ids) {
-  const auto size = [&]<class T>(image::Image<T>, std::uint32_t channels) {
-    return image::Image<T>(ids.width, ids.height, channels);
-  };
-  if (ids.pixels.empty() || std::ranges::max(ids.pixels) <= 65535) {
-    auto grey = size(image::Image16(), 1);
-    std::ranges::transform(ids.pixels, grey.pixels.begin(),
-                           [](std::uint32_t id) { return static_cast<std::uint16_t>(id); });
-    return text(image::encode_png(grey));
-  }
-  auto rgba = size(image::Image8(), 4);
-  for (std::size_t i = 0; i < rgba.pixels.size(); ++i) {
-    rgba.pixels[i] = static_cast<std::uint8_t>(ids.pixels[i / 4] >> 8 * (i % 4));
-  }
-  return text(image::encode_png(rgba));
-}
-
 /// Makes a scan's tasks, and the texts beside its pictures.
 class ScanWriter {
  public:
@@ -301,7 +279,7 @@ class ScanWriter {
       const mesh::LitMesh& mesh = o_.label_mesh != nullptr ? *o_.label_mesh : mesh_;
       const mesh::CubeCapture pictures = capture(mesh, pose, Layer::kClass);
       return std::vector{text(image::encode_png(image::join_strip(pictures.classes))),
-                         encode_ids(image::join_strip(pictures.instances))};
+                         text(image::encode_ids(image::join_strip(pictures.instances)))};
     };
     return task;
   }

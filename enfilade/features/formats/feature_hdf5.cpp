@@ -10,9 +10,9 @@
 #include <string_view>
 #include <utility>
 
-#include "enfilade/core/detail/mapped_file.h"
-#include "enfilade/core/detail/part_file.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/mapped_file.h"
+#include "enfilade/core/part_file.h"
 #include "enfilade/features/detail/half.h"
 #include "enfilade/features/formats/feature_safetensors.h"
 #include "enfilade/features/formats/isolated.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/core/detail/mapped_file.h"
+#include "enfilade/core/mapped_file.h"
 #include "enfilade/features/formats/feature_rows.h"
 
 namespace enfilade::features::formats {

@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "enfilade/core/base64.h"
-#include "enfilade/core/detail/mapped_file.h"
-#include "enfilade/core/detail/part_file.h"
+#include "enfilade/core/mapped_file.h"
+#include "enfilade/core/part_file.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/features/detail/half.h"

@@ -17,19 +17,6 @@ bool before(const FaceKey& a, const FaceKey& b) { return order(a) < order(b); }
 
 bool sees(const PreparedView& view, std::size_t face) { return (view.mask >> face & 1U) != 0; }
 
-std::size_t face_bytes(Layer layer, std::size_t size) {
-  switch (layer) {
-    case Layer::kColour:
-      return (size + 2) * (size + 2) * 4;
-    case Layer::kDepth:
-    case Layer::kClass:
-      return size * size * 2;
-    case Layer::kInstance:
-      return size * size * 4;
-  }
-  return 0;
-}
-
 PreparedView prepare(const Camera& camera, const View& view, const scan::PanoramaSet& panoramas) {
   const Mat3d& world_from_panorama =
       panoramas.source(view.scan).poses()[view.viewpoint.at()].world_from_panorama;

@@ -1,4 +1,4 @@
-#include "enfilade/render/gl/detail/context.h"
+#include "enfilade/render/gl/context.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/render/gl/detail/context.h"
+#include "enfilade/render/gl/context.h"
 #include "enfilade/render/gl_devices.h"
 
 namespace enfilade::render {

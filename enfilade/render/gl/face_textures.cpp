@@ -1,4 +1,4 @@
-#include "enfilade/render/gl/detail/face_textures.h"
+#include "enfilade/render/gl/face_textures.h"
 
 #include <fmt/format.h>
 
@@ -75,7 +75,7 @@ FacePool::FacePool(scan::Layer layer, std::uint32_t size) : layer_(layer), size_
   }
 }
 
-std::size_t FacePool::face_bytes() const noexcept {
+std::size_t FacePool::slot_bytes() const noexcept {
   const Texels texels = texels_of(layer_);
   const std::size_t edge = size_ + 2 * texels.border;
   return edge * edge * texels.bytes;
@@ -201,13 +201,6 @@ void FacePool::drop(const FaceKey& key) {
 FaceTextures::FaceTextures(std::shared_ptr<FaceCache> faces, std::size_t bytes)
     : faces_(std::move(faces)), bytes_(bytes) {}
 
-void FaceTextures::complain_of(const FaceKey& key) {
-  Face face;
-  const Held held(*faces_, {&key, 1}, {&face, 1});
-  throw Error(fmt::format("{}: no {} faces", faces_->panoramas().source(key.scan).origin(),
-                          to_string(key.layer)));
-}
-
 const scan::FaceSizes& FaceTextures::sizes(ScanIndex scan, ViewpointIndex viewpoint) {
   const std::uint64_t place = std::uint64_t{scan.value} << 32 | viewpoint.value;
   const auto found = sizes_.find(place);
@@ -231,7 +224,7 @@ void FaceTextures::prepare(scan::Layer layer, std::uint32_t size) {
 // The same number of faces for each pool: a view needs as many of each layer.
 void FaceTextures::share_out() {
   std::size_t one_of_each = 0;
-  for (const auto& p : pools_) one_of_each += p->face_bytes();
+  for (const auto& p : pools_) one_of_each += p->slot_bytes();
   for (const auto& p : pools_) p->limit(std::max(kLeastSlots, bytes_ / one_of_each));
 }
 

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/render/gl/detail/pieces.h"
+#include "enfilade/render/gl/pieces.h"
 #include "enfilade/render/gl/renderer.h"
 #include "enfilade/render/gl_devices.h"
 #include "tests/support/refusal.h"

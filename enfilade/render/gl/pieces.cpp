@@ -1,4 +1,4 @@
-#include "enfilade/render/gl/detail/pieces.h"
+#include "enfilade/render/gl/pieces.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "enfilade/render/gl/detail/program.h"
+#include "enfilade/render/gl/program.h"
 
 #include <fmt/format.h>
 

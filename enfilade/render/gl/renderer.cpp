@@ -11,11 +11,11 @@
 #include "enfilade/core/check.h"
 #include "enfilade/render/cpu/pack.h"
 #include "enfilade/render/detail/batch.h"
-#include "enfilade/render/gl/detail/context.h"
-#include "enfilade/render/gl/detail/face_textures.h"
-#include "enfilade/render/gl/detail/pieces.h"
-#include "enfilade/render/gl/detail/program.h"
-#include "enfilade/render/gl/detail/targets.h"
+#include "enfilade/render/gl/context.h"
+#include "enfilade/render/gl/face_textures.h"
+#include "enfilade/render/gl/pieces.h"
+#include "enfilade/render/gl/program.h"
+#include "enfilade/render/gl/targets.h"
 
 namespace enfilade::render::gl {
 namespace {
@@ -208,7 +208,7 @@ bool GlRenderer::take_panorama(const Frame& frame, const View& view, bool first)
     const std::uint32_t size = sizes[index(layer)];
     if (!has(frame.program.layers, index(layer))) continue;
     if (size == 0) {
-      textures_.complain_of({view.scan, view.viewpoint, layer, CubeFace::kFront});
+      throw faces_->panoramas().source(view.scan).lacks(layer, view.viewpoint);
     }
     if (first) {
       sizes_[index(layer)] = size;

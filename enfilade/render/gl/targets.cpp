@@ -1,4 +1,4 @@
-#include "enfilade/render/gl/detail/targets.h"
+#include "enfilade/render/gl/targets.h"
 
 #include <fmt/format.h>
 

@@ -90,22 +90,6 @@ void check_grey(Layer layer, const Shape& shape, const std::string& file) {
   }
 }
 
-image::Image32 widened(const image::Image16& grey) {
-  image::Image32 result(grey.width, grey.height, 1);
-  std::ranges::copy(grey.pixels, result.pixels.begin());
-  return result;
-}
-
-image::Image32 ids_of(const image::Image8& rgba) {
-  image::Image32 result(rgba.width, rgba.height, 1);
-  for (std::size_t i = 0; i < result.pixels.size(); ++i) {
-    const std::uint8_t* p = &rgba.pixels[4 * i];
-    result.pixels[i] =
-        p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
-  }
-  return result;
-}
-
 image::Image16 decode_depth(const FoundFile& file) {
   check_grey(Layer::kDepth, image::png_shape(bytes_of(file.bytes), file.path), file.path);
   return image::decode_png16(bytes_of(file.bytes), file.path);
@@ -223,10 +207,7 @@ std::optional<image::CubeMap<std::uint32_t>> SkyboxFiles::instances(
   const Shape shape = image::png_shape(bytes_of(file->bytes), file->path);
   check_grey(Layer::kInstance, shape, file->path);
   check_strip(shape, file->path);
-  if (shape.channels == 1) {
-    return image::split_strip(widened(image::decode_png16(bytes_of(file->bytes), file->path)));
-  }
-  return image::split_strip(ids_of(image::decode_png8(bytes_of(file->bytes), file->path)));
+  return image::split_strip(image::decode_ids(bytes_of(file->bytes), file->path));
 }
 
 std::optional<std::array<std::string, kCubeFaces>> SkyboxFiles::colour_jpegs(

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <utility>
 
-#include "enfilade/core/detail/mapped_file.h"
+#include "enfilade/core/mapped_file.h"
 #include "enfilade/scan/store.h"
 
 namespace enfilade::scan::detail {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "enfilade/core/detail/part_file.h"
+#include "enfilade/core/part_file.h"
 #include "enfilade/core/ids.h"
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/detail/store_format.h"

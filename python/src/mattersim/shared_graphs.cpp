@@ -51,7 +51,7 @@ std::shared_ptr<SharedGraphs> SharedGraphs::of_folder(const std::string& folder)
 std::shared_ptr<SharedGraphs> SharedGraphs::of_scan(const std::string& folder,
                                                     const std::string& scan) {
   const std::string path = absolute(folder);
-  if (!scan::is_scan_id(scan)) throw LookupError("scan '" + scan + "' is no name of a file");
+  scan::require_scan_id(scan);
   const auto file = scan::connectivity_file(path, scan);
   auto& kept = registry()[{file.string(), state_of(file)}];
   if (!kept) {

@@ -1,4 +1,4 @@
-#include "enfilade/core/detail/part_file.h"
+#include "enfilade/core/part_file.h"
 
 #include <gmock/gmock.h>
 #include <array>

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "enfilade/render/face_cache.h"
-#include "enfilade/render/gl/detail/context.h"
+#include "enfilade/render/gl/context.h"
 
 namespace enfilade::render::gl {
 
@@ -28,7 +28,7 @@ class FacePool {
   scan::Layer layer() const noexcept { return layer_; }
   std::uint32_t size() const noexcept { return size_; }  ///< texels, border not counted
   GLuint texture() const noexcept { return texture_; }
-  std::size_t face_bytes() const noexcept;
+  std::size_t slot_bytes() const noexcept;  ///< of a face on the card
 
   /// Sets how many slots there may be; forgets everything if there are more already.
   void limit(std::size_t slots);
@@ -73,8 +73,6 @@ class FaceTextures {
   void begin_turn() noexcept;
   /// The panorama's faces' sizes, 0 where it lacks a layer. \throws FileError, InvalidInput
   const scan::FaceSizes& sizes(ScanIndex scan, ViewpointIndex viewpoint);
-  /// For a layer that the panorama lacks: \throws what the face cache has to say of it
-  [[noreturn]] void complain_of(const FaceKey& key);
   /// Makes room for faces of a layer and size. Not in the middle of a turn: it may forget faces.
   void prepare(scan::Layer layer, std::uint32_t size);
   /// \returns the face's slot; -1 if no more faces fit in this turn. \pre prepare()

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "enfilade/render/gl/detail/context.h"
+#include "enfilade/render/gl/context.h"
 #include "enfilade/scan/panorama_source.h"
 
 namespace enfilade::render::gl {

@@ -1,4 +1,4 @@
-#include "enfilade/core/detail/mapped_file.h"
+#include "enfilade/core/mapped_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "enfilade/render/gl/detail/program.h"
+#include "enfilade/render/gl/program.h"
 
 namespace enfilade::render::gl {
 
