@@ -8,30 +8,30 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/draw/detail/legend.h"
-#include "enfilade/draw/detail/marks.h"
-#include "enfilade/draw/detail/plan.h"
-#include "enfilade/draw/detail/sheet.h"
-#include "enfilade/draw/detail/trace.h"
-#include "enfilade/draw/detail/underlay.h"
 #include "enfilade/draw/markup.h"
+#include "enfilade/draw/plan/legend.h"
+#include "enfilade/draw/plan/marks.h"
+#include "enfilade/draw/plan/plan.h"
+#include "enfilade/draw/plan/sheet.h"
+#include "enfilade/draw/plan/trace.h"
+#include "enfilade/draw/plan/underlay.h"
 
 namespace enfilade::draw {
 namespace {
 
-using detail::append;
-using detail::Colour;
-using detail::LegendItem;
-using detail::Panel;
-using detail::Plan;
-using detail::Point;
-using detail::Step;
+using plan::append;
+using plan::Colour;
+using plan::LegendItem;
+using plan::Panel;
+using plan::Plan;
+using plan::Point;
+using plan::Step;
 using Role = PlannedPath::Role;
 
 constexpr double kNoteSize = 14;
 constexpr double kNoteLine = 20;
-constexpr std::array kReferenceColours{detail::kBlue, detail::kSky};
-constexpr std::array kAgentColours{detail::kVermilion, detail::kPurple};
+constexpr std::array kReferenceColours{plan::kBlue, plan::kSky};
+constexpr std::array kAgentColours{plan::kVermilion, plan::kPurple};
 
 // A path as it is drawn: with its colour, and its steps beside those of the others.
 struct Overlay {
@@ -93,7 +93,7 @@ std::vector<Overlay> make_overlays(const std::vector<PlannedPath>& paths) {
                           {}});
       routes.push_back(path.viewpoints);
     }
-    auto steps = detail::lanes(routes, reference ? detail::kBandWidth + 1 : 6.5);
+    auto steps = plan::lanes(routes, reference ? plan::kBandWidth + 1 : 6.5);
     for (std::size_t i = 0; i < steps.size(); ++i) overlays[first + i].steps = std::move(steps[i]);
   }
   return overlays;
@@ -105,33 +105,33 @@ class Painter {
           const FloorPlanOptions& options)
       : graph_(graph),
         options_(options),
-        plan_(detail::make_plan(graph, options.show_excluded)),
+        plan_(plan::make_plan(graph, options.show_excluded)),
         overlays_(make_overlays(paths)),
-        layout_(detail::arrange(plan_, success_circles(), options.underlay,
-                                options.pixels_per_metre)) {}
+        layout_(
+            plan::arrange(plan_, success_circles(), options.underlay, options.pixels_per_metre)) {}
 
   std::string run() const {
-    const double width = std::max({layout_.size.x, detail::kNarrowest,
-                                   1.15 * detail::text_width(title(), detail::kTitleSize)});
-    const std::vector<std::string> note = detail::wrap(options_.note, kNoteSize, width);
+    const double width = std::max(
+        {layout_.size.x, plan::kNarrowest, 1.15 * plan::text_width(title(), plan::kTitleSize)});
+    const std::vector<std::string> note = plan::wrap(options_.note, kNoteSize, width);
     const double top =
-        detail::kBorder + detail::kHeading + kNoteLine * static_cast<double>(note.size());
+        plan::kBorder + plan::kHeading + kNoteLine * static_cast<double>(note.size());
     const double legend_top = top + layout_.size.y + 20;
-    const detail::Block legend =
-        detail::draw_legend(legend_items(), {detail::kBorder, legend_top}, width, layout_.scale);
-    std::string out = detail::open_sheet(
-        title(), {width + 2 * detail::kBorder, legend_top + legend.height + detail::kBorder - 10});
+    const plan::Block legend =
+        plan::draw_legend(legend_items(), {plan::kBorder, legend_top}, width, layout_.scale);
+    std::string out = plan::open_sheet(
+        title(), {width + 2 * plan::kBorder, legend_top + legend.height + plan::kBorder - 10});
     out += draw_title(note);
-    append(out, "<g transform=\"translate({})\">\n", detail::pair({detail::kBorder, top}));
+    append(out, "<g transform=\"translate({})\">\n", plan::pair({plan::kBorder, top}));
     for (const Panel& panel : layout_.panels) out += draw_panel(panel);
     append(out, "</g>\n<path d=\"M{}h{}\" stroke=\"#e2e4e8\"/>\n",
-           detail::pair({detail::kBorder, legend_top - 12}), detail::number(width));
+           plan::pair({plan::kBorder, legend_top - 12}), plan::number(width));
     return out + legend.svg + "</g>\n</svg>\n";
   }
 
  private:
-  std::vector<detail::Disc> success_circles() const {
-    std::vector<detail::Disc> circles;
+  std::vector<plan::Disc> success_circles() const {
+    std::vector<plan::Disc> circles;
     for (const Overlay& o : overlays_) {
       if (o.has_goal()) circles.push_back({o.end, options_.success_distance});
     }
@@ -151,42 +151,41 @@ class Painter {
 
   std::string draw_title(const std::vector<std::string>& note) const {
     const std::size_t storeys = plan_.storeys.size();
-    Point p{detail::kBorder, detail::kBorder + 16};
-    std::string out = detail::text(p, title(), detail::kTitleSize, detail::kInk, true);
+    Point p{plan::kBorder, plan::kBorder + 16};
+    std::string out = plan::text(p, title(), plan::kTitleSize, plan::kInk, true);
     p.y += 22;
-    out +=
-        detail::text(p,
-                     fmt::format("{} viewpoints, {} edges, {} {}", graph_.included_count(),
-                                 plan_.edges.size(), storeys, storeys == 1 ? "storey" : "storeys"),
-                     13, detail::kFaintInk);
+    out += plan::text(p,
+                      fmt::format("{} viewpoints, {} edges, {} {}", graph_.included_count(),
+                                  plan_.edges.size(), storeys, storeys == 1 ? "storey" : "storeys"),
+                      13, plan::kFaintInk);
     p.y += 3;
     for (const std::string& line : note) {
       p.y += kNoteLine;
-      out += detail::text(p, line, kNoteSize, detail::kInk);
+      out += plan::text(p, line, kNoteSize, plan::kInk);
     }
     return out;
   }
 
   std::string draw_panel(const Panel& panel) const {
-    std::string out = detail::draw_caption(plan_, panel);
+    std::string out = plan::draw_caption(plan_, panel);
     out += options_.underlay == nullptr
-               ? detail::draw_floor(plan_, panel)
-               : detail::draw_lines(options_.underlay->storeys[panel.storey], panel);
+               ? plan::draw_floor(plan_, panel)
+               : plan::draw_lines(options_.underlay->storeys[panel.storey], panel);
     for (const Overlay& o : overlays_) {
       if (o.has_goal()) out += draw_success_circle(panel, o.end);
     }
     out += draw_edges(panel);
     for (const Overlay& o : overlays_) {
-      if (o.role == Role::kReference) out += detail::draw_band(plan_, panel, o.steps, o.colour);
+      if (o.role == Role::kReference) out += plan::draw_band(plan_, panel, o.steps, o.colour);
     }
     for (const Overlay& o : overlays_) {
-      if (o.role == Role::kAgent) out += detail::draw_line(plan_, panel, o.steps, o.colour);
+      if (o.role == Role::kAgent) out += plan::draw_line(plan_, panel, o.steps, o.colour);
     }
     if (options_.underlay != nullptr) {
-      out += detail::draw_texts(options_.underlay->storeys[panel.storey], panel);
+      out += plan::draw_texts(options_.underlay->storeys[panel.storey], panel);
     }
     return out + draw_viewpoints(panel) + draw_stairs(panel) + draw_ends(panel) +
-           (options_.label_viewpoints ? detail::draw_labels(plan_, panel) : "");
+           (options_.label_viewpoints ? plan::draw_labels(plan_, panel) : "");
   }
 
   std::string draw_success_circle(const Panel& panel, ViewpointIndex goal) const {
@@ -195,8 +194,8 @@ class Painter {
     return fmt::format(
         "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{}\" fill-opacity=\"0.18\" stroke=\"#a89c00\" "
         "stroke-dasharray=\"3 4\"/>\n",
-        detail::number(p.x), detail::number(p.y),
-        detail::number(options_.success_distance * panel.scale), detail::hex(detail::kYellow));
+        plan::number(p.x), plan::number(p.y), plan::number(options_.success_distance * panel.scale),
+        plan::hex(plan::kYellow));
   }
 
   std::string draw_edges(const Panel& panel) const {
@@ -204,10 +203,10 @@ class Painter {
     for (const auto& [a, b] : plan_.edges) {
       if (!plan_.touches(panel.storey, a, b)) continue;
       std::string& path = plan_.between_storeys(a, b) ? stairs : level;
-      path += "M" + detail::pair(place(panel, a)) + "L" + detail::pair(place(panel, b));
+      path += "M" + plan::pair(place(panel, a)) + "L" + plan::pair(place(panel, b));
     }
     std::string out;
-    if (!level.empty()) append(out, "<path d=\"{}\" stroke=\"{}\"/>\n", level, detail::kEdge);
+    if (!level.empty()) append(out, "<path d=\"{}\" stroke=\"{}\"/>\n", level, plan::kEdge);
     if (!stairs.empty()) {
       append(out, "<path d=\"{}\" stroke=\"#6b7280\" stroke-dasharray=\"4 3\"/>\n", stairs);
     }
@@ -221,9 +220,9 @@ class Painter {
       if (plan_.storey_of[i] != panel.storey) continue;
       const Point p = place(panel, v);
       append(out, "<g><title>{} {}</title>{}</g>\n", i, escape(graph_.id(v)),
-             !graph_.included(v) ? detail::excluded_mark(p)
-             : isolated(v)       ? detail::isolated_mark(p)
-                                 : detail::dot(p));
+             !graph_.included(v) ? plan::excluded_mark(p)
+             : isolated(v)       ? plan::isolated_mark(p)
+                                 : plan::dot(p));
     }
     return out;
   }
@@ -237,7 +236,7 @@ class Painter {
       ends[far] = plan_.storey_of[far.at()] > panel.storey;
     }
     std::string out;
-    for (const auto& [v, up] : ends) out += detail::stairs_mark(place(panel, v), up);
+    for (const auto& [v, up] : ends) out += plan::stairs_mark(place(panel, v), up);
     return out;
   }
 
@@ -246,20 +245,20 @@ class Painter {
     const auto here = [&](ViewpointIndex v) { return plan_.storey_of[v.at()] == panel.storey; };
     for (const Overlay& o : overlays_) {
       if (o.role == Role::kAgent && here(o.end)) {
-        out += detail::stop_mark(place(panel, o.end), o.colour);
+        out += plan::stop_mark(place(panel, o.end), o.colour);
       }
     }
     for (const Overlay& o : overlays_) {
-      if (here(o.start)) out += detail::start_mark(place(panel, o.start));
+      if (here(o.start)) out += plan::start_mark(place(panel, o.start));
     }
     for (const Overlay& o : overlays_) {
-      if (o.has_goal() && here(o.end)) out += detail::goal_mark(place(panel, o.end));
+      if (o.has_goal() && here(o.end)) out += plan::goal_mark(place(panel, o.end));
     }
     return out;
   }
 
   std::vector<LegendItem> legend_items() const {
-    std::vector<LegendItem> items{{detail::dot({}), 8, "viewpoint"}};
+    std::vector<LegendItem> items{{plan::dot({}), 8, "viewpoint"}};
     const auto line = [](const char* attributes) {
       return fmt::format("<path d=\"M-14,0h28\" {}/>", attributes);
     };
@@ -270,15 +269,15 @@ class Painter {
     }
     add_end_items(items);
     if (options_.underlay != nullptr) {
-      for (LegendItem& item : detail::underlay_legend(*options_.underlay)) {
+      for (LegendItem& item : plan::underlay_legend(*options_.underlay)) {
         items.push_back(std::move(item));
       }
       return items;
     }
     items.push_back({fmt::format("<rect x=\"-14\" y=\"-7\" width=\"28\" height=\"14\" rx=\"7\" "
                                  "fill=\"{}\" stroke=\"{}\"/>",
-                                 detail::kFloor, detail::kFloorRim),
-                     28, fmt::format("within {} m of an edge or viewpoint", detail::kFloorRadius)});
+                                 plan::kFloor, plan::kFloorRim),
+                     28, fmt::format("within {} m of an edge or viewpoint", plan::kFloorRadius)});
     return items;
   }
 
@@ -294,11 +293,11 @@ class Painter {
     }
     if (stairs) {
       items.push_back({dashes, 28, "edge to another storey"});
-      items.push_back({detail::stairs_mark({-9, 0}, true) + detail::stairs_mark({9, 0}, false), 32,
+      items.push_back({plan::stairs_mark({-9, 0}, true) + plan::stairs_mark({9, 0}, false), 32,
                        "its other end, above or below"});
     }
-    if (alone) items.push_back({detail::isolated_mark({}), 10, "viewpoint without edges"});
-    if (excluded) items.push_back({detail::excluded_mark({}), 8, "excluded"});
+    if (alone) items.push_back({plan::isolated_mark({}), 10, "viewpoint without edges"});
+    if (excluded) items.push_back({plan::excluded_mark({}), 8, "excluded"});
   }
 
   static std::string sample(const Overlay& o) {
@@ -306,25 +305,25 @@ class Painter {
       return fmt::format(
           "<path d=\"M-12,0h24\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\" "
           "opacity=\"0.4\"/>",
-          detail::hex(o.colour), detail::kBandWidth);
+          plan::hex(o.colour), plan::kBandWidth);
     }
     return fmt::format(
         "<path d=\"M-16,0h32\" stroke=\"{0}\" stroke-width=\"{1}\"/><path d=\"M6,0l-11,5.5v-11z\" "
         "fill=\"{0}\" stroke=\"#fff\" stroke-width=\"0.8\"/>",
-        detail::hex(o.colour), detail::kLineWidth);
+        plan::hex(o.colour), plan::kLineWidth);
   }
 
   void add_end_items(std::vector<LegendItem>& items) const {
     if (overlays_.empty()) return;
-    items.push_back({detail::start_mark({}), 18, "start"});
+    items.push_back({plan::start_mark({}), 18, "start"});
     const auto goal = std::ranges::find_if(overlays_, &Overlay::has_goal);
     if (goal != overlays_.end()) {
-      items.push_back({detail::goal_mark({}), 20,
+      items.push_back({plan::goal_mark({}), 20,
                        fmt::format("goal, {:g} m around it", options_.success_distance)});
     }
     const auto agent = std::ranges::find(overlays_, Role::kAgent, &Overlay::role);
     if (agent != overlays_.end()) {
-      items.push_back({detail::stop_mark({}, agent->colour), 28, "agent stops"});
+      items.push_back({plan::stop_mark({}, agent->colour), 28, "agent stops"});
     }
   }
 
@@ -332,7 +331,7 @@ class Painter {
   const FloorPlanOptions& options_;
   Plan plan_;
   std::vector<Overlay> overlays_;
-  detail::Layout layout_;
+  plan::Layout layout_;
 };
 
 }  // namespace

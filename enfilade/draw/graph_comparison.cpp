@@ -6,21 +6,21 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/draw/detail/legend.h"
-#include "enfilade/draw/detail/marks.h"
-#include "enfilade/draw/detail/plan.h"
-#include "enfilade/draw/detail/sheet.h"
 #include "enfilade/draw/markup.h"
+#include "enfilade/draw/plan/legend.h"
+#include "enfilade/draw/plan/marks.h"
+#include "enfilade/draw/plan/plan.h"
+#include "enfilade/draw/plan/sheet.h"
 
 namespace enfilade::draw {
 namespace {
 
-using detail::Panel;
-using detail::Plan;
-using detail::Point;
 using graph::ComparedEdge;
 using graph::GraphComparison;
 using graph::NavGraph;
+using plan::Panel;
+using plan::Plan;
+using plan::Point;
 
 constexpr double kNoteLine = 20;
 constexpr const char* kCommonStyle = "stroke=\"#a7acb5\"";
@@ -45,24 +45,24 @@ class Painter {
       : found_(found),
         comparison_(comparison),
         options_(options),
-        plan_(detail::make_plan(found, false)),
-        layout_(detail::arrange(plan_, {}, nullptr, 0)) {
+        plan_(plan::make_plan(found, false)),
+        layout_(plan::arrange(plan_, {}, nullptr, 0)) {
     for (const ComparedEdge& e : comparison.extra) extra_.insert({e.a, e.b});
   }
 
   std::string run() const {
-    using detail::kBorder;
-    const double width = std::max({layout_.size.x, detail::kNarrowest,
-                                   1.15 * detail::text_width(title(), detail::kTitleSize),
-                                   detail::text_width(options_.note, 14)});
-    const double top = kBorder + detail::kHeading + (options_.note.empty() ? 0 : kNoteLine);
+    using plan::kBorder;
+    const double width = std::max({layout_.size.x, plan::kNarrowest,
+                                   1.15 * plan::text_width(title(), plan::kTitleSize),
+                                   plan::text_width(options_.note, 14)});
+    const double top = kBorder + plan::kHeading + (options_.note.empty() ? 0 : kNoteLine);
     const double legend_top = top + layout_.size.y + 20;
-    const detail::Block legend =
-        detail::draw_legend(legend_items(), {kBorder, legend_top}, width, layout_.scale);
-    std::string out = detail::open_sheet(
-        title(), {width + 2 * kBorder, legend_top + legend.height + kBorder - 10});
+    const plan::Block legend =
+        plan::draw_legend(legend_items(), {kBorder, legend_top}, width, layout_.scale);
+    std::string out =
+        plan::open_sheet(title(), {width + 2 * kBorder, legend_top + legend.height + kBorder - 10});
     out += draw_title();
-    detail::append(out, "<g transform=\"translate({})\">\n", detail::pair({kBorder, top}));
+    plan::append(out, "<g transform=\"translate({})\">\n", plan::pair({kBorder, top}));
     for (const Panel& panel : layout_.panels) out += draw_panel(panel);
     return out + "</g>\n" + legend.svg + "</g>\n</svg>\n";
   }
@@ -73,25 +73,25 @@ class Painter {
   }
 
   std::string draw_title() const {
-    Point p{detail::kBorder, detail::kBorder + 16};
-    std::string out = detail::text(p, title(), detail::kTitleSize, detail::kInk, true);
+    Point p{plan::kBorder, plan::kBorder + 16};
+    std::string out = plan::text(p, title(), plan::kTitleSize, plan::kInk, true);
     p.y += 22;
-    out += detail::text(
+    out += plan::text(
         p,
         fmt::format("precision {:.3f}, recall {:.3f}, F1 {:.3f}: {} edges in both, {} extra, {} "
                     "missing",
                     comparison_.precision(), comparison_.recall(), comparison_.f1(),
                     comparison_.common, comparison_.extra.size(), comparison_.missing.size()),
-        13, detail::kFaintInk);
+        13, plan::kFaintInk);
     p.y += 23;
-    if (!options_.note.empty()) out += detail::text(p, options_.note, 14, detail::kInk);
+    if (!options_.note.empty()) out += plan::text(p, options_.note, 14, plan::kInk);
     return out;
   }
 
   std::string line(const Panel& panel, ViewpointIndex a, ViewpointIndex b) const {
     if (!plan_.touches(panel.storey, a, b)) return "";
-    return "M" + detail::pair(panel.at(found_.position(a))) + "L" +
-           detail::pair(panel.at(found_.position(b)));
+    return "M" + plan::pair(panel.at(found_.position(a))) + "L" +
+           plan::pair(panel.at(found_.position(b)));
   }
 
   static std::string path(const std::string& lines, const char* style) {
@@ -107,19 +107,19 @@ class Painter {
     }
     for (const ComparedEdge& e : comparison_.missing) missing += line(panel, e.a, e.b);
     for (const ViewpointIndex v : plan_.storeys[panel.storey].viewpoints) {
-      detail::append(dots, "<g><title>{} {}</title>{}</g>\n", v.at(), escape(found_.id(v)),
-                     detail::dot(panel.at(found_.position(v))));
+      plan::append(dots, "<g><title>{} {}</title>{}</g>\n", v.at(), escape(found_.id(v)),
+                   plan::dot(panel.at(found_.position(v))));
     }
-    return detail::draw_caption(plan_, panel) + detail::draw_floor(plan_, panel) +
+    return plan::draw_caption(plan_, panel) + plan::draw_floor(plan_, panel) +
            path(common, kCommonStyle) + path(extra, kExtraStyle) + path(missing, kMissingStyle) +
-           dots + (options_.label_viewpoints ? detail::draw_labels(plan_, panel) : "");
+           dots + (options_.label_viewpoints ? plan::draw_labels(plan_, panel) : "");
   }
 
-  std::vector<detail::LegendItem> legend_items() const {
+  std::vector<plan::LegendItem> legend_items() const {
     const auto sample = [](const char* style) {
       return fmt::format("<path d=\"M-14,0h28\" {}/>", style);
     };
-    return {{detail::dot({}), 8, "viewpoint"},
+    return {{plan::dot({}), 8, "viewpoint"},
             {sample(kCommonStyle), 28, "edge in both"},
             {sample(kExtraStyle), 28, "extra: found, and not in the truth"},
             {sample(kMissingStyle), 28, "missing: in the truth, and not found"}};
@@ -129,7 +129,7 @@ class Painter {
   const GraphComparison& comparison_;
   const ComparisonPlanOptions& options_;
   Plan plan_;
-  detail::Layout layout_;
+  plan::Layout layout_;
   std::set<std::pair<ViewpointIndex, ViewpointIndex>> extra_;
 };
 

@@ -12,6 +12,9 @@
 #include "enfilade/mesh/detail/vector.h"
 
 namespace enfilade::mesh {
+
+using namespace detail;
+
 namespace {
 
 constexpr std::uint32_t kLargestFace = 8192, kMostSamples = 16;
@@ -197,11 +200,9 @@ class Photographer {
   }
 
   static std::uint16_t quarter_millimetres(const View& view, const Ray& ray, const Hit& hit) {
-    constexpr double kUnits = 4000;
     double metres = hit.distance;
     if (view.forward != Vec3d{}) metres *= dot(to_double(ray.direction), view.forward);
-    // Something was met, so never the 0 that says that nothing was.
-    return static_cast<std::uint16_t>(std::clamp(std::round(kUnits * metres), 1.0, 65535.0));
+    return image::depth_units(metres);
   }
 
   const LitMesh& mesh_;

@@ -10,6 +10,9 @@
 #include "enfilade/mesh/detail/test_room.h"
 
 namespace enfilade::mesh {
+
+using namespace detail;
+
 namespace {
 
 // Heading about the vertical; the panorama's y is down.

@@ -2,18 +2,25 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <limits>
+#include <optional>
+#include <type_traits>
+#include <utility>
 
-#include "enfilade/mesh/detail/text.h"
+#include "enfilade/mesh/readers/text.h"
 
 namespace enfilade::mesh {
+
+using namespace readers;
+
 namespace {
 
-/// The words of one record, read from left to right.
-class Record {
+/// Reads the words of one record from left to right.
+class RecordReader {
  public:
-  Record(std::vector<std::string_view> words, std::string where, FaultList& faults)
+  RecordReader(std::vector<std::string_view> words, std::string where, FaultList& faults)
       : words_(std::move(words)), where_(std::move(where)), faults_(&faults) {}
 
   void error(const char* code, std::string message) {
@@ -22,66 +29,72 @@ class Record {
   std::size_t size() const { return words_.size(); }
   std::string_view letter() const { return words_.front(); }
 
-  std::string_view word() { return words_[next_++]; }
-  void skip(std::size_t n) { next_ += n; }
-  double number(const char* field) {
+  void number(const char* field, double& out) {
     const std::string_view text = word();
     const auto value = to_number(text);
     if (!value) bad(field, text, "a finite number");
-    return value.value_or(0);
+    out = value.value_or(0);
   }
-  std::int32_t integer(const char* field) {
-    const std::string_view text = word();
-    const auto value = to_integer(text);
-    if (value && *value >= kLeast && *value <= kMost) return static_cast<std::int32_t>(*value);
-    bad(field, text, "a whole number of 32 bits");
-    return -1;
+  void integer(const char* field, std::int32_t& out) {
+    out = static_cast<std::int32_t>(whole(field, kLeast, -1, "a whole number of 32 bits"));
   }
-  std::uint32_t count(const char* field) {
-    const std::string_view text = word();
-    const auto value = to_integer(text);
-    if (value && *value >= 0 && *value <= kMost) return static_cast<std::uint32_t>(*value);
-    bad(field, text, "a whole number from 0 on");
-    return 0;
+  void count(const char* field, std::uint32_t& out) {
+    out = static_cast<std::uint32_t>(whole(field, 0, 0, "a whole number from 0 on"));
   }
-  /// An entry of a list, or -1.
-  std::int32_t index(const char* field, std::size_t size) {
-    const std::int32_t value = integer(field);
-    if (value >= -1 && value < static_cast<std::int64_t>(size)) return value;
-    error("bad-index", fmt::format("{} {}, not -1 or one of the {} there are", field, value, size));
-    return -1;
+  /// An entry of a list of `size`, or -1.
+  void index(const char* field, std::int32_t& out, std::size_t size) {
+    integer(field, out);
+    if (out >= -1 && out < static_cast<std::int64_t>(size)) return;
+    error("bad-index", fmt::format("{} {}, not -1 or one of the {} there are", field, out, size));
+    out = -1;
   }
-  /// The record's own place.
+  /// The record's own place among its kind.
   void place(std::size_t expected) {
-    const std::int32_t value = integer("index");
+    std::int32_t value = 0;
+    integer("index", value);
     if (value == static_cast<std::int64_t>(expected)) return;
     error("bad-index", fmt::format("index {}, not its place among its kind, {}", value, expected));
   }
-  std::string name() {
-    std::string text(word());
-    if (text == "-") return {};
-    std::ranges::replace(text, '#', ' ');
-    return text;
+  void name(std::string& out) {
+    out = word();
+    if (out == "-") out.clear();
+    std::ranges::replace(out, '#', ' ');
   }
-  char label(const char* field) {
+  void label(const char* field, char& out) {
     const std::string_view text = word();
-    if (text.size() == 1) return text[0];
-    bad(field, text, "one character");
-    return '-';
+    out = text.size() == 1 ? text[0] : '-';
+    if (text.size() != 1) bad(field, text, "one character");
   }
-  Vec3d vec(const char* field) {
-    const double x = number(field), y = number(field);
-    return {x, y, number(field)};
+  void vec(const char* field, Vec3d& out) {
+    number(field, out.x);
+    number(field, out.y);
+    number(field, out.z);
   }
-  HouseBox box() {
-    const Vec3d low = vec("bounding box");
-    return {low, vec("bounding box")};
+  void box(HouseBox& out) {
+    vec("bounding box", out.low);
+    vec("bounding box", out.high);
+  }
+  /// Words that mean nothing here.
+  void zeros(std::size_t n) { next_ += n; }
+  /// A number that follows from other records.
+  template <class Count>
+  void derived(const Count& /*count*/) {
+    ++next_;
   }
 
  private:
   static constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
   static constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min();
 
+  std::string_view word() { return words_[next_++]; }
+  std::int64_t whole(const char* field, std::int64_t least, std::int64_t otherwise,
+                     const char* allowed) {
+    const std::string_view text = word();
+    const auto value = to_integer(text);
+    if (value && *value >= least && *value <= kMost) return *value;
+    bad(field, text, allowed);
+    return otherwise;
+  }
   void bad(const char* field, std::string_view text, const char* allowed) {
     error("bad-value", fmt::format("{} {}, not {}", field, in_quotes(text), allowed));
   }
@@ -92,130 +105,197 @@ class Record {
   FaultList* faults_;
 };
 
-HouseLevel read_level(Record& r, const House& house) {
-  r.place(house.levels.size());
-  r.skip(1);  // how many regions: said by them, too
-  std::string label = r.name();
-  const Vec3d position = r.vec("position");
-  return {std::move(label), position, r.box()};
-}
+/// Writes records by the same calls; numbers in the shortest form that reads back equal.
+class RecordWriter {
+ public:
+  void line(std::string_view letter) { text_ += (text_.empty() ? "" : "\n") + std::string(letter); }
+  std::string take() { return std::move(text_) + "\n"; }
 
-HouseRegion read_region(Record& r, const House& house) {
-  HouseRegion out;
-  r.place(house.regions.size());
-  out.level = r.index("level", house.levels.size());
-  r.skip(2);
-  out.label = r.label("label");
-  out.position = r.vec("position");
-  out.box = r.box();
-  out.height = r.number("height");
-  return out;
-}
+  void number(const char*, double value) { word(value); }
+  void integer(const char*, std::int32_t value) { word(value); }
+  void count(const char*, std::uint32_t value) { word(value); }
+  void index(const char*, std::int32_t value, std::size_t) { word(value); }
+  void place(std::size_t value) { word(value); }
+  /// A word that splits where it should not, or none at all, would break the record.
+  void name(std::string_view value) {
+    text_ += ' ';
+    if (value.empty()) text_ += '-';
+    for (const char c : value) {
+      const bool blank = c == ' ' || (c >= '\t' && c <= '\r');
+      text_ += blank ? '#' : c;
+    }
+  }
+  void label(const char*, char value) { name({&value, 1}); }
+  void vec(const char*, Vec3d v) {
+    word(v.x);
+    word(v.y);
+    word(v.z);
+  }
+  void box(const HouseBox& b) {
+    vec("", b.low);
+    vec("", b.high);
+  }
+  void zeros(std::size_t n) {
+    for (; n > 0; --n) text_ += " 0";
+  }
+  template <class Count>
+  void derived(const Count& count) {
+    word(count());
+  }
 
-HousePortal read_portal(Record& r, const House& house) {
-  HousePortal out;
-  r.place(house.portals.size());
-  out.region0 = r.index("first region", house.regions.size());
-  out.region1 = r.index("second region", house.regions.size());
-  out.label = r.name();
-  out.p0 = r.vec("first point");
-  out.p1 = r.vec("second point");
-  return out;
-}
+ private:
+  template <class T>
+  void word(T value) {
+    fmt::format_to(std::back_inserter(text_), " {}", value);
+  }
+  std::string text_;
+};
 
-HouseSurface read_surface(Record& r, const House& house) {
-  HouseSurface out;
-  r.place(house.surfaces.size());
-  out.region = r.index("region", house.regions.size());
-  r.skip(1);
-  out.label = r.label("label");
-  out.position = r.vec("position");
-  out.normal = r.vec("normal");
-  out.box = r.box();
-  return out;
-}
+// The words of each kind of record, for `io`, a RecordReader or a RecordWriter. `i`: its place.
 
-HouseVertex read_vertex(Record& r, const House& house) {
-  HouseVertex out;
-  r.place(house.vertices.size());
-  out.surface = r.index("surface", house.surfaces.size());
-  out.label = r.name();
-  out.position = r.vec("position");
-  out.normal = r.vec("normal");
-  return out;
-}
+constexpr auto kLevel = [](auto& io, auto& x, std::size_t i, const House& h) {
+  io.place(i);
+  io.derived([&] {
+    return std::ranges::count(h.regions, static_cast<std::int32_t>(i), &HouseRegion::level);
+  });
+  io.name(x.label);
+  io.vec("position", x.position);
+  io.box(x.box);
+  io.zeros(5);
+};
 
-HousePanorama read_panorama(Record& r, const House& house) {
-  HousePanorama out;
-  out.name = r.name();
-  r.place(house.panoramas.size());
-  out.region = r.index("region", house.regions.size());
-  r.skip(1);
-  out.position = r.vec("position");
-  return out;
-}
+constexpr auto kRegion = [](auto& io, auto& x, std::size_t i, const House& h) {
+  io.place(i);
+  io.index("level", x.level, h.levels.size());
+  io.zeros(2);
+  io.label("label", x.label);
+  io.vec("position", x.position);
+  io.box(x.box);
+  io.number("height", x.height);
+  io.zeros(4);
+};
 
-HouseImage read_image(Record& r, const House& house) {
-  HouseImage out;
-  r.place(house.images.size());
-  out.panorama = r.index("panorama", house.panoramas.size());
-  out.name = r.name();
-  out.camera = r.integer("camera");
-  out.yaw = r.integer("yaw");
-  for (double& value : out.camera_from_world) value = r.number("extrinsics");
-  for (double& value : out.intrinsics) value = r.number("intrinsics");
-  out.width = r.count("width");
-  out.height = r.count("height");
-  out.position = r.vec("position");
-  return out;
-}
+constexpr auto kPortal = [](auto& io, auto& x, std::size_t i, const House& h) {
+  io.place(i);
+  io.index("first region", x.region0, h.regions.size());
+  io.index("second region", x.region1, h.regions.size());
+  io.name(x.label);
+  io.vec("first point", x.p0);
+  io.vec("second point", x.p1);
+  io.zeros(4);
+};
 
-HouseCategory read_category(Record& r, const House& house) {
-  HouseCategory out;
-  r.place(house.categories.size());
-  out.mapping_index = r.integer("mapping index");
-  out.mapping_name = r.name();
-  out.mpcat40_index = r.integer("mpcat40 index");
-  out.mpcat40_name = r.name();
-  return out;
-}
+constexpr auto kSurface = [](auto& io, auto& x, std::size_t i, const House& h) {
+  io.place(i);
+  io.index("region", x.region, h.regions.size());
+  io.zeros(1);
+  io.label("label", x.label);
+  io.vec("position", x.position);
+  io.vec("normal", x.normal);
+  io.box(x.box);
+  io.zeros(5);
+};
 
-HouseObject read_object(Record& r, const House& house) {
-  HouseObject out;
-  r.place(house.objects.size());
-  out.region = r.index("region", house.regions.size());
-  out.category = r.index("category", house.categories.size());
-  out.position = r.vec("position");
-  out.axis0 = r.vec("first axis");
-  out.axis1 = r.vec("second axis");
-  out.radii = r.vec("radii");
-  return out;
-}
+constexpr auto kVertex = [](auto& io, auto& x, std::size_t i, const House& h) {
+  io.place(i);
+  io.index("surface", x.surface, h.surfaces.size());
+  io.name(x.label);
+  io.vec("position", x.position);
+  io.vec("normal", x.normal);
+  io.zeros(3);
+};
 
-HouseSegment read_segment(Record& r, const House& house) {
-  HouseSegment out;
-  r.place(house.segments.size());
-  out.object = r.index("object", house.objects.size());
-  out.id = r.integer("id");
-  out.area = r.number("area");
-  out.position = r.vec("position");
-  out.box = r.box();
-  return out;
-}
+constexpr auto kPanorama = [](auto& io, auto& x, std::size_t i, const House& h) {
+  io.name(x.name);
+  io.place(i);
+  io.index("region", x.region, h.regions.size());
+  io.zeros(1);
+  io.vec("position", x.position);
+  io.zeros(5);
+};
 
-/// One kind of record, in the order that the file has them.
+constexpr auto kImage = [](auto& io, auto& x, std::size_t i, const House& h) {
+  io.place(i);
+  io.index("panorama", x.panorama, h.panoramas.size());
+  io.name(x.name);
+  io.integer("camera", x.camera);
+  io.integer("yaw", x.yaw);
+  for (auto& value : x.camera_from_world) io.number("extrinsics", value);
+  for (auto& value : x.intrinsics) io.number("intrinsics", value);
+  io.count("width", x.width);
+  io.count("height", x.height);
+  io.vec("position", x.position);
+  io.zeros(5);
+};
+
+constexpr auto kCategory = [](auto& io, auto& x, std::size_t i, const House&) {
+  io.place(i);
+  io.integer("mapping index", x.mapping_index);
+  io.name(x.mapping_name);
+  io.integer("mpcat40 index", x.mpcat40_index);
+  io.name(x.mpcat40_name);
+  io.zeros(5);
+};
+
+constexpr auto kObject = [](auto& io, auto& x, std::size_t i, const House& h) {
+  io.place(i);
+  io.index("region", x.region, h.regions.size());
+  io.index("category", x.category, h.categories.size());
+  io.vec("position", x.position);
+  io.vec("first axis", x.axis0);
+  io.vec("second axis", x.axis1);
+  io.vec("radii", x.radii);
+  io.zeros(8);
+};
+
+constexpr auto kSegment = [](auto& io, auto& x, std::size_t i, const House& h) {
+  io.place(i);
+  io.index("object", x.object, h.objects.size());
+  io.integer("id", x.id);
+  io.number("area", x.area);
+  io.vec("position", x.position);
+  io.box(x.box);
+  io.zeros(5);
+};
+
+/// One kind of record.
 struct Kind {
   std::string_view letter;
   std::string_view name;
   std::size_t words;
-  std::uint32_t count;
-  void (*read)(Record&, House&);
+  void (*read)(RecordReader&, House&);
+  void (*write)(RecordWriter&, std::string_view letter, const House&);
 };
 
-template <auto list, auto read_one>
-void read_into(Record& record, House& house) {
-  (house.*list).push_back(read_one(record, house));
+template <auto list, auto fields>
+constexpr Kind kind(std::string_view letter, std::string_view name, std::size_t words) {
+  return {letter, name, words,
+          [](RecordReader& reader, House& house) {
+            typename std::remove_reference_t<decltype(house.*list)>::value_type record;
+            fields(reader, record, (house.*list).size(), house);
+            (house.*list).push_back(std::move(record));
+          },
+          [](RecordWriter& writer, std::string_view with, const House& house) {
+            for (std::size_t i = 0; i < (house.*list).size(); ++i) {
+              writer.line(with);
+              fields(writer, (house.*list)[i], i, house);
+            }
+          }};
 }
+
+/// In the order that the file has them.
+constexpr std::array<Kind, 10> kKinds{
+    kind<&House::levels, kLevel>("L", "levels", 18),
+    kind<&House::regions, kRegion>("R", "regions", 20),
+    kind<&House::portals, kPortal>("P", "portals", 15),
+    kind<&House::surfaces, kSurface>("S", "surfaces", 22),
+    kind<&House::vertices, kVertex>("V", "vertices", 13),
+    kind<&House::panoramas, kPanorama>("P", "panoramas", 13),
+    kind<&House::images, kImage>("I", "images", 41),
+    kind<&House::categories, kCategory>("C", "categories", 11),
+    kind<&House::objects, kObject>("O", "objects", 24),
+    kind<&House::segments, kSegment>("E", "segments", 19),
+};
 
 class Parser {
  public:
@@ -232,10 +312,10 @@ class Parser {
 
  private:
   /// The next line that has words.
-  std::optional<Record> next() {
+  std::optional<RecordReader> next() {
     while (const auto line = lines_.next()) {
       auto found = words(*line);
-      if (!found.empty()) return Record(std::move(found), lines_.where(), faults_);
+      if (!found.empty()) return RecordReader(std::move(found), lines_.where(), faults_);
     }
     return std::nullopt;
   }
@@ -265,40 +345,33 @@ class Parser {
                                 wanted));
       return;
     }
-    house_.name = record->name();
-    house_.label = record->name();
-    const std::uint32_t images = record->count("images"), panoramas = record->count("panoramas"),
-                        vertices = record->count("vertices"), surfaces = record->count("surfaces");
-    std::uint32_t segments = 0, objects = 0, categories = 0, portals = 0;
+    record->name(house_.name);
+    record->name(house_.label);
+    auto& [levels, regions, portals, surfaces, vertices, panoramas, images, categories, objects,
+           segments] = counts_;
+    record->count("images", images);
+    record->count("panoramas", panoramas);
+    record->count("vertices", vertices);
+    record->count("surfaces", surfaces);
     if (!short_header) {
-      segments = record->count("segments");
-      objects = record->count("objects");
-      categories = record->count("categories");
+      record->count("segments", segments);
+      record->count("objects", objects);
+      record->count("categories", categories);
     }
-    const std::uint32_t regions = record->count("regions");
-    if (!short_header) portals = record->count("portals");
-    const std::uint32_t levels = record->count("levels");
-    if (!short_header) record->skip(5);
-    house_.box = record->box();
-    kinds_ = {
-        {"L", "levels", 18, levels, read_into<&House::levels, read_level>},
-        {"R", "regions", 20, regions, read_into<&House::regions, read_region>},
-        {"P", "portals", 15, portals, read_into<&House::portals, read_portal>},
-        {"S", "surfaces", 22, surfaces, read_into<&House::surfaces, read_surface>},
-        {"V", "vertices", 13, vertices, read_into<&House::vertices, read_vertex>},
-        {"P", "panoramas", 13, panoramas, read_into<&House::panoramas, read_panorama>},
-        {"I", "images", 41, images, read_into<&House::images, read_image>},
-        {"C", "categories", 11, categories, read_into<&House::categories, read_category>},
-        {"O", "objects", 24, objects, read_into<&House::objects, read_object>},
-        {"E", "segments", 19, segments, read_into<&House::segments, read_segment>},
-    };
+    record->count("regions", regions);
+    if (!short_header) record->count("portals", portals);
+    record->count("levels", levels);
+    if (!short_header) record->zeros(5);
+    record->box(house_.box);
   }
 
   void read_records() {
     auto record = next();
-    for (const Kind& kind : kinds_) {
+    for (std::size_t k = 0; k < kKinds.size(); ++k) {
+      const Kind& kind = kKinds[k];
+      const std::uint32_t wanted = counts_[k];
       std::uint32_t found = 0;
-      for (; record && record->letter() == kind.letter && found < kind.count; ++found) {
+      for (; record && record->letter() == kind.letter && found < wanted; ++found) {
         if (record->size() == kind.words) {
           kind.read(*record, house_);
         } else {
@@ -309,11 +382,10 @@ class Parser {
         }
         record = next();
       }
-      if (found == kind.count) continue;
+      if (found == wanted) continue;
       const std::string what = record ? "a record " + in_quotes(record->letter()) : "the end";
-      faults_.error(
-          lines_.where(), "bad-count",
-          fmt::format("{} after {} {}, but H says {}", what, found, kind.name, kind.count));
+      faults_.error(lines_.where(), "bad-count",
+                    fmt::format("{} after {} {}, but H says {}", what, found, kind.name, wanted));
       return;
     }
     if (record) {
@@ -325,119 +397,23 @@ class Parser {
   Lines lines_;
   FaultList faults_;
   House house_;
-  std::vector<Kind> kinds_;
+  std::array<std::uint32_t, kKinds.size()> counts_{};  // by kind
 };
 
-/// Builds the text; numbers in the shortest form that reads back equal.
-class Writer {
- public:
-  void line(std::string_view letter) { text_ += (text_.empty() ? "" : "\n") + std::string(letter); }
-  template <class T>
-  Writer& number(T value) {
-    fmt::format_to(std::back_inserter(text_), " {}", value);
-    return *this;
-  }
-  /// A word that splits where it should not, or none at all, would break the record.
-  Writer& name(std::string_view value) {
-    text_ += ' ';
-    if (value.empty()) text_ += '-';
-    for (const char c : value) {
-      const bool blank = c == ' ' || (c >= '\t' && c <= '\r');
-      text_ += blank ? '#' : c;
-    }
-    return *this;
-  }
-  Writer& vec(Vec3d v) { return number(v.x).number(v.y).number(v.z); }
-  Writer& box(const HouseBox& b) { return vec(b.low).vec(b.high); }
-  Writer& zeros(int n) {
-    for (; n > 0; --n) text_ += " 0";
-    return *this;
-  }
-  std::string take() { return std::move(text_) + "\n"; }
-
- private:
-  std::string text_;
-};
-
-void write_header(Writer& w, const House& h) {
+void write_header(RecordWriter& w, const House& h) {
   w.line("ASCII 1.1");
   w.line("H");
-  w.name(h.name).name(h.label);
+  w.name(h.name);
+  w.name(h.label);
   for (const std::size_t n :
        {h.images.size(), h.panoramas.size(), h.vertices.size(), h.surfaces.size(),
         h.segments.size(), h.objects.size(), h.categories.size(), h.regions.size(),
         h.portals.size(), h.levels.size()}) {
-    w.number(n);
+    w.place(n);
   }
-  w.zeros(5).box(h.box).zeros(5);
-}
-
-void write_rooms(Writer& w, const House& h) {
-  for (std::size_t i = 0; i < h.levels.size(); ++i) {
-    const HouseLevel& x = h.levels[i];
-    const auto regions = std::ranges::count(h.regions, static_cast<std::int32_t>(i),
-                                            [](const HouseRegion& r) { return r.level; });
-    w.line("L");
-    w.number(i).number(regions).name(x.label).vec(x.position).box(x.box).zeros(5);
-  }
-  for (std::size_t i = 0; i < h.regions.size(); ++i) {
-    const HouseRegion& x = h.regions[i];
-    w.line("R");
-    w.number(i).number(x.level).zeros(2).name({&x.label, 1}).vec(x.position).box(x.box);
-    w.number(x.height).zeros(4);
-  }
-  for (std::size_t i = 0; i < h.portals.size(); ++i) {
-    const HousePortal& x = h.portals[i];
-    w.line("P");
-    w.number(i).number(x.region0).number(x.region1).name(x.label).vec(x.p0).vec(x.p1).zeros(4);
-  }
-  for (std::size_t i = 0; i < h.surfaces.size(); ++i) {
-    const HouseSurface& x = h.surfaces[i];
-    w.line("S");
-    w.number(i).number(x.region).zeros(1).name({&x.label, 1}).vec(x.position).vec(x.normal);
-    w.box(x.box).zeros(5);
-  }
-  for (std::size_t i = 0; i < h.vertices.size(); ++i) {
-    const HouseVertex& x = h.vertices[i];
-    w.line("V");
-    w.number(i).number(x.surface).name(x.label).vec(x.position).vec(x.normal).zeros(3);
-  }
-}
-
-void write_pictures(Writer& w, const House& h) {
-  for (std::size_t i = 0; i < h.panoramas.size(); ++i) {
-    const HousePanorama& x = h.panoramas[i];
-    w.line("P");
-    w.name(x.name).number(i).number(x.region).zeros(1).vec(x.position).zeros(5);
-  }
-  for (std::size_t i = 0; i < h.images.size(); ++i) {
-    const HouseImage& x = h.images[i];
-    w.line("I");
-    w.number(i).number(x.panorama).name(x.name).number(x.camera).number(x.yaw);
-    for (const double value : x.camera_from_world) w.number(value);
-    for (const double value : x.intrinsics) w.number(value);
-    w.number(x.width).number(x.height).vec(x.position).zeros(5);
-  }
-}
-
-void write_things(Writer& w, const House& h) {
-  for (std::size_t i = 0; i < h.categories.size(); ++i) {
-    const HouseCategory& x = h.categories[i];
-    w.line("C");
-    w.number(i).number(x.mapping_index).name(x.mapping_name);
-    w.number(x.mpcat40_index).name(x.mpcat40_name).zeros(5);
-  }
-  for (std::size_t i = 0; i < h.objects.size(); ++i) {
-    const HouseObject& x = h.objects[i];
-    w.line("O");
-    w.number(i).number(x.region).number(x.category).vec(x.position).vec(x.axis0).vec(x.axis1);
-    w.vec(x.radii).zeros(8);
-  }
-  for (std::size_t i = 0; i < h.segments.size(); ++i) {
-    const HouseSegment& x = h.segments[i];
-    w.line("E");
-    w.number(i).number(x.object).number(x.id).number(x.area).vec(x.position).box(x.box).zeros(5);
-  }
+  w.zeros(5);
+  w.box(h.box);
+  w.zeros(5);
 }
 
 }  // namespace
@@ -447,11 +423,9 @@ House parse_house(std::string_view text, const std::string& file) {
 }
 
 std::string to_text(const House& house) {
-  Writer writer;
+  RecordWriter writer;
   write_header(writer, house);
-  write_rooms(writer, house);
-  write_pictures(writer, house);
-  write_things(writer, house);
+  for (const Kind& kind : kKinds) kind.write(writer, kind.letter, house);
   return writer.take();
 }
 

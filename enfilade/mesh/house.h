@@ -21,7 +21,7 @@ struct HouseLevel {
 };
 struct HouseRegion {
   std::int32_t level = -1;
-  char label = '-';  ///< room type: 'b' bedroom, 'k' kitchen, ... (kRegionTypes)
+  char label = '-';  ///< room type: 'b' bedroom, 'k' kitchen, ...: region_types()
   Vec3d position;
   HouseBox box;
   double height = 0;  ///< metres from the floor polygon; <= 0: to the house's top

@@ -3,10 +3,13 @@
 #include <unordered_map>
 
 #include "enfilade/core/file.h"
-#include "enfilade/mesh/detail/text.h"
+#include "enfilade/mesh/readers/text.h"
 #include "enfilade/mesh/segmentation.h"
 
 namespace enfilade::mesh {
+
+using namespace readers;
+
 namespace {
 
 /// Which object each segment is of; no segment may be of two.

@@ -8,11 +8,15 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
-#include "enfilade/mesh/detail/bake.h"
-#include "enfilade/mesh/detail/sources.h"
 #include "enfilade/mesh/detail/vector.h"
+#include "enfilade/mesh/light/bake.h"
+#include "enfilade/mesh/light/sources.h"
 
 namespace enfilade::mesh {
+
+using namespace detail;
+using namespace light;
+
 namespace {
 
 constexpr std::size_t kBlock = 256;  // rays that are worked on together, on the stack

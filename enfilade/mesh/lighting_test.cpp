@@ -11,6 +11,9 @@
 #include "enfilade/mesh/detail/vector.h"
 
 namespace enfilade::mesh {
+
+using namespace detail;
+
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;

@@ -12,6 +12,9 @@
 #include "enfilade/mesh/detail/vector.h"
 
 namespace enfilade::mesh {
+
+using namespace detail;
+
 namespace {
 
 constexpr std::size_t kPacket = 16;

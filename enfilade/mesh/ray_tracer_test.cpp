@@ -12,6 +12,9 @@
 #include "enfilade/mesh/detail/test_room.h"
 
 namespace enfilade::mesh {
+
+using namespace detail;
+
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();

@@ -7,9 +7,11 @@
 #include <iterator>
 
 #include "enfilade/core/file.h"
-#include "enfilade/mesh/detail/reader.h"
+#include "enfilade/mesh/readers/reader.h"
 
 namespace enfilade::mesh {
+
+using namespace readers;
 namespace {
 
 struct Format {

@@ -12,10 +12,13 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/detail/json.h"
 #include "enfilade/image/tone.h"
-#include "enfilade/mesh/detail/ply.h"
-#include "enfilade/mesh/detail/text.h"
+#include "enfilade/mesh/readers/ply.h"
+#include "enfilade/mesh/readers/text.h"
 
 namespace enfilade::mesh {
+
+using namespace readers;
+
 namespace {
 
 using json::Element;

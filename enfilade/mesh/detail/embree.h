@@ -6,7 +6,7 @@
 #include <embree3/rtcore.h>
 #endif
 
-namespace enfilade::mesh::embree {
+namespace enfilade::mesh::detail::embree {
 
 #if RTC_VERSION_MAJOR >= 4
 
@@ -52,4 +52,4 @@ inline void occluded(RTCScene scene, RTCRay& ray) {
 
 #endif
 
-}  // namespace enfilade::mesh::embree
+}  // namespace enfilade::mesh::detail::embree

@@ -7,7 +7,7 @@
 #include "enfilade/mesh/lighting.h"
 #include "enfilade/mesh/mesh.h"
 
-namespace enfilade::mesh {
+namespace enfilade::mesh::detail {
 
 /// Puts flat pieces together.
 class Assembly {
@@ -69,4 +69,4 @@ class Assembly {
   std::uint32_t object_ = kNoObject;
 };
 
-}  // namespace enfilade::mesh
+}  // namespace enfilade::mesh::detail

@@ -7,7 +7,7 @@
 #include "enfilade/image/tone.h"
 #include "enfilade/mesh/detail/vector.h"
 
-namespace enfilade::mesh {
+namespace enfilade::mesh::detail {
 namespace {
 
 std::array<float, 256> make_linear_table() {
@@ -112,4 +112,4 @@ Vec3f TexturePyramid::at(TexturePoint point, float texels) const {
   return mix(fine, between(levels_[below + 1], point), share);
 }
 
-}  // namespace enfilade::mesh
+}  // namespace enfilade::mesh::detail

@@ -6,7 +6,7 @@
 
 #include "enfilade/mesh/mesh.h"
 
-namespace enfilade::mesh {
+namespace enfilade::mesh::detail {
 
 /// Where a point of a triangle, (1 - u - v) corner0 + u corner1 + v corner2, lies in its texture.
 TexturePoint texture_point(const Mesh& mesh, std::uint32_t triangle, float u, float v);
@@ -41,4 +41,4 @@ class TexturePyramid {
   Vec3f mean_;
 };
 
-}  // namespace enfilade::mesh
+}  // namespace enfilade::mesh::detail

@@ -7,7 +7,7 @@
 #include "enfilade/geometry/vec.h"
 #include "enfilade/image/tone.h"
 
-namespace enfilade::mesh {
+namespace enfilade::mesh::detail {
 
 inline constexpr float kFloatPi = std::numbers::pi_v<float>;
 
@@ -21,4 +21,4 @@ inline Vec3f unit(Vec3f v, Vec3f otherwise = {0, 0, 1}) {
 inline Vec3f mix(Vec3f a, Vec3f b, float t) { return (1 - t) * a + t * b; }
 inline float luminance(Vec3f c) { return image::luminance(c.x, c.y, c.z); }
 
-}  // namespace enfilade::mesh
+}  // namespace enfilade::mesh::detail

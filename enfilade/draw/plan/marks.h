@@ -1,0 +1,38 @@
+/// \file  The signs of a floor plan, drawn alike on the plan and in its legend. Internal.
+#pragma once
+#include <string>
+
+#include "enfilade/draw/plan/svg.h"
+#include "enfilade/draw/plan/trace.h"
+
+namespace enfilade::draw::plan {
+
+// Okabe and Ito's palette, which colour-blind people tell apart.
+inline constexpr Colour kBlue{0, 114, 178};
+inline constexpr Colour kSky{86, 180, 233};
+inline constexpr Colour kVermilion{213, 94, 0};
+inline constexpr Colour kPurple{170, 70, 130};
+inline constexpr Colour kGreen{0, 158, 115};
+inline constexpr Colour kYellow{240, 228, 66};
+
+inline constexpr const char* kInk = "#2b2f36";       ///< texts
+inline constexpr const char* kFaintInk = "#6b7280";  ///< captions
+inline constexpr const char* kEdge = "#a7acb5";
+inline constexpr const char* kFloor = "#f3efe6";
+inline constexpr const char* kFloorRim = "#d8d0be";
+
+std::string dot(Point p);
+std::string isolated_mark(Point p);
+std::string excluded_mark(Point p);
+/// Where an edge goes on to another storey; `up`: a higher one.
+std::string stairs_mark(Point p, bool up);
+std::string start_mark(Point p);
+std::string goal_mark(Point p);
+/// A ring, which leaves room for the goal in it.
+std::string stop_mark(Point p, Colour colour);
+
+enum class Anchor { kStart, kMiddle, kEnd };
+std::string text(Point p, std::string_view content, double size, const char* colour,
+                 bool bold = false, Anchor anchor = Anchor::kStart);
+
+}  // namespace enfilade::draw::plan

@@ -1,0 +1,18 @@
+/// \file  Walls, doors, windows, stairs and names below a floor plan's graph. Internal.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "enfilade/draw/plan/legend.h"
+#include "enfilade/draw/plan/plan.h"
+#include "enfilade/draw/plan_underlay.h"
+
+namespace enfilade::draw::plan {
+
+std::string draw_lines(const UnderlayStorey& storey, const Panel& panel);
+std::string draw_texts(const UnderlayStorey& storey, const Panel& panel);
+
+/// What the kinds of lines that there are mean.
+std::vector<LegendItem> underlay_legend(const PlanUnderlay& underlay);
+
+}  // namespace enfilade::draw::plan

@@ -1,0 +1,155 @@
+/// \file  What bake() does, step by step.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "enfilade/core/threads.h"
+#include "enfilade/mesh/light/bake.h"
+#include "enfilade/mesh/light/sources.h"
+
+namespace enfilade::mesh::light {
+
+/// Tells a caller how far the work is, in steps whose shares are known beforehand.
+class Steps {
+ public:
+  Steps(const Progress& progress, int threads) : progress_(progress), threads_(threads) {}
+
+  /// parallel_for(), and `share` of 1000 is done.
+  template <class Body>
+  void run(std::size_t count, std::size_t grain, std::size_t share, const Body& body) {
+    constexpr std::size_t kReports = 8;
+    const std::size_t from = done_;
+    for (std::size_t k = 0; k < kReports; ++k) {
+      const std::size_t first = count * k / kReports, last = count * (k + 1) / kReports;
+      parallel_for(last - first, grain, threads_,
+                   [&](std::size_t a, std::size_t b) { body(first + a, first + b); });
+      report(from + share * (k + 1) / kReports);
+    }
+  }
+  void report(std::size_t done) {
+    done_ = std::min<std::size_t>(done, kTotal);
+    if (progress_) progress_(done_, kTotal);
+  }
+  static constexpr std::size_t kTotal = 1000;
+
+ private:
+  const Progress& progress_;
+  int threads_;
+  std::size_t done_ = 0;
+};
+
+/// In place of a light point: the sky.
+inline constexpr LightPoint kNowhere = 0x7fffffffU;
+
+class Baker {
+ public:
+  Baker(const RayTracer& tracer, const Surfaces& surfaces, const Lights& lights,
+        const BakeOptions& options, const Progress& progress);
+
+  BakedLight run();
+
+ private:
+  struct State {
+    bool live = false;    ///< light comes here
+    bool backs = false;   ///< most of what it sees are surfaces' backs
+    bool buried = false;  ///< and it is dark: inside of something solid
+  };
+  /// What a ray found.
+  struct Found {
+    Vec3f radiance;      ///< of lights that are not aimed at
+    LightPoint surface;  ///< the nearest point; kNowhere: the sky
+    bool back;           ///< of that surface
+    bool near;           ///< it is within kNear spacings
+  };
+  /// Neighbours on one surface.
+  using Link = std::array<LightPoint, 2>;
+  /// Directions about a normal; the first coordinate is rotated about it, the last along it.
+  using Directions = std::vector<Vec3f>;
+
+  void cut_to_spacing();
+  void make_sources();
+  void make_glowing_sources();
+  void make_directions();
+  bool is_outside(std::uint32_t triangle) const;
+  void measure();  ///< areas, colours, and where rays start
+  void measure_room();
+  void grow();  ///< arrays to the light mesh's size
+  Receiver receiver(LightPoint p) const;
+
+  void aim_at_sources(std::size_t first, std::size_t last, std::size_t share);
+  void shine_sun();
+  void probe();
+  void find_buried();
+  bool is_dark(LightPoint p) const;
+  float median_irradiance() const;
+  const Directions& directions(LightPoint p) const;
+  template <class Use>
+  void cast(LightPoint p, const Directions& directions, const Use& use) const;
+  Ray along(LightPoint a, LightPoint b) const;
+  std::vector<std::uint8_t> sees_ends(std::size_t known) const;
+  std::vector<Link> make_links() const;
+  std::vector<Link> seams(const std::vector<std::uint8_t>& rim) const;
+  std::vector<Link> open_links(const std::vector<Link>& fronts) const;
+  void part_near_from_far();
+  void join_near_and_far(LightPoint p);
+  Found find(const Receiver& from, Vec3f direction, const Hit& hit) const;
+  void gather_base();
+  void bounce();
+  void send_on();
+  void smooth(std::size_t rounds);
+  void refine();
+  bool uneven(LightPoint a, LightPoint b, float distance) const;
+  void gather_new(std::size_t known);
+  void fill_buried();
+  void find_key();
+
+  const RayTracer& tracer_;
+  const Surfaces& surfaces_;
+  const Lights& lights_;
+  const BakeOptions& options_;
+  Steps steps_;
+  bool has_rooms_;              ///< any object is in one
+  LightMesh mesh_, base_mesh_;  ///< the latter: before refinement
+  float spacing_ = 0;           ///< options' or more, where points would be too many
+  float typical_ = 0;           ///< median luminance of irradiance
+  std::vector<LightSource> sources_;
+  std::vector<std::int32_t> source_of_;  ///< of a glowing triangle; -1: none; may be empty
+  std::array<Directions, 4> directions_;
+
+  // By place, that is, half a light point.
+  std::vector<Vec3f> start_;  ///< where its rays start, but for the step off the surface
+  std::vector<float> area_;
+  std::vector<Vec3f> colour_;
+  std::vector<std::uint8_t> outside_;  ///< 1: only of surfaces that are in no room
+  std::vector<float> room_;  ///< harmonic mean of distances to what is around, on the tighter side
+  // By light point.
+  std::vector<State> state_;
+  std::vector<Vec3f> direct_, indirect_, sun_;  ///< irradiance
+  std::vector<Vec3f> found_;                    ///< of indirect_, what is not sent by surfaces
+  // Indirect light in two parts. What is near is known by a point's own rays: the dark below a
+  // table. What is far changes little from point to point, but is found by few rays of many: a
+  // patch of sun. So the latter is a mean over neighbours.
+  std::vector<Vec3f> near_;       ///< irradiance
+  std::vector<Vec3f> far_;        ///< mean radiance
+  std::vector<float> far_share_;  ///< of rays
+  std::vector<float> open_;       ///< share of rays that meet the sky
+  std::vector<Vec3f> sends_;      ///< radiance that it sends on
+  // Where the rays of the base's points end: those of p from first_ray_[p] on.
+  class Seen {
+   public:
+    Seen() = default;  ///< the sky
+    Seen(LightPoint surface, bool near) : bits_(surface << 1U | (near ? 1U : 0U)) {}
+    LightPoint surface() const { return bits_ >> 1U; }  ///< kNowhere: the sky
+    bool near() const { return (bits_ & 1U) != 0; }
+
+   private:
+    std::uint32_t bits_ = kNowhere << 1U;
+  };
+  std::vector<std::size_t> first_ray_;
+  std::vector<Seen> seen_;
+  float key_ = 1;
+};
+
+}  // namespace enfilade::mesh::light

@@ -1,0 +1,355 @@
+#include "enfilade/mesh/readers/gltf.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <system_error>
+
+#include "enfilade/core/detail/json.h"
+#include "enfilade/mesh/readers/text.h"
+
+namespace enfilade::mesh::readers {
+namespace {
+
+using tinygltf::Model;
+
+std::uint32_t word_at(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    value |= std::uint32_t{static_cast<unsigned char>(bytes[at + k])} << (8 * k);
+  }
+  return value;
+}
+
+/// The JSON text of a .glb, whose parts all lie inside the file (glTF 2.0, 4.4).
+std::string_view json_chunk(std::string_view glb, const std::string& file) {
+  constexpr std::size_t kHeader = 12, kChunkHeader = 8;
+  constexpr std::uint32_t kJson = 0x4E4F534A;
+  const auto fail = [&](const std::string& what) { refuse(file, "", "bad-container", what); };
+  if (glb.size() < kHeader + kChunkHeader) fail("too short for a binary glTF");
+  if (word_at(glb, 4) != 2) fail(fmt::format("version {} of glTF, not 2", word_at(glb, 4)));
+  const std::size_t length = word_at(glb, 8);
+  if (length > glb.size()) fail(fmt::format("{} bytes, but it says {}", glb.size(), length));
+  std::string_view json;
+  for (std::size_t at = kHeader; at < length;) {
+    if (at + kChunkHeader > length || word_at(glb, at) > length - at - kChunkHeader) {
+      fail(fmt::format("the chunk at byte {} ends after the file", at));
+    }
+    const std::size_t size = word_at(glb, at);
+    if (at == kHeader) {
+      if (word_at(glb, at + 4) != kJson) fail("the first chunk is not JSON");
+      json = glb.substr(at + kChunkHeader, size);
+    }
+    at += kChunkHeader + size;
+  }
+  return json;
+}
+
+/// Those that change nothing but looks, and those that are followed.
+bool is_known(std::string_view extension) {
+  constexpr std::array<std::string_view, 18> kKnown{"KHR_texture_transform",
+                                                    "KHR_mesh_quantization",
+                                                    "KHR_lights_punctual",
+                                                    "KHR_materials_unlit",
+                                                    "KHR_materials_anisotropy",
+                                                    "KHR_materials_clearcoat",
+                                                    "KHR_materials_dispersion",
+                                                    "KHR_materials_emissive_strength",
+                                                    "KHR_materials_ior",
+                                                    "KHR_materials_iridescence",
+                                                    "KHR_materials_sheen",
+                                                    "KHR_materials_specular",
+                                                    "KHR_materials_transmission",
+                                                    "KHR_materials_variants",
+                                                    "KHR_materials_volume",
+                                                    "KHR_materials_pbrSpecularGlossiness",
+                                                    "KHR_materials_diffuse_transmission",
+                                                    "KHR_xmp_json_ld"};
+  return std::ranges::find(kKnown, extension) != kKnown.end();
+}
+
+/// Version and extensions, before anything else is looked at. Also keeps JSON of endless nesting
+/// from tinygltf, which recurses.
+void check_json(std::string_view text, const std::string& file) {
+  const json::Document document = json::Document::parse(text, file);
+  json::Faults faults(file);
+  constexpr std::array<json::Field, 2> kFields{{{"asset", true}, {"extensionsRequired", false}}};
+  std::array<std::optional<json::Element>, 2> found;
+  const json::Path root, asset(root, "asset"), required(root, "extensionsRequired");
+  json::fields(document.root(), kFields, found, root, faults);
+  faults.throw_if_errors();
+  constexpr std::array<json::Field, 1> kVersion{{{"version", true}}};
+  std::array<std::optional<json::Element>, 1> version;
+  json::fields(*found[0], kVersion, version, asset, faults);
+  faults.throw_if_errors();
+  const json::Path version_path(asset, "version");
+  const auto value = json::string(*version[0], version_path, faults);
+  if (value && !value->starts_with("2.")) {
+    faults.error(version_path, "bad-version", fmt::format("{}, not 2.x", in_quotes(*value)));
+  }
+  if (found[1]) {
+    if (const auto list = json::array(*found[1], required, faults)) {
+      std::size_t i = 0;
+      for (const json::Element item : *list) {
+        const json::Path path(required, i++);
+        const auto name = json::string(item, path, faults);
+        if (!name || is_known(*name)) continue;
+        faults.error(path, "unknown-extension",
+                     fmt::format("{} is required, but not known here", in_quotes(*name)));
+      }
+    }
+  }
+  faults.throw_if_errors();
+}
+
+/// What tinygltf asks for files through.
+struct Files {
+  const Source& source;
+  std::optional<std::string> missing;  ///< why the last one could not be read
+};
+
+/// tinygltf looks in its folder, which is "" here, then in "./": only the first is wanted.
+bool file_exists(const std::string& path, void* user) {
+  const Files& files = *static_cast<Files*>(user);
+  std::error_code code;
+  return files.source.on_disk && !path.empty() && !path.starts_with("./") &&
+         std::filesystem::is_regular_file(files.source.folder / path, code);
+}
+std::string same_path(const std::string& path, void*) { return path; }
+bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const std::string& path,
+                     void* user) {
+  Files& files = *static_cast<Files*>(user);
+  try {
+    const std::string bytes = files.source.part(path);
+    out->assign(bytes.begin(), bytes.end());
+    return true;
+  } catch (const FileError& e) {
+    files.missing = e.what();
+    if (error != nullptr) *error = e.what();
+    return false;
+  }
+}
+bool write_nothing(std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+  return false;
+}
+
+/// Images are decoded later, and those in buffers are found there: tinygltf has not checked that
+/// they lie inside.
+bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, int,
+                const unsigned char* bytes, int size, void*) {
+  if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
+  return true;
+}
+
+std::size_t element_bytes(const tinygltf::Accessor& a) {
+  const int size = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(a.componentType));
+  const int n = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type));
+  return size > 0 && n > 0 ? static_cast<std::size_t>(size) * static_cast<std::size_t>(n) : 0;
+}
+
+template <class T>
+double number_at(const char* at) {
+  T value;
+  std::memcpy(&value, at, sizeof(T));  // as machines of today: little-endian, like the format
+  return static_cast<double>(value);
+}
+double number_at(const char* at, int type) {
+  switch (type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return number_at<std::int8_t>(at);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return number_at<std::uint8_t>(at);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return number_at<std::int16_t>(at);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return number_at<std::uint16_t>(at);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return number_at<std::uint32_t>(at);
+    default:
+      return number_at<float>(at);
+  }
+}
+/// The greatest whole number of a type, which stands for 1 (glTF 2.0, 3.6.2.2).
+double share_of(double value, int type) {
+  switch (type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return std::max(value / 127, -1.0);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return value / 255;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return std::max(value / 32767, -1.0);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return value / 65535;
+    default:
+      return value;
+  }
+}
+bool is_allowed(int type) {
+  return type != TINYGLTF_COMPONENT_TYPE_INT && type != TINYGLTF_COMPONENT_TYPE_DOUBLE &&
+         tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(type)) > 0;
+}
+
+class AccessorReader {
+ public:
+  AccessorReader(const Model& model, int accessor, const std::string& file)
+      : model_(model), file_(file), where_(fmt::format("$.accessors[{}]", accessor)) {
+    if (accessor < 0 || static_cast<std::size_t>(accessor) >= model.accessors.size()) {
+      refuse(file, where_, "bad-index", fmt::format("only {} are there", model.accessors.size()));
+    }
+    accessor_ = &model.accessors[static_cast<std::size_t>(accessor)];
+  }
+
+  GltfNumbers read() {
+    const tinygltf::Accessor& a = *accessor_;
+    const std::size_t element = element_bytes(a);
+    if (element == 0 || !is_allowed(a.componentType)) {
+      fail(fmt::format("component type {}, not one of glTF's", a.componentType));
+    }
+    if (a.count == 0) fail("a count of 0");
+    if (a.bufferView < 0) {
+      fail("no bufferView: compressed, or all zeros, which is not supported");
+    }
+    out_.components = static_cast<std::size_t>(
+        tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)));
+    out_.count = a.count;
+    out_.whole = !a.normalized && (a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                                   a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+                                   a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT);
+    const std::string_view bytes = view(a.bufferView);
+    // Looked up by view(), so that it is there.
+    const std::size_t given = model_.bufferViews[static_cast<std::size_t>(a.bufferView)].byteStride;
+    const std::size_t stride = given == 0 ? element : given;
+    if (stride < element) fail(fmt::format("a stride of {} for items of {}", stride, element));
+    check_fits(bytes, a.byteOffset, a.count, stride, element);
+    out_.values.reserve(out_.count * out_.components);
+    for (std::size_t i = 0; i < a.count; ++i) {
+      append(bytes.data() + a.byteOffset + i * stride);
+    }
+    if (a.sparse.isSparse) read_sparse(element);
+    return std::move(out_);
+  }
+
+ private:
+  [[noreturn]] void fail(std::string message) const {
+    refuse(file_, where_, "bad-accessor", std::move(message));
+  }
+  std::string_view view(int index) const { return view_bytes(model_, index, file_, where_); }
+
+  void check_fits(std::string_view bytes, std::size_t offset, std::size_t count, std::size_t stride,
+                  std::size_t element) const {
+    const bool fits = offset <= bytes.size() && element <= bytes.size() - offset &&
+                      count - 1 <= (bytes.size() - offset - element) / stride;
+    if (fits) return;
+    fail(fmt::format("{} items from byte {} on, every {} bytes, end after their {} bytes", count,
+                     offset, stride, bytes.size()));
+  }
+  double number(const char* at) const {
+    const double value = number_at(at, accessor_->componentType);
+    return accessor_->normalized ? share_of(value, accessor_->componentType) : value;
+  }
+  std::size_t component_bytes() const {
+    return static_cast<std::size_t>(
+        tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(accessor_->componentType)));
+  }
+  void append(const char* item) {
+    for (std::size_t k = 0; k < out_.components; ++k) {
+      out_.values.push_back(number(item + k * component_bytes()));
+    }
+  }
+  void read_sparse(std::size_t element) {
+    const auto& sparse = accessor_->sparse;
+    const int type = sparse.indices.componentType;
+    if (sparse.count < 1 || static_cast<std::size_t>(sparse.count) > out_.count ||
+        sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0 || !is_allowed(type) ||
+        type == TINYGLTF_COMPONENT_TYPE_BYTE || type == TINYGLTF_COMPONENT_TYPE_SHORT ||
+        type == TINYGLTF_COMPONENT_TYPE_FLOAT) {
+      fail("its sparse part has a count, an offset or a type that is not allowed");
+    }
+    const auto count = static_cast<std::size_t>(sparse.count),
+               at = static_cast<std::size_t>(sparse.indices.byteOffset),
+               values_at = static_cast<std::size_t>(sparse.values.byteOffset);
+    const auto size = static_cast<std::size_t>(
+        tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(type)));
+    const std::string_view indices = view(sparse.indices.bufferView),
+                           values = view(sparse.values.bufferView);
+    check_fits(indices, at, count, size, size);
+    check_fits(values, values_at, count, element, element);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto item = static_cast<std::size_t>(number_at(indices.data() + at + i * size, type));
+      if (item >= out_.count) fail(fmt::format("sparse index {} of {}", item, out_.count));
+      for (std::size_t k = 0; k < out_.components; ++k) {
+        out_.values[item * out_.components + k] =
+            number(values.data() + values_at + i * element + k * component_bytes());
+      }
+    }
+  }
+
+  const Model& model_;
+  const std::string& file_;
+  std::string where_;
+  const tinygltf::Accessor* accessor_ = nullptr;
+  GltfNumbers out_;
+};
+
+}  // namespace
+
+Model load_gltf(const Source& source) {
+  if (source.bytes.size() > std::numeric_limits<std::uint32_t>::max()) {
+    refuse(source.name, "", "bad-container", "more than 4 GB, which glTF does not have");
+  }
+  const bool binary = source.bytes.starts_with("glTF");
+  check_json(binary ? json_chunk(source.bytes, source.name) : source.bytes, source.name);
+  Files files{source, std::nullopt};
+  tinygltf::TinyGLTF reader;
+  reader.SetImageLoader(keep_image, nullptr);
+  reader.SetFsCallbacks({file_exists, same_path, read_whole_file, write_nothing, &files});
+  Model model;
+  std::string error, warning;
+  bool read = false;
+  const auto size = static_cast<unsigned>(source.bytes.size());
+  try {
+    read = binary ? reader.LoadBinaryFromMemory(
+                        &model, &error, &warning,
+                        reinterpret_cast<const unsigned char*>(source.bytes.data()), size, "")
+                  : reader.LoadASCIIFromString(&model, &error, &warning, source.bytes.data(), size,
+                                               "");
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& e) {  // of its JSON library, for values of another type
+    error = e.what();
+  }
+  if (files.missing && !read) throw FileError(*files.missing);
+  if (!read) {
+    const std::string_view first = trim(std::string_view(error).substr(0, error.find('\n')));
+    refuse(source.name, "", "bad-gltf", std::string(first.substr(0, 200)));
+  }
+  return model;
+}
+
+std::string_view view_bytes(const Model& model, int view, const std::string& file,
+                            const std::string& where) {
+  const auto fail = [&](const std::string& what) {
+    refuse(file, where, "bad-buffer-view", fmt::format("buffer view {}: {}", view, what));
+  };
+  if (view < 0 || static_cast<std::size_t>(view) >= model.bufferViews.size()) {
+    fail(fmt::format("only {} are there", model.bufferViews.size()));
+  }
+  const tinygltf::BufferView& v = model.bufferViews[static_cast<std::size_t>(view)];
+  if (v.buffer < 0 || static_cast<std::size_t>(v.buffer) >= model.buffers.size()) {
+    fail(fmt::format("buffer {} of {}", v.buffer, model.buffers.size()));
+  }
+  const auto& data = model.buffers[static_cast<std::size_t>(v.buffer)].data;
+  if (v.byteOffset > data.size() || v.byteLength > data.size() - v.byteOffset) {
+    fail(fmt::format("{} bytes from {} on end after their buffer's {}", v.byteLength, v.byteOffset,
+                     data.size()));
+  }
+  return {reinterpret_cast<const char*>(data.data()) + v.byteOffset, v.byteLength};
+}
+
+GltfNumbers read_accessor(const Model& model, int accessor, const std::string& file) {
+  return AccessorReader(model, accessor, file).read();
+}
+
+}  // namespace enfilade::mesh::readers

@@ -1,0 +1,49 @@
+/// \file  glTF 2.0 files: what tinygltf does not check. Internal.
+#pragma once
+#include <tiny_gltf.h>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/mesh/readers/reader.h"
+
+namespace enfilade::mesh::readers {
+
+/// Container and JSON. Images are left as they are: in `image` if they are not in a buffer.
+/// \throws InvalidInput for what is no glTF 2.0, and for a required extension that is not known;
+/// FileError for buffers that cannot be read
+tinygltf::Model load_gltf(const Source& source);
+
+/// The bytes of a buffer view. \param where in messages  \throws InvalidInput
+std::string_view view_bytes(const tinygltf::Model& model, int view, const std::string& file,
+                            const std::string& where);
+
+/// An accessor's numbers, sparse ones put in place; whole numbers that stand for shares of 1 as
+/// such.
+struct GltfNumbers {
+  std::size_t count = 0;       ///< items
+  std::size_t components = 0;  ///< numbers an item
+  bool whole = false;          ///< unsigned and not shares: may be indices
+  std::vector<double> values;
+};
+/// \throws InvalidInput for whatever does not lie inside its buffer
+GltfNumbers read_accessor(const tinygltf::Model& model, int accessor, const std::string& file);
+
+/// Where in a texture, after KHR_texture_transform.
+struct GltfTexturePlace {
+  int set = -1;                                 ///< TEXCOORD_<set>; -1: no texture
+  std::array<double, 6> map{1, 0, 0, 0, 1, 0};  ///< u' = m0 u + m1 v + m2, v' = m3 u + m4 v + m5
+};
+struct GltfMaterial {
+  Material material;
+  GltfTexturePlace place;
+};
+/// All materials; textures that are missing or broken are warnings.
+std::vector<GltfMaterial> read_gltf_materials(const tinygltf::Model& model, const Source& source,
+                                              ReadResult& result);
+
+}  // namespace enfilade::mesh::readers

@@ -1,0 +1,21 @@
+/// \file  Wavefront's material files. Internal.
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/mesh/readers/reader.h"
+
+namespace enfilade::mesh::readers {
+
+/// A material and the names of its textures, which are not read yet.
+struct MtlMaterial {
+  Material material;
+  std::string colour_map, alpha_map;
+};
+/// Lines that cannot be understood are warnings: a mesh without a colour is still a mesh.
+/// \param file in messages
+std::vector<MtlMaterial> parse_mtl(std::string_view text, const std::string& file,
+                                   std::vector<Diagnostic>& warnings);
+
+}  // namespace enfilade::mesh::readers

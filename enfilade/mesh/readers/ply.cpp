@@ -1,0 +1,318 @@
+#include "enfilade/mesh/readers/ply.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "enfilade/mesh/readers/text.h"
+
+namespace enfilade::mesh::readers::ply {
+namespace {
+
+struct TypeName {
+  std::string_view name;
+  Type type;
+};
+constexpr std::array kTypes{
+    TypeName{"char", Type::kInt8},     TypeName{"int8", Type::kInt8},
+    TypeName{"uchar", Type::kUint8},   TypeName{"uint8", Type::kUint8},
+    TypeName{"short", Type::kInt16},   TypeName{"int16", Type::kInt16},
+    TypeName{"ushort", Type::kUint16}, TypeName{"uint16", Type::kUint16},
+    TypeName{"int", Type::kInt32},     TypeName{"int32", Type::kInt32},
+    TypeName{"uint", Type::kUint32},   TypeName{"uint32", Type::kUint32},
+    TypeName{"float", Type::kFloat},   TypeName{"float32", Type::kFloat},
+    TypeName{"double", Type::kDouble}, TypeName{"float64", Type::kDouble},
+};
+
+std::size_t size_of(Type type) {
+  constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
+}
+bool is_float(Type type) { return type == Type::kFloat || type == Type::kDouble; }
+
+enum class Format { kAscii, kLittleEndian, kBigEndian };
+
+/// Reads the lines up to `end_header`.
+class HeaderParser {
+ public:
+  HeaderParser(std::string_view bytes, const std::string& file) : lines_(bytes), file_(file) {}
+
+  File parse() {
+    if (next() != "ply") fail("not a PLY file: the first line is not \"ply\"");
+    for (;;) {
+      const auto found = words(next());
+      if (found.empty() || found[0] == "comment" || found[0] == "obj_info") continue;
+      if (found[0] == "end_header") break;
+      if (found[0] == "format") {
+        read_format(found);
+      } else if (found[0] == "element") {
+        read_element(found);
+      } else if (found[0] == "property") {
+        read_property(found);
+      } else {
+        fail(fmt::format("{}, not a line of a PLY header", in_quotes(found[0])));
+      }
+    }
+    if (!has_format_) fail("no line \"format\"");
+    return std::move(out_);
+  }
+  Format format() const { return format_; }
+  const Lines& lines() const { return lines_; }
+
+ private:
+  [[noreturn]] void fail(std::string message) const {
+    refuse(file_, lines_.where(), "bad-header", std::move(message));
+  }
+  std::string_view next() {
+    const auto line = lines_.next();
+    if (!line) fail("the file ends within its header");
+    return *line;
+  }
+  void read_format(const std::vector<std::string_view>& found) {
+    constexpr std::array<std::string_view, 3> kNames{"ascii", "binary_little_endian",
+                                                     "binary_big_endian"};
+    const auto at = found.size() == 3 ? std::ranges::find(kNames, found[1]) : kNames.end();
+    if (at == kNames.end() || found[2] != "1.0") {
+      fail("not one of the formats ascii, binary_little_endian, binary_big_endian 1.0");
+    }
+    format_ = static_cast<Format>(at - kNames.begin());
+    has_format_ = true;
+  }
+  void read_element(const std::vector<std::string_view>& found) {
+    const auto rows = found.size() == 3 ? to_integer(found[2]) : std::nullopt;
+    if (!rows || *rows < 0) fail("not \"element NAME COUNT\"");
+    out_.elements.push_back({std::string(found[1]), static_cast<std::size_t>(*rows), {}});
+  }
+  void read_property(const std::vector<std::string_view>& found) {
+    const bool list = found.size() == 5 && found[1] == "list";
+    if (!list && found.size() != 3) fail("not \"property [list TYPE] TYPE NAME\"");
+    if (out_.elements.empty()) fail("a property before the first element");
+    Column column;
+    column.name = found.back();
+    column.type = type(found[found.size() - 2]);
+    column.list = list;
+    if (list) {
+      column.count_type = type(found[2]);
+      if (is_float(column.count_type)) fail("lists are counted in whole numbers");
+    }
+    out_.elements.back().columns.push_back(std::move(column));
+  }
+  Type type(std::string_view name) const {
+    const auto at = std::ranges::find(kTypes, name, &TypeName::name);
+    if (at == kTypes.end()) fail(fmt::format("{}, not a type of PLY", in_quotes(name)));
+    return at->type;
+  }
+
+  Lines lines_;
+  const std::string& file_;
+  File out_;
+  Format format_ = Format::kAscii;
+  bool has_format_ = false;
+};
+
+/// Gives values one by one; knows how many there can be at most.
+class BinarySource {
+ public:
+  BinarySource(std::string_view bytes, bool swap) : bytes_(bytes), swap_(swap) {}
+
+  static std::size_t least_bytes(Type type) { return size_of(type); }
+  std::size_t left() const { return bytes_.size(); }
+  bool next_row() { return true; }
+  std::string fault() const { return "the file ends"; }
+  std::string where() const { return ""; }
+  bool row_done() const { return true; }
+
+  std::optional<double> value(Type type) {
+    switch (type) {
+      case Type::kInt8:
+        return number<std::int8_t>();
+      case Type::kUint8:
+        return number<std::uint8_t>();
+      case Type::kInt16:
+        return number<std::int16_t>();
+      case Type::kUint16:
+        return number<std::uint16_t>();
+      case Type::kInt32:
+        return number<std::int32_t>();
+      case Type::kUint32:
+        return number<std::uint32_t>();
+      case Type::kFloat:
+        return number<float>();
+      default:
+        return number<double>();
+    }
+  }
+
+ private:
+  template <class T>
+  std::optional<double> number() {
+    if (bytes_.size() < sizeof(T)) return std::nullopt;
+    std::array<char, sizeof(T)> raw{};
+    std::memcpy(raw.data(), bytes_.data(), sizeof(T));
+    bytes_.remove_prefix(sizeof(T));
+    if (swap_) std::ranges::reverse(raw);
+    return static_cast<double>(std::bit_cast<T>(raw));
+  }
+
+  std::string_view bytes_;
+  bool swap_;
+};
+
+class AsciiSource {
+ public:
+  explicit AsciiSource(const Lines& lines) : lines_(lines) {}
+
+  static std::size_t least_bytes(Type) { return 1; }
+  std::size_t left() const { return line_.size() + lines_.rest().size(); }
+  /// Each row is a line.
+  bool next_row() {
+    do {
+      const auto line = lines_.next();
+      if (!line) return false;
+      line_ = trim(*line);
+    } while (line_.empty());
+    return true;
+  }
+  std::string where() const { return lines_.where() + ", "; }
+  std::string fault() const {
+    return word_.empty() ? "too few values"
+                         : in_quotes(word_) + " is not a number, or not one of its type";
+  }
+  bool row_done() const { return trim(line_).empty(); }
+
+  std::optional<double> value(Type type) {
+    word_ = cut_word(line_);
+    if (is_float(type)) {
+      const auto number = to_number(word_);
+      return number || word_.empty() ? number : not_finite(word_);
+    }
+    const auto whole = to_integer(word_);
+    constexpr std::array<std::int64_t, 6> kLeast{-128, 0, -32768, 0, INT32_MIN, 0};
+    constexpr std::array<std::int64_t, 6> kMost{127, 255, 32767, 65535, INT32_MAX, UINT32_MAX};
+    const auto t = static_cast<std::size_t>(type);
+    if (!whole || *whole < kLeast[t] || *whole > kMost[t]) return std::nullopt;
+    return static_cast<double>(*whole);
+  }
+
+ private:
+  /// C's printf writes these where a binary file would have the bits of them.
+  static std::optional<double> not_finite(std::string_view word) {
+    if (word.starts_with('-') || word.starts_with('+')) word.remove_prefix(1);
+    if (word == "nan" || word == "NaN" || word == "inf" || word == "Infinity") return std::nan("");
+    return std::nullopt;
+  }
+
+  Lines lines_;
+  std::string_view line_, word_;
+};
+
+template <class Source>
+class RowReader {
+ public:
+  RowReader(Source source, const std::string& file, std::span<const std::string_view> wanted)
+      : source_(std::move(source)), file_(file), wanted_(wanted) {}
+
+  void read(Element& element) {
+    if (element.rows == 0) return;
+    check_size(element);
+    std::vector<bool> keep;
+    for (Column& column : element.columns) {
+      keep.push_back(std::ranges::find(wanted_, column.name) != wanted_.end());
+      if (!keep.back()) continue;
+      column.values.reserve(element.rows);
+      if (column.list) column.ends.reserve(element.rows);
+    }
+    for (row_ = 0; row_ < element.rows; ++row_) {
+      if (!source_.next_row()) fail(element, "the file ends");
+      for (std::size_t c = 0; c < element.columns.size(); ++c) {
+        read(element, element.columns[c], keep[c]);
+      }
+      if (!source_.row_done()) fail(element, "more values than properties");
+    }
+  }
+
+ private:
+  /// Before memory is asked for.
+  void check_size(const Element& element) {
+    std::size_t row = 0;
+    for (const Column& column : element.columns) {
+      row += Source::least_bytes(column.list ? column.count_type : column.type);
+    }
+    if (row == 0) {
+      refuse(file_, "element " + element.name, "bad-header", "rows without a property");
+    }
+    if (element.rows > source_.left() / row) {
+      refuse(file_, "element " + element.name, "truncated",
+             fmt::format("{} rows, but only {} bytes are left", element.rows, source_.left()));
+    }
+  }
+  void read(const Element& element, Column& column, bool keep) {
+    if (!column.list) {
+      const double value = number(element, column.type);
+      if (keep) column.values.push_back(value);
+      return;
+    }
+    const double count = number(element, column.count_type);
+    if (count < 0) fail(element, fmt::format("a list of {}", count));
+    if (count > static_cast<double>(source_.left() / Source::least_bytes(column.type))) {
+      fail(element, fmt::format("a list of {}, but only {} bytes are left", count, source_.left()));
+    }
+    for (double i = 0; i < count; ++i) {
+      const double value = number(element, column.type);
+      if (keep) column.values.push_back(value);
+    }
+    if (keep) column.ends.push_back(column.values.size());
+  }
+  double number(const Element& element, Type type) {
+    const auto value = source_.value(type);
+    if (!value) fail(element, source_.fault());
+    return *value;
+  }
+  [[noreturn]] void fail(const Element& element, const std::string& what) const {
+    refuse(file_, fmt::format("{}{} {}", source_.where(), element.name, row_), "bad-row",
+           fmt::format("{} in row {} of {}", what, row_ + 1, element.rows));
+  }
+
+  Source source_;
+  const std::string& file_;
+  std::span<const std::string_view> wanted_;
+  std::size_t row_ = 0;
+};
+
+}  // namespace
+
+const Column* Element::find(std::initializer_list<std::string_view> names) const {
+  for (const std::string_view wanted : names) {
+    const auto at = std::ranges::find(columns, wanted, &Column::name);
+    if (at != columns.end()) return &*at;
+  }
+  return nullptr;
+}
+
+const Element* File::find(std::string_view wanted) const {
+  const auto at = std::ranges::find(elements, wanted, &Element::name);
+  return at == elements.end() ? nullptr : &*at;
+}
+
+File parse(std::string_view bytes, const std::string& file,
+           std::span<const std::string_view> wanted) {
+  HeaderParser header(bytes, file);
+  File out = header.parse();
+  const auto read_all = [&](auto source) {
+    RowReader reader(std::move(source), file, wanted);
+    for (Element& element : out.elements) reader.read(element);
+  };
+  if (header.format() == Format::kAscii) {
+    read_all(AsciiSource(header.lines()));
+  } else {
+    const bool little = header.format() == Format::kLittleEndian;
+    read_all(BinarySource(header.lines().rest(),
+                          little != (std::endian::native == std::endian::little)));
+  }
+  return out;
+}
+
+}  // namespace enfilade::mesh::readers::ply

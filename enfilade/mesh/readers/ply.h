@@ -1,0 +1,54 @@
+/// \file  PLY (Stanford's polygon files): tables of numbers and lists. Internal.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/mesh/mesh.h"
+
+namespace enfilade::mesh::readers::ply {
+
+enum class Type : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+
+/// A property of all rows. Every type's values are exact as doubles.
+struct Column {
+  std::string name;
+  Type type = Type::kFloat;
+  bool list = false;
+  Type count_type = Type::kUint8;
+  std::vector<double> values;     ///< empty if the property was not wanted
+  std::vector<std::size_t> ends;  ///< of lists: row r's values end before ends[r]
+};
+struct Element {
+  std::string name;
+  std::size_t rows = 0;
+  std::vector<Column> columns;
+  /// The first property of one of these names, or null.
+  const Column* find(std::initializer_list<std::string_view> names) const;
+};
+struct File {
+  std::vector<Element> elements;
+  const Element* find(std::string_view name) const;
+};
+
+/// ASCII and binary of either byte order; keeps properties whose names are `wanted`. Takes no more
+/// memory than some multiple of the file's size. \throws InvalidInput
+File parse(std::string_view bytes, const std::string& file,
+           std::span<const std::string_view> wanted);
+
+/// Names that geometry() looks for.
+std::span<const std::string_view> geometry_properties();
+/// Positions, colours (sRGB in files), normals, and polygons as fans.
+struct Geometry {
+  Mesh mesh;                        ///< one material
+  std::vector<std::uint32_t> face;  ///< the file's face that each triangle was part of
+  std::size_t short_faces = 0;      ///< faces of fewer than three corners: left out
+};
+/// \throws InvalidInput for elements or properties that are missing, and bad indices
+Geometry geometry(const File& ply, const std::string& file);
+
+}  // namespace enfilade::mesh::readers::ply
