@@ -77,6 +77,17 @@ void def_of_objects(nb::class_<Simulator>& c, const char* name,
       doc);
 }
 
+/// Binds a setter of one setting that the next initialize() takes over. \tparam Value as given
+template <class Value, class T>
+void def_setting(nb::class_<Simulator>& c, const char* name, T Settings::*field, const char* doc) {
+  c.def(
+      name,
+      [=](Simulator& self, nb::handle value) {
+        as_before([&] { self.set(field, converted<Value>(value.ptr(), name), name); });
+      },
+      doc, anything<Value>());
+}
+
 nb::object get_state(Simulator& self) {
   return nb::steal(as_before([&] { return self.get_state(); }).release());
 }
@@ -102,23 +113,25 @@ void bind_setters(nb::class_<Simulator>& c) {
                  "Folder of the scans' pictures. Default ./data/v1/scans/ (v0.1: ./data).");
   def_of_objects(c, "setNavGraphPath", &Simulator::set_nav_graph_path,
                  "Folder of scans.txt and <scan>_connectivity.json. Default ./connectivity.");
-  def(c, "setRenderingEnabled", &Simulator::set_rendering_enabled,
-      "False: no picture is opened. Default True.");
+  def_setting<bool>(c, "setRenderingEnabled", &Settings::rendering,
+                    "False: no picture is opened. Default True.");
   def(c, "setCameraResolution", &Simulator::set_camera_resolution,
       "Width and height, pixels. Default 320, 240. Heeded at the next action.");
   def(c, "setCameraVFOV", &Simulator::set_camera_vfov,
       "Vertical field of view, radians. Default 0.8. Heeded at the next action.");
   def(c, "setElevationLimits", &Simulator::set_elevation_limits,
       "Radians, -pi/2 < min < 0 < max < pi/2, else False is returned and nothing changes.");
-  def(c, "setDiscretizedViewingAngles", &Simulator::set_discretized_viewing_angles,
-      "36 views: 12 headings x 3 elevations of 30 degrees. Default False.");
-  def(c, "setRestrictedNavigation", &Simulator::set_restricted_navigation,
-      "Only what the picture's width shows is navigable. Default True.");
-  def(c, "setPreloadingEnabled", &Simulator::set_preloading_enabled,
+  def_setting<bool>(c, "setDiscretizedViewingAngles", &Settings::discretized,
+                    "36 views: 12 headings x 3 elevations of 30 degrees. Default False.");
+  def_setting<bool>(c, "setRestrictedNavigation", &Settings::restricted,
+                    "Only what the picture's width shows is navigable. Default True.");
+  def_setting<bool>(
+      c, "setPreloadingEnabled", &Settings::preloading,
       "Decode all pictures of all scans at initialize(), and keep them. Default False.");
-  def(c, "setDepthEnabled", &Simulator::set_depth_enabled, "Draw depth too. Default False.");
-  def(c, "setBatchSize", &Simulator::set_batch_size, "Agents. Default 1.");
-  def(c, "setCacheSize", &Simulator::set_cache_size, "Decoded panoramas to keep. Default 200.");
+  def_setting<bool>(c, "setDepthEnabled", &Settings::depth, "Draw depth too. Default False.");
+  def_setting<unsigned>(c, "setBatchSize", &Settings::batch_size, "Agents. Default 1.");
+  def_setting<unsigned>(c, "setCacheSize", &Settings::cache_panoramas,
+                        "Decoded panoramas to keep. Default 200.");
   def(c, "setSeed", &Simulator::set_seed, "Of random starts. Default 1 (v0.1: the clock).");
 }
 

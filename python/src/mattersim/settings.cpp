@@ -100,35 +100,6 @@ bool Simulator::set_elevation_limits(double min, double max) {
   return true;
 }
 
-void Simulator::set_rendering_enabled(bool enabled) {
-  settings_.rendering = enabled;
-  warn_if_begun("setRenderingEnabled");
-}
-void Simulator::set_discretized_viewing_angles(bool enabled) {
-  settings_.discretized = enabled;
-  warn_if_begun("setDiscretizedViewingAngles");
-}
-void Simulator::set_restricted_navigation(bool enabled) {
-  settings_.restricted = enabled;
-  warn_if_begun("setRestrictedNavigation");
-}
-void Simulator::set_preloading_enabled(bool enabled) {
-  settings_.preloading = enabled;
-  warn_if_begun("setPreloadingEnabled");
-}
-void Simulator::set_depth_enabled(bool enabled) {
-  settings_.depth = enabled;
-  warn_if_begun("setDepthEnabled");
-}
-void Simulator::set_batch_size(unsigned size) {
-  settings_.batch_size = size;
-  warn_if_begun("setBatchSize");
-}
-void Simulator::set_cache_size(unsigned panoramas) {
-  settings_.cache_panoramas = panoramas;
-  warn_if_begun("setCacheSize");
-}
-
 void Simulator::set_seed(int seed) {
   seed_ = seed;
   random_ = sim::MatterSimRandom(static_cast<std::uint64_t>(std::int64_t{seed}));

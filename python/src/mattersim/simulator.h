@@ -40,17 +40,16 @@ class Simulator {
   // between, they warn (RuntimeWarning), as the old simulator left them out in silence.
   void set_dataset_path(PyObject* path);
   void set_nav_graph_path(PyObject* path);
-  void set_rendering_enabled(bool enabled);
   void set_camera_resolution(int width, int height);
   void set_camera_vfov(double vfov);
   bool set_elevation_limits(double min, double max);
-  void set_discretized_viewing_angles(bool enabled);
-  void set_restricted_navigation(bool enabled);
-  void set_preloading_enabled(bool enabled);
-  void set_depth_enabled(bool enabled);
-  void set_batch_size(unsigned size);
-  void set_cache_size(unsigned panoramas);
   void set_seed(int seed);
+  /// Any other setting. \param setter its name, for the warning
+  template <class T, class Value>
+  void set(T Settings::*field, Value value, const char* setter) {
+    settings_.*field = value;
+    warn_if_begun(setter);
+  }
 
   void initialize();  ///< v0.2
   void init();        ///< v0.1
