@@ -21,35 +21,10 @@ struct PanoramaArguments {
   double heading = 0;
 };
 
-// Where a face stands on the cross, in faces, and whether it is turned by half: the top and bottom
-// faces hang on the front one here, in the strip on the back one.
-struct CrossPlace {
-  std::uint32_t column, row;
-  bool turned;
-};
-constexpr std::array<CrossPlace, kCubeFaces> kCross{
-    {{1, 0, true}, {3, 1, false}, {0, 1, false}, {1, 1, false}, {2, 1, false}, {1, 2, true}}};
-
-template <class T>
-image::Image<T> join_cross(const image::CubeMap<T>& faces) {
-  const std::uint32_t n = faces[0].width;
-  image::Image<T> cross(4 * n, 3 * n, faces[0].channels);
-  for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    const CrossPlace place = kCross[k];
-    for (std::uint32_t y = 0; y < n; ++y) {
-      for (std::uint32_t x = 0; x < n; ++x) {
-        const T* texel = place.turned ? faces[k].at(n - 1 - x, n - 1 - y) : faces[k].at(x, y);
-        std::copy_n(texel, cross.channels, cross.at(place.column * n + x, place.row * n + y));
-      }
-    }
-  }
-  return cross;
-}
-
 template <class T>
 image::Image<T> unfold(const image::CubeMap<T>& faces, bool cross) {
   if (faces[0].pixels.empty()) return {};
-  return cross ? join_cross(faces) : image::join_strip(faces);
+  return cross ? image::join_cross(faces) : image::join_strip(faces);
 }
 
 Drawn unfold_cube(const scan::PanoramaSource& source, ViewpointIndex viewpoint, bool cross) {

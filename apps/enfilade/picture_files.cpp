@@ -90,70 +90,14 @@ bool is_jpeg(const fs::path& path) {
   return path.extension() == ".jpg" || path.extension() == ".jpeg";
 }
 
-// "12 mpcat40 names a line": index, name, then what we don't need.
-draw::IdNames load_class_names(const fs::path& file) {
-  const std::string text = read_file(file);
-  draw::IdNames names;
-  std::size_t line = 0;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string_view row = std::string_view(text).substr(begin, end - begin);
-    begin = end + 1;
-    if (++line == 1 || row.empty()) continue;  // the first names the columns
-    const std::size_t tab = std::min(row.find('\t'), row.size());
-    const std::size_t next = std::min(row.find_first_of("\t\r", tab + 1), row.size());
-    const auto id = whole(row.substr(0, tab));
-    if (!id || next <= tab + 1) {
-      throw InvalidInput(
-          {{Severity::kError, file.string(), fmt::format("line {}", line), "bad-label",
-            "not a whole number, a tab and a name, as mpcat40.tsv has them"}});
-    }
-    names[*id] = row.substr(tab + 1, next - tab - 1);
-  }
-  return names;
-}
-
 draw::IdNames class_names(const SceneOptions& options) {
   const std::optional<scan::DataRoot> data = data_root(options);
   if (!data) return {};
   const fs::path file = data->folder() / "labels/mpcat40.tsv";
-  return fs::exists(file) ? load_class_names(file) : draw::IdNames();
+  return fs::exists(file) ? draw::load_class_names(file) : draw::IdNames();
 }
 
 std::string as_text(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
-
-// The source's own words for a layer that it lacks: they list the files that it tried.
-std::string what_is_missing(const scan::PanoramaSource& source, ViewpointIndex viewpoint,
-                            Layer layer) {
-  try {
-    if (layer == Layer::kColour) {
-      source.read_colour(viewpoint, scan::kAllFaces, {});
-    } else if (layer == Layer::kInstance) {
-      source.read_instances(viewpoint, scan::kAllFaces, {});
-    } else {
-      source.read_16(layer, viewpoint, scan::kAllFaces, {});
-    }
-  } catch (const LookupError& error) {
-    return error.what();
-  }
-  return "missing";
-}
-
-std::string encode_instances(const image::Image32& ids) {
-  if (std::ranges::all_of(ids.pixels, [](std::uint32_t id) { return id <= 65535; })) {
-    image::Image16 narrow(ids.width, ids.height, 1);
-    std::ranges::transform(ids.pixels, narrow.pixels.begin(),
-                           [](std::uint32_t id) { return static_cast<std::uint16_t>(id); });
-    return as_text(image::encode_png(narrow));
-  }
-  image::Image8 bytes(ids.width, ids.height, 4);
-  auto out = bytes.pixels.begin();
-  for (const std::uint32_t id : ids.pixels) {
-    for (unsigned shift = 0; shift < 32; shift += 8)
-      *out++ = static_cast<std::uint8_t>(id >> shift);
-  }
-  return as_text(image::encode_png(bytes));
-}
 
 }  // namespace
 
@@ -309,76 +253,23 @@ void require_layers(const scan::PanoramaSource& source, ViewpointIndex viewpoint
     if (sizes[index(file.layer)] > 0) continue;
     throw LookupError(
         fmt::format("--outputs {}: {}\nthis panorama has {}", name_of(file.layer),
-                    what_is_missing(source, viewpoint, file.layer),
+                    source.lacks(file.layer, viewpoint).what(),
                     known.empty() ? "no pictures" : fmt::format("{}", fmt::join(known, ", "))));
   }
 }
 
 render::Outputs outputs_into(Drawn& drawn, const std::vector<PictureFile>& files, Size size,
                              std::size_t views) {
-  render::Outputs outputs;
-  const auto height = static_cast<std::uint32_t>(size.height * views);
+  scan::LayerMask layers = 0;
   for (const PictureFile& file : files) {
-    switch (file.layer) {
-      case Layer::kColour:
-        drawn.colour = image::Image8(size.width, height, 3);
-        outputs.colour.emplace();
-        outputs.colour->pixels = std::as_writable_bytes(std::span(drawn.colour.pixels));
-        break;
-      case Layer::kDepth:
-        drawn.depth = image::Image16(size.width, height, 1);
-        outputs.depth.emplace();
-        outputs.depth->format = render::DepthFormat::kQuarterMillimetresUint16;
-        outputs.depth->pixels = std::as_writable_bytes(std::span(drawn.depth.pixels));
-        break;
-      case Layer::kClass:
-        drawn.classes = image::Image16(size.width, height, 1);
-        outputs.classes.emplace();
-        outputs.classes->pixels = std::as_writable_bytes(std::span(drawn.classes.pixels));
-        break;
-      case Layer::kInstance:
-        drawn.instances = image::Image32(size.width, height, 1);
-        outputs.instances.emplace();
-        outputs.instances->pixels = drawn.instances.pixels;
-        break;
-    }
+    layers = static_cast<scan::LayerMask>(layers | 1U << index(file.layer));
   }
-  return outputs;
+  return render::outputs_into(drawn, layers, size.width, size.height, views);
 }
 
-Palette::Palette(const Drawn& drawn, const SceneOptions& options)
-    : farthest_(draw::farthest_depth(drawn.depth)),
-      classes_(draw::count_ids(drawn.classes)),
-      instances_(draw::count_ids(drawn.instances)) {
-  if (!classes_.empty()) class_names_ = class_names(options);
-}
-
-image::Image8 Palette::coloured(const Drawn& drawn, Layer layer) const {
-  switch (layer) {
-    case Layer::kColour:
-      return drawn.colour;
-    case Layer::kDepth:
-      return draw::colour_depth(drawn.depth, farthest_);
-    case Layer::kClass:
-      return draw::colour_ids(drawn.classes);
-    case Layer::kInstance:
-      return draw::colour_ids(drawn.instances);
-  }
-  return {};
-}
-
-image::Image8 Palette::with_legend(const image::Image8& picture, Layer layer) const {
-  switch (layer) {
-    case Layer::kColour:
-      break;
-    case Layer::kDepth:
-      return draw::with_depth_legend(picture, farthest_);
-    case Layer::kClass:
-      return draw::with_id_legend(picture, classes_, class_names_);
-    case Layer::kInstance:
-      return draw::with_id_legend(picture, instances_, {});
-  }
-  return picture;
+draw::LayerColours colours_of(const Drawn& drawn, const SceneOptions& options) {
+  return draw::LayerColours(drawn,
+                            drawn.classes.pixels.empty() ? draw::IdNames() : class_names(options));
 }
 
 std::string encode(const image::Image8& picture, const std::string& path) {
@@ -397,7 +288,7 @@ std::string encode_raw(const Drawn& drawn, Layer layer) {
     case Layer::kClass:
       return as_text(image::encode_png(drawn.classes));
     case Layer::kInstance:
-      return encode_instances(drawn.instances);
+      return as_text(image::encode_ids(drawn.instances));
   }
   return {};
 }
@@ -409,7 +300,7 @@ void write_picture(const std::string& path, const std::string& content) {
 
 void write_pictures(const Drawn& drawn, const std::vector<PictureFile>& files,
                     const OutputOptions& output, const SceneOptions& scene) {
-  const Palette palette(drawn, scene);
+  const draw::LayerColours palette = colours_of(drawn, scene);
   for (const PictureFile& file : files) {
     const bool as_values = output.raw && !is_jpeg(file.path);
     write_picture(file.path,
@@ -418,12 +309,6 @@ void write_pictures(const Drawn& drawn, const std::vector<PictureFile>& files,
                       : encode(palette.with_legend(palette.coloured(drawn, file.layer), file.layer),
                                file.path));
   }
-}
-
-image::Image8 rows_of(const image::Image8& picture, std::size_t first, std::size_t count) {
-  image::Image8 part(picture.width, static_cast<std::uint32_t>(count), picture.channels);
-  std::copy_n(picture.at(0, first), part.pixels.size(), part.pixels.begin());
-  return part;
 }
 
 }  // namespace enfilade::apps

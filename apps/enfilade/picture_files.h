@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "enfilade/draw/colour_maps.h"
+#include "enfilade/draw/layer_colours.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/image/image.h"
+#include "enfilade/render/pictures.h"
 #include "enfilade/render/renderer.h"
 #include "enfilade/scan/panorama_set.h"
 
@@ -70,29 +71,12 @@ std::vector<PictureFile> picture_files(const OutputOptions& options);
 void require_layers(const scan::PanoramaSource& source, ViewpointIndex viewpoint,
                     const std::vector<PictureFile>& files);
 
-/// Pictures of n views, one above the other: (n h, w).
-struct Drawn {
-  image::Image8 colour;
-  image::Image16 depth;  ///< quarter millimetres
-  image::Image16 classes;
-  image::Image32 instances;
-};
-/// Makes room in `drawn` for the layers, as a renderer wants it.
+using Drawn = render::Pictures;
+/// Makes room in `drawn` for the files' layers, as a renderer wants it.
 render::Outputs outputs_into(Drawn& drawn, const std::vector<PictureFile>& files, Size size,
                              std::size_t views = 1);
-
-/// Colours of a layer and the legend to them; names of classes from the data set, if it has them.
-class Palette {
- public:
-  Palette(const Drawn& drawn, const SceneOptions& options);
-  image::Image8 coloured(const Drawn& drawn, scan::Layer layer) const;
-  image::Image8 with_legend(const image::Image8& picture, scan::Layer layer) const;
-
- private:
-  double farthest_;
-  std::vector<draw::IdArea> classes_, instances_;
-  draw::IdNames class_names_;
-};
+/// Colours of the layers; names of classes from the data set, if it has them.
+draw::LayerColours colours_of(const Drawn& drawn, const SceneOptions& options);
 
 /// A PNG, or a JPEG for such a name.
 std::string encode(const image::Image8& picture, const std::string& path);
@@ -104,8 +88,5 @@ void write_pictures(const Drawn& drawn, const std::vector<PictureFile>& files,
                     const OutputOptions& output, const SceneOptions& scene);
 /// Writes one file and names it on standard output, unless that is where it goes.
 void write_picture(const std::string& path, const std::string& content);
-
-/// Rows `first` to `first` + `count` of a picture.
-image::Image8 rows_of(const image::Image8& picture, std::size_t first, std::size_t count);
 
 }  // namespace enfilade::apps

@@ -89,29 +89,10 @@ TEST(EncodeRaw, DepthKeepsItsValues) {
   EXPECT_EQ(image::decode_png16(bytes_of(png), "depth"), drawn.depth);
 }
 
-TEST(EncodeRaw, InstancesTakeSixteenBitsOrFourBytes) {
-  Drawn drawn;
-  drawn.instances = image::Image32(2, 1, 1);
-  drawn.instances.pixels = {7, 65535};
-  const std::string narrow = encode_raw(drawn, Layer::kInstance);
-  EXPECT_EQ(image::decode_png16(bytes_of(narrow), "ids").pixels,
-            (std::vector<std::uint16_t>{7, 65535}));
-  drawn.instances.pixels = {7, 0x04030201};
-  const std::string wide = encode_raw(drawn, Layer::kInstance);
-  EXPECT_EQ(image::decode_png8(bytes_of(wide), "ids").pixels,
-            (std::vector<std::uint8_t>{7, 0, 0, 0, 1, 2, 3, 4}));
-}
-
 TEST(Encode, NameSaysHow) {
   const image::Image8 picture(8, 8, 3);
   EXPECT_EQ(encode(picture, "a.jpg").substr(0, 2), "\xff\xd8");
   EXPECT_EQ(encode(picture, "-").substr(1, 3), "PNG");
-}
-
-TEST(RowsOf, CutsOneOfManyViews) {
-  image::Image8 picture(1, 4, 1);
-  picture.pixels = {1, 2, 3, 4};
-  EXPECT_EQ(rows_of(picture, 2, 2).pixels, (std::vector<std::uint8_t>{3, 4}));
 }
 
 }  // namespace

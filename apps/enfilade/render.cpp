@@ -45,7 +45,7 @@ std::vector<draw::SheetPicture> discrete_pictures(const image::Image8& views,
     for (std::size_t step = 0; step < kHeadings; ++step) {
       const std::size_t view = row * kHeadings + step;
       pictures.push_back(
-          {rows_of(views, view * height, height),
+          {image::rows(views, view * height, height),
            fmt::format("{}: {}, {}", view, step * 30, static_cast<int>(row) * 30 - 30)});
     }
   }
@@ -54,7 +54,7 @@ std::vector<draw::SheetPicture> discrete_pictures(const image::Image8& views,
 
 void write_discrete(const Drawn& drawn, const std::vector<PictureFile>& files,
                     const RenderArguments& a, std::uint32_t height, const std::string& title) {
-  const Palette palette(drawn, a.scene);
+  const draw::LayerColours palette = colours_of(drawn, a.scene);
   for (const PictureFile& file : files) {
     const image::Image8 sheet =
         draw::contact_sheet(discrete_pictures(palette.coloured(drawn, file.layer), height),

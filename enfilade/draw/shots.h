@@ -1,0 +1,46 @@
+/// \file  Which views a contact sheet shows: of a scan, of a path, of an agent's trajectory.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "enfilade/core/progress.h"
+#include "enfilade/draw/contact_sheet.h"
+#include "enfilade/geometry/angle.h"
+#include "enfilade/graph/nav_graph.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/r2r/results.h"
+#include "enfilade/render/renderer.h"
+#include "enfilade/scan/panorama_source.h"
+
+namespace enfilade::draw {
+
+/// A view and its caption. The viewpoint by id: a store's order need not be the graph's.
+struct Shot {
+  std::string viewpoint;
+  Radians heading, elevation;
+  std::string caption;
+};
+
+/// Each included viewpoint of a scan, `headings` times: at even steps from `first` on.
+std::vector<Shot> shots_of_scan(const scan::PanoramaSource& source, std::size_t headings,
+                                Radians first);
+/// The start as annotated, then each viewpoint of the path, looking at the next one.
+std::vector<Shot> shots_of_path(const graph::NavGraph& graph, const r2r::ReferencePath& path);
+/// Each viewpoint of the trajectory, looking as the agent did; at the next viewpoint if the
+/// trajectory has no headings. \param start heading of the first then
+std::vector<Shot> shots_of_trajectory(const graph::NavGraph& graph,
+                                      const r2r::Trajectory& trajectory, Radians start);
+
+/// Draws the shots, in RGB. \param scan, source the scan that they are of, in the renderer's set
+/// \param camera of the small pictures; each is drawn three times as large and averaged, as a small
+/// picture shows more of a panorama a pixel than its faces have texels
+/// \throws LookupError for an unknown viewpoint or one without colour; as Renderer::render()
+std::vector<SheetPicture> draw_shots(render::Renderer& renderer, ScanIndex scan,
+                                     const scan::PanoramaSource& source,
+                                     std::span<const Shot> shots, const Camera& camera,
+                                     const Progress& progress = {});
+
+}  // namespace enfilade::draw
