@@ -10,11 +10,6 @@ set_target_properties(enfilade_all PROPERTIES EXPORT_NAME enfilade)
 target_link_libraries(enfilade_all INTERFACE ${libraries})
 install(TARGETS enfilade_all EXPORT enfilade)
 
-# Headers of detail/ and of rooms are a library's own.
-get_property(rooms GLOBAL PROPERTY ENFILADE_ROOMS)
-list(TRANSFORM rooms REPLACE "(.+)" "PATTERN;\\1;EXCLUDE")
-install(DIRECTORY enfilade/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/enfilade
-  FILES_MATCHING PATTERN "*.h" PATTERN "detail" EXCLUDE ${rooms})
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(EXPORT enfilade NAMESPACE enfilade:: FILE enfiladeTargets.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/enfilade)

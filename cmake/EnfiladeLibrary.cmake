@@ -5,13 +5,11 @@
 #     TESTS nav_graph_test.cpp ...
 #     DEPENDS scan                  folders whose headers ours include (public)
 #     PRIVATE nanoflann::nanoflann  third parties, seen by our sources only
-#     ROOMS building                sub-folders whose headers are the library's own: not installed,
-#                                   as those of detail/. tests/includes has the arrows between them
 #     ALONE nav_graph.cpp           never compiled in one go with others (EN_UNITY): its local names
 #                                   are theirs too
 #     TEST_LIBRARIES enfilade::synth ...)
 function(enfilade_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES;ROOMS;ALONE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES;ALONE")
   set(target enfilade_${name})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(enfilade::${name} ALIAS ${target})
@@ -30,8 +28,9 @@ function(enfilade_library name)
     PRIVATE $<BUILD_INTERFACE:enfilade_compile> ${arg_PRIVATE})
   install(TARGETS ${target} EXPORT enfilade ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   set_property(GLOBAL APPEND PROPERTY ENFILADE_LIBRARIES enfilade::${name})
-  list(TRANSFORM arg_ROOMS PREPEND enfilade/${name}/)
-  set_property(GLOBAL APPEND PROPERTY ENFILADE_ROOMS ${arg_ROOMS})
+  # Headers in sub-folders, detail/ and rooms, are the library's own.
+  file(GLOB headers CONFIGURE_DEPENDS *.h)
+  install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/enfilade/${name})
   if(EN_BUILD_TESTS AND arg_TESTS)
     enfilade_test(${name}_test SOURCES ${arg_TESTS} LIBRARIES ${target} ${arg_PRIVATE}
       ${arg_TEST_LIBRARIES})

@@ -27,8 +27,8 @@ inline constexpr std::size_t kMaxLines = 600;
 const Arrows& direct_arrows();
 
 /// The rooms of a library: its sub-folders beside detail/, and those that each may include, closed
-/// over chains. Headers in rooms are private to the library, as those in detail/. A library without
-/// a row has no rooms: headers in its sub-folders are public.
+/// over chains. Headers in rooms are private to the library, as those in detail/: neither is
+/// installed.
 const std::map<std::string, Arrows, std::less<>>& rooms();
 
 /// A folder may also include what those that it includes may include.
