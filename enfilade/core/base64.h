@@ -8,13 +8,13 @@
 
 namespace enfilade {
 
-/// Adds what stands for the bytes.
+/// Appends the encoded bytes to `text`.
 void append_base64(std::span<const std::byte> bytes, std::string& text);
 
-/// How many bytes a text of whole groups stands for; none if its length is no multiple of 4.
+/// Number of bytes that the text decodes to; nothing if its length is not a multiple of 4.
 std::optional<std::size_t> base64_bytes(std::string_view text) noexcept;
-/// Where the first character is that does not belong there; npos if all do. \pre out.size() is what
-/// base64_bytes() says
+/// Decodes into `out`. \returns position of the first invalid character; npos if all are valid
+/// \pre out.size() == base64_bytes(text)
 std::size_t decode_base64(std::string_view text, std::span<std::byte> out) noexcept;
 
 }  // namespace enfilade

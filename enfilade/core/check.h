@@ -1,5 +1,5 @@
-/// \file  EN_CHECK: for what can only fail if Enfilade itself is wrong. Never for a caller's or a
-/// file's mistake (errors.h).
+/// \file  EN_CHECK: assertions of Enfilade's own invariants. Mistakes of a caller or of a file are
+/// exceptions instead (errors.h).
 #pragma once
 #include <sstream>
 #include <string>

@@ -1,5 +1,5 @@
-/// \file  What Enfilade throws, and how it reports many faults at once. The library never prints,
-/// never exits, and aborts only where its own logic is broken (check.h). See docs/core.md.
+/// \file  Exceptions of Enfilade, and diagnostics for inputs with many faults. The library never
+/// prints or exits. It aborts only if its own logic is broken (check.h). See docs/core.md.
 #pragma once
 #include <cstddef>
 #include <stdexcept>
@@ -39,18 +39,18 @@ class FileError : public Error {
 };
 
 enum class Severity {
-  kNote,     ///< worth knowing; nothing is wrong
-  kWarning,  ///< odd, but what the file says is used as it stands
+  kNote,     ///< information; nothing is wrong
+  kWarning,  ///< unusual, but used as the file says
   kError,    ///< cannot be used
 };
 
-/// One thing that is wrong, or odd, in an input. Inputs are never repaired in silence.
+/// One fault, or unusual value, in an input. Inputs are never repaired silently.
 struct Diagnostic {
   Severity severity = Severity::kError;
   std::string file;     ///< path as the caller gave it, or a name such as "<memory>"
   std::string where;    ///< JSON path such as "$[3].trajectory[0][1]"; may hold line and column
   std::string code;     ///< short and stable, for scripts: "long-edge", "unknown-viewpoint"
-  std::string message;  ///< what was found, and what was allowed
+  std::string message;  ///< what was found and what is allowed
 };
 
 /// "warning: plan.json: $[3].pose: ... [bad-pose]".

@@ -1,4 +1,4 @@
-/// \file  Whole files in and out.
+/// \file  Reading and writing whole files.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -6,21 +6,22 @@
 
 namespace enfilade {
 
-/// \throws FileError naming the path and the system's reason; a folder is not a file.
+/// The content of a file.
+/// \throws FileError naming the path and the system's reason, also for a folder
 std::string read_file(const std::filesystem::path& path);
 
-/// Writes beside the target and renames over it: readers see the old content or the new, never a
-/// half, also when the process is killed. A link is followed, and what is not a plain file (a pipe,
-/// /dev/stdout) is written to directly.
+/// Replaces a file's content: writes a temporary file beside it and renames that. Readers see the
+/// old content or the new, never a part, even if the process is killed. Links are followed. Pipes
+/// and devices such as /dev/stdout are written directly.
 /// \throws FileError naming the path and the system's reason (no such folder, disk full, ...).
 void write_file_atomically(const std::filesystem::path& path, std::string_view content);
 
-/// Makes a folder and those that it lies in; nothing happens if it is there.
+/// Makes a folder and its parents. Does nothing if it exists.
 /// \throws FileError naming the path and the system's reason (a file of this name, ...).
 void make_folder(const std::filesystem::path& path);
 
-/// Removes what write_file_atomically() leaves in a folder, not in those below, when its process is
-/// killed; a folder that is not there has none. \pre nobody is writing there
+/// Removes the temporary files that write_file_atomically() leaves in a folder (not in its
+/// subfolders) if its process is killed. The folder need not exist. \pre nobody is writing there
 void remove_unfinished(const std::filesystem::path& folder);
 
 }  // namespace enfilade

@@ -1,4 +1,4 @@
-/// \file  Indices that cannot be mistaken for one another.
+/// \file  Typed indices: of viewpoints, of scans.
 #pragma once
 #include <compare>
 #include <cstddef>
@@ -7,8 +7,8 @@
 
 namespace enfilade {
 
-/// Position of a thing in the list that owns it. Tag keeps a viewpoint's index from being used as
-/// a scan's. Trivial and as wide as a uint32_t, so that arrays of it can be handed to NumPy as is.
+/// An index into the list that owns a thing. The tag keeps the index of a viewpoint from being used
+/// as that of a scan. Has the layout of a uint32_t, so that NumPy can use arrays of it directly.
 template <class Tag>
 struct Index {
   std::uint32_t value = 0;
@@ -21,10 +21,10 @@ struct Index {
   friend constexpr auto operator<=>(Index, Index) = default;
 };
 
-/// A viewpoint of one scan: its place in the scan's connectivity file, excluded viewpoints counted
-/// (the `ix` of MatterSim).
+/// A viewpoint of one scan: its index in the scan's connectivity file, excluded viewpoints included
+/// (`ix` in MatterSim).
 using ViewpointIndex = Index<struct ViewpointTag>;
-/// A scan: its place in the GraphSet that it was opened with.
+/// A scan: its index in the GraphSet that it was opened with.
 using ScanIndex = Index<struct ScanTag>;
 
 }  // namespace enfilade

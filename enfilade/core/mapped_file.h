@@ -1,4 +1,4 @@
-/// \file  A file as memory.
+/// \file  A file mapped into memory.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -6,8 +6,9 @@
 
 namespace enfilade {
 
-/// Read-only, shared with every process that maps the same file. The file may be renamed or removed
-/// meanwhile; it must not be cut shorter: reading beyond its new end kills the process (SIGBUS).
+/// Read-only; the memory is shared by all processes that map the same file. The file may be renamed
+/// or removed while it is mapped, but must not be truncated: reading beyond its new end kills the
+/// process (SIGBUS). Any thread may read.
 class MappedFile {
  public:
   /// \throws FileError naming the path and the system's reason; a folder is not a file

@@ -1,4 +1,4 @@
-/// \file  A file that grows under another name until it is whole.
+/// \file  A file that is written under a temporary name, and can be continued after a crash.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -7,14 +7,14 @@
 
 namespace enfilade {
 
-/// `<file>.part`, open for writing. It stays when this object goes, also when the process is
-/// killed, unless it was finished or removed: who opens it again goes on from there, or cuts it.
-/// One process, and one object, at a time.
+/// `<file>.part`, open for writing. finish() renames it to `<file>`. If the object is destroyed or
+/// the process killed before, the part stays on the disk; opening it again continues it. One
+/// process and one object at a time.
 class PartFile {
  public:
-  /// Opens the part as it is, or makes an empty one. Where `file` is a link, the part lies beside
-  /// what it points to. \throws FileError naming the path and the system's reason, if somebody else
-  /// writes it just now, or if `file` is there and is no plain file
+  /// Opens the part that exists, or makes an empty one. If `file` is a link, the part lies beside
+  /// its target. \throws FileError naming the path and the system's reason, also if another object
+  /// has the part open, or if `file` exists and is not a plain file
   explicit PartFile(const std::filesystem::path& file);
   ~PartFile();
   PartFile(const PartFile&) = delete;
@@ -25,9 +25,9 @@ class PartFile {
 
   // Each throws FileError naming the part and the system's reason.
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
-  void resize(std::uint64_t bytes);  ///< cuts, or adds zeros
-  void synchronise();                ///< waits until all of it is on the disk
-  void finish();                     ///< synchronises, and gives the part the name of the file
+  void resize(std::uint64_t bytes);  ///< truncates, or appends zeros
+  void synchronise();                ///< waits until everything is on the disk
+  void finish();                     ///< synchronises, and renames the part to the file
   void remove() noexcept;
 
  private:

@@ -1,4 +1,4 @@
-/// \file  Random numbers that are the same on every platform and in any order of work.
+/// \file  Random numbers: the same on every platform, for any batch size and number of threads.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -8,21 +8,22 @@
 namespace enfilade {
 
 /// One stream of random numbers, named by a seed and up to two stream numbers (an agent and its
-/// episode, say): streams don't depend on each other, so results don't depend on batch size or
+/// episode, say): streams are independent, so that results do not depend on batch size or
 /// threads. SplitMix64 (Steele, Lea, Flood 2014) from a hashed start; passes BigCrush; not for
-/// secrets. The distributions are ours because the standard's differ between libraries.
+/// cryptography. The distributions of the standard library are not used, as they differ between
+/// implementations.
 class Rng {
  public:
   explicit Rng(std::uint64_t seed, std::uint64_t stream = 0, std::uint64_t substream = 0) noexcept;
 
   /// Uniform over all 2^64 values.
   std::uint64_t next() noexcept;
-  /// Uniform over 0 .. n-1, without bias. \pre n > 0
+  /// Uniform over 0 .. n-1, unbiased. \pre n > 0
   std::uint64_t below(std::uint64_t n) noexcept;
   /// Uniform over [0, 1): a multiple of 2^-53.
   double uniform() noexcept;
 
-  /// Every order equally likely (Fisher and Yates).
+  /// All orders are equally likely (Fisher and Yates).
   template <class T>
   void shuffle(std::span<T> values) noexcept {
     for (std::size_t i = values.size(); i > 1; --i) std::swap(values[i - 1], values[below(i)]);

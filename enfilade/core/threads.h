@@ -1,4 +1,4 @@
-/// \file  Loops over all cores.
+/// \file  Parallel loops.
 #pragma once
 #include <cstddef>
 #include <memory>
@@ -6,7 +6,7 @@
 
 namespace enfilade {
 
-/// A callable passed by reference: no allocation, no ownership; valid while the callable lives.
+/// Reference to a callable. Does not allocate or own; valid as long as the callable exists.
 class RangeBody {
  public:
   template <class F>
@@ -22,14 +22,14 @@ class RangeBody {
   void (*call_)(const void*, std::size_t, std::size_t);
 };
 
-/// Cores that this process may use, at least 1.
+/// Number of cores that this process may use, at least 1.
 int available_threads() noexcept;
 
-/// Calls body(begin, end) for ranges that cover 0 .. count-1 once each, at most `grain` items a
-/// range (or all in one call if a single thread runs). Returns when all are done.
-/// `threads`: 0 = all available, 1 = on the caller. Bodies must not depend on the split: results
-/// may not change with the number of threads. With several threads the call may allocate.
-/// \throws the exception of one failing body, on the caller, after the others have ended.
+/// Calls body(begin, end) for ranges that cover 0 .. count-1 once, with at most `grain` items each
+/// (or all in one call if there is one thread). Returns when all calls have returned.
+/// \param threads 0: all cores; 1: the calling thread. Results must not depend on how the range is
+/// split. With several threads the call may allocate.
+/// \throws the exception of one failing call, in the calling thread, after the others have ended
 void parallel_for(std::size_t count, std::size_t grain, int threads, RangeBody body);
 
 }  // namespace enfilade

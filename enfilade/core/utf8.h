@@ -1,13 +1,13 @@
-/// \file  Characters of UTF-8.
+/// \file  UTF-8 characters.
 #pragma once
 #include <cstddef>
 #include <string_view>
 
 namespace enfilade {
 
-/// Bytes of the character that `text` begins with, 1 to 4; 0 if it is empty or begins with none
-/// that is well-formed: no overlong form, no surrogate, nothing above U+10FFFF (Unicode 15, table
-/// 3-7).
+/// Length in bytes of the first character of `text`, 1 to 4; 0 if the text is empty or does not
+/// begin with a well-formed character: overlong forms, surrogates and values above U+10FFFF are not
+/// (Unicode 15, table 3-7).
 std::size_t utf8_length(std::string_view text);
 
 }  // namespace enfilade

@@ -1,4 +1,4 @@
-/// \file  Many small pictures on one sheet, with captions.
+/// \file  Contact sheets: many small pictures with captions.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -11,15 +11,15 @@ namespace enfilade::draw {
 
 struct SheetPicture {
   image::Image8 picture;  ///< 3 channels
-  std::string caption;    ///< ASCII; a line each; lines that are too long are cut off
+  std::string caption;    ///< ASCII; may have several lines; lines that are too long are cut
 };
 
 struct SheetOptions {
-  std::size_t columns = 0;  ///< 0: so many that the sheet is about as wide as 4 : 3
-  std::string title;        ///< ASCII; above all, in as many lines as it takes; may be empty
+  std::size_t columns = 0;  ///< 0: chosen so that the sheet is about 4 : 3
+  std::string title;        ///< ASCII; at the top, wrapped; may be empty
 };
 
-/// The pictures in rows, from the top left, in cells of the size of the largest.
+/// Arranges the pictures in rows, from the top left, in cells of the size of the largest.
 /// \throws ArgumentError if there is no picture, one is empty or not of 3 channels, or the sheet
 /// would be larger than a picture may be (image::kLongestEdge, image::kMostPixels)
 image::Image8 contact_sheet(std::span<const SheetPicture> pictures,

@@ -1,4 +1,4 @@
-/// \file  Floor plans of a navigation graph, with trajectories over them, as SVG.
+/// \file  Floor plans of a navigation graph, with paths and trajectories, as SVG.
 #pragma once
 #include <optional>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace enfilade::draw {
 
-/// A path to draw over the plan. Viewpoints that repeat at once (turns on the spot) are drawn once.
+/// A path to draw. Immediate repetitions of a viewpoint (turning in place) are drawn once.
 struct PlannedPath {
   enum class Role {
     kReference,  ///< a wide band; its last viewpoint is the goal, unless it is the only one
@@ -24,12 +24,12 @@ struct PlannedPath {
 struct FloorPlanOptions {
   std::string title;              ///< empty: the scan id
   std::string note;               ///< a paragraph below it, such as the instruction; may be empty
-  double pixels_per_metre = 0;    ///< > 0, or 0: as large as fits 1400 x 1000 pixels or so
+  double pixels_per_metre = 0;    ///< > 0; or 0: fits about 1400 x 1000 pixels
   bool label_viewpoints = false;  ///< their index beside each
   bool show_excluded = true;      ///< as hollow grey dots
   double success_distance = 3.0;  ///< metres; radius of the circle around a goal
-  /// Walls and names of rooms, of the same graph; null: what is near edges is shaded instead.
-  /// Must outlive the call.
+  /// Walls and room names, made for the same graph; null: the surroundings of edges are shaded
+  /// instead. Must outlive the call.
   const PlanUnderlay* underlay = nullptr;
 };
 
@@ -39,16 +39,16 @@ struct Storey {
   std::vector<ViewpointIndex> viewpoints;  ///< ascending
 };
 
-/// Storeys of a building, lowest first: groups of viewpoints whose floors are at about one height
-/// (viewpoint height less `height`), at least 1.8 m apart; each but the largest with three
-/// viewpoints and 3 % of all within 0.25 m. Viewpoints on stairs and landings go to the nearest
-/// storey. Each included viewpoint is in exactly one. Empty graph: none.
+/// Storeys of a building, lowest first: groups of viewpoints with about the same floor height (z of
+/// the viewpoint less `height`), at least 1.8 m apart. Each but the largest has at least three
+/// viewpoints and 3 % of all within 0.25 m. Viewpoints on stairs and landings belong to the nearest
+/// storey; each included viewpoint to exactly one. Empty for an empty graph.
 std::vector<Storey> find_storeys(const graph::NavGraph& graph);
 
 /// A self-contained SVG document: one panel a storey, lowest first, all at one scale, north (+y)
 /// up, with scale bar and legend. Edges between storeys are drawn on both, dashed, with a mark at
-/// their other end. Readable in light and dark surroundings (it has a background of its own), in
-/// colours that colour-blind people tell apart. Texts are escaped.
+/// their other end. It has its own background, for light and dark pages; colours can be told apart
+/// by colour-blind readers. Texts are escaped.
 /// \throws ArgumentError if a path is empty or holds a viewpoint that is not below graph.size(), or
 /// for a scale or success distance that is negative or not finite, or an underlay of another
 /// number of storeys

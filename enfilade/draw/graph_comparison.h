@@ -1,4 +1,4 @@
-/// \file  Where two graphs of one building differ, drawn on its floor plan as SVG.
+/// \file  Floor plan of the differences between two graphs of one building, as SVG.
 #pragma once
 #include <string>
 
@@ -13,10 +13,10 @@ struct ComparisonPlanOptions {
   bool label_viewpoints = false;  ///< their index beside each
 };
 
-/// The viewpoints of `found`, a panel a storey; edges in both grey, extra ones red and solid,
-/// missing ones blue and dashed. Precision, recall and F1 stand below the title.
-/// \pre comparison is compare(found, ...)
-/// \throws ArgumentError if it holds a viewpoint that is not below found.size()
+/// Draws the viewpoints of `found`, one panel a storey. Edges of both graphs are grey, extra ones
+/// red and solid, missing ones blue and dashed. Precision, recall and F1 are below the title. \pre
+/// comparison is compare(found, ...) \throws ArgumentError if it holds a viewpoint that is not
+/// below found.size()
 std::string graph_comparison_svg(const graph::NavGraph& found,
                                  const graph::GraphComparison& comparison,
                                  const ComparisonPlanOptions& options = {});

@@ -1,4 +1,4 @@
-/// \file  What a floor plan shows below the graph: walls, doors, windows, stairs, names of rooms.
+/// \file  Background of a floor plan: walls, doors, windows, stairs and room names.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -16,14 +16,14 @@ struct UnderlayLine {
     kStairs,
     kWindow,
     kDoor,
-    kWall,  ///< and whatever has no label
+    kWall,  ///< and surfaces without label
   };
   Kind kind = Kind::kWall;
   Vec3f from, to;  ///< world, metres
 };
 
 struct UnderlayText {
-  Vec3f at;  ///< its middle; world
+  Vec3f at;  ///< centre; world, metres
   std::string text;
 };
 
@@ -32,18 +32,18 @@ struct UnderlayStorey {
   std::vector<UnderlayText> texts;
 };
 
-/// One of find_storeys(graph) each, lowest first.
+/// One entry for each of find_storeys(graph), lowest first.
 struct PlanUnderlay {
   std::vector<UnderlayStorey> storeys;
 };
 
-/// Cuts a building 1.2 m above each storey's floor, above most furniture and through doors and
-/// windows, as plans do, and 0.45 m above it, through furniture. Where the mesh has categories of
-/// mpcat40, doors, windows and the treads of stairs are told from walls. Left out: what lies more
-/// than 3 m outside the box around a storey's viewpoints. \pre mesh::check() finds no errors
+/// Cross-sections of a building 1.2 m above each storey's floor (doors and windows) and 0.45 m
+/// above it (furniture). Doors, windows and stairs are distinguished if the mesh has categories of
+/// mpcat40. Leaves out everything more than 3 m outside the box around a storey's viewpoints. \pre
+/// mesh::check() finds no errors
 PlanUnderlay plan_underlay(const mesh::Mesh& mesh, const graph::NavGraph& graph);
 
-/// Adds a name to the storey whose floor is nearest. Nothing where there is no storey.
+/// Adds a text to the storey whose floor is nearest. Does nothing if there is no storey.
 void add_text(PlanUnderlay& underlay, const graph::NavGraph& graph, Vec3f at,
               const std::string& text);
 

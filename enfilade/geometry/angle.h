@@ -1,4 +1,4 @@
-/// \file  Angles whose unit cannot be mistaken.
+/// \file  Angles with their unit in the type.
 #pragma once
 #include <cmath>
 #include <compare>

@@ -6,7 +6,7 @@
 
 namespace enfilade {
 
-/// Size and opening of the pictures that an agent sees. A plain value: any thread.
+/// Size and field of view of the pictures that an agent sees. A plain value.
 struct Camera {
   std::uint32_t width = 640;                     ///< pixels, > 0
   std::uint32_t height = 480;                    ///< pixels, > 0
@@ -15,11 +15,11 @@ struct Camera {
   friend constexpr bool operator==(const Camera&, const Camera&) = default;
 };
 
-/// The angle that the picture spans from its left edge to its right one:
+/// The angle from the left to the right edge of the picture:
 /// 2 atan(tan(vfov / 2) width / height). 75.2 degrees at 640 x 480 and 60 degrees.
 Radians horizontal_field_of_view(const Camera& camera);
 
-/// \throws ArgumentError naming the field, its value and what is allowed.
+/// Checks all fields. \throws ArgumentError naming the field, its value and what is allowed
 void validate(const Camera& camera);
 
 }  // namespace enfilade

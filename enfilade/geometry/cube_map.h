@@ -1,4 +1,5 @@
-/// \file  The six faces of a panorama, and which of them sees what.
+/// \file  Cube maps: the six faces of a panorama, their directions, and the faces that a camera
+/// sees.
 ///
 /// Panorama frame: that of Matterport3D's poses, x right, y down, z forward, the eye at the origin;
 /// "forward" is the middle of face 3. See docs/conventions.md.
@@ -20,8 +21,8 @@ inline constexpr std::size_t kCubeFaces = 6;
 constexpr CubeFace cube_face(std::size_t k) { return static_cast<CubeFace>(k); }
 constexpr std::size_t index(CubeFace face) { return static_cast<std::size_t>(face); }
 
-/// Where a face's picture lies in the panorama frame: the point at (s, t) in [0, 1]^2, s from its
-/// left edge and t from its top edge, is seen along forward + (2 s - 1) right + (2 t - 1) down.
+/// Axes of a face in the panorama frame. The point (s, t) in [0, 1]^2 of the face, s from its left
+/// edge and t from its top edge, lies in the direction forward + (2 s - 1) right + (2 t - 1) down.
 struct FaceAxes {
   Vec3d right, down, forward;
 };
@@ -40,25 +41,25 @@ struct FacePoint {
   double s = 0, t = 0;  ///< [0, 1], from the left and the top edge
 };
 
-/// The direction, in the panorama frame, of a point of a face; not of unit length: its part along
-/// the face's axis is 1. (s, t) outside [0, 1] lies on the face's plane beyond its edge.
+/// Direction of a point of a face, in the panorama frame. Not of unit length: its component along
+/// the face's forward axis is 1. (s, t) outside [0, 1] continues the plane of the face.
 Vec3d cube_direction(CubeFace face, double s, double t);
-/// The face that a direction of the panorama frame meets. Of two faces that meet it at their edge,
-/// the one whose axis comes first in y, x, z. \pre direction is not (0, 0, 0)
+/// The face that a direction of the panorama frame hits. On an edge between faces: the one whose
+/// axis comes first in y, x, z. \pre direction is not (0, 0, 0)
 inline CubeFace face_towards(Vec3d direction) {
   const double x = std::abs(direction.x), y = std::abs(direction.y), z = std::abs(direction.z);
   if (y >= x && y >= z) return direction.y < 0 ? CubeFace::kUp : CubeFace::kDown;
   if (x >= z) return direction.x < 0 ? CubeFace::kLeft : CubeFace::kRight;
   return direction.z < 0 ? CubeFace::kBack : CubeFace::kFront;
 }
-/// face_towards(), and where on it. \pre direction is not (0, 0, 0)
+/// face_towards(), and the point of the face. \pre direction is not (0, 0, 0)
 FacePoint project_to_cube(Vec3d direction);
 
 /// Camera frame -> world: the columns are the camera's right, down and forward.
 Mat3d world_from_camera(Radians heading, Radians elevation);
 
-/// The rays of a picture's pixels in some frame: of the pixel in row i, column j (row 0 on top,
-/// through its middle) it is origin + i * row + j * column, not of unit length: its part along the
+/// Rays through the centres of a picture's pixels, in some frame. The ray of row i (0 is the top
+/// row) and column j is origin + i * row + j * column. Not of unit length: its component along the
 /// optical axis is 1.
 struct PixelRays {
   Vec3d origin, row, column;
@@ -67,11 +68,11 @@ struct PixelRays {
             origin.z + i * row.z + j * column.z};
   }
 };
-/// \pre camera is valid
+/// Rays of a camera, in the frame that the rotation maps to. \pre camera is valid
 PixelRays pixel_rays(const Camera& camera, const Mat3d& frame_from_camera);
 
-/// The faces of which a picture could show a piece, as bits 1 << index(face). Never leaves out one
-/// that it shows.
+/// Faces that a picture may show parts of, as bits 1 << index(face): all that it shows, and perhaps
+/// more.
 std::uint8_t faces_in_view(const Camera& camera, const Mat3d& panorama_from_camera);
 
 }  // namespace enfilade

@@ -7,8 +7,8 @@
 
 namespace enfilade {
 
-/// 3 x 3, row-major. Named by what it maps: `world_from_panorama * v` takes v from the panorama's
-/// frame to the world's. A plain value.
+/// 3 x 3 matrix, row-major. Variables name both frames: `world_from_panorama * v` converts v from
+/// the panorama frame to the world frame. A plain value.
 struct Mat3d {
   std::array<double, 9> m{1, 0, 0, 0, 1, 0, 0, 0, 1};
 
@@ -34,12 +34,12 @@ constexpr Mat3d transpose(const Mat3d& a) {
   return {{a.m[0], a.m[3], a.m[6], a.m[1], a.m[4], a.m[7], a.m[2], a.m[5], a.m[8]}};
 }
 
-/// Largest deviation of R^T R from the identity in what counts as a rotation. Six digits, as poses'
-/// files hold them, leave errors of 1e-6 in the products; a scale or a sheared frame shows far
-/// above this.
+/// Largest deviation of R^T R from the identity that counts as a rotation. Poses in files have six
+/// digits, which gives errors of 1e-6; scaled or sheared frames are far above this limit.
 inline constexpr double kRotationTolerance = 1e-3;
 
-/// Orthonormal to kRotationTolerance, and right-handed. False where a number is not finite.
+/// True if the matrix is orthonormal to kRotationTolerance and right-handed; false if a number is
+/// not finite.
 bool is_rotation(const Mat3d& a);
 
 }  // namespace enfilade

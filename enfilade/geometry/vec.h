@@ -16,9 +16,9 @@ struct Vec3 {
   friend constexpr Vec3& operator+=(Vec3& a, Vec3 b) { return a = a + b; }
 };
 
-/// Single precision: what the simulator, like MatterSim, computes views with.
+/// Single precision: used by the simulator for views, as by MatterSim.
 using Vec3f = Vec3<float>;
-/// Double precision: what lengths of paths are summed in.
+/// Double precision: used for lengths of paths.
 using Vec3d = Vec3<double>;
 
 template <class T>
@@ -26,7 +26,7 @@ constexpr T dot(Vec3<T> a, Vec3<T> b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/// Right-handed: x cross y is z. As long as the parallelogram of both is large.
+/// Cross product, right-handed: cross(x, y) is z.
 template <class T>
 constexpr Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -37,7 +37,7 @@ T length(Vec3<T> v) {
   return std::sqrt(dot(v, v));
 }
 
-/// Each part rounded to the nearest. \pre none is beyond what a float holds
+/// Rounded to nearest. \pre all components are in the range of float
 constexpr Vec3f to_float(Vec3d v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }

@@ -1,6 +1,6 @@
-/// \file  JPEG, PNG and Radiance HDR, in memory. Every reader refuses what it cannot read whole: a
-/// truncated or damaged file is InvalidInput naming `file` (the name to use in messages), what was
-/// found and what was allowed. All functions may be called from any thread.
+/// \file  Codecs: JPEG, PNG and Radiance HDR, in memory. A truncated or damaged file is never read
+/// in part: readers throw InvalidInput with `file` (its name for messages), what was found and what
+/// is allowed. All functions may be called from any thread.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -20,10 +20,10 @@ inline Bytes bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// The longest edge that a reader accepts, in pixels: above any panorama, below what would let a
-/// damaged header ask for all memory.
+/// The longest edge that a reader accepts, in pixels. Larger than any panorama; keeps a damaged
+/// header from using all memory.
 inline constexpr std::uint32_t kLongestEdge = 65500;
-/// And the most pixels.
+/// The largest number of pixels that a reader accepts.
 inline constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 29;
 
 struct Shape {
@@ -33,26 +33,24 @@ struct Shape {
 };
 
 // --- JPEG -----------------------------------------------------------------------------------
-// Damage of any kind that libjpeg-turbo notices is refused, also what many programs pass over: a
-// missing end marker, bytes that belong to nothing. A wrong bit need not be noticed: JPEG has no
-// checksums.
+// All damage that libjpeg-turbo reports is an error, also what many programs ignore: a missing end
+// marker, extraneous bytes. A flipped bit may pass: JPEG has no checksums.
 
 /// Reads the header only. \throws InvalidInput
 Shape jpeg_shape(Bytes jpeg, const std::string& file);
-/// RGB; greyscale comes out as three equal channels. \throws InvalidInput, also for CMYK
+/// RGB; greyscale becomes three equal channels. \throws InvalidInput, also for CMYK
 Image8 decode_jpeg(Bytes jpeg, const std::string& file);
-/// Into memory of the caller as RGBA with A = 255: `rows` points to the first of `shape.height`
-/// rows, `stride` bytes apart. After a thread's first call, takes no memory but what libjpeg-turbo
-/// does for its time.
+/// Decodes into the caller's memory as RGBA with A = 255: `rows` is the first of `height` rows,
+/// which are `stride` bytes apart. After a thread's first call only libjpeg-turbo allocates.
 /// \throws InvalidInput; ArgumentError if the picture is not width x height
 void decode_jpeg_rgba(Bytes jpeg, std::uint32_t width, std::uint32_t height, std::uint8_t* rows,
                       std::size_t stride, const std::string& file);
 /// \param picture 1 or 3 channels  \param quality 1 .. 100  \param full_chroma 4:4:4, else 4:2:0
 std::vector<std::uint8_t> encode_jpeg(const Image8& picture, int quality, bool full_chroma = false);
-/// The six faces of a strip as six baseline JPEGs with the very coefficients of the strip: nothing
-/// is decoded. Nothing if its blocks don't end at the faces' edges or it is no strip. Where chroma
-/// is halved, the columns next to a cut decode otherwise than in the strip, whose decoder smooths
-/// chroma from one face into the next.
+/// The six faces of a strip as baseline JPEGs with the coefficients of the strip, without decoding.
+/// No value if it is not a strip or its blocks do not end at the edges of faces. With subsampled
+/// chroma, columns next to a cut decode differently than in the strip, where the decoder
+/// interpolates chroma across faces.
 /// \throws InvalidInput
 std::optional<std::array<std::vector<std::uint8_t>, kCubeFaces>> cut_jpeg_strip(
     Bytes jpeg, const std::string& file);
@@ -60,8 +58,8 @@ std::optional<std::array<std::vector<std::uint8_t>, kCubeFaces>> cut_jpeg_strip(
 // --- PNG ------------------------------------------------------------------------------------
 
 Shape png_shape(Bytes png, const std::string& file);
-/// 8-bit (or less: scaled up); palette comes out as RGB or RGBA. A transparent colour of a grey or
-/// RGB file is not looked at. \throws InvalidInput, also for 16
+/// 8 bits a channel; fewer bits are scaled up; a palette becomes RGB or RGBA. The transparent
+/// colour of a grey or RGB file is ignored. \throws InvalidInput, also for 16
 Image8 decode_png8(Bytes png, const std::string& file);
 /// Greyscale of up to 16 bits, one channel, values as stored. \throws InvalidInput, also for colour
 Image16 decode_png16(Bytes png, const std::string& file);
@@ -78,18 +76,19 @@ Image32 decode_ids(Bytes png, const std::string& file);
 
 // --- Radiance HDR (RGBE) --------------------------------------------------------------------
 
-/// Linear light, RGB, the file's exposure taken back. Run-length coded (new and old style) and flat
-/// files with `-Y h +X w`, and the other seven orientations; at most 2^27 pixels. Source: the
+/// Linear light, RGB, with the file's exposure undone. Run-length coded (new and old style) and
+/// flat files with `-Y h +X w`, and the other seven orientations; at most 2^27 pixels. Source: the
 /// format as Radiance's `color.c` defines it. \throws InvalidInput, also for XYZE
 ImageF decode_hdr(Bytes hdr, const std::string& file);
-/// For people's eyes: exposure so that the median luminance becomes mid-grey (18 %) unless one is
-/// given (stops: 0 leaves values as they are), a filmic shoulder, sRGB.
+/// Linear light to sRGB: exposure (in stops, 0 leaves values as they are; default: the median
+/// luminance becomes mid-grey, 18 %), then the tone curve of tone.h.
 /// \throws ArgumentError unless there are 3 channels
 Image8 tone_map(const ImageF& linear, std::optional<double> exposure = std::nullopt);
 
 // --- by content -----------------------------------------------------------------------------
 
-/// JPEG, 8-bit PNG or HDR (tone-mapped with that exposure), told by the first bytes; 3 channels.
+/// Reads JPEG, 8-bit PNG or HDR (tone-mapped with that exposure), recognised by the first bytes;
+/// 3 channels.
 /// \throws FileError; InvalidInput
 Image8 load_picture(const std::string& path, std::optional<double> exposure = std::nullopt);
 

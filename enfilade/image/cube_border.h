@@ -1,5 +1,5 @@
-/// \file  The frame of texels around a face, taken from its neighbours, with which linear filtering
-/// has no seams and needs no test for edges.
+/// \file  Borders of cube map faces: one texel all around, taken from the neighbouring faces, so
+/// that linear filtering has no seams and needs no test for edges.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace enfilade::image {
 
-/// One face, RGBA, in memory of the caller: `texel(0, 0)` is its first texel; texels -1 and `size`
-/// in both directions are its border, which is addressable too.
+/// One face, RGBA, in the caller's memory. texel(0, 0) is the first texel of the face; texels -1
+/// and `size` in both directions are its border.
 struct BorderedFace {
   std::uint8_t* origin = nullptr;  ///< texel (0, 0)
   std::size_t stride = 0;          ///< bytes from a row to the next; >= 4 * (size + 2)
@@ -22,23 +22,24 @@ struct BorderedFace {
   }
 };
 
-/// RGB triples of the texels around a face of size n: row -1 from x = -1 to n, then row n likewise,
+/// Number of texels around a face of size n. Their order: row -1 from x = -1 to n, row n likewise,
 /// column -1 from y = 0 to n - 1, column n likewise.
 constexpr std::size_t border_texels(std::uint32_t size) { return 4 * std::size_t{size} + 4; }
 
-/// The border of a face: beyond an edge lies the neighbour's row of texels along that edge; at a
-/// corner, where three faces meet, the mean of their three corner texels (OpenGL 4.6, 8.14.2.1).
-/// \pre faces are square, alike and of 3 channels
+/// The border of a face as RGB triples. Beyond an edge: the neighbour's texels along that edge. At
+/// a corner, where three faces meet: the mean of their corner texels (OpenGL 4.6, 8.14.2.1). \pre
+/// faces are square, alike and of 3 channels
 std::vector<std::uint8_t> border_of(const CubeMap<std::uint8_t>& faces, CubeFace face);
 
-/// Writes such a border around a face, alpha 255. \pre border.size() == 3 * border_texels(size)
+/// Writes a border of border_of() around a face, with alpha 255. \pre border.size() == 3 *
+/// border_texels(size)
 void write_border(const BorderedFace& face, std::span<const std::uint8_t> border);
 
-/// Copies a face (3 channels) to its place, alpha 255, without the border.
+/// Copies a face (3 channels), without border, with alpha 255.
 void write_face(const BorderedFace& face, const Image8& picture);
 
-/// Both, for the faces in `wanted` (bits 1 << index(CubeFace)); the other places are not looked at.
-/// \pre faces are square, alike and of 3 channels; each place has their size
+/// Writes the faces in `wanted` (bits 1 << index(CubeFace)) with their borders; other buffers are
+/// not touched. \pre faces are square, alike and of 3 channels; each buffer has their size
 void write_faces(const CubeMap<std::uint8_t>& faces, std::uint8_t wanted,
                  const std::array<BorderedFace, kCubeFaces>& to);
 

@@ -41,8 +41,8 @@ std::uint16_t depth_units(double metres);
 template <class T>
 using CubeMap = std::array<Image<T>, kCubeFaces>;
 
-/// Copies the pixels of the faces in `wanted` (bits 1 << index(CubeFace)) to where there is room
-/// for as many; the other places are not looked at.
+/// Copies the pixels of the faces in `wanted` (bits 1 << index(CubeFace)) to buffers of their size;
+/// other buffers are not touched.
 template <class T>
 void copy_faces(const CubeMap<T>& faces, std::uint8_t wanted,
                 const std::array<T*, kCubeFaces>& to) {
@@ -51,7 +51,7 @@ void copy_faces(const CubeMap<T>& faces, std::uint8_t wanted,
   }
 }
 
-/// Cuts a strip of six faces side by side. \throws ArgumentError unless width == 6 * height > 0
+/// Splits a strip of six faces side by side. \throws ArgumentError unless width == 6 * height > 0
 template <class T>
 CubeMap<T> split_strip(const Image<T>& strip);
 /// Its inverse. \throws ArgumentError unless the faces are square and alike

@@ -1,4 +1,4 @@
-/// \file  From light to what a screen shows: exposure's grey, the tone curve, sRGB.
+/// \file  Linear light to display colours: exposure, tone curve, sRGB.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,7 @@
 
 namespace enfilade::image {
 
-/// What a light meter takes the world for, and makes it: the share of light that an average scene
-/// sends back.
+/// Mid-grey: the mean reflectance of a scene that exposure is set for.
 template <std::floating_point T>
 inline constexpr T kMidGrey = T(0.18);
 
@@ -18,8 +17,8 @@ constexpr T luminance(T r, T g, T b) {
   return T(0.2126) * r + T(0.7152) * g + T(0.0722) * b;
 }
 
-/// The tone curve: straight up to the knee at 0.4, then bent towards 1, which it never quite
-/// reaches, so that bright windows keep their shapes. Value and slope are continuous; 0 below 0.
+/// The tone curve: linear up to 0.4, then approaching 1 asymptotically, so that bright windows keep
+/// their structure. Value and slope are continuous; 0 for negative light.
 template <std::floating_point T>
 T shoulder(T light) {
   constexpr T kKnee = T(0.4);
@@ -27,13 +26,13 @@ T shoulder(T light) {
   return kKnee + (1 - kKnee) * (1 - std::exp((kKnee - light) / (1 - kKnee)));
 }
 
-/// sRGB's curve (IEC 61966-2-1), from a byte / 255 to light. \pre value in [0, 1]
+/// sRGB (IEC 61966-2-1) to linear light, for a byte / 255. \pre value in [0, 1]
 template <std::floating_point T>
 T linear_from_srgb(T value) {
   return value <= T(0.04045) ? value / T(12.92) : std::pow((value + T(0.055)) / T(1.055), T(2.4));
 }
 
-/// Its inverse; light outside [0, 1] is cut off.
+/// Its inverse; light outside [0, 1] is clamped.
 template <std::floating_point T>
 T srgb_from_linear(T light) {
   light = std::clamp(light, T(0), T(1));

@@ -1,4 +1,4 @@
-/// \file  Pictures of a mesh: cube maps and pinhole cameras, with true depth and labels.
+/// \file  Rendering of a mesh: cube maps and pinhole images, with depth and labels.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -12,28 +12,28 @@ namespace enfilade::mesh {
 
 struct CaptureOptions {
   std::uint32_t samples = 4;  ///< colour rays a pixel: 1, 4, 9 or 16
-  float exposure = 0;         ///< stops on top of the mesh's own (LitMesh::key())
+  float exposure = 0;         ///< stops, added to the mesh's own (LitMesh::key())
   bool colour = true, depth = true, labels = true;
-  int threads = 0;  ///< 0: all cores; the pictures are the same for any
+  int threads = 0;  ///< 0: all cores; does not change the pictures
 };
 
-/// Depth in quarter millimetres, rounded, at most 65535 (16.38 m); 0 where nothing is met. Class:
-/// of mpcat40. Instance: place of the object plus 1. Both 0 where nothing is met or nothing is
-/// known. Depth and labels are those of the ray through the pixel's middle, exactly. What is not
-/// asked for is empty.
+/// Depth: quarter millimetres as image::depth_units(), 0 where the ray hits nothing. Class: index
+/// in mpcat40. Instance: index of the object plus 1. Both are 0 where the ray hits nothing or an
+/// unlabelled surface. Depth and labels are those of the ray through the pixel's centre. Layers
+/// that were not asked for are empty.
 struct CubeCapture {
   image::CubeMap<std::uint8_t> colour;  ///< sRGB
   image::CubeMap<std::uint16_t> depth;  ///< along the ray
   image::CubeMap<std::uint16_t> classes;
   image::CubeMap<std::uint32_t> instances;
 };
-/// Seen from `eye`, faces as geometry/cube_map.h has them. \throws ArgumentError for size 0 or
+/// The cube map at `eye`, with faces as in geometry/cube_map.h. \throws ArgumentError for size 0 or
 /// above 8192, samples not allowed, an eye that is not finite
 CubeCapture capture_cube(const LitMesh& mesh, const Mat3d& world_from_panorama, Vec3d eye,
                          std::uint32_t size, const CaptureOptions& options = {});
 
-/// Camera frame: x right, y down, z ahead. Pixel (i, j)'s middle is seen along ((j - cx) / fx,
-/// (i - cy) / fy, 1): whole numbers are middles, as OpenCV has it.
+/// Camera frame: x right, y down, z forward. The centre of pixel (row i, column j) is in direction
+/// ((j - cx) / fx, (i - cy) / fy, 1): integers are pixel centres, as in OpenCV.
 struct Pinhole {
   std::uint32_t width = 1280, height = 1024;
   double fx = 0, fy = 0, cx = 0, cy = 0;

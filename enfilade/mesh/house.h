@@ -1,4 +1,5 @@
-/// \file  Matterport3D's `.house` files: levels, rooms, panoramas, objects of a building.
+/// \file  Reader and writer of Matterport3D's `.house` files: levels, regions, panoramas and
+/// objects.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -10,7 +11,7 @@
 
 namespace enfilade::mesh {
 
-/// A box with sides along the axes.
+/// An axis-aligned box.
 struct HouseBox {
   Vec3d low, high;
 };
@@ -64,7 +65,7 @@ struct HouseCategory {
 };
 struct HouseObject {
   std::int32_t region = -1, category = -1;  ///< -1: none
-  Vec3d position, axis0, axis1, radii;      ///< a box that may stand askew; axis2 = axis0 x axis1
+  Vec3d position, axis0, axis1, radii;      ///< an oriented box; axis2 = axis0 x axis1
 };
 struct HouseSegment {
   std::int32_t object = -1;
@@ -74,7 +75,7 @@ struct HouseSegment {
   HouseBox box;
 };
 
-/// A whole file. An entry's place is its index in the file.
+/// A whole file. An entry's index in its list is its index in the file.
 struct House {
   std::string name, label;
   HouseBox box;
@@ -90,12 +91,12 @@ struct House {
   std::vector<HouseSegment> segments;
 };
 
-/// \param file its name in messages
-/// \throws InvalidInput naming line and field of each fault: another first line than `ASCII 1.x`, a
-/// record of another length, a number that is none, an index that is not its place or points to
-/// nothing, another number of records than the H line says
+/// Parses a file. \param file its name in messages
+/// \throws InvalidInput naming line and field of each fault: a first line other than `ASCII 1.x`, a
+/// record of the wrong length, an invalid number, a wrong index, a number of records other than the
+/// H line says
 House parse_house(std::string_view text, const std::string& file);
-/// The text that parse_house() reads back equal. Blanks in names become '#'.
+/// The file's content, which parse_house() reads back equal. Spaces in names become '#'.
 std::string to_text(const House& house);
 
 struct RegionType {

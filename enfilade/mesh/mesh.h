@@ -1,4 +1,4 @@
-/// \file  Triangles with materials and labels: a building as rays meet it.
+/// \file  Triangle meshes with materials and labels.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -13,39 +13,39 @@
 
 namespace enfilade::mesh {
 
-/// Where in a texture: (0, 0) is the middle of nothing but the top left corner of the picture, u to
-/// the right, v down; beyond [0, 1] the picture repeats.
+/// Texture coordinates: (0, 0) is the top left corner of the picture (not a pixel's centre), u to
+/// the right, v down. The texture repeats outside [0, 1].
 struct TexturePoint {
   float u = 0, v = 0;
 };
 
-/// How a surface sends light back. Both sides look alike.
+/// Appearance of a surface, the same on both sides.
 struct Material {
   std::string name;
   Vec3f colour{0.8F, 0.8F, 0.8F};  ///< linear reflectance in [0, 1]; multiplies the texture
-  Vec3f emission;                  ///< linear radiance that it sends out itself; >= 0
-  float mirror = 0;                ///< share of light reflected as by a mirror, [0, 1]
+  Vec3f emission;                  ///< emitted linear radiance; >= 0
+  float mirror = 0;                ///< share of specular reflection, [0, 1]
   image::Image8 texture;           ///< sRGB, 3 channels, or 4 with cut-outs; empty: none
-  float cutout = 0;                ///< > 0: no surface where the texture's alpha is below; [0, 1]
-  std::string texture_file;        ///< where the texture was read; empty: made, or none
+  float cutout = 0;                ///< alpha test: no surface where alpha is below; [0, 1]; 0: none
+  std::string texture_file;        ///< file of the texture; empty: generated, or none
 };
 
-/// A thing that has a place of its own in instance pictures.
+/// A labelled object: one instance in pictures.
 struct Object {
-  std::string name;            ///< raw label, as "coffee table"
+  std::string name;            ///< raw label such as "coffee table"
   std::uint16_t category = 0;  ///< index of mpcat40; 0: void
-  std::int32_t region = -1;    ///< room that it stands in; -1: none
+  std::int32_t region = -1;    ///< index of its room; -1: none
 };
 
 inline constexpr std::uint32_t kNoObject = std::numeric_limits<std::uint32_t>::max();
 
-/// A plain value. World frame: metres, +z up, right-handed. Optional lists are empty or as long as
-/// the list that they belong to.
+/// A mesh. World frame: metres, +z up, right-handed. Optional lists are empty or have one entry for
+/// each element of the list that they describe. A plain value.
 struct Mesh {
   std::vector<Vec3f> positions;
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< places in positions
-  std::vector<std::uint32_t> triangle_material;         ///< place in materials, one a triangle
-  std::vector<std::uint32_t> triangle_object;           ///< place in objects or kNoObject; optional
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices in positions
+  std::vector<std::uint32_t> triangle_material;         ///< index in materials, one a triangle
+  std::vector<std::uint32_t> triangle_object;  ///< index in objects, or kNoObject; optional
   std::vector<std::array<TexturePoint, 3>> texture_points;  ///< of each corner; optional
   std::vector<std::array<Vec3f, 3>> normals;  ///< of each corner, length 1, for shading; optional
   std::vector<Vec3f> colours;                 ///< linear, of each position; optional; multiplies
@@ -53,26 +53,26 @@ struct Mesh {
   std::vector<Object> objects;  ///< object k is instance k + 1 in pictures; 0 there: none
 };
 
-/// The smallest box with sides along the axes that holds all triangles.
+/// An axis-aligned box.
 struct Box {
   Vec3f low, high;
 };
-/// \pre mesh has a triangle
+/// The smallest box around all triangles. \pre mesh has a triangle
 Box bounds(const Mesh& mesh);
 
-/// Of length 1, towards where the corners are seen counter-clockwise; +z if it has no area. \pre
-/// its corners are there
+/// Normal of a triangle, of length 1, on the side from which its corners are counter-clockwise; +z
+/// if it has no area. \pre its indices are valid
 Vec3f face_normal(const Mesh& mesh, std::size_t triangle);
 
-/// Appends `part`; its materials and objects become new ones. Optional lists are filled up with
-/// neutral values where one of the two lacks them.
+/// Appends `part`, with its materials and objects. Optional lists that one of the two lacks are
+/// filled with neutral values.
 void append(Mesh& mesh, const Mesh& part);
 
-/// What would make rays or pictures of it meaningless. Errors: `no-triangles`, `bad-index` (a
-/// position, material or object that is not there), `not-finite`, `list-length`, `bad-material`.
-/// Warnings: `absurd-size` (its box is less than 0.5 m or more than 2 km across: wrong units?),
-/// `degenerate-triangles` (how many have no area), `missing-texture` (from readers). `file` is the
-/// name in messages.
+/// Checks a mesh for faults that would make pictures of it wrong. Errors: `no-triangles`,
+/// `bad-index` (of a position, material or object), `not-finite`, `list-length`, `bad-material`.
+/// Warnings: `absurd-size` (less than 0.5 m or more than 2 km across: wrong units?),
+/// `degenerate-triangles` (number of triangles without area), `missing-texture` (from readers).
+/// `file` is the name in messages.
 std::vector<Diagnostic> check(const Mesh& mesh, const std::string& file);
 
 }  // namespace enfilade::mesh

@@ -1,4 +1,4 @@
-/// \file  Meshes from people's files: glTF, OBJ, PLY.
+/// \file  Readers of mesh files: glTF, OBJ, PLY; writer of OBJ.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -10,7 +10,7 @@
 namespace enfilade::mesh {
 
 enum class UpAxis : std::uint8_t {
-  kFormat,  ///< as the format says: y for glTF; z for OBJ and PLY, which say nothing
+  kFormat,  ///< y for glTF, as it specifies; z for OBJ and PLY, which specify none
   kY,
   kZ,
 };
@@ -21,23 +21,23 @@ struct ReadOptions {
 };
 
 struct ReadResult {
-  Mesh mesh;                         ///< objects: one for each named node or group of the file
-  std::vector<Diagnostic> warnings;  ///< as of check(), and what was left out (lines, cameras, ...)
+  Mesh mesh;  ///< objects: one for each named node or group of the file
+  std::vector<Diagnostic>
+      warnings;  ///< of check(), and content that was ignored (lines, cameras, ...)
 };
 
-/// By the name's ending: .glb, .gltf (2.0: all nodes of the default scene, triangles, strips and
-/// fans, base colour and emission and their textures, vertex colours, alpha masks), .obj (with .mtl
-/// and its textures; polygons become fans), .ply (ASCII and binary, polygons become fans; colours
-/// of vertices are taken as sRGB). Of .mtl: Kd, Ke, map_Kd, cut-outs where map_d is the same file,
-/// and Ks as a mirror under illum 3 and 5. Textures are JPEG or PNG; those that are missing or
-/// broken are a warning, and the material keeps its colour. \throws FileError; InvalidInput naming
-/// file and place for what is broken, what check() calls an error, or an extension (glTF's
-/// extensionsRequired) that is not known; ArgumentError for options out of range or an unknown
-/// ending
+/// Reads a file; the format is that of the name's suffix: .glb, .gltf (2.0: all nodes of the
+/// default scene, triangles, strips and fans, base colour and emission and their textures, vertex
+/// colours, alpha masks), .obj (with .mtl and its textures; polygons become fans), .ply (ASCII and
+/// binary, polygons become fans; vertex colours are sRGB). Of .mtl: Kd, Ke, map_Kd, cut-outs where
+/// map_d is the same file, and Ks as a mirror under illum 3 and 5. Textures are JPEG or PNG;
+/// missing or broken ones give a warning, and the material keeps its colour. \throws FileError;
+/// InvalidInput naming file and place for broken files, errors of check(), and unknown required
+/// extensions of glTF; ArgumentError for options out of range or an unknown suffix
 ReadResult read_mesh(const std::filesystem::path& file, const ReadOptions& options = {});
 
-/// The same of bytes in memory, whose textures and other parts lie inside: `name` ends as the file
-/// would. \throws as above
+/// The same for a file in memory, with all its parts inside. `name` has the format's suffix.
+/// \throws as above
 ReadResult parse_mesh(std::string_view bytes, const std::string& name,
                       const ReadOptions& options = {});
 

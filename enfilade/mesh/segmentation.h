@@ -1,4 +1,4 @@
-/// \file  Matterport3D's `house_segmentations`: which object each triangle of a building is of.
+/// \file  Matterport3D's `house_segmentations`: the object of each triangle of a building.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-/// \file  What a level plane cuts of a mesh: the lines that floor plans are drawn with.
+/// \file  Horizontal cross-sections of a mesh, for floor plans.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -7,14 +7,15 @@
 
 namespace enfilade::mesh {
 
-/// A straight piece of a cut, at the plane's height.
+/// A segment of a cross-section.
 struct SliceLine {
-  Vec3f from, to;                    ///< world, metres; apart
-  std::uint32_t object = kNoObject;  ///< place in mesh.objects
+  Vec3f from, to;                    ///< world, metres; not equal
+  std::uint32_t object = kNoObject;  ///< index in mesh.objects
 };
 
-/// One line for each triangle that reaches from below the height `z` to it or above; those that lie
-/// in the plane give none. In the order of the triangles. \pre check() finds no errors; z is finite
+/// Cross-section at height `z`: a line for each triangle with a corner below z and one at or above
+/// it, in the order of the triangles. Triangles in the plane give none. \pre check() finds no
+/// errors; z is finite
 std::vector<SliceLine> slice(const Mesh& mesh, float z);
 
 }  // namespace enfilade::mesh

@@ -1,4 +1,4 @@
-/// \file  Decoded faces, as many as fit a number of bytes, shared by renderers.
+/// \file  FaceCache: decoded cube map faces, shared by renderers, within a limit of bytes.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -27,26 +27,26 @@ struct Face {
   std::uint32_t size = 0;                ///< texels along an edge, border not counted
 };
 
-/// What a decoded face takes in a FaceCache, bytes: colour's border and rows' alignment included.
+/// Bytes of a decoded face in a FaceCache, with colour's border and the alignment of rows.
 std::size_t face_bytes(scan::Layer layer, std::uint32_t size) noexcept;
 
 struct FaceCacheConfig {
-  /// What may be kept; what is in use at the moment is kept in any case. A face of 512 texels takes
-  /// 1.06 MB of colour and 0.5 MB of depth.
+  /// Limit of memory; faces in use are kept even beyond it. A face of 512 texels takes 1.06 MB of
+  /// colour and 0.5 MB of depth.
   std::size_t bytes = std::size_t{64} << 20;
-  int threads = 0;              ///< that decode what a call is waiting for; 0: all cores
-  bool prefetch_thread = true;  ///< one more decodes what prefetch() names
+  int threads = 0;              ///< for decoding in acquire(); 0: all cores
+  bool prefetch_thread = true;  ///< whether prefetch() decodes, in one further thread
 };
 
 struct FaceCacheCounters {
   std::uint64_t hits = 0, misses = 0;    ///< of acquire()
-  std::uint64_t prefetched = 0;          ///< faces decoded ahead
+  std::uint64_t prefetched = 0;          ///< faces decoded by prefetch()
   std::uint64_t decode_nanoseconds = 0;  ///< summed over threads
   std::size_t bytes = 0;                 ///< in memory now
 };
 
-/// The least recently used face goes first. All functions may be called from any thread at once;
-/// allocates nothing as long as it finds what is asked for.
+/// Cache of decoded faces; the least recently used one is removed first. All functions may be
+/// called from any thread at once. Does not allocate while all requested faces are in memory.
 class FaceCache {
  public:
   explicit FaceCache(std::shared_ptr<const scan::PanoramaSet> panoramas,
@@ -58,18 +58,18 @@ class FaceCache {
   const scan::PanoramaSet& panoramas() const noexcept;
   const FaceCacheConfig& config() const noexcept;
 
-  /// Makes faces ready, decoding what is missing in parallel, and holds them until release() is
-  /// called with the same keys. Each distinct key at most once a call.
+  /// Decodes faces that are missing, in parallel, and keeps all until release() is called with the
+  /// same keys. \pre keys are distinct
   /// \throws what the sources throw; then nothing is held
   void acquire(std::span<const FaceKey> keys, std::span<Face> faces);
   void release(std::span<const FaceKey> keys) noexcept;
 
-  /// Decodes these in the background when there is time, if they fit beside what is in use. Faces
-  /// that fail are left for acquire() to complain of. The last call's wishes replace earlier ones.
+  /// Decodes faces in the background, if they fit beside those in use. Errors are left to
+  /// acquire(). Each call replaces the list of the last one.
   void prefetch(std::span<const FaceKey> keys);
 
   FaceCacheCounters counters() const;
-  /// Forgets what is not in use, as if nothing had been read: for benchmarks.
+  /// Removes all faces that are not in use: for benchmarks.
   void clear();
 
  private:

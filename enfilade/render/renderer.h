@@ -1,4 +1,4 @@
-/// \file  Pictures of what agents see.
+/// \file  Renderer: pictures of what agents see, drawn in batches.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -17,7 +17,7 @@
 
 namespace enfilade::render {
 
-/// Where an agent stands and looks. Any heading; elevation in [-pi/2, pi/2], up positive.
+/// Viewpoint and direction of view. Any heading; elevation in [-pi/2, pi/2], up positive.
 struct View {
   ScanIndex scan;  ///< of the PanoramaSet
   ViewpointIndex viewpoint;
@@ -28,24 +28,24 @@ struct View {
 /// Layouts of colour for n views of h x w pixels; rows from the top, no padding.
 enum class ColourFormat : std::uint8_t {
   kRgb8,           ///< (n, h, w, 3) uint8
-  kBgr8,           ///< (n, h, w, 3) uint8, as OpenCV has it
+  kBgr8,           ///< (n, h, w, 3) uint8, as in OpenCV
   kRgba8,          ///< (n, h, w, 4) uint8, A = 255
   kPlanarFloat16,  ///< (n, 3, h, w) IEEE half, R G B: (value / 255 - mean) / deviation
   kPlanarFloat32,  ///< (n, 3, h, w) float, likewise
 };
 
-/// What planar formats subtract and divide by, R G B, for values in [0, 1]. Default: nothing.
+/// Mean and deviation that planar formats apply, R G B, for values in [0, 1]. Default: none.
 struct Normalisation {
   std::array<float, 3> mean{0, 0, 0};
   std::array<float, 3> deviation{1, 1, 1};  ///< > 0
 };
-/// Of ImageNet, as torchvision's models are trained with it.
+/// Normalisation of ImageNet, as in torchvision's models.
 inline constexpr Normalisation kImageNet{{0.485F, 0.456F, 0.406F}, {0.229F, 0.224F, 0.225F}};
 
 struct ColourOutput {
   ColourFormat format = ColourFormat::kRgb8;
   Normalisation normalisation;  ///< of planar formats
-  std::span<std::byte> pixels;  ///< of exactly the format's size; aligned as its values need
+  std::span<std::byte> pixels;  ///< exactly n views; aligned for the format's values
 };
 
 enum class DepthFormat : std::uint8_t {
@@ -53,10 +53,10 @@ enum class DepthFormat : std::uint8_t {
   kQuarterMillimetresUint16,  ///< (n, h, w) uint16, 4000 a metre, rounded to nearest
 };
 enum class DepthMeasure : std::uint8_t {
-  kZ,    ///< along the optical axis: what depth cameras give, and the old simulator
+  kZ,    ///< along the optical axis, as of depth cameras and the old simulator
   kRay,  ///< along the pixel's ray
 };
-/// 0 = no reading.
+/// Depth; 0: no reading.
 struct DepthOutput {
   DepthFormat format = DepthFormat::kMetresFloat32;
   DepthMeasure measure = DepthMeasure::kZ;
@@ -75,8 +75,8 @@ struct InstanceOutput {
   std::span<std::uint32_t> pixels;  ///< (n, h, w)
 };
 
-/// Memory of the caller for any set of outputs. Colour is filtered linearly; depth, class and
-/// instance are those of the nearest texel.
+/// The outputs to draw, into the caller's memory. Colour is filtered linearly; depth, class and
+/// instance are of the nearest texel.
 struct Outputs {
   std::optional<ColourOutput> colour;
   std::optional<DepthOutput> depth;
@@ -84,20 +84,19 @@ struct Outputs {
   std::optional<InstanceOutput> instances;
 };
 
-/// Bytes a pixel takes in each format, over all channels.
+/// Bytes of a pixel, all channels.
 std::size_t pixel_bytes(ColourFormat format) noexcept;
 std::size_t pixel_bytes(DepthFormat format) noexcept;
 std::size_t pixel_bytes(ClassFormat format) noexcept;
 
-/// Ways of the old simulator that are worse, for people who must match features made with it. See
-/// docs/mattersim.md.
+/// Inaccuracies of the old simulator, to reproduce features made with it. See docs/mattersim.md.
 struct Legacy {
   bool clamped_edges = false;    ///< colour is not filtered across the edges of faces
   bool eight_bit_depth = false;  ///< z-depth in steps of 257 quarter millimetres (64 mm)
 };
 
-/// Draws batches of views. A renderer may be used from any one thread at a time; different ones
-/// don't disturb each other, also where they share a FaceCache.
+/// Draws batches of views. A renderer may be used by one thread at a time; several renderers may be
+/// used at once, also with the same FaceCache.
 class Renderer {
  public:
   virtual ~Renderer() = default;
@@ -114,7 +113,7 @@ class Renderer {
   virtual void render(const Camera& camera, std::span<const View> views,
                       const Outputs& outputs) = 0;
 
-  /// What it runs on: "cpu (AVX3, 2 threads)", "gl (llvmpipe, OpenGL 4.5)".
+  /// Back end and device: "cpu (AVX3, 2 threads)", "gl (llvmpipe, OpenGL 4.5)".
   virtual std::string description() const = 0;
 
  protected:
@@ -122,27 +121,28 @@ class Renderer {
 };
 
 enum class Backend : std::uint8_t {
-  kCpu,        ///< SIMD, the best instruction set of this machine
-  kCpuScalar,  ///< the plain twin: slow, and what the others are held against
-  kGl,         ///< OpenGL through EGL; needs no display
+  kCpu,        ///< SIMD, with the best instruction set of this machine
+  kCpuScalar,  ///< plain C++: slow; the reference for the others
+  kGl,         ///< OpenGL through EGL, without a display
 };
 std::string_view to_string(Backend backend);  ///< "cpu", "cpu-scalar", "gl"
 std::optional<Backend> parse_backend(std::string_view name);
-std::vector<Backend> backends();  ///< those of this build
+std::vector<Backend> backends();  ///< the back ends of this build
 
 struct RendererConfig {
   Backend backend = Backend::kCpu;
-  int threads = 0;  ///< that draw (cpu); 0: all cores
+  int threads = 0;  ///< of the cpu back ends; 0: all cores
   Legacy legacy;
   std::string gl_device;  ///< index or UUID of an EGL device ("0"); empty: the first that works
 };
 
 /// \throws ArgumentError for a backend that this build lacks, or a null cache; Error with EGL's or
-/// OpenGL's words if no device, context or shader can be had
+/// OpenGL's message if no device, context or shader works
 std::unique_ptr<Renderer> make_renderer(std::shared_ptr<FaceCache> faces,
                                         const RendererConfig& config = {});
 
-/// \throws as render() does for its arguments. For implementations and bindings.
+/// Checks the arguments of Renderer::render(), for implementations and bindings.
+/// \throws as Renderer::render()
 void validate(const Camera& camera, std::span<const View> views, const Outputs& outputs,
               const scan::PanoramaSet& panoramas);
 
@@ -151,8 +151,8 @@ void validate(const Camera& camera, std::span<const View> views, const Outputs& 
 inline constexpr std::size_t kDiscreteViews = 36;
 std::array<View, kDiscreteViews> discrete_views(ScanIndex scan, ViewpointIndex viewpoint);
 
-/// All directions at once, (height, width): the middle column looks along view.heading, the middle
-/// row along the horizon, the top row up; view.elevation is not used. One view in each output;
+/// Draws an equirectangular panorama, (height, width): the middle column is at view.heading, the
+/// middle row at the horizon, the top row up; view.elevation is ignored. One view in each output;
 /// depth is along the ray, whatever its measure. \throws as Renderer::render(); ArgumentError for a
 /// size of 0
 void render_equirectangular(const std::shared_ptr<FaceCache>& faces, const View& view,

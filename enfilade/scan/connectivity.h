@@ -12,28 +12,28 @@
 
 namespace enfilade::scan {
 
-/// One entry of a connectivity file, as it stands there.
+/// One entry of a connectivity file: a viewpoint.
 struct ConnectivityEntry {
   std::string id;                 ///< viewpoint id (`image_id`); 32 hex digits in Matterport3D
   std::array<double, 16> pose{};  ///< camera to world, 4 x 4 row-major, metres
   bool included = true;           ///< false: not part of the simulator
   double height = 0;              ///< above the floor, metres; 0 if the file has none
-  std::vector<ViewpointIndex> unobstructed;  ///< true places of that row, ascending
+  std::vector<ViewpointIndex> unobstructed;  ///< indices of the entries that are true, ascending
   std::vector<ViewpointIndex> visible;       ///< likewise
 
   Vec3d position() const { return {pose[3], pose[7], pose[11]}; }  ///< world frame
 };
 
-/// A whole file. Entries keep their order: an entry's place is its ViewpointIndex.
+/// A whole file. Entries keep their order: an entry's index is its ViewpointIndex.
 struct Connectivity {
   std::string scan;  ///< scan id, from the file's name
   std::string file;  ///< where it was read, for messages
   std::vector<ConnectivityEntry> entries;
 };
 
-/// True for 1 to 255 letters, digits, '_', '-' and '.', the first neither '-' nor '.': a name that
-/// is safe in files' names, command lines and URLs. Matterport3D's `17DRP5sb8fy` and HM3D's
-/// `00000-kfPV7w3FaU5` are scan ids. Everything that reads or writes a scan asks here.
+/// Whether a text may be a scan id: 1 to 255 letters, digits, '_', '-' and '.', the first neither
+/// '-' nor '.', so that it is safe in file names, command lines and URLs. Examples: `17DRP5sb8fy`
+/// (Matterport3D), `00000-kfPV7w3FaU5` (HM3D). The one rule for all readers and writers of scans.
 bool is_scan_id(std::string_view scan);
 /// \throws LookupError naming `scan` if it is no scan id
 void require_scan_id(std::string_view scan);
@@ -51,8 +51,8 @@ Connectivity parse_connectivity(std::string_view json, std::string scan, const s
 std::string to_json(const Connectivity& connectivity);
 
 /// The scans of a connectivity folder: the ids in its `scans.txt` (white space between), in order.
-/// \throws FileError; InvalidInput if the list is empty, repeats an id, or holds one that cannot be
-/// part of a file name.
+/// \throws FileError; InvalidInput if the list is empty, repeats an id, or holds one that is no
+/// scan id
 std::vector<std::string> load_scan_list(const std::filesystem::path& directory);
 
 /// `<directory>/<scan>_connectivity.json`.

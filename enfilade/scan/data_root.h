@@ -1,4 +1,4 @@
-/// \file  Where the files of a data set are.
+/// \file  Paths of the files of a data set.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -9,12 +9,12 @@
 
 namespace enfilade::scan {
 
-/// A folder that holds connectivity graphs and R2R annotations, in one of the layouts found in the
-/// wild: Enfilade's (`connectivity/`, `r2r/`, `regions/`), a checkout of Matterport3DSimulator
+/// A folder with connectivity graphs and R2R annotations, in one of the usual layouts: Enfilade's
+/// (`connectivity/`, `r2r/`, `regions/`), a checkout of Matterport3DSimulator
 /// (`connectivity/`, `tasks/R2R/data/`), or all files side by side. A plain value: any thread.
 class DataRoot {
  public:
-  /// Looks only when asked for a file. \throws FileError if `folder` is not a folder.
+  /// Files are searched for when they are asked for. \throws FileError if `folder` is not a folder.
   explicit DataRoot(std::filesystem::path folder);
 
   /// The folder named by the environment variable ENFILADE_DATA; nothing if it is unset or empty.

@@ -1,4 +1,4 @@
-/// \file  A folder, or a zip file that is read as if it were one.
+/// \file  FileTree: the files of a folder or of a zip file.
 #pragma once
 #include <cstddef>
 #include <filesystem>
@@ -28,16 +28,15 @@ class FileTree {
   /// \throws FileError; InvalidInput for a damaged entry (checksums are compared), one that claims
   /// more than 1 GiB, and a name that lies in two folders of the zip
   std::optional<std::string> read(std::string_view name) const;
-  /// The first `bytes` of it, or all if it has fewer: enough for a header. What is left out is not
-  /// checked.
+  /// The first `bytes` bytes of the file, or all if it has fewer. The rest is not checked.
   virtual std::optional<std::string> read_start(std::string_view name, std::size_t bytes) const = 0;
   virtual bool contains(std::string_view name) const = 0;
   /// Names of all files, sorted.
   virtual std::vector<std::string> names() const = 0;
   /// "path/to/folder/name" or "path/to.zip:name", for messages.
   virtual std::string path_of(std::string_view name) const = 0;
-  /// Text that changes when a file does: names, sizes and times of a folder's files, size and time
-  /// of a zip file, as they are now. \throws FileError
+  /// A text that changes when a file does: names, sizes and times of a folder's files, size and
+  /// time of a zip file, as they are now. \throws FileError
   virtual std::string state() const = 0;
 };
 

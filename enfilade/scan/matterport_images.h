@@ -1,4 +1,4 @@
-/// \file  Panoramas as Matterport3D ships them, and as Matterport3DSimulator prepares them.
+/// \file  Panoramas in the files of Matterport3D's download and of Matterport3DSimulator.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -21,10 +21,10 @@ namespace enfilade::scan {
 ///                                  8-bit RGBA: id = R + 256 G + 65536 B + 2^24 A)
 ///   undistorted_camera_parameters  <scan>.conf                  depth where there is no strip,
 ///   undistorted_depth_images       <viewpoint>_d<cam>_<yaw>.png built by depth_skybox.h
-/// Where several of them exist, a file is taken from the first that has it. A strip is preferred to
-/// faces, being what the old simulator rendered. The names of class and instance strips are
-/// Enfilade's own: Matterport3D ships no semantic pictures. Depth out of undistorted images has the
-/// colour's size and takes some seconds a panorama, on the caller's thread: pack the scan.
+/// A file is read from the first place that has it. Strips are preferred to faces, as the old
+/// simulator renders them. The names of class and instance strips are Enfilade's own: Matterport3D
+/// has no semantic pictures. Depth from undistorted images has the size of the colour faces and
+/// takes seconds a panorama, in the calling thread; pack() such scans.
 class MatterportImages final : public PanoramaSource {
  public:
   /// \param root as above  \param connectivity folder of `<scan>_connectivity.json`
@@ -38,9 +38,8 @@ class MatterportImages final : public PanoramaSource {
   Connectivity connectivity() const override;
   FaceSizes face_sizes(ViewpointIndex viewpoint) const override;
   bool reads_whole_panoramas() const noexcept override { return true; }
-  /// The colour faces as the files' own JPEG bytes, by index(CubeFace), where nothing has to be
-  /// decoded for it: face files as they are, strips cut on their blocks' edges
-  /// (image::cut_jpeg_strip). Nothing otherwise. \throws as read_colour()
+  /// The JPEG files of faces as they are, or a strip's, cut between its blocks
+  /// (image::cut_jpeg_strip); no value if that cannot be done. \throws as read_colour()
   std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
       ViewpointIndex viewpoint) const override;
   std::string state() const override;  ///< names, sizes and times of all files

@@ -1,4 +1,4 @@
-/// \file  What Matterport3D calls the folders and files of a scan.
+/// \file  Names of the files of a scan in Matterport3D.
 #pragma once
 #include <cstddef>
 #include <string>

@@ -1,4 +1,4 @@
-/// \file  The 18 cameras of a panorama, and the text files that tell where they stand.
+/// \file  The 18 cameras of a panorama in Matterport3D, and the text files of their poses.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -14,9 +14,9 @@ namespace enfilade::scan {
 inline constexpr std::size_t kRigCameras = 3, kRigYaws = 6;
 inline constexpr std::size_t kRigImages = kRigCameras * kRigYaws;
 
-/// One picture of the rig, undistorted. Camera frame: x right, y down, z ahead; a point (x, y, z)
-/// of it is seen at column cx + fx x / z and row cy + fy y / z, counted from the top; whole numbers
-/// are the middles of pixels.
+/// The camera of one undistorted image. Camera frame: x right, y down, z forward. The point (x, y,
+/// z) is at column cx + fx x / z and row cy + fy y / z, counted from the top; integers are pixel
+/// centres.
 struct RigCamera {
   std::string viewpoint;
   std::size_t camera = 0;  ///< 0 looks up, 1 level, 2 down
@@ -27,21 +27,20 @@ struct RigCamera {
   Vec3d position;  ///< metres, world
 };
 
-/// How pictures are taken at a panorama's eye: three cameras turn about the tripod's axis, which is
-/// the panorama's vertical, in six steps of 60 degrees. They are 41 degrees up, level and 42 down;
-/// camera 1 at turn 2 looks along face 3, at turn 5 along face 1. Each stands 3 cm beside the eye,
-/// and each has its own focal lengths, about 1075 pixels, and its own principal point some pixels
-/// from the middle: numbers of the size that Matterport's have. Zenith and nadir are not seen by
-/// any. By camera, then turn. \param width of pictures, pixels; heights are 4/5 of it, and
-/// intrinsics scale with it \throws ArgumentError for a width below 10
+/// The 18 cameras of a panorama, by camera, then turn: three cameras at elevations of 41, 0 and -42
+/// degrees turn about the panorama's vertical in six steps of 60 degrees. Camera 1 looks along face
+/// 3 at turn 2 and along face 1 at turn 5. Each is 3 cm off the eye and has its own focal lengths,
+/// about 1075 pixels, and principal point, some pixels off the centre; values are of the size of
+/// Matterport's. None sees the zenith or nadir. \param width of images, pixels; heights are 4/5 of
+/// it, and intrinsics scale with it \throws ArgumentError for a width below 10
 std::array<RigCamera, kRigImages> rig_cameras(const PanoramaPose& eye, std::uint32_t width = 1280);
 
-/// The same camera in the frame of `.conf` and `.house` files: x right, y up, looking along -z.
+/// Rotation to the camera frame of `.conf` and `.house` files: x right, y up, looking along -z.
 Mat3d with_y_up(const Mat3d& world_from_camera);
 
 /// `undistorted_camera_parameters/<scan>.conf`: what parse_undistorted_cameras() reads. The file's
-/// cameras look along -z with y up, and rows are counted from the bottom; angles and places are
-/// written to 1e-10. One intrinsics line for the cameras that follow with the same ones.
+/// cameras look along -z with y up, and rows are counted from the bottom; numbers are
+/// rounded to 1e-10. An intrinsics line holds for the cameras that follow.
 std::string undistorted_cameras_text(std::span<const RigCamera> cameras);
 
 /// `matterport_camera_poses/...`: 4 x 4, camera to world, the camera's frame as in RigCamera.

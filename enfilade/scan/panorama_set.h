@@ -1,4 +1,5 @@
-/// \file  The panoramas of many scans, opened when they are needed and shared by everyone.
+/// \file  PanoramaSet: the panoramas of several scans, opened when first used, shared by all
+/// threads.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -12,7 +13,7 @@
 
 namespace enfilade::scan {
 
-/// Where panoramas are looked for.
+/// Where to look for panoramas.
 struct PanoramaPlaces {
   /// Folders that may hold `<scan>.enfilade` (a store) or Matterport3D's files in any layout of
   /// matterport_images.h; the first that has the scan is used, a store before loose files.
@@ -21,9 +22,10 @@ struct PanoramaPlaces {
   std::filesystem::path connectivity;
 };
 
-/// Sources by ScanIndex, in the order of the list that it was opened with (a GraphSet's scans(), so
-/// that one ScanIndex serves both). Opening reads nothing; a scan is opened at its first use, once.
-/// All functions may be called from any thread. Sources live as long as the set.
+/// Sources by ScanIndex, in the order of the list that the set was opened with (use a GraphSet's
+/// scans(), so that a ScanIndex is valid for both). Opening the set reads nothing; each scan is
+/// opened once, at its first use. All functions may be called from any thread. Sources live as long
+/// as the set.
 class PanoramaSet {
  public:
   static std::shared_ptr<const PanoramaSet> open(PanoramaPlaces places,
@@ -40,7 +42,7 @@ class PanoramaSet {
   std::optional<ScanIndex> find(std::string_view scan) const;
   ScanIndex at(std::string_view scan) const;  ///< \throws LookupError
 
-  /// Opens the scan if nobody has. \pre scan < size()
+  /// The scan's source, opened at the first call. \pre scan < size()
   /// \throws LookupError naming the scan and every place that was tried; FileError, InvalidInput
   const PanoramaSource& source(ScanIndex scan) const;
   /// As source(), but null where no place has the scan. \throws FileError, InvalidInput

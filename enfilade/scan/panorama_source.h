@@ -1,4 +1,4 @@
-/// \file  What an agent could see at the viewpoints of one scan, wherever the pictures come from.
+/// \file  PanoramaSource: the panoramas of one scan, from files, a store or memory.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -20,7 +20,7 @@
 
 namespace enfilade::scan {
 
-/// What is known of each direction of a panorama.
+/// Kinds of pixel data in a panorama.
 enum class Layer : std::uint8_t {
   kColour,    ///< RGB, 8 bit
   kDepth,     ///< distance from the eye (along the ray), quarter millimetres, 16 bit; 0: unknown
@@ -52,12 +52,12 @@ using Faces16 = std::array<std::uint16_t*, kCubeFaces>;
 using Faces32 = std::array<std::uint32_t*, kCubeFaces>;
 using FaceBuffers = std::variant<ColourFaces, Faces16, Faces32>;
 
-/// Where the panorama of a viewpoint was taken.
+/// Pose of the panorama of a viewpoint.
 struct PanoramaPose {
   std::string viewpoint;      ///< id
   Mat3d world_from_panorama;  ///< a rotation
   Vec3d position;             ///< metres, world frame
-  bool included = true;       ///< part of the navigation graph; others need have no pictures
+  bool included = true;       ///< part of the navigation graph; others may have no pictures
 };
 
 /// The panoramas of one scan. Implementations: MatterportImages (files as downloaded), Store (one
@@ -69,7 +69,7 @@ class PanoramaSource {
   PanoramaSource& operator=(const PanoramaSource&) = delete;
 
   const std::string& scan() const noexcept { return scan_; }
-  /// Where the pictures come from, for messages: a folder, a file, "<memory>".
+  /// Where the pictures come from (a folder, a file, "<memory>"), for messages.
   const std::string& origin() const noexcept { return origin_; }
   std::size_t size() const noexcept { return poses_.size(); }  ///< viewpoints, excluded ones too
   const std::vector<PanoramaPose>& poses() const noexcept { return poses_; }  ///< by ViewpointIndex
@@ -80,7 +80,7 @@ class PanoramaSource {
   /// The scan's navigation graph as in its connectivity file. \throws FileError, InvalidInput
   virtual Connectivity connectivity() const = 0;
 
-  /// Which layers the panorama has and how large; all 0 if it has no pictures. Reads headers only.
+  /// Size of each layer of the panorama; all 0 if it has no pictures. Reads headers only.
   /// \pre viewpoint < size() (here and below)
   /// \throws FileError, InvalidInput
   virtual FaceSizes face_sizes(ViewpointIndex viewpoint) const = 0;
@@ -110,14 +110,14 @@ class PanoramaSource {
   /// and what was tried().
   LookupError lacks(Layer layer, ViewpointIndex viewpoint) const;
 
-  /// The colour faces as JPEG, by index(CubeFace), where they are had without decoding and
-  /// encoding. Nothing otherwise. \throws as read_colour()
+  /// The colour faces as JPEG, by index(CubeFace), if that takes no decoding and encoding; else no
+  /// value. \throws as read_colour()
   virtual std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
       ViewpointIndex viewpoint) const;
 
-  /// Text that changes whenever the pictures do, as far as that can be told at once: names, sizes
-  /// and times of files, say. Empty if it can't be told; packing then neither resumes nor knows
-  /// that it is done. \throws FileError
+  /// A text that changes when the pictures do, as far as can be told quickly: for instance names,
+  /// sizes and times of files. Empty if unknown; pack() then neither continues an earlier run nor
+  /// sees that it is complete. \throws FileError
   virtual std::string state() const;
 
  protected:
@@ -137,7 +137,7 @@ class PanoramaSource {
 /// (to 1e-3, as files of 6 digits hold it), naming its JSON path.
 std::vector<PanoramaPose> poses_of(const Connectivity& connectivity);
 
-/// A whole panorama in memory. Layers that it lacks are empty pictures.
+/// A whole panorama in memory. Missing layers are empty pictures.
 struct Panorama {
   image::CubeMap<std::uint8_t> colour;      ///< 3 channels
   image::CubeMap<std::uint16_t> depth;      ///< 1 channel; as Layer::kDepth (here and below)
@@ -147,14 +147,14 @@ struct Panorama {
   FaceSizes sizes() const noexcept;
 };
 
-/// All four layers, of size x size texels a face: black, without depth, classes and instances.
+/// A panorama of all four layers, with size x size texels a face, all 0.
 Panorama make_panorama(std::uint32_t size);
 
-/// Reads those of the layers that the panorama has. \throws as the read functions
+/// Reads the layers in `layers` that the panorama has. \throws as the read functions
 Panorama read_panorama(const PanoramaSource& source, ViewpointIndex viewpoint,
                        LayerMask layers = kAllLayers);
 
-/// Panoramas that are in memory already: made ones, tests', an import's. Immutable.
+/// Panoramas in memory, for instance generated ones. Immutable.
 class MemoryPanoramas final : public PanoramaSource {
  public:
   /// \param panoramas by ViewpointIndex, as connectivity.entries

@@ -1,4 +1,4 @@
-/// \file  Which room (region) of its building each viewpoint stands in.
+/// \file  Regions (rooms) of viewpoints.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -20,7 +20,7 @@ class RegionMap {
   static RegionMap load(const std::filesystem::path& file);
   static RegionMap parse(std::string_view json, const std::string& file);
 
-  /// Region of a viewpoint; nothing for viewpoints that are in no region of the file.
+  /// Region of a viewpoint; no value if the file has it in no region.
   std::optional<std::uint32_t> find(const std::string& scan, const std::string& viewpoint) const;
   std::vector<std::string> scans() const;                    ///< in alphabetical order
   std::size_t regions() const noexcept { return regions_; }  ///< in all scans together
@@ -31,13 +31,13 @@ class RegionMap {
   std::size_t regions_ = 0;
 };
 
-/// Which viewpoints stand in which region of a scan.
+/// The viewpoints of each region of a scan.
 struct ScanRegions {
   std::string scan;
   std::vector<std::vector<std::string>> viewpoints;  ///< ids, by region index
 };
 
-/// The file of these scans, a line each, which RegionMap reads. Regions without viewpoints are left
+/// The content of a file that RegionMap reads, a line a scan. Regions without viewpoints are left
 /// out. \pre all ids are UTF-8, each scan is given once
 std::string to_json(const std::vector<ScanRegions>& scans);
 

@@ -36,24 +36,24 @@ struct PackOptions {
 
 struct PackReport {
   std::filesystem::path file;
-  std::size_t panoramas = 0;  ///< with pictures
-  std::size_t resumed = 0;    ///< of them, taken from an earlier run that was killed
-  std::uint64_t bytes = 0;    ///< of the file
-  bool was_complete = false;  ///< the file was there and made of the same input; nothing done
+  std::size_t panoramas = 0;         ///< with pictures
+  std::size_t resumed = 0;           ///< of them, taken from an earlier run that was killed
+  std::uint64_t bytes = 0;           ///< of the file
+  bool was_complete = false;         ///< the store of this input existed; nothing was done
   std::vector<std::string> without;  ///< included viewpoints that have no pictures
 };
 
-/// Writes the source's store into `directory`, in the order of the viewpoints, so that the same
-/// input gives the same bytes at any number of threads. Work in progress is in
-/// `<scan>.enfilade.part`; the store appears, whole, by a rename. A part that a killed run left is
-/// continued if it was made of the same input with the same options, else begun anew. \throws what
-/// the source throws (the part is kept: mend the file, run again); FileError if the directory can't
-/// be written; ArgumentError for options out of range, or if no panorama has colour
+/// Packs a source into the store `<directory>/<scan>.enfilade`. The same input gives the same bytes
+/// for any number of threads. Writes `<scan>.enfilade.part` and renames it when it is complete. The
+/// part of a killed run is continued if input and options are the same, else overwritten. \throws
+/// what the source throws (the part is kept, so that the run can be continued when the file is
+/// repaired); FileError if the directory can't be written; ArgumentError for options out of range,
+/// or if no panorama has colour
 PackReport pack(const PanoramaSource& source, const std::filesystem::path& directory,
                 const PackOptions& options, const Progress& progress = {});
 
-/// A packed scan. Opening maps the file and checks header and index; the content of a face is
-/// checked against its checksum whenever it is decoded.
+/// A packed scan. Opening maps the file and checks header and index; each face is compared with its
+/// checksum when it is decoded.
 class Store final : public PanoramaSource {
  public:
   /// \throws FileError; InvalidInput for a file that is no store, of another version, truncated, or
@@ -70,7 +70,7 @@ class Store final : public PanoramaSource {
   /// Reads everything and compares all checksums; each fault is an error with code "bad-checksum".
   std::vector<Diagnostic> verify(int threads = 0, const Progress& progress = {}) const;
   std::uint64_t bytes() const noexcept;  ///< of the file
-  /// Of the input and options that it was packed from; 0 if that can't be told.
+  /// Hash of the input and options that it was packed from; 0 if unknown.
   std::uint64_t fingerprint() const noexcept;
 
  private:

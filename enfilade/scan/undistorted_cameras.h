@@ -10,10 +10,10 @@
 
 namespace enfilade::scan {
 
-/// One picture that Matterport's camera took, undistorted. Camera frame of the file: x right, y up,
-/// looking along -z. A point (x, y, z) of it is seen at column cx - fx x / z and row cy - fy y / z,
-/// counted from the bottom; whole numbers are the middles of pixels (the file does not say; so it
-/// is in OpenCV, whose names the raw intrinsics use).
+/// The camera of one undistorted image. Camera frame of the file: x right, y up, looking along -z.
+/// The point (x, y, z) is at column cx - fx x / z and row cy - fy y / z, counted from the bottom;
+/// integers are pixel centres (not stated by the file, but by OpenCV, whose names the raw
+/// intrinsics use).
 struct UndistortedCamera {
   std::string depth_file, colour_file;    ///< `<viewpoint>_d<cam>_<yaw>.png`, `_i<cam>_<yaw>.jpg`
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels; the file counts rows from the bottom (cy too)
@@ -29,12 +29,12 @@ struct UndistortedCameras {
 };
 
 /// Commands: `dataset`, `n_images`, `depth_directory`, `color_directory`, `intrinsics_matrix`, and
-/// `scan` or `image`, which are one. `rectangle`, `mesh` and `texture_directory`, which the
-/// reference reader takes too, have no effect on pictures and are passed over. Empty lines, and
-/// those that begin with '#', too. \param file its name in messages \throws InvalidInput naming the
-/// line of each: an unknown command, a wrong number of fields, a number that is none, a camera
-/// before its intrinsics (or after `intrinsics <file>`: that file is not read), a depth file's name
-/// of another form, a pose that is no rotation, or another number of `scan` lines than `n_images`
+/// `scan` or `image` (synonyms). `rectangle`, `mesh` and `texture_directory`, which the reference
+/// reader accepts, are ignored, as are empty lines and those that begin with '#'. \param file its
+/// name in messages \throws InvalidInput naming the line of each: an unknown command, a wrong
+/// number of fields, a number that is none, a camera before its intrinsics (or after `intrinsics
+/// <file>`: that file is not read), a depth file's name of another form, a pose that is no
+/// rotation, or another number of `scan` lines than `n_images`
 UndistortedCameras parse_undistorted_cameras(std::string_view text, const std::string& file);
 
 }  // namespace enfilade::scan
