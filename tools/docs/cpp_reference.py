@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import itertools
 import re
 import subprocess
 import xml.etree.ElementTree as ElementTree
@@ -36,6 +37,9 @@ class Symbol:
     text: str  # HTML of the comment, empty if there is none
     doxygen_id: str
     arguments: str = ""
+    first: int = 0  # lines of the whole declaration
+    last: int = 0
+    shared: str = ""  # the comment above the lines that this one continues, if it has none of its own
     members: list[Symbol] = field(default_factory=list)
 
     @property
@@ -97,12 +101,16 @@ class Declarations:
 
     def at(self, file: str, line: int) -> str:
         """The declaration that has this line (1 is the first), without its body and comments."""
-        lines = self.lines(file)
-        first = line - 1
-        while first > 0 and not re.search(r"([;{}:\\]|^\s*)$|^\s*//|^#", self._code(lines[first - 1])):
-            first -= 1
+        lines, first = self.lines(file), self.first_line(file, line) - 1
         text = "\n".join(self._code(text) for text in lines[first : first + 30])
         return self._without_body(text)
+
+    def first_line(self, file: str, line: int) -> int:
+        """Where that declaration begins: its template line, or the type that stands on a line of its own."""
+        lines, first = self.lines(file), line - 1
+        while first > 0 and not re.search(r"([;{}:\\]|^\s*)$|^\s*//|^#", self._code(lines[first - 1])):
+            first -= 1
+        return first + 1
 
     @staticmethod
     def _code(line: str) -> str:
@@ -224,8 +232,7 @@ class Reader:
         hidden = re.search(r"(^|::)detail(::|$)|@|^std", symbol.scope) or "@" in symbol.name
         return not hidden and "<" not in symbol.name
 
-    @staticmethod
-    def _nested(symbols: list[Symbol]) -> list[Symbol]:
+    def _nested(self, symbols: list[Symbol]) -> list[Symbol]:
         """Classes of classes become members."""
         outer = {s.full_name: s for s in symbols if s.kind in ("class", "struct", "union")}
         for symbol in symbols:
@@ -233,7 +240,20 @@ class Reader:
                 outer[symbol.scope].members.append(symbol)
         for symbol in outer.values():
             symbol.members.sort(key=lambda s: s.line)
-        return [s for s in symbols if s.scope not in outer]
+        top = [s for s in symbols if s.scope not in outer]
+        for siblings in [top, *(s.members for s in symbols)]:
+            self._share(siblings)
+        return top
+
+    def _share(self, siblings: list[Symbol]) -> None:
+        """A comment speaks of the lines below it too, up to an empty line: parse_x() and to_json() under load_x()."""
+        for before, symbol in zip(siblings, siblings[1:]):
+            said = before.text or before.shared
+            lines = {"function", "typedef", "variable", "define"}
+            line_by_line = symbol.kind in lines and (before.kind in lines or symbol.kind == "function")
+            trailing = "///<" in self._declarations.lines(before.file)[before.last - 1]
+            if said and not symbol.text and line_by_line and not trailing and symbol.first == before.last + 1:
+                symbol.shared = said
 
     def _class(self, compound: ElementTree.Element) -> Symbol:
         scope, _, name = compound.findtext("compoundname", "").removeprefix("enfilade::").rpartition("::")
@@ -268,8 +288,11 @@ class Reader:
         file = location.get("declfile") or location.get("file", "")
         line = int(location.get("declline") or location.get("line", "1"))
         declaration = self._declarations.at(file, line) if kind != "define" else self._macro(file, line)
+        first = self._declarations.first_line(file, line)
+        body = int(location.get("bodyend", "-1")) if location.get("bodyfile") == file else -1
+        last = max(first + declaration.count("\n"), body)
         return Symbol(kind, name, scope, file, line, declaration, _text_of(element), element.get("id", ""),
-                      element.findtext("argsstring", "") or "")  # fmt: skip
+                      element.findtext("argsstring", "") or "", first, last)  # fmt: skip
 
     def _macro(self, file: str, line: int) -> str:
         found = re.match(r"#define\s+(\w+(?:\([^)]*\))?)", self._declarations.lines(file)[line - 1])
@@ -301,7 +324,7 @@ def undocumented(headers: list[Header]) -> Iterator[Fault]:
     """Public names without a comment."""
 
     def walk(symbols: list[Symbol], parent: Optional[Symbol]) -> Iterator[Fault]:
-        overloads = {s.name for s in symbols if s.text}  # one comment serves the overloads beside it
+        overloads = {s.name for s in symbols if s.text or s.shared}  # one comment serves the overloads beside it
         for symbol in symbols:
             if not symbol.text and symbol.name not in overloads and _needs_comment(symbol, parent):
                 yield Fault(symbol.file, symbol.line, f"{_KIND[symbol.kind]} {symbol.full_name} has no comment (///)")
@@ -335,7 +358,7 @@ class Index:
 
     def _add(self, header: Header, symbols: list[Symbol], taken: set[str]) -> None:
         for symbol in symbols:
-            anchor = base = symbol.full_name.replace("::", ".")
+            anchor = base = re.sub(r"[^\w.~]+", "_", symbol.full_name.replace("::", "."))
             number = 1
             while anchor in taken:
                 number += 1
@@ -406,25 +429,34 @@ class Writer:
                self._resolved(header.text, header.page), "",
                self._code(f'#include "{header.path}"', "", header.page, own=None), ""]  # fmt: skip
         for symbol in header.symbols:
-            out += self._entry(symbol, header, 2)
+            if not any(symbol in _continued(other, header.symbols) for other in header.symbols):
+                out += self._entry(symbol, header, 2, header.symbols)
         return "\n".join(out) + "\n"
 
-    def _entry(self, symbol: Symbol, header: Header, level: int) -> list[str]:
+    def _entry(self, symbol: Symbol, header: Header, level: int, siblings: list[Symbol]) -> list[str]:
         kind = _KIND[symbol.kind] if level == 2 or symbol.members else ""
         badge = f' <small class="en-kind">{kind}</small>' if kind else ""
         anchor = self.index.anchors[id(symbol)]
         heading = f'{"#" * level} `{symbol.name}`{badge} {{ #{anchor} data-toc-label="{symbol.name}" }}'
-        out = [heading, "", self._code(symbol.declaration, symbol.scope, header.page, anchor), ""]
-        if symbol.text:
-            out += [self._resolved(symbol.text, header.page), ""]
+        out = [heading, "", self._code(symbol.declaration, symbol.scope, header.page, anchor)]
+        for other in _continued(symbol, siblings):
+            out[-1] += f'<a id="{self.index.anchors[id(other)]}"></a>'
+            out[-1] += self._code(other.declaration, other.scope, header.page, anchor)
+        out.append("")
+        if symbol.text or symbol.shared:
+            out += [self._resolved(symbol.text or symbol.shared, header.page), ""]
         rows: list[Symbol] = []
-        for member in [m for m in symbol.members if not _goes_without_saying(m, symbol)]:
+        done: list[Symbol] = []
+        for member in symbol.members:
+            if _goes_without_saying(member, symbol) or member in done:
+                continue
             if _fits_a_row(member):
                 rows.append(member)
             else:
                 out += self._rows(rows, symbol, header)
                 rows = []
-                out += self._entry(member, header, min(level + 1, 6))
+                done += _continued(member, symbol.members)
+                out += self._entry(member, header, min(level + 1, 6), symbol.members)
         return out + self._rows(rows, symbol, header)
 
     def _rows(self, members: list[Symbol], parent: Symbol, header: Header) -> list[str]:
@@ -468,6 +500,14 @@ class Writer:
         if not block:
             return f'<code class="highlight">{code}</code>'
         return f'<div class="highlight en-declaration"><pre><code>{code}</code></pre></div>'
+
+
+def _continued(symbol: Symbol, siblings: list[Symbol]) -> list[Symbol]:
+    """Those below it that share its comment."""
+    if symbol.kind in ("class", "struct", "union", "enum"):
+        return []  # a function after its struct has an entry of its own
+    after = siblings[[id(s) for s in siblings].index(id(symbol)) + 1 :]
+    return list(itertools.takewhile(lambda other: other.shared, after))
 
 
 def _goes_without_saying(symbol: Symbol, parent: Symbol) -> bool:
