@@ -43,8 +43,11 @@ struct Decision {
   Radians heading_change;    ///< right positive; one view of 30 degrees, only its sign counts
   Radians elevation_change;  ///< up positive; likewise
 
+  /// Stops for good.
   static Decision stop_here() { return {}; }
+  /// Goes to an entry of the navigable list.
   static Decision go(std::uint32_t index) { return {false, index, {}, {}}; }
+  /// Turns by so much, radians; right and up are positive.
   static Decision turn(double right, double up = 0) {
     return {false, 0, Radians(right), Radians(up)};
   }

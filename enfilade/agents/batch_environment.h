@@ -23,6 +23,7 @@ enum class ActionSpace {
   kSixActions,  ///< SixAction: 0 left, 1 right, 2 up, 3 down, 4 forward, 5 stop
 };
 
+/// What a step is worth.
 enum class Reward {
   kNone,      ///< always 0
   kSuccess,   ///< 1 for stopping within the success distance of the goal, else 0
@@ -30,6 +31,7 @@ enum class Reward {
               ///< stop, -2 for another, as in EnvDrop (Tan et al. 2019)
 };
 
+/// How many episodes run at once, with which actions and which reward.
 struct EnvironmentConfig {
   std::size_t batch_size = 1;
   ActionSpace actions = ActionSpace::kViewpoint;

@@ -52,7 +52,8 @@ class EpisodeBatch {
   std::span<const std::uint8_t> ended() const noexcept { return ended_; }  ///< (size()) 1: ended
   std::size_t running() const noexcept { return running_; }  ///< slots that have not ended
 
-  // Of a slot's episode. \pre begin() was called for the slot
+  /// Of a slot's episode: its index, the episode, its reference path, its graph.
+  /// \pre begin() was called for the slot
   std::size_t index(std::size_t slot) const { return trajectories_[slot].episode; }
   const r2r::Episode& episode(std::size_t slot) const { return episodes_.episodes[index(slot)]; }
   const r2r::ReferencePath& path(std::size_t slot) const {

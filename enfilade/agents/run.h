@@ -14,6 +14,7 @@
 
 namespace enfilade::agents {
 
+/// How agents are run. The batch size changes no trajectory.
 struct RunOptions {
   std::size_t batch_size = 100;
   /// Actions after which an episode is ended for the agent. Far above what the agents here need:

@@ -11,6 +11,7 @@ namespace enfilade::agents {
 /// Anderson et al. 2018, section 4.2, in the order of the released network's outputs. A turn is one
 /// view of 30 degrees.
 enum class SixAction : std::int32_t { kLeft, kRight, kUp, kDown, kForward, kStop };
+/// How many SixActions there are.
 inline constexpr std::int32_t kSixActions = 6;
 
 /// "left", "right", "up", "down", "forward", "end" (the released code's word for stop).

@@ -20,12 +20,14 @@ std::string show_values(const A& a, const B& b) {
 
 }  // namespace enfilade::detail
 
+/// Aborts, naming file and line, if the condition does not hold. For invariants only.
 #define EN_CHECK(condition)                                                 \
   do {                                                                      \
     if (!(condition)) [[unlikely]]                                          \
       ::enfilade::detail::check_failed(__FILE__, __LINE__, #condition, ""); \
   } while (false)
 
+/// As EN_CHECK, for a comparison: the message has both values. Each is evaluated once.
 #define EN_CHECK_OP(a, op, b)                                                                    \
   do {                                                                                           \
     const auto& en_check_a = (a);                                                                \
@@ -35,6 +37,7 @@ std::string show_values(const A& a, const B& b) {
                                        ::enfilade::detail::show_values(en_check_a, en_check_b)); \
   } while (false)
 
+/// EN_CHECK_OP with ==, < and <=.
 #define EN_CHECK_EQ(a, b) EN_CHECK_OP(a, ==, b)
 #define EN_CHECK_LT(a, b) EN_CHECK_OP(a, <, b)
 #define EN_CHECK_LE(a, b) EN_CHECK_OP(a, <=, b)

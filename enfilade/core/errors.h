@@ -38,6 +38,7 @@ class FileError : public Error {
   using Error::Error;
 };
 
+/// How bad a finding is.
 enum class Severity {
   kNote,     ///< information; nothing is wrong
   kWarning,  ///< unusual, but used as the file says

@@ -14,6 +14,7 @@ struct Index {
   std::uint32_t value = 0;
 
   constexpr Index() = default;
+  /// \pre i fits 32 bits
   constexpr explicit Index(std::size_t i) : value(static_cast<std::uint32_t>(i)) {}
 
   /// For subscripts: `positions[v.at()]`.

@@ -23,12 +23,13 @@ class PartFile {
   const std::filesystem::path& path() const noexcept { return part_; }
   std::uint64_t size() const;  ///< bytes. \throws FileError
 
-  // Each throws FileError naming the part and the system's reason.
+  /// Writes bytes at an offset. This and the next three throw FileError naming the part and the
+  /// system's reason.
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   void resize(std::uint64_t bytes);  ///< truncates, or appends zeros
   void synchronise();                ///< waits until everything is on the disk
   void finish();                     ///< synchronises, and renames the part to the file
-  void remove() noexcept;
+  void remove() noexcept;            ///< of the part; the file stays as it was
 
  private:
   void open_locked();

@@ -14,6 +14,7 @@ namespace enfilade {
 /// implementations.
 class Rng {
  public:
+  /// Streams of one seed, and substreams of one stream, are independent of each other.
   explicit Rng(std::uint64_t seed, std::uint64_t stream = 0, std::uint64_t substream = 0) noexcept;
 
   /// Uniform over all 2^64 values.

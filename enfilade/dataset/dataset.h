@@ -18,7 +18,7 @@ namespace enfilade::dataset {
 /// For a data set whose parts do not all lie in one folder. Empty fields: as the folder has them.
 struct DatasetConfig {
   std::filesystem::path folder;               ///< may be empty if what is used is named below
-  std::filesystem::path connectivity;         ///< folder of <scan>_connectivity.json
+  std::filesystem::path connectivity;         ///< folder of `<scan>_connectivity.json`
   std::vector<std::filesystem::path> images;  ///< folders in which panoramas are looked for
   std::vector<std::string> scans;             ///< only these, in this order
 };
@@ -73,7 +73,7 @@ class Dataset {
 
   /// Those of train, val_seen, val_unseen and test that are there, in this order.
   std::vector<std::string> splits() const;
-  bool has_split(std::string_view split) const;  ///< any name: R2R_<split>.json
+  bool has_split(std::string_view split) const;  ///< any name: `R2R_<split>.json`
   /// The split as its file has it. Read anew by each call.
   /// \throws FileError naming every place that was tried; InvalidInput
   r2r::Annotations annotations(std::string_view split) const;
@@ -84,7 +84,7 @@ class Dataset {
 
   // Where the files are. Each throws FileError naming every place that was tried.
   std::filesystem::path connectivity_folder() const;                     ///< with scans.txt
-  std::filesystem::path annotations_file(std::string_view split) const;  ///< R2R_<split>.json
+  std::filesystem::path annotations_file(std::string_view split) const;  ///< `R2R_<split>.json`
   std::filesystem::path regions_file() const;  ///< region_to_panorama.json
   /// The folders that may hold panoramas (`store`, `scans`, `v1/scans`, `data/v1/scans` and the
   /// folder itself, those that are there), and connectivity_folder().

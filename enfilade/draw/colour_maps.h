@@ -13,6 +13,7 @@
 
 namespace enfilade::draw {
 
+/// A colour: red, green, blue, 0 .. 255.
 using Rgb = std::array<std::uint8_t, 3>;
 
 /// No depth reading, or no object: a grey that is not close to any other colour here.

@@ -9,11 +9,13 @@
 
 namespace enfilade::draw {
 
+/// One cell of a contact sheet.
 struct SheetPicture {
   image::Image8 picture;  ///< 3 channels
   std::string caption;    ///< ASCII; may have several lines; lines that are too long are cut
 };
 
+/// How a contact sheet is laid out.
 struct SheetOptions {
   std::size_t columns = 0;  ///< 0: chosen so that the sheet is about 4 : 3
   std::string title;        ///< ASCII; at the top, wrapped; may be empty

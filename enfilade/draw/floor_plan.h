@@ -12,6 +12,7 @@ namespace enfilade::draw {
 
 /// A path to draw. Immediate repetitions of a viewpoint (turning in place) are drawn once.
 struct PlannedPath {
+  /// Whose path it is.
   enum class Role {
     kReference,  ///< a wide band; its last viewpoint is the goal, unless it is the only one
     kAgent,      ///< a line with arrows, darker as time passes; a ring where it stops
@@ -21,6 +22,7 @@ struct PlannedPath {
   std::string label;                       ///< for the legend; empty: named by its role
 };
 
+/// What is written and drawn on a floor plan.
 struct FloorPlanOptions {
   std::string title;              ///< empty: the scan id
   std::string note;               ///< a paragraph below it, such as the instruction; may be empty

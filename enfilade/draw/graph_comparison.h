@@ -7,6 +7,7 @@
 
 namespace enfilade::draw {
 
+/// What is written on the drawing of two graphs.
 struct ComparisonPlanOptions {
   std::string title;              ///< empty: the scan id
   std::string note;               ///< a line below the figures; may be empty

@@ -10,7 +10,9 @@
 
 namespace enfilade::draw {
 
+/// A line of a building's plan.
 struct UnderlayLine {
+  /// What the line shows; each kind has a colour of its own.
   enum class Kind : std::uint8_t {
     kThing,  ///< furniture
     kStairs,
@@ -22,11 +24,13 @@ struct UnderlayLine {
   Vec3f from, to;  ///< world, metres
 };
 
+/// A word on a building's plan, such as a room's name.
 struct UnderlayText {
   Vec3f at;  ///< centre; world, metres
   std::string text;
 };
 
+/// Lines and words of one storey.
 struct UnderlayStorey {
   std::vector<UnderlayLine> lines;
   std::vector<UnderlayText> texts;

@@ -34,6 +34,7 @@ struct FeatureInfo {
   DType type = DType::kFloat32;  ///< as stored: kFloat32 or kFloat16
 };
 
+/// Which viewpoint a row of features is of.
 struct FeatureKey {
   std::string scan;
   std::string viewpoint;
@@ -50,6 +51,7 @@ class FeatureSet {
 
   const FeatureInfo& info() const noexcept;
   std::span<const FeatureKey> keys() const noexcept;  ///< row -> viewpoint
+  /// The row of a viewpoint; no value if the file has none of it.
   std::optional<std::size_t> row(std::string_view scan, std::string_view viewpoint) const;
 
   /// One view of a viewpoint. \pre row < keys().size(), view < info().views, out.size() ==

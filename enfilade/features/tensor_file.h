@@ -12,6 +12,7 @@
 
 namespace enfilade::features {
 
+/// Type of a tensor's numbers.
 enum class DType : std::uint8_t {
   kFloat16,
   kBFloat16,

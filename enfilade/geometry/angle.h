@@ -6,6 +6,7 @@
 
 namespace enfilade {
 
+/// The ratio of a circle's circumference to its diameter.
 inline constexpr double kPi = std::numbers::pi;
 
 /// An angle in radians. Headings count clockwise from world +y (turning right is positive);
@@ -14,6 +15,7 @@ struct Radians {
   double value = 0;
 
   constexpr Radians() = default;
+  /// Of a plain number of radians.
   constexpr explicit Radians(double radians) : value(radians) {}
   friend constexpr auto operator<=>(Radians, Radians) = default;
   friend constexpr Radians operator+(Radians a, Radians b) { return Radians(a.value + b.value); }
@@ -22,6 +24,7 @@ struct Radians {
   friend constexpr Radians operator*(double k, Radians a) { return Radians(k * a.value); }
 };
 
+/// From degrees, and back to them.
 constexpr Radians degrees(double degrees) { return Radians(degrees * (kPi / 180)); }
 constexpr double to_degrees(Radians angle) { return angle.value * (180 / kPi); }
 

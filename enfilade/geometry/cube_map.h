@@ -17,7 +17,9 @@ namespace enfilade {
 
 /// In Matterport3D's order: `<viewpoint>_skybox<k>_sami.jpg`, and left to right in a strip.
 enum class CubeFace : std::uint8_t { kUp, kBack, kLeft, kFront, kRight, kDown };
+/// How many faces a cube map has.
 inline constexpr std::size_t kCubeFaces = 6;
+/// The k-th face in that order, and back. \pre k < kCubeFaces
 constexpr CubeFace cube_face(std::size_t k) { return static_cast<CubeFace>(k); }
 constexpr std::size_t index(CubeFace face) { return static_cast<std::size_t>(face); }
 
@@ -26,6 +28,7 @@ constexpr std::size_t index(CubeFace face) { return static_cast<std::size_t>(fac
 struct FaceAxes {
   Vec3d right, down, forward;
 };
+/// Axes of each face, by index(CubeFace).
 inline constexpr std::array<FaceAxes, kCubeFaces> kFaceAxes{{
     {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}},  // up
     {{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}},   // back
@@ -63,6 +66,7 @@ Mat3d world_from_camera(Radians heading, Radians elevation);
 /// optical axis is 1.
 struct PixelRays {
   Vec3d origin, row, column;
+  /// Direction through the point in row i and column j of the picture; not normalised.
   Vec3d at(double i, double j) const {
     return {origin.x + i * row.x + j * column.x, origin.y + i * row.y + j * column.y,
             origin.z + i * row.z + j * column.z};

@@ -4,6 +4,7 @@
 
 namespace enfilade {
 
+/// A point or vector in three dimensions; 0 by default.
 template <class T>
 struct Vec3 {
   T x = 0, y = 0, z = 0;
@@ -21,6 +22,7 @@ using Vec3f = Vec3<float>;
 /// Double precision: used for lengths of paths.
 using Vec3d = Vec3<double>;
 
+/// The scalar product.
 template <class T>
 constexpr T dot(Vec3<T> a, Vec3<T> b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
@@ -32,6 +34,7 @@ constexpr Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+/// Euclidean length.
 template <class T>
 T length(Vec3<T> v) {
   return std::sqrt(dot(v, v));

@@ -11,6 +11,7 @@
 
 namespace enfilade::graph {
 
+/// How viewpoints are spread over a walkable floor.
 struct ViewpointOptions {
   double separation = 2.25;      ///< metres, mean length of edges in furnished homes; 0.2 .. 100
   double eye_height = 1.5;       ///< metres above the floor; lower where the ceiling is
@@ -31,6 +32,7 @@ std::vector<PlacedViewpoint> place_viewpoints(const mesh::RayTracer& tracer,
                                               const mesh::WalkableFloor& floor,
                                               const ViewpointOptions& options = {});
 
+/// Which viewpoints are joined: those between which a body passes.
 struct EdgeOptions {
   double longest = 5;  ///< metres, straight line
   double width = 0.4;  ///< of the body that moves along an edge, metres

@@ -9,6 +9,7 @@
 
 namespace enfilade::graph {
 
+/// Limits beyond which an edge is reported.
 struct CheckOptions {
   double longest_edge = 5.0;      ///< metres; the paper's limit between viewpoints
   double shortest_offset = 0.05;  ///< metres apart horizontally; below, headings are unstable

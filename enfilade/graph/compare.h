@@ -8,6 +8,7 @@
 
 namespace enfilade::graph {
 
+/// An edge that only one of two graphs has.
 struct ComparedEdge {
   ViewpointIndex a, b;  ///< of the found graph; a < b
   double length = 0;    ///< metres

@@ -12,12 +12,14 @@ namespace enfilade::graph {
 
 /// One edge that a person added or took away, or a viewpoint left out.
 struct Correction {
+  /// What a correction does.
   enum class Action { kAddEdge, kRemoveEdge, kExclude, kInclude };
   Action action = Action::kAddEdge;
   std::string from, to;  ///< viewpoint ids; `to` is empty for (in/ex)clusion
   std::string who, why;  ///< both must be there
   std::string when;      ///< ISO 8601 date or time; may be empty
 };
+/// All corrections to the graph of one scan.
 struct Corrections {
   std::string scan;
   std::vector<Correction> list;  ///< applied in order

@@ -47,7 +47,9 @@ class NavGraph {
   std::size_t edge_count() const noexcept { return edges_.size(); }  ///< directed
   std::size_t max_degree() const noexcept { return max_degree_; }
 
+  /// Whether agents may stand there.
   bool included(ViewpointIndex v) const { return included_[v.at()] != 0; }
+  /// The viewpoint's id in the files of its scan.
   const std::string& id(ViewpointIndex v) const { return ids_[v.at()]; }
   /// By id, excluded ones too; O(1).
   std::optional<ViewpointIndex> find(std::string_view id) const;

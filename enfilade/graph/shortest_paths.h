@@ -23,6 +23,7 @@ class ShortestPaths {
   /// \pre n < 65535
   ShortestPaths(std::span<const std::uint32_t> first, std::span<const WeightedTarget> targets);
 
+  /// Length of the shortest path; +inf if b is out of reach. O(1). \pre a, b < n
   double distance(std::size_t a, std::size_t b) const { return distances_[a * n_ + b]; }
   /// The node before b on the path from a; kNone if a == b or b is out of reach.
   std::uint16_t before(std::size_t a, std::size_t b) const { return before_[a * n_ + b]; }

@@ -15,6 +15,7 @@
 
 namespace enfilade::image {
 
+/// The content of a file in memory.
 using Bytes = std::span<const std::uint8_t>;
 inline Bytes bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -26,6 +27,7 @@ inline constexpr std::uint32_t kLongestEdge = 65500;
 /// The largest number of pixels that a reader accepts.
 inline constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 29;
 
+/// Size and channels of a picture, as its file's header says.
 struct Shape {
   std::uint32_t width = 0, height = 0, channels = 0;
   std::uint32_t bits = 8;  ///< a channel
@@ -57,6 +59,7 @@ std::optional<std::array<std::vector<std::uint8_t>, kCubeFaces>> cut_jpeg_strip(
 
 // --- PNG ------------------------------------------------------------------------------------
 
+/// From the header alone. \throws InvalidInput
 Shape png_shape(Bytes png, const std::string& file);
 /// 8 bits a channel; fewer bits are scaled up; a palette becomes RGB or RGBA. The transparent
 /// colour of a grey or RGB file is ignored. \throws InvalidInput, also for 16
@@ -65,7 +68,7 @@ Image8 decode_png8(Bytes png, const std::string& file);
 Image16 decode_png16(Bytes png, const std::string& file);
 /// \param picture 1, 2 (grey, alpha), 3 or 4 channels
 std::vector<std::uint8_t> encode_png(const Image8& picture);
-/// Greyscale. \param picture 1 channel
+/// Of 16 bits. \pre picture.channels == 1
 std::vector<std::uint8_t> encode_png(const Image16& picture);
 
 /// Ids of 32 bits as a PNG: 16-bit greyscale if none is above 65535, else 8-bit RGBA with

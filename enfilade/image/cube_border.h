@@ -17,6 +17,7 @@ struct BorderedFace {
   std::uint8_t* origin = nullptr;  ///< texel (0, 0)
   std::size_t stride = 0;          ///< bytes from a row to the next; >= 4 * (size + 2)
   std::uint32_t size = 0;
+  /// The four bytes of a texel. \pre -1 <= x, y <= size
   std::uint8_t* texel(std::ptrdiff_t x, std::ptrdiff_t y) const {
     return origin + y * static_cast<std::ptrdiff_t>(stride) + x * 4;
   }

@@ -18,14 +18,17 @@ struct Image {
   std::vector<T> pixels;
 
   Image() = default;
+  /// A picture of zeros: width, height, channels.
   Image(std::uint32_t w, std::uint32_t h, std::uint32_t c)
       : width(w), height(h), channels(c), pixels(std::size_t{w} * h * c) {}
+  /// The channels of the pixel in column x of row y. \pre x < width, y < height
   T* at(std::size_t x, std::size_t y) { return pixels.data() + (y * width + x) * channels; }
   const T* at(std::size_t x, std::size_t y) const {
     return pixels.data() + (y * width + x) * channels;
   }
   friend bool operator==(const Image&, const Image&) = default;
 };
+/// Pictures by the type of their values.
 using Image8 = Image<std::uint8_t>;
 using Image16 = Image<std::uint16_t>;
 using Image32 = Image<std::uint32_t>;

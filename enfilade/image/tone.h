@@ -40,6 +40,7 @@ T srgb_from_linear(T light) {
                                : T(1.055) * std::pow(light, 1 / T(2.4)) - T(0.055);
 }
 
+/// As srgb_from_linear(), rounded to 0 .. 255.
 template <std::floating_point T>
 std::uint8_t srgb8_from_linear(T light) {
   return static_cast<std::uint8_t>(std::lround(srgb_from_linear(light) * 255));

@@ -10,6 +10,7 @@
 
 namespace enfilade::mesh {
 
+/// What a camera records, and how finely.
 struct CaptureOptions {
   std::uint32_t samples = 4;  ///< colour rays a pixel: 1, 4, 9 or 16
   float exposure = 0;         ///< stops, added to the mesh's own (LitMesh::key())
@@ -40,6 +41,7 @@ struct Pinhole {
   Mat3d world_from_camera;
   Vec3d position;
 };
+/// What a pinhole camera records; layers that were not asked for are empty.
 struct PinholeCapture {
   image::Image8 colour;
   image::Image16 depth;  ///< z-distance

@@ -17,6 +17,7 @@ struct Sky {
   Vec3f horizon{5.0F, 5.2F, 5.4F};
   Vec3f ground{1.2F, 1.1F, 1.0F};  ///< below the horizon where there is no mesh
 };
+/// Light from one direction.
 struct Sun {
   Vec3f towards{0.4F, -0.5F, 0.76F};  ///< direction from the ground to the sun, any length
   Vec3f irradiance;                   ///< on a surface facing it; 0: no sun
@@ -34,6 +35,7 @@ struct Portal {
   Vec3f corner, edge0, edge1;
 };
 
+/// All that lights a scene.
 struct Lights {
   Sky sky;
   Sun sun;
@@ -43,6 +45,7 @@ struct Lights {
   Vec3f ambient;
 };
 
+/// How finely light is computed.
 struct BakeOptions {
   double spacing = 0.3;     ///< metres between points at which light is computed; > 0
   float detail = 1.0F / 6;  ///< smallest spacing at shadow edges, as a share of `spacing`; (0, 1]

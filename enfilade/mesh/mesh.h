@@ -37,6 +37,7 @@ struct Object {
   std::int32_t region = -1;    ///< index of its room; -1: none
 };
 
+/// The object of triangles that belong to none.
 inline constexpr std::uint32_t kNoObject = std::numeric_limits<std::uint32_t>::max();
 
 /// A mesh. World frame: metres, +z up, right-handed. Optional lists are empty or have one entry for

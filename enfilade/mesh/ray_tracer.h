@@ -10,6 +10,7 @@
 
 namespace enfilade::mesh {
 
+/// A half-line, or a piece of it.
 struct Ray {
   Vec3f origin;
   Vec3f direction;  ///< not 0; its length is the unit of distances
@@ -17,6 +18,7 @@ struct Ray {
   float far = std::numeric_limits<float>::infinity();
 };
 
+/// Where a ray first met the mesh.
 struct Hit {
   float distance = std::numeric_limits<float>::infinity();  ///< infinity: no hit
   std::uint32_t triangle = 0;

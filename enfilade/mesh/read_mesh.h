@@ -9,17 +9,20 @@
 
 namespace enfilade::mesh {
 
+/// Which axis of the file points up.
 enum class UpAxis : std::uint8_t {
   kFormat,  ///< y for glTF, as it specifies; z for OBJ and PLY, which specify none
   kY,
   kZ,
 };
 
+/// How a file's units and axes become metres with +z up.
 struct ReadOptions {
   double scale = 1;  ///< metres per unit of the file; > 0
   UpAxis up = UpAxis::kFormat;
 };
 
+/// A mesh, and what was odd about its file.
 struct ReadResult {
   Mesh mesh;  ///< objects: one for each named node or group of the file
   std::vector<Diagnostic>

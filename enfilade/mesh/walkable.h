@@ -19,6 +19,7 @@ struct Body {
   double slope = 40;     ///< steepest floor, degrees
 };
 
+/// Who walks, and how finely the floor is looked at.
 struct WalkableOptions {
   Body body;
   double cell = 0.07;       ///< grid spacing, metres

@@ -17,11 +17,13 @@ r2r::Vocabulary training_vocabulary(const r2r::EpisodeSet& episodes, std::size_t
 /// The instructions of a split as rows of ids (Vocabulary::encode()). Immutable: any thread.
 class EncodedInstructions {
  public:
+  /// Encodes the instruction of every episode once. \param max_words further words are cut off
   EncodedInstructions(const r2r::EpisodeSet& episodes, const r2r::Vocabulary& vocabulary,
                       std::size_t max_words = 80);
 
   std::size_t size() const noexcept { return size_; }  ///< rows: one an episode
   std::size_t max_words() const noexcept { return max_words_; }
+  /// The words' ids of an episode. \pre episode < size()
   std::span<const std::uint32_t> row(std::size_t episode) const {
     return std::span(ids_).subspan(episode * max_words_, max_words_);
   }

@@ -26,6 +26,7 @@ struct ModelFiles {
   }
   std::filesystem::path log() const { return folder / "log.jsonl"; }
   std::filesystem::path lock() const { return folder / "training.lock"; }
+  /// Files of a split, below results/.
   std::filesystem::path results(std::string_view split) const;
   std::filesystem::path attention(std::string_view split) const;
 };

@@ -7,7 +7,7 @@ namespace enfilade::models {
 
 /// What the agent may use. Weights have their shapes all the same; those of no use only decay.
 struct Inputs {
-  bool language = true;  ///< off: every instruction is a lone <EOS>
+  bool language = true;  ///< off: every instruction is a lone `<EOS>`
   bool vision = true;    ///< off: features are zero, and not looked at
 };
 

@@ -14,6 +14,7 @@
 
 namespace enfilade::neural {
 
+/// What features are computed with, and of which share of the viewpoints.
 struct FeatureJob {
   EncoderConfig encoder;
   Shard shard;            ///< of the viewpoints
@@ -22,6 +23,7 @@ struct FeatureJob {
   int threads = 0;  ///< that draw; 0: all cores. The encoder runs on libtorch's: set_threads()
 };
 
+/// What a run of compute_features() has done.
 struct FeatureReport {
   std::size_t viewpoints = 0;        ///< of the shard: in the file now
   std::size_t resumed = 0;           ///< of them, computed by a run that was stopped

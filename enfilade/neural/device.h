@@ -8,6 +8,7 @@ namespace enfilade::neural {
 /// the reference one less on all.
 inline constexpr double kSlowBlas = 30;  ///< GFLOP/s
 
+/// Which libtorch this is, and how fast its matrix products are here.
 struct TorchReport {
   std::string version;  ///< of libtorch, "1.13.1"
   int threads = 0;      ///< that a product runs on

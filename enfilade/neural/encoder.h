@@ -22,6 +22,7 @@ enum class Preprocessing {
 
 std::string_view to_string(Preprocessing preprocessing) noexcept;  ///< "caffe", "torchvision"
 
+/// Which image encoder, and with which weights.
 struct EncoderConfig {
   std::string name = "resnet152";  ///< one of encoder_names()
   /// safetensors (torchvision's or timm's names) or torchvision's .pth; of "home", a file that

@@ -9,6 +9,7 @@ namespace enfilade::neural {
 
 /// The six actions of the paper (section 4.2), in the order of the network's outputs.
 enum class ModelAction : std::int32_t { kLeft, kRight, kUp, kDown, kForward, kEnd };
+/// How many ModelActions there are.
 inline constexpr std::int32_t kModelActions = 6;
 /// Inputs that are no actions, so the network has 8 inputs: what comes before the first action, and
 /// what is fed for an episode that is over.
@@ -33,6 +34,7 @@ class Environment {
   virtual std::size_t size() const = 0;        ///< n
   virtual std::size_t dimensions() const = 0;  ///< of the features
   virtual bool has_teacher() const = 0;        ///< can it fill `labels`
+  /// What the network sees of every episode now. \param out its spans are filled
   virtual void observe(const EnvironmentView& out) = 0;
   /// One action an episode (ended ones' are not looked at unless the quirk of the recipe asks for
   /// it). False when every episode is over.

@@ -36,11 +36,13 @@ struct AttentionTrace {
   std::vector<std::vector<float>> attention;
 };
 
+/// What a trained agent did in each episode of a split.
 struct GreedyWalk {
   std::vector<r2r::Trajectory> trajectories;  ///< one an episode, in order
   std::vector<AttentionTrace> traces;         ///< likewise
 };
 
+/// How evaluation walks.
 struct WalkOptions {
   std::size_t batch_size = 100;
   std::size_t max_steps = 20;
@@ -61,7 +63,7 @@ struct LossOptions {
 };
 double compute_loss(Network& network, const PreparedSplit& split, const LossOptions& options);
 
-/// results/<split>.json and results/<split>.attention.json of a model's folder.
+/// `results/<split>.json` and `results/<split>.attention.json` of a model's folder.
 /// The latter holds the first `attention_episodes` episodes and, if the split can be scored, a
 /// third as many of the best by SPL and of the worst by navigation error.
 /// \throws FileError

@@ -14,6 +14,7 @@
 
 namespace enfilade::neural {
 
+/// How a batch of episodes is walked by the network.
 struct RolloutOptions {
   models::Feedback feedback = models::Feedback::kArgmax;
   std::size_t max_steps = 20;  ///< the recipe's
@@ -38,8 +39,10 @@ struct StepRecord {
   std::span<const float> logits;          ///< (n, 6); -inf where forward is closed
   std::span<const std::int32_t> actions;  ///< (n)
 };
+/// Called after each step of a rollout.
 using StepObserver = std::function<void(const StepRecord&)>;
 
+/// What a rollout comes to.
 struct RolloutResult {
   /// Sum over steps of the cross-entropy averaged over rows that count; 0 without a teacher.
   double loss = 0;

@@ -12,6 +12,7 @@
 
 namespace enfilade::neural {
 
+/// What the encoder of model homes learns from, and for how long.
 struct PretrainConfig {
   std::vector<std::string> training;  ///< scans to learn from; their panoramas need all labels
   std::vector<std::string> unseen;    ///< scans to be tried on in the end; may be none
@@ -37,6 +38,7 @@ struct HomeScore {
   double distance_error = 0;          ///< mean |ln(said / true)| over cells
 };
 
+/// What the encoder has learnt, and how well it does in homes that it has not seen.
 struct PretrainReport {
   std::vector<std::int64_t> classes;  ///< mpcat40, ascending
   std::string rooms;                  ///< letters

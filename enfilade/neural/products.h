@@ -34,6 +34,7 @@ ProductLog* log_products(ProductLog* log) noexcept;
 /// operands are; products of one shape share their memory. One thread at a time.
 class ProductTimer {
  public:
+  /// Makes random operands for each shape of these products.
   explicit ProductTimer(const ProductLog& products);
   ~ProductTimer();
   ProductTimer(const ProductTimer&) = delete;

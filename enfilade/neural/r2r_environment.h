@@ -16,6 +16,7 @@
 
 namespace enfilade::neural {
 
+/// How many episodes run at once, and the released code's two habits.
 struct R2rEnvironmentConfig {
   std::size_t batch_size = 100;
   std::size_t max_steps = 20;  ///< that memory is kept for; longer walks allocate

@@ -16,6 +16,7 @@
 
 namespace enfilade::neural {
 
+/// What an agent is trained and validated on.
 struct TrainingData {
   r2r::EpisodeSet training;                 ///< of all splits trained on, fourth instructions too
   std::vector<r2r::EpisodeSet> validation;  ///< scored instructions only

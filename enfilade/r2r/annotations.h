@@ -80,6 +80,7 @@ struct EpisodeSet {
   std::vector<ReferencePath> paths;
   std::vector<Episode> episodes;  ///< in file order
 
+  /// The episode's reference path, and the graph of its scan. Valid as long as *this.
   const ReferencePath& path_of(const Episode& e) const { return paths[e.path]; }
   const graph::NavGraph& graph_of(const Episode& e) const { return graphs->graph(path_of(e).scan); }
 };

@@ -14,6 +14,7 @@ struct MeanInterval {
   double high = 0;
 };
 
+/// How intervals are computed.
 struct BootstrapOptions {
   int samples = 1000;        ///< 0: no intervals, low = high = mean
   double confidence = 0.95;  ///< in (0, 1)

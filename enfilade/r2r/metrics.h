@@ -7,6 +7,7 @@
 
 namespace enfilade::r2r {
 
+/// What counts as success.
 struct MetricOptions {
   double success_distance = 3.0;  ///< metres; success is strictly nearer (the paper, section 4.4)
 };

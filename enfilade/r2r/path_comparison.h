@@ -37,6 +37,7 @@ struct PathDistance {
   TwoSample edges;
 };
 
+/// Two sets of paths side by side, and how far apart their distributions are.
 struct PathComparison {
   PathFacts drawn;
   PathFacts drawn_there;  ///< the drawn paths in the buildings that the reference has

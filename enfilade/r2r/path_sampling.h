@@ -22,6 +22,7 @@ enum class PairRule {
   kViewpoints,
 };
 
+/// Which paths are drawn.
 struct SamplingOptions {
   PairRule pairs = PairRule::kRooms;
   std::size_t per_building = 100;  ///< at most; R2R's number

@@ -12,6 +12,7 @@
 
 namespace enfilade::r2r {
 
+/// How a results file is scored.
 struct ScoreOptions {
   MetricOptions metrics;
   int threads = 0;               ///< 0: all cores; never changes a result
@@ -19,6 +20,7 @@ struct ScoreOptions {
   std::uint64_t bootstrap_seed = 1;
 };
 
+/// The metrics of every episode of a split, and their means.
 struct Score {
   std::string split;
   ScoreOptions options;                  ///< what it was made with

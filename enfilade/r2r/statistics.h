@@ -31,6 +31,7 @@ struct TwoSample {
 };
 TwoSample kolmogorov_smirnov(std::vector<double> a, std::vector<double> b);
 
+/// Numbers about the paths and instructions of one split.
 struct SplitStatistics {
   std::string split;
   std::size_t scans = 0, paths = 0;
@@ -43,6 +44,7 @@ struct SplitStatistics {
   std::size_t vocabulary_5 = 0;                   ///< of those, with 5 or more occurrences
 };
 
+/// Numbers about navigation graphs; means are over all viewpoints or edges.
 struct GraphStatistics {
   std::size_t graphs = 0, viewpoints = 0;  ///< included ones
   double viewpoints_per_graph = 0;
@@ -50,6 +52,7 @@ struct GraphStatistics {
   Summary edge_length;  ///< metres, each undirected edge once
 };
 
+/// Numbers about a data set.
 struct DatasetStatistics {
   std::vector<SplitStatistics> splits;
   SplitStatistics all;  ///< the splits taken together; its split is "all"
@@ -63,6 +66,7 @@ DatasetStatistics compute_statistics(std::span<const Annotations> splits,
                                      const std::shared_ptr<const graph::GraphSet>& graphs,
                                      std::size_t top = 20);
 
+/// As text for people, and as JSON.
 std::string to_table(const DatasetStatistics& statistics);
 std::string to_json(const DatasetStatistics& statistics);
 

@@ -19,9 +19,9 @@ std::vector<std::string> tokenize(std::string_view text);
 /// Words and their ids. Immutable: any thread.
 class Vocabulary {
  public:
-  static constexpr std::uint32_t kPad = 0;      ///< "<PAD>"
-  static constexpr std::uint32_t kUnknown = 1;  ///< "<UNK>"
-  static constexpr std::uint32_t kEnd = 2;      ///< "<EOS>"
+  static constexpr std::uint32_t kPad = 0;      ///< `<PAD>`
+  static constexpr std::uint32_t kUnknown = 1;  ///< `<UNK>`
+  static constexpr std::uint32_t kEnd = 2;      ///< `<EOS>`
 
   /// The three specials, then each word that occurs at least `least_count` times, by falling count,
   /// ties in alphabetical order.
@@ -37,7 +37,8 @@ class Vocabulary {
   /// Ids as the sequence-to-sequence recipe wants them: tokens *reversed*, kEnd, then kPad, cut to
   /// `length` (so a long instruction loses its beginning and kEnd).
   std::vector<std::uint32_t> encode(std::string_view text, std::size_t length = 80) const;
-  /// Back to words in reading order, without specials but <UNK>. Ids that name no word are <UNK>.
+  /// Back to words in reading order, without specials but `<UNK>`. Ids that name no word are
+  /// `<UNK>`.
   std::string decode(std::span<const std::uint32_t> ids) const;
 
  private:

@@ -30,6 +30,7 @@ struct Face {
 /// Bytes of a decoded face in a FaceCache, with colour's border and the alignment of rows.
 std::size_t face_bytes(scan::Layer layer, std::uint32_t size) noexcept;
 
+/// How much a cache keeps.
 struct FaceCacheConfig {
   /// Limit of memory; faces in use are kept even beyond it. A face of 512 texels takes 1.06 MB of
   /// colour and 0.5 MB of depth.
@@ -38,6 +39,7 @@ struct FaceCacheConfig {
   bool prefetch_thread = true;  ///< whether prefetch() decodes, in one further thread
 };
 
+/// What a cache has done since it was made.
 struct FaceCacheCounters {
   std::uint64_t hits = 0, misses = 0;    ///< of acquire()
   std::uint64_t prefetched = 0;          ///< faces decoded by prefetch()
@@ -49,6 +51,7 @@ struct FaceCacheCounters {
 /// called from any thread at once. Does not allocate while all requested faces are in memory.
 class FaceCache {
  public:
+  /// Empty. Faces are decoded when they are first asked for.
   explicit FaceCache(std::shared_ptr<const scan::PanoramaSet> panoramas,
                      const FaceCacheConfig& config = {});
   ~FaceCache();

@@ -42,16 +42,19 @@ struct Normalisation {
 /// Normalisation of ImageNet, as in torchvision's models.
 inline constexpr Normalisation kImageNet{{0.485F, 0.456F, 0.406F}, {0.229F, 0.224F, 0.225F}};
 
+/// Where colour goes, and in which format.
 struct ColourOutput {
   ColourFormat format = ColourFormat::kRgb8;
   Normalisation normalisation;  ///< of planar formats
   std::span<std::byte> pixels;  ///< exactly n views; aligned for the format's values
 };
 
+/// How depth is stored; 0 means no reading.
 enum class DepthFormat : std::uint8_t {
   kMetresFloat32,             ///< (n, h, w) float
   kQuarterMillimetresUint16,  ///< (n, h, w) uint16, 4000 a metre, rounded to nearest
 };
+/// Along what depth is measured.
 enum class DepthMeasure : std::uint8_t {
   kZ,    ///< along the optical axis, as of depth cameras and the old simulator
   kRay,  ///< along the pixel's ray
@@ -63,14 +66,17 @@ struct DepthOutput {
   std::span<std::byte> pixels;
 };
 
+/// How classes are stored.
 enum class ClassFormat : std::uint8_t {
   kUint8,   ///< (n, h, w); classes above 255 become 255
   kUint16,  ///< (n, h, w)
 };
+/// Where classes (mpcat40) go.
 struct ClassOutput {
   ClassFormat format = ClassFormat::kUint16;
   std::span<std::byte> pixels;
 };
+/// Where instance ids go; 0: no object.
 struct InstanceOutput {
   std::span<std::uint32_t> pixels;  ///< (n, h, w)
 };
@@ -120,15 +126,17 @@ class Renderer {
   Renderer() = default;
 };
 
+/// What draws.
 enum class Backend : std::uint8_t {
   kCpu,        ///< SIMD, with the best instruction set of this machine
   kCpuScalar,  ///< plain C++: slow; the reference for the others
   kGl,         ///< OpenGL through EGL, without a display
 };
-std::string_view to_string(Backend backend);  ///< "cpu", "cpu-scalar", "gl"
-std::optional<Backend> parse_backend(std::string_view name);
-std::vector<Backend> backends();  ///< the back ends of this build
+std::string_view to_string(Backend backend);                  ///< "cpu", "cpu-scalar", "gl"
+std::optional<Backend> parse_backend(std::string_view name);  ///< by such a name
+std::vector<Backend> backends();                              ///< the back ends of this build
 
+/// Which back end draws, with how many threads, and the old simulator's habits.
 struct RendererConfig {
   Backend backend = Backend::kCpu;
   int threads = 0;  ///< of the cpu back ends; 0: all cores

@@ -21,6 +21,7 @@ struct TableColumn {
   double scale = 1;         ///< 100 for what is shown in per cent
   int digits = 2;           ///< after the point
 };
+/// How many metrics the paper's table has.
 inline constexpr std::size_t kTableColumns = 5;
 std::span<const TableColumn, kTableColumns> table_columns() noexcept;  ///< TL NE SR OSR SPL
 
@@ -38,12 +39,14 @@ struct TableRow {
   std::optional<PublishedRow> published;  ///< only where episodes are those of the paper's split
 };
 
+/// The paper's table: rows of agents by split.
 struct ResultsTable {
   bool synthetic = false;      ///< of made-up buildings: nothing published belongs beside them
   std::vector<TableRow> rows;  ///< by split (train, val_seen, val_unseen, others), then agent
   std::vector<std::string> left_out;  ///< as ScoredRuns::left_out
 };
 
+/// Rows of one agent's runs become one, with an interval over runs.
 ResultsTable make_table(const ScoredRuns& runs, bool synthetic);
 
 /// What a published row has in a column; none for SPL.

@@ -23,6 +23,7 @@ struct ModelDirectory {
   std::string agent;  ///< the folder's name: "student-2"
 };
 
+/// What was found in the folder of a run.
 struct RunDirectory {
   std::vector<ResultsFile> results;    ///< shortest, random, teacher, student, others by name
   std::vector<ModelDirectory> models;  ///< likewise

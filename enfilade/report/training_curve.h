@@ -8,6 +8,7 @@
 
 namespace enfilade::report {
 
+/// A point of a smoothed training curve.
 struct CurvePoint {
   double iteration = 0;  ///< mean of the records that the point stands for
   double loss = 0;       ///< likewise

@@ -27,6 +27,7 @@ image::CubeMap<std::uint16_t> depth_skybox(std::span<const DepthImage> images,
                                            const PanoramaPose& eye, std::uint32_t size,
                                            int threads = 0);
 
+/// How holes of a depth panorama are filled.
 struct HoleFilling {
   std::array<double, 3> space_sigma{12, 5, 8};      ///< texels, pass by pass
   std::array<double, 3> range_sigma{.2, .08, .02};  ///< of luminance in [0, 1]

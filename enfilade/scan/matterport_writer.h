@@ -11,7 +11,9 @@
 
 namespace enfilade::scan {
 
-inline constexpr std::size_t kRigCameras = 3, kRigYaws = 6;
+/// Cameras of Matterport's rig, its turns in a panorama, and pictures of both.
+inline constexpr std::size_t kRigCameras = 3;
+inline constexpr std::size_t kRigYaws = 6;
 inline constexpr std::size_t kRigImages = kRigCameras * kRigYaws;
 
 /// The camera of one undistorted image. Camera frame: x right, y down, z forward. The point (x, y,

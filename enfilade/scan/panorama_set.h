@@ -28,6 +28,7 @@ struct PanoramaPlaces {
 /// as the set.
 class PanoramaSet {
  public:
+  /// Panoramas of these scans, looked for in these places.
   static std::shared_ptr<const PanoramaSet> open(PanoramaPlaces places,
                                                  std::vector<std::string> scans);
   /// \throws ArgumentError if one is null or two have one scan id
@@ -39,6 +40,7 @@ class PanoramaSet {
 
   std::size_t size() const noexcept { return scans_.size(); }
   const std::vector<std::string>& scans() const noexcept { return scans_; }
+  /// Place of a scan in scans(); no value if it is not there.
   std::optional<ScanIndex> find(std::string_view scan) const;
   ScanIndex at(std::string_view scan) const;  ///< \throws LookupError
 

@@ -27,6 +27,7 @@ enum class Layer : std::uint8_t {
   kClass,     ///< object class, 16 bit; 0: none
   kInstance,  ///< object instance, 32 bit; 0: none
 };
+/// How many Layers there are; a layer's place among them.
 inline constexpr std::size_t kLayers = 4;
 constexpr std::size_t index(Layer layer) { return static_cast<std::size_t>(layer); }
 std::string_view to_string(Layer layer);  ///< "colour", "depth", "class", "instance"
@@ -73,6 +74,7 @@ class PanoramaSource {
   const std::string& origin() const noexcept { return origin_; }
   std::size_t size() const noexcept { return poses_.size(); }  ///< viewpoints, excluded ones too
   const std::vector<PanoramaPose>& poses() const noexcept { return poses_; }  ///< by ViewpointIndex
+  /// By id; no value if the scan has no such viewpoint.
   std::optional<ViewpointIndex> find(std::string_view viewpoint) const;
   /// As find(). \throws LookupError naming scan, viewpoint and origin
   ViewpointIndex at(std::string_view viewpoint) const;

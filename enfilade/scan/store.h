@@ -14,6 +14,7 @@
 
 namespace enfilade::scan {
 
+/// Version of the format, written into each file. Files of another version are refused.
 inline constexpr std::uint32_t kStoreVersion = 1;
 
 /// `<directory>/<scan>.enfilade`. \throws LookupError if `scan` is no scan id
@@ -26,6 +27,7 @@ enum class ColourCoding : std::uint8_t {
   kRaw,   ///< uncompressed: decoding is a copy, a panorama takes 4.5 MiB at 512
 };
 
+/// What of a scan is packed, and how.
 struct PackOptions {
   ColourCoding colour = ColourCoding::kKeep;
   std::uint32_t face_size = 0;  ///< texels; 0: as the source has them; larger ones are shrunk
@@ -34,6 +36,7 @@ struct PackOptions {
   int threads = 0;              ///< 0: all cores
 };
 
+/// What packing has done.
 struct PackReport {
   std::filesystem::path file;
   std::size_t panoramas = 0;         ///< with pictures

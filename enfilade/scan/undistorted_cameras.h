@@ -23,6 +23,7 @@ struct UndistortedCamera {
   std::string_view viewpoint() const;  ///< the part of depth_file before "_d"
 };
 
+/// The content of a scan's .conf file.
 struct UndistortedCameras {
   std::string depth_directory, colour_directory;  ///< as named in the file
   std::vector<UndistortedCamera> cameras;         ///< in the file's order

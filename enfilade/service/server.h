@@ -22,6 +22,7 @@ struct RequestRecord {
   std::string_view fault;  ///< of Enfilade's own (status 500): what it was
 };
 
+/// What a server serves, where, and within which limits.
 struct ServerConfig {
   std::filesystem::path database;  ///< made if it isn't there
   std::string host = "127.0.0.1";  ///< interface to listen on

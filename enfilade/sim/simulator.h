@@ -15,11 +15,13 @@
 
 namespace enfilade::sim {
 
+/// Where agents can look.
 enum class Viewing {
   kContinuous,   ///< any heading; elevation within the limits
   kDiscretized,  ///< 12 headings x 3 elevations of 30 degrees: 36 views
 };
 
+/// Which neighbours an agent may walk to.
 enum class Navigation {
   kRestricted,    ///< only neighbours in the horizontal field of view are navigable
   kUnrestricted,  ///< all neighbours are
@@ -39,6 +41,7 @@ enum class RandomStarts {
                ///< towards those after excluded ones, and the same fixed headings at every call
 };
 
+/// How far agents can look down and up; the defaults are MatterSim's.
 struct ElevationLimits {
   Radians min = Radians(-0.94);
   Radians max = Radians(0.94);
@@ -87,6 +90,7 @@ struct Action {
 /// the call. what() names agent, value and allowed range.
 class ActionError : public ArgumentError {
  public:
+  /// \param agent its place in the batch
   ActionError(std::size_t agent, const std::string& what) : ArgumentError(what), agent_(agent) {}
   std::size_t agent() const noexcept { return agent_; }
 

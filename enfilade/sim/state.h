@@ -34,6 +34,7 @@ struct StateSpans {
 /// Memory for a StateSpans, for callers who keep more than one state of a simulator. A plain value.
 class StateBuffer {
  public:
+  /// For so many agents with so many entries in each navigable list.
   StateBuffer(std::size_t batch_size, std::size_t max_navigable);
   StateSpans spans() noexcept;  ///< valid as long as *this, until it is moved or assigned to
 

@@ -18,7 +18,8 @@ class ViewPoint:
     """A viewpoint as an agent sees it."""
 
     @property
-    def viewpointId(self) -> str: ...
+    def viewpointId(self) -> str:
+        """Its id in the scan's files."""
     @property
     def ix(self) -> int:
         """Place in the scan's connectivity file, excluded viewpoints counted."""
@@ -48,7 +49,8 @@ class SimState:
     """What an agent is in. In v0.2 later actions change it; in v0.1 it is a copy."""
 
     @property
-    def scanId(self) -> str: ...
+    def scanId(self) -> str:
+        """Name of the scan."""
     @property
     def step(self) -> int:
         """Actions since newEpisode."""

@@ -13,7 +13,8 @@ class Graph:
     """The viewpoints of one scan and the edges between them. Immutable."""
 
     @property
-    def scan(self) -> str: ...
+    def scan(self) -> str:
+        """Name of the scan."""
 
     def __len__(self) -> int: ...
 
@@ -117,7 +118,8 @@ class Panoramas:
         """
 
     @property
-    def scans(self) -> list[str]: ...
+    def scans(self) -> list[str]:
+        """Names by index, as Graphs.scans."""
 
 class ViewArrays:
     """
@@ -141,7 +143,8 @@ class ViewRenderer:
 
     def render(self, views: ViewArrays, width: int, height: int, vfov: float, colour: Annotated[Any, dict(order='C', device='cpu')] | None, colour_format: str, depth: Annotated[Any, dict(order='C', device='cpu')] | None, ray_depth: bool, classes: Annotated[Any, dict(order='C', device='cpu')] | None, instances: Annotated[Any, dict(order='C', device='cpu')] | None) -> None: ...
 
-def backends() -> list[str]: ...
+def backends() -> list[str]:
+    """What a Renderer may draw with in this build, such as "cpu" and "gl"."""
 
 def panorama_places(folder: str) -> tuple[list[str], str]:
     """Where a data folder has its pictures, and its graphs."""

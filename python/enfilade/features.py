@@ -26,11 +26,11 @@ from numpy.typing import NDArray
 
 from enfilade._errors import ArgumentError, FileError, InvalidInput
 
-VIEWS = 36
+VIEWS = 36  #: of a viewpoint, in the order of viewIndex
 MOST_VALUES = 1 << 24  #: of a viewpoint; what a file may claim in a few bytes
 
 Key = tuple[str, str]  #: scan, viewpoint
-Array = NDArray[np.float32]
+Array = NDArray[np.float32]  #: (views, D)
 
 
 @dataclass(frozen=True)

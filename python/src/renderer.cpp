@@ -189,7 +189,7 @@ void bind_renderer(nb::module_& m) {
                           "in any layout. A scan is opened when first used.")
       .def(nb::new_(&open_panoramas), "images"_a, "connectivity"_a, "graphs"_a,
            "images: folders to look in, in this order. connectivity: folder of the graphs' files.")
-      .def_prop_ro("scans", &PanoramaSet::scans);
+      .def_prop_ro("scans", &PanoramaSet::scans, "Names by index, as Graphs.scans.");
   nb::class_<ViewArrays>(m, "ViewArrays",
                          "Where n views are taken from: arrays that are read when they are drawn.")
       .def(nb::init<Row<std::uint32_t>, Row<std::uint32_t>, Row<double>, Row<double>>(), "scans"_a,
@@ -208,11 +208,14 @@ void bind_renderer(nb::module_& m) {
       .def("render", &ViewRenderer::render, "views"_a, "width"_a, "height"_a, "vfov"_a,
            "colour"_a.none().noconvert(), "colour_format"_a, "depth"_a.none().noconvert(),
            "ray_depth"_a, "classes"_a.none().noconvert(), "instances"_a.none().noconvert());
-  m.def("backends", [] {
-    std::vector<std::string> names;
-    for (const render::Backend b : render::backends()) names.emplace_back(to_string(b));
-    return names;
-  });
+  m.def(
+      "backends",
+      [] {
+        std::vector<std::string> names;
+        for (const render::Backend b : render::backends()) names.emplace_back(to_string(b));
+        return names;
+      },
+      "What a Renderer may draw with in this build, such as \"cpu\" and \"gl\".");
   m.def(
       "panorama_places",
       [](const std::string& folder) {

@@ -76,7 +76,10 @@ def run_doxygen(work: Path) -> list[Fault]:
     """Writes the XML into work/xml. Returns what is wrong with the comments."""
     work.mkdir(parents=True, exist_ok=True)
     files = " ".join(str(h.relative_to(ROOT)) for h in public_headers())
-    configuration = (ROOT / "tools/docs/Doxyfile").read_text() + f"\nINPUT = {files}\nOUTPUT_DIRECTORY = {work}\n"
+    here = Path(__file__).resolve().parent
+    configuration = (here / "Doxyfile").read_text()
+    configuration += f'INPUT_FILTER = "awk -f \'{here}/doxygen_filter.awk\'"\n'
+    configuration += f"INPUT = {files}\nOUTPUT_DIRECTORY = {work}\n"
     done = subprocess.run(["doxygen", "-"], input=configuration, capture_output=True, text=True, cwd=ROOT)
     if done.returncode != 0:
         raise SystemExit(f"doxygen failed:\n{done.stderr}")

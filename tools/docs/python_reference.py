@@ -69,8 +69,7 @@ def _resolved(thing: griffe.Object | griffe.Alias) -> bool:
 
 
 def _silent(thing: griffe.Object | griffe.Alias, name: str) -> Iterator[Fault]:
-    file = Path(str(thing.filepath))
-    where = str(file.relative_to(ROOT)) if file.is_relative_to(ROOT) else str(file)
+    where = _file_of(thing)
     if not thing.docstring and not (thing.is_attribute and "." not in name):
         yield Fault(where, thing.lineno or 1, f"{name} has no docstring")
     if not thing.is_class:
@@ -82,7 +81,19 @@ def _silent(thing: griffe.Object | griffe.Alias, name: str) -> Iterator[Fault]:
             continue  # the class's docstring speaks of its fields
         inherited = any(member in base.members for base in _bases(thing))
         if not inherited:
-            yield Fault(where, it.lineno or 1, f"{name}.{member} has no docstring")
+            yield Fault(_file_of(it), it.lineno or 1, f"{name}.{member} has no docstring")
+
+
+def _file_of(thing: griffe.Object | griffe.Alias) -> str:
+    """Where its line is: a source that has a stub is merged with that, and keeps its own name."""
+    file = Path(str(thing.filepath))
+    for candidate in (file, file.with_suffix(".pyi")):
+        lines = candidate.read_text(encoding="utf-8").splitlines() if candidate.exists() else []
+        near = " ".join(lines[max(0, (thing.lineno or 1) - 1) : (thing.endlineno or 1)])
+        if re.search(rf"\b{thing.name}\b", near):
+            file = candidate
+            break
+    return str(file.relative_to(ROOT)) if file.is_relative_to(ROOT) else str(file)
 
 
 def _bases(thing: griffe.Object | griffe.Alias) -> list[griffe.Class]:

@@ -45,8 +45,6 @@ class CppReference(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             root = Path(folder).resolve()
             (root / "enfilade/x").mkdir(parents=True)
-            (root / "tools/docs").mkdir(parents=True)
-            (root / "tools/docs/Doxyfile").write_text((cpp_reference.ROOT / "tools/docs/Doxyfile").read_text())
             (root / "enfilade/x/y.h").write_text(text)
             with mock.patch.object(cpp_reference, "ROOT", root):
                 faults = cpp_reference.run_doxygen(root / "out")

@@ -45,6 +45,8 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
     def reset(
         self, *, seed: Optional[int] = None, options: Optional[dict[str, Any]] = None
     ) -> tuple[Observation, dict[str, Any]]:
+        """Begins an episode: one drawn by the seed's stream, or options["episode"], an index or an
+        instruction's id."""
         chosen = self._batch.chosen_episodes(options)
         self._batch.seed([seed])
         super().reset(seed=seed)
@@ -52,6 +54,7 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """One action; at the episode's end `info` has "success" and "spl"."""
         rewards = self._batch.step([action])
         terminated = bool(self._batch.arrays["terminated"][0])
         truncated = bool(self._batch.arrays["truncated"][0])

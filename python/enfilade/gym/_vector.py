@@ -71,6 +71,8 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         seed: Union[None, int, Sequence[Optional[int]]] = None,
         options: Optional[dict[str, Any]] = None,
     ) -> tuple[Observation, dict[str, Any]]:
+        """Begins an episode in every environment, or in those of options["reset_mask"]. Environment k of
+        seed s meets the episodes of a single one with seed s + k."""
         if isinstance(seed, (int, np.integer)):
             seed = [int(seed) + k for k in range(self.num_envs)]
         if seed is not None:
@@ -88,6 +90,7 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
     def step(
         self, actions: ArrayLike
     ) -> tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
+        """One action for every environment, all stepped together in C++."""
         batch = self._batch
         rewards = batch.step(actions)
         terminated = batch.arrays["terminated"].astype(bool)
