@@ -151,7 +151,7 @@ void print_row(const Measurement& m) {
   const Combination& c = m.combination;
   fmt::print("{:<10}{:<14}{:>6}{:>8}{:>6}{:>11.0f}{:>20}{:>10}{:>12.2f}{:>10}\n",
              fmt::format("{}x{}", c.camera.width, c.camera.height), c.outputs, c.batch,
-             c.threads == 0 ? available_threads() : c.threads, c.cold ? "cold" : "hot", m.median(),
+             threads_or_all(c.threads), c.cold ? "cold" : "hot", m.median(),
              fmt::format("{:.0f} .. {:.0f}", m.per_second.front(), m.per_second.back()),
              fmt::format("{:.1f} %", 100 * m.decoding_share), m.faces_per_frame,
              m.cache_bytes >> 20);

@@ -142,7 +142,7 @@ Measurement time_repetitions(const Combination& combination, const BenchSettings
   }
   std::ranges::sort(m.per_second);
   const render::FaceCacheCounters after = setup.faces->counters();
-  const int threads = combination.threads > 0 ? combination.threads : available_threads();
+  const int threads = threads_or_all(combination.threads);
   m.decoding_share = static_cast<double>(after.decode_nanoseconds - before.decode_nanoseconds) /
                      1e9 / (seconds * threads);
   m.faces_per_frame =

@@ -57,4 +57,9 @@ std::size_t count(const std::vector<Diagnostic>& diagnostics, Severity severity)
 InvalidInput::InvalidInput(std::vector<Diagnostic> diagnostics)
     : Error(summarise(diagnostics)), diagnostics_(std::move(diagnostics)) {}
 
+void refuse(std::string file, std::string where, std::string code, std::string message) {
+  throw InvalidInput(
+      {{Severity::kError, std::move(file), std::move(where), std::move(code), std::move(message)}});
+}
+
 }  // namespace enfilade

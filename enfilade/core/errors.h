@@ -69,5 +69,8 @@ class InvalidInput : public Error {
  private:
   std::vector<Diagnostic> diagnostics_;
 };
+/// \throws InvalidInput with this one error
+[[noreturn]] void refuse(std::string file, std::string where, std::string code,
+                         std::string message);
 
 }  // namespace enfilade

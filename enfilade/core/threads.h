@@ -25,6 +25,10 @@ class RangeBody {
 
 /// Number of cores that this process may use, at least 1.
 int available_threads() noexcept;
+/// `threads`; all cores if it is not positive.
+inline int threads_or_all(int threads) noexcept {
+  return threads > 0 ? threads : available_threads();
+}
 
 /// Calls body(begin, end) for ranges that cover 0 .. count-1 once, with at most `grain` items each
 /// (or all in one call if there is one thread). Returns when all calls have returned.

@@ -4,10 +4,14 @@
 #include <charconv>
 #include <cmath>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"
-#include "enfilade/image/detail/refuse.h"
+#include "enfilade/image/detail/check_size.h"
 
 namespace enfilade::image {
+
+using namespace detail;
+
 namespace {
 
 using Rgbe = std::array<std::uint8_t, 4>;

@@ -4,10 +4,14 @@
 #include <memory>
 
 #include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"
-#include "enfilade/image/detail/refuse.h"
+#include "enfilade/image/detail/check_size.h"
 
 namespace enfilade::image {
+
+using namespace detail;
+
 namespace {
 
 struct DestroyHandle {

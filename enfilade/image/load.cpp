@@ -1,9 +1,12 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
-#include "enfilade/image/detail/refuse.h"
+#include "enfilade/image/detail/check_size.h"
 
 namespace enfilade::image {
+
+using namespace detail;
+
 namespace {
 
 constexpr int kFullChromaFrom = 90;  // JPEG quality: below it, halved chroma is not seen

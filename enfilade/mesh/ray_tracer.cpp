@@ -181,7 +181,6 @@ RayTracer::RayTracer(std::shared_ptr<const Mesh> mesh)
 RayTracer::~RayTracer() = default;
 
 const Mesh& RayTracer::mesh() const noexcept { return *impl_->mesh; }
-const std::shared_ptr<const Mesh>& RayTracer::shared_mesh() const noexcept { return impl_->mesh; }
 
 void RayTracer::trace(std::span<const Ray> rays, std::span<Hit> hits) const {
   EN_CHECK_EQ(rays.size(), hits.size());

@@ -44,7 +44,6 @@ class RayTracer {
   RayTracer& operator=(const RayTracer&) = delete;
 
   const Mesh& mesh() const noexcept;
-  const std::shared_ptr<const Mesh>& shared_mesh() const noexcept;
 
   /// The first hit of each ray. Traces neighbouring rays in packets, in the calling thread.
   /// \pre hits.size() == rays.size()

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/models/detail/config_json.h"
 #include "enfilade/models/detail/hash.h"
@@ -21,10 +22,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "enfilade-model";
 constexpr std::int64_t kVersion = 1;
-
-[[noreturn]] void refuse(const fs::path& file, std::string code, std::string message) {
-  throw InvalidInput({{Severity::kError, file.string(), "", std::move(code), std::move(message)}});
-}
 
 Json features_json(const features::FeatureInfo& info) {
   return {{"encoder", info.encoder},
@@ -167,7 +164,7 @@ ModelConfig load_model_config(const fs::path& file) { return ConfigReader(file).
 r2r::Vocabulary load_vocabulary(const ModelFiles& files, const NetworkConfig& network) {
   r2r::Vocabulary vocabulary = r2r::Vocabulary::load(files.vocabulary());
   if (vocabulary.size() != network.vocabulary) {
-    refuse(files.vocabulary(), "wrong-size",
+    refuse(files.vocabulary(), "", "wrong-size",
            fmt::format("{} words, but the network was made for {}", vocabulary.size(),
                        network.vocabulary));
   }
@@ -199,16 +196,16 @@ StateFile open_state(const fs::path& path) {
   const auto& metadata = state.file.metadata();
   const auto iteration = metadata.find("iteration"), hash = metadata.find("hash");
   if (iteration == metadata.end() || hash == metadata.end()) {
-    refuse(path, "no-state", "no iteration or hash in it; not written by Enfilade's training");
+    refuse(path, "", "no-state", "no iteration or hash in it; not written by Enfilade's training");
   }
   const std::string& digits = iteration->second;
   const auto [end, code] =
       std::from_chars(digits.data(), digits.data() + digits.size(), state.iteration);
   if (code != std::errc() || end != digits.data() + digits.size()) {
-    refuse(path, "bad-iteration", fmt::format("iteration {:?}, not a whole number", digits));
+    refuse(path, "", "bad-iteration", fmt::format("iteration {:?}, not a whole number", digits));
   }
   if (hash->second != hash_of_arrays(state.file.arrays())) {
-    refuse(path, "broken", "its bytes are not those that were written");
+    refuse(path, "", "broken", "its bytes are not those that were written");
   }
   return state;
 }

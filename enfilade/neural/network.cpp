@@ -118,7 +118,7 @@ class Loader {
 int seq2seq::kernel_threads() noexcept { return chosen_threads; }
 
 void set_threads(int threads) {
-  const int wanted = threads > 0 ? threads : available_threads();
+  const int wanted = threads_or_all(threads);
   chosen_threads = wanted;
   at::set_num_threads(wanted);
   // libtorch tells only the BLAS it was built with; OpenBLAS has threads of its own.

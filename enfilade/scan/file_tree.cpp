@@ -28,10 +28,6 @@ constexpr std::uint64_t kLargestEntry = std::uint64_t{1} << 30;
       fmt::format("{}: cannot {}: {}", path, doing, std::generic_category().message(reason)));
 }
 
-[[noreturn]] void refuse(const std::string& file, const char* code, std::string message) {
-  throw InvalidInput({{Severity::kError, file, "", code, std::move(message)}});
-}
-
 /// Name, size and time of a file.
 std::string stamp(const fs::path& path) {
   std::error_code code;
@@ -116,10 +112,10 @@ bool is_of_the_system(const zip_error_t& error) {
   zip_error_fini(&error);
   if (system) throw FileError(fmt::format("{}: cannot open: {}", name, words));
   if (code == ZIP_ER_NOZIP) {
-    refuse(name, "no-zip",
+    refuse(name, "", "no-zip",
            "no zip file, or one that is cut off: the list of entries at its end is missing");
   }
-  refuse(name, "bad-zip", fmt::format("a damaged zip file: {}", words));
+  refuse(name, "", "bad-zip", fmt::format("a damaged zip file: {}", words));
 }
 
 std::string_view bare(std::string_view path) { return path.substr(path.rfind('/') + 1); }
@@ -141,7 +137,7 @@ class Zip final : public FileTree {
     if (found == index_.end()) return std::nullopt;
     const Entry& entry = entries_[found->second];
     if (entry.twice) {
-      refuse(path_of(name), "repeated-name",
+      refuse(path_of(name), "", "repeated-name",
              fmt::format("lies in two folders of the zip, one of them {:?}", entry.path));
     }
     Handle handle = take();
@@ -182,7 +178,8 @@ class Zip final : public FileTree {
   Handle open() const {
     std::error_code ignored;  // a file that is not there is libzip's to complain about
     if (path_.empty() ? bytes_.empty() : fs::file_size(path_, ignored) == 0) {
-      refuse(name_, "no-zip", "an empty file, no zip");  // to libzip it is a zip without entries
+      refuse(name_, "", "no-zip",
+             "an empty file, no zip");  // to libzip it is a zip without entries
     }
     zip_error_t error;
     zip_error_init(&error);
@@ -206,12 +203,13 @@ class Zip final : public FileTree {
       zip_stat_t stat;
       // Raw: a name that is no UTF-8 would come out converted, unlike what a folder gives.
       if (zip_stat_index(zip, i, ZIP_FL_ENC_RAW, &stat) != 0 || (stat.valid & ZIP_STAT_NAME) == 0) {
-        refuse(name_, "bad-zip", fmt::format("a damaged zip file: entry {} has no name", i));
+        refuse(name_, "", "bad-zip", fmt::format("a damaged zip file: entry {} has no name", i));
       }
       const std::string_view name = bare(stat.name);
       if (name.empty()) continue;  // a folder
       if ((stat.valid & ZIP_STAT_ENCRYPTION_METHOD) != 0 && stat.encryption_method != ZIP_EM_NONE) {
-        refuse(name_, "encrypted", fmt::format("{:?} is encrypted, which is not read", stat.name));
+        refuse(name_, "", "encrypted",
+               fmt::format("{:?} is encrypted, which is not read", stat.name));
       }
       entries_.push_back({stat.name, i, (stat.valid & ZIP_STAT_SIZE) != 0 ? stat.size : 0});
     }
@@ -241,7 +239,7 @@ class Zip final : public FileTree {
       throw FileError(fmt::format("{}: the zip file was changed while it was read", path));
     }
     if (entry.size > kLargestEntry) {
-      refuse(path, "too-large",
+      refuse(path, "", "too-large",
              fmt::format("{} bytes, at most {} (1 GiB) are read", entry.size, kLargestEntry));
     }
     const std::unique_ptr<zip_file_t, Discard> file(zip_fopen_index(zip, entry.index, 0));
@@ -260,7 +258,7 @@ class Zip final : public FileTree {
       if (got < 0) fail_read(zip_file_get_error(file.get()), path);
       content.resize(have + static_cast<std::size_t>(got));
       if (got == 0 ? content.size() < entry.size : content.size() > entry.size) {
-        refuse(path, "bad-zip",
+        refuse(path, "", "bad-zip",
                fmt::format("a damaged entry of a zip file: {} than the {} bytes "
                            "that are listed",
                            got == 0 ? "less" : "more", entry.size));
@@ -276,7 +274,7 @@ class Zip final : public FileTree {
     const bool system = is_of_the_system(copy);
     zip_error_fini(&copy);
     if (system) throw FileError(fmt::format("{}: cannot read: {}", path, words));
-    refuse(path, "bad-zip", fmt::format("a damaged entry of a zip file: {}", words));
+    refuse(path, "", "bad-zip", fmt::format("a damaged entry of a zip file: {}", words));
   }
 
   fs::path path_;      ///< empty: in memory

@@ -121,7 +121,7 @@ void write_panoramas(const PanoramaSource& source, const PackOptions& options,
   if (progress) progress(writer.panoramas(), plan.size());
   // In windows, so that what is encoded and waits for its turn stays little; a few panoramas a
   // thread, as some take longer than others.
-  const int threads = options.threads == 0 ? available_threads() : options.threads;
+  const int threads = threads_or_all(options.threads);
   const std::size_t window = 4 * static_cast<std::size_t>(threads);
   while (writer.panoramas() < plan.size()) {
     const auto rest = plan.subspan(writer.panoramas());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/core/part_file.h"
 #include "enfilade/features/detail/half.h"
 #include "enfilade/features/formats/safetensors.h"

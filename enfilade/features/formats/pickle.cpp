@@ -7,6 +7,7 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/features/formats/pickle_names.h"
 #include "enfilade/features/formats/stored_arrays.h"
 

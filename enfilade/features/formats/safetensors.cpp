@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "enfilade/core/detail/json.h"
+#include "enfilade/core/errors.h"
 
 namespace enfilade::features::formats {
 namespace {

@@ -36,9 +36,4 @@ std::optional<std::size_t> bytes_of_shape(std::span<const std::int64_t> shape,
   return bytes;
 }
 
-void refuse(const std::string& file, std::string where, std::string code, std::string message) {
-  throw InvalidInput(
-      {{Severity::kError, file, std::move(where), std::move(code), std::move(message)}});
-}
-
 }  // namespace enfilade::features::formats

@@ -27,7 +27,4 @@ struct StoredArrays {
 /// None if the product of a shape and the size of its elements is beyond size_t.
 std::optional<std::size_t> bytes_of_shape(std::span<const std::int64_t> shape, DType type) noexcept;
 
-[[noreturn]] void refuse(const std::string& file, std::string where, std::string code,
-                         std::string message);
-
 }  // namespace enfilade::features::formats

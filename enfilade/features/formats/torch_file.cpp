@@ -12,6 +12,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/features/formats/pickle.h"
 #include "enfilade/scan/file_tree.h"
 

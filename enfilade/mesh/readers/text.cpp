@@ -89,9 +89,4 @@ void FaultList::throw_if_any() {
   if (any()) throw InvalidInput(std::move(found_));
 }
 
-void refuse(const std::string& file, std::string where, std::string code, std::string message) {
-  throw InvalidInput(
-      {{Severity::kError, file, std::move(where), std::move(code), std::move(message)}});
-}
-
 }  // namespace enfilade::mesh::readers

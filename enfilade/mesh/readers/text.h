@@ -54,8 +54,4 @@ class FaultList {
   const std::string& file_;
   std::vector<Diagnostic> found_;
 };
-/// \throws InvalidInput with one error
-[[noreturn]] void refuse(const std::string& file, std::string where, std::string code,
-                         std::string message);
-
 }  // namespace enfilade::mesh::readers

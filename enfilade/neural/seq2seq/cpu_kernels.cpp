@@ -27,7 +27,7 @@ Rows rows_of(const at::Tensor& x) {
 template <class Body>
 void for_rows(std::size_t rows, std::size_t width, const Body& body) {
   const int chosen = rows * width < kWorthAThread ? 1 : kernel_threads();
-  const int threads = chosen <= 0 ? available_threads() : chosen;
+  const int threads = threads_or_all(chosen);
   const auto parts = static_cast<std::size_t>(threads);
   parallel_for(rows, (rows + parts - 1) / parts, threads, body);
 }

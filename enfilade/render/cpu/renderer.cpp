@@ -183,7 +183,7 @@ class CpuRenderer final : public Renderer {
   }
 
   std::string description() const override {
-    const int threads = config_.threads == 0 ? available_threads() : config_.threads;
+    const int threads = threads_or_all(config_.threads);
     const bool simd = config_.backend == Backend::kCpu;
     return fmt::format("{} ({}, {} thread{})", to_string(config_.backend),
                        simd ? cpu_target() : "no SIMD", threads, threads == 1 ? "" : "s");

@@ -30,34 +30,33 @@ void main() {
 }
 )";
 
-// A pixel's ray is computed from where the pixel is, not interpolated between corners, so that it
-// does not depend on how the picture was cut.
-constexpr const char* kFragmentShader = R"(
+// The layers after colour are read alike: {} stands for the layer's number.
+constexpr const char* kValuesOutput = R"(
+uniform usampler2DArray faces_{0};
+layout(location = {0}) out uint value_{0};
+)";
+constexpr const char* kValuesRead = R"(
+  value_{0} = texelFetch(faces_{0}, texel(point, sizes[{0}], slots_[{0}]), 0).r;
+)";
+
+constexpr const char* kFragmentInputs = R"(
 flat in vec2 middle_;
 flat in vec3 right_, down_, forward_;
 flat in ivec4 slots_;
 uniform vec4 sizes;
 #ifdef COLOUR
-uniform sampler2DArray colour_faces;
+uniform sampler2DArray faces_0;
 layout(location = 0) out vec4 colour;
-#endif
-#ifdef DEPTH
-uniform usampler2DArray depth_faces;
-layout(location = 1) out uint depth;
-#endif
-#ifdef CLASS
-uniform usampler2DArray class_faces;
-layout(location = 2) out uint class_;
-#endif
-#ifdef INSTANCE
-uniform usampler2DArray instance_faces;
-layout(location = 3) out uint instance;
 #endif
 
 ivec3 texel(vec2 point, float size, int slot) {
   return ivec3(clamp(floor(point * (0.5 * size) + 0.5 * size), 0.0, size - 1.0), slot);
 }
+)";
 
+// A pixel's ray is computed from where the pixel is, not interpolated between corners, so that it
+// does not depend on how the picture was cut.
+constexpr const char* kFragmentMain = R"(
 void main() {
   vec3 at = vec3(1.0, gl_FragCoord.xy - middle_);
   vec2 point = vec2(dot(right_, at), dot(down_, at)) / dot(forward_, at);
@@ -68,31 +67,25 @@ void main() {
 #endif
   // The border is a texel on each side.
   vec3 inside = vec3((place + 1.0) / (sizes.x + 2.0), float(slots_.x));
-  colour = vec4(textureLod(colour_faces, inside, 0.0).rgb, 1.0);
+  colour = vec4(textureLod(faces_0, inside, 0.0).rgb, 1.0);
 #endif
-#ifdef DEPTH
-  depth = texelFetch(depth_faces, texel(point, sizes.y, slots_.y), 0).r;
-#endif
-#ifdef CLASS
-  class_ = texelFetch(class_faces, texel(point, sizes.z, slots_.z), 0).r;
-#endif
-#ifdef INSTANCE
-  instance = texelFetch(instance_faces, texel(point, sizes.w, slots_.w), 0).r;
-#endif
-}
 )";
-
-constexpr std::array<const char*, scan::kLayers> kDefines{"COLOUR", "DEPTH", "CLASS", "INSTANCE"};
-constexpr std::array<const char*, scan::kLayers> kSamplers{"colour_faces", "depth_faces",
-                                                           "class_faces", "instance_faces"};
 
 std::string header_of(const ProgramKey& key) {
   std::string text = "#version 430 core\n";
-  for (std::size_t layer = 0; layer < scan::kLayers; ++layer) {
-    if (has(key.layers, layer)) text += fmt::format("#define {}\n", kDefines[layer]);
-  }
+  if (has(key.layers, index(scan::Layer::kColour))) text += "#define COLOUR\n";
   if (key.clamped) text += "#define CLAMPED\n";
   return text;
+}
+
+std::string fragment_shader(const ProgramKey& key) {
+  std::string inputs = kFragmentInputs, body = kFragmentMain;
+  for (std::size_t layer = 1; layer < scan::kLayers; ++layer) {
+    if (!has(key.layers, layer)) continue;
+    inputs += fmt::format(kValuesOutput, layer);
+    body += fmt::format(kValuesRead, layer);
+  }
+  return inputs + body + "}\n";
 }
 
 // `get`, `log`: glGetShaderiv and glGetShaderInfoLog, or those of programs.
@@ -130,7 +123,7 @@ GLuint link(const ProgramKey& key) {
   try {
     const std::string header = header_of(key);
     attach(program, GL_VERTEX_SHADER, "vertex", header + kVertexShader);
-    attach(program, GL_FRAGMENT_SHADER, "fragment", header + kFragmentShader);
+    attach(program, GL_FRAGMENT_SHADER, "fragment", header + fragment_shader(key));
     glLinkProgram(program);
     GLint linked = GL_FALSE;
     glGetProgramiv(program, GL_LINK_STATUS, &linked);
@@ -158,7 +151,8 @@ void Programs::use(const ProgramKey& key, const scan::FaceSizes& sizes) {
     glUseProgram(entry.program);
     for (std::size_t layer = 0; layer < scan::kLayers; ++layer) {
       if (!has(key.layers, layer)) continue;
-      glUniform1i(glGetUniformLocation(entry.program, kSamplers[layer]), static_cast<GLint>(layer));
+      const std::string sampler = fmt::format("faces_{}", layer);
+      glUniform1i(glGetUniformLocation(entry.program, sampler.c_str()), static_cast<GLint>(layer));
     }
   }
   glUseProgram(entry.program);

@@ -18,10 +18,6 @@ using image::Shape;
 /// More than the header of any picture without an embedded thumbnail or colour profile.
 constexpr std::size_t kHeaderBytes = std::size_t{16} << 10;
 
-[[noreturn]] void refuse(const std::string& file, const char* code, std::string message) {
-  throw InvalidInput({{Severity::kError, file, "", code, std::move(message)}});
-}
-
 /// What shape_of() says of a file; it is asked for all of it if its start does not do.
 template <class ShapeOf>
 std::pair<Shape, std::string> shape_of_file(const KindOfFiles& files, const std::string& name,
@@ -39,7 +35,7 @@ std::pair<Shape, std::string> shape_of_file(const KindOfFiles& files, const std:
 
 std::uint32_t check_strip(const Shape& shape, const std::string& file) {
   if (shape.width != std::uint64_t{6} * shape.height) {
-    refuse(file, "bad-strip",
+    refuse(file, "", "bad-strip",
            fmt::format("{} x {} pixels, not six square faces side by side", shape.width,
                        shape.height));
   }
@@ -48,7 +44,8 @@ std::uint32_t check_strip(const Shape& shape, const std::string& file) {
 
 std::uint32_t check_face(const Shape& shape, const std::string& file) {
   if (shape.width != shape.height) {
-    refuse(file, "bad-face", fmt::format("{} x {} pixels, not square", shape.width, shape.height));
+    refuse(file, "", "bad-face",
+           fmt::format("{} x {} pixels, not square", shape.width, shape.height));
   }
   return shape.width;
 }
@@ -59,7 +56,7 @@ class SameSize {
   void check(std::uint32_t size, const std::string& file) {
     if (size_ == 0) size_ = size, first_ = file;
     if (size == size_) return;
-    refuse(file, "mixed-sizes",
+    refuse(file, "", "mixed-sizes",
            fmt::format("{} pixels wide, but {} is {}: the six faces of a "
                        "panorama are of one size",
                        size, first_, size_));
@@ -75,15 +72,15 @@ class SameSize {
 void check_grey(Layer layer, const Shape& shape, const std::string& file) {
   const bool grey = shape.channels == 1;
   if (layer == Layer::kDepth && !(grey && shape.bits == 16)) {
-    refuse(file, "bad-bits",
+    refuse(file, "", "bad-bits",
            fmt::format("{} channels of {} bits, not greyscale of 16 bits", shape.channels,
                        shape.bits));
   }
   if (layer == Layer::kClass && !grey) {
-    refuse(file, "bad-colours", fmt::format("{} channels, not greyscale", shape.channels));
+    refuse(file, "", "bad-colours", fmt::format("{} channels, not greyscale", shape.channels));
   }
   if (layer == Layer::kInstance && !grey && !(shape.channels == 4 && shape.bits == 8)) {
-    refuse(file, "bad-colours",
+    refuse(file, "", "bad-colours",
            fmt::format("{} channels of {} bits, neither greyscale nor RGBA of "
                        "8 bits",
                        shape.channels, shape.bits));

@@ -13,12 +13,6 @@
 namespace enfilade::scan::detail {
 namespace {
 
-[[noreturn]] void refuse(const std::string& file, std::string where, std::string code,
-                         std::string message) {
-  throw InvalidInput(
-      {{Severity::kError, file, std::move(where), std::move(code), std::move(message)}});
-}
-
 // \pre offset + sizeof(T) <= bytes.size()
 template <class T>
 T read_at(image::Bytes bytes, std::uint64_t offset) {

@@ -1,10 +1,11 @@
-#include "enfilade/image/detail/refuse.h"
+#include "enfilade/image/detail/check_size.h"
 
 #include <fmt/format.h>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"
 
-namespace enfilade::image {
+namespace enfilade::image::detail {
 
 void check_size(std::uint64_t width, std::uint64_t height, const std::string& file) {
   if (width == 0 || height == 0 || width > kLongestEdge || height > kLongestEdge ||
@@ -15,4 +16,4 @@ void check_size(std::uint64_t width, std::uint64_t height, const std::string& fi
   }
 }
 
-}  // namespace enfilade::image
+}  // namespace enfilade::image::detail
