@@ -127,6 +127,7 @@ class FileChecker {
       if (known && !name.empty()) check_include(name);
       rest.remove_prefix(std::min(end + 1, rest.size()));
     }
+    check_namespace();
     if (line_ > kMaxLines) {
       report("too-long", fmt::format("{} lines, at most {}; split it by idea", line_, kMaxLines));
     }
@@ -136,6 +137,25 @@ class FileChecker {
   void report(std::string code, std::string message) {
     found_.push_back({Severity::kError, file_.path, fmt::format("line {}", line_), std::move(code),
                       std::move(message)});
+  }
+
+  // A header opens its folder's namespace; forward declarations may open others.
+  void check_namespace() {
+    if (!file_.path.starts_with("enfilade/") || !file_.path.ends_with(".h")) return;
+    if (place_.folder == "synth") return;  // being taken apart
+    std::string wanted = "namespace enfilade";
+    // The vocabulary is in enfilade itself.
+    if (place_.folder != "core" && place_.folder != "geometry") {
+      for (std::size_t at = file_.path.find('/'); at != file_.path.rfind('/');) {
+        const std::size_t next = file_.path.find('/', at + 1);
+        wanted += "::" + file_.path.substr(at + 1, next - at - 1);
+        at = next;
+      }
+    }
+    const bool opened = file_.text.find("namespace") == std::string::npos ||
+                        file_.text.find("\n" + wanted + " {") != std::string::npos ||
+                        file_.text.find("\n" + wanted + "::") != std::string::npos;
+    if (!opened) report("namespace", fmt::format("does not open its folder's {}", wanted));
   }
 
   void check_include(std::string_view name) {

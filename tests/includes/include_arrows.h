@@ -46,6 +46,7 @@ std::string_view included_name(std::string_view line);
 ///   private-header  a public header includes one of detail/ or of a room: these are not installed
 ///   third-party     a library that is not allowed there (public headers may use none), or one of
 ///                   our own files that is not named from the root of the tree
+///   namespace       a header whose namespace is not its folder's
 ///   too-long        more than kMaxLines lines
 std::vector<Diagnostic> check_includes(const std::vector<SourceFile>& files);
 

@@ -135,6 +135,21 @@ TEST(IncludeArrows, WantOurHeadersNamedFromTheRoot) {
               ElementsAre("third-party"));
 }
 
+TEST(IncludeArrows, WantEachFoldersNamespace) {
+  const auto found = [](std::string path, const char* text) {
+    return codes({{std::move(path), text}});
+  };
+  EXPECT_THAT(found("enfilade/graph/detail/x.h", "\nnamespace enfilade::graph::detail {"),
+              IsEmpty());
+  EXPECT_THAT(found("enfilade/graph/detail/x.h", "\nnamespace enfilade::graph {"),
+              ElementsAre("namespace"));
+  EXPECT_THAT(found("enfilade/mesh/light/x.h", "\nnamespace enfilade::mesh::light {"), IsEmpty());
+  EXPECT_THAT(found("enfilade/mesh/x.h", "\nnamespace enfilade::graph {"),
+              ElementsAre("namespace"));
+  EXPECT_THAT(found("enfilade/core/ids.h", "\nnamespace enfilade {"), IsEmpty());
+  EXPECT_THAT(found("enfilade/core/detail/json.h", "\nnamespace enfilade::json {"), IsEmpty());
+}
+
 TEST(IncludeArrows, FailOnAFileThatIsTooLong) {
   const std::string_view line = "int x;\n";
   std::string text;
