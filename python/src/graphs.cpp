@@ -64,7 +64,8 @@ std::optional<std::vector<std::string>> path(const Graph& g, const std::string& 
 
 void bind_graph(nb::module_& m) {
   nb::class_<Graph>(m, "Graph", "The viewpoints of one scan and the edges between them. Immutable.")
-      .def_prop_ro("scan", [](const Graph& g) { return g.graph->scan(); }, "Name of the scan.")
+      .def_prop_ro(
+          "scan", [](const Graph& g) { return g.graph->scan(); }, "Name of the scan.")
       .def("__len__", [](const Graph& g) { return g.graph->size(); })
       .def_prop_ro("viewpoints", viewpoints, "Ids by index, excluded viewpoints too.")
       .def_prop_ro(
