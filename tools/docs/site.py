@@ -161,14 +161,22 @@ class Stage:
 
 
 def _lists_apart(text: str) -> str:
-    """GitHub begins a list right after a line of text, Python-Markdown wants an empty line between."""
-    hidden = tree.without_code(text).split("\n")
+    """GitHub's lists as Python-Markdown wants them: an empty line before, what belongs to an item 4 columns in."""
     out: list[str] = []
-    for line, plain in zip(text.split("\n"), hidden):
+    indent = 0  # of the item's text in GitHub's Markdown; 0: no list
+    blocks = False  # the item has more than its first paragraph
+    for line, plain in zip(text.split("\n"), tree.without_code(text).split("\n")):
         before = out[-1] if out else ""
-        item = re.match(r"([-*+]|1\.) ", plain)
-        if item and before.strip() and not re.match(r"\s*([-*+]|\d+\.) |\s", before):
-            out.append("")
+        item = re.match(r"([-*+]|\d+\.) ", plain)
+        if item:
+            if before.strip() and (blocks or not indent) and (indent or item[1] in "-*+" or item[1] == "1."):
+                out.append("")
+            indent, blocks = len(item[0]), False
+        elif indent and line.startswith(" " * indent):
+            blocks |= not before.strip()
+            line = " " * (4 - indent) + line if blocks and indent < 4 else line
+        elif line.strip():
+            indent = 0 if not before.strip() else indent
         out.append(line)
     return "\n".join(out)
 
