@@ -249,7 +249,7 @@ void print_next(const Options& options, bool learned) {
       "and with Matterport3D's pictures, or anybody's feature file:\n"
       "  {0} features --data DIR --weights resnet152.pth -o features.safetensors\n"
       "  {0} train --data DIR --features features.safetensors -o models/student\n"
-      "docs/agents.md goes through it from the download to the table.\n",
+      "docs/neural.md goes through it from the download to the table.\n",
       own_path());
 }
 

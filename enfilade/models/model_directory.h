@@ -13,7 +13,7 @@
 
 namespace enfilade::models {
 
-/// The names of its files; docs/agents.md says what is in each. A plain value.
+/// The names of its files; docs/models.md says what is in each. A plain value.
 struct ModelFiles {
   std::filesystem::path folder;
 

@@ -174,13 +174,16 @@ def check_page(page: Path) -> Iterator[Fault]:
 
 
 def check_navigation() -> Iterator[Fault]:
-    """docs/README.md is the table of pages: it names each."""
+    """docs/README.md is the table of pages: it names each. Each library has one."""
     index = ROOT / "docs" / "README.md"
     named = {resolve(index, link.target)[0] for link in links_of(index.read_text(encoding="utf-8"))}
     for page in pages():
         if page.is_relative_to(ROOT / "docs") and page != index and page not in named:
             if page.parent not in named:  # a folder's link stands for its pages
                 yield Fault("docs/README.md", 1, f"no link leads to {page.relative_to(ROOT / 'docs')}")
+    for library in sorted({header.parent for header in (ROOT / "enfilade").glob("*/*.h")}):
+        if not (ROOT / "docs" / f"{library.name}.md").exists():
+            yield Fault(f"docs/{library.name}.md", 1, f"is missing: the page of {library.relative_to(ROOT)}/")
 
 
 def check() -> list[Fault]:

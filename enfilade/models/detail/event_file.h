@@ -1,5 +1,5 @@
 /// \file  Numbers over time in TensorBoard's files: TFRecords of Event messages, written by hand
-/// because the library that writes them is TensorFlow (docs/agents.md).
+/// because the library that writes them is TensorFlow (docs/models.md).
 #pragma once
 #include <cstdint>
 #include <filesystem>
