@@ -1,13 +1,29 @@
 /** Mouse, fingers and keys of a viewer, and the list of steps for those who use none of them. */
-import { degrees, toDegrees, wrapDifference } from '../geometry.ts';
-import type { Viewer } from './viewer.ts';
+import { type Camera, type Direction, degrees, toDegrees, wrapDifference } from '../geometry.ts';
+import type { Step } from '../navigation.ts';
 
 const keyTurn = degrees(10);
 const zoomStep = 1.1;
 /** A press that moves less than so many pixels is a click. */
 const clickSlack = 6;
 
-export const keyHelp = (viewer: Viewer): string =>
+/** What controls need of the viewer that they steer. */
+export interface Steered {
+  readonly element: HTMLElement;
+  readonly pose: Direction & { readonly viewpoint: number; readonly vfov: number };
+  readonly view: Camera;
+  /** Whether zoom() does anything. */
+  readonly zooms: boolean;
+  steps(): Step[];
+  look(heading: number, elevation: number): void;
+  zoom(vfov: number): void;
+  go(viewpoint: number): Promise<boolean>;
+  /** Goes to the viewpoint that is shown at a point of the canvas, in pixels. */
+  goAt(x: number, y: number): void;
+  onChange(listener: () => void): () => void;
+}
+
+export const keyHelp = (viewer: Pick<Steered, 'zooms'>): string =>
   `Arrow keys look around,${viewer.zooms ? ' plus and minus zoom,' : ''} Enter goes ahead, 1 to 9 go to the listed places.`;
 
 /** "ahead", "45 degrees to the left". */
@@ -19,7 +35,7 @@ export function bearing(relHeading: number): string {
 }
 
 export class Controls {
-  private readonly viewer: Viewer;
+  private readonly viewer: Steered;
   private readonly canvas: HTMLElement;
   private readonly list = document.createElement('ul');
   private readonly said = document.createElement('p');
@@ -28,7 +44,7 @@ export class Controls {
   private moved = 0;
   private standing = -1;
 
-  constructor(viewer: Viewer) {
+  constructor(viewer: Steered) {
     this.viewer = viewer;
     this.canvas = viewer.element.querySelector('canvas')!;
     this.label();
