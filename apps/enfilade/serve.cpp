@@ -24,17 +24,9 @@ struct Options {
   std::string data;
   std::string database;
   std::string phases;
-  std::string host = "127.0.0.1";
-  int port = 8080;
-  int threads = 256;
-  bool behind_proxy = false;
-  bool closed_registration = false;
   std::string log = "text";
+  service::ServerConfig config;
 };
-
-fs::path database_of(const std::string& given, const fs::path& data) {
-  return given.empty() ? data / "enfilade-service.sqlite" : fs::path(given);
-}
 
 void print_json(const service::RequestRecord& record) {
   nlohmann::ordered_json line{{"address", record.address}, {"method", record.method},
@@ -61,8 +53,8 @@ std::function<void(const service::RequestRecord&)> log_of(const std::string& kin
   };
 }
 
-// glibc gives threads heaps of their own, and what one let go of stays in its heap: with 64
-// threads, each large submission was another 20 MB. Two heaps keep that below 100 MB in all.
+// glibc gives threads heaps of their own, and freed memory stays in its heap: with 64 threads,
+// each large submission took another 20 MB. Two heaps keep that below 100 MB in all.
 void share_heaps() {
 #ifdef __GLIBC__
   mallopt(M_ARENA_MAX, 2);
@@ -75,7 +67,7 @@ void wait_for_end(const sigset_t& signals) {
   sigwait(&signals, &received);
 }
 
-ExitCode serve(const Options& options) {
+ExitCode serve(Options options) {
   share_heaps();  // before there are threads
   sigset_t signals;
   sigemptyset(&signals);
@@ -83,20 +75,16 @@ ExitCode serve(const Options& options) {
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // before there are threads, who inherit it
   const fs::path data = open_data(options.data).folder();
-  service::ServerConfig config;
-  config.database = database_of(options.database, data);
-  config.host = options.host;
-  config.port = options.port;
-  config.threads = options.threads;
-  config.behind_proxy = options.behind_proxy;
-  config.open_registration = !options.closed_registration;
+  service::ServerConfig& config = options.config;
+  config.database =
+      options.database.empty() ? data / "enfilade-service.sqlite" : fs::path(options.database);
   config.log = log_of(options.log);
   const auto site =
       service::Site::open(data, options.phases.empty() ? std::vector<service::Phase>{}
                                                        : service::load_phases(options.phases));
   service::Server server(site, config);
   fmt::print("{} scans{} at http://{}:{}/{}\n", site->graphs().size(),
-             site->synthetic() ? " (model homes: synthetic)" : "", options.host, server.port(),
+             site->synthetic() ? " (model homes: synthetic)" : "", config.host, server.port(),
              service::has_web_client() ? "" : "api/v1/ (this build has no web client)");
   std::fflush(stdout);
   wait_for_end(signals);
@@ -114,17 +102,19 @@ void add_serve_options(CLI::App& verb, Options& options) {
                   "What submissions are scored on, with secret goals or without: docs/service.md "
                   "(default: the data set's val splits)")
       ->type_name("FILE.json");
-  verb.add_option("--host", options.host, "Interface to listen on")->capture_default_str();
-  verb.add_option("--port", options.port, "0: any that is free")
+  verb.add_option("--host", options.config.host, "Interface to listen on")->capture_default_str();
+  verb.add_option("--port", options.config.port, "0: any that is free")
       ->capture_default_str()
       ->check(CLI::Range(0, 65535));
-  verb.add_option("--threads", options.threads, "Connexions that are served at the same time")
+  verb.add_option("--threads", options.config.threads,
+                  "Connections that are served at the same time")
       ->capture_default_str()
       ->check(CLI::Range(1, 4096));
-  verb.add_flag("--behind-proxy", options.behind_proxy,
+  verb.add_flag("--behind-proxy", options.config.behind_proxy,
                 "Believe X-Forwarded-For and X-Forwarded-Proto");
-  verb.add_flag("--closed-registration", options.closed_registration,
-                "Nobody can make a team by the page or the API");
+  verb.add_flag_callback(
+      "--closed-registration", [&options] { options.config.open_registration = false; },
+      "Nobody can make a team by the page or the API");
   verb.add_option("--log", options.log, "One line a request on stderr: text, json or none")
       ->capture_default_str()
       ->check(CLI::IsMember({"text", "json", "none"}));

@@ -1,4 +1,4 @@
-/// \file  Handing results in at a server: what `enfilade submit` does.
+/// \file  Client of an evaluation server: submits results files, as `enfilade submit` does.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -9,7 +9,7 @@
 
 namespace enfilade::service {
 
-/// A submission as its server tells of it.
+/// A submission as the server reports it.
 struct SubmissionStatus {
   std::int64_t id = 0;
   std::string phase, method;
@@ -18,9 +18,9 @@ struct SubmissionStatus {
   std::vector<std::string> warnings;    ///< of the file; in the answer to submit() only
 };
 
-/// A team's connexion. One thread at a time. Every function \throws InvalidInput with the faults
-/// that the server found in a file; Error, naming the server, for anything else that it refuses and
-/// where it can't be reached.
+/// A team's connection to a server. Not thread-safe. Every function \throws InvalidInput with the
+/// faults that the server found in a file; Error, naming the server, if it refuses the request for
+/// another reason or can't be reached.
 class Client {
  public:
   /// \param server "https://vln.example.org", "http://127.0.0.1:8080"; certificates are checked
@@ -29,7 +29,7 @@ class Client {
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  /// Hands a results file in. Doing so again with the same file changes nothing.
+  /// Submits a results file. Submitting the same file again changes nothing.
   SubmissionStatus submit(const std::string& phase, const std::string& method,
                           std::string_view results);
   SubmissionStatus status(std::int64_t submission);

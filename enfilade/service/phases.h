@@ -1,4 +1,4 @@
-/// \file  What submissions are scored on.
+/// \file  Phases of an evaluation: the splits that submissions are scored on.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -7,19 +7,19 @@
 
 namespace enfilade::service {
 
-/// Who is shown a phase's scores. Whether its goals are secret is another question.
+/// Who may see a phase's scores. Secret goals are another setting: Phase::annotations.
 enum class Scores {
   kPublic,  ///< everybody: there is a leaderboard
   kHidden,  ///< organisers only; a team is told that its file was scored
 };
 
-/// A split to be scored on, and by which rules.
+/// A split to score on, and its rules.
 struct Phase {
-  std::string name;   ///< [a-z0-9_-], 1 to 40 of them: a part of URLs
+  std::string name;   ///< 1 to 40 of a-z, 0-9, - and _: a part of URLs
   std::string title;  ///< for people
   std::string split;  ///< "val_unseen"; its instructions are served without their goals if secret
-  /// R2R annotations with goals, kept out of the data set so that nobody can download them. Empty:
-  /// those of the data set, which are no secret.
+  /// R2R annotations with goals, kept outside the data set, which everybody can download. Empty:
+  /// the data set's own annotations, with open goals.
   std::filesystem::path annotations;
   Scores scores = Scores::kPublic;
   int per_day = 10;  ///< submissions of a team in 24 hours, 1 to 1000

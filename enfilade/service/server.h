@@ -1,4 +1,4 @@
-/// \file  `enfilade serve`: a data set, its viewer and its evaluation over HTTP.
+/// \file  The HTTP server of `enfilade serve`: viewer, evaluation and collection of instructions.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -18,24 +18,24 @@ struct RequestRecord {
   int status = 0;
   std::size_t bytes = 0;   ///< of the answer's body
   double seconds = 0;      ///< until the answer was ready
-  std::string_view who;    ///< team or organiser; empty for strangers
-  std::string_view fault;  ///< of Enfilade's own (status 500): what it was
+  std::string_view who;    ///< name of the team, or label of the token; empty without one
+  std::string_view fault;  ///< error of the server itself (status 500)
 };
 
 /// What a server serves, where, and within which limits.
 struct ServerConfig {
-  std::filesystem::path database;  ///< made if it isn't there
+  std::filesystem::path database;  ///< created if it is missing
   std::string host = "127.0.0.1";  ///< interface to listen on
   int port = 8080;                 ///< 0: any that is free
-  int threads = 256;               ///< connexions that are served at the same time
-  /// Body of a submission. The 4,173 episodes of R2R's test take 1 to 6 MB.
+  int threads = 256;               ///< connections that are served at the same time
+  /// Largest body of a submission. The 4,173 episodes of R2R's test take 1 to 6 MB.
   std::size_t most_submission_bytes = 32U << 20U;
-  double body_seconds = 30;  ///< a body has to be there whole after that long
-  /// Of registrations, and of tokens that nobody has, from an address in a minute.
+  double body_seconds = 30;  ///< longest time that a client may take to send a body
+  /// Registrations, and requests with an unknown token, from one address in a minute.
   int most_attempts = 20;
-  /// Of workers who come to a collection from an address in a minute: a lab's many share one.
+  /// Workers who join from one address in a minute: a whole lab may share one.
   int most_joins = 600;
-  /// Behind a proxy that sets X-Forwarded-For and X-Forwarded-Proto: believe them.
+  /// Trust X-Forwarded-For and X-Forwarded-Proto: only behind a proxy that sets them.
   bool behind_proxy = false;
   bool open_registration = true;  ///< anybody may make a team
   /// Called after each request, from many threads at once; may be empty.
@@ -44,8 +44,8 @@ struct ServerConfig {
   std::function<std::int64_t()> clock;
 };
 
-/// A running server. \warning The address has no encryption of its own: docs/service.md shows nginx
-/// and Caddy in front of it.
+/// A running server. \warning It speaks plain HTTP: docs/service.md shows nginx and Caddy in front
+/// of it.
 class Server {
  public:
   /// Opens the database, bringing its schema up to date, binds the port and starts serving.
@@ -57,8 +57,8 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   int port() const noexcept;
-  /// Takes no new connexions, finishes the requests that are being answered and the submission
-  /// that is being scored, and returns. What waits for its score is scored after the next start.
+  /// Accepts no new connections, finishes the running requests and the submission that is being
+  /// scored, and returns. Queued submissions are scored after the next start.
   void stop();
 
  private:
@@ -66,29 +66,30 @@ class Server {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Whether this build has the web client in it; without it the API alone is served.
+/// Whether this build contains the web client; without it only the API is served.
 bool has_web_client() noexcept;
 
-/// Whose tokens are made and taken back by hand. Workers get theirs by their links.
+/// Roles whose tokens are created and revoked by hand. Workers get tokens by their links.
 enum class TokenRole {
-  kOrganiser,  ///< makes collections, takes what they came to, sees hidden scores
-  kReviewer,   ///< accepts, rejects and corrects what workers hand in
-  kTeam,       ///< hands in results
+  kOrganiser,  ///< creates and exports collections, sees hidden scores
+  kReviewer,   ///< accepts, rejects and corrects what workers submit
+  kTeam,       ///< submits results
 };
 
-/// Makes a token in a database (made if it isn't there), which a server may be using.
-/// \returns the token: only its hash is kept
-/// \param label whose it is; for kTeam the name of a team that is there
+/// Creates a token in a database (created if it is missing), also while a server uses it.
+/// \returns the token; only its hash is stored
+/// \param label who gets it; for kTeam the name of an existing team
 /// \param days until it expires; none: never
 /// \throws FileError; ArgumentError for a bad label; LookupError if there is no such team
 std::string create_token(const std::filesystem::path& database, TokenRole role,
                          const std::string& label, std::optional<int> days);
 
-/// Takes back every token of that role and label. At once, for browsers that logged in by it too,
-/// and for good. \returns how many there were  \throws FileError
+/// Revokes every token of that role and label, and the browser sessions that it began, at once and
+/// for good. \returns how many there were  \throws FileError
 int revoke_tokens(const std::filesystem::path& database, TokenRole role, const std::string& label);
 
-/// Copies a database, also while a server uses it; the copy appears whole. \throws FileError
+/// Copies a database, also while a server uses it; the copy is written to the side and renamed.
+/// \throws FileError
 void back_up_database(const std::filesystem::path& database, const std::filesystem::path& copy);
 
 }  // namespace enfilade::service

@@ -79,7 +79,7 @@ void Site::read_phases(const fs::path& data) {
   }
 }
 
-// The annotations of a secret phase may lie in the data set all the same, by somebody's mistake.
+// The annotations of a secret phase may be in the data set too, by mistake.
 void Site::hide_goals() {
   for (PublicSplit& split : splits_) {
     const bool secret = std::ranges::any_of(phases_, [&split](const Phase& phase) {

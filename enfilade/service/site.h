@@ -1,4 +1,4 @@
-/// \file  The data set that a server shows, without what it must not show.
+/// \file  The data set of a server, in a public part and a secret one.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -14,20 +14,20 @@
 
 namespace enfilade::service {
 
-/// A split as everybody may see it: where its goals are secret, paths end at their start.
+/// A split as everybody may see it: if its goals are secret, each path has only its start.
 struct PublicSplit {
   r2r::Annotations annotations;
   bool goals_hidden = false;
 };
 
-/// Graphs, panoramas and annotations of a data set, and the phases of an evaluation. Immutable: any
-/// thread. Secret annotations are read into secret_episodes() only, which nothing but scoring asks
-/// for.
+/// Graphs, panoramas and annotations of a data set, and the phases of an evaluation. Immutable:
+/// any thread may read it. Secret annotations are in secret_episodes() only, which only scoring
+/// uses.
 class Site {
  public:
   /// Opens a data set in a layout of scan::DataRoot: graphs and the splits train, val_seen,
-  /// val_unseen and test that it has, and those of the phases. Without phases, each split whose
-  /// goals are in the data set is one.
+  /// val_unseen and test that it has, and those of the phases. Without phases, each split but train
+  /// whose goals are in the data set is a phase.
   /// \throws FileError; InvalidInput for files that can't be used
   static std::shared_ptr<const Site> open(const std::filesystem::path& data,
                                           std::vector<Phase> phases = {});
@@ -40,7 +40,7 @@ class Site {
   const Phase* find_phase(std::string_view name) const noexcept;  ///< null if there is none
   /// With goals. Never to be shown. \pre phase is one of phases()
   const r2r::EpisodeSet& secret_episodes(const Phase& phase) const;
-  /// Model homes: whatever is shown of them is to be called synthetic.
+  /// Model homes: whatever shows them must say that they are synthetic.
   bool synthetic() const noexcept { return synthetic_; }
 
  private:
