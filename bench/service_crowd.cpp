@@ -87,7 +87,7 @@ class Person {
   /// What a page asks for before it shows a task: the scan, and the faces of a viewpoint.
   void look(const json& task) {
     const std::string scan = "/api/v1/scans/" + task.at("scan").get<std::string>();
-    timed([&] { return testing::read_answer(client_.Get(scan)); });  // no connexion is kept
+    timed([&] { return testing::read_answer(client_.Get(scan)); });  // no connection is kept
     const auto viewpoint =
         (task.contains("path") ? task["path"][0] : task["start"]).get<std::string>();
     for (int face = 0; face < 6; ++face) {

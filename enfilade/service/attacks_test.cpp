@@ -150,7 +150,7 @@ std::size_t count_answers(const std::string& text) {
   return count;
 }
 
-// Behind a proxy that keeps its connexion, the second answer would be another client's.
+// Behind a proxy that keeps its connection, the second answer would be another client's.
 TEST(Attacks, NoRequestHidesInAnother) {
   Served served;
   const std::string hidden = "GET /api/v1/phases HTTP/1.1\r\nConnection: close\r\n\r\n";
@@ -192,11 +192,11 @@ TEST(Attacks, BodiesThatAreTooLargeAreRefused) {
   EXPECT_EQ(served.get("/healthz")->status, 200);
 }
 
-/// Connexions that begin to hand in a large file, and wait.
-std::vector<int> begin_large(int port, const std::string& headers, std::size_t connexions,
+/// Connections that begin to hand in a large file, and wait.
+std::vector<int> begin_large(int port, const std::string& headers, std::size_t connections,
                              std::size_t bytes) {
   std::vector<int> sockets;
-  for (std::size_t k = 0; k < connexions; ++k) {
+  for (std::size_t k = 0; k < connections; ++k) {
     sockets.push_back(connect_to(port));
     const std::string piece = fmt::format(
         "POST /api/v1/submissions?phase=open&method=m HTTP/1.1\r\n{}Content-Length: {}"

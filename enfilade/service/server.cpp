@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/service/detail/clock.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/http/app.h"
 #include "enfilade/service/http/transport.h"
@@ -64,16 +63,15 @@ std::string create_token(const std::filesystem::path& database, TokenRole role,
         fmt::format("label: {:?}, not 1 to {} printable characters", label, kLongestLabel));
   }
   store::Database db(database);
-  const std::int64_t now = detail::system_clock()();
   std::optional<std::int64_t> expires;
-  if (days) expires = now + std::int64_t{*days} * 24 * 3600;
-  return accounts::add_token(db, kept_role(role), label, now, expires);
+  if (days) expires = db.now() + std::int64_t{*days} * 24 * 3600;
+  return accounts::add_token(db, kept_role(role), label, expires);
 }
 
 int revoke_tokens(const std::filesystem::path& database, TokenRole role, const std::string& label) {
   check_exists(database);
   store::Database db(database);
-  return accounts::revoke_tokens(db, kept_role(role), label, detail::system_clock()());
+  return accounts::revoke_tokens(db, kept_role(role), label);
 }
 
 void back_up_database(const std::filesystem::path& database, const std::filesystem::path& copy) {

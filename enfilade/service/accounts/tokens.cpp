@@ -22,38 +22,34 @@ struct Owner {
   std::optional<std::int64_t> visit = std::nullopt;
 };
 
-std::string insert_token(store::Database& database, Role role, Owner owner,
-                         const std::string& label, std::int64_t now,
+std::string insert_token(store::Database& db, Role role, Owner owner, const std::string& label,
                          std::optional<std::int64_t> expires) {
   // The prefix lets people, and scanners of published sources, see what leaked.
   std::string token = detail::new_secret("enfilade_");
-  database.run(
+  db.run(
       "INSERT INTO token (hash, role, team, label, created, expires, visit) "
       "VALUES (?, ?, ?, ?, ?, ?, ?)",
-      detail::sha256(token), role, owner.team, label, now, expires, owner.visit);
+      detail::sha256(token), role, owner.team, label, db.now(), expires, owner.visit);
   return token;
 }
 
 /// \param from what is joined to the tokens, and the condition on ?1
-std::optional<Principal> find_principal(store::Database& database, const std::string& from,
-                                        std::string_view secret, std::int64_t now) {
-  const auto read = [](store::Row& row) {
-    Principal found;
-    row >> found.role >> found.token >> found.team >> found.visit >> found.name;
-    return found;
-  };
-  return database.find(
-      read,
+std::optional<Principal> find_principal(store::Database& db, const std::string& from,
+                                        std::string_view secret) {
+  return db.find<Principal>(
       "SELECT token.role, token.id, coalesce(token.team, 0), coalesce(token.visit, 0), "
       "coalesce(team.name, token.label) FROM token LEFT JOIN team ON team.id = token.team " +
           from + " AND token.revoked IS NULL AND (token.expires IS NULL OR token.expires > ?2)",
-      detail::sha256(secret), now);
+      detail::sha256(secret), db.now());
 }
 
 }  // namespace
 
-NewTeam add_team(store::Database& database, const std::string& name, const std::string& contact,
-                 std::int64_t now) {
+store::Row& operator>>(store::Row& row, Principal& p) {
+  return row >> p.role >> p.token >> p.team >> p.visit >> p.name;
+}
+
+NewTeam add_team(store::Database& db, const std::string& name, const std::string& contact) {
   if (!detail::is_label(name, kLongestTeam)) {
     throw ServiceError(ErrorCode::kInvalidInput,
                        fmt::format("name: not 1 to {} printable characters", kLongestTeam));
@@ -62,74 +58,68 @@ NewTeam add_team(store::Database& database, const std::string& name, const std::
     throw ServiceError(ErrorCode::kInvalidInput,
                        fmt::format("contact: not up to {} printable characters", kLongestContact));
   }
-  return database.transact([&] {
-    if (database.find_number("SELECT id FROM team WHERE name = ?", name) != 0) {
+  return db.transact([&] {
+    if (db.find_number("SELECT id FROM team WHERE name = ?", name) != 0) {
       throw ServiceError(ErrorCode::kConflict, "name: another team has it");
     }
-    const std::int64_t id = database.insert(
-        "INSERT INTO team (name, contact, created) VALUES (?, ?, ?)", name, contact, now);
-    return NewTeam{id, insert_token(database, Role::kTeam, {.team = id}, name, now, std::nullopt)};
+    const std::int64_t id = db.insert("INSERT INTO team (name, contact, created) VALUES (?, ?, ?)",
+                                      name, contact, db.now());
+    return NewTeam{id, insert_token(db, Role::kTeam, {.team = id}, name, std::nullopt)};
   });
 }
 
-std::string add_token(store::Database& database, Role role, const std::string& label,
-                      std::int64_t now, std::optional<std::int64_t> expires) {
-  return database.transact([&] {
+std::string add_token(store::Database& db, Role role, const std::string& label,
+                      std::optional<std::int64_t> expires) {
+  return db.transact([&] {
     Owner owner;
     if (role == Role::kTeam) {
-      owner.team = database.find(store::read_value<std::int64_t>,
-                                 "SELECT id FROM team WHERE name = ?", label);
+      owner.team = db.find<std::int64_t>("SELECT id FROM team WHERE name = ?", label);
       if (!owner.team) throw LookupError(fmt::format("{:?}: no team has this name", label));
     }
-    return insert_token(database, role, owner, label, now, expires);
+    return insert_token(db, role, owner, label, expires);
   });
 }
 
 // A session is valid as long as its token is.
-int revoke_tokens(store::Database& database, Role role, const std::string& label,
-                  std::int64_t now) {
-  return database.run(
+int revoke_tokens(store::Database& db, Role role, const std::string& label) {
+  return db.run(
       "UPDATE token SET revoked = ?1 WHERE role = ?2 AND revoked IS NULL AND "
       "(label = ?3 OR team = (SELECT id FROM team WHERE name = ?3))",
-      now, role, label);
+      db.now(), role, label);
 }
 
-std::string add_worker_token(store::Database& database, std::int64_t visit,
-                             const std::string& label, std::int64_t now) {
-  return database.transact([&] {
-    database.run("DELETE FROM token WHERE role = 'worker' AND expires <= ?", now);
-    return insert_token(database, Role::kWorker, {.visit = visit}, label, now,
-                        now + kWorkerSeconds);
+std::string add_worker_token(store::Database& db, std::int64_t visit, const std::string& label) {
+  return db.transact([&] {
+    db.run("DELETE FROM token WHERE role = 'worker' AND expires <= ?", db.now());
+    return insert_token(db, Role::kWorker, {.visit = visit}, label, db.now() + kWorkerSeconds);
   });
 }
 
-std::optional<Principal> find_token(store::Database& database, std::string_view token,
-                                    std::int64_t now) {
-  return find_principal(database, "WHERE token.hash = ?1", token, now);
+std::optional<Principal> find_token(store::Database& db, std::string_view token) {
+  return find_principal(db, "WHERE token.hash = ?1", token);
 }
 
-std::string start_session(store::Database& database, const Principal& principal, std::int64_t now) {
+std::string start_session(store::Database& db, const Principal& principal) {
   std::string secret = detail::new_secret("");
-  database.transact([&] {
-    database.run("DELETE FROM session WHERE expires <= ?", now);
-    database.run("INSERT INTO session (hash, token, expires) VALUES (?, ?, ?)",
-                 detail::sha256(secret), principal.token, now + kSessionSeconds);
+  db.transact([&] {
+    db.run("DELETE FROM session WHERE expires <= ?", db.now());
+    db.run("INSERT INTO session (hash, token, expires) VALUES (?, ?, ?)", detail::sha256(secret),
+           principal.token, db.now() + kSessionSeconds);
   });
   return secret;
 }
 
-std::optional<Principal> find_session(store::Database& database, std::string_view secret,
-                                      std::int64_t now) {
-  auto found = find_principal(database,
+std::optional<Principal> find_session(store::Database& db, std::string_view secret) {
+  auto found = find_principal(db,
                               "JOIN session ON session.token = token.id "
                               "WHERE session.hash = ?1 AND session.expires > ?2",
-                              secret, now);
+                              secret);
   if (found) found->by_cookie = true;
   return found;
 }
 
-void end_sessions(store::Database& database, std::int64_t token) {
-  database.run("DELETE FROM session WHERE token = ?", token);
+void end_sessions(store::Database& db, std::int64_t token) {
+  db.run("DELETE FROM session WHERE token = ?", token);
 }
 
 }  // namespace enfilade::service::accounts

@@ -8,7 +8,8 @@
 
 namespace enfilade::service::store {
 class Database;
-}
+class Row;
+}  // namespace enfilade::service::store
 
 namespace enfilade::service::accounts {
 
@@ -27,6 +28,8 @@ struct Principal {
   /// Known by a cookie, which browsers send with requests of other sites too: a request that
   /// changes something must prove more.
   bool by_cookie = false;
+
+  friend store::Row& operator>>(store::Row& row, Principal& principal);
 };
 
 struct NewTeam {
@@ -39,30 +42,24 @@ inline constexpr std::int64_t kSessionSeconds = 12L * 3600;
 inline constexpr std::int64_t kWorkerSeconds = 24L * 3600;
 inline constexpr const char* kSessionCookie = "enfilade_session";
 
-// `now`: seconds since 1970.
-
 /// \throws ServiceError kConflict if the name is taken, kInvalidInput if it is not 1 to 80
 /// printable characters, or the contact is neither empty nor up to 200 of them
-NewTeam add_team(store::Database& database, const std::string& name, const std::string& contact,
-                 std::int64_t now);
+NewTeam add_team(store::Database& db, const std::string& name, const std::string& contact);
 /// \returns the token, shown once  \param label of a team its name  \param expires seconds since
 /// 1970; none: never  \pre role is not kWorker  \throws LookupError if there is no such team
-std::string add_token(store::Database& database, Role role, const std::string& label,
-                      std::int64_t now, std::optional<std::int64_t> expires);
+std::string add_token(store::Database& db, Role role, const std::string& label,
+                      std::optional<std::int64_t> expires);
 /// Revokes all with that label, and with them the sessions that they began. \returns how many
-int revoke_tokens(store::Database& database, Role role, const std::string& label, std::int64_t now);
+int revoke_tokens(store::Database& db, Role role, const std::string& label);
 /// For a visit, valid for kWorkerSeconds; deletes workers' tokens that have expired. \returns the
 /// token
-std::string add_worker_token(store::Database& database, std::int64_t visit,
-                             const std::string& label, std::int64_t now);
+std::string add_worker_token(store::Database& db, std::int64_t visit, const std::string& label);
 /// None for a token that is unknown, expired or revoked.
-std::optional<Principal> find_token(store::Database& database, std::string_view token,
-                                    std::int64_t now);
+std::optional<Principal> find_token(store::Database& db, std::string_view token);
 /// Logs a browser in with that token. \returns the cookie's secret
-std::string start_session(store::Database& database, const Principal& principal, std::int64_t now);
-std::optional<Principal> find_session(store::Database& database, std::string_view secret,
-                                      std::int64_t now);
+std::string start_session(store::Database& db, const Principal& principal);
+std::optional<Principal> find_session(store::Database& db, std::string_view secret);
 /// Logs out all browsers that are logged in with that token.
-void end_sessions(store::Database& database, std::int64_t token);
+void end_sessions(store::Database& db, std::int64_t token);
 
 }  // namespace enfilade::service::accounts

@@ -4,6 +4,8 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 
+#include "enfilade/service/detail/json_list.h"
+
 namespace enfilade::service::browsing {
 namespace {
 
@@ -31,16 +33,15 @@ ordered_json episode_json(const r2r::PathAnnotation& path, std::size_t k) {
 }  // namespace
 
 ordered_json split_list_json(const Site& site) {
-  auto list = ordered_json::array();
-  for (const PublicSplit& split : site.splits()) {
+  const auto split_json = [](const PublicSplit& split) {
     std::size_t instructions = 0;
     for (const auto& path : split.annotations.paths) instructions += path.instructions.size();
-    list.push_back({{"split", split.annotations.split},
-                    {"paths", split.annotations.paths.size()},
-                    {"instructions", instructions},
-                    {"goals_hidden", split.goals_hidden}});
-  }
-  return {{"splits", list}};
+    return ordered_json{{"split", split.annotations.split},
+                        {"paths", split.annotations.paths.size()},
+                        {"instructions", instructions},
+                        {"goals_hidden", split.goals_hidden}};
+  };
+  return {{"splits", detail::json_list(site.splits(), split_json)}};
 }
 
 ordered_json episodes_json(const PublicSplit& split, const EpisodeFilter& filter) {

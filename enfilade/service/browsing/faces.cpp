@@ -86,7 +86,7 @@ FaceFiles Faces::get(ScanIndex scan, ViewpointIndex viewpoint, scan::Layer layer
   try {
     promise.set_value(make_files(panoramas_.source(scan), viewpoint, layer));
     add_bytes(key, files.get());
-  } catch (...) {  // who waits gets it too; who comes later tries again
+  } catch (...) {  // requests that wait get it too; later ones try again
     promise.set_exception(std::current_exception());
     const std::scoped_lock lock(mutex_);
     const auto found = entries_.find(key);
@@ -101,7 +101,7 @@ void Faces::add_bytes(const Key& key, const FaceFiles& files) {
   Entry& entry = entries_.find(key)->second;
   for (const auto& file : files) entry.bytes += file->size();
   bytes_ += entry.bytes;
-  // Those being made weigh nothing yet, and their makers will look for them here.
+  // Entries being made count 0 bytes yet, and must stay until their makers have filled them.
   for (auto use = by_use_.end(); bytes_ > most_bytes_ && use != by_use_.begin();) {
     const auto oldest = entries_.find(*--use);
     if (oldest->second.bytes == 0 || oldest->first == key) continue;

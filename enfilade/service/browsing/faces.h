@@ -1,4 +1,4 @@
-/// \file  The faces of panoramas as browsers take them.
+/// \file  The faces of panoramas as image files, with a cache.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -23,20 +23,20 @@ using FaceFiles = std::array<std::shared_ptr<const std::string>, kCubeFaces>;
 /// All functions may be called from any thread.
 class Faces {
  public:
-  /// \param most_bytes the least recently used panorama goes first
+  /// \param most_bytes of the cache; the least recently used panorama is dropped first
   explicit Faces(const scan::PanoramaSet& panoramas, std::size_t most_bytes = 32U << 20U);
 
   /// Colour as the source's own JPEGs where it has them; else encoded.
   /// \throws as scan::PanoramaSource: LookupError if there is no such picture
   FaceFiles get(ScanIndex scan, ViewpointIndex viewpoint, scan::Layer layer);
-  /// Changes whenever the scan's pictures do; empty if that can't be told. Asked of the source
+  /// Changes whenever the scan's pictures do; empty if the source does not say. Asked of the source
   /// once. \throws as above
   std::string version(ScanIndex scan);
 
  private:
   using Key = std::tuple<ScanIndex, ViewpointIndex, scan::Layer>;
   struct Entry {
-    std::shared_future<FaceFiles> files;  // made by who came first
+    std::shared_future<FaceFiles> files;  // made by the first request
     std::size_t bytes = 0;                // 0 while being made
     std::list<Key>::iterator use;
   };

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/service/detail/clock.h"
+#include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
 
@@ -34,19 +35,17 @@ ordered_json collection_json(const Collection& collection, bool synthetic) {
           {"synthetic", synthetic}};
 }
 
-ordered_json progress_json(store::Database& database, const Collection& collection,
-                           std::int64_t now) {
-  auto splits = ordered_json::array();
-  for (const SplitSize& split : splits_of(database, collection.id)) {
-    splits.push_back(
-        {{"split", split.split}, {"items", split.items}, {"goals_hidden", split.secret}});
-  }
-  const Progress progress = progress_of(database, collection.id, now);
+ordered_json progress_json(store::Database& db, const Collection& collection) {
+  const auto split_json = [](const SplitSize& split) {
+    return ordered_json{
+        {"split", split.split}, {"items", split.items}, {"goals_hidden", split.secret}};
+  };
+  const Progress progress = progress_of(db, collection.id);
   return {{"created", detail::iso_time(collection.created)},
           {"per_item", collection.per_item},
           {"lease_minutes", collection.lease_seconds / 60},
           {"tasks_per_visit", collection.tasks_per_visit},
-          {"splits", splits},
+          {"splits", detail::json_list(splits_of(db, collection.id), split_json)},
           {"progress",
            {{"items", progress.items},
             {"places", progress.items * collection.per_item},
@@ -65,22 +64,13 @@ ordered_json platform_json(const Platform& platform) {
   return out;
 }
 
-ordered_json visits_json(const std::vector<VisitSummary>& visits) {
-  auto list = ordered_json::array();
-  for (const VisitSummary& visit : visits) {
-    list.push_back({{"visit", visit.visit},
-                    {"worker", visit.worker},
-                    {"external", visit.external},
-                    {"assignment", visit.assignment},
-                    {"group", visit.group},
-                    {"created", detail::iso_time(visit.created)},
-                    {"submitted", visit.submitted},
-                    {"accepted", visit.accepted},
-                    {"rejected", visit.rejected},
-                    {"bonuses", visit.bonuses},
-                    {"finished", visit.finished}});
-  }
-  return list;
+ordered_json visit_summary_json(const VisitSummary& visit) {
+  return {{"visit", visit.visit},         {"worker", visit.worker},
+          {"external", visit.external},   {"assignment", visit.assignment},
+          {"group", visit.group},         {"created", detail::iso_time(visit.created)},
+          {"submitted", visit.submitted}, {"accepted", visit.accepted},
+          {"rejected", visit.rejected},   {"bonuses", visit.bonuses},
+          {"finished", visit.finished}};
 }
 
 std::string visits_csv(const std::vector<VisitSummary>& visits) {
@@ -157,17 +147,13 @@ ordered_json work_json(const Task& task, bool secrets) {
   return out;
 }
 
-ordered_json events_json(const std::vector<Event>& events) {
-  auto list = ordered_json::array();
-  for (const Event& event : events) {
-    ordered_json one{{"when", detail::iso_time(event.at)},
-                     {"who", event.who},
-                     {"what", detail::name_of(event.what)}};
-    if (event.what == EventKind::kEdited) one["before"] = event.before;
-    if (!event.reason.empty()) one["reason"] = event.reason;
-    list.push_back(std::move(one));
-  }
-  return list;
+ordered_json event_json(const Event& event) {
+  ordered_json out{{"when", detail::iso_time(event.at)},
+                   {"who", event.who},
+                   {"what", detail::name_of(event.what)}};
+  if (event.what == EventKind::kEdited) out["before"] = event.before;
+  if (!event.reason.empty()) out["reason"] = event.reason;
+  return out;
 }
 
 }  // namespace enfilade::service::collecting

@@ -32,6 +32,8 @@ struct Collection {
   std::int64_t lease_seconds = 1800;
   int tasks_per_visit = 0;  ///< 0: no limit
   std::int64_t created = 0;
+
+  friend store::Row& operator>>(store::Row& row, Collection& collection);
 };
 
 /// What a task is about: a path (kWrite), or one of its instructions (kWalk).
@@ -47,6 +49,8 @@ struct Item {
   std::optional<double> distance;
   std::string instruction;  ///< kWalk
   bool secret = false;  ///< the goal is of a phase with secret goals: it never leaves the server
+
+  friend store::Row& operator>>(store::Row& row, Item& item);
 };
 
 struct NewCollection {
@@ -61,12 +65,16 @@ NewCollection read_new_collection(const Site& site, std::string_view body);
 struct Progress {
   std::int64_t items = 0, leased = 0, submitted = 0, accepted = 0, rejected = 0, complete = 0,
                workers = 0;
+
+  friend store::Row& operator>>(store::Row& row, Progress& progress);
 };
 
 struct SplitSize {
   std::string split;
   std::int64_t items = 0;
   bool secret = false;  ///< has goals that never leave the server
+
+  friend store::Row& operator>>(store::Row& row, SplitSize& split);
 };
 
 /// A visit, as an organiser pays for it.
@@ -75,36 +83,34 @@ struct VisitSummary {
   std::string external, assignment, group;  ///< the platform's ids
   std::int64_t created = 0, submitted = 0, accepted = 0, rejected = 0, bonuses = 0;
   bool finished = false;
+
+  friend store::Row& operator>>(store::Row& row, VisitSummary& visit);
 };
 
-// `now`: seconds since 1970.
-
 /// \returns it with its id, key and time  \throws ServiceError kConflict if the name is taken
-Collection add_collection(store::Database& database, const NewCollection& added, std::int64_t now);
+Collection add_collection(store::Database& db, const NewCollection& added);
 /// None if no collection has this name.
-std::optional<Collection> find_collection(store::Database& database, std::string_view name);
+std::optional<Collection> find_collection(store::Database& db, std::string_view name);
 /// \throws ServiceError kNotFound
-Collection get_collection(store::Database& database, std::string_view name);
-Collection collection_of_visit(store::Database& database, std::int64_t visit);
-std::vector<Collection> list_collections(store::Database& database);
-void set_open(store::Database& database, std::int64_t collection, bool open);
-Progress progress_of(store::Database& database, std::int64_t collection, std::int64_t now);
-std::vector<SplitSize> splits_of(store::Database& database, std::int64_t collection);
-std::vector<VisitSummary> visits_of(store::Database& database, const Collection& collection);
+Collection get_collection(store::Database& db, std::string_view name);
+Collection collection_of_visit(store::Database& db, std::int64_t visit);
+std::vector<Collection> list_collections(store::Database& db);
+void set_open(store::Database& db, std::int64_t collection, bool open);
+Progress progress_of(store::Database& db, std::int64_t collection);
+std::vector<SplitSize> splits_of(store::Database& db, std::int64_t collection);
+std::vector<VisitSummary> visits_of(store::Database& db, const Collection& collection);
 
 /// Of a split, by id.
-std::vector<Item> items_of(store::Database& database, std::int64_t collection,
-                           std::string_view split);
+std::vector<Item> items_of(store::Database& db, std::int64_t collection, std::string_view split);
 /// The first item: what a preview shows.
-Item first_item(store::Database& database, std::int64_t collection);
+Item first_item(store::Database& db, std::int64_t collection);
 
 /// Path and query of the page for workers, with the key and what the platform fills in.
 std::string link_of(const Collection& collection);
 
-/// The columns of an item, for a query of table item; read_item() reads them.
+/// The columns of an Item, for a query of the table item.
 inline constexpr const char* kItemColumns =
     "item.id, item.split, item.path_id, item.number, item.scan, item.heading, item.path, "
     "item.distance, item.instruction, item.secret";
-Item read_item(store::Row& row);
 
 }  // namespace enfilade::service::collecting

@@ -14,9 +14,7 @@
 namespace enfilade::service::collecting {
 namespace {
 
-using detail::Found;
-using detail::integer_within;
-using detail::text_that;
+using detail::Fields;
 using json::Element;
 using json::Path;
 
@@ -25,90 +23,77 @@ constexpr std::size_t kLongestTitle = 80;
 constexpr std::size_t kLongestText = 20'000;
 constexpr std::size_t kMostItems = 100'000;
 
+constexpr const char* kNameRule = "1 to 40 of a-z, 0-9, - and _";
+bool is_title(std::string_view text) { return detail::is_prose(text, kLongestTitle); }
+bool is_long_text(std::string_view text) { return detail::is_prose(text, kLongestText); }
+
 class Reader {
  public:
   explicit Reader(const Site& site) : site_(site) {}
 
   NewCollection read(Element root) {
-    static constexpr std::array<json::Field, 10> kFields{{{"name"},
-                                                          {"title"},
-                                                          {"kind"},
-                                                          {"consent"},
-                                                          {"instructions"},
-                                                          {"sources"},
-                                                          {"per_item", false},
-                                                          {"lease_minutes", false},
-                                                          {"tasks_per_visit", false},
-                                                          {"platform", false}}};
-    Found<kFields.size()> found;
-    NewCollection made;
-    if (json::fields(root, kFields, found, root_, faults_)) {
-      Collection& about = made.about;
-      about.name = name(*found[0], {root_, "name"});
-      about.title = text_that([](auto text) { return detail::is_prose(text, kLongestTitle); },
-                              *found[1], {root_, "title"}, "1 to 80 printable characters", faults_);
-      about.kind = one_of<Kind>(*found[2], {root_, "kind"});
-      about.consent = prose(*found[3], {root_, "consent"});
-      about.instructions = prose(*found[4], {root_, "instructions"});
-      read_rules(about, found[6], found[7], found[8], found[9]);
-      kind_ = about.kind;
-      read_sources(*found[5], {root_, "sources"});
-      made.items = std::move(items_);
+    const Fields fields(root, root_, faults_,
+                        {"name", "title", "kind", "consent", "instructions", "sources"},
+                        {"per_item", "lease_minutes", "tasks_per_visit", "platform"});
+    NewCollection added;
+    if (fields.complete()) {
+      Collection& about = added.about;
+      about.name = fields.text("name", detail::is_name, kNameRule);
+      about.title = fields.text("title", is_title, "1 to 80 printable characters");
+      about.kind = kind_ = one_of<Kind>(fields, "kind");
+      about.consent = fields.text("consent", is_long_text, "1 to 20000 characters");
+      about.instructions = fields.text("instructions", is_long_text, "1 to 20000 characters");
+      read_rules(about, fields);
+      read_sources(fields["sources"], fields.path("sources"));
+      added.items = std::move(items_);
     }
     throw_if_faulty();
-    return made;
+    return added;
   }
 
  private:
-  void read_rules(Collection& about, std::optional<Element> per_item, std::optional<Element> lease,
-                  std::optional<Element> per_visit, std::optional<Element> platform) {
-    if (platform) about.platform = read_platform(*platform, {root_, "platform"});
-    about.per_item = about.kind == Kind::kWrite ? 3 : 1;
-    if (per_item) about.per_item = integer_within(*per_item, {root_, "per_item"}, 1, 100, faults_);
-    if (lease)
-      about.lease_seconds =
-          60L * integer_within(*lease, {root_, "lease_minutes"}, 1, 1440, faults_);
-    about.tasks_per_visit = about.platform.kind == PlatformKind::kSelf ? 0 : 1;
-    if (per_visit) {
-      about.tasks_per_visit =
-          integer_within(*per_visit, {root_, "tasks_per_visit"}, 0, 1000, faults_);
+  void read_rules(Collection& about, const Fields& fields) {
+    if (fields.has("platform")) {
+      about.platform = read_platform(fields["platform"], fields.path("platform"));
     }
-  }
-
-  std::string name(Element element, const Path& path) {
-    return text_that(detail::is_name, element, path, "1 to 40 of a-z, 0-9, - and _", faults_);
-  }
-
-  std::string prose(Element element, const Path& path) {
-    const auto check = [](auto text) { return detail::is_prose(text, kLongestText); };
-    return text_that(check, element, path, "1 to 20000 characters", faults_);
+    about.per_item = about.kind == Kind::kWrite ? 3 : 1;
+    if (fields.has("per_item")) about.per_item = fields.integer("per_item", 1, 100);
+    if (fields.has("lease_minutes")) {
+      about.lease_seconds = 60L * fields.integer("lease_minutes", 1, 1440);
+    }
+    about.tasks_per_visit = about.platform.kind == PlatformKind::kSelf ? 0 : 1;
+    if (fields.has("tasks_per_visit")) {
+      about.tasks_per_visit = fields.integer("tasks_per_visit", 0, 1000);
+    }
   }
 
   /// One of the enumeration's names; the first value if it is none of them.
   template <class Enum>
-  Enum one_of(Element element, const Path& path) {
-    const auto known = [](auto text) { return detail::find_named<Enum>(text).has_value(); };
-    const std::string text = text_that(
-        known, element, path, fmt::format("{}", fmt::join(names_of(Enum{}), " or ")), faults_);
+  static Enum one_of(const Fields& fields, std::string_view name) {
+    const auto known = [](std::string_view text) {
+      return detail::find_named<Enum>(text).has_value();
+    };
+    const std::string text =
+        fields.text(name, known, fmt::format("{}", fmt::join(names_of(Enum{}), " or ")));
     return detail::find_named<Enum>(text).value_or(Enum{});
   }
 
   Platform read_platform(Element element, const Path& path) {
-    static constexpr std::array<json::Field, 3> kFields{
-        {{"kind"}, {"origins", false}, {"completion_code", false}}};
-    Found<kFields.size()> found;
-    if (!json::fields(element, kFields, found, path, faults_)) return {};
+    const Fields fields(element, path, faults_, {"kind"}, {"origins", "completion_code"});
     Platform platform;
-    platform.kind = one_of<PlatformKind>(*found[0], {path, "kind"});
+    if (!fields.complete()) return platform;
+    platform.kind = one_of<PlatformKind>(fields, "kind");
     if (platform.kind == PlatformKind::kMturk) {
-      platform.origins = found[1] ? read_origins(*found[1], {path, "origins"}) : mturk_origins();
+      platform.origins = fields.has("origins")
+                             ? read_origins(fields["origins"], fields.path("origins"))
+                             : mturk_origins();
     } else if (platform.kind == PlatformKind::kProlific) {
-      const Path here(path, "completion_code");
-      if (found[2]) {
+      if (fields.has("completion_code")) {
         platform.completion_code =
-            text_that(detail::is_external_id, *found[2], here, "a study's code", faults_);
+            fields.text("completion_code", detail::is_external_id, "a study's code");
       } else {
-        faults_.error(here, "missing-field", "Prolific pays by it, and it is not there");
+        faults_.error(fields.path("completion_code"), "missing-field",
+                      "Prolific pays by it, and it is not there");
       }
     }
     return platform;
@@ -119,8 +104,8 @@ class Reader {
     const auto list = json::array(element, path, faults_);
     if (!list) return origins;
     for (const Element one : *list) {
-      origins.push_back(text_that(is_origin, one, Path(path, origins.size()),
-                                  "an origin such as https://host", faults_));
+      origins.push_back(detail::read_text(one, Path(path, origins.size()), is_origin,
+                                          "an origin such as https://host", faults_));
     }
     return origins;
   }
@@ -140,18 +125,16 @@ class Reader {
   }
 
   void read_source(Element element, const Path& path) {
-    static constexpr std::array<json::Field, 3> kFields{
-        {{"split"}, {"paths", false}, {"most", false}}};
-    Found<kFields.size()> found;
-    if (!json::fields(element, kFields, found, path, faults_)) return;
-    const std::string split = name(*found[0], {path, "split"});
-    most_ = found[2] ? static_cast<std::size_t>(integer_within(
-                           *found[2], {path, "most"}, 1, static_cast<int>(kMostItems), faults_))
-                     : kMostItems;
-    if (found[1]) {
-      read_paths(*found[1], {path, "paths"}, split);
+    const Fields fields(element, path, faults_, {"split"}, {"paths", "most"});
+    if (!fields.complete()) return;
+    const std::string split = fields.text("split", detail::is_name, kNameRule);
+    most_ = fields.has("most")
+                ? static_cast<std::size_t>(fields.integer("most", 1, static_cast<int>(kMostItems)))
+                : kMostItems;
+    if (fields.has("paths")) {
+      read_paths(fields["paths"], fields.path("paths"), split);
     } else {
-      take_split({path, "split"}, split);
+      take_split(fields.path("split"), split);
     }
   }
 

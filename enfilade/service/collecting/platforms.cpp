@@ -50,8 +50,8 @@ Arrival by_mturk(const Platform& platform, const Parameters& parameters) {
   if (assignment.empty() || assignment == kNoAssignment) return {true, "", "", "", ""};
   std::string submit_to = parameter(parameters, "turkSubmitTo");
   while (submit_to.ends_with('/')) submit_to.pop_back();
-  // It comes with the worker's own address line: anything but a known one would send the form, and
-  // the worker, wherever somebody likes.
+  // It is part of the page's address, which anybody can write: an unknown one could send the form,
+  // and the worker, anywhere.
   if (std::ranges::find(platform.origins, submit_to) == platform.origins.end()) {
     throw ServiceError(ErrorCode::kInvalidInput,
                        fmt::format("turkSubmitTo: {:?}, not one of the collection's origins",

@@ -12,8 +12,7 @@
 namespace enfilade::service::collecting {
 namespace {
 
-using detail::Found;
-using detail::number_within;
+using detail::Fields;
 using json::Element;
 using json::Faults;
 using json::Path;
@@ -71,7 +70,7 @@ class WalkReader {
   WalkReader(const graph::NavGraph& graph, const Item& item, Faults& faults)
       : graph_(graph), item_(item), faults_(faults) {}
 
-  /// Reads them all, and gives them back without what else was in them.
+  /// All steps, with the fields that are read here and no others.
   ordered_json read(Element element, const Path& path) {
     ordered_json steps = ordered_json::array();
     const auto list = json::array(element, path, faults_);
@@ -92,21 +91,17 @@ class WalkReader {
 
  private:
   ordered_json read_step(Element element, const Path& path) {
-    static constexpr std::array<json::Field, 4> kFields{
-        {{"viewpoint"}, {"heading"}, {"elevation"}, {"seconds"}}};
-    Found<kFields.size()> found;
-    if (!json::fields(element, kFields, found, path, faults_)) return nullptr;
-    const auto id = json::string(*found[0], Path(path, "viewpoint"), faults_);
-    if (id) move_to(*id, Path(path, "viewpoint"));
-    constexpr double kTurn = 2 * std::numbers::pi;
+    const Fields fields(element, path, faults_, {"viewpoint", "heading", "elevation", "seconds"});
+    if (!fields.complete()) return nullptr;
+    const auto id = json::string(fields["viewpoint"], fields.path("viewpoint"), faults_);
+    if (id) move_to(*id, fields.path("viewpoint"));
     constexpr double kUpright = std::numbers::pi / 2;
-    const double heading = number_within(*found[1], Path(path, "heading"), 0, kTurn, faults_);
-    const double elevation =
-        number_within(*found[2], Path(path, "elevation"), -kUpright, kUpright, faults_);
-    const Path when(path, "seconds");
-    const double seconds = number_within(*found[3], when, 0, kMostSeconds, faults_);
+    const double heading = fields.number("heading", 0, 2 * std::numbers::pi);
+    const double elevation = fields.number("elevation", -kUpright, kUpright);
+    const double seconds = fields.number("seconds", 0, kMostSeconds);
     if (seconds < seconds_) {
-      faults_.error(when, "time-runs-back", fmt::format("{} after {}", seconds, seconds_));
+      faults_.error(fields.path("seconds"), "time-runs-back",
+                    fmt::format("{} after {}", seconds, seconds_));
     }
     seconds_ = seconds;
     return {{"viewpoint", id.value_or("")},
@@ -141,15 +136,14 @@ class WalkReader {
 };
 
 std::string read_camera(Element element, const Path& path, Faults& faults) {
-  static constexpr std::array<json::Field, 3> kFields{{{"width"}, {"height"}, {"vfov"}}};
-  Found<kFields.size()> found;
-  if (!json::fields(element, kFields, found, path, faults)) return "";
-  const auto pixels = [&](std::size_t k) {
-    return static_cast<std::int64_t>(
-        number_within(*found[k], Path(path, kFields[k].name), 1, kMostPixels, faults));
+  const Fields fields(element, path, faults, {"width", "height", "vfov"});
+  if (!fields.complete()) return "";
+  const auto pixels = [&fields](std::string_view name) {
+    return static_cast<std::int64_t>(fields.number(name, 1, kMostPixels));
   };
-  const double vfov = number_within(*found[2], Path(path, "vfov"), 0.01, 3.14, faults);
-  return ordered_json{{"width", pixels(0)}, {"height", pixels(1)}, {"vfov", vfov}}.dump();
+  const double vfov = fields.number("vfov", 0.01, 3.14);
+  return ordered_json{{"width", pixels("width")}, {"height", pixels("height")}, {"vfov", vfov}}
+      .dump();
 }
 
 }  // namespace
@@ -162,43 +156,40 @@ void check_instruction(std::string_view instruction, const char* where) {
 }
 
 SubmittedWork read_instruction(std::string_view body) {
-  static constexpr std::array<json::Field, 3> kFields{
-      {{"instruction"}, {"seconds", false}, {"flags", false}}};
   const json::Document document = json::Document::parse(body, kFileName);
   Faults faults(kFileName);
   const Path root;
-  Found<kFields.size()> found;
+  const Fields fields(document.root(), root, faults, {"instruction"}, {"seconds", "flags"});
   SubmittedWork work;
-  if (json::fields(document.root(), kFields, found, root, faults)) {
-    const Path here(root, "instruction");
-    work.content = json::string(*found[0], here, faults).value_or("");
-    const std::string fault = found[0]->is_string() ? instruction_fault(work.content) : "";
-    if (!fault.empty()) faults.error(here, "bad-instruction", fault);
-    if (found[1]) {
-      work.seconds = number_within(*found[1], Path(root, "seconds"), 0, kMostSeconds, faults);
-    }
-    if (found[2]) work.flags = read_flags(*found[2], Path(root, "flags"), faults);
+  if (fields.complete()) {
+    const Element text = fields["instruction"];
+    work.content = json::string(text, fields.path("instruction"), faults).value_or("");
+    const std::string fault = text.is_string() ? instruction_fault(work.content) : "";
+    if (!fault.empty()) faults.error(fields.path("instruction"), "bad-instruction", fault);
+    if (fields.has("seconds")) work.seconds = fields.number("seconds", 0, kMostSeconds);
+    if (fields.has("flags")) work.flags = read_flags(fields["flags"], fields.path("flags"), faults);
   }
   faults.throw_if_errors();
   return work;
 }
 
 SubmittedWork read_walk(std::string_view body, const Item& item, const graph::GraphSet& graphs) {
-  static constexpr std::array<json::Field, 2> kFields{{{"steps"}, {"camera", false}}};
   const json::Document document = json::Document::parse(body, kFileName);
   const graph::NavGraph& graph = graphs.graph(item.scan);
   Faults faults(kFileName);
   const Path root;
-  Found<kFields.size()> found;
+  const Fields fields(document.root(), root, faults, {"steps"}, {"camera"});
   SubmittedWork work;
   WalkReader walk(graph, item, faults);
-  if (json::fields(document.root(), kFields, found, root, faults)) {
-    work.content = walk.read(*found[0], Path(root, "steps")).dump();
-    if (found[1]) work.camera = read_camera(*found[1], Path(root, "camera"), faults);
+  if (fields.complete()) {
+    work.content = walk.read(fields["steps"], fields.path("steps")).dump();
+    if (fields.has("camera")) {
+      work.camera = read_camera(fields["camera"], fields.path("camera"), faults);
+    }
   }
   faults.throw_if_errors();
   const auto goal = graph.find(item.path.back());
-  EN_CHECK(goal && walk.end());  // checked when the collection was made, and just now
+  EN_CHECK(goal && walk.end());  // checked when the collection was made, and above
   work.seconds = walk.seconds();
   work.error = graph.distance(*walk.end(), *goal);
   return work;

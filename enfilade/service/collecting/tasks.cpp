@@ -25,80 +25,68 @@ std::string tasks_where(std::string_view condition) {
       kItemColumns, condition);
 }
 
-Task read_task(store::Row& row) {
-  Task t;
-  t.item = read_item(row);
-  row >> t.collection >> t.kind >> t.per_item >> t.lease_seconds >> t.id >> t.worker >> t.visit >>
-      t.state >> t.expires >> t.draft >> t.content >> t.digest >> t.seconds >> t.flags >>
-      t.camera >> t.error >> t.submitted >> t.reason;
-  return t;
-}
-
 /// Whether the item has a place for this task beside all the others.
-bool has_place(store::Database& database, const Task& task, std::int64_t now) {
-  return database.find_number(
+bool has_place(store::Database& db, const Task& task) {
+  return db.find_number(
              "SELECT count(*) FROM task WHERE item = ? AND id <> ? AND "
              "(state IN ('submitted', 'accepted') OR (state = 'leased' AND expires > ?))",
-             task.item.id, task.id, now) < task.per_item;
+             task.item.id, task.id, db.now()) < task.per_item;
 }
 
-bool is_still_held(store::Database& database, const Task& task, std::int64_t now) {
-  if (task.state == TaskState::kLeased && task.expires > now) return true;
+bool is_still_held(store::Database& db, const Task& task) {
+  if (task.state == TaskState::kLeased && task.expires > db.now()) return true;
   const bool open = task.state == TaskState::kLeased || task.state == TaskState::kLapsed;
-  return open && has_place(database, task, now);
+  return open && has_place(db, task);
 }
 
-void set_state(store::Database& database, const Task& task, TaskState state) {
-  database.run("UPDATE task SET state = ? WHERE id = ?", state, task.id);
+void set_state(store::Database& db, const Task& task, TaskState state) {
+  db.run("UPDATE task SET state = ? WHERE id = ?", state, task.id);
 }
 
-void renew(store::Database& database, Task& task, const Visit& visit, std::int64_t now) {
+void renew(store::Database& db, Task& task, const Visit& visit) {
   task.state = TaskState::kLeased;
   task.visit = visit.id;
-  task.expires = now + task.lease_seconds;
-  database.run("UPDATE task SET state = ?, visit = ?, expires = ? WHERE id = ?", task.state,
-               task.visit, task.expires, task.id);
+  task.expires = db.now() + task.lease_seconds;
+  db.run("UPDATE task SET state = ?, visit = ?, expires = ? WHERE id = ?", task.state, task.visit,
+         task.expires, task.id);
 }
 
 /// The task that the worker may go on with: this visit's, or one that lapsed.
-std::optional<Task> resume(store::Database& database, const Visit& visit, std::int64_t now) {
+std::optional<Task> resume(store::Database& db, const Visit& visit) {
   std::vector<Task> held =
-      database.select(read_task,
-                      tasks_where("(task.visit = ?2 AND task.state = 'leased') OR "
+      db.select<Task>(tasks_where("(task.visit = ?2 AND task.state = 'leased') OR "
                                   "(task.worker = ?1 AND task.visit <> ?2 AND "
                                   "(task.state = 'lapsed' OR (task.state = 'leased' AND "
                                   "task.expires <= ?3))) ORDER BY task.visit <> ?2, task.id"),
-                      visit.worker, visit.id, now);
+                      visit.worker, visit.id, db.now());
   for (Task& task : held) {
-    if (is_still_held(database, task, now)) {
-      renew(database, task, visit, now);
+    if (is_still_held(db, task)) {
+      renew(db, task, visit);
       return std::move(task);
     }
-    set_state(database, task, TaskState::kLapsed);
+    set_state(db, task, TaskState::kLapsed);
   }
   return std::nullopt;
 }
 
 /// An item that has a place and is new to the worker; 0 if there is none. Those with the fewest
 /// free places first.
-std::int64_t next_item(store::Database& database, const Collection& collection, const Visit& visit,
-                       std::int64_t now) {
-  const std::int64_t begun = database.find_number(
+std::int64_t next_item(store::Database& db, const Collection& collection, const Visit& visit) {
+  const std::int64_t begun = db.find_number(
       "SELECT id FROM (SELECT item.id AS id, (SELECT count(*) FROM task WHERE task.item = item.id "
       "AND (task.state IN ('submitted', 'accepted') OR (task.state = 'leased' AND task.expires > "
       "?3))) AS taken FROM item WHERE collection = ?1 AND item.state = 'begun' AND NOT EXISTS "
       "(SELECT 1 FROM task WHERE task.item = item.id AND task.worker = ?2)) "
       "WHERE taken < ?4 ORDER BY taken DESC, id LIMIT 1",
-      collection.id, visit.worker, now, collection.per_item);
+      collection.id, visit.worker, db.now(), collection.per_item);
   if (begun != 0) return begun;
-  return database.find_number(
+  return db.find_number(
       "SELECT id FROM item WHERE collection = ? AND state = 'fresh' ORDER BY id LIMIT 1",
       collection.id);
 }
 
-NoTask reason_for_none(store::Database& database, const Collection& collection,
-                       const Visit& visit) {
-  const bool others = database.find_number(
+NoTask reason_for_none(store::Database& db, const Collection& collection, const Visit& visit) {
+  const bool others = db.find_number(
                           "SELECT 1 FROM item WHERE collection = ?1 AND state = 'begun' "
                           "AND NOT EXISTS (SELECT 1 FROM task WHERE task.item = item.id "
                           "AND task.worker = ?2) LIMIT 1",
@@ -106,176 +94,174 @@ NoTask reason_for_none(store::Database& database, const Collection& collection,
   return others ? NoTask::kAllLeased : NoTask::kNoneLeft;
 }
 
-Lease lease_next(store::Database& database, const Collection& collection, const Visit& visit,
-                 std::int64_t now) {
-  if (auto task = resume(database, visit, now)) return {std::move(task), {}};
+Lease lease_next(store::Database& db, const Collection& collection, const Visit& visit) {
+  if (auto task = resume(db, visit)) return {std::move(task), {}};
   if (is_finished(collection, visit)) return {std::nullopt, NoTask::kFinished};
   if (!collection.open) return {std::nullopt, NoTask::kClosed};
-  const std::int64_t item = next_item(database, collection, visit, now);
-  if (item == 0) return {std::nullopt, reason_for_none(database, collection, visit)};
-  const std::int64_t id = database.insert(
+  const std::int64_t item = next_item(db, collection, visit);
+  if (item == 0) return {std::nullopt, reason_for_none(db, collection, visit)};
+  const std::int64_t id = db.insert(
       "INSERT INTO task (item, worker, visit, state, expires) VALUES (?, ?, ?, ?, ?)", item,
-      visit.worker, visit.id, TaskState::kLeased, now + collection.lease_seconds);
-  database.run("UPDATE item SET state = 'begun' WHERE id = ? AND state = 'fresh'", item);
-  return {database.find(read_task, tasks_where("task.id = ?"), id), {}};
+      visit.worker, visit.id, TaskState::kLeased, db.now() + collection.lease_seconds);
+  db.run("UPDATE item SET state = 'begun' WHERE id = ? AND state = 'fresh'", item);
+  return {db.find<Task>(tasks_where("task.id = ?"), id), {}};
 }
 
-void check_held(store::Database& database, const Task& task, std::int64_t now) {
+void check_held(store::Database& db, const Task& task) {
   if (task.is_submitted()) {
     throw ServiceError(ErrorCode::kAlreadySubmitted, "it was handed in already");
   }
   if (task.state == TaskState::kReturned) {
     throw ServiceError(ErrorCode::kAlreadyReturned, "it was given back");
   }
-  if (!is_still_held(database, task, now)) {
+  if (!is_still_held(db, task)) {
     throw ServiceError(ErrorCode::kLeaseExpired, "it took too long, and others have it by now");
   }
 }
 
 /// Whether all places of the item are taken for good, from the states of its tasks.
-void update_item(store::Database& database, const Task& task) {
-  database.run(
+void update_item(store::Database& db, const Task& task) {
+  db.run(
       "UPDATE item SET state = CASE WHEN (SELECT count(*) FROM task WHERE item = ?1 AND state IN "
       "('submitted', 'accepted')) >= ?2 THEN 'complete' ELSE 'begun' END WHERE id = ?1",
       task.item.id, task.per_item);
 }
 
-void add_event(store::Database& database, const Task& task, const Event& event) {
-  database.run("INSERT INTO event (task, at, who, what, before, reason) VALUES (?, ?, ?, ?, ?, ?)",
-               task.id, event.at, event.who, event.what, event.before, event.reason);
+void add_event(store::Database& db, const Task& task, const Event& event) {
+  db.run("INSERT INTO event (task, at, who, what, before, reason) VALUES (?, ?, ?, ?, ?, ?)",
+         task.id, event.at, event.who, event.what, event.before, event.reason);
 }
 
 }  // namespace
 
+store::Row& operator>>(store::Row& row, Task& t) {
+  return row >> t.item >> t.collection >> t.kind >> t.per_item >> t.lease_seconds >> t.id >>
+         t.worker >> t.visit >> t.state >> t.expires >> t.draft >> t.content >> t.digest >>
+         t.seconds >> t.flags >> t.camera >> t.error >> t.submitted >> t.reason;
+}
+
+store::Row& operator>>(store::Row& row, Event& event) {
+  return row >> event.at >> event.who >> event.what >> event.before >> event.reason;
+}
+
 bool Task::bonus() const { return error && *error < r2r::MetricOptions{}.success_distance; }
 
-Lease lease_task(store::Database& database, const Collection& collection, const Visit& visit,
-                 std::int64_t now) {
+Lease lease_task(store::Database& db, const Collection& collection, const Visit& visit) {
   if (!visit.consented) {
     throw ServiceError(ErrorCode::kConsentRequired, "the consent page comes first");
   }
-  return database.transact([&] { return lease_next(database, collection, visit, now); });
+  return db.transact([&] { return lease_next(db, collection, visit); });
 }
 
-std::optional<Task> held_task(store::Database& database, const Visit& visit) {
-  return database.find(read_task,
-                       tasks_where("task.visit = ? AND task.state = 'leased' ORDER BY task.id"),
+std::optional<Task> held_task(store::Database& db, const Visit& visit) {
+  return db.find<Task>(tasks_where("task.visit = ? AND task.state = 'leased' ORDER BY task.id"),
                        visit.id);
 }
 
-Task own_task(store::Database& database, const Visit& visit, std::int64_t id) {
-  auto task = database.find(read_task, tasks_where("task.id = ? AND task.visit = ?"), id, visit.id);
+Task own_task(store::Database& db, const Visit& visit, std::int64_t id) {
+  auto task = db.find<Task>(tasks_where("task.id = ? AND task.visit = ?"), id, visit.id);
   if (!task) throw ServiceError(ErrorCode::kNotFound, "no such task of this worker");
   return std::move(*task);
 }
 
-std::int64_t save_draft(store::Database& database, const Visit& visit, std::int64_t id,
-                        const std::string& draft, std::int64_t now) {
-  return database.transact([&] {
-    Task task = own_task(database, visit, id);
-    check_held(database, task, now);
-    renew(database, task, visit, now);
-    database.run("UPDATE task SET draft = ? WHERE id = ?", draft, id);
+std::int64_t save_draft(store::Database& db, const Visit& visit, std::int64_t id,
+                        const std::string& draft) {
+  return db.transact([&] {
+    Task task = own_task(db, visit, id);
+    check_held(db, task);
+    renew(db, task, visit);
+    db.run("UPDATE task SET draft = ? WHERE id = ?", draft, id);
     return task.expires;
   });
 }
 
-void return_task(store::Database& database, const Visit& visit, std::int64_t id, std::int64_t now) {
-  database.transact([&] {
-    const Task task = own_task(database, visit, id);
+void return_task(store::Database& db, const Visit& visit, std::int64_t id) {
+  db.transact([&] {
+    const Task task = own_task(db, visit, id);
     if (task.state == TaskState::kReturned) return;
-    check_held(database, task, now);
-    set_state(database, task, TaskState::kReturned);
+    check_held(db, task);
+    set_state(db, task, TaskState::kReturned);
   });
 }
 
-void submit(store::Database& database, const Visit& visit, std::int64_t id,
-            const SubmittedWork& work, std::int64_t now) {
+void submit(store::Database& db, const Visit& visit, std::int64_t id, const SubmittedWork& work) {
   const std::string digest = detail::sha256(work.content);
-  database.transact([&] {
-    const Task task = own_task(database, visit, id);
+  db.transact([&] {
+    const Task task = own_task(db, visit, id);
     if (task.is_submitted() && task.digest == digest) return;
-    check_held(database, task, now);
-    database.run(
+    check_held(db, task);
+    db.run(
         "UPDATE task SET state = ?, content = ?, digest = ?, seconds = ?, flags = ?, camera = ?, "
         "error = ?, submitted = ?, draft = '' WHERE id = ?",
         TaskState::kSubmitted, work.content, digest, work.seconds, work.flags, work.camera,
-        work.error, now, id);
-    update_item(database, task);
+        work.error, db.now(), id);
+    update_item(db, task);
   });
 }
 
-WorkPage list_work(store::Database& database, std::int64_t collection,
-                   std::optional<TaskState> state, std::int64_t after, std::int64_t limit) {
+WorkPage list_work(store::Database& db, std::int64_t collection, std::optional<TaskState> state,
+                   std::int64_t after, std::int64_t limit) {
   const std::string condition =
       fmt::format("item.collection = ?1 AND {} AND (?2 IS NULL OR task.state = ?2)", kIsSubmitted);
-  const auto held = database.hold();
-  return {database.find_number(
+  const auto held = db.hold();
+  return {db.find_number(
               "SELECT count(*) FROM task JOIN item ON item.id = task.item WHERE " + condition,
               collection, state),
-          database.select(read_task,
-                          tasks_where(condition + " AND task.id > ?3 ORDER BY task.id LIMIT ?4"),
+          db.select<Task>(tasks_where(condition + " AND task.id > ?3 ORDER BY task.id LIMIT ?4"),
                           collection, state, after, limit)};
 }
 
-std::vector<Task> work_of(store::Database& database, std::int64_t collection,
-                          const std::string& split, Reviewed reviewed) {
-  return database.select(
-      read_task,
+std::vector<Task> work_of(store::Database& db, std::int64_t collection, const std::string& split,
+                          Reviewed reviewed) {
+  return db.select<Task>(
       tasks_where("item.collection = ? AND item.split = ? AND (task.state = 'accepted' OR "
                   "(? AND task.state = 'submitted')) ORDER BY item.id, task.id"),
       collection, split, reviewed == Reviewed::kAcceptedOrWaiting);
 }
 
-Task find_work(store::Database& database, std::int64_t id) {
-  auto task =
-      database.find(read_task, tasks_where(fmt::format("task.id = ? AND {}", kIsSubmitted)), id);
+Task find_work(store::Database& db, std::int64_t id) {
+  auto task = db.find<Task>(tasks_where(fmt::format("task.id = ? AND {}", kIsSubmitted)), id);
   if (!task) throw ServiceError(ErrorCode::kNotFound, "no work of this number was handed in");
   return std::move(*task);
 }
 
-std::vector<Event> events_of(store::Database& database, std::int64_t task) {
-  const auto read = [](store::Row& row) {
-    Event event;
-    row >> event.at >> event.who >> event.what >> event.before >> event.reason;
-    return event;
-  };
-  return database.select(
-      read, "SELECT at, who, what, before, reason FROM event WHERE task = ? ORDER BY id", task);
+std::vector<Event> events_of(store::Database& db, std::int64_t task) {
+  return db.select<Event>(
+      "SELECT at, who, what, before, reason FROM event WHERE task = ? ORDER BY id", task);
 }
 
-void review(store::Database& database, std::int64_t id, Verdict verdict, const std::string& reason,
-            const std::string& who, std::int64_t now) {
+void review(store::Database& db, std::int64_t id, Verdict verdict, const std::string& reason,
+            const std::string& who) {
   const bool accepted = verdict == Verdict::kAccepted;
   const TaskState state = accepted ? TaskState::kAccepted : TaskState::kRejected;
-  database.transact([&] {
-    const Task task = find_work(database, id);
+  db.transact([&] {
+    const Task task = find_work(db, id);
     if (task.state == state && task.reason == reason) return;
-    if (accepted && task.state == TaskState::kRejected && !has_place(database, task, now)) {
+    if (accepted && task.state == TaskState::kRejected && !has_place(db, task)) {
       throw ServiceError(ErrorCode::kConflict, "it was rejected, and others have its place by now");
     }
-    database.run("UPDATE task SET state = ?, reason = ? WHERE id = ?", state, reason, id);
-    add_event(database, task,
-              {now, who, accepted ? EventKind::kAccepted : EventKind::kRejected, "", reason});
-    update_item(database, task);
+    db.run("UPDATE task SET state = ?, reason = ? WHERE id = ?", state, reason, id);
+    add_event(db, task,
+              {db.now(), who, accepted ? EventKind::kAccepted : EventKind::kRejected, "", reason});
+    update_item(db, task);
   });
 }
 
-void edit(store::Database& database, std::int64_t id, const std::string& instruction,
-          const std::string& who, std::int64_t now) {
-  database.transact([&] {
-    const Task task = find_work(database, id);
+void edit(store::Database& db, std::int64_t id, const std::string& instruction,
+          const std::string& who) {
+  db.transact([&] {
+    const Task task = find_work(db, id);
     if (task.kind != Kind::kWrite) {
       throw ServiceError(ErrorCode::kConflict, "it is a walk, and has no instruction of its own");
     }
     if (task.content == instruction) return;
-    database.run("UPDATE task SET content = ? WHERE id = ?", instruction, id);
-    add_event(database, task, {now, who, EventKind::kEdited, task.content, ""});
+    db.run("UPDATE task SET content = ? WHERE id = ?", instruction, id);
+    add_event(db, task, {db.now(), who, EventKind::kEdited, task.content, ""});
   });
 }
 
-std::int64_t waiting_for_review(store::Database& database) {
-  return database.find_number("SELECT count(*) FROM task WHERE state = 'submitted'");
+std::int64_t waiting_for_review(store::Database& db) {
+  return db.find_number("SELECT count(*) FROM task WHERE state = 'submitted'");
 }
 
 }  // namespace enfilade::service::collecting

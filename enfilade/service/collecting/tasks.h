@@ -47,6 +47,8 @@ struct Task {
 
   bool is_submitted() const { return submitted != 0; }  ///< reviewed or not
   bool bonus() const;  ///< a walk that ended less than 3 m from its goal
+
+  friend store::Row& operator>>(store::Row& row, Task& task);
 };
 
 /// Why a worker gets no task.
@@ -75,29 +77,26 @@ struct SubmittedWork {
 };
 
 // For workers. A lease that has ended still belongs to its worker as long as nobody else has the
-// place. `now`: seconds since 1970.
+// place.
 
 /// The task that the visit holds, its lease renewed; else one of the worker's that lapsed, if its
 /// place is free; else the next: items that others have begun come first, so that few stay half
 /// done, and no worker gets an item twice. \throws ServiceError kConsentRequired
-Lease lease_task(store::Database& database, const Collection& collection, const Visit& visit,
-                 std::int64_t now);
+Lease lease_task(store::Database& db, const Collection& collection, const Visit& visit);
 /// The task that the visit holds, whether or not its lease has ended.
-std::optional<Task> held_task(store::Database& database, const Visit& visit);
+std::optional<Task> held_task(store::Database& db, const Visit& visit);
 /// \throws ServiceError kNotFound if there is no such task, or it is another visit's
-Task own_task(store::Database& database, const Visit& visit, std::int64_t task);
+Task own_task(store::Database& db, const Visit& visit, std::int64_t task);
 
 // These \throw as own_task(); ServiceError kAlreadySubmitted or kAlreadyReturned for a task that
 // the worker no longer has, kLeaseExpired if another worker has the place.
 
 /// Stores the draft and renews the lease. \returns when it ends
-std::int64_t save_draft(store::Database& database, const Visit& visit, std::int64_t task,
-                        const std::string& draft, std::int64_t now);
-void return_task(store::Database& database, const Visit& visit, std::int64_t task,
-                 std::int64_t now);
+std::int64_t save_draft(store::Database& db, const Visit& visit, std::int64_t task,
+                        const std::string& draft);
+void return_task(store::Database& db, const Visit& visit, std::int64_t task);
 /// On the disk when it returns. Submitting the same work again changes nothing.
-void submit(store::Database& database, const Visit& visit, std::int64_t task,
-            const SubmittedWork& work, std::int64_t now);
+void submit(store::Database& db, const Visit& visit, std::int64_t task, const SubmittedWork& work);
 
 // For reviewers. Those with a task's number \throw ServiceError kNotFound unless it was submitted.
 
@@ -113,6 +112,8 @@ struct Event {
   EventKind what = EventKind::kEdited;
   std::string before;  ///< kEdited: the content until then
   std::string reason;
+
+  friend store::Row& operator>>(store::Row& row, Event& event);
 };
 
 enum class Verdict : std::uint8_t { kAccepted, kRejected };
@@ -126,25 +127,25 @@ struct WorkPage {
 };
 
 /// Submitted work, by rising number. \param state none: all
-WorkPage list_work(store::Database& database, std::int64_t collection,
-                   std::optional<TaskState> state, std::int64_t after, std::int64_t limit);
+WorkPage list_work(store::Database& db, std::int64_t collection, std::optional<TaskState> state,
+                   std::int64_t after, std::int64_t limit);
 enum class Reviewed : std::uint8_t {
   kAccepted,
   kAcceptedOrWaiting,  ///< also what waits for review
 };
 /// Of a split, by item and number.
-std::vector<Task> work_of(store::Database& database, std::int64_t collection,
-                          const std::string& split, Reviewed reviewed);
-Task find_work(store::Database& database, std::int64_t task);
-std::vector<Event> events_of(store::Database& database, std::int64_t task);
+std::vector<Task> work_of(store::Database& db, std::int64_t collection, const std::string& split,
+                          Reviewed reviewed);
+Task find_work(store::Database& db, std::int64_t task);
+std::vector<Event> events_of(store::Database& db, std::int64_t task);
 /// A rejected task leaves its place to another worker. \throws ServiceError kConflict if it was
 /// rejected before and its place is taken
-void review(store::Database& database, std::int64_t task, Verdict verdict,
-            const std::string& reason, const std::string& who, std::int64_t now);
+void review(store::Database& db, std::int64_t task, Verdict verdict, const std::string& reason,
+            const std::string& who);
 /// Changes an instruction. \throws ServiceError kConflict if the task is a walk
-void edit(store::Database& database, std::int64_t task, const std::string& instruction,
-          const std::string& who, std::int64_t now);
+void edit(store::Database& db, std::int64_t task, const std::string& instruction,
+          const std::string& who);
 /// Tasks that wait for review, of all collections.
-std::int64_t waiting_for_review(store::Database& database);
+std::int64_t waiting_for_review(store::Database& db);
 
 }  // namespace enfilade::service::collecting

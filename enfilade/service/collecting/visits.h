@@ -14,23 +14,22 @@ struct Visit {
   std::string worker_name;  ///< the platform's id
   std::string assignment, submit_to;
   std::int64_t done = 0;  ///< tasks submitted
+
+  friend store::Row& operator>>(store::Row& row, Visit& visit);
 };
 
 /// Whether the visit has submitted as many tasks as the collection gives one; never if it gives any
 /// number.
 bool is_finished(const Collection& collection, const Visit& visit);
 
-// `now`: seconds since 1970.
-
 /// The same worker with the same assignment is the same visit, also after a restart.
 /// \pre not arrival.preview  \returns the visit's id
 /// \throws ServiceError kCollectionClosed for a new visit of a closed collection; kConflict if
 /// another worker has the assignment
-std::int64_t join(store::Database& database, const Collection& collection, const Arrival& arrival,
-                  std::int64_t now);
+std::int64_t join(store::Database& db, const Collection& collection, const Arrival& arrival);
 /// \pre there is a visit of this id
-Visit get_visit(store::Database& database, std::int64_t visit);
+Visit get_visit(store::Database& db, std::int64_t visit);
 /// Stores that the visit's worker agreed to the consent text.
-void give_consent(store::Database& database, const Visit& visit, std::int64_t now);
+void give_consent(store::Database& db, const Visit& visit);
 
 }  // namespace enfilade::service::collecting

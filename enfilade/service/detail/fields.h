@@ -1,55 +1,55 @@
-/// \file  Fields of JSON with limits, for files and bodies that people write.
+/// \file  The fields of JSON objects that people write, read by name and checked.
 #pragma once
-#include <fmt/format.h>
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "enfilade/core/detail/json.h"
 
 namespace enfilade::service::detail {
 
-/// What json::fields() found.
-template <std::size_t N>
-using Found = std::array<std::optional<json::Element>, N>;
-
 /// How much of a wrong value a message quotes.
 inline constexpr std::size_t kQuoted = 40;
 
-/// The value; reports "out-of-range", and anything that is no number.
-inline double number_within(json::Element element, const json::Path& path, double least,
-                            double most, json::Faults& faults) {
-  const auto value = json::number(element, path, faults);
-  if (value && !(*value >= least && *value <= most)) {
-    faults.error(path, "out-of-range", fmt::format("{}, not from {} to {}", *value, least, most));
-  }
-  return value.value_or(least);
-}
-
-/// As number_within(), of whole numbers; what is out of range is clamped.
-inline int integer_within(json::Element element, const json::Path& path, int least, int most,
-                          json::Faults& faults) {
-  const auto value = json::integer(element, path, faults);
-  if (value && (*value < least || *value > most)) {
-    faults.error(path, "out-of-range", fmt::format("{}, not from {} to {}", *value, least, most));
-  }
-  return static_cast<int>(std::clamp<std::int64_t>(value.value_or(least), least, most));
-}
+using TextCheck = bool (*)(std::string_view);
 
 /// A text; reports `code` unless check(text). \param allowed what check() allows, for the message
-template <class Check>
-std::string text_that(const Check& check, json::Element element, const json::Path& path,
+std::string read_text(json::Element element, const json::Path& path, TextCheck check,
                       std::string_view allowed, json::Faults& faults,
-                      const char* code = "bad-text") {
-  const auto text = json::string(element, path, faults);
-  if (text && !check(*text)) {
-    faults.error(path, code, fmt::format("{:?}, not {}", text->substr(0, kQuoted), allowed));
-  }
-  return std::string(text.value_or(""));
-}
+                      const char* code = "bad-text");
+
+/// One object. Faults are reported to the list; what cannot be read is the least value, or "".
+class Fields {
+ public:
+  using Names = std::initializer_list<std::string_view>;
+
+  /// Reports required fields that are missing, and an element that is no object.
+  /// \pre path and faults outlive *this
+  Fields(json::Element element, const json::Path& path, json::Faults& faults, Names required,
+         Names optional = {});
+
+  bool complete() const { return complete_; }  ///< all required fields are there
+  bool has(std::string_view name) const;
+  json::Path path(std::string_view name) const { return {path_, name}; }
+
+  // \pre has(name)
+  json::Element operator[](std::string_view name) const;
+  std::string text(std::string_view name, TextCheck check, std::string_view allowed,
+                   const char* code = "bad-text") const;
+  /// Reports "out-of-range".
+  int integer(std::string_view name, int least, int most) const;
+  double number(std::string_view name, double least, double most) const;
+
+ private:
+  const std::optional<json::Element>& find(std::string_view name) const;
+
+  const json::Path& path_;
+  json::Faults& faults_;
+  std::vector<json::Field> wanted_;
+  std::vector<std::optional<json::Element>> found_;
+  bool complete_ = false;
+};
 
 }  // namespace enfilade::service::detail

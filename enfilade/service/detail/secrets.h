@@ -1,4 +1,4 @@
-/// \file  Random secrets and what is kept of them.
+/// \file  Random secrets and their hashes.
 #pragma once
 #include <string>
 #include <string_view>
@@ -8,8 +8,8 @@ namespace enfilade::service::detail {
 /// `prefix` and 256 bits of the system's randomness in hexadecimal digits.
 std::string new_secret(std::string_view prefix);
 
-/// SHA-256 in hexadecimal digits. Enough for secrets of 256 random bits, which nobody can guess
-/// however fast the hash is; passwords would need a slow one.
+/// SHA-256 in hexadecimal digits. Enough for secrets of 256 random bits, which cannot be guessed
+/// however fast the hash is; passwords would need a slow hash.
 std::string sha256(std::string_view text);
 
 }  // namespace enfilade::service::detail

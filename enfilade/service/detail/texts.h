@@ -1,4 +1,4 @@
-/// \file  What texts of strangers may be.
+/// \file  Rules for texts that users send.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -6,12 +6,12 @@
 
 namespace enfilade::service::detail {
 
-/// UTF-8, 1 to `most` characters, no blank at either end, none of them a control character, one
-/// that turns text around, one that nobody sees or a blank but the space.
+/// UTF-8, 1 to `most` characters, no blank at either end; no control characters, none that change
+/// the direction of the text, none that are invisible, and no blanks but the space.
 bool is_label(std::string_view text, std::size_t most);
 
-/// As is_label(), with line breaks, tabs and blanks of all kinds wherever they like, and with the
-/// unseen characters that some writing needs.
+/// As is_label(), but with line breaks, tabs and blanks of all kinds anywhere, and with the
+/// invisible characters that some scripts need.
 bool is_prose(std::string_view text, std::size_t most);
 
 /// 1 to 40 of a-z, 0-9, - and _: a part of URLs.
@@ -20,7 +20,7 @@ bool is_name(std::string_view text);
 /// What platforms give as ids: 1 to 100 of A-Z, a-z, 0-9, - and _.
 bool is_external_id(std::string_view text);
 
-/// For a sheet (CSV): quoted, and never beginning like a formula, which spreadsheets would run.
+/// For CSV: quoted, and never beginning like a formula, which spreadsheets would run.
 std::string sheet_text(const std::string& text);
 
 }  // namespace enfilade::service::detail

@@ -22,14 +22,6 @@ constexpr std::int64_t kDay = 24L * 3600;
 // Messages that quote bytes of a results file call the file so.
 constexpr const char* kFileName = "submission";
 
-/// Of submissions_where().
-Submission read_submission(store::Row& row) {
-  Submission found;
-  row >> found.id >> found.team >> found.team_name >> found.phase >> found.method >> found.state >>
-      found.created >> found.score;
-  return found;
-}
-
 std::string submissions_where(std::string_view condition) {
   return fmt::format(
       "SELECT submission.id, submission.team, team.name, phase, method, state, "
@@ -38,11 +30,10 @@ std::string submissions_where(std::string_view condition) {
       condition);
 }
 
-void check_limit(store::Database& database, std::int64_t team, const Phase& phase,
-                 std::int64_t now) {
-  const std::int64_t taken = database.find_number(
-      "SELECT count(*) FROM submission WHERE team = ? AND phase = ? AND created > ?", team,
-      phase.name, now - kDay);
+void check_limit(store::Database& db, std::int64_t team, const Phase& phase) {
+  const std::int64_t taken =
+      db.find_number("SELECT count(*) FROM submission WHERE team = ? AND phase = ? AND created > ?",
+                     team, phase.name, db.now() - kDay);
   if (taken >= phase.per_day) {
     throw ServiceError(ErrorCode::kRateLimited,
                        fmt::format("phase {} takes {} submissions of a team in 24 hours",
@@ -52,12 +43,14 @@ void check_limit(store::Database& database, std::int64_t team, const Phase& phas
 
 }  // namespace
 
-Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& database,
-                         detail::Clock clock)
-    : site_(std::move(site)),
-      database_(database),
-      clock_(std::move(clock)),
-      worker_([this] { work(); }) {}
+/// Of submissions_where().
+store::Row& operator>>(store::Row& row, Submission& s) {
+  return row >> s.id >> s.team >> s.team_name >> s.phase >> s.method >> s.state >> s.created >>
+         s.score;
+}
+
+Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db)
+    : site_(std::move(site)), db_(db), worker_([this] { work(); }) {}
 
 Submissions::~Submissions() {
   {
@@ -85,17 +78,17 @@ Receipt Submissions::receive(const accounts::Principal& team, std::string_view p
         r2r::parse_results(results, kFileName, site_->secret_episodes(*phase)).warnings;
   }
   const std::string digest = detail::sha256(results);
-  const std::int64_t now = clock_();
-  const std::int64_t id = database_.transact([&] {
-    const std::int64_t same = database_.find_number(
+  const std::int64_t now = db_.now();
+  const std::int64_t id = db_.transact([&] {
+    const std::int64_t same = db_.find_number(
         "SELECT id FROM submission WHERE team = ? AND phase = ? AND method = ? AND digest = ? "
         "AND state <> 'withdrawn'",
         team.team, phase->name, method, digest);
     receipt.known = same != 0;
     if (receipt.known) return same;
-    check_limit(database_, team.team, *phase, now);
+    check_limit(db_, team.team, *phase);
     const std::string content = detail::gzip(results, 1);
-    return database_.insert(
+    return db_.insert(
         "INSERT INTO submission (team, phase, method, created, state, digest, content) "
         "VALUES (?, ?, ?, ?, ?, ?, ?)",
         team.team, phase->name, method, now, SubmissionState::kQueued, digest,
@@ -112,21 +105,19 @@ Receipt Submissions::receive(const accounts::Principal& team, std::string_view p
 }
 
 std::vector<Submission> Submissions::list(std::int64_t team, std::int64_t before) const {
-  return database_.select(
-      read_submission,
+  return db_.select<Submission>(
       submissions_where("(?1 = 0 OR submission.team = ?1) AND submission.id < ?2 "
                         "ORDER BY submission.id DESC LIMIT 500"),
       team, before);
 }
 
 std::optional<Submission> Submissions::find(std::int64_t id) const {
-  return database_.find(read_submission, submissions_where("submission.id = ?"), id);
+  return db_.find<Submission>(submissions_where("submission.id = ?"), id);
 }
 
 std::vector<Submission> Submissions::scored(const Phase& phase) const {
-  return database_.select(
-      read_submission, submissions_where("state = 'scored' AND phase = ? ORDER BY submission.id"),
-      phase.name);
+  return db_.select<Submission>(
+      submissions_where("state = 'scored' AND phase = ? ORDER BY submission.id"), phase.name);
 }
 
 void Submissions::withdraw(std::int64_t team, std::int64_t id) {
@@ -137,11 +128,11 @@ void Submissions::withdraw(std::int64_t team, std::int64_t id) {
   if (found->state == SubmissionState::kWithdrawn) {
     throw ServiceError(ErrorCode::kConflict, "it is withdrawn already");
   }
-  database_.run("UPDATE submission SET state = 'withdrawn' WHERE id = ?", id);
+  db_.run("UPDATE submission SET state = 'withdrawn' WHERE id = ?", id);
 }
 
 std::int64_t Submissions::queued() const {
-  return database_.find_number("SELECT count(*) FROM submission WHERE state = 'queued'");
+  return db_.find_number("SELECT count(*) FROM submission WHERE state = 'queued'");
 }
 
 void Submissions::work() {
@@ -170,27 +161,19 @@ std::string Submissions::score(const std::string& phase_name, const std::string&
 // The oldest that is queued. A failure is stored as one: it must neither end the thread nor be
 // tried again.
 bool Submissions::score_next() {
-  struct Queued {
-    std::int64_t id = 0;
-    std::string phase, content;
-  };
-  const auto read = [](store::Row& row) {
-    Queued found;
-    row >> found.id >> found.phase >> found.content;
-    return found;
-  };
-  const auto next = database_.find(
-      read, "SELECT id, phase, content FROM submission WHERE state = 'queued' ORDER BY id LIMIT 1");
+  const auto next = db_.find<std::tuple<std::int64_t, std::string, std::string>>(
+      "SELECT id, phase, content FROM submission WHERE state = 'queued' ORDER BY id LIMIT 1");
   if (!next) return false;
+  const auto& [id, phase, content] = *next;
   std::optional<std::string> result;
   try {
-    result = score(next->phase, detail::gunzip(next->content));
+    result = score(phase, detail::gunzip(content));
   } catch (const std::exception&) {
     result.reset();  // the phase, its annotations or the graphs were changed since it was received
   }
-  database_.run(
+  db_.run(
       "UPDATE submission SET state = ?, score = ?, finished = ? WHERE id = ? AND state = 'queued'",
-      result ? SubmissionState::kScored : SubmissionState::kFailed, result, clock_(), next->id);
+      result ? SubmissionState::kScored : SubmissionState::kFailed, result, db_.now(), id);
   return true;
 }
 

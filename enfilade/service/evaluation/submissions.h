@@ -13,7 +13,6 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/service/accounts/tokens.h"
-#include "enfilade/service/detail/clock.h"
 #include "enfilade/service/phases.h"
 #include "enfilade/service/site.h"
 
@@ -32,6 +31,8 @@ struct Submission {
   SubmissionState state = SubmissionState::kQueued;
   std::int64_t created = 0;
   std::string score;  ///< r2r::to_json(Score) without episodes; empty unless scored
+
+  friend store::Row& operator>>(store::Row& row, Submission& submission);
 };
 
 /// The answer to a results file.
@@ -46,7 +47,7 @@ struct Receipt {
 class Submissions {
  public:
   /// Starts the thread that scores. \pre the database outlives *this
-  Submissions(std::shared_ptr<const Site> site, store::Database& database, detail::Clock clock);
+  Submissions(std::shared_ptr<const Site> site, store::Database& db);
   /// Waits for the submission that is being scored; the others stay queued.
   ~Submissions();
   Submissions(const Submissions&) = delete;
@@ -74,8 +75,7 @@ class Submissions {
   std::string score(const std::string& phase, const std::string& results) const;
 
   std::shared_ptr<const Site> site_;
-  store::Database& database_;
-  detail::Clock clock_;
+  store::Database& db_;
   std::mutex checking_;
   std::mutex mutex_;
   std::condition_variable wake_;

@@ -26,21 +26,19 @@ Response register_team(Context& context, const Request& request) {
   if (!context.config.open_registration) {
     throw HttpError(403, "ask the organisers for a team");
   }
-  const std::int64_t now = context.clock();
-  context.registrations.count(request.address, now);
+  context.registrations.count(request.address, context.db.now());
   const ordered_json body = parse_object(request.body);
   const std::string name = text_field(body, "name");
-  const accounts::NewTeam team = accounts::add_team(
-      context.database, name, text_field(body, "contact", Presence::kOptional), now);
+  const accounts::NewTeam team =
+      accounts::add_team(context.db, name, text_field(body, "contact", Presence::kOptional));
   return json_response({{"id", team.id}, {"name", name}, {"token", team.token}}, 201);
 }
 
 Response log_in(Context& context, const Request& request) {
-  const std::int64_t now = context.clock();
   const auto principal =
-      accounts::find_token(context.database, text_field(parse_object(request.body), "token"), now);
+      accounts::find_token(context.db, text_field(parse_object(request.body), "token"));
   if (!principal) {
-    context.failures.count(request.address, now);
+    context.failures.count(request.address, context.db.now());
     throw HttpError(401, "the token is unknown, expired or revoked");
   }
   // Workers come by a link, and their pages hold the token themselves: inside a frame of another
@@ -48,8 +46,8 @@ Response log_in(Context& context, const Request& request) {
   if (principal->role == accounts::Role::kWorker) throw HttpError(403, "not for workers");
   Response response = json_response(principal_json(*principal));
   const bool tls = context.config.behind_proxy && request.header("x-forwarded-proto") == "https";
-  set_cookie(response, accounts::start_session(context.database, *principal, now),
-             accounts::kSessionSeconds, tls);
+  set_cookie(response, accounts::start_session(context.db, *principal), accounts::kSessionSeconds,
+             tls);
   return response;
 }
 
@@ -60,7 +58,7 @@ Response session(Context& /*context*/, const Request& request) {
 
 Response log_out(Context& context, const Request& request) {
   if (request.principal && request.principal->by_cookie) {
-    accounts::end_sessions(context.database, request.principal->token);
+    accounts::end_sessions(context.db, request.principal->token);
   }
   Response response = json_response(ordered_json::object());
   set_cookie(response, "", 0, false);

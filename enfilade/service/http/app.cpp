@@ -46,8 +46,7 @@ void check_origin(const Request& request) {
 App::App(std::shared_ptr<const Site> site, ServerConfig config)
     : context_(std::move(site), std::move(config)) {
   const std::size_t most_bytes = context_.config.most_submission_bytes;
-  add_scan_routes(router_);
-  add_episode_routes(router_);
+  add_browsing_routes(router_);
   add_account_routes(router_);
   add_evaluation_routes(router_, most_bytes);
   add_collection_routes(router_, most_bytes);
@@ -58,22 +57,20 @@ App::App(std::shared_ptr<const Site> site, ServerConfig config)
 
 void App::identify(Request& request) {
   constexpr std::string_view kBearer = "Bearer ";
-  const std::int64_t now = context_.clock();
   const std::string_view authorization = request.header("authorization");
   if (!authorization.empty()) {
     if (authorization.starts_with(kBearer)) {
-      request.principal =
-          accounts::find_token(context_.database, authorization.substr(kBearer.size()), now);
+      request.principal = accounts::find_token(context_.db, authorization.substr(kBearer.size()));
     }
     if (!request.principal) {
-      context_.failures.count(request.address, now);
+      context_.failures.count(request.address, context_.db.now());
       throw HttpError(401, "the token is unknown, expired or revoked");
     }
     return;
   }
   const std::string_view cookie = cookie_of(request, accounts::kSessionCookie);
   if (!cookie.empty()) {
-    request.principal = accounts::find_session(context_.database, cookie, now);
+    request.principal = accounts::find_session(context_.db, cookie);
   }
 }
 

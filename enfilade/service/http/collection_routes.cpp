@@ -5,6 +5,7 @@
 
 #include "enfilade/service/collecting/collection_json.h"
 #include "enfilade/service/collecting/export.h"
+#include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/http/errors.h"
 #include "enfilade/service/http/routes.h"
 
@@ -15,16 +16,12 @@ using accounts::Role;
 using collecting::Collection;
 using nlohmann::ordered_json;
 
-Collection collection_of(Context& context, const Request& request) {
-  return collecting::get_collection(context.database, request.parameter("collection"));
-}
-
 /// As much of it as the client may see.
 ordered_json view_of(Context& context, const Request& request, const Collection& collection) {
   ordered_json out = collecting::collection_json(collection, context.site->synthetic());
   const bool organiser = request.is_from(Role::kOrganiser);
   if (organiser || request.is_from(Role::kReviewer)) {
-    out.update(collecting::progress_json(context.database, collection, context.clock()));
+    out.update(collecting::progress_json(context.db, collection));
   }
   if (organiser) {
     out["platform"] = collecting::platform_json(collection.platform);
@@ -35,8 +32,7 @@ ordered_json view_of(Context& context, const Request& request, const Collection&
 
 Response create(Context& context, const Request& request) {
   const auto added = collecting::read_new_collection(*context.site, request.body);
-  const Collection collection =
-      collecting::add_collection(context.database, added, context.clock());
+  const Collection collection = collecting::add_collection(context.db, added);
   return json_response(view_of(context, request, collection), 201);
 }
 
@@ -45,11 +41,9 @@ Response show(Context& context, const Request& request) {
 }
 
 Response list(Context& context, const Request& request) {
-  auto collections = ordered_json::array();
-  for (const Collection& collection : collecting::list_collections(context.database)) {
-    collections.push_back(view_of(context, request, collection));
-  }
-  return json_response({{"collections", collections}});
+  const auto view = [&](const Collection& one) { return view_of(context, request, one); };
+  return json_response(
+      {{"collections", detail::json_list(collecting::list_collections(context.db), view)}});
 }
 
 Response change_state(Context& context, const Request& request) {
@@ -59,20 +53,20 @@ Response change_state(Context& context, const Request& request) {
     throw HttpError(400, "state: not \"open\" or \"closed\"");
   }
   collection.open = state == "open";
-  collecting::set_open(context.database, collection.id, collection.open);
+  collecting::set_open(context.db, collection.id, collection.open);
   return json_response(view_of(context, request, collection));
 }
 
 Response list_visits(Context& context, const Request& request) {
-  const auto visits = collecting::visits_of(context.database, collection_of(context, request));
+  const auto visits = collecting::visits_of(context.db, collection_of(context, request));
   if (request.text("format") == "csv") return csv_response(collecting::visits_csv(visits));
-  return json_response({{"visits", collecting::visits_json(visits)}});
+  return json_response({{"visits", detail::json_list(visits, collecting::visit_summary_json)}});
 }
 
 /// One of the collection's splits: their names can be part of a file's.
 std::string split_of(Context& context, const Request& request, const Collection& collection) {
   std::string name = request.text("split");
-  const auto splits = collecting::splits_of(context.database, collection.id);
+  const auto splits = collecting::splits_of(context.db, collection.id);
   if (std::ranges::find(splits, name, &collecting::SplitSize::split) == splits.end()) {
     throw HttpError(404, "split: the collection has no such split");
   }
@@ -89,26 +83,29 @@ Response export_file(Context& context, const Request& request) {
     throw HttpError(400, "state: not \"accepted\" or \"all\"");
   }
   const Reviewed reviewed = state == "all" ? Reviewed::kAcceptedOrWaiting : Reviewed::kAccepted;
-  store::Database& database = context.database;
+  store::Database& db = context.db;
   if (what.empty() || what == "annotations") {
-    const auto items = collecting::items_of(database, collection.id, split);
+    const auto items = collecting::items_of(db, collection.id, split);
     if (std::ranges::any_of(items, &collecting::Item::secret)) {
       throw HttpError(403, "the goals of this split are secret");
     }
-    return file_response(collecting::annotations_json(database, collection, split, reviewed),
+    return file_response(collecting::annotations_json(db, collection, split, reviewed),
                          fmt::format("R2R_{}.json", split));
   }
   if (collection.kind != collecting::Kind::kWalk || (what != "results" && what != "walks")) {
     throw HttpError(400,
                     "what: not annotations, nor, where instructions are walked, results or walks");
   }
-  return file_response(what == "results"
-                           ? collecting::results_json(database, collection, split, reviewed)
-                           : collecting::walks_json(database, collection, split, reviewed),
+  return file_response(what == "results" ? collecting::results_json(db, collection, split, reviewed)
+                                         : collecting::walks_json(db, collection, split, reviewed),
                        fmt::format("human_{}_{}.json", what, split));
 }
 
 }  // namespace
+
+Collection collection_of(Context& context, const Request& request) {
+  return collecting::get_collection(context.db, request.parameter("collection"));
+}
 
 void add_collection_routes(Router& router, std::size_t most_bytes) {
   const std::string all = "/api/v1/collections";

@@ -22,10 +22,9 @@ void RateLimit::count(const std::string& address, std::int64_t now) {
 Context::Context(std::shared_ptr<const Site> its_site, ServerConfig its_config)
     : site(std::move(its_site)),
       config(std::move(its_config)),
-      clock(config.clock ? config.clock : detail::system_clock()),
-      database(config.database),
+      db(config.database, config.clock ? config.clock : detail::system_clock()),
       faces(site->panoramas()),
-      submissions(site, database, clock),
+      submissions(site, db),
       failures(config.most_attempts),
       registrations(config.most_attempts),
       joins(config.most_joins) {}

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "enfilade/service/browsing/faces.h"
-#include "enfilade/service/detail/clock.h"
 #include "enfilade/service/evaluation/submissions.h"
 #include "enfilade/service/http/metrics.h"
 #include "enfilade/service/server.h"
@@ -39,8 +38,7 @@ struct Context {
 
   std::shared_ptr<const Site> site;
   ServerConfig config;
-  detail::Clock clock;
-  store::Database database;
+  store::Database db;
   browsing::Faces faces;
   evaluation::Submissions submissions;
   Metrics metrics;

@@ -9,7 +9,6 @@
 namespace enfilade::service::http {
 namespace {
 
-using detail::ErrorCode;
 using nlohmann::ordered_json;
 
 constexpr std::size_t kMostDiagnostics = 200;
@@ -41,32 +40,17 @@ Answer answer_of(int status) {
   return {status, found == kAnswers.end() ? "invalid-request" : found->code};
 }
 
-/// Codes of their own where a client goes on differently.
-Answer answer_of(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::kInvalidInput:
-      return answer_of(422);
-    case ErrorCode::kForbidden:
-      return answer_of(403);
-    case ErrorCode::kConsentRequired:
-      return {403, "consent-required"};
-    case ErrorCode::kCollectionClosed:
-      return {403, "collection-closed"};
-    case ErrorCode::kNotFound:
-      return answer_of(404);
-    case ErrorCode::kConflict:
-      return answer_of(409);
-    case ErrorCode::kAlreadySubmitted:
-      return {409, "already-submitted"};
-    case ErrorCode::kAlreadyReturned:
-      return {409, "already-returned"};
-    case ErrorCode::kLeaseExpired:
-      return {409, "lease-expired"};
-    case ErrorCode::kRateLimited:
-      return answer_of(429);
-  }
-  return answer_of(500);
-}
+/// In the order of ErrorCode. Codes of their own where a client goes on differently.
+constexpr std::array<Answer, 10> kRefusals{{{422, "invalid-input"},
+                                            {403, "forbidden"},
+                                            {403, "consent-required"},
+                                            {403, "collection-closed"},
+                                            {404, "not-found"},
+                                            {409, "conflict"},
+                                            {409, "already-submitted"},
+                                            {409, "already-returned"},
+                                            {409, "lease-expired"},
+                                            {429, "rate-limited"}}};
 
 Response respond(const Answer& answer, std::string_view message,
                  const std::vector<Diagnostic>& diagnostics) {
@@ -103,7 +87,7 @@ Response error_response(const std::exception_ptr& thrown, std::string& fault) {
   } catch (const HttpError& error) {
     return error_response(error.status(), error.what());
   } catch (const detail::ServiceError& error) {
-    return respond(answer_of(error.code()), error.what(), {});
+    return respond(kRefusals[static_cast<std::size_t>(error.code())], error.what(), {});
   } catch (const InvalidInput& error) {
     return error_response(422, "what was sent has faults", error.diagnostics());
   } catch (const std::exception& error) {

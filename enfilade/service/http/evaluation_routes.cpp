@@ -2,6 +2,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/evaluation/leaderboard.h"
 #include "enfilade/service/http/errors.h"
 #include "enfilade/service/http/routes.h"
@@ -27,25 +28,24 @@ ordered_json submission_json(const Context& context, const Request& request,
 }
 
 Response phases(Context& context, const Request& /*request*/) {
-  auto list = ordered_json::array();
-  for (const Phase& phase : context.site->phases()) {
-    list.push_back({{"phase", phase.name},
-                    {"title", phase.title},
-                    {"split", phase.split},
-                    {"episodes", context.site->secret_episodes(phase).episodes.size()},
-                    {"goals_secret", phase.goals_secret()},
-                    {"scores", phase.scores == Scores::kPublic ? "public" : "hidden"},
-                    {"per_day", phase.per_day}});
-  }
-  return json_response({{"phases", list}});
+  const auto view = [&site = *context.site](const Phase& phase) {
+    return ordered_json{{"phase", phase.name},
+                        {"title", phase.title},
+                        {"split", phase.split},
+                        {"episodes", site.secret_episodes(phase).episodes.size()},
+                        {"goals_secret", phase.goals_secret()},
+                        {"scores", phase.scores == Scores::kPublic ? "public" : "hidden"},
+                        {"per_day", phase.per_day}};
+  };
+  return json_response({{"phases", detail::json_list(context.site->phases(), view)}});
 }
 
 Response receive(Context& context, const Request& request) {
   const evaluation::Receipt receipt = context.submissions.receive(
       *request.principal, request.text("phase"), request.text("method"), request.body);
   ordered_json out = submission_json(context, request, receipt.submission);
-  auto& warnings = out["warnings"] = ordered_json::array();
-  for (const Diagnostic& warning : receipt.warnings) warnings.push_back(to_string(warning));
+  out["warnings"] = detail::json_list(receipt.warnings,
+                                      [](const Diagnostic& warning) { return to_string(warning); });
   return json_response(out, receipt.known ? 200 : 202);
 }
 
@@ -67,11 +67,9 @@ Response list_submissions(Context& context, const Request& request) {
   }
   constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
   const std::int64_t before = request.number("before", kMost, 1, kMost);
-  auto list = ordered_json::array();
-  for (const Submission& submission : context.submissions.list(principal.team, before)) {
-    list.push_back(submission_json(context, request, submission));
-  }
-  return json_response({{"submissions", list}});
+  const auto view = [&](const Submission& one) { return submission_json(context, request, one); };
+  return json_response(
+      {{"submissions", detail::json_list(context.submissions.list(principal.team, before), view)}});
 }
 
 Response show_submission(Context& context, const Request& request) {

@@ -19,7 +19,7 @@ Response metrics(Context& context, const Request& /*request*/) {
       context.metrics.text(
           {{"enfilade_submissions_queued", static_cast<double>(context.submissions.queued())},
            {"enfilade_work_to_review",
-            static_cast<double>(collecting::waiting_for_review(context.database))},
+            static_cast<double>(collecting::waiting_for_review(context.db))},
            {"process_resident_memory_bytes", static_cast<double>(resident_bytes())}}));
 }
 

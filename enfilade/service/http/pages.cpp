@@ -15,7 +15,7 @@ namespace {
 
 /// Mechanical Turk shows a collection's page in a frame of its own, and receives its form.
 void allow_platform(Context& context, const Request& request, Response& response) {
-  const auto collection = collecting::find_collection(context.database, request.text("collection"));
+  const auto collection = collecting::find_collection(context.db, request.text("collection"));
   if (!collection || collection->platform.kind != collecting::PlatformKind::kMturk) return;
   const std::string origins = fmt::format("{}", fmt::join(collection->platform.origins, " "));
   response.add_header("Content-Security-Policy", content_policy("'self' " + origins, origins));

@@ -4,6 +4,7 @@
 
 #include "enfilade/service/collecting/collection_json.h"
 #include "enfilade/service/collecting/submitted_work.h"
+#include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/http/errors.h"
@@ -35,17 +36,16 @@ std::optional<TaskState> state_of(const Request& request) {
 }
 
 Response list_work(Context& context, const Request& request) {
-  const collecting::Collection collection =
-      collecting::get_collection(context.database, request.parameter("collection"));
+  const collecting::Collection collection = collection_of(context, request);
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
   const collecting::WorkPage page = collecting::list_work(
-      context.database, collection.id, state_of(request), request.number("after", 0, 0, kMost),
+      context.db, collection.id, state_of(request), request.number("after", 0, 0, kMost),
       request.number("limit", 50, 1, 200));
-  auto work = ordered_json::array();
-  for (const collecting::Task& task : page.tasks) {
-    work.push_back(collecting::work_json(task, may_know_secrets(request)));
-  }
-  return json_response({{"matching", page.matching}, {"work", work}});
+  const auto view = [&request](const collecting::Task& task) {
+    return collecting::work_json(task, may_know_secrets(request));
+  };
+  return json_response(
+      {{"matching", page.matching}, {"work", detail::json_list(page.tasks, view)}});
 }
 
 Response review(Context& context, const Request& request) {
@@ -58,8 +58,7 @@ Response review(Context& context, const Request& request) {
     throw HttpError(400, "reason: of a rejection, 1 to 500 printable characters; else none");
   }
   const std::int64_t task = task_of(request);
-  collecting::review(context.database, task, *verdict, reason, request.principal->name,
-                     context.clock());
+  collecting::review(context.db, task, *verdict, reason, request.principal->name);
   return work_response(context, request, task);
 }
 
@@ -67,17 +66,17 @@ Response edit(Context& context, const Request& request) {
   const std::string instruction = text_field(parse_object(request.body), "instruction");
   collecting::check_instruction(instruction, "$.instruction");
   const std::int64_t task = task_of(request);
-  collecting::edit(context.database, task, instruction, request.principal->name, context.clock());
+  collecting::edit(context.db, task, instruction, request.principal->name);
   return work_response(context, request, task);
 }
 
 }  // namespace
 
 Response work_response(Context& context, const Request& request, std::int64_t id) {
-  const collecting::Task task = collecting::find_work(context.database, id);
+  const collecting::Task task = collecting::find_work(context.db, id);
   ordered_json out = collecting::work_json(task, may_know_secrets(request));
   if (task.kind == collecting::Kind::kWalk) out["steps"] = ordered_json::parse(task.content);
-  out["history"] = collecting::events_json(collecting::events_of(context.database, id));
+  out["history"] = detail::json_list(collecting::events_of(context.db, id), collecting::event_json);
   return json_response(out);
 }
 

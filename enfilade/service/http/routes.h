@@ -1,12 +1,12 @@
 /// \file  The routes, by product.
 #pragma once
+#include "enfilade/service/collecting/collections.h"
 #include "enfilade/service/http/context.h"
 #include "enfilade/service/http/router.h"
 
 namespace enfilade::service::http {
 
-void add_scan_routes(Router& router);
-void add_episode_routes(Router& router);
+void add_browsing_routes(Router& router);
 void add_account_routes(Router& router);
 /// \param most_bytes of a results file
 void add_evaluation_routes(Router& router, std::size_t most_bytes);
@@ -20,6 +20,8 @@ void add_operation_routes(Router& router);
 /// A built page or asset of the web client. \throws HttpError 404
 Response page(Context& context, const Request& request);
 
+/// {collection} of the path. \throws ServiceError kNotFound
+collecting::Collection collection_of(Context& context, const Request& request);
 /// {task} of the path. \throws ServiceError kNotFound if it is no number
 std::int64_t task_of(const Request& request);
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kLongestTarget = 2048;
 constexpr int kReadSeconds = 5;       // between two pieces of a request
-constexpr int kKeepAliveSeconds = 2;  // an idle connexion holds a thread for that long
+constexpr int kKeepAliveSeconds = 2;  // an idle connection holds a thread for that long
 constexpr int kKeepAliveRequests = 1000;
 
 std::string lower(std::string text) {
@@ -49,14 +49,14 @@ Request convert(const httplib::Request& from, bool behind_proxy) {
   return request;
 }
 
-enum class Connexion { kStays, kCloses };
+enum class Connection { kStays, kCloses };
 
 // By a provider of known length, as that is what cpp-httplib does not compress by itself: the App
-// has done so where it pays. A provider that fails closes the connexion.
-void convert(Response from, httplib::Response& to, Connexion connexion = Connexion::kStays) {
+// has done so where it pays. A provider that fails closes the connection.
+void convert(Response from, httplib::Response& to, Connection connection = Connection::kStays) {
   to.status = from.status;
   for (auto& [name, value] : from.headers) to.set_header(name, value);
-  const bool closes = connexion == Connexion::kCloses;
+  const bool closes = connection == Connection::kCloses;
   if (closes) to.set_header("Connection", "close");
   if (from.body->empty()) {
     to.set_header("Content-Type", from.type);
@@ -72,11 +72,12 @@ void convert(Response from, httplib::Response& to, Connexion connexion = Connexi
   to.set_content_provider(size, from.type, send);
 }
 
-/// What isn't the App's to answer. Nobody knows where the next request begins on that connexion.
+/// Refuses what does not reach the App, and closes the connection: it is not known where the next
+/// request begins on it.
 void refuse(int status, std::string_view message, httplib::Response& to) {
   Response response = error_response(status, message);
   add_security_headers(response);
-  convert(std::move(response), to, Connexion::kCloses);
+  convert(std::move(response), to, Connection::kCloses);
 }
 
 bool may_have_body(std::string_view method) {
@@ -107,10 +108,10 @@ bool end_is_unclear(const httplib::Request& request) {
   return has_body(request) && length != "0" && !may_have_body(request.method);
 }
 
-/// The body of a request: bytes are taken from the connexion once, whoever wants them.
+/// The body of a request. Its bytes are taken from the connection once.
 class Body {
  public:
-  /// \param held bytes of bodies that are in memory, of all connexions
+  /// \param held bytes of bodies that are in memory, of all connections
   Body(const httplib::ContentReader& reader, const ServerConfig& config,
        std::atomic<std::size_t>& held)
       : reader_(reader), config_(config), held_(held) {}
@@ -144,7 +145,7 @@ class Body {
     return body;
   }
 
-  /// Reads what nobody asked for. \returns whether the next request begins behind it
+  /// Reads a body that no route asked for. \returns whether the next request begins after it
   bool finish() {
     if (!begun_) {
       try {
@@ -218,7 +219,7 @@ struct Transport::Impl {
       // Parts of answers are nothing that the pages need, and 0.11 gets them wrong.
       own.ranges.clear();
       if (end_is_unclear(from)) {
-        own.method = "GET";  // what answers HEAD has no end that could close the connexion
+        own.method = "GET";  // what answers HEAD has no end that could close the connection
         refuse(400, "it is not clear where this request ends", to);
       } else if (from.path.size() > kLongestTarget) {
         // cpp-httplib matches targets with std::regex, which a long one would take down.
@@ -260,7 +261,7 @@ struct Transport::Impl {
     Body body(reader, config, held);
     Response response = app.handle(convert(from, config.behind_proxy),
                                    [&body](std::size_t most) { return body.read(most); });
-    convert(std::move(response), to, body.finish() ? Connexion::kStays : Connexion::kCloses);
+    convert(std::move(response), to, body.finish() ? Connection::kStays : Connection::kCloses);
   }
 };
 

@@ -19,11 +19,11 @@ constexpr std::size_t kMostDraftBytes = 256U << 10U;
 constexpr std::size_t kMostWorkBytes = 1U << 20U;  // 5000 steps, some 120 bytes each
 
 Visit own_visit(Context& context, const Request& request) {
-  return collecting::get_visit(context.database, request.principal->visit);
+  return collecting::get_visit(context.db, request.principal->visit);
 }
 
 Task own_task(Context& context, const Request& request) {
-  return collecting::own_task(context.database, own_visit(context, request), task_of(request));
+  return collecting::own_task(context.db, own_visit(context, request), task_of(request));
 }
 
 collecting::Parameters read_parameters(const std::string& body) {
@@ -41,9 +41,9 @@ collecting::Parameters read_parameters(const std::string& body) {
 
 /// The present state of a visit; changes nothing.
 ordered_json state_of(Context& context, std::int64_t id) {
-  const Visit visit = collecting::get_visit(context.database, id);
-  const Collection collection = collecting::collection_of_visit(context.database, id);
-  return collecting::visit_json(collection, visit, collecting::held_task(context.database, visit),
+  const Visit visit = collecting::get_visit(context.db, id);
+  const Collection collection = collecting::collection_of_visit(context.db, id);
+  return collecting::visit_json(collection, visit, collecting::held_task(context.db, visit),
                                 collecting::is_finished(collection, visit));
 }
 
@@ -52,14 +52,12 @@ Response visit_response(Context& context, const Request& request) {
 }
 
 Response join(Context& context, const Request& request) {
-  const std::int64_t now = context.clock();
-  context.joins.count(request.address, now);
-  const Collection collection =
-      collecting::get_collection(context.database, request.parameter("collection"));
+  context.joins.count(request.address, context.db.now());
+  const Collection collection = collection_of(context, request);
   const collecting::Parameters parameters = read_parameters(request.body);
   const auto key = parameters.find("key");
   if (key == parameters.end() || key->second != collection.key) {
-    context.failures.count(request.address, now);
+    context.failures.count(request.address, context.db.now());
     throw HttpError(403, "the link is not whole: its key is wrong");
   }
   const collecting::Arrival arrival = collecting::read_arrival(collection.platform, parameters);
@@ -67,30 +65,29 @@ Response join(Context& context, const Request& request) {
       {"preview", arrival.preview},
       {"collection", collecting::collection_json(collection, context.site->synthetic())}};
   if (arrival.preview) {
-    const collecting::Item item = collecting::first_item(context.database, collection.id);
+    const collecting::Item item = collecting::first_item(context.db, collection.id);
     out["example"] = collecting::item_json(item, collection.kind);
     return json_response(out);
   }
-  const std::int64_t visit = collecting::join(context.database, collection, arrival, now);
+  const std::int64_t visit = collecting::join(context.db, collection, arrival);
   out["worker"] = arrival.worker;
   const std::string label =
-      fmt::format("worker {}", collecting::get_visit(context.database, visit).worker);
-  out["token"] = accounts::add_worker_token(context.database, visit, label, now);
+      fmt::format("worker {}", collecting::get_visit(context.db, visit).worker);
+  out["token"] = accounts::add_worker_token(context.db, visit, label);
   out["visit"] = state_of(context, visit);
   return json_response(out);
 }
 
 Response give_consent(Context& context, const Request& request) {
-  collecting::give_consent(context.database, own_visit(context, request), context.clock());
+  collecting::give_consent(context.db, own_visit(context, request));
   return visit_response(context, request);
 }
 
 Response next_task(Context& context, const Request& request) {
   using collecting::NoTask;
   const Visit visit = own_visit(context, request);
-  const Collection collection = collecting::collection_of_visit(context.database, visit.id);
-  const collecting::Lease lease =
-      collecting::lease_task(context.database, collection, visit, context.clock());
+  const Collection collection = collecting::collection_of_visit(context.db, visit.id);
+  const collecting::Lease lease = collecting::lease_task(context.db, collection, visit);
   const bool finished =
       !lease.task && (lease.why == NoTask::kFinished || lease.why == NoTask::kNoneLeft);
   ordered_json out = collecting::visit_json(collection, visit, lease.task, finished);
@@ -130,15 +127,13 @@ Response save_draft(Context& context, const Request& request) {
   if (draft == body.end() || !draft->is_object()) {
     throw HttpError(400, "draft: must be there, and an object");
   }
-  const std::int64_t expires =
-      collecting::save_draft(context.database, own_visit(context, request), task_of(request),
-                             draft->dump(), context.clock());
+  const std::int64_t expires = collecting::save_draft(context.db, own_visit(context, request),
+                                                      task_of(request), draft->dump());
   return json_response({{"expires", detail::iso_time(expires)}});
 }
 
 Response return_task(Context& context, const Request& request) {
-  collecting::return_task(context.database, own_visit(context, request), task_of(request),
-                          context.clock());
+  collecting::return_task(context.db, own_visit(context, request), task_of(request));
   return visit_response(context, request);
 }
 
@@ -148,7 +143,7 @@ Response submit(Context& context, const Request& request) {
   const collecting::SubmittedWork work =
       walk ? collecting::read_walk(request.body, task.item, context.site->graphs())
            : collecting::read_instruction(request.body);
-  collecting::submit(context.database, own_visit(context, request), task.id, work, context.clock());
+  collecting::submit(context.db, own_visit(context, request), task.id, work);
   ordered_json out = state_of(context, request.principal->visit);
   if (walk) {
     out["walked"] = ordered_json::object();

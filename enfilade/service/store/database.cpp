@@ -40,8 +40,10 @@ std::vector<std::string> split_lines(std::string_view text) {
   return lines;
 }
 
-Database::Database(const fs::path& file)
-    : file_(file.string()), db_(open_file(file, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)) {
+Database::Database(const fs::path& file, detail::Clock clock)
+    : file_(file.string()),
+      clock_(std::move(clock)),
+      db_(open_file(file, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)) {
   try {
     db_.exec("PRAGMA journal_mode = WAL");
     // What was acknowledged survives the machine's power too, not just the process.

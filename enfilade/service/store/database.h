@@ -3,7 +3,6 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/service/detail/clock.h"
 #include "enfilade/service/store/sql.h"
 
 namespace enfilade::service::store {
@@ -22,7 +22,10 @@ class Database {
  public:
   /// Opens or makes the file, and brings its schema up to date, each migration in a transaction.
   /// \throws FileError if it can't be opened, or was made by a newer Enfilade
-  explicit Database(const std::filesystem::path& file);
+  explicit Database(const std::filesystem::path& file,
+                    detail::Clock clock = detail::system_clock());
+
+  std::int64_t now() const { return clock_(); }  ///< seconds since 1970
 
   /// Runs a statement; the values take the places of its question marks. \returns how many rows it
   /// inserted, updated or deleted
@@ -39,32 +42,28 @@ class Database {
     run(sql, values...);
     return db_.getLastInsertRowid();
   }
-  /// What `read(Row&)` returns for each row of a SELECT.
-  template <class Read, class... Values>
-  auto select(const Read& read, const std::string& sql, const Values&... values) {
+  /// The rows of a SELECT, each as `row >> value` reads it.
+  template <class T, class... Values>
+  std::vector<T> select(const std::string& sql, const Values&... values) {
     const auto held = hold();
     SQLite::Statement statement = prepare(sql, values...);
-    std::vector<std::invoke_result_t<Read, Row&>> found;
-    while (statement.executeStep()) {
-      Row row(statement);
-      found.push_back(read(row));
-    }
+    std::vector<T> found;
+    while (statement.executeStep()) read(statement, found.emplace_back());
     return found;
   }
-  /// As select(), of the first row; none if there is no row.
-  template <class Read, class... Values>
-  auto find(const Read& read, const std::string& sql, const Values&... values)
-      -> std::optional<std::invoke_result_t<Read, Row&>> {
+  /// As select(), the first row; none if there is no row.
+  template <class T, class... Values>
+  std::optional<T> find(const std::string& sql, const Values&... values) {
     const auto held = hold();
     SQLite::Statement statement = prepare(sql, values...);
-    if (!statement.executeStep()) return std::nullopt;
-    Row row(statement);
-    return read(row);
+    std::optional<T> found;
+    if (statement.executeStep()) read(statement, found.emplace());
+    return found;
   }
-  /// The number in the first column of the first row; 0 if there is no row.
+  /// A number; 0 if there is no row.
   template <class... Values>
   std::int64_t find_number(const std::string& sql, const Values&... values) {
-    return find(read_value<std::int64_t>, sql, values...).value_or(0);
+    return find<std::int64_t>(sql, values...).value_or(0);
   }
 
   /// Calls change() in a transaction: all that it runs happens, on the disk when this returns, or
@@ -86,6 +85,11 @@ class Database {
   std::unique_lock<std::recursive_mutex> hold() { return std::unique_lock(mutex_); }
 
  private:
+  template <class T>
+  static void read(SQLite::Statement& statement, T& value) {
+    Row row(statement);
+    row >> value;
+  }
   template <class... Values>
   SQLite::Statement prepare(const std::string& sql, const Values&... values) {
     SQLite::Statement statement(db_, sql);
@@ -97,6 +101,7 @@ class Database {
 
   std::recursive_mutex mutex_;
   std::string file_;
+  detail::Clock clock_;
   SQLite::Database db_;
 };
 

@@ -21,7 +21,7 @@ TEST(Database, IsMadeWithTheNewestSchemaInWalMode) {
   const tests::TemporaryFolder folder("database");
   Database database(folder.path() / "a.sqlite");
   EXPECT_EQ(version_of(database), static_cast<int>(kMigrations.size()));
-  EXPECT_EQ(database.find(read_value<std::string>, "PRAGMA journal_mode"), "wal");
+  EXPECT_EQ(database.find<std::string>("PRAGMA journal_mode"), "wal");
 }
 
 TEST(Database, KeepsItsContentWhenItIsOpenedAgain) {
@@ -68,11 +68,11 @@ TEST(Database, AnOlderOneIsBroughtUpToDateWithAllThatIsInIt) {
   EXPECT_EQ(version_of(database), static_cast<int>(kMigrations.size()));
   EXPECT_EQ(database.find_number("SELECT team FROM token WHERE hash = 'h'"), 3);
   EXPECT_EQ(database.find_number("SELECT expires FROM token WHERE hash = 'i'"), 9);
-  EXPECT_EQ(database.find(read_value<std::string>,
-                          "SELECT token.label FROM session JOIN token ON token.id = session.token"),
+  EXPECT_EQ(database.find<std::string>(
+                "SELECT token.label FROM session JOIN token ON token.id = session.token"),
             "Ada");
   EXPECT_EQ(database.find_number("SELECT count(*) FROM submission"), 1);
-  EXPECT_FALSE(database.find(read_value<std::string>, "PRAGMA foreign_key_check"));
+  EXPECT_FALSE(database.find<std::string>("PRAGMA foreign_key_check"));
   // References follow the tables' new names: a token with a session can't be deleted.
   EXPECT_THROW(database.run("DELETE FROM token WHERE hash = 'i'"), SQLite::Exception);
 }
@@ -86,17 +86,10 @@ TEST(Database, ValuesComeBackAsTheyWere) {
   EXPECT_EQ(database.insert("INSERT INTO kept VALUES (?, ?, ?, ?, ?)", -3, 0.5, lines, Blob{bytes},
                             std::optional<std::string>()),
             1);
-  const auto check = [&](Row& row) {
-    int number = 0;
-    std::optional<double> real;
-    std::vector<std::string> list;
-    std::string blob;
-    std::optional<std::string> none("some");
-    row >> number >> real >> list >> blob >> none;
-    return number == -3 && real == 0.5 && list == lines && blob == bytes && !none;
-  };
-  EXPECT_EQ(database.find(check, "SELECT * FROM kept"), true);
-  EXPECT_EQ(database.find(check, "SELECT * FROM kept WHERE number = ?", 4), std::nullopt);
+  using Kept = std::tuple<int, std::optional<double>, std::vector<std::string>, std::string,
+                          std::optional<std::string>>;
+  EXPECT_EQ(database.find<Kept>("SELECT * FROM kept"), Kept(-3, 0.5, lines, bytes, std::nullopt));
+  EXPECT_EQ(database.find<Kept>("SELECT * FROM kept WHERE number = ?", 4), std::nullopt);
   EXPECT_EQ(database.run("DELETE FROM kept"), 1);
 }
 
@@ -125,7 +118,7 @@ TEST(Database, ABackUpIsMadeWhileItIsOpen) {
   back_up(folder.path() / "a.sqlite", folder.path() / "copy.sqlite");
   back_up(folder.path() / "a.sqlite", folder.path() / "copy.sqlite");  // replaces the first
   Database copy(folder.path() / "copy.sqlite");
-  EXPECT_EQ(copy.find(read_value<std::string>, "SELECT name FROM team"), "t");
+  EXPECT_EQ(copy.find<std::string>("SELECT name FROM team"), "t");
 }
 
 }  // namespace

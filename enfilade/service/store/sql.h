@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "enfilade/core/errors.h"
@@ -46,52 +47,54 @@ inline void bind(SQLite::Statement& statement, int k, const Blob& blob) {
   statement.bind(k, blob.bytes.data(), static_cast<int>(blob.bytes.size()));
 }
 
-/// The columns of a row, read from left to right: `row >> id >> name`.
+/// The columns of a row, read from left to right: `row >> id >> name`. A type of several columns
+/// has an operator>> of its own.
 class Row {
  public:
   explicit Row(SQLite::Statement& statement) : statement_(statement) {}
 
-  template <class T>
+  template <std::integral T>
   Row& operator>>(T& value) {
-    const SQLite::Column column = statement_.getColumn(next_++);
-    if constexpr (std::integral<T>) {
-      value = static_cast<T>(column.getInt64());
-    } else if constexpr (std::floating_point<T>) {
-      value = column.getDouble();
-    } else if constexpr (detail::Named<T>) {
-      const auto found = detail::find_named<T>(column.getString());
-      if (!found) throw Error("the database has a name that this program does not know");
-      value = *found;
-    } else {
-      value = column.getString();
-    }
+    value = static_cast<T>(next().getInt64());
+    return *this;
+  }
+  template <detail::Named T>
+  Row& operator>>(T& value) {
+    const auto found = detail::find_named<T>(next().getString());
+    if (!found) throw Error("the database has a name that this program does not know");
+    value = *found;
     return *this;
   }
   template <class T>
   Row& operator>>(std::optional<T>& value) {
-    if (statement_.getColumn(next_).isNull()) {
-      ++next_;
-      value.reset();
-      return *this;
-    }
-    return *this >> value.emplace();
+    value.reset();
+    if (!statement_.getColumn(column_).isNull()) return *this >> value.emplace();
+    ++column_;
+    return *this;
+  }
+  template <class... T>
+  Row& operator>>(std::tuple<T...>& values) {
+    std::apply([this](T&... value) { (*this >> ... >> value); }, values);
+    return *this;
+  }
+  Row& operator>>(double& value) {
+    value = next().getDouble();
+    return *this;
+  }
+  Row& operator>>(std::string& value) {
+    value = next().getString();
+    return *this;
   }
   Row& operator>>(std::vector<std::string>& lines) {
-    lines = split_lines(statement_.getColumn(next_++).getString());
+    lines = split_lines(next().getString());
     return *this;
   }
 
  private:
-  SQLite::Statement& statement_;
-  int next_ = 0;
-};
+  SQLite::Column next() { return statement_.getColumn(column_++); }
 
-/// A row as one value, where it has one column.
-template <class T>
-T read_value(Row& row) {
-  T value{};
-  row >> value;
-  return value;
-}
+  SQLite::Statement& statement_;
+  int column_ = 0;
+};
 
 }  // namespace enfilade::service::store

@@ -1,4 +1,4 @@
-// Scans: graphs, faces, plans.
+// Scans (graphs, faces, plans), splits and episodes.
 #include <fmt/format.h>
 #include <map>
 #include <mutex>
@@ -7,6 +7,7 @@
 
 #include "enfilade/core/rng.h"
 #include "enfilade/draw/floor_plan.h"
+#include "enfilade/service/browsing/episodes.h"
 #include "enfilade/service/browsing/scans.h"
 #include "enfilade/service/http/errors.h"
 #include "enfilade/service/http/routes.h"
@@ -88,9 +89,24 @@ Response face(Context& context, const Request& request, scan::Layer layer) {
   return response;
 }
 
+constexpr std::int64_t kMostEpisodes = 500;
+
+Response splits(Context& context, const Request& /*request*/) {
+  return json_response(browsing::split_list_json(*context.site));
+}
+
+Response episodes(Context& context, const Request& request) {
+  const PublicSplit* split = context.site->find_split(request.parameter("split"));
+  if (split == nullptr) throw HttpError(404, "no split of this name");
+  return json_response(
+      browsing::episodes_json(*split, {request.text("scan"), request.text("q"), request.text("id"),
+                                       request.number("offset", 0, 0, 1'000'000'000),
+                                       request.number("limit", 50, 1, kMostEpisodes)}));
+}
+
 }  // namespace
 
-void add_scan_routes(Router& router) {
+void add_browsing_routes(Router& router) {
   const auto cache = std::make_shared<Cache>();
   const std::string one = "/api/v1/scans/{scan}";
   router.add(
@@ -115,6 +131,8 @@ void add_scan_routes(Router& router) {
                   return face(context, request, layer);
                 }});
   }
+  router.add({"GET", "/api/v1/splits", Access::kPublic, splits});
+  router.add({"GET", "/api/v1/splits/{split}/episodes", Access::kPublic, episodes});
 }
 
 }  // namespace enfilade::service::http
