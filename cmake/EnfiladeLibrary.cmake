@@ -7,7 +7,7 @@
 #     PRIVATE nanoflann::nanoflann  third parties, seen by our sources only
 #     ALONE nav_graph.cpp           never compiled in one go with others (EN_UNITY): its local names
 #                                   are theirs too
-#     TEST_LIBRARIES enfilade::synth ...)
+#     TEST_LIBRARIES enfilade::homes ...)
 function(enfilade_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES;ROOMS;ALONE")
   set(target enfilade_${name})

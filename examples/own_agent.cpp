@@ -4,9 +4,9 @@
 
 #include "enfilade/agents/run.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/homes/small_building.h"
 #include "enfilade/r2r/score.h"
 #include "enfilade/scan/data_root.h"
-#include "enfilade/synth/small_building.h"
 
 namespace {
 
@@ -40,7 +40,7 @@ class StraightOn : public agents::Agent {
 int main() {
   // Real data: scan::DataRoot::from_environment() with ENFILADE_DATA set.
   const auto folder = std::filesystem::temp_directory_path() / "enfilade_example_own_agent";
-  synth::write_small_dataset(folder);
+  homes::write_small_dataset(folder);
   const scan::DataRoot data(folder);
   const r2r::EpisodeSet episodes =
       r2r::make_episodes(r2r::load_annotations(data.annotations("val_unseen"), "val_unseen"),

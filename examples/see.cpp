@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "enfilade/core/file.h"
+#include "enfilade/homes/small_building.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/render/renderer.h"
-#include "enfilade/synth/small_building.h"
 
 namespace {
 
@@ -39,7 +39,7 @@ scan::Panorama striped_room(std::uint32_t size) {
 
 int main() {
   // Real ones: scan::PanoramaSet::open({{"store"}, "connectivity"}, graphs->scans()).
-  scan::Connectivity building = synth::make_small_building(1, "synth").connectivity;
+  scan::Connectivity building = homes::make_small_building(1, "synth").connectivity;
   std::vector<scan::Panorama> rooms(building.entries.size(), striped_room(64));
   const auto panoramas = scan::PanoramaSet::of(
       {std::make_shared<const scan::MemoryPanoramas>(std::move(building), std::move(rooms))});

@@ -2,15 +2,15 @@
 #include <fmt/core.h>
 
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/homes/small_building.h"
 #include "enfilade/sim/simulator.h"
-#include "enfilade/synth/small_building.h"
 
 int main() {
   using namespace enfilade;
 
   // Real buildings: graph::GraphSet::open("data/connectivity").
   std::vector<graph::NavGraph> buildings;
-  buildings.emplace_back(synth::make_small_building(1, "synth").connectivity);
+  buildings.emplace_back(homes::make_small_building(1, "synth").connectivity);
   const auto graphs = graph::GraphSet::of(std::move(buildings));
 
   sim::SimulatorConfig config = sim::SimulatorConfig::room_to_room();

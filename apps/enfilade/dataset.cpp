@@ -4,19 +4,19 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/synth/home_set.h"
+#include "enfilade/homes/home_set.h"
 
 namespace enfilade::apps {
 namespace {
 
 struct Options {
   std::string folder;
-  synth::HomePathOptions paths;
+  homes::HomePathOptions paths;
 };
 
 void make(const Options& options) {
   const Progress progress = progress_bar("paths");
-  const auto report = synth::write_home_paths(
+  const auto report = homes::write_home_paths(
       options.folder, options.paths, [&](const std::string&, std::size_t done, std::size_t total) {
         if (progress) progress(done, total);
       });

@@ -20,11 +20,11 @@
 #include "enfilade/core/file.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/homes/home_set.h"
 #include "enfilade/r2r/results.h"
 #include "enfilade/r2r/score.h"
 #include "enfilade/r2r/statistics.h"
 #include "enfilade/report/published.h"
-#include "enfilade/synth/home_set.h"
 
 namespace enfilade::apps {
 namespace {
@@ -96,8 +96,8 @@ Data find_data(const Options& options) {
       if (progress) progress(done, total);
     };
   };
-  synth::write_homes(folder, synth::home_set_preset("demo"), bar(homes));
-  synth::write_home_paths(folder, {}, bar(paths));
+  homes::write_homes(folder, homes::home_set_preset("demo"), bar(homes));
+  homes::write_home_paths(folder, {}, bar(paths));
   return {scan::DataRoot(folder), true};
 }
 

@@ -9,9 +9,9 @@
 #include "apps/enfilade/picture_files.h"
 #include "enfilade/draw/contact_sheet.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/homes/home_set.h"
+#include "enfilade/homes/plan.h"
 #include "enfilade/r2r/annotations.h"
-#include "enfilade/synth/home_set.h"
-#include "enfilade/synth/plan.h"
 
 namespace enfilade::apps {
 namespace {
@@ -64,8 +64,8 @@ class Artist {
   }
 
   // Where one sees most of a room, from the viewpoints in it.
-  std::optional<Look> best_look(const std::string& scan, const synth::RoomEntry& room,
-                                const synth::Rect& floor) {
+  std::optional<Look> best_look(const std::string& scan, const homes::RoomEntry& room,
+                                const Rect& floor) {
     const graph::NavGraph& graph = graphs_->graph(scan);
     constexpr std::size_t kHeadings = 12;
     std::optional<Look> best;
@@ -83,7 +83,7 @@ class Artist {
 
  private:
   // Many things of this room, and little of other rooms or right before one's eyes.
-  double interest(const std::string& scan, Pose pose, const synth::Rect& floor) {
+  double interest(const std::string& scan, Pose pose, const Rect& floor) {
     constexpr Size kSmall{64, 48};
     Drawn drawn;
     const render::Outputs outputs =
@@ -107,8 +107,8 @@ class Artist {
   }
 
   // Is what a pixel shows above this floor, or in the walls around it?
-  static bool lies_on(const synth::Rect& floor, Vec3f eye, Radians heading, Size size,
-                      std::size_t pixel, double depth) {
+  static bool lies_on(const Rect& floor, Vec3f eye, Radians heading, Size size, std::size_t pixel,
+                      double depth) {
     constexpr double kWall = 0.15;  // metres: pictures and windows are in or before the walls
     const double tangent = std::tan(degrees(kVfov).value / 2);
     const double height = size.height;
@@ -140,7 +140,7 @@ void write_sheet(const fs::path& file, const std::vector<draw::SheetPicture>& pi
 }
 
 // The place of the room that people spend their days in, else of that with most viewpoints.
-std::optional<std::size_t> main_room(const synth::HomeEntry& home) {
+std::optional<std::size_t> main_room(const homes::HomeEntry& home) {
   const auto& rooms = home.rooms;
   for (const char type : {'l', 'f', 'n', 'm', 'o', 'b'}) {
     for (std::size_t r = 0; r < rooms.size(); ++r) {
@@ -149,17 +149,17 @@ std::optional<std::size_t> main_room(const synth::HomeEntry& home) {
   }
   if (rooms.empty()) return std::nullopt;
   const auto most = std::ranges::max_element(
-      rooms, {}, [](const synth::RoomEntry& room) { return room.viewpoints.size(); });
+      rooms, {}, [](const homes::RoomEntry& room) { return room.viewpoints.size(); });
   return static_cast<std::size_t>(most - rooms.begin());
 }
 
 std::vector<draw::SheetPicture> views_of_homes(Artist& artist,
-                                               const std::vector<synth::HomeEntry>& homes) {
+                                               const std::vector<homes::HomeEntry>& homes) {
   std::vector<draw::SheetPicture> pictures;
-  for (const synth::HomeEntry& home : homes) {
+  for (const homes::HomeEntry& home : homes) {
     const auto room = main_room(home);
     if (!room) continue;
-    const synth::Plan plan = synth::make_plan(home.plan);
+    const homes::Plan plan = homes::make_plan(home.plan);
     const auto look = artist.best_look(home.scan, home.rooms[*room], plan.rooms.at(*room).floor);
     if (!look) continue;
     pictures.push_back({artist.look(home.scan, look->pose),
@@ -174,12 +174,12 @@ struct RoomLook {
 };
 
 // Of each type of room the one, in any home, of which one sees most.
-std::map<char, RoomLook> best_rooms(Artist& artist, const std::vector<synth::HomeEntry>& homes) {
+std::map<char, RoomLook> best_rooms(Artist& artist, const std::vector<homes::HomeEntry>& homes) {
   std::map<char, RoomLook> best;
-  for (const synth::HomeEntry& home : homes) {
-    const synth::Plan plan = synth::make_plan(home.plan);
+  for (const homes::HomeEntry& home : homes) {
+    const homes::Plan plan = homes::make_plan(home.plan);
     for (std::size_t r = 0; r < home.rooms.size(); ++r) {
-      const synth::RoomEntry& room = home.rooms[r];
+      const homes::RoomEntry& room = home.rooms[r];
       const auto look = artist.best_look(home.scan, room, plan.rooms.at(r).floor);
       if (!look) continue;
       const auto known = best.find(room.type);
@@ -222,7 +222,7 @@ bool draw_walk(Artist& artist, const fs::path& file) {
 }  // namespace
 
 std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& output) {
-  const auto homes = synth::read_home_list(folder);
+  const auto homes = homes::read_home_list(folder);
   Artist artist(folder);
   std::vector<std::string> files;
   const auto sheet = [&](const char* name, const std::vector<draw::SheetPicture>& pictures,

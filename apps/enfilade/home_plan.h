@@ -10,7 +10,7 @@ namespace enfilade::apps {
 
 /// What stands in a model home, made again from the folder's list (well under a second), and what
 /// its rooms are called. Nothing if the folder is no set of model homes or has none of the graph's
-/// name. \throws as synth::read_home_list()
+/// name. \throws as homes::read_home_list()
 std::optional<draw::PlanUnderlay> home_underlay(const std::filesystem::path& folder,
                                                 const graph::NavGraph& graph);
 

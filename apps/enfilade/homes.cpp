@@ -10,7 +10,7 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/synth/home_set.h"
+#include "enfilade/homes/home_set.h"
 
 namespace enfilade::apps {
 namespace {
@@ -21,21 +21,21 @@ struct Options {
   std::optional<std::uint64_t> seed;
   std::optional<std::uint32_t> size, samples;
   std::optional<double> area;
-  std::size_t paths = synth::HomePathOptions().per_home;
+  std::size_t paths = homes::HomePathOptions().per_home;
   int threads = 0;
 };
 
-const std::map<std::string, synth::HomeKind>& kinds() {
-  static const std::map<std::string, synth::HomeKind> kKinds{
-      {"house", synth::HomeKind::kHouse},
-      {"flat", synth::HomeKind::kFlat},
-      {"office", synth::HomeKind::kOffice},
-      {"hotel", synth::HomeKind::kHotelFloor}};
+const std::map<std::string, homes::HomeKind>& kinds() {
+  static const std::map<std::string, homes::HomeKind> kKinds{
+      {"house", homes::HomeKind::kHouse},
+      {"flat", homes::HomeKind::kFlat},
+      {"office", homes::HomeKind::kOffice},
+      {"hotel", homes::HomeKind::kHotelFloor}};
   return kKinds;
 }
 
-synth::HomeSetOptions set_of(const Options& o) {
-  synth::HomeSetOptions set = synth::home_set_preset(o.preset);
+homes::HomeSetOptions set_of(const Options& o) {
+  homes::HomeSetOptions set = homes::home_set_preset(o.preset);
   if (o.homes) set.homes = *o.homes;
   if (o.seed) set.seed = *o.seed;
   if (!o.kind.empty()) set.kind = kinds().at(o.kind);
@@ -52,17 +52,17 @@ synth::HomeSetOptions set_of(const Options& o) {
 }
 
 // One bar for the whole, named after what is being done.
-synth::SetProgress bar(const std::string& what) {
+homes::SetProgress bar(const std::string& what) {
   return [progress = progress_bar(what)](const std::string&, std::size_t done, std::size_t total) {
     if (progress) progress(done, total);
   };
 }
 
-void print_homes(const std::vector<synth::HomeEntry>& homes) {
+void print_homes(const std::vector<homes::HomeEntry>& homes) {
   fmt::print("{:<12}{:<8}{:>7}{:>12}{:>8}{:>11}\n", "SYNTHETIC", "kind", "rooms", "viewpoints",
              "edges", "triangles");
   std::array<std::size_t, 3> sums{};
-  for (const synth::HomeEntry& home : homes) {
+  for (const homes::HomeEntry& home : homes) {
     fmt::print("{:<12}{:<8}{:>7}{:>12}{:>8}{:>11}\n", home.scan, home.kind, home.rooms.size(),
                home.viewpoints, home.edges, home.triangles);
     sums[0] += home.rooms.size();
@@ -74,8 +74,8 @@ void print_homes(const std::vector<synth::HomeEntry>& homes) {
 }
 
 void make(const Options& options) {
-  const synth::HomeSetOptions set = set_of(options);
-  const auto [homes, notes] = synth::write_homes(options.output, set, bar("homes"));
+  const homes::HomeSetOptions set = set_of(options);
+  const auto [homes, notes] = homes::write_homes(options.output, set, bar("homes"));
   print_homes(homes);
   if (!notes.empty()) print_diagnostics(notes);
   if (set.shard.count > 1) {
@@ -84,16 +84,16 @@ void make(const Options& options) {
     return;
   }
   if (options.paths == 0) return;
-  if (homes.size() < synth::kLeastHomes) {
-    fmt::print("no paths: splits by building need {} homes, these are {}\n", synth::kLeastHomes,
+  if (homes.size() < homes::kLeastHomes) {
+    fmt::print("no paths: splits by building need {} homes, these are {}\n", homes::kLeastHomes,
                homes.size());
     return;
   }
-  synth::HomePathOptions paths;
+  homes::HomePathOptions paths;
   paths.per_home = options.paths;
   paths.threads = options.threads;
   if (options.seed) paths.seed = *options.seed;
-  const auto report = synth::write_home_paths(options.output, paths, bar("paths"));
+  const auto report = homes::write_home_paths(options.output, paths, bar("paths"));
   fmt::print("{} paths, {} instructions, all SYNTHETIC\n", report.paths, report.instructions);
 }
 
@@ -104,7 +104,7 @@ void add_options(CLI::App& verb, Options& o) {
   verb.add_option("--preset", o.preset,
                   "small: 2 flats for tests; demo: 16 homes of 25 to 50 viewpoints; full: 90 homes "
                   "of 117 viewpoints on average, 512-texel faces")
-      ->check(CLI::IsMember(synth::home_set_presets()))
+      ->check(CLI::IsMember(homes::home_set_presets()))
       ->capture_default_str();
   verb.add_option("--homes", o.homes, "How many, instead of the preset's")
       ->check(whole_number(1, 10000))
@@ -112,7 +112,7 @@ void add_options(CLI::App& verb, Options& o) {
   verb.add_option("--kind", o.kind, "house, flat, office or hotel; else a mixture")
       ->check(CLI::IsMember(std::vector<std::string>{"house", "flat", "office", "hotel"}));
   verb.add_option("--area", o.area, "Of all storeys of a home, square metres, 60 to 3000")
-      ->check(finite_number(synth::kLeastArea, synth::kMostArea));
+      ->check(finite_number(homes::kLeastArea, homes::kMostArea));
   verb.add_option("--size", o.size, "Texels of a panorama's faces; 0: no pictures")
       ->check(whole_number(0, 4096));
   verb.add_option("--samples", o.samples, "Colour rays a texel: 1, 4, 9 or 16")

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/homes/home_set.h"
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/store.h"
-#include "enfilade/synth/home_set.h"
 #include "tests/support/folder_content.h"
 #include "tests/support/process.h"
 #include "tests/support/temporary_folder.h"
@@ -35,7 +35,7 @@ std::vector<std::string> paths_in(const fs::path& folder) {
 // That what the list of a folder names is whole, whenever the program was killed.
 void expect_whole(const fs::path& folder, bool pictures) {
   if (!fs::exists(folder / "homes.json")) return;
-  for (const synth::HomeEntry& home : synth::read_home_list(folder)) {
+  for (const homes::HomeEntry& home : homes::read_home_list(folder)) {
     const auto graph = scan::load_connectivity(folder / "connectivity", home.scan);
     EXPECT_GT(graph.entries.size(), 0U);
     if (!pictures) continue;

@@ -12,10 +12,10 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/homes/home_set.h"
+#include "enfilade/mesh/mpcat40.h"
 #include "enfilade/neural/network.h"
 #include "enfilade/r2r/annotations.h"
-#include "enfilade/synth/home_set.h"
-#include "enfilade/synth/house_files.h"
 
 namespace enfilade::apps {
 namespace {
@@ -46,8 +46,8 @@ void set_scans(const scan::DataRoot& data, neural::PretrainConfig& config) {
 void set_rooms(const scan::DataRoot& data, neural::PretrainConfig& config) {
   if (!std::filesystem::exists(data.folder() / "homes.json")) return;
   std::map<std::pair<std::string, std::string>, char> rooms;
-  for (const synth::HomeEntry& home : synth::read_home_list(data.folder())) {
-    for (const synth::RoomEntry& room : home.rooms) {
+  for (const homes::HomeEntry& home : homes::read_home_list(data.folder())) {
+    for (const homes::RoomEntry& room : home.rooms) {
       for (const std::string& viewpoint : room.viewpoints) {
         rooms[{home.scan, viewpoint}] = room.type;
       }
@@ -100,7 +100,7 @@ void print_report(const neural::PretrainReport& report) {
   line("distance off by", percent(std::expm1(seen.distance_error)),
        percent(std::expm1(unseen.distance_error)));
   for (std::size_t i = 0; i < report.classes.size(); ++i) {
-    line(fmt::format("  {}", synth::class_name(static_cast<std::size_t>(report.classes[i]))),
+    line(fmt::format("  {}", mesh::class_name(static_cast<std::size_t>(report.classes[i]))),
          percent(at_or_nan(seen.average_precision, i)),
          percent(at_or_nan(unseen.average_precision, i)));
   }

@@ -12,13 +12,13 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/mesh_files.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/capture/plain_room.h"
+#include "enfilade/capture/scan_files.h"
 #include "enfilade/core/file.h"
 #include "enfilade/graph/build.h"
 #include "enfilade/mesh/lighting.h"
 #include "enfilade/mesh/segmentation.h"
 #include "enfilade/scan/connectivity.h"
-#include "enfilade/synth/plain_room.h"
-#include "enfilade/synth/scan_files.h"
 
 namespace enfilade::apps {
 namespace {
@@ -29,16 +29,16 @@ struct Arguments {
   MeshOptions mesh;
   std::string output, graph, labels;
   std::vector<std::string> parts;
-  synth::ScanFilesOptions files;
+  capture::ScanFilesOptions files;
   std::size_t limit = 0;
   bool room = false;
 };
 
-synth::ScanParts parts_of(const Arguments& a) {
+capture::ScanParts parts_of(const Arguments& a) {
   std::vector<std::string> names = a.parts;
   if (names.empty()) names = {"skybox", "strips", "mesh"};
   if (a.parts.empty() && a.labels.empty()) names.emplace_back("house");
-  synth::ScanParts parts;
+  capture::ScanParts parts;
   for (const std::string& name : names) {
     const bool all = name == "all", strips = name == "strips";
     parts.faces |= all || name == "skybox";
@@ -62,7 +62,7 @@ mesh::Mesh read(const Arguments& a) {
              a.mesh.file, mesh.triangles.size(), mesh.materials.size(), mesh.objects.size(),
              box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z);
   std::fflush(stdout);
-  if (a.room) synth::add_plain_room(mesh);
+  if (a.room) capture::add_plain_room(mesh);
   return mesh;
 }
 
@@ -137,7 +137,7 @@ std::unique_ptr<mesh::LitMesh> label_mesh(const Arguments& a, const std::string&
 }
 
 void report(const Arguments& a, const scan::Connectivity& graph,
-            const synth::ScanFilesReport& report, double seconds) {
+            const capture::ScanFilesReport& report, double seconds) {
   fmt::print("{}: {} viewpoints, {} edges; {} pictures{} in {:.1f} s, {:.1f} MB\n",
              report.folder.string(), report.viewpoints, edges(graph), report.written,
              report.kept == 0 ? "" : fmt::format(" ({} more were there)", report.kept), seconds,
@@ -159,7 +159,7 @@ void run(Arguments a) {
       std::make_shared<const mesh::RayTracer>(std::make_shared<const mesh::Mesh>(read(a)));
   const scan::Connectivity graph = graph_of(a, *tracer, scan);
   warn_of_emptiness(*tracer, graph);
-  const synth::ScanParts& parts = a.files.parts;
+  const capture::ScanParts& parts = a.files.parts;
   const bool coloured = parts.faces || parts.colour_strip || parts.undistorted;
   mesh::BakeOptions bake = coloured ? mesh::BakeOptions{} : hardly_any_light();
   bake.threads = a.files.threads;

@@ -5,7 +5,7 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/synth/small_building.h"
+#include "enfilade/homes/small_building.h"
 
 namespace enfilade::apps {
 namespace {
@@ -17,7 +17,7 @@ struct Options {
 };
 
 void write(const Options& options) {
-  synth::write_small_dataset(options.output, options.buildings, options.seed);
+  homes::write_small_dataset(options.output, options.buildings, options.seed);
   fmt::print(
       "{}: {} SYNTHETIC buildings with paths and instructions.\n"
       "Use them with --data {} or ENFILADE_DATA; numbers from them compare with no others.\n",

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/synth/small_building.h"
+#include "enfilade/homes/small_building.h"
 #include "python/src/bindings.h"
 
 namespace enfilade::python {
@@ -142,7 +142,7 @@ void bind_graphs(nb::module_& m) {
   m.def(
       "write_small_dataset",
       [](const std::filesystem::path& folder, std::size_t buildings, std::uint64_t seed) {
-        synth::write_small_dataset(folder, buildings, seed);
+        homes::write_small_dataset(folder, buildings, seed);
       },
       "folder"_a, "buildings"_a = 6, "seed"_a = 1, nb::call_guard<nb::gil_scoped_release>(),
       "Writes a small synthetic data set without pictures: graphs, R2R annotations. At least 3 "

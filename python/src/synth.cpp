@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "enfilade/synth/home_set.h"
+#include "enfilade/homes/home_set.h"
 #include "python/src/errors.h"
 
 namespace nb = nanobind;
@@ -15,19 +15,19 @@ namespace {
 
 nb::tuple write_homes(const std::string& folder, const std::string& preset, std::size_t homes,
                       std::uint64_t seed, std::uint32_t face_size, int threads) {
-  synth::HomePathReport paths;
+  homes::HomePathReport paths;
   std::size_t made = 0;
   {
     const nb::gil_scoped_release unlocked;
-    synth::HomeSetOptions options = synth::home_set_preset(preset);
+    homes::HomeSetOptions options = homes::home_set_preset(preset);
     if (homes > 0) options.homes = homes;
     options.seed = seed;
     options.face_size = face_size;
     options.threads = threads;
-    made = synth::write_homes(folder, options).homes.size();
-    synth::HomePathOptions path_options;
+    made = homes::write_homes(folder, options).homes.size();
+    homes::HomePathOptions path_options;
     path_options.threads = threads;
-    if (made >= synth::kLeastHomes) paths = synth::write_home_paths(folder, path_options);
+    if (made >= homes::kLeastHomes) paths = homes::write_home_paths(folder, path_options);
   }
   return nb::make_tuple(made, paths.paths, paths.instructions);
 }

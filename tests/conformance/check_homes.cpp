@@ -12,7 +12,7 @@
 #include "enfilade/core/threads.h"
 #include "enfilade/graph/build.h"
 #include "enfilade/graph/compare.h"
-#include "enfilade/synth/built_home.h"
+#include "enfilade/homes/built_home.h"
 
 namespace enfilade::tests {
 namespace {
@@ -32,7 +32,7 @@ Vec3d foot_of(const scan::ConnectivityEntry& viewpoint) {
   return foot;
 }
 
-bool is_free(const synth::Home& home, const scan::Connectivity& graph, std::size_t a, std::size_t b,
+bool is_free(const homes::Home& home, const scan::Connectivity& graph, std::size_t a, std::size_t b,
              double slack) {
   const graph::EdgeOptions edge;
   return passage_is_free(home, foot_of(graph.entries[a]), foot_of(graph.entries[b]), edge.width,
@@ -40,7 +40,7 @@ bool is_free(const synth::Home& home, const scan::Connectivity& graph, std::size
 }
 
 // The same viewpoints with the edges that are true.
-scan::Connectivity true_graph(const synth::Home& home, const scan::Connectivity& found) {
+scan::Connectivity true_graph(const homes::Home& home, const scan::Connectivity& found) {
   scan::Connectivity truth = found;
   for (auto& entry : truth.entries) entry.unobstructed.clear();
   const double longest = graph::EdgeOptions().longest;
@@ -58,7 +58,7 @@ scan::Connectivity true_graph(const synth::Home& home, const scan::Connectivity&
 
 // How many metres thinner (negative: thicker) the body would have to be for the truth to change;
 // 0.5 if no thickness changes it.
-double margin(const synth::Home& home, const scan::Connectivity& graph, graph::ComparedEdge edge,
+double margin(const homes::Home& home, const scan::Connectivity& graph, graph::ComparedEdge edge,
               bool extra) {
   constexpr double kStep = 0.005, kMost = 0.15;
   for (double slack = kStep; slack <= kMost; slack += kStep) {
@@ -91,15 +91,15 @@ std::size_t components(const scan::Connectivity& graph) {
 }
 
 // Storeys and rooms in which no viewpoint stands.
-std::string not_reached(const synth::Home& home, const scan::Connectivity& graph) {
+std::string not_reached(const homes::Home& home, const scan::Connectivity& graph) {
   std::vector<std::size_t> count(home.plan.rooms.size());
   for (const auto& entry : graph.entries) {
-    if (const auto room = synth::room_at(home.plan, foot_of(entry))) ++count[*room];
+    if (const auto room = homes::room_at(home.plan, foot_of(entry))) ++count[*room];
   }
   std::string text;
   for (std::size_t r = 0; r < count.size(); ++r) {
     if (count[r] > 0) continue;
-    const synth::PlanRoom& room = home.plan.rooms[r];
+    const homes::PlanRoom& room = home.plan.rooms[r];
     text += fmt::format(" {} ({:.1f} m2)", room.name, room.floor.area());
   }
   return text;
@@ -114,7 +114,7 @@ struct Totals {
   }
 };
 
-void list_differences(const synth::Home& home, const scan::Connectivity& found,
+void list_differences(const homes::Home& home, const scan::Connectivity& found,
                       const graph::GraphComparison& compared) {
   const auto print = [&](const char* what, const graph::ComparedEdge& edge, bool extra) {
     const Vec3d a = found.entries[edge.a.at()].position(),
@@ -134,19 +134,19 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 struct Made {
-  synth::BuiltHome built;
+  homes::BuiltHome built;
   scan::Connectivity graph;
 };
 
 Made make(const Options& options, std::uint64_t seed, Totals& totals) {
-  synth::PlanOptions plan;
+  homes::PlanOptions plan;
   plan.seed = seed;
   plan.area = options.area;
   const auto start = std::chrono::steady_clock::now();
-  Made made{synth::build_home(plan), {}};
+  Made made{homes::build_home(plan), {}};
   totals.home_seconds += seconds_since(start);
   const auto built = std::chrono::steady_clock::now();
-  made.graph = synth::build_graph(made.built, fmt::format("seed_{}", seed), 0);
+  made.graph = homes::build_graph(made.built, fmt::format("seed_{}", seed), 0);
   totals.graph_seconds += seconds_since(built);
   ++totals.homes;
   totals.viewpoints += made.graph.entries.size();

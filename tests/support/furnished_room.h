@@ -3,20 +3,20 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/capture/house_files.h"
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/mesh/mesh.h"
+#include "enfilade/mesh/mesh_builder.h"
 #include "enfilade/scan/connectivity.h"
-#include "enfilade/synth/house_files.h"
-#include "enfilade/synth/mesh_builder.h"
 
 namespace enfilade::tests {
 
 /// A living room, 4 x 5 m, and a bedroom, 3.4 x 5 m, 2.7 m high, with eight things in them and a
 /// box on the floor that nobody has labelled.
 inline mesh::Mesh furnished_rooms() {
-  using synth::Placement;
+  using mesh::Placement;
   mesh::Mesh mesh;
-  synth::MeshBuilder b(mesh);
+  mesh::MeshBuilder b(mesh);
   const auto paint = [&](float red, float green, float blue) {
     mesh::Material material;
     material.colour = {red, green, blue};
@@ -62,7 +62,7 @@ inline mesh::Mesh furnished_rooms() {
   return mesh;
 }
 
-inline std::vector<synth::ScanRoom> furnished_room_list() {
+inline std::vector<capture::ScanRoom> furnished_room_list() {
   return {{'l', {0, 0, 4.05, 5}, 0, 2.7, 0}, {'b', {4.05, 0, 7.5, 5}, 0, 2.7, 0}};
 }
 

@@ -7,9 +7,9 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/features/feature_set.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/homes/small_building.h"
 #include "enfilade/neural/trainer.h"
 #include "enfilade/scan/data_root.h"
-#include "enfilade/synth/small_building.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tests {
@@ -20,7 +20,7 @@ class SmallTraining {
   static constexpr std::size_t kDimensions = 5;
 
   SmallTraining() {
-    synth::write_small_dataset(data(), 3);
+    homes::write_small_dataset(data(), 3);
     write_features(features(), kDimensions);
   }
 

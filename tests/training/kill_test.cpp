@@ -9,7 +9,7 @@
 
 #include "enfilade/core/file.h"
 #include "enfilade/core/rng.h"
-#include "enfilade/synth/small_building.h"
+#include "enfilade/homes/small_building.h"
 #include "tests/support/process.h"
 #include "tests/support/temporary_folder.h"
 
@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 class KillTest : public ::testing::Test {
  protected:
-  KillTest() { synth::write_small_dataset(folder_.path() / "data", 3); }
+  KillTest() { homes::write_small_dataset(folder_.path() / "data", 3); }
 
   std::vector<std::string> training(const fs::path& model) const {
     return {EN_PROGRAM,

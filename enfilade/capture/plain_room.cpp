@@ -1,0 +1,86 @@
+#include "enfilade/capture/plain_room.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/rng.h"
+#include "enfilade/image/textures.h"
+#include "enfilade/mesh/mesh_builder.h"
+
+namespace enfilade::capture {
+namespace {
+
+constexpr double kStanding = .3;  // metres above the lowest point of all
+constexpr std::uint16_t kWall = 1, kFloor = 2, kCeiling = 17;  // mpcat40
+
+/// Lowest point of each object, and of what belongs to none.
+std::vector<double> lowest_points(const mesh::Mesh& mesh) {
+  std::vector<double> lowest(mesh.objects.size() + 1, HUGE_VAL);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint32_t object =
+        mesh.triangle_object.empty() ? mesh::kNoObject : mesh.triangle_object[t];
+    double& low = object == mesh::kNoObject ? lowest.back() : lowest[object];
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      low = std::min(low, static_cast<double>(mesh.positions[v].z));
+    }
+  }
+  return lowest;
+}
+
+double floor_height(const mesh::Mesh& mesh) {
+  std::vector<double> lowest = lowest_points(mesh);
+  std::ranges::sort(lowest);
+  std::size_t standing = 0;
+  while (standing < lowest.size() && lowest[standing] <= lowest[0] + kStanding) ++standing;
+  return lowest[standing / 2];
+}
+
+mesh::Material textured(image::Image8 texture, const char* name) {
+  mesh::Material material;
+  material.name = name;
+  material.colour = {1, 1, 1};
+  material.texture = std::move(texture);
+  return material;
+}
+
+}  // namespace
+
+void add_plain_room(mesh::Mesh& mesh, const PlainRoomOptions& options) {
+  if (!(options.margin >= 0 && options.margin <= 1000 && options.height > 0 &&
+        options.height <= 1000)) {
+    throw ArgumentError(fmt::format("plain room: margin {} and height {} m, not within 1000 m",
+                                    options.margin, options.height));
+  }
+  const mesh::Box box = mesh::bounds(mesh);
+  const double x0 = box.low.x - options.margin, x1 = box.high.x + options.margin,
+               y0 = box.low.y - options.margin, y1 = box.high.y + options.margin,
+               z0 = floor_height(mesh),
+               z1 = std::max(z0 + options.height, box.high.z + .3);  // nothing sticks out
+  mesh::Mesh room;
+  mesh::MeshBuilder b(room);
+  Rng rng(1, stream_of("plain room", 10));
+  const auto planks =
+      b.add_material(textured(image::planks(rng, {.50, .37, .25}, 8), "plain room: planks"), 1.6);
+  const auto plaster =
+      b.add_material(textured(image::plaster(rng, {.88, .85, .78}), "plain room: plaster"), 2);
+  const Vec3d a{x0, y0, z0}, c{x1, y0, z0}, e{x1, y1, z0}, g{x0, y1, z0};
+  const auto above = [&](Vec3d p) { return Vec3d{p.x, p.y, z1}; };
+  b.begin_object("floor", kFloor, -1);
+  b.quad(planks, a, c, e, g);
+  b.begin_object("ceiling", kCeiling, -1);
+  b.quad(plaster, above(a), above(g), above(e), above(c));
+  const auto wall = [&](Vec3d from, Vec3d to) {
+    b.begin_object("wall", kWall, -1);
+    b.quad(plaster, from, to, above(to), above(from));  // faces inwards
+  };
+  wall(c, a);
+  wall(a, g);
+  wall(g, e);
+  wall(e, c);
+  append(mesh, room);
+}
+
+}  // namespace enfilade::capture

@@ -1,0 +1,485 @@
+#include "enfilade/capture/scan_files.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <span>
+#include <system_error>
+#include <type_traits>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/rng.h"
+#include "enfilade/core/threads.h"
+#include "enfilade/image/codecs.h"
+#include "enfilade/mesh/capture.h"
+#include "enfilade/mesh/read_mesh.h"
+#include "enfilade/scan/matterport_names.h"
+#include "enfilade/scan/matterport_writer.h"
+#include "enfilade/scan/panorama_source.h"
+
+namespace enfilade::capture {
+namespace {
+
+namespace fs = std::filesystem;
+using scan::Layer;
+using scan::PanoramaPose;
+using scan::RigCamera;
+
+constexpr const char* kManifest = "enfilade_scan.json";
+// Changes whenever the same mesh and options give other pictures.
+constexpr int kGeneration = 1;
+
+void validate(const scan::Connectivity& connectivity, const ScanFilesOptions& o) {
+  const auto check = [](bool good, const std::string& message) {
+    if (!good) throw ArgumentError(message);
+  };
+  check(scan::is_scan_id(connectivity.scan),
+        fmt::format("scan {:?}: letters, digits, _, - and . are allowed, not first a - or a .",
+                    connectivity.scan));
+  check(o.face_size >= 1 && o.face_size <= 8192,
+        fmt::format("face_size: {}, not from 1 to 8192", o.face_size));
+  check(o.image_width >= 10 && o.image_width <= 8192,
+        fmt::format("image_width: {}, not from 10 to 8192", o.image_width));
+  check(o.samples == 1 || o.samples == 4 || o.samples == 9 || o.samples == 16,
+        fmt::format("samples: {}, not 1, 4, 9 or 16", o.samples));
+  check(o.jpeg_quality >= 1 && o.jpeg_quality <= 100,
+        fmt::format("jpeg_quality: {}, not from 1 to 100", o.jpeg_quality));
+}
+
+// --- what pictures were made of -------------------------------------------------------------
+
+/// A checksum of everything that pictures depend on.
+class State {
+ public:
+  template <class T>
+  void add(std::span<const T> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    mix(values.size());
+    mix(stream_of(reinterpret_cast<const char*>(values.data()), values.size_bytes()));
+  }
+  template <class T>
+  void add(const std::vector<T>& values) {
+    add(std::span<const T>(values));
+  }
+  template <class T>
+  void add_value(const T& value) {
+    add(std::span<const T>(&value, 1));
+  }
+  void add(const mesh::LitMesh& lit) {
+    add(lit.mesh());
+    const mesh::Lights& lights = lit.lights();
+    add_value(lights.sky);
+    add_value(lights.sun);
+    add(lights.lamps);
+    add(lights.portals);
+  }
+  std::string text() const { return fmt::format("{:016x}", value_); }
+
+ private:
+  void add(const mesh::Mesh& mesh) {
+    add(mesh.positions);
+    add(mesh.triangles);
+    add(mesh.triangle_material);
+    add(mesh.triangle_object);
+    add(mesh.texture_points);
+    add(mesh.normals);
+    add(mesh.colours);
+    for (const mesh::Material& m : mesh.materials) {
+      add_value(m.colour);
+      add_value(m.emission);
+      add_value(m.mirror);
+      add_value(m.cutout);
+      add_value(m.texture.width);
+      add(m.texture.pixels);
+    }
+    for (const mesh::Object& object : mesh.objects) add_value(object.category);
+  }
+  void mix(std::uint64_t value) { value_ = Rng(value_, value).next(); }
+
+  std::uint64_t value_ = kGeneration;
+};
+
+std::string state_of(const mesh::LitMesh& mesh, const ScanFilesOptions& o) {
+  State state;
+  state.add(mesh);
+  if (o.label_mesh != nullptr) state.add(*o.label_mesh);
+  state.add_value(o.face_size);
+  state.add_value(o.image_width);
+  state.add_value(o.samples);
+  state.add_value(o.exposure);
+  state.add_value(o.jpeg_quality);
+  return state.text();
+}
+
+std::string state_of(const PanoramaPose& pose) {
+  State state;
+  // As poses_of() gives them; a file's text read back gives the same.
+  state.add_value(pose.world_from_panorama.m);
+  state.add_value(pose.position);
+  return state.text();
+}
+
+/// Which files of a scan are meant: "matterport_skybox_images/skybox0_sami.jpg", whosever, or all
+/// of another folder.
+std::string kind_of(const fs::path& file) {
+  const std::string folder = file.parent_path().filename().string();
+  const std::string name = file.filename().string();
+  const std::size_t skybox = name.rfind("_skybox");
+  return skybox == std::string::npos ? folder : folder + "/" + name.substr(skybox + 1);
+}
+
+/// What a folder's files were made of.
+struct Manifest {
+  std::string state;
+  std::set<std::string> kinds;                    ///< kind_of(each file)
+  std::map<std::string, std::string> viewpoints;  ///< id -> state_of(pose)
+};
+
+std::optional<Manifest> read_manifest(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return std::nullopt;
+  try {
+    const auto json = nlohmann::json::parse(read_file(file));
+    return Manifest{json.at("state").get<std::string>(),
+                    json.at("kinds").get<std::set<std::string>>(),
+                    json.at("viewpoints").get<std::map<std::string, std::string>>()};
+  } catch (const nlohmann::json::exception& error) {
+    throw InvalidInput({{Severity::kError, file.string(), "", "bad-manifest",
+                         fmt::format("not a list that Enfilade wrote ({}); remove the folder if "
+                                     "nothing in it is wanted",
+                                     error.what())}});
+  }
+}
+
+std::string text_of(const Manifest& manifest) {
+  const nlohmann::ordered_json json{
+      {"made_by",
+       "Enfilade, from a mesh: pictures here are of this state and are kept by another run"},
+      {"state", manifest.state},
+      {"kinds", manifest.kinds},
+      {"viewpoints", manifest.viewpoints}};
+  return json.dump(1) + "\n";
+}
+
+// --- pictures -------------------------------------------------------------------------------
+
+/// Pictures that are taken together: all of their files, and how to make them.
+struct Task {
+  std::vector<fs::path> files;
+  std::size_t weight = 0;                          ///< for progress
+  std::function<std::vector<std::string>()> make;  ///< what goes into the files
+};
+
+/// Files and what they hold.
+using Texts = std::vector<std::pair<fs::path, std::string>>;
+
+std::string text(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
+
+std::string jpeg(const image::Image8& picture, int quality) {
+  return text(image::encode_jpeg(picture, quality, quality >= 90));
+}
+
+/// Makes a scan's tasks, and the texts beside its pictures.
+class ScanWriter {
+ public:
+  ScanWriter(const mesh::LitMesh& mesh, const scan::Connectivity& connectivity,
+             const fs::path& folder, const ScanFilesOptions& options)
+      : mesh_(mesh), connectivity_(connectivity), folder_(folder), o_(options) {
+    for (PanoramaPose& pose : poses_of(connectivity)) {
+      if (pose.included) poses_.push_back(std::move(pose));
+    }
+    capture_.samples = options.samples;
+    capture_.exposure = options.exposure;
+    capture_.threads = 1;
+  }
+
+  const std::vector<PanoramaPose>& poses() const { return poses_; }
+
+  std::vector<Task> tasks() const {
+    std::vector<Task> tasks;
+    for (const PanoramaPose& pose : poses_) {
+      if (o_.parts.faces || o_.parts.colour_strip) tasks.push_back(colour_task(pose));
+      if (o_.parts.depth_strip) tasks.push_back(depth_task(pose));
+      if (o_.parts.label_strips) tasks.push_back(label_task(pose));
+      if (!o_.parts.undistorted) continue;
+      for (const RigCamera& camera : scan::rig_cameras(pose, o_.image_width)) {
+        tasks.push_back(camera_task(camera));
+      }
+    }
+    return tasks;
+  }
+
+  /// File and content, of everything that is small or quickly made.
+  Texts texts() const {
+    Texts texts;
+    if (o_.parts.undistorted) add_cameras(texts);
+    if (o_.parts.house) add_house(texts);
+    return texts;
+  }
+
+ private:
+  fs::path skybox() const { return folder_ / "matterport_skybox_images"; }
+
+  mesh::CubeCapture capture(const mesh::LitMesh& mesh, const PanoramaPose& pose,
+                            Layer layer) const {
+    mesh::CaptureOptions options = capture_;
+    options.colour = layer == Layer::kColour;
+    options.depth = layer == Layer::kDepth;
+    options.labels = layer == Layer::kClass;
+    return capture_cube(mesh, pose.world_from_panorama, pose.position, o_.face_size, options);
+  }
+
+  Task colour_task(const PanoramaPose& pose) const {
+    Task task;
+    if (o_.parts.colour_strip) {
+      task.files.push_back(skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kColour));
+    }
+    for (std::size_t k = 0; o_.parts.faces && k < kCubeFaces; ++k) {
+      task.files.push_back(skybox() / scan::skybox_face_name(pose.viewpoint, k));
+    }
+    task.weight = kCubeFaces * o_.face_size * o_.face_size / 100 * o_.samples + 1;
+    task.make = [this, &pose] {
+      std::vector<std::string> contents;
+      const auto pictures = capture(mesh_, pose, Layer::kColour).colour;
+      if (o_.parts.colour_strip) {
+        contents.push_back(jpeg(image::join_strip(pictures), o_.jpeg_quality));
+      }
+      for (std::size_t k = 0; o_.parts.faces && k < kCubeFaces; ++k) {
+        contents.push_back(jpeg(pictures[k], o_.jpeg_quality));
+      }
+      return contents;
+    };
+    return task;
+  }
+
+  Task depth_task(const PanoramaPose& pose) const {
+    Task task;
+    task.files = {skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kDepth)};
+    task.weight = kCubeFaces * o_.face_size * o_.face_size / 200 + 1;
+    task.make = [this, &pose] {
+      const auto pictures = capture(mesh_, pose, Layer::kDepth).depth;
+      return std::vector{text(image::encode_png(image::join_strip(pictures)))};
+    };
+    return task;
+  }
+
+  Task label_task(const PanoramaPose& pose) const {
+    Task task;
+    task.files = {skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kClass),
+                  skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kInstance)};
+    task.weight = kCubeFaces * o_.face_size * o_.face_size / 200 + 1;
+    task.make = [this, &pose] {
+      const mesh::LitMesh& mesh = o_.label_mesh != nullptr ? *o_.label_mesh : mesh_;
+      const mesh::CubeCapture pictures = capture(mesh, pose, Layer::kClass);
+      return std::vector{text(image::encode_png(image::join_strip(pictures.classes))),
+                         text(image::encode_ids(image::join_strip(pictures.instances)))};
+    };
+    return task;
+  }
+
+  Task camera_task(const RigCamera& c) const {
+    Task task;
+    task.files = {folder_ / "undistorted_color_images" /
+                      scan::colour_image_name(c.viewpoint, c.camera, c.yaw),
+                  folder_ / "undistorted_depth_images" /
+                      scan::depth_image_name(c.viewpoint, c.camera, c.yaw)};
+    task.weight = std::size_t{c.width} * c.height / 100 * o_.samples + 1;
+    const mesh::Pinhole pinhole{c.width,   c.height, c.fx, c.fy, c.cx, c.cy, c.world_from_camera,
+                                c.position};
+    task.make = [this, pinhole] {
+      mesh::CaptureOptions options = capture_;
+      options.labels = false;
+      const mesh::PinholeCapture pictures = capture_pinhole(mesh_, pinhole, options);
+      return std::vector{jpeg(pictures.colour, o_.jpeg_quality),
+                         text(image::encode_png(pictures.depth))};
+    };
+    return task;
+  }
+
+  void add_cameras(Texts& texts) const {
+    std::vector<RigCamera> all;
+    for (const PanoramaPose& pose : poses_) {
+      const auto cameras = scan::rig_cameras(pose, o_.image_width);
+      all.insert(all.end(), cameras.begin(), cameras.end());
+      for (const RigCamera& c : cameras) {
+        texts.emplace_back(folder_ / "matterport_camera_poses" /
+                               scan::camera_pose_name(c.viewpoint, c.camera, c.yaw),
+                           scan::camera_pose_text(c));
+        if (c.yaw != 0) continue;
+        texts.emplace_back(folder_ / "matterport_camera_intrinsics" /
+                               scan::camera_intrinsics_name(c.viewpoint, c.camera),
+                           scan::camera_intrinsics_text(c));
+      }
+    }
+    texts.emplace_back(folder_ / "undistorted_camera_parameters" / (connectivity_.scan + ".conf"),
+                       scan::undistorted_cameras_text(all));
+  }
+
+  void add_house(Texts& texts) const {
+    const HouseFiles files =
+        make_house_files(mesh_.mesh(), connectivity_, o_.rooms, o_.image_width);
+    const fs::path folder = folder_ / "house_segmentations";
+    const std::string& scan = connectivity_.scan;
+    texts.emplace_back(folder / (scan + ".house"), mesh::to_text(files.house));
+    texts.emplace_back(folder / (scan + ".ply"), mesh::to_labelled_ply(files.labels));
+    texts.emplace_back(folder / (scan + ".fsegs.json"),
+                       mesh::face_segments_json(files.segments, scan));
+    texts.emplace_back(folder / (scan + ".semseg.json"),
+                       mesh::segment_groups_json(files.groups, scan));
+    std::string regions;
+    for (std::size_t k = 0; k < files.house.panoramas.size(); ++k) {
+      const mesh::HousePanorama& p = files.house.panoramas[k];
+      const char label =
+          p.region < 0 ? '-' : files.house.regions[static_cast<std::size_t>(p.region)].label;
+      regions += fmt::format("{} {} {} {}\n", k, p.name, p.region, label);
+    }
+    texts.emplace_back(folder / "panorama_to_region.txt", std::move(regions));
+  }
+
+  const mesh::LitMesh& mesh_;
+  const scan::Connectivity& connectivity_;
+  const fs::path& folder_;
+  const ScanFilesOptions& o_;
+  std::vector<PanoramaPose> poses_;
+  mesh::CaptureOptions capture_;
+};
+
+// --- files ----------------------------------------------------------------------------------
+
+bool is_there(const fs::path& file) {
+  std::error_code ignored;
+  return fs::exists(file, ignored);
+}
+
+[[noreturn]] void refuse(const fs::path& file, const std::string& why) {
+  throw FileError(
+      fmt::format("{}: is in the way: {}; remove it or choose another folder or scan "
+                  "id",
+                  file.string(), why));
+}
+
+/// The folder's list with what is to come. \throws FileError if what is there was made of something
+/// else: somebody's download must not be mixed with pictures of a mesh, still less be overwritten
+Manifest joined(std::optional<Manifest> old, const fs::path& folder, const std::string& state,
+                const std::vector<PanoramaPose>& poses, const std::vector<fs::path>& files) {
+  Manifest manifest = old ? *old : Manifest{state, {}, {}};
+  if (manifest.state != state) {
+    refuse(folder, "a scan made of another mesh or with other options");
+  }
+  for (const PanoramaPose& pose : poses) {
+    const auto [place, is_new] = manifest.viewpoints.emplace(pose.viewpoint, state_of(pose));
+    if (!is_new && place->second != state_of(pose)) {
+      refuse(folder, fmt::format("its viewpoint {} stands elsewhere", pose.viewpoint));
+    }
+  }
+  for (const fs::path& file : files) {
+    const bool is_new = !old || !old->kinds.contains(kind_of(file));
+    if (is_new && is_there(file)) refuse(file, "not made by Enfilade from a mesh");
+    manifest.kinds.insert(kind_of(file));
+  }
+  return manifest;
+}
+
+void write_connectivity(const fs::path& root, const scan::Connectivity& connectivity) {
+  const fs::path folder = root / "connectivity";
+  make_folder(folder);
+  write_file_atomically(scan::connectivity_file(folder, connectivity.scan), to_json(connectivity));
+  const fs::path list = folder / "scans.txt";
+  std::vector<std::string> scans;
+  if (is_there(list)) scans = scan::load_scan_list(folder);
+  if (std::ranges::find(scans, connectivity.scan) != scans.end()) return;
+  scans.push_back(connectivity.scan);
+  std::string text;
+  for (const std::string& scan : scans) text += scan + "\n";
+  write_file_atomically(list, text);
+}
+
+/// Whole or not at all, as the folder is renamed when it is complete.
+void write_mesh(const mesh::Mesh& mesh, const fs::path& folder, const std::string& name) {
+  const fs::path target = folder / name, part = folder / (name + ".part");
+  if (is_there(target)) return;
+  std::error_code code;
+  fs::remove_all(part, code);
+  make_folder(part);
+  mesh::write_obj(mesh, part, name);
+  fs::rename(part, target, code);
+  if (code) throw FileError(fmt::format("{}: cannot write: {}", target.string(), code.message()));
+}
+
+/// Runs tasks whose files are not all there.
+void run(const std::vector<Task>& tasks, int threads, const Progress& progress,
+         ScanFilesReport& report) {
+  std::size_t total = 0, done = 0;
+  for (const Task& task : tasks) total += task.weight;
+  std::mutex mutex;
+  parallel_for(tasks.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Task& task = tasks[i];
+      const bool keep = std::ranges::all_of(task.files, is_there);
+      std::uintmax_t bytes = 0;
+      if (!keep) {
+        const std::vector<std::string> contents = task.make();
+        for (std::size_t k = 0; k < contents.size(); ++k) {
+          write_file_atomically(task.files[k], contents[k]);
+          bytes += contents[k].size();
+        }
+      }
+      const std::lock_guard lock(mutex);
+      (keep ? report.kept : report.written) += task.files.size();
+      report.bytes += bytes;
+      done += task.weight;
+      if (progress) progress(done, total);
+    }
+  });
+}
+
+/// All that is written but the mesh, whose folder is named by what it holds.
+std::vector<fs::path> all_files(const std::vector<Task>& tasks, const Texts& texts) {
+  std::vector<fs::path> files;
+  for (const Task& task : tasks) files.insert(files.end(), task.files.begin(), task.files.end());
+  for (const auto& [file, content] : texts) files.push_back(file);
+  return files;
+}
+
+}  // namespace
+
+ScanFilesReport write_scan(const mesh::LitMesh& mesh, const scan::Connectivity& connectivity,
+                           const fs::path& root, const ScanFilesOptions& options,
+                           const Progress& progress) {
+  validate(connectivity, options);
+  ScanFilesReport report;
+  report.folder = root / "v1" / "scans" / connectivity.scan;
+  const ScanWriter writer(mesh, connectivity, report.folder, options);
+  const std::vector<Task> tasks = writer.tasks();
+  const auto texts = writer.texts();
+  const std::string state = state_of(mesh, options);
+  const fs::path manifest_file = report.folder / kManifest;
+  std::vector<fs::path> files = all_files(tasks, texts);
+  files.push_back(scan::connectivity_file(root / "connectivity", connectivity.scan));
+  const Manifest manifest =
+      joined(read_manifest(manifest_file), report.folder, state, writer.poses(), files);
+  make_folder(report.folder);
+  write_file_atomically(manifest_file, text_of(manifest));
+  write_connectivity(root, connectivity);
+  for (const fs::path& file : files) make_folder(file.parent_path());
+  for (const auto& [file, content] : texts) {
+    write_file_atomically(file, content);
+    report.bytes += content.size();
+  }
+  if (options.parts.mesh) {
+    // Matterport3D's are named by 32 digits.
+    write_mesh(mesh.mesh(), report.folder / "matterport_mesh", state + state);
+  }
+  report.viewpoints = writer.poses().size();
+  run(tasks, options.threads, progress, report);
+  return report;
+}
+
+}  // namespace enfilade::capture

@@ -1,0 +1,63 @@
+/// \file  Any lit mesh as a scan on disk, in Matterport3D's files.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "enfilade/capture/house_files.h"
+#include "enfilade/core/progress.h"
+#include "enfilade/mesh/lighting.h"
+#include "enfilade/scan/connectivity.h"
+
+namespace enfilade::capture {
+
+/// What is written for a scan, below `<root>/v1/scans/<scan>/`.
+struct ScanParts {
+  bool faces = false;         ///< matterport_skybox_images: six colour JPEGs a viewpoint
+  bool colour_strip = false;  ///< there: all six side by side
+  bool depth_strip = false;   ///< there: ray-exact distances
+  bool label_strips = false;  ///< there: classes and instances
+  /// undistorted_{color,depth}_images (18 of each a viewpoint), undistorted_camera_parameters,
+  /// matterport_camera_{poses,intrinsics}
+  bool undistorted = false;
+  bool house = false;  ///< house_segmentations: .house, .ply, .fsegs.json, .semseg.json, ...
+  bool mesh = false;   ///< matterport_mesh/<hash>/<hash>.obj with materials and textures
+};
+
+struct ScanFilesOptions {
+  ScanParts parts;
+  std::uint32_t face_size = 512;     ///< texels
+  std::uint32_t image_width = 1280;  ///< of undistorted images, pixels; heights are 4/5 of it
+  std::uint32_t samples = 4;         ///< colour rays a pixel: 1, 4, 9 or 16
+  float exposure = 0;                ///< stops
+  int jpeg_quality = 92;             ///< 1 .. 100; with full chroma from 90 on
+  std::vector<ScanRoom> rooms;       ///< for the .house file
+  /// Whose classes and instances the label strips show, where they are of another mesh of the same
+  /// building (mesh::read_house_mesh()); null: the mesh's own.
+  const mesh::LitMesh* label_mesh = nullptr;
+  int threads = 0;  ///< 0: all cores; never changes a byte
+};
+
+struct ScanFilesReport {
+  std::filesystem::path folder;       ///< <root>/v1/scans/<scan>
+  std::size_t viewpoints = 0;         ///< included ones, which have pictures
+  std::size_t written = 0, kept = 0;  ///< pictures; kept: there from a run that was stopped
+  std::uintmax_t bytes = 0;           ///< of what was written
+};
+
+/// Writes `<root>/connectivity/<scan>_connectivity.json` and its line in scans.txt, and the parts,
+/// so that `root` is a data set that scan::DataRoot and scan::MatterportImages open. Each file is
+/// written whole or not at all; pictures that are there of the same mesh, lights, viewpoint and
+/// options are kept (baking options are not looked at), so that a killed run goes on where it was,
+/// and parts and viewpoints may be added later. That is recorded in `enfilade_scan.json` there.
+/// Pictures cost time in proportion to their pixels; they are taken in parallel, one a thread.
+/// \throws ArgumentError for options out of range or a scan id that cannot be part of a file name;
+/// FileError if files are in the way that were made of something else, naming one, or cannot be
+/// written; InvalidInput as scan::poses_of()
+ScanFilesReport write_scan(const mesh::LitMesh& mesh, const scan::Connectivity& connectivity,
+                           const std::filesystem::path& root, const ScanFilesOptions& options,
+                           const Progress& progress = {});
+
+}  // namespace enfilade::capture

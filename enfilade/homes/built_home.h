@@ -1,0 +1,22 @@
+/// \file  A model home with everything that is computed from it but light and pictures.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "enfilade/homes/home.h"
+#include "enfilade/mesh/ray_tracer.h"
+#include "enfilade/scan/connectivity.h"
+
+namespace enfilade::homes {
+
+struct BuiltHome {
+  Home home;  // its mesh is the tracer's too
+  std::shared_ptr<const mesh::RayTracer> tracer;
+};
+BuiltHome build_home(const PlanOptions& options);
+
+/// Viewpoints on the floors of all rooms, and edges, from the mesh alone. What lies outside the
+/// rooms (grass, roofs) is no floor.
+scan::Connectivity build_graph(const BuiltHome& built, const std::string& scan, int threads);
+
+}  // namespace enfilade::homes

@@ -1,0 +1,359 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "enfilade/geometry/angle.h"
+#include "enfilade/homes/furniture/furnish_recipes.h"
+
+namespace enfilade::homes::furniture {
+namespace {
+
+struct BedPlan {
+  const Shape* bed;
+  const Shape* night;
+  int nights;
+};
+
+Group bed_group(const BedPlan& plan) {
+  const Size b = plan.bed->size;
+  const double side = plan.night->size.w + 0.06;
+  Group group{b.w + side * plan.nights, b.d + 0.02, 0.45, {}};
+  const double shift = plan.nights == 1 ? side / 2 : 0;
+  group.items.push_back(FurnishedRoom::item(*plan.bed, shift, b.d / 2 + 0.015));
+  const double y = plan.night->size.d / 2 + 0.03, x = b.w / 2 + side / 2 + 0.01;
+  if (plan.nights > 0) group.items.push_back(FurnishedRoom::item(*plan.night, shift - x, y));
+  if (plan.nights > 1) group.items.push_back(FurnishedRoom::item(*plan.night, shift + x, y));
+  return group;
+}
+
+/// With the bed's place, if one was found; fewer and smaller pieces where rooms are small.
+std::optional<Spot> place_bed(FurnishedRoom& room, const Shape& bed, Group& group) {
+  const Shape& night = room.pick("nightstand");
+  const Score score = [&](const Spot& s) {
+    return 0.35 * std::min(s.door, 4.0) - 0.7 * s.off_centre - (s.window ? 0.5 : 0);
+  };
+  for (const int nights : {2, 1, 0}) {
+    group = bed_group({&bed, &night, nights});
+    if (nights < 2) group.front = 0;
+    if (const auto spot = room.place_at_wall(group, score)) return spot;
+  }
+  return std::nullopt;
+}
+
+void dress_bed(FurnishedRoom& room, const Spot& spot, const Group& group) {
+  const Item& bed = group.items[0];
+  const Shape& lamp = room.pick("table lamp");
+  for (std::size_t i = 1; i < group.items.size(); ++i) {
+    const Item& night = group.items[i];
+    room.put(FurnishedRoom::item(lamp, night.x, night.y, night.size.h), spot.frame);
+  }
+  if (room.chance(0.8)) {
+    const Shape& rug =
+        room.chance(0.75) ? FurnishedRoom::pick("rug", 0) : FurnishedRoom::pick("rug", 1);
+    room.lay(rug, {bed.size.w + 1.1, 1.5, rug.size.h}, spot.frame, bed.x,
+             bed.y + bed.size.d / 2 - 0.3);
+  }
+  if (bed.size.h < 1.5) {
+    const Shape& picture = room.pick(room.chance(0.5) ? "painting" : "picture");
+    const double along = spot.along;
+    room.hang(picture, picture.size, spot.wall, along, std::max(1.25, bed.size.h + 0.2), 0.4);
+  }
+  const Shape& cushion = FurnishedRoom::pick("cushion", 0);
+  for (const double side : {-0.22, 0.22}) {
+    if (bed.size.w < 1.2 && side > 0) break;
+    room.put({&cushion, cushion.size, bed.x + (bed.size.w < 1.2 ? 0 : side * 1.2), 0.62, 0.56,
+              room.between(-0.2, 0.2), 1},
+             spot.frame);
+  }
+}
+
+void kids_corner(FurnishedRoom& room) {
+  if (put_in_corner(room, room.pick("toy box")) && room.chance(0.5)) {
+    put_in_corner(room, room.pick("stuffed animal"));
+  }
+}
+
+void bedroom_extras(FurnishedRoom& room) {
+  const Score by_wall = [](const Spot& s) { return in_corner(s) - (s.window ? 0.6 : 0); };
+  room.place_at_wall(room.pick("wardrobe"), by_wall, 0.6);
+  if (room.area() > 10.5) {
+    if (room.chance(0.65)) {
+      dressed_console(room, room.pick("dresser"), true);
+    } else {
+      dressed_console(room, room.pick("chest of drawers"), false);
+    }
+  }
+  if (room.area() > 13 && room.chance(0.5)) {
+    reading_corner(room);
+  }
+  if (room.area() > 15 && room.chance(0.5)) {
+    room.place_at_wall(room.pick("tv stand"), near_middle, 0.4);
+  }
+  if (room.chance(0.35)) put_in_corner(room, FurnishedRoom::pick("standing mirror", 0));
+  if (room.area() > 18) bookshelves(room, 1);
+  plants(room, room.area() > 12 ? 2 : 1);
+  if (room.chance(0.4)) put_in_corner(room, room.pick("basket"));
+}
+
+}  // namespace
+
+void furnish_bedroom(FurnishedRoom& room) {
+  const bool curtains = room.chance(0.7);
+  if (curtains) dress_windows(room, true);  // first, or something will stand below the window
+  const bool small = room.area() < 8.5 || room.narrow() < 2.6;
+  const bool kids = small || (room.area() < 13 && room.chance(0.3));
+  const Shape& bed = kids ? (room.height() > 2.4 && room.chance(0.25) ? room.pick("bunk bed")
+                                                                      : room.pick("single bed"))
+                          : room.pick("bed");
+  Group group;
+  auto spot = place_bed(room, bed, group);
+  if (!spot) {
+    const Shape& narrow = FurnishedRoom::pick("single bed", 0);
+    spot = place_bed(room, narrow, group);
+  }
+  if (spot) dress_bed(room, *spot, group);
+  if (spot && kids && room.area() > 11) {  // a second one
+    Group second;
+    const auto other = place_bed(room, bed, second);
+    if (other) dress_bed(room, *other, second);
+  }
+  bedroom_extras(room);
+  if (kids) kids_corner(room);
+  if (!curtains) dress_windows(room, false);
+  hang_pictures(room, room.area() > 12 ? 2 : 1);
+  hang_lights(room, Light::kHome);
+}
+
+namespace {
+
+/// Seats around a table before something to look at, in the frame of the wall that that stands at.
+struct Seating {
+  const Shape *focal, *sofa, *table, *chair;
+  int chairs = 2;
+  double sofa_y = 0, table_y = 0;  ///< from the wall
+  Group group;
+};
+
+void arrange(Seating& s, double depth) {
+  const Size f = s.focal->size, sofa = s.sofa->size, t = s.table->size;
+  const double least = f.d + 0.8 + t.d + 0.4 + sofa.d;
+  // Against the opposite wall if too little room is left behind the sofa to walk.
+  const double back = depth - least < 1.05 ? depth - 0.02 : std::min(least + 0.6, depth - 1.0);
+  s.sofa_y = back - sofa.d / 2;
+  s.table_y = back - sofa.d - 0.4 - t.d / 2;
+  s.group = {};
+  s.group.d = f.d;
+  s.group.items.push_back(FurnishedRoom::item(*s.focal, 0, f.d / 2 + 0.015));
+  s.group.items.push_back(FurnishedRoom::item(*s.sofa, 0, s.sofa_y, 0, kPi));
+  if (s.table_y - t.d / 2 > f.d + 0.5) {
+    s.group.items.push_back(FurnishedRoom::item(*s.table, 0, s.table_y));
+  } else {
+    s.chairs = 0;  // too narrow for more than a sofa
+  }
+  const double x = std::max(t.w / 2 + 0.42, sofa.w / 2 - 0.2) + s.chair->size.d / 2 + 0.12;
+  for (int i = 0; i < s.chairs; ++i) {
+    const double side = i == 0 ? 1 : -1;
+    s.group.items.push_back(
+        FurnishedRoom::item(*s.chair, side * x, s.table_y - 0.15, 0, side * kPi / 2));
+  }
+  s.group.w = std::max(f.w, sofa.w);
+}
+
+/// A corner sofa's long end comes towards the focal point.
+void arrange_corner(Seating& s, const Shape& corner, double depth) {
+  const Size f = s.focal->size, sofa = corner.size, t = s.table->size;
+  const double least = f.d + 0.8 + sofa.d;
+  const double back = depth - least < 1.05 ? depth - 0.02 : std::min(least + 0.5, depth - 1.0);
+  s.sofa_y = back - sofa.d / 2;
+  s.table_y = back - 0.92 - 0.35 - t.d / 2;
+  s.group = {};
+  s.group.d = f.d;
+  s.group.items.push_back(FurnishedRoom::item(*s.focal, 0, f.d / 2 + 0.015));
+  s.group.items.push_back(FurnishedRoom::item(corner, 0.3, s.sofa_y, 0, kPi));
+  if (s.table_y - t.d / 2 > f.d + 0.5) {
+    s.group.items.push_back(FurnishedRoom::item(*s.table, 0.75, s.table_y));
+  }
+  s.group.w = f.w;
+}
+
+/// What lies between the seats. The table is the third thing, where there was room for one.
+void dress_middle(FurnishedRoom& room, const Spot& spot, const Seating& s) {
+  const Shape& rug =
+      room.chance(0.7) ? FurnishedRoom::pick("rug", 0) : FurnishedRoom::pick("rug", 1);
+  const double wide = room.between(2.2, 2.8);
+  const bool round = rug.build == FurnishedRoom::pick("rug", 1).build;
+  const bool has_table = s.group.items.size() > 2;
+  room.lay(rug, {round ? 2.0 : wide, round ? 2.0 : 1.8, rug.size.h}, spot.frame,
+           has_table ? s.group.items[2].x : 0, s.table_y + 0.1);
+  if (!has_table) return;
+  Item table = s.group.items[2];
+  table.size.w *= 0.8;
+  clutter(room, spot.frame, table, "table");
+}
+
+void dress_seating(FurnishedRoom& room, const Spot& spot, const Seating& s, bool television) {
+  const Item& focal = s.group.items[0];
+  const Item& sofa = s.group.items[1];
+  if (television) {
+    if (s.focal->noun == "tv stand") {
+      const Shape& tv = FurnishedRoom::pick("tv", 0);
+      room.put(FurnishedRoom::item(tv, 0, focal.y, focal.size.h), spot.frame);
+    }
+  } else if (s.focal->noun == "fireplace") {
+    Item mantel = focal;
+    mantel.size.w *= 0.8;
+    mantel.size.d = 0.2;
+    mantel.y = 0.16;
+    clutter(room, spot.frame, mantel, "living");
+    const Shape& above = room.pick(room.chance(0.5) ? "mirror" : "painting");
+    room.hang(above, above.size, spot.wall, spot.along, focal.size.h + 0.4, 0.2);
+  }
+  const bool corner = sofa.shape->noun == "corner sofa";
+  dress_middle(room, spot, s);
+  const int cushions = 2 + static_cast<int>(room.rng().below(2));
+  for (int i = 0; i < cushions && !corner; ++i) {
+    const Shape& cushion = FurnishedRoom::pick("cushion", 0);
+    const double x = (sofa.size.w / 2 - 0.42) * (i == 0 ? -1 : i == 1 ? 1 : 0.55);
+    room.put({&cushion,
+              {0.42, 0.15, 0.4},
+              x,
+              sofa.y - 0.02 + (i == 2 ? 0.02 : 0.04),
+              0.45,
+              kPi + room.between(-0.3, 0.3),
+              1},
+             spot.frame);
+  }
+}
+
+std::optional<Spot> place_seating(FurnishedRoom& room, Seating& s) {
+  const bool corner = room.area() > 20 && room.chance(0.3);
+  const Shape& corner_sofa = FurnishedRoom::pick("corner sofa", 0);
+  const Shape& loveseat = room.pick("loveseat");
+  const Shape& big = *s.sofa;
+  for (int attempt = corner ? 0 : 1; attempt < 5; ++attempt) {
+    s.sofa = attempt < 3 ? &big : &loveseat;
+    s.chairs = std::max(0, std::array{0, 2, 1, 1, 0}[static_cast<std::size_t>(attempt)]);
+    // Rooms are longer one way than the other: the depth decides the spacing.
+    const bool along_x_first = room.width() > room.depth();
+    for (const bool along_x : {along_x_first, !along_x_first}) {
+      const double deep = along_x ? room.width() : room.depth();
+      if (attempt == 0) {
+        arrange_corner(s, corner_sofa, deep);
+      } else {
+        arrange(s, deep);
+      }
+      const Score score = [&](const Spot& spot) {
+        const bool fits = (spot.wall % 2 == 0) == along_x;
+        return (fits ? 0 : -50) - 0.8 * spot.off_centre + 0.1 * std::min(spot.door, 4.0) -
+               (spot.window ? 0.8 : 0);
+      };
+      if (const auto spot = room.place_at_wall(s.group, score)) return spot;
+    }
+  }
+  return std::nullopt;
+}
+
+void living_extras(FurnishedRoom& room) {
+  const double area = room.area();
+  bookshelves(room, area > 28 ? 2 : 1);
+  if (area > 14 && room.chance(0.8)) dressed_console(room, room.pick("sideboard"), true);
+  if (area > 17) reading_corner(room);
+  if (area > 24 && room.chance(0.35))
+    room.place_at_wall(FurnishedRoom::pick("piano", 0), near_middle, 0.7);
+  if (area > 30 && room.chance(0.5)) dressed_console(room, room.pick("display cabinet"), false);
+  if (area > 36) {
+    const Shape& table = room.pick("round table");
+    const Frame m = room.middle();
+    table_with_chairs(room, table, table.size, "chair", m.origin.x + 0.3 * room.width(),
+                      m.origin.y);
+  }
+  if (area > 40) {
+    dressed_console(room, room.pick("console table"), false);
+    reading_corner(room);
+  }
+  if (room.chance(0.5)) put_in_corner(room, room.pick("ottoman"));
+  if (room.chance(0.6)) put_in_corner(room, FurnishedRoom::pick("floor lamp", room.rng().below(2)));
+  plants(room, area > 20 ? 3 : 2);
+  if (room.chance(0.4)) put_in_corner(room, room.pick("basket"));
+}
+
+}  // namespace
+
+void furnish_living(FurnishedRoom& room, bool television) {
+  const bool curtains = room.chance(0.7);
+  if (curtains) dress_windows(room, true);
+  Seating s;
+  const bool fire = room.area() > 14 && room.chance(television ? 0.25 : 0.7);
+  s.focal = fire ? &room.pick("fireplace")
+                 : (television ? &room.pick("tv stand") : &room.pick("bookshelf"));
+  if (s.focal->size.h > 1.6) s.focal = &FurnishedRoom::pick("bookshelf", 1);
+  s.sofa = &room.pick("sofa");
+  s.table = &room.pick("coffee table");
+  s.chair = &room.pick("armchair");
+  if (const auto spot = place_seating(room, s)) {
+    dress_seating(room, *spot, s, television && !fire);
+  } else {
+    const Shape& sofa = room.narrow() < 2.4 ? room.pick("loveseat") : room.pick("sofa");
+    room.place_at_wall(sofa, near_middle, 0.6);
+    if (television) {
+      const Shape& tv = FurnishedRoom::pick("wall tv", 0);
+      room.hang_anywhere(tv, 1.15);
+    }
+  }
+  living_extras(room);
+  if (!curtains) dress_windows(room, false);
+  hang_pictures(room, room.area() > 20 ? 4 : 2);
+  hang_lights(room, room.chance(0.4) ? Light::kChandelier : Light::kHome);
+}
+
+void furnish_dining(FurnishedRoom& room) {
+  const Frame m = room.middle();
+  const bool round = room.narrow() < 2.9 || room.chance(0.2);
+  const Shape& table = round ? room.pick("round table") : room.pick("dining table");
+  Size size = table.size;
+  if (!round && room.area() > 22) size.w += 0.6;
+  auto frame = table_with_chairs(room, table, size, "chair", m.origin.x, m.origin.y);
+  if (!frame) {
+    const Shape& small = FurnishedRoom::pick("kitchen table", 0);
+    frame = table_with_chairs(room, small, small.size, "chair", m.origin.x, m.origin.y);
+  }
+  if (frame) {
+    const double half = size.d / 2 + 0.5;
+    hang_pendant(room, frame->to_world(0, half));
+    if (room.chance(0.6)) {
+      room.lay(FurnishedRoom::pick("rug", 0), {size.w + 1.5, size.d + 1.5, 0.012}, *frame, 0, half);
+    }
+  }
+  dressed_console(room, room.pick("sideboard"), true);
+  if (room.area() > 12) dressed_console(room, room.pick("display cabinet"), false);
+  if (room.area() > 22) dressed_console(room, room.pick("console table"), true);
+  if (room.area() > 28) reading_corner(room);
+  plants(room, 2);
+  dress_windows(room, true);
+  hang_pictures(room, 3);
+  hang_lights(room, Light::kChandelier);
+}
+
+void furnish_booth(FurnishedRoom& room) {
+  const Shape& bench = FurnishedRoom::pick("bench", 2);
+  const Shape& table = FurnishedRoom::pick("kitchen table", 0);
+  const double deep = bench.size.d, gap = 0.08, half = table.size.d / 2 + gap + deep / 2;
+  Group group{1.3, table.size.d + 2 * (deep + gap), 0, {}};
+  const double y = group.d / 2;
+  group.items.push_back(FurnishedRoom::item(table, 0, y));
+  group.items.push_back(FurnishedRoom::item(bench, 0, y - half));
+  group.items.push_back(FurnishedRoom::item(bench, 0, y + half, 0, kPi));
+  const unsigned most = std::max(1U, static_cast<unsigned>(room.area() / 9));
+  for (unsigned i = 0; i < most; ++i) {
+    const Rect& f = room.space().floor;
+    const auto frame = room.place_free(group, f.x0 + f.width() * (i + 0.5) / most, f.y1);
+    if (!frame) break;
+    hang_pendant(room, frame->to_world(0, y));
+  }
+  plants(room, 1);
+  dress_windows(room, false);
+  hang_pictures(room, 3);
+  hang_lights(room, Light::kHome);
+}
+
+}  // namespace enfilade::homes::furniture

@@ -1,0 +1,64 @@
+/// \file  What stands in which kind of room.
+#pragma once
+#include <string_view>
+
+#include "enfilade/homes/furniture/furnish_room.h"
+
+namespace enfilade::homes::furniture {
+
+// --- parts of many rooms (furnish_common.cpp) ---
+
+/// Pieces that look best at walls' middles, in corners, anywhere away from doors.
+double near_middle(const Spot& spot);
+double in_corner(const Spot& spot);
+double away_from_doors(const Spot& spot);
+
+enum class Light : std::uint8_t { kHome, kSpots, kPanels, kChandelier };
+/// Over the whole ceiling, as many as it is large.
+void hang_lights(FurnishedRoom& room, Light kind);
+/// One pendant above a place.
+void hang_pendant(FurnishedRoom& room, Vec3d above);
+/// Curtains where they hang free, else blinds; now and then neither.
+void dress_windows(FurnishedRoom& room, bool curtains);
+void hang_pictures(FurnishedRoom& room, unsigned at_most);
+/// A plant, a lamp or the like into a free corner.
+bool put_in_corner(FurnishedRoom& room, const Shape& shape);
+void plants(FurnishedRoom& room, unsigned at_most);
+/// A table or cabinet at a wall with things on it and a picture or mirror above.
+bool dressed_console(FurnishedRoom& room, const Shape& shape, bool mirror);
+/// Small things along the top of a piece.
+void clutter(FurnishedRoom& room, const Frame& frame, const Item& below, std::string_view kind);
+/// Armchair, lamp, small table.
+bool reading_corner(FurnishedRoom& room);
+bool bookshelves(FurnishedRoom& room, unsigned at_most);
+/// Table with chairs around it, in the middle of what is free.
+std::optional<Frame> table_with_chairs(FurnishedRoom& room, const Shape& table, Size size,
+                                       std::string_view chair, double x, double y);
+/// Along a wall: hooks with coats.
+void coat_hooks(FurnishedRoom& room);
+
+// --- rooms ---
+
+void furnish_bedroom(FurnishedRoom& room);
+void furnish_living(FurnishedRoom& room, bool television);
+void furnish_dining(FurnishedRoom& room);
+void furnish_booth(FurnishedRoom& room);
+void furnish_kitchen(FurnishedRoom& room);
+void furnish_bath(FurnishedRoom& room);
+void furnish_toilet(FurnishedRoom& room);
+void furnish_spa(FurnishedRoom& room);
+void furnish_laundry(FurnishedRoom& room);
+void furnish_office(FurnishedRoom& room);
+void furnish_meeting(FurnishedRoom& room);
+void furnish_classroom(FurnishedRoom& room);
+void furnish_library(FurnishedRoom& room);
+void furnish_entry(FurnishedRoom& room);
+void furnish_hallway(FurnishedRoom& room);
+void furnish_storage(FurnishedRoom& room, bool garage);
+void furnish_closet(FurnishedRoom& room);
+void furnish_gym(FurnishedRoom& room);
+void furnish_games(FurnishedRoom& room);
+void furnish_bar(FurnishedRoom& room);
+void furnish_outdoors(FurnishedRoom& room, bool garden);
+
+}  // namespace enfilade::homes::furniture

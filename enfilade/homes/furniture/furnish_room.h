@@ -1,0 +1,133 @@
+/// \file  A room that is being furnished: what stands where, what is still free, who can walk
+/// where.
+#pragma once
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/homes/furniture/shapes.h"
+
+namespace enfilade::homes::furniture {
+
+/// A piece of a group, in the group's frame: x along the wall, y from the wall (or the group's back
+/// edge) into the room, z from the floor; `turned` 0: it faces the room.
+struct Item {
+  const Shape* shape = nullptr;
+  Size size;
+  double x = 0, y = 0, z = 0;  ///< of its middle; z: of its lowest point
+  double turned = 0;           ///< radians, counter-clockwise
+  double power = 1;            ///< of its lamps
+};
+
+/// Pieces that belong together: `w` along the wall, `d` into the room. `front` metres before it
+/// are to be free of others, where people stand who use it.
+struct Group {
+  double w = 0, d = 0, front = 0;
+  std::vector<Item> items;
+};
+
+/// Where a group may go: its frame's origin and quarter turns.
+struct Frame {
+  Vec3d origin;
+  unsigned quarters = 0;  ///< 0: the room is in +y of it
+  Vec3d to_world(double x, double y, double z = 0) const;
+  double angle() const;
+};
+
+/// A place at a wall, and what speaks for it.
+struct Spot {
+  Frame frame;
+  unsigned wall = 0;
+  double along = 0;       ///< x or y of its middle
+  double off_centre = 0;  ///< of the wall: 0 at its middle, 1 at an end
+  double corner = 0;      ///< metres from its side to the nearer corner
+  double door = 9;        ///< metres from its middle to the nearest door
+  bool window = false;    ///< below a window
+};
+using Score = std::function<double(const Spot&)>;
+
+class FurnishedRoom {
+ public:
+  FurnishedRoom(const looks::RoomSpace& space, const looks::RoomStyle& style, Rng& rng,
+                looks::HomeParts& parts);
+
+  const looks::RoomSpace& space() const { return space_; }
+  const looks::RoomStyle& style() const { return style_; }
+  Rng& rng() { return rng_; }
+  double width() const { return space_.floor.width(); }
+  double depth() const { return space_.floor.depth(); }
+  double area() const { return space_.floor.area(); }
+  double narrow() const;
+  double height() const { return space_.ceiling_z - space_.floor_z; }
+  bool chance(double p) { return rng_.uniform() < p; }
+  double between(double a, double b) { return a + (b - a) * rng_.uniform(); }
+
+  /// One of the shapes of that name, drawn, or its `variant`-th.
+  const Shape& pick(std::string_view noun);
+  static const Shape& pick(std::string_view noun, std::size_t which);
+  static Item item(const Shape& shape, double x, double y, double z = 0, double turned = 0);
+
+  /// The best place that is free and leaves all ways open; builds the group there. The scores are
+  /// jittered, so that rooms differ.
+  std::optional<Spot> place_at_wall(const Group& group, const Score& score);
+  std::optional<Spot> place_at_wall(const Shape& shape, const Score& score, double front = 0.5);
+  /// Anywhere in the room, in any of the four directions; nearer to `towards` is better.
+  std::optional<Frame> place_free(const Group& group, double x, double y);
+  /// Exactly there, if it is free.
+  bool place(const Group& group, const Frame& frame);
+
+  /// Not looked at for room: things on things, lamps at ceilings.
+  void put(const Item& item, const Frame& frame);
+  /// As put(), unless it would meet something; was it?
+  bool put_if_clear(const Item& item, const Frame& frame);
+  /// On a wall (modulo 4), above what stands there: `low` metres above the floor, at most `slide`
+  /// from `along`, `apart` from doors, windows and what else hangs there.
+  bool hang(const Shape& shape, Size size, unsigned wall, double along, double low,
+            double slide = 0, double apart = 0.06);
+  /// On any wall with room for it, well apart from others. `low` as above.
+  bool hang_anywhere(const Shape& shape, double low);
+  /// On the floor, lies under what stands there; cut to the room's size.
+  bool lay(const Shape& shape, Size size, const Frame& frame, double x, double y);
+
+  std::vector<looks::RoomSpace::WallHole> doors() const;
+  std::vector<looks::RoomSpace::WallHole> windows() const;
+  Frame wall_frame(unsigned wall, double along) const;
+  /// Ends of a wall (x or y).
+  std::pair<double, double> wall_ends(unsigned wall) const;
+  double wall_length(unsigned wall) const;
+  Frame middle() const;
+
+ private:
+  struct WallItem {
+    unsigned wall;
+    double from, to, low, high;
+  };
+  struct Solid {
+    Rect box;
+    double low, high;  // above the floor
+  };
+  Rect footprint(const Item& item, const Frame& frame) const;
+  Solid solid(const Item& item, const Frame& frame) const;
+  static bool meets_any(const Solid& solid, const std::vector<Solid>& others);
+  bool fits(const std::vector<Rect>& rects) const;
+  bool commit(const Group& group, const Frame& frame, std::optional<unsigned> wall);
+  void build(const Item& item, const Frame& frame);
+  std::vector<Spot> spots(const Group& group) const;
+  bool wall_is_free(const WallItem& item, double margin) const;
+  Spot describe(const Frame& frame, unsigned wall, double along, double w) const;
+
+  const looks::RoomSpace& space_;
+  const looks::RoomStyle& style_;
+  Rng& rng_;
+  looks::HomeParts& parts_;
+  std::vector<Rect> standing_, clear_, used_, rugs_;
+  std::vector<WallItem> on_walls_;
+  std::vector<Solid> built_, hung_;  // everything but rugs; of it, what hangs on walls
+};
+
+/// Can one walk from each door to each other and to near the room's middle, when `standing` is in
+/// the way? 0.75 m wide; and is no floor larger than half a square metre cut off?
+bool ways_are_open(const looks::RoomSpace& space, const std::vector<Rect>& standing);
+
+}  // namespace enfilade::homes::furniture

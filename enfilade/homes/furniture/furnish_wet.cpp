@@ -1,0 +1,378 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "enfilade/homes/furniture/furnish_recipes.h"
+
+namespace enfilade::homes::furniture {
+namespace {
+
+constexpr double kCounterDeep = 0.62, kCounterTop = 0.92;
+
+/// A run of units along a wall, left to right as one sees them.
+struct Run {
+  Group group;
+  double at = 0;      ///< where the next unit begins
+  double sink = 0;    ///< middle of the sink's cabinet
+  double stove = -9;  ///< middle of the stove; -9: none
+  double fridge = 0;  ///< width of what is tall at the left end
+};
+
+void add_unit(Run& run, const Shape& shape, Size size) {
+  run.group.items.push_back({&shape, size, run.at + size.w / 2, size.d / 2 + 0.012, 0, 0, 1});
+  run.at += size.w;
+}
+
+/// Worktops where there is no stove and nothing tall.
+void add_tops(Run& run, double from, double to) {
+  if (to - from < 0.2) return;
+  const bool sink = run.sink > from && run.sink < to;
+  const auto add = [&](double a, double b, std::size_t variant) {
+    if (b - a < 0.02) return;
+    const Shape& top = FurnishedRoom::pick("countertop", variant);
+    run.group.items.push_back({&top,
+                               {b - a, kCounterDeep, variant == 0 ? 0.04 : 0.14},
+                               (a + b) / 2,
+                               kCounterDeep / 2 + 0.012,
+                               kCounterTop - 0.04,
+                               0,
+                               1});
+  };
+  if (!sink) return add(from, to, 1);
+  add(from, run.sink - 0.3, 1);
+  add(run.sink - 0.3, run.sink + 0.3, 2);
+  add(run.sink + 0.3, to, 1);
+}
+
+void add_units(FurnishedRoom& room, Run& run, int units, double each, int sink, int hot) {
+  for (int i = 0; i < units; ++i) {
+    if (i == sink) {
+      run.sink = run.at + each / 2;
+      add_unit(run, FurnishedRoom::pick("sink cabinet", 0), {each, 0.6, kCounterTop - 0.04});
+    } else if (i == hot) {
+      run.stove = run.at + each / 2;
+      const Shape& shape = room.pick("stove");
+      add_unit(run, shape, {each, shape.size.d, shape.size.h});
+    } else if (i == sink + 1 && units > 4) {
+      add_unit(run, FurnishedRoom::pick("dishwasher", 0), {each, 0.6, kCounterTop - 0.04});
+    } else {
+      add_unit(run, room.pick("kitchen cabinet"), {each, 0.6, kCounterTop - 0.04});
+    }
+  }
+}
+
+/// `length` metres of kitchen with its sink as near as it can be to `sink_at` (from the left end).
+Run make_run(FurnishedRoom& room, double length, bool fridge, bool stove, double sink_at) {
+  Run run;
+  if (fridge) {
+    const Shape& shape =
+        length > 3.2 ? room.pick("refrigerator") : FurnishedRoom::pick("refrigerator", 0);
+    add_unit(run, shape, shape.size);
+    run.fridge = run.at;
+  }
+  const double rest = length - run.fridge - 0.02;
+  const int units = std::max(1, static_cast<int>(rest / 0.6));
+  const double each = std::min(rest / units, 0.8);
+  const int sink = std::clamp(static_cast<int>((sink_at - run.fridge) / each), 0, units - 1);
+  const int hot = units < 3 || !stove ? -1 : (sink + 2 < units ? sink + 2 : std::max(0, sink - 2));
+  const double first = run.at;
+  add_units(room, run, units, each, sink, hot);
+  if (run.stove > 0) {
+    add_tops(run, first, run.stove - each / 2);
+    add_tops(run, run.stove + each / 2, run.at);
+  } else {
+    add_tops(run, first, run.at);
+  }
+  const Shape& basin = FurnishedRoom::pick("kitchen sink", 0);
+  run.group.items.push_back({&basin, basin.size, run.sink, kCounterDeep / 2 + 0.012,
+                             kCounterTop - (basin.size.h - 0.3), 0, 1});
+  for (Item& item : run.group.items) item.x -= run.at / 2;
+  run.sink -= run.at / 2;
+  run.stove -= run.at / 2;
+  run.group.w = run.at;
+  run.group.d = 0.7;
+  run.group.front = 0.75;
+  return run;
+}
+
+void above_run(FurnishedRoom& room, const Run& run, const Spot& spot, double each) {
+  const double low = 1.45;
+  const Shape& hood = room.pick("range hood");
+  const bool has_stove = run.stove > -run.at / 2;
+  // Frames look into the room: the wall's own coordinate runs along or against x.
+  const auto along = [&](double x) {
+    const Vec3d p = spot.frame.to_world(x, 0);
+    return spot.wall % 2 == 0 ? p.y : p.x;
+  };
+  if (has_stove) {
+    room.hang(hood, {0.6, 0.48, std::min(0.75, room.height() - 1.7)}, spot.wall, along(run.stove),
+              1.6);
+  }
+  const Shape& cabinet = FurnishedRoom::pick("wall cabinet", 0);
+  const Shape& open = FurnishedRoom::pick("wall cabinet", 1);
+  for (double x = -run.at / 2 + run.fridge + each / 2; x < run.at / 2 - 0.2; x += each) {
+    if (has_stove && std::abs(x - run.stove) < 0.3 + each / 2 + 0.05) continue;
+    const Shape& shape = room.chance(0.25) ? open : cabinet;
+    const double h = std::min(0.72, room.height() - low - 0.12);
+    // Wall items keep 6 cm apart: cabinets are a little less wide than their place.
+    room.hang(shape, {each - 0.062, shape.size.d, h}, spot.wall, along(x), low);
+  }
+}
+
+void dress_run(FurnishedRoom& room, const Run& run, const Spot& spot) {
+  for (const Item& item : run.group.items) {
+    if (item.shape->noun != "countertop" || item.size.w < 0.35) continue;
+    if (std::abs(item.x - run.sink) < 0.2) continue;
+    Item top = item;
+    top.size.h = 0.04;
+    clutter(room, spot.frame, top, "kitchen");
+  }
+}
+
+std::optional<Spot> place_run(FurnishedRoom& room, Run& run) {
+  const double longest = std::max(room.width(), room.depth());
+  const double usual = std::min(longest - 0.1, 2.4 + 0.09 * room.area());
+  const Score score = [](const Spot& s) {
+    return (s.window ? 0.8 : 0.0) + (s.corner < 0.15 ? 0.4 : 0.0) + 0.1 * std::min(s.door, 4.0);
+  };
+  for (const double length : {usual, 0.85 * usual, 0.7 * usual, 2.4, 1.8, 1.2}) {
+    if (length > longest) continue;
+    run = make_run(room, length, length > 1.75, length > 2.2, 0.55 * length);
+    // Walls with windows are no place for the tall one; the run without it may fit there.
+    if (const auto spot = room.place_at_wall(run.group, score)) return spot;
+    run = make_run(room, length - 0.6, false, length > 2.2, 0.5 * (length - 0.6));
+    if (const auto spot = room.place_at_wall(run.group, score)) {
+      room.place_at_wall(room.pick("refrigerator"), in_corner, 0.6);
+      return spot;
+    }
+  }
+  return std::nullopt;
+}
+
+void second_run(FurnishedRoom& room, double length) {
+  Run run;
+  const int units = std::max(1, static_cast<int>(length / 0.6));
+  for (int i = 0; i < units; ++i) add_unit(run, room.pick("kitchen cabinet"), {0.6, 0.6, 0.88});
+  run.sink = -9;
+  add_tops(run, 0, run.at);
+  for (Item& item : run.group.items) item.x -= run.at / 2;
+  run.group.w = run.at;
+  run.group.d = 0.66;
+  run.group.front = 0.6;
+  if (const auto spot = room.place_at_wall(run.group, in_corner)) {
+    run.stove = -9;
+    above_run(room, run, *spot, 0.6);
+    dress_run(room, run, *spot);
+  }
+}
+
+bool place_island(FurnishedRoom& room) {
+  const Shape& island = room.pick("kitchen island");
+  const Shape& stool = room.pick("bar stool");
+  Group group{island.size.w, island.size.d + stool.size.d + 0.05, 0, {}};
+  group.items.push_back(FurnishedRoom::item(island, 0, stool.size.d + 0.05 + island.size.d / 2));
+  for (const double x : {-0.28, 0.28}) {
+    group.items.push_back(FurnishedRoom::item(stool, x * island.size.w, stool.size.d / 2));
+  }
+  const Frame m = room.middle();
+  const auto frame = room.place_free(group, m.origin.x, m.origin.y);
+  if (!frame) return false;
+  clutter(room, *frame, group.items[0], "kitchen");
+  hang_pendant(room, frame->to_world(0, group.items[0].y));
+  return true;
+}
+
+}  // namespace
+
+void furnish_kitchen(FurnishedRoom& room) {
+  Run run;
+  const auto spot = place_run(room, run);
+  if (spot) {
+    above_run(room, run, *spot, 0.6);
+    dress_run(room, run, *spot);
+  }
+  if (room.area() > 9) second_run(room, std::min(2.4, 0.12 * room.area()));
+  const Frame m = room.middle();
+  const bool island = room.narrow() > 3.4 && room.chance(0.6) && place_island(room);
+  if (!island || room.area() > 24) {
+    const Shape& table = room.pick("kitchen table");
+    table_with_chairs(room, table, table.size, "chair", m.origin.x, m.origin.y);
+  }
+  if (room.area() > 14) dressed_console(room, room.pick("cupboard"), false);
+  put_in_corner(room, FurnishedRoom::pick("trash can", 1));
+  if (room.area() > 9) plants(room, 1);
+  dress_windows(room, false);
+  room.hang_anywhere(room.pick("clock"), 1.75);
+  hang_pictures(room, 1);
+  hang_lights(room, Light::kSpots);
+}
+
+namespace {
+
+void hang_mirror(FurnishedRoom& room, const Spot& spot, double low) {
+  const Shape& mirror =
+      room.chance(0.25) ? FurnishedRoom::pick("medicine cabinet", 0) : room.pick("mirror");
+  if (room.hang(mirror, mirror.size, spot.wall, spot.along, low, 0.15)) {
+    const Shape& lamp = room.pick("wall lamp");
+    const double high = low + mirror.size.h + 0.09;
+    room.hang(lamp, lamp.size, spot.wall, spot.along, std::min(high, room.height() - 0.4), 0.1);
+  }
+}
+
+/// Sink, cabinet, mirror, light.
+bool wash_place(FurnishedRoom& room, bool large) {
+  const Score score = [](const Spot& s) {
+    return -0.3 * s.off_centre + 0.05 * s.door - (s.window ? 0.7 : 0);
+  };
+  std::optional<Spot> spot;
+  double top = 0.85;
+  Group group;
+  if (large) {
+    const Shape& cabinet = room.pick("bathroom cabinet");
+    const Shape& bowl = FurnishedRoom::pick("washbasin", 0);
+    const bool two = room.area() > 9;
+    Size size = cabinet.size;
+    if (two) size.w = 1.4;
+    group = {size.w, size.d + 0.02, 0.5, {}};
+    group.items.push_back({&cabinet, size, 0, size.d / 2 + 0.012, 0, 0, 1});
+    for (const double x : two ? std::vector{-0.35, 0.35} : std::vector{0.0}) {
+      group.items.push_back(FurnishedRoom::item(bowl, x, size.d / 2 + 0.012, size.h));
+    }
+    spot = room.place_at_wall(group, score);
+    top = 1.0;
+  }
+  if (!spot) {
+    const Shape& sink = room.pick("sink");
+    group = {sink.size.w, sink.size.d + 0.02, 0.4, {}};
+    group.items.push_back(FurnishedRoom::item(sink, 0, sink.size.d / 2 + 0.012));
+    spot = room.place_at_wall(group, score);
+  }
+  if (!spot) return false;
+  hang_mirror(room, *spot, top + 0.2);
+  if (large && group.items.size() == 2) {
+    Item side = group.items[0];
+    side.size.w = 0.2;
+    side.x = 0.3;
+    clutter(room, spot->frame, side, "bath");
+  }
+  return true;
+}
+
+void place_toilet(FurnishedRoom& room) {
+  const Shape& toilet = room.pick("toilet");
+  const auto spot = room.place_at_wall(
+      toilet, [](const Spot& s) { return -0.4 * std::min(s.corner, 1.5) + 0.15 * s.door; }, 0.4);
+  if (!spot) {
+    room.place_at_wall(FurnishedRoom::pick("toilet", 1), away_from_doors, 0.2);
+    return;
+  }
+  const Shape& paper = FurnishedRoom::pick("toilet paper", 0);
+  room.hang(paper, paper.size, spot->wall, spot->along + 0.36, 0.65, 0.1);
+  put_in_corner(room, FurnishedRoom::pick("toilet brush", 0));
+}
+
+/// Shower or tub, whatever fits, with a mat before it.
+bool place_bathing(FurnishedRoom& room, std::string_view noun) {
+  const Shape& shape = room.pick(noun);
+  if (shape.size.h > room.height()) return false;
+  const auto spot = room.place_at_wall(
+      shape,
+      [&](const Spot& s) {
+        return in_corner(s) + 0.1 * s.door + (s.window && noun == "bathtub" ? 0.3 : 0);
+      },
+      0.5);
+  if (!spot) return false;
+  const Shape& mat = FurnishedRoom::pick("bath mat", 0);
+  room.lay(mat, mat.size, spot->frame, 0, shape.size.d + 0.32);
+  return true;
+}
+
+void bath_extras(FurnishedRoom& room) {
+  const unsigned towels = room.area() > 6 ? 2 : 1;
+  for (unsigned i = 0; i < towels; ++i) {
+    const Shape& towel = FurnishedRoom::pick("towel", room.rng().below(3));
+    Group group{towel.size.w, towel.size.d, 0, {}};
+    const double low = towel.size.h > 1 ? 0.5 : 0.75;
+    group.items.push_back(FurnishedRoom::item(towel, 0, towel.size.d / 2 + 0.002, low));
+    room.place_at_wall(group, near_middle);
+  }
+  if (room.chance(0.6)) put_in_corner(room, FurnishedRoom::pick("trash can", 0));
+  if (room.chance(0.5)) put_in_corner(room, room.pick("basket"));
+  if (room.chance(0.4)) {
+    const Shape& robe = FurnishedRoom::pick("bathrobe", 0);
+    Group group{robe.size.w, robe.size.d, 0, {}};
+    group.items.push_back(FurnishedRoom::item(robe, 0, robe.size.d / 2 + 0.01, 0.7));
+    room.place_at_wall(group, near_middle);
+  }
+  if (room.area() > 6) plants(room, 1);
+  if (room.area() > 10) room.place_at_wall(room.pick("stool"), in_corner, 0);
+  if (room.chance(0.4)) room.place_at_wall(FurnishedRoom::pick("radiator", 0), near_middle, 0);
+}
+
+}  // namespace
+
+void furnish_bath(FurnishedRoom& room) {
+  const bool tub = room.area() > 4.2 && room.chance(0.7) && place_bathing(room, "bathtub");
+  if (!tub || room.area() > 7.5) place_bathing(room, "shower");
+  wash_place(room, room.area() > 3.6);
+  place_toilet(room);
+  if (room.area() > 8 && room.chance(0.5)) {
+    room.place_at_wall(FurnishedRoom::pick("bidet", 0), away_from_doors, 0.4);
+  }
+  bath_extras(room);
+  dress_windows(room, false);
+  if (room.area() > 7) hang_pictures(room, 1);
+  hang_lights(room, Light::kSpots);
+}
+
+void furnish_toilet(FurnishedRoom& room) {
+  place_toilet(room);
+  wash_place(room, false);
+  if (room.area() > 2) put_in_corner(room, FurnishedRoom::pick("trash can", 0));
+  const Shape& towel = FurnishedRoom::pick("towel", 0);
+  room.hang(towel, towel.size, static_cast<unsigned>(room.rng().below(4)), room.middle().origin.x,
+            0.8, 0.6);
+  dress_windows(room, false);
+  hang_pictures(room, 1);
+  hang_lights(room, Light::kHome);
+}
+
+void furnish_spa(FurnishedRoom& room) {
+  place_bathing(room, "bathtub");
+  place_bathing(room, "shower");
+  for (int i = 0; i < 3; ++i) room.place_at_wall(room.pick("bench"), near_middle, 0.4);
+  wash_place(room, true);
+  bath_extras(room);
+  plants(room, 3);
+  dress_windows(room, false);
+  hang_lights(room, Light::kSpots);
+}
+
+void furnish_laundry(FurnishedRoom& room) {
+  const Shape& washer = FurnishedRoom::pick("washing machine", 0);
+  const Shape& dryer = FurnishedRoom::pick("clothes dryer", 0);
+  Group pair{1.24, 0.66, 0.5, {}};
+  pair.items.push_back(FurnishedRoom::item(washer, -0.31, 0.33));
+  pair.items.push_back(FurnishedRoom::item(dryer, 0.31, 0.33));
+  if (const auto spot = room.place_at_wall(pair, near_middle)) {
+    Item top = pair.items[0];
+    top.x = 0;
+    top.size.w = 1.2;
+    top.size.h = washer.size.h;
+    clutter(room, spot->frame, top, "store");
+    const Shape& shelf = room.pick("shelf");
+    room.hang(shelf, shelf.size, spot->wall, spot->along, 1.5, 0.3);
+  } else {
+    room.place_at_wall(washer, away_from_doors, 0.4);
+  }
+  const Shape& sink = FurnishedRoom::pick("utility sink", 0);
+  room.place_at_wall(sink, away_from_doors, 0.4);
+  room.place_at_wall(room.pick("storage shelf"), in_corner, 0.4);
+  put_in_corner(room, room.pick("basket"));
+  if (room.area() > 6) coat_hooks(room);
+  if (room.area() > 8) room.place_at_wall(room.pick("cupboard"), in_corner, 0.5);
+  dress_windows(room, false);
+  hang_lights(room, Light::kHome);
+}
+
+}  // namespace enfilade::homes::furniture

@@ -1,0 +1,55 @@
+/// \file  Model homes: made-up, furnished buildings with the truth about everything in them.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "enfilade/homes/plan.h"
+#include "enfilade/mesh/lighting.h"
+#include "enfilade/mesh/mesh.h"
+
+namespace enfilade::homes {
+
+/// A solid thing, as the generator knows it: an upright box that may stand askew.
+struct Obstacle {
+  double x = 0, y = 0;            ///< middle, metres
+  double half_x = 0, half_y = 0;  ///< before turning
+  double turned = 0;              ///< radians, counter-clockwise
+  double z0 = 0, z1 = 0;          ///< lowest and highest point, world
+};
+
+/// Something that people would speak of.
+struct Thing {
+  std::uint32_t object = 0;  ///< its place in mesh.objects
+  std::string noun;          ///< "sofa", "bookshelf"
+  std::string colour;        ///< "red"; empty: nothing to speak of
+  std::string material;      ///< "wooden", "marble"; may be empty
+  std::size_t room = 0;      ///< place in plan.rooms
+  Vec3d low, high;           ///< box along the axes, world
+};
+
+struct Home {
+  Plan plan;
+  mesh::Mesh mesh;  ///< objects' region: place in plan.rooms
+  mesh::Lights lights;
+  std::vector<Obstacle> obstacles;  ///< walls, leaves, furniture: all that a body could touch
+  std::vector<Thing> things;
+};
+
+/// SYNTHETIC. The same options give the same home, to the byte, on every platform.
+/// \throws ArgumentError as make_plan()
+Home make_home(const PlanOptions& options);
+
+/// The room on whose floor, or on whose stairs, a point of a floor lies; on a threshold, the nearer
+/// room. Nothing for points more than 0.5 m from every room.
+std::optional<std::size_t> room_at(const Plan& plan, Vec3d floor_point);
+
+/// Can a body (graph::EdgeOptions' width, lowest, highest) move straight from above floor point `a`
+/// to above floor point `b`, by the generator's own knowledge of walls, doors, furniture and
+/// stairs? `slack` metres are taken off (positive) or added to the body on all sides.
+bool passage_is_free(const Home& home, Vec3d a, Vec3d b, double width, double lowest,
+                     double highest, double slack = 0);
+
+}  // namespace enfilade::homes

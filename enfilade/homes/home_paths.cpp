@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/rng.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/homes/built_home.h"
+#include "enfilade/homes/home_set.h"
+#include "enfilade/homes/speaking/sights.h"
+#include "enfilade/homes/speaking/speaker.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/r2r/path_sampling.h"
+#include "enfilade/scan/regions.h"
+
+namespace enfilade::homes {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> speak(const speaking::SpokenHome& home, const r2r::PathAnnotation& path,
+                               std::uint64_t seed) {
+  std::vector<ViewpointIndex> viewpoints;
+  for (const std::string& id : path.path) viewpoints.push_back(home.graph.find(id).value());
+  std::vector<std::string> instructions;
+  for (const speaking::Speaker speaker : speaking::kSpeakers) {
+    Rng rng(seed, static_cast<std::uint64_t>(path.path_id), static_cast<std::uint64_t>(speaker));
+    instructions.push_back(
+        speaking::describe(home, viewpoints, path.heading.value, speaker, rng.next()));
+  }
+  return instructions;
+}
+
+// Instructions for all paths in one home, which is built again for it.
+void speak_in(const HomeEntry& entry, const graph::GraphSet& graphs, const HomePathOptions& options,
+              std::vector<r2r::PathAnnotation>& paths) {
+  const auto [begin, end] =
+      std::ranges::equal_range(paths, entry.scan, {}, &r2r::PathAnnotation::scan);
+  if (begin == end) return;
+  const BuiltHome built = build_home(entry.plan);
+  const graph::NavGraph& graph = graphs.graph(entry.scan);
+  const speaking::Sights sights(built.home, *built.tracer, graph, 8192, options.threads);
+  const speaking::SpokenHome home{built.home, graph, sights};
+  for (auto path = begin; path != end; ++path) {
+    path->instructions = speak(home, *path, options.seed);
+  }
+}
+
+void write_splits(const fs::path& folder, const std::map<std::string, r2r::Annotations>& splits) {
+  for (const char* part : {"r2r", "hidden"}) make_folder(folder / part);
+  for (const char* split : {"train", "val_seen", "val_unseen", "test"}) {
+    write_file_atomically(folder / "r2r" / fmt::format("R2R_{}.json", split),
+                          to_json(splits.at(split)));
+  }
+  write_file_atomically(folder / "hidden" / "R2R_test.json", to_json(splits.at("test_hidden")));
+}
+
+}  // namespace
+
+HomePathReport write_home_paths(const fs::path& folder, const HomePathOptions& options,
+                                const SetProgress& progress) {
+  const std::vector<HomeEntry> homes = read_home_list(folder);
+  if (homes.size() < kLeastHomes) {
+    throw FileError(fmt::format("{}: {} homes, but splits by building need {} at least",
+                                folder.string(), homes.size(), kLeastHomes));
+  }
+  const auto graphs = graph::GraphSet::open(folder / "connectivity");
+  r2r::SamplingOptions sampling;
+  sampling.per_building = options.per_home;
+  sampling.seed = options.seed;
+  sampling.threads = options.threads;
+  const auto regions = scan::RegionMap::load(folder / "regions" / "region_to_panorama.json");
+  std::vector<r2r::PathAnnotation> paths = r2r::sample_paths(*graphs, regions, sampling);
+  for (std::size_t i = 0; i < homes.size(); ++i) {
+    if (progress) progress(homes[i].scan, i, homes.size());
+    speak_in(homes[i], *graphs, options, paths);
+  }
+  if (progress) progress("", homes.size(), homes.size());
+  r2r::SplitOptions split;
+  split.val_seen_share = options.val_seen_share;
+  split.seed = options.seed;
+  write_splits(folder, r2r::split_by_building(paths, split));
+  return {paths.size(), paths.size() * speaking::kSpeakers.size()};
+}
+
+}  // namespace enfilade::homes

@@ -1,0 +1,418 @@
+#include "enfilade/homes/home_set.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include "enfilade/capture/mesh_panoramas.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/rng.h"
+#include "enfilade/graph/corrections.h"
+#include "enfilade/graph/nav_graph.h"
+#include "enfilade/homes/built_home.h"
+#include "enfilade/homes/sets/home_corrections.h"
+#include "enfilade/homes/sets/home_list.h"
+#include "enfilade/mesh/lighting.h"
+#include "enfilade/scan/connectivity.h"
+#include "enfilade/scan/regions.h"
+#include "enfilade/scan/store.h"
+
+namespace enfilade::homes {
+namespace {
+
+namespace fs = std::filesystem;
+using sets::HomeCorrections;
+using sets::HomeList;
+
+constexpr std::string_view kMarker = "# Model homes: a SYNTHETIC data set made by Enfilade\n";
+constexpr std::size_t kMostHomes = 10000;
+// Changes whenever the same options give other pictures.
+constexpr int kGeneration = 2;
+// Shares of a home's work, for progress: building and graph, light, pictures.
+constexpr std::size_t kUnits = 100, kBuilt = 8, kLit = 28;
+// Lists of one home each, of runs of shards, until a run of the whole set gathers them.
+constexpr const char* kShards = "shards";
+// In an entry's place for a checksum: its graph is just being corrected anew.
+constexpr const char* kUnfinished = "unfinished";
+
+struct Preset {
+  std::string_view name;
+  HomeSetOptions options;
+};
+
+const std::array<Preset, 3>& presets() {
+  static const std::array<Preset, 3> kPresets = [] {
+    HomeSetOptions small;
+    small.homes = 2;
+    small.kind = HomeKind::kFlat;
+    small.least_area = small.most_area = 60;
+    small.face_size = 64;
+    small.samples = 1;
+    HomeSetOptions demo;
+    demo.least_area = 85;
+    demo.most_area = 100;
+    demo.stairs_every = 8;
+    HomeSetOptions full;
+    full.homes = 90;
+    full.least_area = 350;
+    full.most_area = 850;
+    full.face_size = 512;
+    return std::array<Preset, 3>{{{"small", small}, {"demo", demo}, {"full", full}}};
+  }();
+  return kPresets;
+}
+
+void validate(const HomeSetOptions& o) {
+  const auto check = [](bool good, const std::string& message) {
+    if (!good) throw ArgumentError(message);
+  };
+  check(o.homes >= 1 && o.homes <= kMostHomes,
+        fmt::format("homes: {}, not from 1 to {}", o.homes, kMostHomes));
+  check((o.least_area == 0 && o.most_area == 0) ||
+            (o.least_area >= kLeastArea && o.most_area <= kMostArea && o.least_area <= o.most_area),
+        fmt::format("area: {} to {} m2, not a range within {} to {}, or 0", o.least_area,
+                    o.most_area, kLeastArea, kMostArea));
+  check(o.face_size <= 4096, fmt::format("face_size: {}, not from 0 to 4096", o.face_size));
+  check(o.samples == 1 || o.samples == 4 || o.samples == 9 || o.samples == 16,
+        fmt::format("samples: {}, not 1, 4, 9 or 16", o.samples));
+  check(o.jpeg_quality >= 1 && o.jpeg_quality <= 100,
+        fmt::format("jpeg_quality: {}, not from 1 to 100", o.jpeg_quality));
+  check(o.shard.index < o.shard.count && o.shard.count <= kMostHomes,
+        fmt::format("shard: index {} of {}, not below it or not from 1 to {}", o.shard.index,
+                    o.shard.count, kMostHomes));
+}
+
+std::string scan_name(std::size_t home) { return fmt::format("home_{:04}", home + 1); }
+
+std::vector<std::string> scan_names(std::size_t homes) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < homes; ++i) names.push_back(scan_name(i));
+  return names;
+}
+
+bool has_stairs(const HomeSetOptions& options, std::size_t home) {
+  const HomeKind kind = options.kind.value_or(HomeKind::kHouse);
+  const bool may = kind == HomeKind::kHouse || kind == HomeKind::kOffice;
+  return may && options.stairs_every > 0 && home % options.stairs_every == 1 % options.stairs_every;
+}
+
+// What is drawn for one home of a set depends on the set's seed and its number only, so that a
+// larger set begins with the homes of a smaller one.
+PlanOptions plan_of(const HomeSetOptions& options, std::size_t home) {
+  Rng rng(options.seed, stream_of("home", 4), home);
+  PlanOptions plan;
+  plan.seed = rng.next() >> 11;  // 53 bits: exact in every JSON reader
+  plan.kind = options.kind;
+  if (!plan.kind) {
+    const double draw = rng.uniform();
+    plan.kind = draw < 0.55   ? HomeKind::kHouse
+                : draw < 0.75 ? HomeKind::kFlat
+                : draw < 0.9  ? HomeKind::kOffice
+                              : HomeKind::kHotelFloor;
+  }
+  if (options.most_area > 0) {
+    plan.area = options.least_area + (options.most_area - options.least_area) * rng.uniform();
+  }
+  if (has_stairs(options, home)) {
+    if (plan.kind != HomeKind::kOffice) plan.kind = HomeKind::kHouse;
+    plan.area = 170;  // the least that two storeys fit into
+    plan.storeys = 2;
+  }
+  return plan;
+}
+
+std::string readme(const HomeSetOptions& o) {
+  return fmt::format(
+      "{}\n"
+      "Nothing in this folder is real: {} made-up buildings with furniture (`homes.json`), their\n"
+      "navigation graphs (`connectivity/`), rooms (`regions/`), panoramas (`store/`) and, if they\n"
+      "were asked for, paths with instructions that a program wrote (`r2r/`). Numbers from it are\n"
+      "not comparable with any from Matterport3D or Room-to-Room.\n\n"
+      "Seed {}, faces of {} texels; the same options give the same bytes.\n",
+      kMarker, o.homes, o.seed, o.face_size);
+}
+
+// Homes by their places in the set.
+using Homes = std::map<std::size_t, HomeEntry>;
+
+// Adds what a list of an earlier run has. \throws FileError if that was of another set
+void add_list(const fs::path& file, const fs::path& folder, const HomeSetOptions& options,
+              Homes& homes) {
+  HomeList list = sets::parse_home_list(read_file(file), file.string());
+  const std::string differs = sets::difference(list.options, options);
+  if (!differs.empty()) {
+    throw FileError(fmt::format("{}: holds homes made with other options ({}); name another folder",
+                                folder.string(), differs));
+  }
+  const std::vector<std::string> names = scan_names(options.homes);
+  for (std::size_t i = 0; i < list.homes.size(); ++i) {
+    HomeEntry& home = list.homes[i];
+    const auto name = std::ranges::find(names, home.scan);
+    if (name == names.end()) {
+      throw InvalidInput(
+          {{Severity::kError, file.string(), fmt::format("$.homes[{}].scan", i), "unknown-scan",
+            fmt::format("{:?} is none of the {} homes of this set: {} to {}", home.scan,
+                        names.size(), names.front(), names.back())}});
+    }
+    homes[static_cast<std::size_t>(name - names.begin())] = std::move(home);
+  }
+}
+
+void write_list(const fs::path& file, const HomeSetOptions& options, const Homes& homes) {
+  HomeList list{options, {}};
+  for (const auto& [place, home] : homes) list.homes.push_back(home);
+  write_file_atomically(file, sets::to_json(list));
+}
+
+// The homes of earlier runs with the same options, or none in a folder that is claimed.
+Homes claim(const fs::path& folder, const HomeSetOptions& options) {
+  Homes homes;
+  std::error_code code;
+  const fs::path list_file = folder / "homes.json";
+  if (fs::exists(list_file, code)) {
+    add_list(list_file, folder, options, homes);
+    if (fs::is_directory(folder / kShards, code)) {
+      for (const auto& entry : fs::directory_iterator(folder / kShards)) {
+        if (entry.path().extension() == ".json") add_list(entry.path(), folder, options, homes);
+      }
+    }
+    return homes;
+  }
+  if (fs::is_directory(folder, code) && !fs::is_empty(folder, code)) {
+    const fs::path marker = folder / "README.md";
+    if (!fs::exists(marker, code) || !read_file(marker).starts_with(kMarker)) {
+      throw FileError(
+          fmt::format("{}: holds files that are not model homes; name a new or an "
+                      "empty folder",
+                      folder.string()));
+    }
+  }
+  make_folder(folder);
+  write_file_atomically(folder / "README.md", readme(options));
+  // Before any home: what a killed run leaves must not pass for that of other options.
+  write_list(list_file, options, homes);
+  return homes;
+}
+
+HomeEntry describe(const BuiltHome& built, const PlanOptions& plan,
+                   const scan::Connectivity& connectivity) {
+  const graph::NavGraph graph(connectivity);
+  HomeEntry entry;
+  entry.scan = connectivity.scan;
+  entry.plan = plan;
+  entry.kind = to_string(built.home.plan.kind);
+  entry.viewpoints = graph.included_count();
+  entry.edges = graph.edge_count() / 2;
+  entry.triangles = built.home.mesh.triangles.size();
+  for (const PlanRoom& room : built.home.plan.rooms) {
+    entry.rooms.push_back({room.type, room.name, room.storey, {}});
+  }
+  for (std::size_t v = 0; v < connectivity.entries.size(); ++v) {
+    const scan::ConnectivityEntry& viewpoint = connectivity.entries[v];
+    Vec3d foot = viewpoint.position();
+    foot.z -= viewpoint.height;
+    if (const auto room = room_at(built.home.plan, foot)) {
+      entry.rooms[*room].viewpoints.push_back(viewpoint.id);
+    }
+  }
+  return entry;
+}
+
+void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivity,
+                   const HomeSetOptions& options, const fs::path& folder,
+                   const Progress& progress) {
+  mesh::BakeOptions bake;
+  bake.threads = options.threads;
+  // A third of the time that the finest takes, and hard to tell from it in rooms.
+  bake.detail = 0.5F;
+  bake.rays = 48;
+  const auto lit = std::make_shared<mesh::LitMesh>(built.tracer, built.home.lights, bake);
+  if (progress) progress(kLit - kBuilt, kUnits - kBuilt);
+  mesh::CaptureOptions capture;
+  capture.samples = options.samples;
+  const std::string state =
+      fmt::format("model home, generation {}, seed {}, {} triangles, samples {}", kGeneration,
+                  built.home.plan.seed, built.home.mesh.triangles.size(), options.samples);
+  const capture::MeshPanoramas panoramas(lit, connectivity, options.face_size, capture, state);
+  scan::PackOptions pack;
+  pack.colour = scan::ColourCoding::kJpeg;
+  pack.jpeg_quality = options.jpeg_quality;
+  pack.threads = options.threads;
+  scan::pack(panoramas, folder / "store", pack, [&](std::size_t done, std::size_t total) {
+    if (progress) {
+      progress(kLit - kBuilt + (kUnits - kLit) * done / std::max<std::size_t>(total, 1),
+               kUnits - kBuilt);
+    }
+  });
+}
+
+std::vector<scan::ScanRegions> regions_of(const Homes& homes) {
+  std::vector<scan::ScanRegions> scans;
+  for (const auto& [place, home] : homes) {
+    scan::ScanRegions regions{home.scan, {}};
+    for (const RoomEntry& room : home.rooms) regions.viewpoints.push_back(room.viewpoints);
+    scans.push_back(std::move(regions));
+  }
+  return scans;
+}
+
+// One run over the homes of a shard.
+class HomeWriter {
+ public:
+  HomeWriter(const fs::path& folder, const HomeSetOptions& options, const SetProgress& progress)
+      : folder_(folder), options_(options), progress_(progress) {}
+
+  HomeSetReport run() {
+    corrections_ = sets::load_home_corrections(options_.corrections, scan_names(options_.homes));
+    homes_ = claim(folder_, options_);
+    for (const char* part : {"connectivity", "regions"}) make_folder(folder_ / part);
+    if (whole()) gather();
+    for (std::size_t i = options_.shard.index; i < options_.homes; i += options_.shard.count) {
+      const auto found = homes_.find(i);
+      if (found == homes_.end()) {
+        make(i);
+      } else if (found->second.corrections != wanted(i)) {
+        correct_again(i);
+      }
+      report_.homes.push_back(homes_.at(i));
+    }
+    return std::move(report_);
+  }
+
+ private:
+  bool whole() const { return options_.shard.count == 1; }
+
+  const HomeCorrections* corrections_of(std::size_t home) const {
+    const auto found = corrections_.find(scan_name(home));
+    return found == corrections_.end() ? nullptr : &found->second;
+  }
+  std::string wanted(std::size_t home) const {
+    const HomeCorrections* corrections = corrections_of(home);
+    return corrections == nullptr ? "" : corrections->checksum;
+  }
+
+  // Takes the shards' homes into the list, and what killed runs left half written away.
+  void gather() {
+    if (!homes_.empty()) save_list();
+    std::error_code code;
+    fs::remove_all(folder_ / kShards, code);
+    if (code) {
+      throw FileError(
+          fmt::format("{}: cannot remove: {}", (folder_ / kShards).string(), code.message()));
+    }
+    for (const char* part : {".", "connectivity", "regions", "r2r", "hidden"}) {
+      remove_unfinished(folder_ / part);
+    }
+  }
+
+  void make(std::size_t home) {
+    const PlanOptions plan = plan_of(options_, home);
+    const auto tell = [&](std::size_t units) {
+      if (progress_) {
+        progress_(scan_name(home), home * kUnits + units, options_.homes * kUnits);
+      }
+    };
+    tell(0);
+    const BuiltHome built = build(home, plan);
+    const scan::Connectivity found = build_graph(built, scan_name(home), options_.threads);
+    const scan::Connectivity corrected = write_graph(home, found);
+    tell(kBuilt);
+    if (options_.face_size > 0) {
+      // Of the graph as it was found: people correct it when they have seen the pictures.
+      take_pictures(built, found, options_, folder_,
+                    [&](std::size_t done, std::size_t) { tell(kBuilt + done); });
+    }
+    tell(kUnits);
+    save(home, describe(built, plan, corrected), wanted(home));
+  }
+
+  void correct_again(std::size_t home) {
+    const HomeEntry old = homes_.at(home);
+    save(home, old, kUnfinished);
+    const BuiltHome built = build(home, old.plan);
+    const scan::Connectivity found = build_graph(built, old.scan, options_.threads);
+    save(home, describe(built, old.plan, write_graph(home, found)), wanted(home));
+  }
+
+  BuiltHome build(std::size_t home, const PlanOptions& plan) const {
+    try {
+      return build_home(plan);
+    } catch (const NoPlan& none) {
+      throw NoPlan(fmt::format("{}: {}. {} homes made before are kept in {}", scan_name(home),
+                               none.what(), homes_.size(), folder_.string()));
+    }
+  }
+
+  // With the corrections that there are.
+  scan::Connectivity write_graph(std::size_t home, scan::Connectivity graph) {
+    if (const HomeCorrections* there = corrections_of(home)) {
+      graph::Corrected corrected = apply(graph, there->corrections, there->file.string());
+      report_.notes.insert(report_.notes.end(), corrected.notes.begin(), corrected.notes.end());
+      graph = std::move(corrected.connectivity);
+    }
+    write_file_atomically(scan::connectivity_file(folder_ / "connectivity", graph.scan),
+                          to_json(graph));
+    return graph;
+  }
+
+  void save(std::size_t home, HomeEntry entry, std::string corrections) {
+    entry.corrections = std::move(corrections);
+    homes_[home] = std::move(entry);
+    if (whole()) {
+      save_list();
+    } else {
+      make_folder(folder_ / kShards);
+      write_list(folder_ / kShards / (scan_name(home) + ".json"), options_,
+                 {{home, homes_.at(home)}});
+    }
+  }
+
+  void save_list() const {
+    std::string scans;
+    for (const auto& [place, home] : homes_) scans += home.scan + "\n";
+    write_file_atomically(folder_ / "regions" / "region_to_panorama.json",
+                          to_json(regions_of(homes_)));
+    write_file_atomically(folder_ / "connectivity" / "scans.txt", scans);
+    write_list(folder_ / "homes.json", options_, homes_);  // last: it says what is done
+  }
+
+  const fs::path& folder_;
+  const HomeSetOptions& options_;
+  const SetProgress& progress_;
+  std::map<std::string, HomeCorrections> corrections_;
+  Homes homes_;
+  HomeSetReport report_;
+};
+
+}  // namespace
+
+HomeSetOptions home_set_preset(std::string_view name) {
+  for (const Preset& preset : presets()) {
+    if (preset.name == name) return preset.options;
+  }
+  throw ArgumentError(fmt::format("preset: {:?} is none of small, demo, full", name));
+}
+
+std::vector<std::string> home_set_presets() {
+  std::vector<std::string> names;
+  for (const Preset& preset : presets()) names.emplace_back(preset.name);
+  return names;
+}
+
+HomeSetReport write_homes(const fs::path& folder, const HomeSetOptions& options,
+                          const SetProgress& progress) {
+  validate(options);
+  return HomeWriter(folder, options, progress).run();
+}
+
+std::vector<HomeEntry> read_home_list(const fs::path& folder) {
+  const fs::path file = folder / "homes.json";
+  return sets::parse_home_list(read_file(file), file.string()).homes;
+}
+
+}  // namespace enfilade::homes

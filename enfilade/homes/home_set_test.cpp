@@ -1,0 +1,236 @@
+#include "enfilade/homes/home_set.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/graph/corrections.h"
+#include "enfilade/graph/nav_graph.h"
+#include "enfilade/r2r/annotations.h"
+#include "enfilade/scan/connectivity.h"
+#include "enfilade/scan/data_root.h"
+#include "enfilade/scan/store.h"
+#include "tests/support/folder_content.h"
+#include "tests/support/refusal.h"
+#include "tests/support/temporary_folder.h"
+
+namespace enfilade::homes {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using tests::content_of;
+using tests::TemporaryFolder;
+
+HomeSetOptions tiny(std::size_t homes, std::uint32_t face_size) {
+  HomeSetOptions options;
+  options.homes = homes;
+  options.kind = HomeKind::kFlat;
+  options.least_area = options.most_area = 60;
+  options.face_size = face_size;
+  options.samples = 1;
+  return options;
+}
+
+// A folder of corrections of the first home.
+void correct(const fs::path& folder, const std::vector<graph::Correction>& list) {
+  fs::create_directories(folder);
+  write_file_atomically(folder / "home_0001_corrections.json", graph::to_json({"home_0001", list}));
+}
+
+graph::NavGraph graph_of(const fs::path& folder, const std::string& scan) {
+  return graph::NavGraph(scan::load_connectivity(folder / "connectivity", scan));
+}
+
+TEST(HomeSet, HasPicturesAtEveryViewpointAndTheSameBytesAgain) {
+  const TemporaryFolder a("homes_a"), b("homes_b");
+  const auto homes = write_homes(a.path(), tiny(1, 8)).homes;
+  ASSERT_EQ(homes.size(), 1U);
+  EXPECT_GT(homes[0].viewpoints, 5U);
+  const auto store = scan::Store::open(scan::store_file(a.path() / "store", homes[0].scan));
+  EXPECT_EQ(store->size(), homes[0].viewpoints);
+  EXPECT_TRUE(store->verify().empty());
+  for (std::size_t v = 0; v < store->size(); ++v) {
+    EXPECT_EQ(store->face_sizes(ViewpointIndex(v)), (scan::FaceSizes{8, 8, 8, 8}));
+  }
+  HomeSetOptions one_thread = tiny(1, 8);
+  one_thread.threads = 1;
+  write_homes(b.path(), one_thread);
+  EXPECT_EQ(content_of(a.path()), content_of(b.path()));
+}
+
+TEST(HomeSet, GoesOnWhereItWasAndRefusesWhatIsNotItsOwn) {
+  const TemporaryFolder folder("homes");
+  write_homes(folder.path(), tiny(1, 0));
+  const auto whole = content_of(folder.path());
+  // Killed after the graph was written and before the list was.
+  fs::remove(folder.path() / "homes.json");
+  write_homes(folder.path(), tiny(1, 0));
+  EXPECT_EQ(content_of(folder.path()), whole);
+  EXPECT_THROW(write_homes(folder.path(), tiny(2, 0)), FileError);
+
+  const TemporaryFolder other("homes_other");
+  write_file_atomically(other.path() / "thesis.tex", "years of work");
+  EXPECT_THROW(write_homes(other.path(), tiny(1, 0)), FileError);
+  EXPECT_THROW(write_homes(other.path() / "new", tiny(0, 0)), ArgumentError);
+  write_file_atomically(folder.path() / "homes.json", "{\"format\": \"enfilade-homes\"}");
+  EXPECT_THROW(read_home_list(folder.path()), InvalidInput);
+}
+
+TEST(HomeSet, SomeHomesHaveStairsIfAskedFor) {
+  const TemporaryFolder folder("homes"), flats("flats");
+  HomeSetOptions options = tiny(3, 0);
+  options.stairs_every = 2;
+  EXPECT_EQ(write_homes(flats.path(), options).homes[1].plan.area, 60) << "flats have no stairs";
+  options.kind.reset();
+  options.homes = 4;
+  const auto homes = write_homes(folder.path(), options).homes;
+  for (std::size_t i = 0; i < homes.size(); ++i) {
+    const bool upstairs = std::ranges::any_of(
+        homes[i].rooms, [](const RoomEntry& r) { return r.storey == 1 && !r.viewpoints.empty(); });
+    EXPECT_EQ(upstairs, i % 2 == 1) << homes[i].scan;
+    if (upstairs) {
+      EXPECT_TRUE(homes[i].kind == "house" || homes[i].kind == "office");
+    }
+  }
+  EXPECT_EQ(home_set_preset("demo").stairs_every, 8U);
+  options.stairs_every = 0;
+  EXPECT_THROW(write_homes(folder.path(), options), FileError) << "another set";
+}
+
+TEST(HomeSet, KeepsHomesMadeBeforeAFailure) {
+  const TemporaryFolder folder("homes"), whole("homes");
+  struct Stopped {};
+  EXPECT_THROW(write_homes(folder.path(), tiny(3, 0),
+                           [](const std::string& home, std::size_t, std::size_t) {
+                             if (home == "home_0003") throw Stopped();
+                           }),
+               Stopped);
+  EXPECT_EQ(read_home_list(folder.path()).size(), 2U);
+  std::vector<std::string> made;
+  write_homes(folder.path(), tiny(3, 0), [&](const std::string& home, std::size_t, std::size_t) {
+    if (made.empty() || made.back() != home) made.push_back(home);
+  });
+  EXPECT_THAT(made, testing::ElementsAre("home_0003"));
+  write_homes(whole.path(), tiny(3, 0));
+  EXPECT_EQ(content_of(folder.path()), content_of(whole.path()));
+}
+
+TEST(HomeSet, SharesMakeTheSameSetInAnyOrder) {
+  const TemporaryFolder whole("homes"), shared("homes");
+  write_homes(whole.path(), tiny(5, 0));
+  HomeSetOptions share = tiny(5, 0);
+  share.shard = {1, 2};
+  const auto second = write_homes(shared.path(), share).homes;
+  ASSERT_EQ(second.size(), 2U);
+  EXPECT_EQ(second[0].scan, "home_0002");
+  EXPECT_EQ(second[1].scan, "home_0004");
+  EXPECT_TRUE(read_home_list(shared.path()).empty()) << "gathered by a run of the whole set";
+  // Made by the third of three: the third home; the first is left to the run of the whole set.
+  share.shard = {2, 3};
+  EXPECT_EQ(write_homes(shared.path(), share).homes.size(), 1U);
+  share.shard = {4, 5};
+  EXPECT_EQ(write_homes(shared.path(), share).homes.size(), 1U);
+  std::size_t steps = 0;
+  write_homes(shared.path(), tiny(5, 0), [&](const std::string& home, std::size_t, std::size_t) {
+    EXPECT_EQ(home, "home_0001");
+    ++steps;
+  });
+  EXPECT_GT(steps, 0U);
+  EXPECT_EQ(content_of(shared.path()), content_of(whole.path()));
+  share.shard = {2, 2};
+  EXPECT_THAT(tests::refusal<ArgumentError>([&] { write_homes(shared.path(), share); }),
+              HasSubstr("shard: index 2 of 2"));
+}
+
+TEST(HomeSet, CorrectionsAreAppliedOnTopAndTakenBack) {
+  const TemporaryFolder folder("homes"), corrections("corrections"), fresh("homes");
+  HomeSetOptions options = tiny(2, 0);
+  write_homes(folder.path(), options);
+  const auto as_found = content_of(folder.path());
+  const graph::NavGraph found = graph_of(folder.path(), "home_0001");
+  const ViewpointIndex a(0), b = found.edges(a)[0].target;
+  using Action = graph::Correction::Action;
+  correct(corrections.path(),
+          {{Action::kRemoveEdge, found.id(a), found.id(b), "Ada", "a rope", ""},
+           {Action::kExclude, found.id(ViewpointIndex(3)), "", "Ben", "in a cupboard", ""},
+           {Action::kInclude, found.id(a), "", "Ben", "it is", ""}});
+  options.corrections = corrections.path();
+  const HomeSetReport report = write_homes(folder.path(), options);
+  ASSERT_EQ(report.notes.size(), 1U);
+  EXPECT_EQ(report.notes[0].where, "$.corrections[2]");
+  const graph::NavGraph corrected = graph_of(folder.path(), "home_0001");
+  EXPECT_EQ(corrected.edge(a, b), nullptr);
+  EXPECT_FALSE(corrected.included(ViewpointIndex(3)));
+  EXPECT_EQ(report.homes[0].viewpoints, found.included_count() - 1);
+  EXPECT_EQ(read_home_list(folder.path())[0].edges, corrected.edge_count() / 2);
+  EXPECT_EQ(read_home_list(folder.path())[1].corrections, "");
+  // The same as if they had been there from the start; and without them as if they never had been.
+  write_homes(fresh.path(), options);
+  EXPECT_EQ(content_of(fresh.path()), content_of(folder.path()));
+  options.corrections.clear();
+  write_homes(folder.path(), options);
+  EXPECT_EQ(content_of(folder.path()), as_found);
+}
+
+TEST(HomeSet, AHalfCorrectedGraphIsCorrectedAgain) {
+  const TemporaryFolder folder("homes"), corrections("corrections");
+  HomeSetOptions options = tiny(1, 0);
+  write_homes(folder.path(), options);
+  const auto as_found = content_of(folder.path());
+  correct(corrections.path(),
+          {{graph::Correction::Action::kExclude, "nobody", "", "Ada", "a rope", ""}});
+  options.corrections = corrections.path();
+  // What a killed run leaves, too: the list says that the graph's state is unknown.
+  EXPECT_THAT(tests::refusal<InvalidInput>([&] { write_homes(folder.path(), options); }),
+              HasSubstr("$.corrections[0].from: \"nobody\" is no viewpoint of home_0001"));
+  EXPECT_EQ(read_home_list(folder.path())[0].corrections, "unfinished");
+  write_file_atomically(folder.path() / "connectivity" / "home_0001_connectivity.json", "[]");
+  options.corrections.clear();
+  write_homes(folder.path(), options);
+  EXPECT_EQ(content_of(folder.path()), as_found);
+}
+
+TEST(HomeSet, RefusesOptionsOutOfRangeBeforeItMakesAFolder) {
+  const TemporaryFolder made("homes");
+  const fs::path folder = made.path() / "new";
+  const auto refused = [&](auto change) {
+    HomeSetOptions options = tiny(1, 0);
+    change(options);
+    return tests::refusal<ArgumentError>([&] { write_homes(folder, options); });
+  };
+  EXPECT_EQ(refused([](auto& o) { o.homes = 10001; }), "homes: 10001, not from 1 to 10000");
+  EXPECT_EQ(refused([](auto& o) { o.most_area = 3001; }),
+            "area: 60 to 3001 m2, not a range within 60 to 3000, or 0");
+  EXPECT_THAT(refused([](auto& o) { o.least_area = 59; }), HasSubstr("area: 59 to 60 m2"));
+  EXPECT_EQ(refused([](auto& o) { o.samples = 3; }), "samples: 3, not 1, 4, 9 or 16");
+  EXPECT_EQ(refused([](auto& o) { o.face_size = 4097; }), "face_size: 4097, not from 0 to 4096");
+  EXPECT_FALSE(fs::exists(folder));
+}
+
+TEST(HomeSet, PathsHaveThreeInstructionsAndHiddenGoals) {
+  const TemporaryFolder folder("homes");
+  write_homes(folder.path(), tiny(3, 0));
+  HomePathOptions options;
+  options.per_home = 6;
+  const HomePathReport report = write_home_paths(folder.path(), options);
+  EXPECT_GT(report.paths, 6U);
+  EXPECT_EQ(report.instructions, 3 * report.paths);
+  const scan::DataRoot data(folder.path());
+  const auto test = r2r::load_annotations(data.annotations("test"), "test");
+  const auto hidden = r2r::load_annotations(folder.path() / "hidden" / "R2R_test.json", "test");
+  ASSERT_EQ(test.paths.size(), hidden.paths.size());
+  for (std::size_t i = 0; i < test.paths.size(); ++i) {
+    EXPECT_EQ(test.paths[i].path.size(), 1U);
+    EXPECT_GT(hidden.paths[i].path.size(), 4U);
+    EXPECT_EQ(test.paths[i].instructions, hidden.paths[i].instructions);
+    EXPECT_EQ(test.paths[i].instructions.size(), 3U);
+  }
+}
+
+}  // namespace
+}  // namespace enfilade::homes

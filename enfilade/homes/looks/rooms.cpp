@@ -1,0 +1,164 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "enfilade/homes/looks/site.h"
+#include "enfilade/homes/plan/model.h"
+
+namespace enfilade::homes::looks {
+namespace {
+
+constexpr double kSkirting = 0.08, kSkirtingDepth = 0.012, kSkirtingInWall = 0.01;  // metres
+
+/// A wall of a room, from inside.
+struct Wall {
+  std::size_t room = 0;
+  unsigned side = 0;  // 0 at floor.x1, 1 at y1, 2 at x0, 3 at y0
+  bool along_x = false, outer = false;
+  double n = 0, u0 = 0, u1 = 0;       // its face and its ends
+  std::vector<const Opening*> holes;  // in order
+};
+
+Wall find_wall(const Site& site, std::size_t room, unsigned side) {
+  const Plan& plan = site.plan;
+  const Rect& f = plan.rooms[room].floor;
+  Wall w;
+  w.room = room;
+  w.side = side;
+  w.along_x = side % 2 == 1;
+  w.n = std::array{f.x1, f.y1, f.x0, f.y0}[side];
+  w.u0 = w.along_x ? f.x0 : f.y0;
+  w.u1 = w.along_x ? f.x1 : f.y1;
+  const Rect& out = plan.outline;
+  const double edge = std::array{out.x1, out.y1, out.x0, out.y0}[side];
+  w.outer = std::abs(edge - w.n) < plan.outer_wall + 1e-6;
+  for (const Opening& o : plan.openings) {
+    if ((o.room0 != room && o.room1 != room) || o.along_x != w.along_x) continue;
+    if (std::abs(o.wall - w.n) < plan.outer_wall) w.holes.push_back(&o);
+  }
+  std::sort(w.holes.begin(), w.holes.end(),
+            [](const Opening* a, const Opening* b) { return a->from < b->from; });
+  return w;
+}
+
+// A piece of a wall without holes: its face, and the body that it is.
+void add_piece(Site& site, const Wall& w, mesh::MaterialId material, double u0, double u1,
+               double z0, double z1) {
+  const double z = site.floor_z(w.room);
+  upright(site, material, w.side ^ 2U, w.n, u0, u1, z + z0, z + z1);
+  const double depth = w.outer ? site.plan.outer_wall : site.plan.inner_wall / 2;
+  const bool high = w.side < 2;
+  // Bodies reach round corners; those at holes end there.
+  const double past = site.plan.inner_wall / 2;
+  const double a = u0 <= w.u0 ? u0 - past : u0, b = u1 >= w.u1 ? u1 + past : u1;
+  add_obstacle(site, w.along_x,
+               {a, b, high ? w.n : w.n - depth, high ? w.n + depth : w.n, z + z0, z + z1});
+}
+
+void add_skirting(Site& site, const Wall& w, double u0, double u1) {
+  if (u1 - u0 < 0.03) return;
+  const double z = site.floor_z(w.room);
+  const bool high = w.side < 2;
+  // Of two that meet in a corner one ends at the other.
+  const double cut = w.along_x ? 0 : kSkirtingDepth;
+  const double a = u0 <= w.u0 ? u0 + cut : u0, b = u1 >= w.u1 ? u1 - cut : u1;
+  const double n0 = high ? w.n - kSkirtingDepth : w.n - kSkirtingInWall;
+  const double n1 = high ? w.n + kSkirtingInWall : w.n + kSkirtingDepth;
+  site.parts.builder.box(site.style(w.room).trim.id, wall_point(w.along_x, a, n0, z),
+                         wall_point(w.along_x, b, n1, z + kSkirting), false);
+  add_obstacle(site, w.along_x, {a, b, n0, n1, z, z + kSkirting});
+}
+
+void build_wall(Site& site, const Wall& w, mesh::MaterialId material) {
+  site.parts.builder.begin_object("wall", kWallClass, static_cast<std::int32_t>(w.room));
+  const double top = site.plan.rooms[w.room].ceiling;
+  double at = w.u0, skirting = w.u0;
+  for (const Opening* o : w.holes) {
+    add_piece(site, w, material, at, o->from, 0, top);
+    if (o->sill > 0) add_piece(site, w, material, o->from, o->to, 0, o->sill);
+    add_piece(site, w, material, o->from, o->to, o->head, top);
+    at = o->to;
+    if (o->sill > 0) continue;
+    add_skirting(site, w, skirting, o->from - kCasing);
+    skirting = o->to + kCasing;
+  }
+  add_piece(site, w, material, at, w.u1, 0, top);
+  add_skirting(site, w, skirting, w.u1);
+}
+
+// One wall of a room may be of its own kind: the longest without doors.
+unsigned feature_side(const std::array<Wall, 4>& walls) {
+  unsigned best = 0;
+  double most = -1;
+  for (const Wall& w : walls) {
+    const bool door =
+        std::any_of(w.holes.begin(), w.holes.end(), [](const Opening* o) { return o->sill == 0; });
+    const double value = w.u1 - w.u0 - (door ? 4 : 0) - 0.5 * static_cast<double>(w.holes.size());
+    if (value > most) {
+      most = value;
+      best = w.side;
+    }
+  }
+  return best;
+}
+
+const Rect* flight_hole(const Plan& plan, std::size_t room, bool above) {
+  for (const Stairs& s : plan.stairs) {
+    if ((above ? s.room_below : s.room_above) == room) return &s.flight;
+  }
+  return nullptr;
+}
+
+void build_floor(Site& site, std::size_t room) {
+  const RoomStyle& style = site.style(room);
+  const double z = site.floor_z(room);
+  site.parts.builder.begin_object("floor", kFloorClass, static_cast<std::int32_t>(room));
+  for (const Rect& r : around(site.plan.rooms[room].floor, flight_hole(site.plan, room, false))) {
+    level(site, style.floor.id, r, z, true);
+  }
+  for (const Opening& o : site.plan.openings) {
+    if (o.room0 != room || o.sill > 0) continue;
+    // Thresholds: through the wall, or up to a closed front door.
+    const double half = (o.room1 ? site.plan.inner_wall : site.plan.outer_wall) / 2;
+    level(site, style.floor.id, plan::both_sides(o.along_x, o.wall, o.from, o.to, half), z, true);
+  }
+}
+
+void build_ceiling(Site& site, std::size_t room) {
+  const Rect& floor = site.plan.rooms[room].floor;
+  const double z = site.floor_z(room) + site.plan.rooms[room].ceiling;
+  const Rect* hole = flight_hole(site.plan, room, true);
+  const auto region = static_cast<std::int32_t>(room);
+  site.parts.builder.begin_object("ceiling", kCeilingClass, region);
+  for (const Rect& r : around(floor, hole)) {
+    level(site, site.style(room).ceiling.id, r, z, false);
+    if (r.width() <= 0 || r.depth() <= 0) continue;
+    const double top = site.floor_z(room) + site.plan.storeys[site.plan.rooms[room].storey].height;
+    add_obstacle(site, true, {r.x0, r.x1, r.y0, r.y1, z, top - 0.01});
+  }
+  if (hole == nullptr) return;
+  // The edges of the slab that the stairs lead through.
+  site.parts.builder.begin_object("wall", kWallClass, region);
+  const double top = site.floor_z(room) + site.plan.storeys[site.plan.rooms[room].storey].height;
+  const mesh::MaterialId paint = site.style(room).ceiling.id;
+  upright(site, paint, 2, hole->x1, hole->y0, hole->y1, z, top);
+  upright(site, paint, 0, hole->x0, hole->y0, hole->y1, z, top);
+  upright(site, paint, 3, hole->y1, hole->x0, hole->x1, z, top);
+  upright(site, paint, 1, hole->y0, hole->x0, hole->x1, z, top);
+}
+
+}  // namespace
+
+void build_room(Site& site, std::size_t room) {
+  const std::array<Wall, 4> walls{find_wall(site, room, 0), find_wall(site, room, 1),
+                                  find_wall(site, room, 2), find_wall(site, room, 3)};
+  const unsigned feature = feature_side(walls);
+  for (const Wall& w : walls) {
+    const RoomStyle& style = site.style(room);
+    build_wall(site, w, w.side == feature ? style.feature_wall.id : style.wall.id);
+  }
+  build_floor(site, room);
+  build_ceiling(site, room);
+}
+
+}  // namespace enfilade::homes::looks

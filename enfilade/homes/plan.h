@@ -1,0 +1,97 @@
+/// \file  The plan of a made-up building: storeys, rooms, walls, doors, windows, stairs.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/geometry/rect.h"
+
+namespace enfilade::homes {
+
+enum class HomeKind : std::uint8_t { kHouse, kFlat, kOffice, kHotelFloor };
+std::string to_string(HomeKind kind);  ///< "house", "flat", "office", "hotel"
+
+struct PlanOptions {
+  std::uint64_t seed = 1;
+  std::optional<HomeKind> kind;     ///< none: drawn
+  std::optional<unsigned> storeys;  ///< 1 .. 3 (flats and hotel floors have 1); none: drawn
+  double area =
+      0;  ///< m2 of all storeys, 60 .. 3000 and, with stairs, 85 or more a storey; 0: drawn
+};
+
+inline constexpr double kLeastArea = 60, kMostArea = 3000;  ///< m2 of all storeys
+
+/// No plan was found for options that are in range; what() names them.
+class NoPlan : public Error {
+ public:
+  using Error::Error;
+};
+
+/// What style its surfaces have is decided later, from the type.
+struct PlanRoom {
+  char type = '-';   ///< Matterport3D's region letter: 'b' bedroom, 'h' hallway, 's' stairs, ...
+  std::string name;  ///< as people say it: "master bedroom", "kitchen"; types may repeat
+  unsigned storey = 0;
+  Rect floor;            ///< inner faces of its walls
+  double ceiling = 2.6;  ///< metres above the storey's floor
+};
+
+/// A hole in a wall.
+struct Opening {
+  enum class Kind : std::uint8_t {
+    kDoor,      ///< with a frame; its leaf stands open at `leaf` degrees
+    kArch,      ///< a wide opening without a door
+    kWindow,    ///< glass; to the outside
+    kEntrance,  ///< the front door, closed
+  };
+  Kind kind = Kind::kDoor;
+  std::size_t room0 = 0;             ///< the room on its lower-coordinate side, or the only one
+  std::optional<std::size_t> room1;  ///< none: outside
+  bool along_x = true;               ///< the wall runs along x (else along y)
+  double wall = 0;                   ///< y (x) of the wall's middle line
+  double from = 0, to = 0;           ///< x (y) of its sides
+  double sill = 0, head = 2.1;       ///< metres above the storey's floor
+  bool leaf_in_room1 = false, hinge_at_to = false;
+  double leaf = 0;  ///< degrees that the door stands open; 0: no leaf at all
+};
+
+/// A straight flight between two storeys inside a room of type 's' on either.
+struct Stairs {
+  unsigned storey = 0;  ///< the lower one
+  std::size_t room_below = 0, room_above = 0;
+  Rect flight;                  ///< in plan
+  unsigned climbs_towards = 0;  ///< 0 +x, 1 +y, 2 -x, 3 -y
+  unsigned steps = 16;
+};
+
+struct Storey {
+  double floor = 0;   ///< world z, metres
+  double height = 3;  ///< to the next storey's floor
+};
+
+struct Plan {
+  HomeKind kind = HomeKind::kHouse;
+  std::uint64_t seed = 0;
+  std::vector<Storey> storeys;
+  std::vector<PlanRoom> rooms;
+  std::vector<Opening> openings;
+  std::vector<Stairs> stairs;
+  double inner_wall = 0.12, outer_wall = 0.25;  ///< thickness, metres
+  Rect outline;                                 ///< outer faces
+};
+
+/// \throws ArgumentError for options out of range
+void check_options(const PlanOptions& options);
+
+/// Rooms along a sensible plan: front door to hall; living, dining and kitchen beside each other
+/// and open to each other now and then; bedrooms and baths off corridors; offices with meeting
+/// rooms; hotel corridors with rooms that have baths of their own. Every room is reached from every
+/// other without passing bedrooms or baths (but a bath that belongs to a bedroom is reached through
+/// it), storeys by stairs. Windows in outer walls. The same options give the same plan on every
+/// platform. \throws as check_options(); NoPlan if none of many draws works
+/// out, as may be where the rooms of a kind hardly fit into the area
+Plan make_plan(const PlanOptions& options);
+
+}  // namespace enfilade::homes

@@ -1,0 +1,71 @@
+/// \file  For tests: what the text of an instruction claims. Knows nothing of how it was written.
+#pragma once
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "enfilade/homes/home.h"
+
+namespace enfilade::homes::speaking::testing {
+
+enum class Side : std::uint8_t { kNone, kLeft, kRight };
+
+/// "the green sofa": things of the home that fit, by noun and adjectives.
+struct ThingNamed {
+  std::string words;
+  std::vector<std::size_t> fits;
+};
+
+struct Claim {
+  enum class Kind : std::uint8_t {
+    kTurn,
+    kAround,
+    kStraight,  // where to turn
+    kCross,     // from room to room
+    kInside,
+    kEndOf,  // of a room
+    kStairs,
+    kUpstairs,
+    kTop,  // a flight; on the upper (lower) floor; at a flight's end
+    kPass,
+    kOver,
+    kTowards,
+    kBetween,
+    kAhead,
+    kBehind,
+    kBeside,  // where a thing is from where one stands
+    kNear,    // at the end: a thing
+    kInDoorway,
+    kByDoor,
+    kMiddle,
+    kOnStairs,
+    kWalk,  // metres
+    kStop,
+  };
+  Kind kind = Kind::kStop;
+  bool at_start = false, at_stop = false;
+  Side side = Side::kNone;
+  bool slight = false, sharp = false;
+  bool up = false;
+  bool to_end = false, partly = false;            // of the flight
+  std::optional<std::set<std::size_t>> from, to;  // rooms that fit the names
+  bool another = false;                           // than the one left, of the same name
+  bool by_opening = false;                        // through a door or an arch that is spoken of
+  std::optional<Opening::Kind> opening;
+  unsigned nth = 0;
+  double metres = 0;
+  ThingNamed thing, second;
+};
+
+struct Reading {
+  std::vector<Claim> claims;
+  std::vector<std::string> not_understood;
+};
+
+Reading read_instruction(const Home& home, const std::string& text);
+
+/// Lower-case words and punctuation.
+std::vector<std::string> split_words(const std::string& text);
+
+}  // namespace enfilade::homes::speaking::testing

@@ -1,0 +1,469 @@
+#include "enfilade/homes/speaking/speaker.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/homes/speaking/habits.h"
+#include "enfilade/homes/speaking/wording.h"
+
+namespace enfilade::homes::speaking {
+namespace {
+
+// Degrees: a bend that somebody who looks for "turn left" could take for it.
+constexpr double kMustBeSaid = 38, kMostUnsaid = 50;
+
+// What a clause leaves the reader with, for how the next may begin.
+enum class After : std::uint8_t { kAnything, kRoom, kStairsTop, kStairsBottom, kTurn };
+
+struct Clause {
+  std::string text;
+  After after = After::kAnything;
+  std::optional<std::size_t> room;  // entered by it
+};
+
+// Words, and some more for what reads badly: clauses in a row that begin alike.
+std::size_t cost_of(const std::string& text) {
+  constexpr std::size_t kAlike = 5;
+  std::size_t cost = 0, alike = 0;
+  std::string before, opening, word;
+  std::size_t place = 0;  // of the word in its clause
+  std::istringstream in(text);
+  while (in >> word) {
+    ++cost;
+    const bool ends = word.ends_with(',') || word.ends_with('.');
+    if (ends) word.pop_back();
+    word.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(word.front())));
+    const bool links = word == "and" || word == "then";
+    if (!links && place < 2) opening += word + " ";
+    if (!links && ++place == 2 && opening == before) ++alike;
+    if (!ends && !links) continue;
+    if (place > 0) before = opening;
+    opening.clear();
+    place = 0;
+  }
+  return cost + kAlike * alike;
+}
+
+class Describer {
+ public:
+  Describer(const SpokenHome& home, const PathStory& story, std::span<const ViewpointIndex> path,
+            Speaker speaker, const Habits& habits, std::uint64_t seed)
+      : story_(story),
+        path_(path),
+        speaker_(speaker),
+        habits_(habits),
+        words_(home, speaker, habits.brevity, seed),
+        end_room_(story_.end.room) {}
+
+  std::string text() {
+    words_.set_goal_room(end_room_);
+    words_.been_in(story_.start.room);
+    choose_goal();
+    const std::string lead = start();
+    for (std::size_t i = 0; i < story_.stretches.size(); ++i) {
+      story_.stretches[i].climb != 0 ? climb(i) : walk(i);
+      for (const Happening& h : story_.stretches[i].happenings) {
+        if (h.kind == Happening::Kind::kCross) words_.been_in(h.to);
+      }
+    }
+    clauses_.push_back({stop(), After::kAnything, std::nullopt});
+    return compose(lead);
+  }
+
+ private:
+  // Small bends need not be said, unless they add up; nor one before a room that one enters then,
+  // nor one that nobody takes for the next turn.
+  bool says_turn(std::size_t i, bool enters) {
+    const Stretch& s = story_.stretches[i];
+    if (turn_of(s.turn) == Turn::kSlight && (enters || !is_mistakable(i)) &&
+        words_.chance(habits_.bend)) {
+      unsaid_ = 0;
+      return false;
+    }
+    unsaid_ += s.turn;
+    const bool large = std::abs(s.turn) >= kMustBeSaid || std::abs(unsaid_) >= kMostUnsaid;
+    if (turn_of(s.turn) == Turn::kStraight || !large) return false;
+    unsaid_ = 0;
+    return true;
+  }
+  // Does a real turn to the same side come next?
+  bool is_mistakable(std::size_t i) const {
+    for (std::size_t k = i + 1; k < story_.stretches.size(); ++k) {
+      const double next = story_.stretches[k].turn;
+      if (turn_of(next) == Turn::kFull) return next * story_.stretches[i].turn > 0;
+    }
+    return false;
+  }
+  void add(std::string text, After after = After::kAnything,
+           std::optional<std::size_t> room = std::nullopt) {
+    clauses_.push_back({std::move(text), after, room});
+  }
+
+  std::string start() {
+    if (!words_.chance(habits_.start)) return "";
+    for (const Neighbour& n : story_.start.around) {
+      const auto name = words_.thing(n.thing, path_.front(), Rivals::kNearby);
+      if (!name) continue;
+      if (auto lead = words_.at_start(*name, n.bearing)) {
+        mentioned_.insert(n.thing);
+        return *lead;
+      }
+    }
+    return "";
+  }
+
+  // The thing to stop by, which is then kept for the end.
+  void choose_goal() {
+    if (!words_.chance(habits_.goal)) return;
+    const std::vector<Neighbour>& near = story_.end.near;
+    for (std::size_t k = 0; k < near.size() && k < kGoals; ++k) {
+      const auto name = words_.thing(near[k].thing, path_.back(), Rivals::kHere);
+      if (!name || (k + 1 < near.size() && words_.chance(0.2))) continue;
+      goal_ = near[k];
+      names_[goal_->thing] = *name;
+      mentioned_.insert(goal_->thing);
+      return;
+    }
+  }
+
+  void climb(std::size_t i) {
+    const Stretch& s = story_.stretches[i];
+    if (says_turn(i, false)) {
+      add(words_.turn(s.turn) + " and " + words_.stairs(s), stairs_after(s));
+    } else {
+      add(words_.stairs(s), stairs_after(s));
+    }
+    for (const Happening& h : s.happenings) {
+      if (h.kind == Happening::Kind::kCross && !words_.naming().is_stairs(h.to)) {
+        add(words_.into(h), After::kRoom, h.to);
+      }
+    }
+  }
+
+  static After stairs_after(const Stretch& s) {
+    if (!s.to_storey) return After::kAnything;
+    return s.climb > 0 ? After::kStairsTop : After::kStairsBottom;
+  }
+
+  // Stairwells are not rooms to people: they go up the stairs.
+  bool is_spoken(const Happening& h, std::size_t stretch) const {
+    if (h.kind != Happening::Kind::kCross) return false;
+    const bool last = stretch + 1 == story_.stretches.size();
+    if (words_.naming().is_stairs(h.to)) {
+      return last ? story_.end.stairs == 0 && !story_.end.on_stairs
+                  : story_.stretches[stretch + 1].climb == 0;
+    }
+    return h.opening.has_value() || !words_.naming().same_room_name(h.from, h.to);
+  }
+
+  // From one hall into another: nothing that one needs to be told, but at the end, and where the
+  // end is another room of that name.
+  bool may_skip(const Happening& h) const {
+    if (h.kind != Happening::Kind::kCross) return false;
+    const Naming& names = words_.naming();
+    const bool halls = names.is_way(h.to) && (names.is_way(h.from) || !clauses_.empty());
+    const Happening* last = last_crossing();
+    const bool is_last = last == nullptr || &h == last || names.same_room_name(h.to, last->to);
+    return halls && !is_last;
+  }
+  const Happening* last_crossing() const {
+    const Happening* last = nullptr;
+    for (std::size_t i = 0; i < story_.stretches.size(); ++i) {
+      for (const Happening& h : story_.stretches[i].happenings) {
+        if (is_spoken(h, i)) last = &h;
+      }
+    }
+    return last;
+  }
+
+  // Crossings, and some of the things, of a stretch.
+  std::vector<Happening> chosen(std::size_t i) {
+    const Stretch& s = story_.stretches[i];
+    std::vector<Happening> things, found;
+    for (const Happening& h : s.happenings) {
+      const bool skips = may_skip(h) && words_.chance(habits_.skip);
+      if (is_spoken(h, i) && !skips) found.push_back(h);
+      if (h.kind != Happening::Kind::kCross && !mentioned_.contains(h.thing)) things.push_back(h);
+    }
+    std::ranges::stable_sort(things, std::ranges::greater(), &Happening::salience);
+    if (things.size() > 1 && words_.chance(0.3)) std::swap(things[0], things[1]);
+    for (const Happening& h : things) {
+      if (things_said_ >= habits_.all_things) break;
+      if (mentioned_.contains(h.thing) || !words_.chance(habits_.things)) continue;
+      const auto name = words_.thing(h.thing, h.seen_from, Rivals::kNearby);
+      if (!name) continue;
+      mentioned_.insert(h.thing);
+      names_[h.thing] = *name;
+      found.push_back(h);
+      ++things_said_;
+      break;  // one a stretch
+    }
+    std::ranges::stable_sort(found, {}, &Happening::metres);
+    return found;
+  }
+
+  void walk(std::size_t i) {
+    const Stretch& s = story_.stretches[i];
+    const std::vector<Happening> all = chosen(i);
+    const bool enters =
+        !all.empty() && all[0].kind == Happening::Kind::kCross && in_first_leg(s, all[0]);
+    const bool turns = says_turn(i, enters);
+    std::size_t next = 0;
+    if (turns && enters) {
+      add(words_.turn_and_cross(s, all[0]), After::kRoom, all[0].to);
+      join_turns(s);
+      next = 1;
+    } else if (turns && all.empty() && is_hall(s) && turn_of(s.turn) == Turn::kFull &&
+               words_.chance(habits_.distance)) {
+      add(words_.along(s, true));
+      return;
+    } else if (turns) {
+      add(words_.turn(s.turn), After::kTurn);
+      join_turns(s);
+    }
+    if (next == 0) go_on(i, all, turns);
+    const bool straight = turn_of(s.turn) == Turn::kStraight;
+    for (; next < all.size(); ++next) {
+      if (add_pair(all, next, straight)) {
+        ++next;
+      } else {
+        add_one(all[next], straight && next == 0 && enters);
+      }
+    }
+  }
+
+  // "Turn left, then right into the kitchen": two turns in a row need one verb.
+  void join_turns(const Stretch& s) {
+    if (clauses_.size() < 2 || turn_of(s.turn) != Turn::kFull) return;
+    const Clause& last = clauses_.back();
+    Clause& before = clauses_[clauses_.size() - 2];
+    const std::string side = s.turn > 0 ? "right" : "left";
+    if ((before.text != "turn left" && before.text != "turn right" && before.text != "go left" &&
+         before.text != "go right") ||
+        !words_.chance(habits_.elide)) {
+      return;
+    }
+    for (const char* verb : {"turn ", "go "}) {
+      if (!last.text.starts_with(verb + side)) continue;
+      const std::string rest = last.text.substr((verb + side).size());
+      const bool again = before.text.ends_with(side);
+      Clause joined = last;
+      joined.text = before.text + (words_.chance(0.5) ? ", then " : " and then ") + side +
+                    (again ? " again" : "") + rest;
+      clauses_.resize(clauses_.size() - 2);
+      clauses_.push_back(std::move(joined));
+      return;
+    }
+  }
+
+  bool is_hall(const Stretch& s) const {
+    return s.room == s.room_after && words_.naming().is_way(s.room) &&
+           !words_.naming().is_stairs(s.room) && s.metres > 2.2;
+  }
+
+  // The way ahead, before anything happens on it.
+  void go_on(std::size_t i, const std::vector<Happening>& all, bool turns) {
+    const Stretch& s = story_.stretches[i];
+    if (s.metres >= 1.5 && things_said_ < habits_.all_things && words_.chance(habits_.towards)) {
+      for (const std::size_t thing : s.ahead) {
+        if (mentioned_.contains(thing)) continue;
+        const auto name = words_.thing(thing, path_[s.first], Rivals::kNearby);
+        if (!name) continue;
+        mentioned_.insert(thing);
+        ++things_said_;
+        add(words_.towards(*name));
+        return;
+      }
+    }
+    if (!all.empty()) return;
+    if (is_hall(s) && words_.chance(habits_.distance)) {
+      add(words_.along(s, false));
+    } else if ((turns || (i == 0 && turn_of(s.turn) == Turn::kStraight)) && s.metres > 1 &&
+               words_.chance(habits_.distance / 2)) {
+      add(words_.walk(s.metres));
+    } else if (turn_of(s.turn) == Turn::kStraight && i == 0) {
+      add(words_.straight());
+    }
+  }
+
+  static bool in_first_leg(const Stretch& s, const Happening& crossing) {
+    return crossing.metres < std::min(kSameBreath, s.first_leg);
+  }
+
+  // Two things on either side, or a room that is only passed through.
+  bool add_pair(const std::vector<Happening>& all, std::size_t k, bool straight) {
+    if (k + 1 >= all.size()) return false;
+    const Happening &a = all[k], &b = all[k + 1];
+    if (a.kind == Happening::Kind::kPass && b.kind == Happening::Kind::kPass &&
+        a.on_right != b.on_right && a.seen_from == b.seen_from &&
+        std::abs(a.metres - b.metres) < 0.6) {
+      add(words_.between(names_[a.thing], names_[b.thing]));
+      return true;
+    }
+    const bool rooms = a.kind == Happening::Kind::kCross && b.kind == Happening::Kind::kCross;
+    if (!rooms || words_.naming().same_room_name(a.to, b.to) ||
+        words_.naming().same_room_name(a.from, a.to) || !words_.chance(habits_.merge)) {
+      return false;
+    }
+    if (speaker_ == Speaker::kTerse && words_.chance(0.5)) {
+      add(words_.into(b), After::kRoom, b.to);
+    } else {
+      add(words_.through(a, b, straight), After::kRoom, b.to);
+    }
+    return true;
+  }
+
+  void add_one(const Happening& h, bool straight) {
+    switch (h.kind) {
+      case Happening::Kind::kCross:
+        add(words_.cross(h, straight), After::kRoom, h.to);
+        break;
+      case Happening::Kind::kPass:
+        add(words_.pass(names_[h.thing], h.on_right));
+        break;
+      case Happening::Kind::kOver:
+        add(words_.over(names_[h.thing]));
+        break;
+    }
+  }
+
+  std::string stop() {
+    const PathEnd& e = story_.end;
+    Slots room{{"room", words_.room(end_room_)}};
+    if (e.on_stairs) return words_.stop("on the stairs");
+    if (e.in_opening) return words_.stop(words_.in_doorway(*e.in_opening));
+    if (e.stairs != 0) {
+      return words_.stop(
+          words_.say(e.stairs > 0 ? "at the [top|very top|head] of the [stairs|staircase|steps]"
+                                  : "at the [bottom|foot] of the [stairs|staircase|steps]"));
+    }
+    if (goal_) return words_.stop(words_.beside(names_[goal_->thing], *goal_));
+    if (e.near_opening && words_.chance(0.8)) {
+      return words_.stop(words_.by_door(*e.near_opening, e.room));
+    }
+    const bool fresh = !clauses_.empty() && clauses_.back().room == e.room;
+    if (e.at_end) return words_.stop(words_.say("at the end of the $room", room));
+    if (fresh && words_.naming().is_way(e.room)) {
+      // Who was told to leave the kitchen has not heard of the hallway.
+      return clauses_.back().text.ends_with(words_.room(e.room))
+                 ? words_.say("[stop|wait] there")
+                 : words_.stop(words_.say("in the $room", room));
+    }
+    if (e.just_inside && fresh) {
+      return words_.say(
+          "[stop|wait|stop|wait|halt] [just|right] inside|stop once you are inside|"
+          "[stop|wait] [inside|there]|[stop|wait|stand] just inside the $room",
+          room);
+    }
+    if (e.in_middle)
+      return words_.stop(words_.say("in the [middle|center|centre] of the $room", room));
+    if (words_.naming().is_stairs(e.room)) return words_.stop("by the stairs");
+    return fresh ? words_.say("[stop|wait] [there|inside]")
+                 : words_.stop(words_.say("in the $room", room));
+  }
+
+  // Clauses become sentences.
+  std::string compose(const std::string& lead) {
+    std::string text;
+    for (std::size_t i = 0; i < clauses_.size();) {
+      const std::size_t n = sentence_length(i);
+      std::vector<std::string> parts;
+      for (std::size_t k = i; k < i + n; ++k) parts.push_back(clauses_[k].text);
+      std::string one = join_clauses(parts, habits_.links, words_.rng());
+      if (i == 0 && !lead.empty()) {
+        one = lead + ", " + one;
+      } else if (i == 0 && n < clauses_.size() && words_.chance(habits_.openings / 3)) {
+        one = words_.say("[first,|to start,|to begin,]") + " " + one;
+      } else if (i > 0 && !stands_alone(clauses_[i]) && one.find("then ") == std::string::npos) {
+        one = opening(clauses_[i - 1], i + n == clauses_.size()) + one;
+      }
+      text += (text.empty() ? "" : " ") + sentence(one);
+      i += n;
+    }
+    return text;
+  }
+
+  // "You will see" is no clause that commands, and goes with none.
+  static bool stands_alone(const Clause& clause) { return clause.text.starts_with("you "); }
+  // How many clauses a sentence that begins with clause i has.
+  std::size_t sentence_length(std::size_t i) {
+    const std::size_t left = clauses_.size() - i;
+    std::size_t n = std::min<std::size_t>(left, 1 + words_.rng().below(habits_.clauses));
+    if (left == n + 1 && words_.chance(habits_.brevity)) n = left;  // no lonely stop
+    for (std::size_t k = 0; k < n; ++k) {
+      if (stands_alone(clauses_[i + k])) return std::max<std::size_t>(k, 1);
+    }
+    return n;
+  }
+
+  // How a sentence may follow another.
+  std::string opening(const Clause& before, bool last) {
+    if (!words_.chance(habits_.openings)) return "";
+    if (last) return words_.say("[finally,|then|lastly,]") + " ";
+    if (before.after == After::kStairsTop && words_.chance(0.6)) {
+      return words_.say("[at the top,|once you are upstairs,|at the top of the stairs,]") + " ";
+    }
+    if (before.after == After::kStairsBottom && words_.chance(0.6)) {
+      return words_.say("[at the bottom,|once you are downstairs,|at the foot of the stairs,]") +
+             " ";
+    }
+    if (before.after == After::kRoom && words_.chance(0.5)) {
+      return words_.say(
+                 words_.naming().is_way(*before.room)
+                     ? "[in the $room,|when you are in the $room,|once you are in the $room,]"
+                     : "[once inside,|in the $room,|when you are in the $room,|inside,]",
+                 {{"room", words_.room(*before.room)}}) +
+             " ";
+    }
+    return words_.say("[then|next,|after that,|from there,|now|from here,|afterwards,]") + " ";
+  }
+
+  static constexpr std::size_t kGoals = 4;
+  // Metres: a door that comes sooner after a turn is said in one breath with it.
+  static constexpr double kSameBreath = 2.5;
+
+  const PathStory& story_;
+  std::span<const ViewpointIndex> path_;
+  Speaker speaker_;
+  Habits habits_;
+  Wording words_;
+  std::size_t end_room_;
+  std::vector<Clause> clauses_;
+  std::set<std::size_t> mentioned_;
+  std::map<std::size_t, std::string> names_;
+  std::optional<Neighbour> goal_;
+  std::size_t things_said_ = 0;
+  double unsaid_ = 0;  // degrees since the last turn that was said
+};
+
+}  // namespace
+
+std::string describe(const SpokenHome& home, std::span<const ViewpointIndex> viewpoints,
+                     double heading, Speaker speaker, std::uint64_t seed) {
+  constexpr int kTries = 10;
+  const PathStory story = tell_path(home, viewpoints, heading);
+  const Habits habits = habits_of(speaker);
+  Rng rng(seed, static_cast<std::uint64_t>(speaker));
+  const std::size_t words =
+      habits.least_words + rng.below(habits.most_words - habits.least_words + 1);
+  std::string best;
+  std::size_t least = 0;
+  for (int k = 0; k < kTries && (best.empty() || least > words); ++k) {
+    const Habits lean = leaner_habits(habits, static_cast<double>(k) / (kTries - 1));
+    std::string text = Describer(home, story, viewpoints, speaker, lean, rng.next()).text();
+    const std::size_t cost = cost_of(text);
+    if (!best.empty() && cost >= least) continue;
+    least = cost;
+    best = std::move(text);
+  }
+  return best;
+}
+
+}  // namespace enfilade::homes::speaking

@@ -1,0 +1,52 @@
+/// \file  Seamless pictures of surfaces, made by arithmetic. All are square, sRGB, 3 channels.
+#pragma once
+#include <cstdint>
+
+#include "enfilade/core/rng.h"
+#include "enfilade/image/image.h"
+
+namespace enfilade::image {
+
+/// sRGB, each in [0, 1].
+struct Rgb {
+  double r = 0, g = 0, b = 0;
+};
+Rgb mix(Rgb a, Rgb b, double t);
+/// Lighter (above 1) or darker.
+Rgb shade(Rgb a, double by);
+
+/// Noise in [0, 1] that repeats after `period_x` (`period_y`) cells; smooth.
+class Noise {
+ public:
+  explicit Noise(std::uint64_t seed) : seed_(seed) {}
+  double at(double x, double y, unsigned period_x, unsigned period_y) const;
+  /// Octaves of halving size and weight; u, v in [0, 1) of a picture.
+  double cloud(double u, double v, unsigned cells, unsigned octaves) const;
+
+ private:
+  double lattice(std::uint64_t x, std::uint64_t y) const;
+  std::uint64_t seed_;
+};
+
+Image8 planks(Rng& rng, Rgb tone, unsigned boards);
+Image8 parquet(Rng& rng, Rgb tone, unsigned blocks);
+/// Grain only, for furniture.
+Image8 wood(Rng& rng, Rgb tone);
+/// `a` and `b` take turns like a chess board's fields.
+Image8 tiles(Rng& rng, Rgb a, Rgb b, Rgb grout, unsigned across);
+/// Bricks or oblong tiles: each row half a brick aside.
+Image8 bricks(Rng& rng, Rgb tone, Rgb mortar, unsigned rows, double roughness);
+Image8 carpet(Rng& rng, Rgb tone);
+Image8 marble(Rng& rng, Rgb ground, Rgb veins);
+Image8 concrete(Rng& rng, Rgb tone);
+Image8 plaster(Rng& rng, Rgb tone);
+Image8 leather(Rng& rng, Rgb tone);
+enum class Weave : std::uint8_t { kPlain, kStriped, kChecked };
+Image8 fabric(Rng& rng, Rgb tone, Rgb second, Weave weave);
+enum class Paper : std::uint8_t { kStripes, kDamask, kDots, kLeaves };
+Image8 wallpaper(Rng& rng, Rgb ground, Rgb motif, Paper paper);
+enum class Rug : std::uint8_t { kBordered, kMedallion, kStripes, kDiamonds };
+/// Once over, not seamless.
+Image8 rug(Rng& rng, Rgb tone, Rgb second, Rgb third, Rug pattern);
+
+}  // namespace enfilade::image

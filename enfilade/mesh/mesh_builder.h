@@ -1,0 +1,87 @@
+/// \file  How model homes put triangles together.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "enfilade/mesh/mesh.h"
+
+namespace enfilade::mesh {
+
+/// Place of a material in the mesh that is being built.
+struct MaterialId {
+  std::uint32_t value = 0;
+};
+
+/// Where a thing stands: turned about the vertical, then moved.
+struct Placement {
+  Vec3d position;     ///< metres, world: where its local (0, 0, 0) goes
+  double turned = 0;  ///< radians, counter-clockwise seen from above
+  Vec3d to_world(Vec3d local) const;
+};
+
+/// Appends to a mesh. Shapes are of the current object, in the current placement's frame; texture
+/// points are metres divided by `texture_size` of the material, so that patterns have true size on
+/// every shape. Normals point out of solids.
+class MeshBuilder {
+ public:
+  explicit MeshBuilder(Mesh& mesh) : mesh_(mesh) {}
+
+  /// \param texture_size metres that the texture's width covers; 0: stretched once over each face
+  MaterialId add_material(Material material, double texture_size = 1);
+  std::uint32_t begin_object(std::string name, std::uint16_t category, std::int32_t region,
+                             const Placement& placement = {});
+  const Placement& placement() const noexcept { return placement_; }
+  /// What has been built so far.
+  const Mesh& mesh() const noexcept { return mesh_; }
+
+  /// Corners counter-clockwise seen from where it faces; a texture that is stretched once over the
+  /// face has its bottom left at `a`, else patterns stand upright and go on from face to face.
+  void quad(MaterialId material, Vec3d a, Vec3d b, Vec3d c, Vec3d d);
+  void triangle(MaterialId material, Vec3d a, Vec3d b, Vec3d c);
+  /// From `low` to `high`, all six sides (or without the one below).
+  void box(MaterialId material, Vec3d low, Vec3d high, bool bottom = true);
+  /// A box whose edges are cut off by `round` metres, shaded as if round: cushions, mattresses.
+  void soft_box(MaterialId material, Vec3d low, Vec3d high, double round);
+  /// Upright; a cone if the radii differ. Closed at both ends.
+  void cylinder(MaterialId material, Vec3d foot, double radius0, double radius1, double height,
+                unsigned sides = 16);
+  /// A round shape about a vertical axis: (radius, z) from the bottom up on its outside (and down
+  /// again on its inside, as bowls have it), smooth but where it bends by more than 50 degrees.
+  /// Open where its ends are off the axis.
+  /// where its ends are off the axis. `stretch` makes it oval: the share of the radius along y.
+  void lathe(MaterialId material, Vec3d foot, std::span<const std::array<double, 2>> profile,
+             unsigned sides = 20, double stretch = 1);
+  void sphere(MaterialId material, Vec3d middle, double radius, unsigned sides = 14);
+  /// A round bar between two points.
+  void bar(MaterialId material, Vec3d a, Vec3d b, double radius, unsigned sides = 8);
+
+ private:
+  /// A corner of a triangle, local; the texture point in metres (or once over, for size 0).
+  struct Corner {
+    Vec3d position, normal;
+    double u = 0, v = 0;
+  };
+  std::uint32_t vertex(Vec3d local);
+  double texture_size(MaterialId material) const { return texture_sizes_.at(material.value); }
+  void face(MaterialId material, const Corner& a, const Corner& b, const Corner& c);
+  void patch(MaterialId material, const std::array<Corner, 4>& corners);
+  void project(MaterialId material, std::span<Corner> corners, Vec3d normal) const;
+  void disc(MaterialId material, Vec3d middle, Vec3d axis_u, Vec3d axis_v, Vec3d normal,
+            unsigned sides);
+  void mantle(MaterialId material, Vec3d foot, std::array<double, 2> low,
+              std::array<double, 2> high, std::array<std::array<double, 2>, 2> normals,
+              std::array<double, 2> v, unsigned sides, double stretch);
+
+  Mesh& mesh_;
+  std::vector<double> texture_sizes_;
+  Placement placement_;
+  std::uint32_t object_ = kNoObject;
+  /// Of the current object: corners at one place are one position, so that solids are closed.
+  std::map<std::array<float, 3>, std::uint32_t> vertices_;
+};
+
+}  // namespace enfilade::mesh
