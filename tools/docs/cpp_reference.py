@@ -174,7 +174,7 @@ def _html(element: ElementTree.Element) -> str:
     if tag == "parameterlist":
         rows = []
         for item in element.findall("parameteritem"):
-            names = ", ".join(f"<code>{_inside(n)}</code>" for n in item.iter("parametername"))
+            names = ", ".join(_code_or_words(_inside(n)) for n in item.iter("parametername"))
             words = "".join(_inside(p) for d in item.findall("parameterdescription") for p in d.findall("para"))
             rows.append(f"<div>{names} {words}</div>")
         label = _SECTIONS.get(element.get("kind", ""), "")
@@ -183,6 +183,12 @@ def _html(element: ElementTree.Element) -> str:
         lines = ["".join(line.itertext()) for line in element.findall("codeline")]
         return f'<pre><code>{html.escape(chr(10).join(lines))}</code></pre>'
     return _inside(element).strip() if tag.endswith("description") else _inside(element)
+
+
+def _code_or_words(name: str) -> str:
+    """`\\throws as render()`, `\\throws FileError, InvalidInput`: Doxygen takes the first word for a name."""
+    word, stop = re.fullmatch(r"(.*?)([,;:.]?)", name, re.S).groups()  # type: ignore[union-attr]
+    return (word if word in ("as", "see", "what", "the", "any", "for", "if") else f"<code>{word}</code>") + stop
 
 
 def _paragraph(element: ElementTree.Element) -> str:
