@@ -99,8 +99,7 @@ struct FeatureSet::Impl {
     rows.reserve(read.keys.size());
     for (std::size_t i = 0; i < read.keys.size(); ++i) {
       if (!rows.emplace(formats::name_of(read.keys[i]), i).second) {
-        formats::refuse(file, place_of(read.keys[i]), "repeated-viewpoint",
-                        "comes twice, not once");
+        refuse(file, place_of(read.keys[i]), "repeated-viewpoint", "comes twice, not once");
       }
     }
   }
@@ -110,8 +109,7 @@ struct FeatureSet::Impl {
     const bool finite = read.info.type == DType::kFloat16 ? detail::copy_halves(from, out)
                                                           : detail::copy_floats(from, out);
     if (!finite) {
-      formats::refuse(file, place_of(read.keys[row]), "not-finite",
-                      "a number that is infinite or none");
+      refuse(file, place_of(read.keys[row]), "not-finite", "a number that is infinite or none");
     }
   }
 
@@ -252,14 +250,14 @@ void convert_features(std::span<const fs::path> from, const fs::path& to, DType 
     sets.push_back(FeatureSet::open(from[i]));
     const std::string here = text_of(sets[i].info()), first = text_of(sets[0].info());
     if (here != first) {
-      formats::refuse(from[i].string(), "", "differing-info",
-                      fmt::format("{}; not {} as in {}", here, first, from[0].string()));
+      refuse(from[i].string(), "", "differing-info",
+             fmt::format("{}; not {} as in {}", here, first, from[0].string()));
     }
     for (const FeatureKey& key : sets[i].keys()) {
       const auto [origin, fresh] = origins.emplace(formats::name_of(key), i);
       if (!fresh) {
-        formats::refuse(from[i].string(), place_of(key), "repeated-viewpoint",
-                        "is in " + from[origin->second].string() + ", too");
+        refuse(from[i].string(), place_of(key), "repeated-viewpoint",
+               "is in " + from[origin->second].string() + ", too");
       }
       keys.push_back(key);
     }
