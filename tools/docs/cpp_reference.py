@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import itertools
 import re
+import shutil
 import subprocess
 import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
@@ -74,7 +75,8 @@ def public_headers() -> list[Path]:
 
 def run_doxygen(work: Path) -> list[Fault]:
     """Writes the XML into work/xml. Returns what is wrong with the comments."""
-    work.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(work, ignore_errors=True)  # XML of headers that are gone
+    work.mkdir(parents=True)
     files = " ".join(str(h.relative_to(ROOT)) for h in public_headers())
     here = Path(__file__).resolve().parent
     configuration = (here / "Doxyfile").read_text()
