@@ -24,10 +24,10 @@ struct ScanRoom {
 
 /// What goes into the four files.
 struct HouseFiles {
-  mesh::House house;                       ///< <scan>.house
-  mesh::LabelledMesh labels;               ///< <scan>.ply
-  std::vector<std::int32_t> segments;      ///< <scan>.fsegs.json: of each triangle
-  std::vector<mesh::SegmentGroup> groups;  ///< <scan>.semseg.json
+  mesh::House house;                       ///< `<scan>.house`
+  mesh::LabelledMesh labels;               ///< `<scan>.ply`
+  std::vector<std::int32_t> segments;      ///< `<scan>.fsegs.json`: of each triangle
+  std::vector<mesh::SegmentGroup> groups;  ///< `<scan>.semseg.json`
 };
 
 /// Regions are rooms, in their order; without rooms, one of type 'z' around everything. Objects are

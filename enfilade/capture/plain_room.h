@@ -4,6 +4,7 @@
 
 namespace enfilade::capture {
 
+/// Size of the room around things that were modelled without one.
 struct PlainRoomOptions {
   double margin = 1.5;  ///< metres from the things' box to the walls; >= 0
   double height = 3;    ///< least metres from floor to ceiling; > 0

@@ -23,9 +23,10 @@ struct ScanParts {
   /// matterport_camera_{poses,intrinsics}
   bool undistorted = false;
   bool house = false;  ///< house_segmentations: .house, .ply, .fsegs.json, .semseg.json, ...
-  bool mesh = false;   ///< matterport_mesh/<hash>/<hash>.obj with materials and textures
+  bool mesh = false;   ///< `matterport_mesh/<hash>/<hash>.obj` with materials and textures
 };
 
+/// Which files are written, and how finely.
 struct ScanFilesOptions {
   ScanParts parts;
   std::uint32_t face_size = 512;     ///< texels
@@ -40,22 +41,23 @@ struct ScanFilesOptions {
   int threads = 0;  ///< 0: all cores; never changes a byte
 };
 
+/// What was written.
 struct ScanFilesReport {
-  std::filesystem::path folder;       ///< <root>/v1/scans/<scan>
+  std::filesystem::path folder;       ///< `<root>/v1/scans/<scan>`
   std::size_t viewpoints = 0;         ///< included ones, which have pictures
   std::size_t written = 0, kept = 0;  ///< pictures; kept: there from a run that was stopped
   std::uintmax_t bytes = 0;           ///< of what was written
 };
 
-/// Writes `<root>/connectivity/<scan>_connectivity.json` and its line in scans.txt, and the parts,
-/// so that `root` is a data set that scan::DataRoot and scan::MatterportImages open. Each file is
-/// written whole or not at all; pictures that are there of the same mesh, lights, viewpoint and
-/// options are kept (baking options are not looked at), so that a killed run goes on where it was,
-/// and parts and viewpoints may be added later. That is recorded in `enfilade_scan.json` there.
-/// Pictures cost time in proportion to their pixels; they are taken in parallel, one a thread.
-/// \throws ArgumentError for options out of range or a scan id that cannot be part of a file name;
-/// FileError if files are in the way that were made of something else, naming one, or cannot be
-/// written; InvalidInput as scan::poses_of()
+/// Writes `<root>/connectivity/<scan>_connectivity.json`` and its line in scans.txt, and the
+/// parts, so that `root` is a data set that scan::DataRoot and scan::MatterportImages open. Each
+/// file is written whole or not at all; pictures that are there of the same mesh, lights, viewpoint
+/// and options are kept (baking options are not looked at), so that a killed run goes on where it
+/// was, and parts and viewpoints may be added later. That is recorded in `enfilade_scan.json`
+/// there. Pictures cost time in proportion to their pixels; they are taken in parallel, one a
+/// thread. \throws ArgumentError for options out of range or a scan id that cannot be part of a
+/// file name; FileError if files are in the way that were made of something else, naming one, or
+/// cannot be written; InvalidInput as scan::poses_of()
 ScanFilesReport write_scan(const mesh::LitMesh& mesh, const scan::Connectivity& connectivity,
                            const std::filesystem::path& root, const ScanFilesOptions& options,
                            const Progress& progress = {});

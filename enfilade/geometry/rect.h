@@ -9,6 +9,7 @@ struct Rect {
   double width() const { return x1 - x0; }
   double depth() const { return y1 - y0; }
   double area() const { return width() * depth(); }
+  /// Whether the point lies in it or on its sides.
   bool contains(double x, double y) const { return x >= x0 && x <= x1 && y >= y0 && y <= y1; }
 };
 

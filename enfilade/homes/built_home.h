@@ -9,10 +9,12 @@
 
 namespace enfilade::homes {
 
+/// A home and rays through it.
 struct BuiltHome {
   Home home;  // its mesh is the tracer's too
   std::shared_ptr<const mesh::RayTracer> tracer;
 };
+/// Plan, mesh, furniture and lights of one home. \throws as make_plan()
 BuiltHome build_home(const PlanOptions& options);
 
 /// Viewpoints on the floors of all rooms, and edges, from the mesh alone. What lies outside the

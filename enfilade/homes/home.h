@@ -30,6 +30,7 @@ struct Thing {
   Vec3d low, high;           ///< box along the axes, world
 };
 
+/// A furnished building.
 struct Home {
   Plan plan;
   mesh::Mesh mesh;  ///< objects' region: place in plan.rooms

@@ -14,6 +14,7 @@
 
 namespace enfilade::homes {
 
+/// Which homes are made, and which files of them.
 struct HomeSetOptions {
   std::size_t homes = 16;
   std::uint64_t seed = 1;
@@ -58,6 +59,7 @@ struct HomeEntry {
   std::string corrections;       ///< a checksum of those that its graph has; empty: none
 };
 
+/// What write_homes() has done.
 struct HomeSetReport {
   std::vector<HomeEntry> homes;   ///< of the shard, in their order
   std::vector<Diagnostic> notes;  ///< warnings: corrections that change nothing
@@ -86,12 +88,14 @@ std::vector<HomeEntry> read_home_list(const std::filesystem::path& folder);
 
 inline constexpr std::size_t kLeastHomes = 3;  ///< that splits by building take
 
+/// How many paths are drawn, and how they are shared out.
 struct HomePathOptions {
   std::size_t per_home = 60;  ///< paths at most
   std::uint64_t seed = 1;
   double val_seen_share = 0.15;
   int threads = 0;
 };
+/// What was written.
 struct HomePathReport {
   std::size_t paths = 0, instructions = 0;
 };

@@ -10,9 +10,11 @@
 
 namespace enfilade::homes {
 
+/// What kind of building it is.
 enum class HomeKind : std::uint8_t { kHouse, kFlat, kOffice, kHotelFloor };
 std::string to_string(HomeKind kind);  ///< "house", "flat", "office", "hotel"
 
+/// What is asked of a plan; the rest is drawn from the seed.
 struct PlanOptions {
   std::uint64_t seed = 1;
   std::optional<HomeKind> kind;     ///< none: drawn
@@ -21,7 +23,9 @@ struct PlanOptions {
       0;  ///< m2 of all storeys, 60 .. 3000 and, with stairs, 85 or more a storey; 0: drawn
 };
 
-inline constexpr double kLeastArea = 60, kMostArea = 3000;  ///< m2 of all storeys
+/// Limits of PlanOptions::area, m2 of all storeys.
+inline constexpr double kLeastArea = 60;
+inline constexpr double kMostArea = 3000;
 
 /// No plan was found for options that are in range; what() names them.
 class NoPlan : public Error {
@@ -40,6 +44,7 @@ struct PlanRoom {
 
 /// A hole in a wall.
 struct Opening {
+  /// What is in the hole.
   enum class Kind : std::uint8_t {
     kDoor,      ///< with a frame; its leaf stands open at `leaf` degrees
     kArch,      ///< a wide opening without a door
@@ -66,11 +71,13 @@ struct Stairs {
   unsigned steps = 16;
 };
 
+/// A floor of the building, by its heights.
 struct Storey {
   double floor = 0;   ///< world z, metres
   double height = 3;  ///< to the next storey's floor
 };
 
+/// All of a building's plan. World frame: metres, +z up.
 struct Plan {
   HomeKind kind = HomeKind::kHouse;
   std::uint64_t seed = 0;

@@ -19,6 +19,7 @@ struct Room {
   std::vector<ViewpointIndex> viewpoints;
 };
 
+/// A building without pictures: a graph, and the rooms that its viewpoints are in.
 struct SmallBuilding {
   scan::Connectivity connectivity;
   std::vector<Room> rooms;  ///< each viewpoint is in one

@@ -20,6 +20,7 @@ struct MaterialId {
 struct Placement {
   Vec3d position;     ///< metres, world: where its local (0, 0, 0) goes
   double turned = 0;  ///< radians, counter-clockwise seen from above
+  /// From the placement's frame into the world's.
   Vec3d to_world(Vec3d local) const;
 };
 
@@ -28,6 +29,7 @@ struct Placement {
 /// every shape. Normals point out of solids.
 class MeshBuilder {
  public:
+  /// \param mesh is appended to; must outlive *this
   explicit MeshBuilder(Mesh& mesh) : mesh_(mesh) {}
 
   /// \param texture_size metres that the texture's width covers; 0: stretched once over each face

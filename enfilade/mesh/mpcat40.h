@@ -6,8 +6,10 @@
 
 namespace enfilade::mesh {
 
+/// How many classes there are, 0 (void) counted.
 inline constexpr std::size_t kMpcat40Size = 42;
 
+/// One class.
 struct Mpcat40 {
   std::string_view name;  ///< "chest_of_drawers"
   std::int32_t row;       ///< of category_mapping.tsv: the raw category that says it best
