@@ -35,6 +35,7 @@ inline constexpr std::uint32_t kLargestImportedFace = 8192;
 /// R2R's graphs.
 inline constexpr double kImportSpacing = 2.25;
 
+/// Which scan is made or added to, and how its panoramas are taken.
 struct ImportOptions {
   std::uint32_t face_size = 0;     ///< texels; 0: the picture's resolution, at most 1024
   std::optional<double> exposure;  ///< of HDR pictures, stops; none: the median becomes mid-grey
@@ -52,11 +53,13 @@ struct ImportOptions {
   bool force = false;                                      ///< replace viewpoints that are there
 };
 
+/// One panorama as it was written.
 struct ImportedPanorama {
   std::string viewpoint;
   std::uint32_t face_size = 0;
   Vec3d position;  ///< metres, world frame
 };
+/// What was imported, and what the scan has now.
 struct ImportReport {
   std::vector<ImportedPanorama> panoramas;  ///< in the order given
   std::size_t added = 0;                    ///< of them, new to the scan
