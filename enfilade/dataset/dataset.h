@@ -1,5 +1,6 @@
 /// \file  A data set: graphs, panoramas, episodes and regions of one folder behind one name.
 #pragma once
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -22,6 +23,9 @@ struct DatasetConfig {
   std::vector<std::filesystem::path> images;  ///< folders in which panoramas are looked for
   std::vector<std::string> scans;             ///< only these, in this order
 };
+
+/// Room-to-Room's splits.
+inline constexpr std::array<std::string_view, 4> kSplits{"train", "val_seen", "val_unseen", "test"};
 
 /// A part of a data set, for people: what is there, or what is missing and how to get it.
 struct Part {
@@ -71,7 +75,7 @@ class Dataset {
   /// Which region each viewpoint is in. \throws FileError, InvalidInput
   const scan::RegionMap& regions() const;
 
-  /// Those of train, val_seen, val_unseen and test that are there, in this order.
+  /// Those of kSplits that are there, in this order.
   std::vector<std::string> splits() const;
   bool has_split(std::string_view split) const;  ///< any name: `R2R_<split>.json`
   /// The split as its file has it. Read anew by each call.
@@ -82,18 +86,16 @@ class Dataset {
   r2r::EpisodeSet episodes(std::string_view split,
                            r2r::Instructions instructions = r2r::Instructions::kScored) const;
 
-  // Where the files are. Each throws FileError naming every place that was tried.
+  // Where the files are (scan::DataRoot). Each throws FileError naming every place that was tried.
   std::filesystem::path connectivity_folder() const;                     ///< with scans.txt
   std::filesystem::path annotations_file(std::string_view split) const;  ///< `R2R_<split>.json`
   std::filesystem::path regions_file() const;  ///< region_to_panorama.json
-  /// The folders that may hold panoramas (`store`, `scans`, `v1/scans`, `data/v1/scans` and the
-  /// folder itself, those that are there), and connectivity_folder().
+  /// Where panoramas are looked for; never throws.
   scan::PanoramaPlaces panorama_places() const;
 
  private:
   struct Opened;
   std::shared_ptr<const graph::GraphSet> open_graphs() const;
-  std::shared_ptr<const DatasetConfig> config_;
   std::shared_ptr<Opened> opened_;
 };
 

@@ -51,7 +51,7 @@ std::vector<Part> Dataset::examine() const {
   parts.push_back(look_for(
       "connectivity", [&] { return fmt::format("{} scans", graphs()->size()); },
       "copy connectivity/ of github.com/peteanderson80/Matterport3DSimulator into the folder"));
-  for (const char* split : {"train", "val_seen", "val_unseen", "test"}) {
+  for (const std::string_view split : kSplits) {
     parts.push_back(look_for(
         fmt::format("R2R {}", split), [&] { return count_instructions(annotations(split)); },
         fmt::format("R2R_{}.json is part of the R2R download; only work on it needs it", split)));

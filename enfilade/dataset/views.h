@@ -16,9 +16,9 @@ namespace enfilade::dataset {
 /// Where to stand and look.
 struct NamedView {
   std::string scan;
-  std::string viewpoint;  ///< id
-  Radians heading;        ///< clockwise from world +y
-  Radians elevation;      ///< in [-pi/2, pi/2], up positive
+  std::string viewpoint;   ///< id
+  Radians heading = {};    ///< clockwise from world +y
+  Radians elevation = {};  ///< in [-pi/2, pi/2], up positive
 };
 
 /// The same by indices. \throws LookupError naming what is unknown or excluded; as graphs()

@@ -1,4 +1,4 @@
-/// \file  Paths of the files of a data set.
+/// \file  Where the files of a data set are, in the folder layouts found in the wild.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -9,12 +9,13 @@
 
 namespace enfilade::scan {
 
-/// A folder with connectivity graphs and R2R annotations, in one of the usual layouts: Enfilade's
-/// (`connectivity/`, `r2r/`, `regions/`), a checkout of Matterport3DSimulator
-/// (`connectivity/`, `tasks/R2R/data/`), or all files side by side. A plain value: any thread.
+/// Paths of the files in a folder that holds graphs, annotations and panoramas in one of these
+/// layouts: Enfilade's (`connectivity/`, `r2r/`, `regions/`), a checkout of Matterport3DSimulator
+/// (`connectivity/`, `tasks/R2R/data/`), or all files side by side. dataset::Dataset opens what
+/// lies there. A plain value: any thread.
 class DataRoot {
  public:
-  /// Files are searched for when they are asked for. \throws FileError if `folder` is not a folder.
+  /// Looks only when asked for a file. \throws FileError if `folder` is not a folder.
   explicit DataRoot(std::filesystem::path folder);
 
   /// The folder named by the environment variable ENFILADE_DATA; nothing if it is unset or empty.
@@ -27,8 +28,11 @@ class DataRoot {
   std::filesystem::path connectivity() const;                       ///< folder with scans.txt
   std::filesystem::path annotations(std::string_view split) const;  ///< R2R_<split>.json
   std::filesystem::path regions() const;                            ///< region_to_panorama.json
+  /// Whether annotations() would find the split's file; false for "".
+  bool has_annotations(std::string_view split) const;
   /// Where panoramas may be: those of `store`, `scans`, `v1/scans`, `data/v1/scans` and the folder
-  /// itself that are folders, in this order, and connectivity().
+  /// itself that are folders, in this order, and connectivity(), or no folder if there is no list
+  /// of scans.
   PanoramaPlaces panoramas() const;
 
  private:

@@ -1,4 +1,4 @@
-/// \file  Encodes a panorama as a record of a store.
+/// \file  From a panorama to its record in a store.
 #pragma once
 #include "enfilade/scan/detail/store_writer.h"
 #include "enfilade/scan/store.h"

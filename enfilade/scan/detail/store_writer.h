@@ -1,12 +1,12 @@
-/// \file  Writes a store, panorama by panorama; a killed run can be continued.
+/// \file  The file in which a store grows, panorama by panorama, and which survives being killed.
 #pragma once
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <vector>
 
-#include "enfilade/core/ids.h"
 #include "enfilade/core/part_file.h"
+#include "enfilade/core/ids.h"
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/detail/store_format.h"
 
