@@ -29,6 +29,11 @@ sim::Action to_action(SixAction action, std::uint32_t navigable_count) noexcept 
   return {};
 }
 
+Decision to_decision(SixAction action, std::uint32_t navigable_count) noexcept {
+  const sim::Action done = to_action(action, navigable_count);
+  return {action == SixAction::kStop, done.index, done.heading_change, done.elevation_change};
+}
+
 SixAction six_action_of(const Decision& decision) noexcept {
   if (decision.heading_change.value > 0) return SixAction::kRight;
   if (decision.heading_change.value < 0) return SixAction::kLeft;

@@ -22,6 +22,9 @@ std::string_view to_string(SixAction action) noexcept;
 /// stays. \param navigable_count of the agent, its own viewpoint counted
 sim::Action to_action(SixAction action, std::uint32_t navigable_count) noexcept;
 
+/// The same as a decision: to_action(), and whether to stop for good.
+Decision to_decision(SixAction action, std::uint32_t navigable_count) noexcept;
+
 /// The one of the six that a decision is: a turn, forward (to whichever entry of the list), or
 /// stop.
 SixAction six_action_of(const Decision& decision) noexcept;

@@ -24,9 +24,8 @@ TEST(SixActions, ForwardStaysWhereNothingIsAhead) {
 TEST(SixActions, ComeBackFromTheDecisionThatTheyAre) {
   for (std::int32_t k = 0; k < kSixActions; ++k) {
     const auto action = static_cast<SixAction>(k);
-    const sim::Action done = to_action(action, 2);
-    Decision decision{action == SixAction::kStop, done.index, done.heading_change,
-                      done.elevation_change};
+    const Decision decision = to_decision(action, 2);
+    EXPECT_EQ(decision.stop, action == SixAction::kStop);
     EXPECT_EQ(six_action_of(decision), action) << to_string(action);
   }
   // Any neighbour that is walked to is forward.

@@ -3,21 +3,20 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
+
+#include "enfilade/agents/six_actions.h"
 
 namespace enfilade::neural {
 
-/// The six actions of the paper (section 4.2), in the order of the network's outputs.
-enum class ModelAction : std::int32_t { kLeft, kRight, kUp, kDown, kForward, kEnd };
-/// How many ModelActions there are.
-inline constexpr std::int32_t kModelActions = 6;
+/// The network's outputs are the six actions, in their order.
+using agents::kSixActions;
+using agents::SixAction;
 /// Inputs that are no actions, so the network has 8 inputs: what comes before the first action, and
 /// what is fed for an episode that is over.
 inline constexpr std::int32_t kStartInput = 6;
 inline constexpr std::int32_t kIgnoreInput = 7;
 /// A teacher's label for an episode that adds no loss any more.
 inline constexpr std::int32_t kIgnoreLabel = -1;
-std::string_view to_string(ModelAction action) noexcept;  ///< "left", ..., "end"
 
 /// What n episodes show before an action; the memory is the network's.
 struct EnvironmentView {

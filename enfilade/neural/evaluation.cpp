@@ -15,7 +15,7 @@
 namespace enfilade::neural {
 namespace {
 
-constexpr auto kEnd = static_cast<std::int32_t>(ModelAction::kEnd);
+constexpr auto kEnd = static_cast<std::int32_t>(SixAction::kStop);
 
 // Walks through a split batch by batch, in its order; the last batch may be smaller.
 class Batches {
@@ -87,12 +87,11 @@ models::AttentionStep attention_step(const AttentionTrace& trace, std::size_t st
                                      const models::ReadingOrder& order,
                                      const r2r::TrajectoryPoint& point,
                                      const graph::NavGraph& graph) {
-  models::AttentionStep result{
-      std::string(to_string(static_cast<ModelAction>(trace.actions[step]))),
-      {},
-      graph.id(point.viewpoint),
-      point.heading.value,
-      point.elevation.value};
+  models::AttentionStep result{std::string(to_string(static_cast<SixAction>(trace.actions[step]))),
+                               {},
+                               graph.id(point.viewpoint),
+                               point.heading.value,
+                               point.elevation.value};
   const std::vector<float>& row = trace.attention[step];
   for (const std::size_t place : order.places) {
     result.attention.push_back(place < row.size() ? row[place] : 0);

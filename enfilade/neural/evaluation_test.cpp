@@ -29,7 +29,7 @@ class EvaluationTest : public ::testing::Test {
 
   static fs::path folder() { return small_->model("model"); }
   r2r::EpisodeSet episodes(const std::string& split) const {
-    return make_episodes(r2r::load_annotations(small_->root().annotations(split), split), graphs_);
+    return make_episodes(small_->root().annotations(split), graphs_);
   }
   PreparedSplit prepared(const std::string& split) const {
     return prepare(episodes(split), model_.vocabulary, model_.config.training.network.max_words,
@@ -38,8 +38,7 @@ class EvaluationTest : public ::testing::Test {
   WalkOptions options() const { return {16, model_.config.training.max_steps}; }
 
   static std::unique_ptr<tests::SmallTraining> small_;
-  std::shared_ptr<const graph::GraphSet> graphs_ =
-      graph::GraphSet::open(small_->root().connectivity());
+  std::shared_ptr<const graph::GraphSet> graphs_ = small_->root().graphs();
   Model model_ = load_model(folder());
   features::FeatureSet features_ = features::FeatureSet::open(small_->features());
 };
@@ -57,7 +56,7 @@ TEST_F(EvaluationTest, WalksEveryEpisodeOnceAndStopsInTime) {
   for (std::size_t i = 0; i < walk.trajectories.size(); ++i) {
     EXPECT_EQ(walk.trajectories[i].episode, i);
     const AttentionTrace& trace = walk.traces[i];
-    const bool ended = trace.actions.back() == static_cast<std::int32_t>(ModelAction::kEnd);
+    const bool ended = trace.actions.back() == static_cast<std::int32_t>(SixAction::kStop);
     EXPECT_LE(trace.actions.size(), options().max_steps);
     EXPECT_EQ(walk.trajectories[i].points.size(), trace.actions.size() + (ended ? 0 : 1));
     for (const auto& attention : trace.attention) {
@@ -114,7 +113,7 @@ TEST_F(EvaluationTest, AttentionFilesSayWhatWasReadDoneAndSeen) {
     for (std::size_t step = 0; step < one["steps"].size(); ++step) {
       const auto& said = one["steps"][step];
       const r2r::TrajectoryPoint& point = walk.trajectories[i].points[step];
-      EXPECT_EQ(said["action"], to_string(ModelAction{walk.traces[i].actions[step]}));
+      EXPECT_EQ(said["action"], to_string(SixAction{walk.traces[i].actions[step]}));
       EXPECT_EQ(said["viewpoint"], split.episodes.graph_of(episode).id(point.viewpoint));
       EXPECT_NEAR(said["heading"], point.heading.value, 1e-5);  // six digits are written
       ASSERT_EQ(said["attention"].size(), order.words.size());

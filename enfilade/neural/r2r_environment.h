@@ -6,13 +6,12 @@
 #include <string_view>
 #include <vector>
 
-#include "enfilade/agents/agent.h"
+#include "enfilade/agents/episode_batch.h"
 #include "enfilade/models/train_config.h"
 #include "enfilade/neural/environment.h"
 #include "enfilade/neural/view_features.h"
 #include "enfilade/r2r/annotations.h"
 #include "enfilade/r2r/results.h"
-#include "enfilade/sim/simulator.h"
 
 namespace enfilade::neural {
 
@@ -44,30 +43,22 @@ class R2rEnvironment : public Environment {
   bool has_teacher() const override { return has_teacher_; }  ///< no goal of the split is hidden
   void observe(const EnvironmentView& out) override;
   bool step(std::span<const std::int32_t> actions) override;
-  std::span<const std::uint8_t> ended() const override { return ended_; }
+  std::span<const std::uint8_t> ended() const override { return batch_.ended(); }
 
   /// What each agent has walked since start(), as results files want it: the start, then an entry
   /// an action until `end`, which adds none.
-  std::span<const r2r::Trajectory> trajectories() const noexcept { return trajectories_; }
+  std::span<const r2r::Trajectory> trajectories() const noexcept { return batch_.trajectories(); }
 
  private:
-  agents::Decision teacher(std::size_t agent) const;
-  std::int32_t label(std::size_t agent) const;
-  sim::Action action_of(std::size_t agent, std::int32_t action) const;
-  void record(std::size_t agent);
+  agents::Decision teacher(std::size_t slot) const;
+  std::int32_t label(std::size_t slot) const;
+  sim::Action action_of(std::size_t slot, std::int32_t action) const;
 
-  const r2r::EpisodeSet& episodes_;
   const ViewFeatures* features_;
   R2rEnvironmentConfig config_;
   bool has_teacher_;
-  sim::Simulator simulator_;
-  sim::StateBuffer buffer_;
-  sim::StateSpans state_;
-  std::vector<const r2r::ReferencePath*> paths_;  // of each agent's episode
-  std::vector<const graph::NavGraph*> graphs_;
-  std::vector<std::uint8_t> ended_;
+  agents::EpisodeBatch batch_;
   std::vector<sim::Action> actions_;
-  std::vector<r2r::Trajectory> trajectories_;
 };
 
 }  // namespace enfilade::neural

@@ -19,12 +19,12 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr auto kLeft = static_cast<std::int32_t>(ModelAction::kLeft);
-constexpr auto kRight = static_cast<std::int32_t>(ModelAction::kRight);
-constexpr auto kUp = static_cast<std::int32_t>(ModelAction::kUp);
-constexpr auto kDown = static_cast<std::int32_t>(ModelAction::kDown);
-constexpr auto kForward = static_cast<std::int32_t>(ModelAction::kForward);
-constexpr auto kEnd = static_cast<std::int32_t>(ModelAction::kEnd);
+constexpr auto kLeft = static_cast<std::int32_t>(SixAction::kLeft);
+constexpr auto kRight = static_cast<std::int32_t>(SixAction::kRight);
+constexpr auto kUp = static_cast<std::int32_t>(SixAction::kUp);
+constexpr auto kDown = static_cast<std::int32_t>(SixAction::kDown);
+constexpr auto kForward = static_cast<std::int32_t>(SixAction::kForward);
+constexpr auto kEnd = static_cast<std::int32_t>(SixAction::kStop);
 
 using Labels = std::vector<std::int32_t>;
 

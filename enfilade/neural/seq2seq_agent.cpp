@@ -7,28 +7,6 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::neural {
-namespace {
-
-agents::Decision decision_of(std::int32_t action, const agents::Observation& seen) {
-  switch (static_cast<ModelAction>(action)) {
-    case ModelAction::kLeft:
-      return agents::Decision::turn(-1);
-    case ModelAction::kRight:
-      return agents::Decision::turn(1);
-    case ModelAction::kUp:
-      return agents::Decision::turn(0, 1);
-    case ModelAction::kDown:
-      return agents::Decision::turn(0, -1);
-    case ModelAction::kForward:
-      return agents::Decision::go(seen.navigable.size() > 1 ? 1 : 0);
-    case ModelAction::kEnd:
-      break;
-  }
-  return agents::Decision::stop_here();
-}
-
-}  // namespace
-
 Seq2SeqAgent::Seq2SeqAgent(Model model, std::optional<ViewFeatures> features)
     : model_(std::move(model)), features_(std::move(features)) {
   const models::NetworkConfig& network = model_.config.training.network;
@@ -72,7 +50,8 @@ void Seq2SeqAgent::act(std::span<const agents::Observation> batch,
   }
   model_.network.act(seen_, forward_open_, actions_);
   for (std::size_t i = 0; i < batch.size(); ++i) {
-    decisions[i] = decision_of(actions_[i], batch[i]);
+    const auto count = static_cast<std::uint32_t>(batch[i].navigable.size());
+    decisions[i] = to_decision(static_cast<SixAction>(actions_[i]), count);
   }
 }
 

@@ -272,7 +272,7 @@ class Training {
 
 }  // namespace
 
-TrainingData load_training_data(const scan::DataRoot& root, const models::TrainConfig& config,
+TrainingData load_training_data(const dataset::Dataset& dataset, const models::TrainConfig& config,
                                 const std::optional<fs::path>& features) {
   TrainingData data;
   if (config.network.inputs.vision) {
@@ -280,10 +280,9 @@ TrainingData load_training_data(const scan::DataRoot& root, const models::TrainC
     data.features = features::FeatureSet::open(*features);
     data.fingerprint.features = data.features->info();
   }
-  const auto graphs = graph::GraphSet::open(root.connectivity());
   const auto load = [&](const std::string& split, r2r::Instructions instructions) {
-    const r2r::Annotations annotations = r2r::load_annotations(root.annotations(split), split);
-    r2r::EpisodeSet episodes = make_episodes(annotations, graphs, instructions);
+    const r2r::Annotations annotations = dataset.annotations(split);
+    r2r::EpisodeSet episodes = make_episodes(annotations, dataset.graphs(), instructions);
     require_goals(episodes);
     data.fingerprint.add(annotations);
     data.fingerprint.add_graphs(episodes);

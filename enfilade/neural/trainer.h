@@ -12,7 +12,8 @@
 #include "enfilade/models/train_config.h"
 #include "enfilade/models/training_log.h"
 #include "enfilade/r2r/annotations.h"
-#include "enfilade/scan/data_root.h"
+
+#include "enfilade/dataset/dataset.h"
 
 namespace enfilade::neural {
 
@@ -25,7 +26,7 @@ struct TrainingData {
 };
 /// Reads what `config` names. \throws ArgumentError if the agent is to see and `features` is none;
 /// errors of the files
-TrainingData load_training_data(const scan::DataRoot& root, const models::TrainConfig& config,
+TrainingData load_training_data(const dataset::Dataset& dataset, const models::TrainConfig& config,
                                 const std::optional<std::filesystem::path>& features);
 
 /// How far training is.

@@ -30,7 +30,7 @@ class ScriptedEnvironment final : public neural::Environment {
     for (std::size_t i = 0; i < rows; ++i) {
       const std::size_t step = i / script.episodes, episode = i % script.episodes;
       open_.push_back(rng.uniform() < 0.75 ? 1 : 0);
-      auto label = static_cast<std::int32_t>(rng.below(neural::kModelActions));
+      auto label = static_cast<std::int32_t>(rng.below(neural::kSixActions));
       if (label == kForward && open_.back() == 0) label = 0;
       labels_.push_back(script.ends && step > episode ? neural::kIgnoreLabel : label);
       for (std::size_t k = 0; k < script.dimensions; ++k) {
@@ -72,7 +72,7 @@ class ScriptedEnvironment final : public neural::Environment {
   std::vector<std::int32_t> actions;                           ///< (steps so far, n)
 
  private:
-  static constexpr auto kForward = static_cast<std::int32_t>(neural::ModelAction::kForward);
+  static constexpr auto kForward = static_cast<std::int32_t>(neural::SixAction::kForward);
 
   Script script_;
   std::size_t step_ = 0;

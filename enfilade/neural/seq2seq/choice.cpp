@@ -13,8 +13,8 @@
 namespace enfilade::neural::seq2seq {
 namespace {
 
-constexpr auto kActions = static_cast<std::size_t>(kModelActions);
-constexpr auto kForward = static_cast<std::size_t>(ModelAction::kForward);
+constexpr auto kActions = static_cast<std::size_t>(kSixActions);
+constexpr auto kForward = static_cast<std::size_t>(SixAction::kForward);
 
 using Probabilities = std::array<double, kActions>;
 
@@ -43,9 +43,9 @@ std::int32_t drawn(std::span<const double> logits, double uniform) {
 void check_labels(const Choices& step) {
   for (std::size_t r = 0; r < step.labels.size(); ++r) {
     const std::int32_t label = step.labels[r];
-    if (label < kIgnoreLabel || label >= kModelActions) {
+    if (label < kIgnoreLabel || label >= kSixActions) {
       throw ArgumentError(fmt::format("environment: label {} of episode {}, not from {} to {}",
-                                      label, r, kIgnoreLabel, kModelActions - 1));
+                                      label, r, kIgnoreLabel, kSixActions - 1));
     }
     if (label == static_cast<std::int32_t>(kForward) && step.forward_open[r] == 0) {
       throw ArgumentError(

@@ -57,8 +57,8 @@ std::array<WeightInfo, kWeights> weight_infos(const models::NetworkConfig& confi
       {"decoder.lstm.bias_hh", {4 * h}},
       {"decoder.attention_layer.linear_in.weight", {h, h}},
       {"decoder.attention_layer.linear_out.weight", {h, 2 * h}},
-      {"decoder.decoder2action.weight", {kModelActions, h}},
-      {"decoder.decoder2action.bias", {kModelActions}},
+      {"decoder.decoder2action.weight", {kSixActions, h}},
+      {"decoder.decoder2action.bias", {kSixActions}},
   }};
   std::int64_t begin = 0;
   for (WeightInfo& info : infos) {

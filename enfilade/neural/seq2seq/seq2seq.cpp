@@ -12,7 +12,7 @@
 namespace enfilade::neural::seq2seq {
 namespace {
 
-constexpr auto kActions = static_cast<std::size_t>(kModelActions);
+constexpr auto kActions = static_cast<std::size_t>(kSixActions);
 
 models::NetworkConfig checked(const models::NetworkConfig& config) {
   validate(config);
@@ -41,7 +41,7 @@ std::span<double> Seq2Seq::Walk::gradient_of(std::size_t step) {
 }
 
 void Seq2Seq::Walk::read(const at::Tensor& step_logits) {
-  const std::array<std::int64_t, 2> shape{static_cast<std::int64_t>(n), kModelActions};
+  const std::array<std::int64_t, 2> shape{static_cast<std::int64_t>(n), kSixActions};
   at::from_blob(logits.data(), shape, at::TensorOptions().dtype(at::kDouble)).copy_(step_logits);
 }
 
@@ -219,8 +219,7 @@ void Seq2Seq::act(std::span<const float> features, std::span<const std::uint8_t>
 
 void Seq2Seq::backward(const Sentences& sentences, const Context& context, const Dropout& dropout,
                        std::size_t steps) {
-  const std::array<std::int64_t, 2> shape{static_cast<std::int64_t>(steps * walk_.n),
-                                          kModelActions};
+  const std::array<std::int64_t, 2> shape{static_cast<std::int64_t>(steps * walk_.n), kSixActions};
   const at::Tensor gradient =
       at::from_blob(walk_.gradient.data(), shape, at::TensorOptions().dtype(at::kDouble))
           .to(parameters_.flat_weights.options());
