@@ -2,11 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
-#include <string>
-#include <system_error>
 
-#include "enfilade/core/file.h"
 #include "enfilade/report/run_directory.h"
 
 namespace enfilade::report {
@@ -43,15 +39,6 @@ std::size_t published_episodes(std::string_view split) noexcept {
   if (split == "val_seen") return 1020;
   if (split == "val_unseen") return 2349;
   return split == "test" ? 4173 : 0;
-}
-
-bool is_synthetic(const scan::DataRoot& data) {
-  std::error_code code;
-  if (std::filesystem::exists(data.folder() / "homes.json", code)) return true;
-  const std::filesystem::path readme = data.folder() / "README.md";
-  if (!std::filesystem::is_regular_file(readme, code)) return false;
-  const std::string text = read_file(readme);
-  return text.substr(0, text.find('\n')).find("SYNTHETIC") != std::string::npos;
 }
 
 }  // namespace enfilade::report

@@ -5,8 +5,6 @@
 #include <span>
 #include <string_view>
 
-#include "enfilade/scan/data_root.h"
-
 namespace enfilade::report {
 
 /// A row of the table. The paper has no SPL, which its authors proposed afterwards.
@@ -27,9 +25,5 @@ std::optional<PublishedRow> published_row(std::string_view agent, std::string_vi
 /// How many instructions the paper's split has; 0 for one that it does not have. Figures of another
 /// number of episodes are of another data set, and no published row belongs beside them.
 std::size_t published_episodes(std::string_view split) noexcept;
-
-/// Whether the data are model homes or another set that Enfilade made (its README.md or homes.json
-/// says so). Every figure of theirs has to be called synthetic.
-bool is_synthetic(const scan::DataRoot& data);
 
 }  // namespace enfilade::report

@@ -11,12 +11,12 @@
 #include "enfilade/core/file.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/models/training_log.h"
-#include "enfilade/report/detail/dataset_parts.h"
-#include "enfilade/report/detail/gallery.h"
-#include "enfilade/report/detail/page.h"
-#include "enfilade/report/detail/photographer.h"
-#include "enfilade/report/detail/picture_parts.h"
-#include "enfilade/report/detail/result_parts.h"
+#include "enfilade/report/parts/dataset_parts.h"
+#include "enfilade/report/parts/gallery.h"
+#include "enfilade/report/parts/page.h"
+#include "enfilade/report/parts/picture_parts.h"
+#include "enfilade/report/parts/pictures.h"
+#include "enfilade/report/parts/result_parts.h"
 #include "enfilade/report/published.h"
 #include "enfilade/report/results_table.h"
 #include "enfilade/report/run_directory.h"
@@ -25,21 +25,7 @@
 namespace enfilade::report {
 namespace {
 
-using detail::Json;
-
-std::vector<r2r::Annotations> load_splits(const scan::DataRoot& data) {
-  std::vector<r2r::Annotations> splits;
-  for (const char* split : {"train", "val_seen", "val_unseen", "test"}) {
-    std::filesystem::path file;
-    try {
-      file = data.annotations(split);
-    } catch (const FileError&) {
-      continue;  // a data set need not have all of them
-    }
-    splits.push_back(r2r::load_annotations(file, split));
-  }
-  return splits;
-}
+using parts::Json;
 
 // "12 h 3 min", "4 min 10 s"
 std::string duration(double seconds) {
@@ -69,31 +55,27 @@ Json config_json(const ModelDirectory& model) {
 // Builds the page's data, a part at a time.
 class Reporter {
  public:
-  Reporter(const ReportConfig& config, const scan::DataRoot& data, const Progress& progress)
+  Reporter(const ReportConfig& config, const dataset::Dataset& data, const Progress& progress)
       : config_(config),
         data_(data),
         progress_(progress),
         found_(find_runs(config.runs, data)),
         runs_(score_runs(found_, data)),
-        splits_(load_splits(data)),
-        synthetic_(is_synthetic(data)),
-        photographer_(scan::PanoramaSet::open(data.panoramas(), runs_.graphs->scans())) {}
+        synthetic_(data.synthetic()) {
+    for (const std::string& split : data.splits()) splits_.push_back(data.annotations(split));
+  }
 
   Json run() {
     step("table", [this] { return Json::parse(to_json(make_table(runs_, synthetic_))); });
-    step("curves", [this] { return detail::curves_part(found_); });
-    step("errors", [this] { return detail::errors_part(runs_); });
-    step("byLength", [this] { return detail::by_length_part(runs_); });
+    step("curves", [this] { return parts::curves_part(found_); });
+    step("errors", [this] { return parts::errors_part(runs_); });
+    step("byLength", [this] { return parts::by_length_part(runs_); });
     step("gallery", [this] { return gallery(); });
     step("plans", [this] { return plans(); });
-    step("examples", [this] {
-      return detail::examples_part(splits_, *runs_.graphs, photographer_, config_.examples);
-    });
-    step("panoramas", [this] {
-      return detail::panoramas_part(*runs_.graphs, photographer_, config_.panoramas);
-    });
-    step("lengths", [this] { return detail::lengths_part(splits_, runs_.graphs); });
-    step("words", [this] { return detail::words_part(splits_); });
+    step("examples", [this] { return parts::examples_part(splits_, data_, config_.examples); });
+    step("panoramas", [this] { return parts::panoramas_part(data_, config_.panoramas); });
+    step("lengths", [this] { return parts::lengths_part(splits_, runs_.graphs); });
+    step("words", [this] { return parts::words_part(splits_); });
     page_["about"] = about();
     return std::move(page_);
   }
@@ -107,18 +89,18 @@ class Reporter {
   }
 
   Json gallery() {
-    chosen_run_ = detail::choose_run(runs_, found_);
-    if (!chosen_run_) return detail::missing("There are no results that can be scored.");
+    chosen_run_ = parts::choose_run(runs_, found_);
+    if (!chosen_run_) return parts::missing("There are no results that can be scored.");
     const r2r::EpisodeSet& episodes = runs_.splits.at(chosen_run_->run->split);
     chosen_ = choose_episodes(*chosen_run_, episodes, config_.episodes_of_a_kind);
-    return gallery_part(*chosen_run_, episodes, chosen_, photographer_);
+    return gallery_part(*chosen_run_, episodes, chosen_, data_);
   }
 
   // The first of each kind in the gallery.
   Json plans() {
-    if (!chosen_run_) return detail::missing("There are no results that can be scored.");
-    std::vector<detail::ChosenEpisode> first;
-    for (const detail::ChosenEpisode& one : chosen_) {
+    if (!chosen_run_) return parts::missing("There are no results that can be scored.");
+    std::vector<parts::ChosenEpisode> first;
+    for (const parts::ChosenEpisode& one : chosen_) {
       if (first.empty() || first.back().kind != one.kind) first.push_back(one);
     }
     return plans_part(*chosen_run_->run, runs_.splits.at(chosen_run_->run->split), first);
@@ -154,25 +136,24 @@ class Reporter {
   }
 
   const ReportConfig& config_;
-  const scan::DataRoot& data_;
+  const dataset::Dataset& data_;
   const Progress& progress_;
   RunDirectory found_;
   ScoredRuns runs_;
   std::vector<r2r::Annotations> splits_;
-  bool synthetic_ = false;
-  detail::Photographer photographer_;
-  std::optional<detail::GalleryRun> chosen_run_;
-  std::vector<detail::ChosenEpisode> chosen_;
+  bool synthetic_;
+  std::optional<parts::GalleryRun> chosen_run_;
+  std::vector<parts::ChosenEpisode> chosen_;
   Json page_;
   std::size_t done_ = 0;
 };
 
 }  // namespace
 
-std::string make_report(const ReportConfig& config, const scan::DataRoot& data,
+std::string make_report(const ReportConfig& config, const dataset::Dataset& data,
                         const Progress& progress) {
-  const std::string title = is_synthetic(data) ? config.title + " (synthetic homes)" : config.title;
-  return detail::make_page(title, Reporter(config, data, progress).run());
+  const std::string title = data.synthetic() ? config.title + " (synthetic homes)" : config.title;
+  return parts::make_page(title, Reporter(config, data, progress).run());
 }
 
 }  // namespace enfilade::report

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "enfilade/core/progress.h"
-#include "enfilade/scan/data_root.h"
+#include "enfilade/dataset/dataset.h"
 
 namespace enfilade::report {
 
@@ -28,7 +28,7 @@ struct ReportConfig {
 /// for the random word that names its own scripts to the browser.
 /// \throws as find_runs(), score_runs(), models::load_training_log() and models::load_attention();
 /// Error if this build has no D3; errors of broken panoramas
-std::string make_report(const ReportConfig& config, const scan::DataRoot& data,
+std::string make_report(const ReportConfig& config, const dataset::Dataset& data,
                         const Progress& progress = {});
 
 }  // namespace enfilade::report

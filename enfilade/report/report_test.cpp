@@ -12,10 +12,10 @@
 #include <optional>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/report/detail/page.h"
-#include "enfilade/report/detail/page_texts.h"
-#include "enfilade/report/detail/photographer.h"
-#include "enfilade/report/detail/result_parts.h"
+#include "enfilade/report/parts/page.h"
+#include "enfilade/report/parts/page_texts.h"
+#include "enfilade/report/parts/pictures.h"
+#include "enfilade/report/parts/result_parts.h"
 #include "tests/support/made_run.h"
 
 namespace enfilade::report {
@@ -49,14 +49,14 @@ nlohmann::json data_of(const std::string& page) {
 class ReportTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (detail::kD3.empty()) GTEST_SKIP() << "this build has no D3 (EN_WITH_D3 is OFF)";
+    if (parts::kD3.empty()) GTEST_SKIP() << "this build has no D3 (EN_WITH_D3 is OFF)";
   }
   std::string report() const {
     ReportConfig config;
     config.runs = {made_.run()};
     config.title = "A <test> of reports";
     config.facts = {{"machine", "one & <only>"}};
-    return make_report(config, scan::DataRoot(made_.data()));
+    return make_report(config, dataset::Dataset(made_.data()));
   }
   // Everything that a page can show, from strangers.
   void make_all() const {
@@ -133,7 +133,7 @@ TEST_F(ReportTest, LoadsNothingAndRunsNoScriptButItsOwn) {
   EXPECT_THAT(page, HasSubstr("default-src 'none'"));
   for (const char* source : {"src=\"http", "src=\"//", "href=\"http", "url(http", "@import",
                              "<link", "<iframe", "fetch(", "XMLHttpRequest("}) {
-    const std::size_t in_d3 = occurrences(std::string(detail::kD3), source);
+    const std::size_t in_d3 = occurrences(std::string(parts::kD3), source);
     EXPECT_EQ(occurrences(page, source), in_d3) << source << " (D3 has code for it, unused)";
   }
   EXPECT_EQ(occurrences(page, "<script"), 3U) << "data, D3 and ours";
@@ -149,32 +149,32 @@ TEST_F(ReportTest, IsTheSameForTheSameInputButForItsNonce) {
 
 TEST(Page, ScriptJsonHasNoTagsAndReadsBackEqual) {
   const nlohmann::ordered_json data{{"a", "</script><!-- \u2028 \xC3\xA9"}, {"b<", 1}};
-  const std::string json = detail::script_json(data);
+  const std::string json = parts::script_json(data);
   EXPECT_EQ(json.find('<'), std::string::npos);
   EXPECT_EQ(nlohmann::ordered_json::parse(json), data);
-  EXPECT_THAT(detail::script_json({{"a", "\xFF"}}), HasSubstr("\\ufffd"));
+  EXPECT_THAT(parts::script_json({{"a", "\xFF"}}), HasSubstr("\\ufffd"));
 }
 
 TEST(Page, D3HasNoEndOfScriptInIt) {
-  EXPECT_EQ(detail::kD3.find("</script"), std::string_view::npos);
-  EXPECT_EQ(detail::kPageScript.find("</script"), std::string_view::npos);
-  EXPECT_EQ(detail::kPageScript.find("innerHTML"), std::string_view::npos);
+  EXPECT_EQ(parts::kD3.find("</script"), std::string_view::npos);
+  EXPECT_EQ(parts::kPageScript.find("</script"), std::string_view::npos);
+  EXPECT_EQ(parts::kPageScript.find("innerHTML"), std::string_view::npos);
 }
 
 TEST(DataUri, IsBase64AsRfc4648HasIt) {
-  EXPECT_EQ(detail::data_uri("text/plain", ""), "data:text/plain;base64,");
-  EXPECT_EQ(detail::data_uri("t", "f"), "data:t;base64,Zg==");
-  EXPECT_EQ(detail::data_uri("t", "fo"), "data:t;base64,Zm8=");
-  EXPECT_EQ(detail::data_uri("t", "foobar"), "data:t;base64,Zm9vYmFy");
-  EXPECT_EQ(detail::data_uri("t", "\xFF\xFE\xFD"), "data:t;base64,//79");
+  EXPECT_EQ(parts::data_uri("text/plain", ""), "data:text/plain;base64,");
+  EXPECT_EQ(parts::data_uri("t", "f"), "data:t;base64,Zg==");
+  EXPECT_EQ(parts::data_uri("t", "fo"), "data:t;base64,Zm8=");
+  EXPECT_EQ(parts::data_uri("t", "foobar"), "data:t;base64,Zm9vYmFy");
+  EXPECT_EQ(parts::data_uri("t", "\xFF\xFE\xFD"), "data:t;base64,//79");
 }
 
 TEST(WilsonInterval, HasTheTextbooksValues) {
   // Share 0: (0, z^2 / (n + z^2)); n = 10: 3.8415 / 13.8415 = 0.2775.
-  EXPECT_EQ(detail::wilson_interval(0, 10).low, 0);
-  EXPECT_NEAR(detail::wilson_interval(0, 10).high, 0.2775, 1e-4) << "four digits worked out";
-  EXPECT_NEAR(detail::wilson_interval(0.5, 10).low, 0.2366, 1e-4);
-  EXPECT_NEAR(detail::wilson_interval(0.5, 10).high, 0.7634, 1e-4);
+  EXPECT_EQ(parts::wilson_interval(0, 10).low, 0);
+  EXPECT_NEAR(parts::wilson_interval(0, 10).high, 0.2775, 1e-4) << "four digits worked out";
+  EXPECT_NEAR(parts::wilson_interval(0.5, 10).low, 0.2366, 1e-4);
+  EXPECT_NEAR(parts::wilson_interval(0.5, 10).high, 0.7634, 1e-4);
 }
 
 // --- in a real browser ----------------------------------------------------------------------

@@ -20,7 +20,7 @@ using ::testing::StartsWith;
 class ResultsTableTest : public ::testing::Test {
  protected:
   ResultsTable table(bool synthetic = false) const {
-    const scan::DataRoot data(made_.data());
+    const dataset::Dataset data(made_.data());
     const std::vector<std::filesystem::path> named{made_.run()};
     return make_table(score_runs(find_runs(named, data), data), synthetic);
   }
@@ -128,14 +128,10 @@ TEST_F(ResultsTableTest, CsvHasAsManyCellsInEachLine) {
 }
 
 TEST(RealData, PublishedFiguresStandBesideTheRandomAgents) {
-  const auto data = scan::DataRoot::from_environment();
+  const auto data = dataset::Dataset::from_environment();
   if (!data) GTEST_SKIP() << "ENFILADE_DATA is not set: no real R2R to score";
-  const std::size_t episodes =
-      r2r::make_episodes(r2r::load_annotations(data->annotations("val_unseen"), "val_unseen"),
-                         graph::GraphSet::open(data->connectivity()))
-          .episodes.size();
-  EXPECT_EQ(episodes, published_episodes("val_unseen"));
-  EXPECT_FALSE(is_synthetic(*data));
+  EXPECT_EQ(data->episodes("val_unseen").episodes.size(), published_episodes("val_unseen"));
+  EXPECT_FALSE(data->synthetic());
 }
 
 }  // namespace

@@ -27,19 +27,9 @@ std::tuple<std::size_t, std::string, std::size_t, std::string> rank(const std::s
   return {static_cast<std::size_t>(known - kFirst.begin()), base, agent.size(), agent};
 }
 
-bool has_split(const scan::DataRoot& data, const std::string& split) {
-  if (split.empty()) return false;
-  try {
-    (void)data.annotations(split);
-    return true;
-  } catch (const FileError&) {
-    return false;
-  }
-}
-
 class Finder {
  public:
-  explicit Finder(const scan::DataRoot& data) : data_(data) {}
+  explicit Finder(const dataset::Dataset& data) : data_(data) {}
 
   void add(const fs::path& named) {
     std::error_code code;
@@ -97,7 +87,7 @@ class Finder {
     if (!fs::is_directory(folder / "results", code)) return;
     for (const fs::path& path : entries(folder / "results")) {
       const std::string split = path.stem().string();
-      if (path.extension() == ".json" && has_split(data_, split)) add_results(path, agent, split);
+      if (path.extension() == ".json" && data_.has_split(split)) add_results(path, agent, split);
     }
   }
 
@@ -114,7 +104,7 @@ class Finder {
     const fs::path owner = whole.parent_path().parent_path();
     std::error_code code;
     if (fs::exists(models::ModelFiles{owner}.config(), code) &&
-        has_split(data_, whole.stem().string())) {
+        data_.has_split(whole.stem().string())) {
       add_results(file, owner.filename().string(), whole.stem().string());
       return;
     }
@@ -134,7 +124,7 @@ class Finder {
     const std::string stem = file.stem().string();
     for (std::size_t at = stem.find('_', 1); at != std::string::npos; at = stem.find('_', at + 1)) {
       const std::string split = stem.substr(at + 1);
-      if (has_split(data_, split)) return std::pair(stem.substr(0, at), split);
+      if (data_.has_split(split)) return std::pair(stem.substr(0, at), split);
     }
     return std::nullopt;
   }
@@ -150,7 +140,7 @@ class Finder {
     found_.results.push_back({file, agent, split});
   }
 
-  const scan::DataRoot& data_;
+  const dataset::Dataset& data_;
   RunDirectory found_;
   std::set<fs::path> models_;
 };
@@ -164,7 +154,7 @@ std::string_view without_seed(std::string_view agent) noexcept {
   return seeded ? agent.substr(0, end) : agent;
 }
 
-RunDirectory find_runs(std::span<const fs::path> named, const scan::DataRoot& data) {
+RunDirectory find_runs(std::span<const fs::path> named, const dataset::Dataset& data) {
   Finder finder(data);
   for (const fs::path& path : named) finder.add(path);
   RunDirectory found = finder.take();

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "enfilade/scan/data_root.h"
+#include "enfilade/dataset/dataset.h"
 
 namespace enfilade::report {
 
@@ -38,6 +38,6 @@ std::string_view without_seed(std::string_view agent) noexcept;
 /// name is passed over where a folder was named.
 /// \throws FileError for what is not there; LookupError for a file whose name says no split of
 /// `data`, for one agent and split in two files, or where there is nothing at all
-RunDirectory find_runs(std::span<const std::filesystem::path> named, const scan::DataRoot& data);
+RunDirectory find_runs(std::span<const std::filesystem::path> named, const dataset::Dataset& data);
 
 }  // namespace enfilade::report

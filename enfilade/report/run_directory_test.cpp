@@ -18,7 +18,7 @@ using ::testing::ThrowsMessage;
 class RunDirectoryTest : public ::testing::Test {
  protected:
   RunDirectory find(const std::vector<fs::path>& named) const {
-    return find_runs(named, scan::DataRoot(made_.data()));
+    return find_runs(named, dataset::Dataset(made_.data()));
   }
   void model(const std::string& name) const {
     make_folder(made_.run() / "models" / name);
@@ -93,11 +93,11 @@ TEST(Published, IsFoundByTheAgentsNameAndNotForAblations) {
 }
 
 TEST_F(RunDirectoryTest, MadeUpDataSaySo) {
-  EXPECT_FALSE(is_synthetic(scan::DataRoot(made_.data())));
+  EXPECT_FALSE(dataset::Dataset(made_.data()).synthetic());
   write_file_atomically(made_.data() / "README.md", "# Real\nNot SYNTHETIC.\n");
-  EXPECT_FALSE(is_synthetic(scan::DataRoot(made_.data())));
+  EXPECT_FALSE(dataset::Dataset(made_.data()).synthetic());
   write_file_atomically(made_.data() / "README.md", "# A small SYNTHETIC data set\n");
-  EXPECT_TRUE(is_synthetic(scan::DataRoot(made_.data())));
+  EXPECT_TRUE(dataset::Dataset(made_.data()).synthetic());
 }
 
 }  // namespace

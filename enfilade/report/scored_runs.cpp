@@ -6,22 +6,19 @@
 namespace enfilade::report {
 namespace {
 
-const r2r::EpisodeSet& episodes_of(const std::string& split, const scan::DataRoot& data,
+const r2r::EpisodeSet& episodes_of(const std::string& split, const dataset::Dataset& data,
                                    ScoredRuns& scored) {
   const auto known = scored.splits.find(split);
   if (known != scored.splits.end()) return known->second;
-  return scored.splits
-      .emplace(split, r2r::make_episodes(r2r::load_annotations(data.annotations(split), split),
-                                         scored.graphs))
-      .first->second;
+  return scored.splits.emplace(split, data.episodes(split)).first->second;
 }
 
 }  // namespace
 
-ScoredRuns score_runs(const RunDirectory& found, const scan::DataRoot& data,
+ScoredRuns score_runs(const RunDirectory& found, const dataset::Dataset& data,
                       const Progress& progress) {
   ScoredRuns scored;
-  scored.graphs = graph::GraphSet::open(data.connectivity());
+  scored.graphs = data.graphs();
   std::size_t done = 0;
   for (const ResultsFile& file : found.results) {
     const r2r::EpisodeSet& episodes = episodes_of(file.split, data, scored);

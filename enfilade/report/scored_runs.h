@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "enfilade/core/progress.h"
+#include "enfilade/dataset/dataset.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/r2r/annotations.h"
 #include "enfilade/r2r/results.h"
 #include "enfilade/r2r/score.h"
 #include "enfilade/report/run_directory.h"
-#include "enfilade/scan/data_root.h"
 
 namespace enfilade::report {
 
@@ -34,7 +34,7 @@ struct ScoredRuns {
 /// Reads and scores every results file, with bootstrap intervals. Those of splits whose goals are
 /// hidden are left out, and `left_out` says so.
 /// \throws FileError; InvalidInput listing what is wrong with a results file
-ScoredRuns score_runs(const RunDirectory& found, const scan::DataRoot& data,
+ScoredRuns score_runs(const RunDirectory& found, const dataset::Dataset& data,
                       const Progress& progress = {});
 
 }  // namespace enfilade::report

@@ -6,7 +6,7 @@
 #include "enfilade/report/run_directory.h"
 #include "enfilade/report/scored_runs.h"
 
-namespace enfilade::report::detail {
+namespace enfilade::report::parts {
 
 /// How far from the goal agents stop, by agent and split. "shortest" is left out: it stops there.
 nlohmann::ordered_json errors_part(const ScoredRuns& runs);
@@ -24,4 +24,4 @@ struct ShareInterval {
 };
 ShareInterval wilson_interval(double share, double n) noexcept;
 
-}  // namespace enfilade::report::detail
+}  // namespace enfilade::report::parts

@@ -3,7 +3,7 @@
 #pragma once
 #include <string_view>
 
-namespace enfilade::report::detail {
+namespace enfilade::report::parts {
 
 extern const std::string_view kPageHtml;
 extern const std::string_view kPageStyle;
@@ -11,4 +11,4 @@ extern const std::string_view kPageScript;
 extern const std::string_view kD3;         ///< empty in a build without it (EN_WITH_D3)
 extern const std::string_view kD3Licence;  ///< goes with every copy of it
 
-}  // namespace enfilade::report::detail
+}  // namespace enfilade::report::parts

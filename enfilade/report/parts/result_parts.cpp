@@ -1,4 +1,4 @@
-#include "enfilade/report/detail/result_parts.h"
+#include "enfilade/report/parts/result_parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +12,10 @@
 
 #include "enfilade/models/model_directory.h"
 #include "enfilade/models/training_log.h"
-#include "enfilade/report/detail/dataset_parts.h"
+#include "enfilade/report/parts/dataset_parts.h"
 #include "enfilade/report/training_curve.h"
 
-namespace enfilade::report::detail {
+namespace enfilade::report::parts {
 namespace {
 
 constexpr double kMetresABin = 2;     // of path lengths
@@ -144,4 +144,4 @@ Json curves_part(const RunDirectory& found) {
   return {{"agents", std::move(all)}};
 }
 
-}  // namespace enfilade::report::detail
+}  // namespace enfilade::report::parts

@@ -8,7 +8,7 @@
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/r2r/annotations.h"
 
-namespace enfilade::report::detail {
+namespace enfilade::report::parts {
 
 using Json = nlohmann::ordered_json;
 
@@ -34,4 +34,4 @@ Json lengths_part(const std::vector<r2r::Annotations>& splits,
 /// The tree of the first four words of all instructions; what would be too thin to see is left out.
 Json words_part(const std::vector<r2r::Annotations>& splits);
 
-}  // namespace enfilade::report::detail
+}  // namespace enfilade::report::parts

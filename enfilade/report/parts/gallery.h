@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "enfilade/models/attention.h"
-#include "enfilade/report/detail/photographer.h"
-#include "enfilade/report/detail/picture_parts.h"
+#include "enfilade/report/parts/picture_parts.h"
 #include "enfilade/report/scored_runs.h"
 
-namespace enfilade::report::detail {
+namespace enfilade::report::parts {
 
 /// What the gallery is about.
 struct GalleryRun {
@@ -32,6 +31,6 @@ std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
 /// {"agent", "split", "buildings", "frames", "episodes"}.
 nlohmann::ordered_json gallery_part(const GalleryRun& gallery, const r2r::EpisodeSet& episodes,
                                     const std::vector<ChosenEpisode>& chosen,
-                                    Photographer& photographer);
+                                    const dataset::Dataset& data);
 
-}  // namespace enfilade::report::detail
+}  // namespace enfilade::report::parts

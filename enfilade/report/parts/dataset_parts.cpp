@@ -1,4 +1,4 @@
-#include "enfilade/report/detail/dataset_parts.h"
+#include "enfilade/report/parts/dataset_parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "enfilade/r2r/statistics.h"
 #include "enfilade/r2r/tokenizer.h"
 
-namespace enfilade::report::detail {
+namespace enfilade::report::parts {
 namespace {
 
 constexpr double kMetresABin = 2;
@@ -115,4 +115,4 @@ Json words_part(const std::vector<r2r::Annotations>& splits) {
   return branch_json("", root, kThinnest * static_cast<double>(root.count));
 }
 
-}  // namespace enfilade::report::detail
+}  // namespace enfilade::report::parts

@@ -1,4 +1,4 @@
-#include "enfilade/report/detail/gallery.h"
+#include "enfilade/report/parts/gallery.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -16,9 +16,10 @@
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/r2r/tokenizer.h"
-#include "enfilade/report/detail/dataset_parts.h"
+#include "enfilade/report/parts/dataset_parts.h"
+#include "enfilade/report/parts/pictures.h"
 
-namespace enfilade::report::detail {
+namespace enfilade::report::parts {
 namespace {
 
 constexpr PictureSize kFrameSize{384, 288};
@@ -123,24 +124,31 @@ Json building_json(const graph::NavGraph& graph) {
 // The frames of all episodes, each once.
 class Frames {
  public:
-  explicit Frames(Photographer& photographer) : photographer_(photographer) {}
+  explicit Frames(const dataset::Dataset& data) : data_(data) {}
 
   // The key of the frame; null if there are no pictures.
   Json add(const std::string& scan, const Moment& m) {
     const std::string key = fmt::format("{} {} {:.0f} {:.0f}", scan, m.viewpoint.value,
                                         to_degrees(m.heading), to_degrees(m.elevation));
     if (!frames_.contains(key)) {
+      const ScanIndex index = data_.graphs()->at(scan);
       const auto picture =
-          photographer_.view(scan, m.viewpoint, m.heading, m.elevation, kFrameSize);
-      if (!picture) return nullptr;
+          view_uri(data_, {index, m.viewpoint, m.heading, m.elevation}, kFrameSize);
+      if (!picture) {
+        why_not_ = no_pictures_of(scan);
+        return nullptr;
+      }
       frames_[key] = *picture;
     }
     return key;
   }
   Json take() { return std::move(frames_); }
+  // A sentence: why the last frame that could not be had could not.
+  const std::string& why_not() const { return why_not_; }
 
  private:
-  Photographer& photographer_;
+  const dataset::Dataset& data_;
+  std::string why_not_;
   Json frames_ = Json::object();
 };
 
@@ -257,8 +265,8 @@ std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
 }
 
 Json gallery_part(const GalleryRun& gallery, const r2r::EpisodeSet& episodes,
-                  const std::vector<ChosenEpisode>& chosen, Photographer& photographer) {
-  Frames frames(photographer);
+                  const std::vector<ChosenEpisode>& chosen, const dataset::Dataset& data) {
+  Frames frames(data);
   Json all = Json::array(), buildings = Json::object();
   for (const ChosenEpisode& one : chosen) {
     all.push_back(episode_json(gallery, episodes, one, frames));
@@ -271,10 +279,10 @@ Json gallery_part(const GalleryRun& gallery, const r2r::EpisodeSet& episodes,
             {"buildings", std::move(buildings)},
             {"episodes", std::move(all)}};
   part["frames"] = frames.take();
-  if (part["frames"].empty()) part["noPictures"] = photographer.why_not();
+  if (part["frames"].empty()) part["noPictures"] = frames.why_not();
   if (!gallery.attention) part["noAttention"] = gallery.no_attention;
   if (gallery.attention) part["withAttention"] = gallery.attention->size();
   return part;
 }
 
-}  // namespace enfilade::report::detail
+}  // namespace enfilade::report::parts

@@ -1,4 +1,4 @@
-#include "enfilade/report/detail/page.h"
+#include "enfilade/report/parts/page.h"
 
 #include <fmt/format.h>
 #include <array>
@@ -9,9 +9,9 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/draw/markup.h"
-#include "enfilade/report/detail/page_texts.h"
+#include "enfilade/report/parts/page_texts.h"
 
-namespace enfilade::report::detail {
+namespace enfilade::report::parts {
 namespace {
 
 // Names our own scripts: what stands in an instruction cannot know it.
@@ -80,4 +80,4 @@ std::string make_page(std::string_view title, const nlohmann::ordered_json& data
                            {"data", json}}});
 }
 
-}  // namespace enfilade::report::detail
+}  // namespace enfilade::report::parts

@@ -1,4 +1,4 @@
-#include "enfilade/report/detail/picture_parts.h"
+#include "enfilade/report/parts/picture_parts.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -8,14 +8,16 @@
 #include <utility>
 
 #include "enfilade/core/rng.h"
+#include "enfilade/dataset/views.h"
 #include "enfilade/draw/floor_plan.h"
-#include "enfilade/report/detail/dataset_parts.h"
+#include "enfilade/report/parts/dataset_parts.h"
+#include "enfilade/report/parts/pictures.h"
 
-namespace enfilade::report::detail {
+namespace enfilade::report::parts {
 namespace {
 
 constexpr PictureSize kExampleSize{480, 360};
-constexpr PictureSize kPanoramaSize{800, 400};
+constexpr std::uint32_t kPanoramaWidth = 800;
 constexpr std::uint64_t kExampleSeed = 2018;  // any: the same data give the same page
 
 const r2r::Annotations* example_split(const std::vector<r2r::Annotations>& splits) {
@@ -49,8 +51,8 @@ int whole_degrees(Radians heading) { return static_cast<int>(to_degrees(heading)
 
 }  // namespace
 
-Json examples_part(const std::vector<r2r::Annotations>& splits, const graph::GraphSet& graphs,
-                   Photographer& photographer, std::size_t count) {
+Json examples_part(const std::vector<r2r::Annotations>& splits, const dataset::Dataset& data,
+                   std::size_t count) {
   const r2r::Annotations* split = example_split(splits);
   if (split == nullptr) return missing("There are no annotations in the data set.");
   Json all = Json::array();
@@ -59,10 +61,9 @@ Json examples_part(const std::vector<r2r::Annotations>& splits, const graph::Gra
     if (all.size() == count) break;
     const r2r::PathAnnotation& path = split->paths[i];
     if (path.instructions.empty()) continue;
-    const graph::Location start = graphs.locate(path.scan, path.path.front());
-    const auto picture =
-        photographer.view(path.scan, start.viewpoint, path.heading, Radians(0), kExampleSize);
-    if (!picture) why = photographer.why_not();
+    const auto start = find_view(data, {path.scan, path.path.front(), path.heading, Radians(0)});
+    const auto picture = view_uri(data, start, kExampleSize);
+    if (!picture) why = no_pictures_of(path.scan);
     all.push_back({{"scan", path.scan},
                    {"path", path.path_id},
                    {"heading", whole_degrees(path.heading)},
@@ -74,25 +75,28 @@ Json examples_part(const std::vector<r2r::Annotations>& splits, const graph::Gra
   return part;
 }
 
-Json panoramas_part(const graph::GraphSet& graphs, Photographer& photographer, std::size_t most) {
+Json panoramas_part(const dataset::Dataset& data, std::size_t most) {
+  const graph::GraphSet& graphs = *data.graphs();
   const std::size_t buildings = graphs.size(), shown = std::min(buildings, most);
   Json all = Json::array();
+  std::string why;
   for (std::size_t k = 0; k < shown; ++k) {
     const ScanIndex scan(k * buildings / shown);
     const graph::NavGraph& graph = graphs.graph(scan);
     if (graph.included_count() == 0) continue;
     const ViewpointIndex v = busiest(graph);
     const Radians heading = graph.edges(v).empty() ? Radians(0) : graph.edges(v).front().heading;
-    const auto picture = photographer.panorama(graph.scan(), v, heading, kPanoramaSize);
-    if (!picture) continue;
+    const auto picture = panorama_uri(data, {scan, v, heading, {}}, kPanoramaWidth);
+    if (!picture) {
+      why = no_pictures_of(graph.scan());
+      continue;
+    }
     all.push_back({{"scan", graph.scan()},
                    {"viewpoint", graph.id(v)},
                    {"viewpoints", graph.included_count()},
                    {"picture", *picture}});
   }
-  if (all.empty()) {
-    return missing(photographer.why_not());
-  }
+  if (all.empty()) return missing(why);
   return {{"buildings", buildings}, {"panoramas", std::move(all)}};
 }
 
@@ -121,4 +125,4 @@ Json plans_part(const ScoredRun& run, const r2r::EpisodeSet& episodes,
   return {{"agent", run.agent}, {"split", run.split}, {"plans", std::move(all)}};
 }
 
-}  // namespace enfilade::report::detail
+}  // namespace enfilade::report::parts

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace enfilade::report::detail {
+namespace enfilade::report::parts {
 
 /// One HTML document with style, scripts and data in it. Its content security policy lets nothing
 /// be loaded, and no script run but ours, whatever stands in the data.
@@ -14,4 +14,4 @@ std::string make_page(std::string_view title, const nlohmann::ordered_json& data
 /// JSON that may stand inside <script>: no '<' in it; ASCII; broken UTF-8 replaced.
 std::string script_json(const nlohmann::ordered_json& data);
 
-}  // namespace enfilade::report::detail
+}  // namespace enfilade::report::parts
