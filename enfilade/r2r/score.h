@@ -45,6 +45,12 @@ std::vector<EpisodeMetrics> score_trajectories(const std::vector<Trajectory>& tr
 Score compute_score(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes,
                     const ScoreOptions& options = {});
 
+/// The same of a results file. \throws as above
+inline Score compute_score(const Results& results, const EpisodeSet& episodes,
+                           const ScoreOptions& options = {}) {
+  return compute_score(results.trajectories, episodes, options);
+}
+
 /// Whether a path's goal is hidden, so that the split can be run but not scored.
 bool goals_hidden(const EpisodeSet& episodes) noexcept;
 

@@ -21,10 +21,10 @@ data = sys.argv[1]
 # synth.write_homes(data, homes=3, face_size=64)
 
 # %%
-graphs = enfilade.Graphs(f"{data}/connectivity")
-renderer = enfilade.Renderer(graphs, enfilade.open_panoramas(data, graphs))
-sim = enfilade.Simulator(graphs, 4, restricted=False)
-sim.new_random_episodes(graphs.scans[:1] * 4)
+d = enfilade.Dataset(data)
+renderer = d.renderer()
+sim = d.simulator(4, restricted=False)
+sim.new_random_episodes(d.graphs.scans[:1] * 4)
 for _ in range(3):
     sim.step(np.minimum(1, sim.state.navigable_count - 1), heading_changes=[1, 1, -1, -1])
     seen = renderer.render_agents(sim, layers=("depth",))

@@ -52,6 +52,12 @@ TEST(IncludeArrows, FailOnUpwardInclude) {
               ElementsAre("upward"));
 }
 
+TEST(IncludeArrows, NoFolderIncludesTheHeaderOfAllNames) {
+  EXPECT_THAT(codes("enfilade/enfilade.h", "enfilade/agents/run.h"), IsEmpty());
+  EXPECT_THAT(codes("examples/render.cpp", "enfilade/enfilade.h"), IsEmpty());
+  EXPECT_THAT(codes("enfilade/report/report.cpp", "enfilade/enfilade.h"), ElementsAre("upward"));
+}
+
 TEST(IncludeArrows, SayWhichFileLineAndInclude) {
   const std::vector<Diagnostic> found =
       check_includes({including("enfilade/core/rng.cpp", "enfilade/geometry/vec.h")});
