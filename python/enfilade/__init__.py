@@ -4,9 +4,9 @@ Three doors lead to the same simulator: this package, `enfilade.gym` (Gymnasium 
 `MatterSim` (a drop-in for Matterport3DSimulator's module).
 
 >>> import enfilade
->>> graphs = enfilade.Graphs("data/connectivity")
->>> sim = enfilade.Simulator(graphs, batch_size=2)
->>> scan = graphs.scans[0]
+>>> d = enfilade.Dataset("data")
+>>> sim = d.simulator(batch_size=2)
+>>> scan = d.graphs.scans[0]
 >>> sim.new_random_episodes([scan, scan])
 >>> sim.step([0, 0], heading_changes=[0.5, -0.5])
 >>> sim.state.heading                                      # (2,) radians
@@ -34,6 +34,7 @@ from enfilade._core import (
 from enfilade._errors import ArgumentError, Error, FileError, InvalidInput, UnknownNameError
 
 if TYPE_CHECKING:
+    from enfilade._dataset import Dataset, Part
     from enfilade._episodes import Episode, Episodes, Score
     from enfilade._renderer import Renderer, open_panoramas
     from enfilade._simulator import Candidate, CandidateTable, Simulator, State
@@ -42,6 +43,8 @@ __version__ = "0.1.0"
 
 # Where the names are that need NumPy.
 _LATER = {
+    "Dataset": "_dataset",
+    "Part": "_dataset",
     "Candidate": "_simulator",
     "CandidateTable": "_simulator",
     "Simulator": "_simulator",
@@ -57,6 +60,7 @@ __all__ = [
     "ArgumentError",
     "Candidate",
     "CandidateTable",
+    "Dataset",
     "Episode",
     "Episodes",
     "Error",
@@ -65,6 +69,7 @@ __all__ = [
     "Graphs",
     "InvalidInput",
     "Panoramas",
+    "Part",
     "Renderer",
     "Score",
     "Simulator",

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from enfilade._arguments import whole
-from enfilade._core import Graphs, Panoramas, ViewArrays, ViewRenderer, panorama_places
+from enfilade._core import DatasetFolder, Graphs, Panoramas, ViewArrays, ViewRenderer
 from enfilade._errors import ArgumentError
 from enfilade._simulator import Names, Simulator, scan_indices, viewpoint_indices
 
@@ -25,7 +25,7 @@ def open_panoramas(folder: Union[str, os.PathLike[str]], graphs: Graphs) -> Pano
 
     Raises FileError for what is no folder.
     """
-    images, connectivity = panorama_places(os.fspath(folder))
+    images, connectivity = DatasetFolder(folder).panorama_places
     return Panoramas(images, connectivity, graphs)
 
 

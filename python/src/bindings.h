@@ -27,6 +27,7 @@ nb::object array_of(T* data, nb::handle owner, Sizes... sizes) {
 }
 
 void bind_graphs(nb::module_& module);
+void bind_dataset(nb::module_& module);
 void bind_simulator(nb::module_& module);
 void bind_renderer(nb::module_& module);
 void bind_r2r(nb::module_& module);

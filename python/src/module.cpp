@@ -14,6 +14,7 @@ NB_MODULE(_core, m) {
   enfilade::python::bind_simulator(m);
   enfilade::python::bind_renderer(m);
   enfilade::python::bind_r2r(m);
+  enfilade::python::bind_dataset(m);
   enfilade::python::bind_environment(m);
   nb::module_ mattersim = m.def_submodule("mattersim", "The old simulator's interface.");
   enfilade::python::mattersim::bind(mattersim);

@@ -13,12 +13,12 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/dataset/dataset.h"
 #include "enfilade/r2r/annotations.h"
 #include "enfilade/r2r/metrics.h"
 #include "enfilade/r2r/results.h"
 #include "enfilade/r2r/score.h"
 #include "enfilade/r2r/tokenizer.h"
-#include "enfilade/scan/data_root.h"
 #include "python/src/bindings.h"
 
 namespace enfilade::python {
@@ -30,11 +30,8 @@ using namespace nb::literals;
 std::shared_ptr<const EpisodeSet> load_episodes(const std::filesystem::path& folder,
                                                 const std::string& split, bool all_instructions) {
   const nb::gil_scoped_release unlocked;
-  const scan::DataRoot root(folder);
-  auto graphs = graph::GraphSet::open_shared(root.connectivity());
-  return std::make_shared<EpisodeSet>(
-      r2r::make_episodes(r2r::load_annotations(root.annotations(split), split), std::move(graphs),
-                         all_instructions ? r2r::Instructions::kAll : r2r::Instructions::kScored));
+  return std::make_shared<EpisodeSet>(dataset::Dataset(folder).episodes(
+      split, all_instructions ? r2r::Instructions::kAll : r2r::Instructions::kScored));
 }
 
 // (instruction_id, path_id, scan, viewpoints, heading, text)

@@ -2,6 +2,7 @@
 #include "enfilade/render/renderer.h"
 
 #include <fmt/format.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -15,7 +16,6 @@
 
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/render/gl_devices.h"
-#include "enfilade/scan/data_root.h"
 #include "enfilade/scan/panorama_set.h"
 #include "python/src/bindings.h"
 #include "python/src/busy.h"
@@ -30,13 +30,10 @@ using namespace nb::literals;
 /// Memory of any library on the CPU: NumPy, torch, whatever speaks DLPack.
 using Buffer = nb::ndarray<nb::c_contig, nb::device::cpu>;
 
-std::shared_ptr<const PanoramaSet> open_panoramas(const std::vector<std::string>& images,
-                                                  const std::string& connectivity,
+std::shared_ptr<const PanoramaSet> open_panoramas(const std::vector<std::filesystem::path>& images,
+                                                  const std::filesystem::path& connectivity,
                                                   const graph::GraphSet& graphs) {
-  scan::PanoramaPlaces places;
-  for (const std::string& folder : images) places.images.emplace_back(folder);
-  places.connectivity = connectivity;
-  return PanoramaSet::open(places, graphs.scans());
+  return PanoramaSet::open({images, connectivity}, graphs.scans());
 }
 
 /// Where n views are taken from: arrays, which are read whenever the views are drawn. Taking arrays
@@ -216,15 +213,6 @@ void bind_renderer(nb::module_& m) {
         return names;
       },
       "What a Renderer may draw with in this build, such as \"cpu\" and \"gl\".");
-  m.def(
-      "panorama_places",
-      [](const std::string& folder) {
-        const scan::PanoramaPlaces places = scan::DataRoot(folder).panoramas();
-        std::vector<std::string> images;
-        for (const auto& path : places.images) images.push_back(path.string());
-        return std::pair(images, places.connectivity.string());
-      },
-      "folder"_a, "Where a data folder has its pictures, and its graphs.");
 }
 
 }  // namespace enfilade::python

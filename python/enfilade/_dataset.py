@@ -1,0 +1,123 @@
+"""A folder of data by one name."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+from enfilade._core import DatasetFolder, Graphs, Panoramas
+from enfilade._episodes import Episodes
+
+if TYPE_CHECKING:
+    from numpy import uint8
+    from numpy.typing import NDArray
+
+    from enfilade._renderer import Renderer
+    from enfilade._simulator import Simulator
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a data set: what is there, or what is missing and how to get it."""
+
+    name: str  #: "connectivity", "R2R val_seen", "regions", "panoramas"
+    present: bool
+    found: str  #: "90 scans"; or why it cannot be used
+    advice: str  #: how to get it; empty if it is there
+
+
+class Dataset:
+    """A data set: graphs, panoramas, episodes and regions of one folder behind one name.
+
+    >>> d = enfilade.Dataset("data")
+    >>> sim = d.simulator(batch_size=2)
+    >>> d.episodes("val_unseen")[0].text
+    >>> picture = d.render(d.graphs.scans[0], viewpoint, heading=math.pi / 2)     # (480, 640, 3)
+
+    Args:
+        folder: in Enfilade's layout (`connectivity/`, `r2r/`, `regions/`, `store/`), as of
+            Matterport3DSimulator, all files side by side, or stores alone; None: the folder that the
+            environment variable ENFILADE_DATA names.
+
+    A part is opened when it is first used. Any thread may use it. Raises FileError for what is no folder.
+    """
+
+    def __init__(self, folder: Optional[Union[str, os.PathLike[str]]] = None) -> None:
+        self._core = DatasetFolder(folder)
+        self._renderer: Optional[Renderer] = None
+
+    @property
+    def folder(self) -> Path:
+        """As it was named."""
+        return Path(self._core.folder)
+
+    @property
+    def synthetic(self) -> bool:
+        """Whether the buildings are made up: every figure of theirs has to be called synthetic."""
+        return self._core.synthetic
+
+    @property
+    def graphs(self) -> Graphs:
+        """The navigation graphs. Raises FileError, InvalidInput."""
+        return self._core.graphs
+
+    @property
+    def panoramas(self) -> Panoramas:
+        """The pictures, in the order of the graphs. A scan is opened when first used."""
+        return self._core.panoramas
+
+    @property
+    def splits(self) -> list[str]:
+        """Those of train, val_seen, val_unseen and test that are there."""
+        return self._core.splits
+
+    def episodes(self, split: str, *, all_instructions: bool = False) -> Episodes:
+        """The episodes of a split; arguments and errors as of Episodes."""
+        return Episodes(self.folder, split, all_instructions=all_instructions)
+
+    def region(self, scan: str, viewpoint: str) -> Optional[int]:
+        """The region (room) that a viewpoint is in; None if the region map does not have it. Raises
+        FileError, InvalidInput for the map."""
+        return self._core.region(scan, viewpoint)
+
+    def examine(self) -> list[Part]:
+        """Every part that a data set can have: what is there, what is missing, how to get it. Reads
+        all annotations: about a second for R2R."""
+        return [Part(*row) for row in self._core.examine()]
+
+    def simulator(self, batch_size: int = 1, **options: Any) -> Simulator:
+        """A simulator of these graphs; options and errors as of Simulator."""
+        from enfilade._simulator import Simulator
+
+        return Simulator(self.graphs, batch_size, **options)
+
+    def renderer(self, **options: Any) -> Renderer:
+        """A renderer of these pictures; options and errors as of Renderer."""
+        from enfilade._renderer import Renderer
+
+        return Renderer(self.graphs, self.panoramas, **options)
+
+    def render(
+        self,
+        scan: str,
+        viewpoint: str,
+        heading: float = 0.0,
+        elevation: float = 0.0,
+        *,
+        width: int = 640,
+        height: int = 480,
+        vfov: float = math.radians(60),
+    ) -> NDArray[uint8]:
+        """One picture, (height, width, 3) RGB; angles in radians. Whoever draws many makes a
+        renderer(). One thread at a time. Raises UnknownNameError, FileError, InvalidInput, and
+        ArgumentError for angles or sizes that cannot be."""
+        if self._renderer is None:
+            self._renderer = self.renderer()
+        drawn = self._renderer.render(
+            [scan], [viewpoint], heading, elevation, width=width, height=height, vfov=vfov
+        )
+        picture: NDArray[uint8] = drawn["colour"][0]
+        return picture

@@ -1,0 +1,70 @@
+// A folder of data by one name.
+#include "enfilade/dataset/dataset.h"
+
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "python/src/bindings.h"
+
+namespace enfilade::python {
+namespace {
+
+using dataset::Dataset;
+using namespace nb::literals;
+
+Dataset open(const std::optional<std::filesystem::path>& folder) {
+  if (folder) return Dataset(*folder);
+  if (auto named = Dataset::from_environment()) return *std::move(named);
+  throw FileError("no folder was named, and the environment variable ENFILADE_DATA is not set");
+}
+
+// (name, is it there, what was found or why not, how to get it)
+nb::list examine(const Dataset& dataset) {
+  std::vector<dataset::Part> parts;
+  {
+    const nb::gil_scoped_release unlocked;
+    parts = dataset.examine();
+  }
+  nb::list rows;
+  for (const dataset::Part& part : parts) {
+    rows.append(nb::make_tuple(part.name, part.present, part.found, part.advice));
+  }
+  return rows;
+}
+
+}  // namespace
+
+void bind_dataset(nb::module_& m) {
+  nb::class_<Dataset>(m, "DatasetFolder", "What enfilade.Dataset is made of.")
+      .def(nb::new_(&open), "folder"_a.none())
+      .def_prop_ro("folder", &Dataset::folder)
+      .def_prop_ro("synthetic", &Dataset::synthetic)
+      .def_prop_ro("splits", &Dataset::splits)
+      .def_prop_ro("graphs", [](const Dataset& d) { return d.graphs(); })
+      .def_prop_ro("panoramas", [](const Dataset& d) { return d.panoramas(); })
+      .def_prop_ro("panorama_places",
+                   [](const Dataset& d) {
+                     const scan::PanoramaPlaces places = d.panorama_places();
+                     return std::pair(places.images, places.connectivity);
+                   })
+      .def(
+          "region",
+          [](const Dataset& d, const std::string& scan, const std::string& viewpoint) {
+            return d.regions().find(scan, viewpoint);
+          },
+          "scan"_a, "viewpoint"_a)
+      .def("examine", examine, nb::sig("def examine(self) -> list[tuple[str, bool, str, str]]"));
+}
+
+}  // namespace enfilade::python
