@@ -126,9 +126,9 @@ void add_data_option(CLI::App& verb, std::string& data) {
       ->type_name("DIR");
 }
 
-scan::DataRoot open_data(const std::string& data) {
-  if (!data.empty()) return scan::DataRoot(data);
-  if (const auto root = scan::DataRoot::from_environment()) return *root;
+dataset::Dataset open_data(const std::string& data) {
+  if (!data.empty()) return dataset::Dataset(data);
+  if (const auto named = dataset::Dataset::from_environment()) return *named;
   throw UsageError(kWhereTheDataIs);
 }
 

@@ -11,7 +11,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/progress.h"
 #include "enfilade/core/shard.h"
-#include "enfilade/scan/data_root.h"
+#include "enfilade/dataset/dataset.h"
 
 namespace enfilade::apps {
 
@@ -34,7 +34,7 @@ class UsageError : public Error {
 void add_data_option(CLI::App& verb, std::string& data);
 /// The data set of that option. \throws UsageError that says where the data is had if `data` is
 /// empty and ENFILADE_DATA is unset; FileError if it names no folder.
-scan::DataRoot open_data(const std::string& data);
+dataset::Dataset open_data(const std::string& data);
 
 /// Refuses what CLI11 alone would take for an option of an unsigned type: "-5" as 2^64 - 5.
 CLI::Validator whole_number(std::uint64_t least = 0,

@@ -60,9 +60,7 @@ Plan plan_of_scan(const SheetArguments& a, const scan::PanoramaSource& source) {
 }
 
 Plan plan_of_path(const SheetArguments& a) {
-  const scan::DataRoot data = open_data(a.scene.data);
-  const DrawnPath drawn =
-      find_path(a.path, a.scan, data, graph::GraphSet::open(data.connectivity()));
+  const DrawnPath drawn = find_path(a.path, a.scan, open_data(a.scene.data));
   const graph::NavGraph& graph = drawn.graph();
   Plan plan{graph.scan(), drawn.title(), {}, a.columns};
   if (drawn.episode) plan.title += ": " + drawn.text();
@@ -79,15 +77,15 @@ void draw_sheet(const SheetArguments& a) {
   (void)picture_files({.file = a.output});  // refuses a name that is no picture's
   const bool trajectory = !a.path.split.empty();
   Plan plan = trajectory ? plan_of_path(a) : Plan{};
-  const Scene scene = open_scene(a.scene, trajectory ? plan.scan : a.scan);
-  if (!trajectory) plan = plan_of_scan(a, scene.source());
+  const dataset::Dataset scene = open_scene(a.scene, trajectory ? plan.scan : a.scan);
+  if (!trajectory) plan = plan_of_scan(a, source_of(scene));
   if (plan.shots.empty()) {
     throw LookupError(fmt::format("scan {} includes no viewpoint", plan.scan));
   }
   const Size thumb = parse_size("--thumb", a.thumb);
   const auto renderer = make_renderer(scene, a.scene);
   const auto pictures =
-      draw::draw_shots(*renderer, ScanIndex(), scene.source(), plan.shots,
+      draw::draw_shots(*renderer, ScanIndex(), source_of(scene), plan.shots,
                        {thumb.width, thumb.height, degrees(a.vfov)}, progress_bar("drawing"));
   const image::Image8 sheet =
       draw::contact_sheet(pictures, {.columns = plan.columns, .title = plan.title});

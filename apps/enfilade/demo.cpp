@@ -19,7 +19,6 @@
 #include "enfilade/agents/run.h"
 #include "enfilade/core/file.h"
 #include "enfilade/draw/floor_plan.h"
-#include "enfilade/graph/graph_set.h"
 #include "enfilade/homes/home_set.h"
 #include "enfilade/r2r/results.h"
 #include "enfilade/r2r/score.h"
@@ -41,11 +40,6 @@ struct Options {
 // What the demo shows of a score: TL and NE in metres, SR and OSR in per cent.
 constexpr std::size_t kColumns = 4;
 using Row = std::array<double, kColumns>;
-
-struct Data {
-  scan::DataRoot root;
-  bool synthetic = false;
-};
 
 struct Measured {
   Row mean{};
@@ -76,10 +70,9 @@ Measured measure(const std::vector<Row>& rows) {
   return measured;
 }
 
-Data find_data(const Options& options) {
-  const auto named = options.data.empty() ? scan::DataRoot::from_environment()
-                                          : std::optional(scan::DataRoot(options.data));
-  if (named) return {*named, report::is_synthetic(*named)};
+dataset::Dataset find_data(const Options& options) {
+  if (!options.data.empty()) return dataset::Dataset(options.data);
+  if (const auto named = dataset::Dataset::from_environment()) return *named;
   const fs::path folder = fs::path(options.output) / "homes";
   fmt::print(
       "No real data: ENFILADE_DATA is not set. The 90 Matterport3D graphs are the folder\n"
@@ -98,15 +91,14 @@ Data find_data(const Options& options) {
   };
   homes::write_homes(folder, homes::home_set_preset("demo"), bar(homes));
   homes::write_home_paths(folder, {}, bar(paths));
-  return {scan::DataRoot(folder), true};
+  return dataset::Dataset(folder);
 }
 
-void print_dataset(const Data& data, const std::shared_ptr<const graph::GraphSet>& graphs) {
+void print_dataset(const dataset::Dataset& data) {
   std::vector<r2r::Annotations> splits;
-  for (const char* split : {"train", "val_seen", "val_unseen", "test"}) {
-    splits.push_back(r2r::load_annotations(data.root.annotations(split), split));
-  }
-  const auto s = r2r::compute_statistics(splits, graphs);
+  for (const auto split : dataset::kSplits) splits.push_back(data.annotations(split));
+  const auto s = r2r::compute_statistics(splits, data.graphs());
+  const bool synthetic = data.synthetic();
   struct Line {
     const char* what;
     double ours;
@@ -122,11 +114,11 @@ void print_dataset(const Data& data, const std::shared_ptr<const graph::GraphSet
        {"words an instruction", s.all.instruction_length.mean, "29", 1},
        {"vocabulary", static_cast<double>(s.all.vocabulary), "3.1k", 0},
        {"  of 5 or more uses", static_cast<double>(s.all.vocabulary_5), "1.2k", 0}}};
-  fmt::print("The data set{}\n{:<24}{:>10}{}\n", data.synthetic ? " (SYNTHETIC)" : "", "", "ours",
-             data.synthetic ? "" : fmt::format("{:>10}", "paper"));
+  fmt::print("The data set{}\n{:<24}{:>10}{}\n", synthetic ? " (SYNTHETIC)" : "", "", "ours",
+             synthetic ? "" : fmt::format("{:>10}", "paper"));
   for (const Line& line : lines) {
     fmt::print("{:<24}{:>10.{}f}{}\n", line.what, line.ours, line.digits,
-               data.synthetic ? "" : fmt::format("{:>10}", line.paper));
+               synthetic ? "" : fmt::format("{:>10}", line.paper));
   }
   fmt::print("\n");
 }
@@ -181,10 +173,8 @@ void draw_episode(const r2r::EpisodeSet& episodes, const r2r::Trajectory& trajec
   write_file_atomically(file, draw::floor_plan_svg(graph, {reference, agent}, options));
 }
 
-void run_agents(const Options& options, const Data& data, const std::string& split,
-                const std::shared_ptr<const graph::GraphSet>& graphs) {
-  const r2r::EpisodeSet episodes =
-      r2r::make_episodes(r2r::load_annotations(data.root.annotations(split), split), graphs);
+void run_agents(const Options& options, const dataset::Dataset& data, const std::string& split) {
+  const r2r::EpisodeSet episodes = data.episodes(split);
   for (const std::string& name : {std::string("shortest"), std::string("random")}) {
     const auto agent = agents::make_agent(name);
     const std::uint64_t seeds = name == "random" ? options.seeds : 1;
@@ -201,37 +191,36 @@ void run_agents(const Options& options, const Data& data, const std::string& spl
       write_output(folder / fmt::format("{}_{}.json", name, split),
                    to_json(trajectories, episodes));
       if (name == "random") {
-        draw_episode(episodes, trajectories.front(), data.root.folder(),
+        draw_episode(episodes, trajectories.front(), data.folder(),
                      folder / fmt::format("plan_{}.svg", split));
       }
     }
     print_agent(name, split, measure(rows), seeds,
-                data.synthetic ? std::nullopt : published(name, split));
+                data.synthetic() ? std::nullopt : published(name, split));
   }
 }
 
 // As a reader can type it here: few have the program on their PATH.
 std::string own_path() { return fs::proximate(own_program()).string(); }
 
-void run_unlearned(const Options& options, const Data& data) {
-  const auto graphs = graph::GraphSet::open(data.root.connectivity());
-  graphs->load_all();
-  print_dataset(data, graphs);
+void run_unlearned(const Options& options, const dataset::Dataset& data) {
+  data.graphs()->load_all();
+  print_dataset(data);
   fmt::print("Agents that learn nothing{}; ± is one standard deviation over seeds\n",
-             data.synthetic ? ", on SYNTHETIC buildings" : " (Anderson et al. 2018, table 1)");
+             data.synthetic() ? ", on SYNTHETIC buildings" : " (Anderson et al. 2018, table 1)");
   fmt::print("{:<12}{:<22}{:>8}{:<8}{:>8}{:<8}{:>8}{:<8}{:>8}\n", "split", "agent", "TL (m)", "",
              "NE (m)", "", "SR (%)", "", "OSR (%)");
-  for (const char* split : {"val_seen", "val_unseen"}) run_agents(options, data, split, graphs);
+  for (const char* split : {"val_seen", "val_unseen"}) run_agents(options, data, split);
   fmt::print(
       "\nIn {0}: results files of both agents, to score with\n"
       "  {2} score {0}/random_val_unseen.json --split val_unseen --data {1}\n"
       "and two floor plans to look at: plan_val_seen.svg, plan_val_unseen.svg\n",
-      options.output, data.root.folder().string(), own_path());
+      options.output, data.folder().string(), own_path());
 }
 
-void draw_pictures(const Options& options, const Data& data) {
+void draw_pictures(const Options& options, const dataset::Dataset& data) {
   fmt::print("Pictures of the homes, to look at:");
-  for (const std::string& file : draw_homes(data.root.folder(), options.output)) {
+  for (const std::string& file : draw_homes(data.folder(), options.output)) {
     fmt::print(" {}", file);
   }
   fmt::print("\n");
@@ -255,10 +244,10 @@ void print_next(const Options& options, bool learned) {
 
 int demo(const Options& options) {
   make_folder(options.output);
-  const Data data = find_data(options);
+  const dataset::Dataset data = find_data(options);
   run_unlearned(options, data);
   std::error_code code;
-  const fs::path root = data.root.folder();
+  const fs::path root = data.folder();
   const bool homes = fs::exists(root / "homes.json", code) && fs::exists(root / "store", code);
   if (homes) draw_pictures(options, data);
   const bool learns = homes && !options.skip_learning && can_learn();

@@ -13,12 +13,8 @@
 #include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/core/threads.h"
-#include "enfilade/r2r/annotations.h"
 #include "enfilade/render/gl_devices.h"
 #include "enfilade/render/renderer.h"
-#include "enfilade/scan/connectivity.h"
-#include "enfilade/scan/panorama_set.h"
-#include "enfilade/scan/regions.h"
 
 namespace enfilade::apps {
 namespace {
@@ -202,50 +198,9 @@ void look_for(Report& report, std::string name, const Look& look, std::string ad
   }
 }
 
-void examine_annotations(Report& report, const scan::DataRoot& data) {
-  for (const std::string split : {"train", "val_seen", "val_unseen", "test"}) {
-    look_for(
-        report, "R2R " + split,
-        [&] {
-          const auto annotations = r2r::load_annotations(data.annotations(split), split);
-          std::size_t instructions = 0;
-          for (const auto& path : annotations.paths) instructions += path.instructions.size();
-          return fmt::format("{} paths, {} instructions", annotations.paths.size(), instructions);
-        },
-        fmt::format("R2R_{}.json is part of the R2R download; only work on it needs it", split));
-  }
-}
-
-void examine_panoramas(Report& report, const scan::DataRoot& data) {
-  look_for(
-      report, "panoramas",
-      [&] {
-        const auto scans = scan::load_scan_list(data.connectivity());
-        const scan::PanoramaPlaces places = data.panoramas();
-        std::size_t found = 0;
-        std::string why_not;
-        for (const std::string& scan : scans) {
-          try {
-            scan::open_panoramas(places, scan);
-            ++found;
-          } catch (const LookupError&) {  // not there
-          } catch (const Error& error) {
-            why_not += fmt::format("\n{}", error.what());
-          }
-        }
-        if (found == 0 || !why_not.empty()) {
-          throw LookupError(fmt::format("of {} of {} scans, below {}{}", found, scans.size(),
-                                        data.folder().string(), why_not));
-        }
-        return fmt::format("of {} of {} scans", found, scans.size());
-      },
-      "Matterport3D's pictures are had from niessner.github.io/Matterport; put them in v1/scans "
-      "below the data, or name their folder by --images. `enfilade import` takes your own.");
-}
-
 void examine_data(Report& report, const std::string& folder) {
   report.begin("data");
-  std::optional<scan::DataRoot> data;
+  std::optional<dataset::Dataset> data;
   look_for(
       report, "folder",
       [&] {
@@ -254,19 +209,9 @@ void examine_data(Report& report, const std::string& folder) {
       },
       "set ENFILADE_DATA to a folder with connectivity/ and r2r/, or name it by --data");
   if (!data) return;
-  look_for(
-      report, "connectivity",
-      [&] { return fmt::format("{} scans", scan::load_scan_list(data->connectivity()).size()); },
-      "copy connectivity/ of github.com/peteanderson80/Matterport3DSimulator into the folder");
-  examine_annotations(report, *data);
-  look_for(
-      report, "regions",
-      [&] {
-        const auto regions = scan::RegionMap::load(data->regions());
-        return fmt::format("{} regions in {} scans", regions.regions(), regions.scans().size());
-      },
-      "only `enfilade sample` needs them: region_to_panorama.json of CVDN");
-  examine_panoramas(report, *data);
+  for (const dataset::Part& part : data->examine()) {
+    report.add(part.name, part.present ? State::kWorks : State::kMissing, part.found, part.advice);
+  }
 }
 
 std::string to_text(const Report& report) {

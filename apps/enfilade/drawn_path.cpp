@@ -66,11 +66,10 @@ std::string DrawnPath::title() const {
 
 std::string DrawnPath::text() const { return episode ? episodes.episodes[*episode].text : ""; }
 
-DrawnPath find_path(const PathOptions& options, const std::string& scan, const scan::DataRoot& data,
-                    std::shared_ptr<const graph::GraphSet> graphs) {
+DrawnPath find_path(const PathOptions& options, const std::string& scan,
+                    const dataset::Dataset& data) {
   DrawnPath found;
-  found.episodes = r2r::make_episodes(
-      r2r::load_annotations(data.annotations(options.split), options.split), std::move(graphs));
+  found.episodes = data.episodes(options.split);
   if (options.path) {
     found.place = place_of_path(found.episodes, *options.path);
   } else {

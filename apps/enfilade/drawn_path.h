@@ -2,12 +2,10 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 
 #include "apps/common/program.h"
-#include "enfilade/graph/graph_set.h"
 #include "enfilade/r2r/annotations.h"
 #include "enfilade/r2r/results.h"
 
@@ -38,8 +36,8 @@ struct DrawnPath {
   std::string text() const;   ///< the instruction; empty without --instr
 };
 /// \param scan may be empty. \throws LookupError naming the option; UsageError if the path is in
-/// another scan; as r2r::load_annotations(), r2r::make_episodes(), r2r::load_results()
-DrawnPath find_path(const PathOptions& options, const std::string& scan, const scan::DataRoot& data,
-                    std::shared_ptr<const graph::GraphSet> graphs);
+/// another scan; as Dataset::episodes(), r2r::load_results()
+DrawnPath find_path(const PathOptions& options, const std::string& scan,
+                    const dataset::Dataset& data);
 
 }  // namespace enfilade::apps

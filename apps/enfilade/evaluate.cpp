@@ -29,11 +29,10 @@ struct Options {
   std::size_t batch_size = 100;
 };
 
-r2r::EpisodeSet load_split(const std::string& split, const scan::DataRoot& root,
-                           const std::shared_ptr<const graph::GraphSet>& graphs,
+r2r::EpisodeSet load_split(const std::string& split, const dataset::Dataset& data,
                            models::DataFingerprint& fingerprint) {
-  const r2r::Annotations annotations = r2r::load_annotations(root.annotations(split), split);
-  r2r::EpisodeSet episodes = make_episodes(annotations, graphs);
+  const r2r::Annotations annotations = data.annotations(split);
+  r2r::EpisodeSet episodes = make_episodes(annotations, data.graphs());
   fingerprint.add(annotations);
   fingerprint.add_graphs(episodes);
   return episodes;
@@ -69,14 +68,13 @@ void run(const Options& options) {
     file = features::FeatureSet::open(options.features);
   }
   const features::FeatureSet* features = usable_features(model.config, file ? &*file : nullptr);
-  const scan::DataRoot root = open_data(options.data);
-  const auto graphs = graph::GraphSet::open(root.connectivity());
+  const dataset::Dataset data = open_data(options.data);
   models::DataFingerprint here;
   if (file) here.features = file->info();
   std::vector<neural::PreparedSplit> splits;
   for (const std::string& split : options.splits) {
-    splits.push_back(neural::prepare(load_split(split, root, graphs, here), model.vocabulary,
-                             model.config.training.network.max_words, features));
+    splits.push_back(neural::prepare(load_split(split, data, here), model.vocabulary,
+                                     model.config.training.network.max_words, features));
   }
   const auto warnings =
       differences(model.config.data, here, models::ModelFiles{options.model}.config().string());

@@ -39,12 +39,9 @@ fs::path shard_file(const fs::path& file, const Shard& shard) {
 }
 
 std::shared_ptr<const scan::PanoramaSet> panoramas_of(const Options& o) {
-  const scan::DataRoot data = open_data(o.data);
-  scan::PanoramaPlaces places = data.panoramas();
-  if (!o.images.empty()) places.images.assign(o.images.begin(), o.images.end());
-  std::vector<std::string> scans =
-      o.scans.empty() ? scan::load_scan_list(places.connectivity) : o.scans;
-  return scan::PanoramaSet::open(std::move(places), std::move(scans));
+  const dataset::DatasetConfig config{
+      open_data(o.data).folder(), {}, {o.images.begin(), o.images.end()}, o.scans};
+  return dataset::Dataset(config).panoramas();
 }
 
 void set_encoder(Options& o) {

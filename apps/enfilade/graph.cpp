@@ -119,7 +119,7 @@ int check(const CheckArguments& arguments) {
         fmt::format("--longest-edge: {}, not above 0 metres", arguments.options.longest_edge));
   }
   const std::filesystem::path directory = arguments.directory.empty()
-                                              ? open_data(arguments.data).connectivity()
+                                              ? open_data(arguments.data).connectivity_folder()
                                               : std::filesystem::path(arguments.directory);
   const auto reports = graph::check_folder(directory, arguments.options);
   Summary summary = summarise(reports);
@@ -190,7 +190,7 @@ Overlay overlay_of(const DrawnPath& drawn) {
 }
 
 // Of --mesh, else of a model home.
-std::optional<draw::PlanUnderlay> underlay_of(const DrawArguments& a, const scan::DataRoot& data,
+std::optional<draw::PlanUnderlay> underlay_of(const DrawArguments& a, const dataset::Dataset& data,
                                               const graph::NavGraph& graph) {
   if (a.mesh.empty()) return home_underlay(data.folder(), graph);
   MeshOptions mesh;
@@ -200,15 +200,14 @@ std::optional<draw::PlanUnderlay> underlay_of(const DrawArguments& a, const scan
 
 void draw_plan(const DrawArguments& a) {
   validate(a.path, a.scan);
-  const scan::DataRoot data = open_data(a.data);
-  const auto graphs = graph::GraphSet::open(data.connectivity());
+  const dataset::Dataset data = open_data(a.data);
   Overlay overlay{a.scan, "", "", {}};
-  if (!a.path.split.empty()) overlay = overlay_of(find_path(a.path, a.scan, data, graphs));
+  if (!a.path.split.empty()) overlay = overlay_of(find_path(a.path, a.scan, data));
   draw::FloorPlanOptions options;
   options.title = overlay.title;
   options.note = overlay.note;
   options.label_viewpoints = a.labels;
-  const graph::NavGraph& graph = graphs->graph(overlay.scan);
+  const graph::NavGraph& graph = data.graphs()->graph(overlay.scan);
   const auto underlay = underlay_of(a, data, graph);
   if (underlay) options.underlay = &*underlay;
   if (underlay && a.mesh.empty()) {  // a model home

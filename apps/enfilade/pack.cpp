@@ -40,10 +40,10 @@ scan::PackOptions options_of(const Arguments& a) {
 
 scan::PanoramaPlaces places_of(const Arguments& a) {
   scan::PanoramaPlaces places;
-  if (a.images.empty()) places = open_data(a.data).panoramas();
+  if (a.images.empty()) places = open_data(a.data).panorama_places();
   if (!a.images.empty()) places.images.assign(a.images.begin(), a.images.end());
   if (!a.connectivity.empty()) places.connectivity = a.connectivity;
-  if (places.connectivity.empty()) places.connectivity = open_data(a.data).connectivity();
+  if (places.connectivity.empty()) places.connectivity = open_data(a.data).connectivity_folder();
   // What this command wrote is no source of it.
   std::erase_if(places.images, [&](const fs::path& folder) {
     std::error_code ignored;

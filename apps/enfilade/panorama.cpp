@@ -42,19 +42,19 @@ void draw_panorama(const PanoramaArguments& a) {
                                  a.width, image::kLongestEdge));
   }
   const std::vector<PictureFile> files = picture_files(a.output);
-  const Scene scene = open_scene(a.scene, a.scan);
-  const ViewpointIndex viewpoint = find_viewpoint(scene.source(), a.viewpoint);
-  require_layers(scene.source(), viewpoint, files);
+  const dataset::Dataset scene = open_scene(a.scene, a.scan);
+  const ViewpointIndex viewpoint = find_viewpoint(source_of(scene), a.viewpoint);
+  require_layers(source_of(scene), viewpoint, files);
   Drawn drawn;
   if (!a.cube.empty()) {
-    drawn = unfold_cube(scene.source(), viewpoint, a.cube == "cross");
+    drawn = unfold_cube(source_of(scene), viewpoint, a.cube == "cross");
   } else {
     const Size size{a.width, a.width / 2};
     render::Outputs outputs = outputs_into(drawn, files, size);
     // There is no optical axis to measure along.
     if (outputs.depth) outputs.depth->measure = render::DepthMeasure::kRay;
     const render::View view{ScanIndex(), viewpoint, degrees(a.heading), {}};
-    render::render_equirectangular(scene.faces, view, size.width, size.height, outputs);
+    render::render_equirectangular(scene.faces(), view, size.width, size.height, outputs);
   }
   write_pictures(drawn, files, a.output, a.scene);
 }

@@ -32,32 +32,11 @@ std::optional<Layer> find_layer(std::string_view name) {
   return static_cast<Layer>(found - kLayerNames.begin());
 }
 
-std::optional<scan::DataRoot> data_root(const SceneOptions& options) {
-  if (!options.data.empty()) return scan::DataRoot(options.data);
-  return scan::DataRoot::from_environment();
-}
-
-scan::PanoramaPlaces places(const SceneOptions& options) {
-  scan::PanoramaPlaces places;
-  const std::optional<scan::DataRoot> data = data_root(options);
-  places.images.assign(options.images.begin(), options.images.end());
-  if (places.images.empty()) {
-    if (!data) {
-      throw UsageError(
-          "no panoramas: give --images DIR (a folder of stores, or of Matterport3D's scans), or "
-          "--data DIR or ENFILADE_DATA with a data set that has some");
-    }
-    places.images = data->panoramas().images;
-  }
-  if (!options.connectivity.empty()) {
-    places.connectivity = options.connectivity;
-  } else if (data) {
-    try {
-      places.connectivity = data->connectivity();
-    } catch (const FileError&) {  // NOLINT(bugprone-empty-catch): stores need no such folder
-    }
-  }
-  return places;
+// The folder of --data or of the environment; empty: neither names one.
+fs::path data_folder(const SceneOptions& options) {
+  if (!options.data.empty()) return options.data;
+  const auto named = dataset::Dataset::from_environment();
+  return named ? named->folder() : fs::path();
 }
 
 std::optional<std::uint32_t> whole(std::string_view text) {
@@ -91,9 +70,7 @@ bool is_jpeg(const fs::path& path) {
 }
 
 draw::IdNames class_names(const SceneOptions& options) {
-  const std::optional<scan::DataRoot> data = data_root(options);
-  if (!data) return {};
-  const fs::path file = data->folder() / "labels/mpcat40.tsv";
+  const fs::path file = data_folder(options) / "labels/mpcat40.tsv";
   return fs::exists(file) ? draw::load_class_names(file) : draw::IdNames();
 }
 
@@ -135,30 +112,38 @@ void add_renderer_options(CLI::App& verb, SceneOptions& options) {
                 "As the old simulator drew: seams between faces, depth in steps of 64 mm");
 }
 
-Scene open_scene(const SceneOptions& options, const std::string& scan) {
-  Scene scene;
-  const scan::PanoramaPlaces where = places(options);
+dataset::Dataset open_scene(const SceneOptions& options, const std::string& scan) {
+  const fs::path folder = data_folder(options);
+  if (folder.empty() && options.images.empty()) {
+    throw UsageError(
+        "no panoramas: give --images DIR (a folder of stores, or of Matterport3D's scans), or "
+        "--data DIR or ENFILADE_DATA with a data set that has some");
+  }
+  dataset::Dataset data(
+      {folder, options.connectivity, {options.images.begin(), options.images.end()}, {scan}});
   try {
-    scene.panoramas = scan::PanoramaSet::of({scan::open_panoramas(where, scan)});
+    (void)source_of(data);
   } catch (const FileError& error) {
-    if (!where.connectivity.empty()) throw;
+    if (!data.panorama_places().connectivity.empty()) throw;
     throw FileError(
         fmt::format("{}; loose files need --connectivity DIR, or a data set that has "
                     "it, for their poses",
                     error.what()));
   }
-  // A verb draws once: there is nobody to decode ahead for.
-  scene.faces = std::make_shared<render::FaceCache>(
-      scene.panoramas, render::FaceCacheConfig{.prefetch_thread = false});
-  return scene;
+  return data;
 }
 
-std::unique_ptr<render::Renderer> make_renderer(const Scene& scene, const SceneOptions& options) {
+const scan::PanoramaSource& source_of(const dataset::Dataset& scene) {
+  return scene.panoramas()->source(ScanIndex());
+}
+
+std::unique_ptr<render::Renderer> make_renderer(const dataset::Dataset& scene,
+                                                const SceneOptions& options) {
   const std::optional<render::Backend> backend = render::parse_backend(options.backend);
   if (!backend) throw UsageError(fmt::format("--backend {}: there is none", options.backend));
   render::RendererConfig config{.backend = *backend, .legacy = {}, .gl_device = options.gl_device};
   config.legacy = {options.legacy, options.legacy};
-  return render::make_renderer(scene.faces, config);
+  return render::make_renderer(scene.faces(), config);
 }
 
 ViewpointIndex find_viewpoint(const scan::PanoramaSource& source, const std::string& text) {

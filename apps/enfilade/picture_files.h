@@ -31,15 +31,12 @@ void add_place_options(CLI::App& verb, SceneOptions& options);
 /// --backend, --gl-device, --legacy
 void add_renderer_options(CLI::App& verb, SceneOptions& options);
 
-/// One scan, and the faces of it that have been decoded.
-struct Scene {
-  std::shared_ptr<const scan::PanoramaSet> panoramas;
-  std::shared_ptr<render::FaceCache> faces;
-  const scan::PanoramaSource& source() const { return panoramas->source(ScanIndex()); }
-};
+/// The data set of these options, with one scan: its index is ScanIndex().
 /// \throws as scan::open_panoramas(); UsageError if no folder is known
-Scene open_scene(const SceneOptions& options, const std::string& scan);
-std::unique_ptr<render::Renderer> make_renderer(const Scene& scene, const SceneOptions& options);
+dataset::Dataset open_scene(const SceneOptions& options, const std::string& scan);
+const scan::PanoramaSource& source_of(const dataset::Dataset& scene);  ///< the scan's
+std::unique_ptr<render::Renderer> make_renderer(const dataset::Dataset& scene,
+                                                const SceneOptions& options);
 
 /// A viewpoint by its index, id, or beginning of an id that no other one shares.
 /// \throws LookupError

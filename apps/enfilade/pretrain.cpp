@@ -25,16 +25,16 @@ struct Options {
   neural::PretrainConfig config;
 };
 
-std::set<std::string> scans_of(const scan::DataRoot& data, const std::string& split) {
+std::set<std::string> scans_of(const dataset::Dataset& data, const std::string& split) {
   std::set<std::string> scans;
-  for (const auto& path : r2r::load_annotations(data.annotations(split), split).paths) {
+  for (const auto& path : data.annotations(split).paths) {
     scans.insert(path.scan);
   }
   return scans;
 }
 
 // The homes that agents train in, and no others; val unseen's to be tried on.
-void set_scans(const scan::DataRoot& data, neural::PretrainConfig& config) {
+void set_scans(const dataset::Dataset& data, neural::PretrainConfig& config) {
   const std::set<std::string> training = scans_of(data, "train");
   std::set<std::string> unseen = scans_of(data, "val_unseen");
   for (const std::string& scan : training) unseen.erase(scan);
@@ -43,7 +43,7 @@ void set_scans(const scan::DataRoot& data, neural::PretrainConfig& config) {
 }
 
 // Model homes come with a list that says which room each viewpoint stands in.
-void set_rooms(const scan::DataRoot& data, neural::PretrainConfig& config) {
+void set_rooms(const dataset::Dataset& data, neural::PretrainConfig& config) {
   if (!std::filesystem::exists(data.folder() / "homes.json")) return;
   std::map<std::pair<std::string, std::string>, char> rooms;
   for (const homes::HomeEntry& home : homes::read_home_list(data.folder())) {
@@ -108,12 +108,12 @@ void print_report(const neural::PretrainReport& report) {
 
 void run(Options o) {
   neural::set_threads(o.config.threads);
-  const scan::DataRoot data = open_data(o.data);
+  const dataset::Dataset data = open_data(o.data);
   set_scans(data, o.config);
   set_rooms(data, o.config);
   std::vector<std::string> scans = o.config.training;
   scans.insert(scans.end(), o.config.unseen.begin(), o.config.unseen.end());
-  const auto panoramas = scan::PanoramaSet::open(data.panoramas(), std::move(scans));
+  const auto panoramas = scan::PanoramaSet::open(data.panorama_places(), std::move(scans));
   const auto report = neural::pretrain_home_encoder(panoramas, o.config, o.output, loss_lines());
   fmt::print("{}\n", o.output);
   print_report(report);

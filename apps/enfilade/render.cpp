@@ -68,9 +68,9 @@ void render(const RenderArguments& a) {
   const std::vector<PictureFile> files = picture_files(a.output);
   const Size size = parse_size("--size", a.size);
   const Camera camera{size.width, size.height, degrees(a.vfov)};
-  const Scene scene = open_scene(a.scene, a.scan);
-  const ViewpointIndex viewpoint = find_viewpoint(scene.source(), a.viewpoint);
-  require_layers(scene.source(), viewpoint, files);
+  const dataset::Dataset scene = open_scene(a.scene, a.scan);
+  const ViewpointIndex viewpoint = find_viewpoint(source_of(scene), a.viewpoint);
+  require_layers(source_of(scene), viewpoint, files);
   const auto renderer = make_renderer(scene, a.scene);
   Drawn drawn;
   if (a.discrete) {
@@ -78,7 +78,7 @@ void render(const RenderArguments& a) {
     renderer->render(camera, views, outputs_into(drawn, files, size, views.size()));
     write_discrete(drawn, files, a, size.height,
                    fmt::format("{} {}: view: heading, elevation in degrees", a.scan,
-                               scene.source().poses()[viewpoint.at()].viewpoint));
+                               source_of(scene).poses()[viewpoint.at()].viewpoint));
     return;
   }
   const render::View view{ScanIndex(), viewpoint, degrees(a.heading), degrees(a.elevation)};

@@ -28,7 +28,7 @@ std::string version() {
 }
 
 void make(const Options& options) {
-  const scan::DataRoot data = open_data(options.data);
+  const dataset::Dataset data = open_data(options.data);
   report::ReportConfig config = options.config;
   config.runs.assign(options.named.begin(), options.named.end());
   config.facts = {

@@ -8,7 +8,6 @@
 #include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
-#include "enfilade/graph/graph_set.h"
 #include "enfilade/r2r/results.h"
 #include "enfilade/r2r/score.h"
 
@@ -28,10 +27,7 @@ void run(const Options& options) {
   const bool trained = std::filesystem::is_directory(options.agent);
   std::unique_ptr<agents::Agent> agent;
   if (!trained) agent = agents::make_agent(options.agent);
-  const scan::DataRoot data = open_data(options.data);
-  const auto graphs = graph::GraphSet::open(data.connectivity());
-  const r2r::EpisodeSet episodes = r2r::make_episodes(
-      r2r::load_annotations(data.annotations(options.split), options.split), graphs);
+  const r2r::EpisodeSet episodes = open_data(options.data).episodes(options.split);
   if (trained) agent = load_trained_agent(options.agent, options.features, episodes);
   const auto trajectories = agents::run_agent(*agent, episodes, options.run,
                                               progress_bar(options.agent + ", " + options.split));

@@ -84,26 +84,22 @@ void write_paths(const Options& options, const r2r::Annotations& drawn) {
              options.output);
 }
 
-// The splits of the data set whose goals are known.
-std::vector<r2r::Annotations> load_reference(const scan::DataRoot& data) {
-  std::vector<r2r::Annotations> reference;
-  for (const char* split : {"train", "val_seen", "val_unseen"}) {
-    reference.push_back(r2r::load_annotations(data.annotations(split), split));
-  }
-  return reference;
-}
-
 void sample(const Options& options) {
   check(options);
   const fs::path connectivity = options.connectivity.empty()
-                                    ? open_data(options.data).connectivity()
+                                    ? open_data(options.data).connectivity_folder()
                                     : fs::path(options.connectivity);
   const fs::path regions_file =
-      options.regions.empty() ? open_data(options.data).regions() : fs::path(options.regions);
+      options.regions.empty() ? open_data(options.data).regions_file() : fs::path(options.regions);
   const auto graphs = graph::GraphSet::open(connectivity);
   const auto regions = scan::RegionMap::load(regions_file);
-  const auto reference =
-      options.compare ? load_reference(open_data(options.data)) : std::vector<r2r::Annotations>();
+  std::vector<r2r::Annotations> reference;
+  if (options.compare) {  // with the splits whose goals are known
+    const dataset::Dataset data = open_data(options.data);
+    for (const char* split : {"train", "val_seen", "val_unseen"}) {
+      reference.push_back(data.annotations(split));
+    }
+  }
   const r2r::Annotations drawn{"drawn", "drawn paths", draw(options, *graphs, regions)};
   if (!options.output.empty()) write_paths(options, drawn);
   if (options.compare)

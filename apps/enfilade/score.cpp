@@ -29,14 +29,15 @@ r2r::EpisodeSet load_episodes(const Options& options) {
   if (options.split.empty() && options.annotations.empty()) {
     throw UsageError("score: which split? Give --split NAME, or --annotations FILE");
   }
-  const auto given = [](const std::string& path, const auto& otherwise) {
-    return path.empty() ? otherwise() : fs::path(path);
-  };
-  const fs::path annotations = given(options.annotations, [&options] {
-    return open_data(options.data).annotations(options.split);
-  });
-  const fs::path connectivity =
-      given(options.connectivity, [&options] { return open_data(options.data).connectivity(); });
+  if (options.annotations.empty() && options.connectivity.empty()) {
+    return open_data(options.data).episodes(options.split);
+  }
+  const fs::path annotations = options.annotations.empty()
+                                   ? open_data(options.data).annotations_file(options.split)
+                                   : fs::path(options.annotations);
+  const fs::path connectivity = options.connectivity.empty()
+                                    ? open_data(options.data).connectivity_folder()
+                                    : fs::path(options.connectivity);
   const std::string split = options.split.empty() ? annotations.stem().string() : options.split;
   return r2r::make_episodes(r2r::load_annotations(annotations, split),
                             graph::GraphSet::open(connectivity));

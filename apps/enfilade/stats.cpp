@@ -4,7 +4,6 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/graph/graph_set.h"
 #include "enfilade/r2r/statistics.h"
 
 namespace enfilade::apps {
@@ -18,24 +17,17 @@ struct Options {
 };
 
 // What was asked for, or else those of R2R's four splits that the data set has.
-std::vector<r2r::Annotations> load_splits(const Options& options, const scan::DataRoot& data) {
+std::vector<r2r::Annotations> load_splits(const Options& options, const dataset::Dataset& data) {
+  const bool named = !options.splits.empty();
   std::vector<r2r::Annotations> splits;
-  if (!options.splits.empty()) {
-    for (const std::string& split : options.splits) {
-      splits.push_back(r2r::load_annotations(data.annotations(split), split));
+  std::vector<std::string> names = options.splits;
+  if (!named) names.assign(dataset::kSplits.begin(), dataset::kSplits.end());
+  for (const std::string& split : names) {
+    if (named || data.has_split(split)) {
+      splits.push_back(data.annotations(split));
+    } else {
+      fmt::print(stderr, "note: {}: holds no R2R_{}.json\n", data.folder().string(), split);
     }
-    return splits;
-  }
-  std::string missing;
-  for (const char* split : {"train", "val_seen", "val_unseen", "test"}) {
-    std::filesystem::path file;
-    try {
-      file = data.annotations(split);
-    } catch (const FileError& error) {
-      missing += fmt::format("note: {}\n", error.what());
-      continue;
-    }
-    splits.push_back(r2r::load_annotations(file, split));
   }
   if (splits.empty()) {
     throw FileError(
@@ -43,15 +35,13 @@ std::vector<r2r::Annotations> load_splits(const Options& options, const scan::Da
                     "R2R_val_unseen.json, R2R_test.json; name others by --split",
                     data.folder().string()));
   }
-  fmt::print(stderr, "{}", missing);
   return splits;
 }
 
 void stats(const Options& options) {
-  const scan::DataRoot data = open_data(options.data);
-  const auto splits = load_splits(options, data);
+  const dataset::Dataset data = open_data(options.data);
   const auto statistics =
-      r2r::compute_statistics(splits, graph::GraphSet::open(data.connectivity()), options.top);
+      r2r::compute_statistics(load_splits(options, data), data.graphs(), options.top);
   if (!options.json.empty()) write_output(options.json, to_json(statistics));
   if (options.json != "-") fmt::print("{}", to_table(statistics));
 }

@@ -27,14 +27,14 @@ std::string formatted(const report::ResultsTable& table, const Options& options)
 }
 
 void table(const Options& options) {
-  const scan::DataRoot data = open_data(options.data);
+  const dataset::Dataset data = open_data(options.data);
   const std::vector<fs::path> named(options.named.begin(), options.named.end());
   const report::RunDirectory found = report::find_runs(named, data);
   const report::ScoredRuns runs = score_runs(found, data, progress_bar("scoring"));
   if (runs.runs.empty() && runs.left_out.empty()) {
     throw UsageError("there are models here, but no results file; enfilade evaluate makes them");
   }
-  write_output(options.output, formatted(make_table(runs, report::is_synthetic(data)), options));
+  write_output(options.output, formatted(make_table(runs, data.synthetic()), options));
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ models::TrainConfig config_of(const Options& options) {
 
 void run(const Options& options) {
   const models::TrainConfig config = config_of(options);
-  const scan::DataRoot root = open_data(options.data);
+  const dataset::Dataset root = open_data(options.data);
   std::optional<fs::path> features;
   if (config.network.inputs.vision) {
     if (options.features.empty()) {

@@ -1,30 +1,15 @@
 #include "enfilade/service/site.h"
 
 #include <algorithm>
-#include <array>
-#include <optional>
 #include <utility>
 
 #include "enfilade/core/check.h"
 #include "enfilade/r2r/score.h"
-#include "enfilade/scan/data_root.h"
 
 namespace enfilade::service {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::array<const char*, 4> kSplits{"train", "val_seen", "val_unseen", "test"};
-
-std::optional<r2r::Annotations> try_load(const scan::DataRoot& root, const std::string& split) {
-  fs::path file;
-  try {
-    file = root.annotations(split);
-  } catch (const FileError&) {
-    return std::nullopt;  // a data set need not have all splits, nor any
-  }
-  return r2r::load_annotations(file, split);
-}
 
 bool has_hidden_goal(const r2r::Annotations& annotations) {
   return std::ranges::any_of(annotations.paths, &r2r::PathAnnotation::goal_hidden);
@@ -34,33 +19,32 @@ bool has_hidden_goal(const r2r::Annotations& annotations) {
 
 std::shared_ptr<const Site> Site::open(const fs::path& data, std::vector<Phase> phases) {
   const std::shared_ptr<Site> site(new Site);
-  const scan::DataRoot root(data);
-  site->graphs_ = graph::GraphSet::open(root.connectivity());
+  const dataset::Dataset set(data);
+  site->graphs_ = set.graphs();
   site->graphs_->load_all();
-  site->panoramas_ = scan::PanoramaSet::open(root.panoramas(), site->graphs_->scans());
-  site->synthetic_ = fs::exists(root.folder() / "homes.json");
+  site->panoramas_ = set.panoramas();
+  site->synthetic_ = set.synthetic();
   site->phases_ = std::move(phases);
-  site->read_splits(data);
-  site->read_phases(data);
+  site->read_splits(set);
+  site->read_phases(set);
   site->hide_goals();
   return site;
 }
 
-void Site::read_splits(const fs::path& data) {
-  const scan::DataRoot root(data);
-  std::vector<std::string> names(kSplits.begin(), kSplits.end());
+void Site::read_splits(const dataset::Dataset& data) {
+  std::vector<std::string> names(dataset::kSplits.begin(), dataset::kSplits.end());
   for (const Phase& phase : phases_) {
     if (std::ranges::find(names, phase.split) == names.end()) names.push_back(phase.split);
   }
   for (const std::string& name : names) {
-    auto annotations = try_load(root, name);
-    if (!annotations) continue;
-    r2r::look_up_paths(*annotations, *graphs_);  // refuses what could not be shown on a plan
-    splits_.push_back({std::move(*annotations), false});
+    if (!data.has_split(name)) continue;  // a data set need not have all splits, nor any
+    r2r::Annotations annotations = data.annotations(name);
+    r2r::look_up_paths(annotations, *graphs_);  // refuses what could not be shown on a plan
+    splits_.push_back({std::move(annotations), false});
   }
 }
 
-void Site::read_phases(const fs::path& data) {
+void Site::read_phases(const dataset::Dataset& data) {
   if (phases_.empty()) {
     for (const PublicSplit& split : splits_) {
       const std::string& name = split.annotations.split;
@@ -68,9 +52,9 @@ void Site::read_phases(const fs::path& data) {
       phases_.push_back({name, name, name, {}, Scores::kPublic, 10});
     }
   }
-  const scan::DataRoot root(data);
   for (const Phase& phase : phases_) {
-    const fs::path file = phase.goals_secret() ? phase.annotations : root.annotations(phase.split);
+    const fs::path file =
+        phase.goals_secret() ? phase.annotations : data.annotations_file(phase.split);
     secret_.push_back(r2r::make_episodes(r2r::load_annotations(file, phase.split), graphs_));
     if (r2r::goals_hidden(secret_.back())) {
       throw InvalidInput({{Severity::kError, file.string(), "$", "hidden-goal",

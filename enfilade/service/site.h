@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/dataset/dataset.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/r2r/annotations.h"
 #include "enfilade/scan/panorama_set.h"
@@ -25,7 +26,7 @@ struct PublicSplit {
 /// uses.
 class Site {
  public:
-  /// Opens a data set in a layout of scan::DataRoot: graphs and the splits train, val_seen,
+  /// Opens a data set in a layout of dataset::Dataset: graphs and the splits train, val_seen,
   /// val_unseen and test that it has, and those of the phases. Without phases, each split but train
   /// whose goals are in the data set is a phase.
   /// \throws FileError; InvalidInput for files that can't be used
@@ -45,8 +46,8 @@ class Site {
 
  private:
   Site() = default;
-  void read_splits(const std::filesystem::path& data);
-  void read_phases(const std::filesystem::path& data);
+  void read_splits(const dataset::Dataset& data);
+  void read_phases(const dataset::Dataset& data);
   void hide_goals();
 
   std::shared_ptr<const graph::GraphSet> graphs_;

@@ -30,7 +30,7 @@ fs::path find_connectivity(const Options& options) {
   fs::path own = fs::path(options.folder) / "connectivity";
   if (fs::is_directory(own)) return own;
   try {
-    return open_data_beside("", fs::canonical(options.folder)).connectivity();
+    return open_data_beside("", fs::canonical(options.folder)).connectivity_folder();
   } catch (const UsageError&) {
     throw FileError(fmt::format(
         "{}: no folder with the poses of its viewpoints (SCAN_connectivity.json); tried "

@@ -22,8 +22,7 @@ struct Options {
 ExitCode check(const Options& options) {
   VectorReport total;
   for (const std::string& file : options.files) {
-    const auto graphs =
-        graph::GraphSet::open_shared(open_data_beside(options.data, file).connectivity());
+    const auto graphs = open_data_beside(options.data, file).graphs();
     const VectorReport report = check_vectors(file, graphs, options.tolerances);
     for (const std::string& line : report.examples) fmt::print("{}: {}\n", file, line);
     if (report.mismatches > report.examples.size()) {

@@ -43,8 +43,7 @@ void print_mismatches(const std::string& file, const TraceStep& step, std::size_
 
 Counts replay_file(const std::string& file, const Options& options, std::size_t& shown) {
   TraceReader reader(file);
-  const auto graphs =
-      graph::GraphSet::open_shared(open_data_beside(options.data, file).connectivity());
+  const auto graphs = open_data_beside(options.data, file).graphs();
   Replay replay(graphs, reader.header(), options.tolerance);
   Counts counts;
   std::map<std::string, Counts> by_config;

@@ -5,11 +5,10 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
+#include "enfilade/dataset/dataset.h"
 #include "enfilade/features/feature_set.h"
-#include "enfilade/graph/graph_set.h"
 #include "enfilade/homes/small_building.h"
 #include "enfilade/neural/trainer.h"
-#include "enfilade/scan/data_root.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tests {
@@ -28,11 +27,11 @@ class SmallTraining {
   std::filesystem::path features() const { return folder_.path() / "features.safetensors"; }
   /// A folder, not there yet, to train into.
   std::filesystem::path model(const std::string& name) const { return folder_.path() / name; }
-  scan::DataRoot root() const { return scan::DataRoot(data()); }
+  dataset::Dataset root() const { return dataset::Dataset(data()); }
 
   void write_features(const std::filesystem::path& file, std::size_t dimensions) const {
     using namespace features;  // NOLINT(google-build-using-namespace): names of one folder
-    const auto graphs = graph::GraphSet::open(root().connectivity());
+    const auto graphs = root().graphs();
     std::vector<FeatureKey> keys;
     for (const std::string& scan : graphs->scans()) {
       const graph::NavGraph& graph = graphs->graph(scan);

@@ -1,4 +1,5 @@
-/// \file  Reading of JSON files, with exact places of faults. Internal, as it includes simdjson.
+/// \file  Reading JSON that strangers wrote: fast where it is right, exact about where it is wrong.
+/// Internal: public headers of Enfilade name no third party.
 #pragma once
 #include <simdjson.h>
 #include <array>
@@ -16,7 +17,8 @@ namespace enfilade::json {
 
 using Element = simdjson::dom::element;
 
-/// JSON path of a value, a linked list on the stack; becomes a text only when a fault is reported.
+/// Where in a document a value stands. Lives on the stack beside the loop that it describes and
+/// costs nothing until a fault makes a text of it.
 class Path {
  public:
   Path() = default;

@@ -14,13 +14,13 @@ struct LegendItem {
   std::string label;
 };
 
-/// SVG text and its height, pixels.
+/// Some SVG, and how high it is.
 struct Block {
   std::string svg;
   double height = 0;
 };
 
-/// Scale bar and north arrow on the left, items beside them in as many rows as needed.
+/// A bar of a round length, and the arrow: on the left. Items beside it, in as many rows as needed.
 Block draw_legend(const std::vector<LegendItem>& items, Point corner, double width,
                   double pixels_per_metre);
 

@@ -1,4 +1,4 @@
-/// \file  Content and layout of a floor plan.
+/// \file  What a floor plan shows and where on the sheet it goes. Internal.
 #pragma once
 #include <cstddef>
 #include <string>

@@ -12,7 +12,7 @@ namespace enfilade::draw::plan {
 std::string draw_lines(const UnderlayStorey& storey, const Panel& panel);
 std::string draw_texts(const UnderlayStorey& storey, const Panel& panel);
 
-/// Legend of the kinds of lines in the underlay.
+/// What the kinds of lines that there are mean.
 std::vector<LegendItem> underlay_legend(const PlanUnderlay& underlay);
 
 }  // namespace enfilade::draw::plan

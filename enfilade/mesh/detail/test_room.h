@@ -1,4 +1,4 @@
-/// \file  A furnished room, for tests of light, depth and labels.
+/// \file  A furnished room for tests: what light, depth and labels are tried on.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-/// \file  Texture lookup for rays: coordinates, alpha, filtering.
+/// \file  Textures as rays see them.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -8,13 +8,13 @@
 
 namespace enfilade::mesh::detail {
 
-/// Texture coordinates of the point (1 - u - v) corner0 + u corner1 + v corner2 of a triangle.
+/// Where a point of a triangle, (1 - u - v) corner0 + u corner1 + v corner2, lies in its texture.
 TexturePoint texture_point(const Mesh& mesh, std::uint32_t triangle, float u, float v);
 
-/// Alpha in [0, 1], bilinear. \pre 4 channels
+/// Alpha in [0, 1] between the four texels around a point. \pre 4 channels
 float alpha_at(const image::Image8& texture, TexturePoint at);
 
-/// A mip map: a texture in halved sizes, against aliasing.
+/// A texture and its halves, quarters, ... so that what is seen from afar does not flicker.
 class TexturePyramid {
  public:
   TexturePyramid() = default;

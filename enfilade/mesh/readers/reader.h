@@ -1,4 +1,4 @@
-/// \file  Shared by the readers of mesh formats: sources, textures, assembly of triangles.
+/// \file  What the readers of mesh formats share. Internal.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -32,12 +32,12 @@ ReadResult read_gltf(const Source& source);
 void warn(ReadResult& result, const Source& source, std::string where, std::string code,
           std::string message);
 
-/// Decodes textures, within a limit of pixels for the whole file.
+/// Decodes textures, and says no before a small file has filled all memory.
 class TextureDecoder {
  public:
   /// JPEG or PNG as RGB or RGBA. \throws InvalidInput
   image::Image8 decode(std::string_view bytes, const std::string& file);
-  /// Counts a picture that is stored once more. \throws InvalidInput
+  /// Says no, too, where a picture is to be kept once more. \throws InvalidInput
   void take(std::uint32_t width, std::uint32_t height, const std::string& file);
 
  private:
@@ -46,18 +46,18 @@ class TextureDecoder {
 
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-/// Indices of one corner of a triangle; kNone: missing.
+/// One corner of a triangle as files have it; kNone where there is nothing.
 struct Corner {
   std::uint32_t position = 0, texture_point = kNone, normal = kNone;
 };
 
-/// Collects triangles. Lists that no triangle uses stay empty.
+/// Collects triangles; leaves lists out that no triangle uses.
 class MeshCollector {
  public:
   Mesh mesh;
   std::vector<TexturePoint> texture_points;
   std::vector<Vec3f> normals;  ///< any length
-  bool coloured = false;       ///< whether mesh.colours is used
+  bool coloured = false;       ///< has mesh.colours any meaning?
 
   /// \pre indices are valid
   void add(const std::array<Corner, 3>& corners, std::uint32_t material, std::uint32_t object);

@@ -1,4 +1,4 @@
-/// \file  Prefetching of the texels that a band of rows will read.
+/// \file  Which texels a band of rows will need, brought into the caches before they are needed.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -1,4 +1,4 @@
-/// \file  The CPU back ends.
+/// \file  The back ends that need nothing but a processor.
 #pragma once
 #include <memory>
 

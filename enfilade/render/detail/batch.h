@@ -1,4 +1,4 @@
-/// \file  Preparation of a batch, shared by the back ends: rays, visible faces, decoded faces.
+/// \file  What every back end works out about a batch before it draws.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -1,4 +1,4 @@
-/// \file  Cache of faces in textures of the graphics card, within a limit of bytes.
+/// \file  Faces in the graphics card's memory, as many as fit a number of bytes.
 #pragma once
 #include <array>
 #include <cstddef>

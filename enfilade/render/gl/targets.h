@@ -1,4 +1,4 @@
-/// \file  Render targets and their read-back.
+/// \file  What is drawn into, and how it comes back.
 #pragma once
 #include <array>
 #include <cstddef>
