@@ -8,7 +8,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/features/detail/half.h"
+#include "enfilade/core/half.h"
 #include "enfilade/features/formats/feature_hdf5.h"
 #include "enfilade/features/formats/feature_rows.h"
 #include "enfilade/features/formats/feature_safetensors.h"
@@ -106,8 +106,8 @@ struct FeatureSet::Impl {
 
   void copy(std::size_t row, std::size_t first, std::span<float> out) const {
     const std::byte* const from = read.rows[row] + first * size_of(read.info.type);
-    const bool finite = read.info.type == DType::kFloat16 ? detail::copy_halves(from, out)
-                                                          : detail::copy_floats(from, out);
+    const bool finite =
+        read.info.type == DType::kFloat16 ? copy_halves(from, out) : copy_floats(from, out);
     if (!finite) {
       refuse(file, place_of(read.keys[row]), "not-finite", "a number that is infinite or none");
     }

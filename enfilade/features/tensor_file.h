@@ -24,11 +24,11 @@ enum class DType : std::uint8_t {
   kUint64,
   kBool,
 };
-std::size_t size_of(DType type) noexcept;         ///< bytes an element
-std::string_view to_string(DType type) noexcept;  ///< as safetensors has it: "F16", "I64"
+std::size_t size_of(DType type) noexcept;         ///< bytes of an element
+std::string_view to_string(DType type) noexcept;  ///< the name in safetensors: "F16", "I64"
 
-/// One array: contiguous, row-major, little-endian. A view: whoever holds the bytes keeps them.
-/// Those of a TensorFile are aligned for their type.
+/// One array: contiguous, row-major, little-endian. Does not own its bytes; those of a TensorFile
+/// are aligned for their type and valid as long as the file.
 struct NamedArray {
   std::string name;
   DType type = DType::kFloat32;
@@ -39,14 +39,14 @@ struct NamedArray {
 };
 
 /// The arrays of a file of weights, memory-mapped where the format allows. Immutable: any thread.
-/// Reads safetensors (https://github.com/huggingface/safetensors, "Format") and what PyTorch's
-/// torch.save() makes of a dictionary of tensors: zip archives (since 1.6) and the older plain
-/// pickles. Only a dictionary's tensors are built from a pickle; it can name no other code. Of a
-/// training program's checkpoint, the dictionary below "state_dict", "model_state_dict", "model" or
-/// "module" is taken. docs/features.md has more.
+/// Reads safetensors (https://github.com/huggingface/safetensors, "Format") and dictionaries of
+/// tensors written by PyTorch's torch.save(): zip archives (since 1.6) and the older plain pickles.
+/// From a pickle only a dictionary's tensors are built; no code that it names is ever run. In a
+/// checkpoint the dictionary below "state_dict", "model_state_dict", "model" or "module" is read.
+/// docs/features.md has more.
 class TensorFile {
  public:
-  /// Tells the format by content. \throws FileError; InvalidInput naming the array or the place
+  /// Detects the format by content. \throws FileError; InvalidInput naming the array or the byte
   static TensorFile open(const std::filesystem::path& file);
 
   std::span<const NamedArray> arrays() const noexcept;  ///< by name; valid as long as *this
@@ -60,12 +60,12 @@ class TensorFile {
   std::shared_ptr<const Impl> impl_;
 };
 
-/// Writes safetensors, by way of `<file>.part`, so that `file` is whole or as before, also after a
-/// power cut. Arrays of a multiple of 64 bytes begin at multiples of 64 of the file; the others,
-/// which come behind, at multiples of their element's size, as the format allows no gaps. Same
-/// input, same bytes. \throws FileError (a full disk too; another process writing the file; a
-/// `file` that is no plain one); ArgumentError for equal names, bytes that do not fit a shape, or
-/// text that is no UTF-8
+/// Writes safetensors. Writes to `<file>.part` first and then renames it, so `file` is complete or
+/// unchanged, even after a power failure. Arrays whose size is a multiple of 64 bytes come first,
+/// at offsets that are multiples of 64; the others follow, at multiples of their element's size, as
+/// the format allows no gaps. The same input gives the same bytes. \throws FileError (also for a
+/// full disk, a file that another process is writing, or one that is not a regular file);
+/// ArgumentError for equal names, bytes that do not fit the shape, or text that is not UTF-8
 void write_safetensors(const std::filesystem::path& file, std::span<const NamedArray> arrays,
                        const std::map<std::string, std::string>& metadata = {});
 

@@ -1,4 +1,4 @@
-/// \file  What data a model was trained on, so that other data is noticed.
+/// \file  Hashes of the data that a model was trained on, to detect other data.
 #pragma once
 #include <map>
 #include <optional>
@@ -11,19 +11,19 @@
 
 namespace enfilade::models {
 
-/// Hashes are 16 hex digits of XXH3 over content, not over files: white space changes nothing.
+/// Hashes are 16 hex digits of XXH3. They are of the content, not of files: white space is ignored.
 struct DataFingerprint {
   std::map<std::string, std::string> annotations;  ///< by split
   std::map<std::string, std::string> graphs;       ///< by scan
-  std::optional<features::FeatureInfo> features;   ///< none: the agent does not see
+  std::optional<features::FeatureInfo> features;   ///< none if the agent does not see
 
   /// Adds the hash of a split's annotations.
   void add(const r2r::Annotations& split);
-  void add_graphs(const r2r::EpisodeSet& episodes);  ///< of the scans that they are in
+  void add_graphs(const r2r::EpisodeSet& episodes);  ///< of all scans that these are in
 };
 
-/// What differs between the data that a model was trained on and that which it is to walk in, for
-/// what both name: warnings, each naming the split, scan or field, in `file` the model's.
+/// Differences between the data of training and the data of now, of splits, scans and features that
+/// are in both: warnings naming the split, scan or field. `file` is the model's, for messages.
 std::vector<Diagnostic> differences(const DataFingerprint& trained, const DataFingerprint& now,
                                     const std::string& file);
 

@@ -1,4 +1,4 @@
-/// \file  Instructions as the network reads them.
+/// \file  Instructions as rows of word ids, and the vocabulary of a training.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -10,24 +10,26 @@
 
 namespace enfilade::models {
 
-/// The words of these episodes' instructions that occur at least `least_count` times (the recipe:
-/// 5; 991 entries with the specials on R2R's train).
+/// The words that occur at least `least_count` times in the instructions of these episodes (5 in
+/// the released code: 991 entries with the special ones for R2R's train).
 r2r::Vocabulary training_vocabulary(const r2r::EpisodeSet& episodes, std::size_t least_count = 5);
 
-/// The instructions of a split as rows of ids (Vocabulary::encode()). Immutable: any thread.
+/// The instructions of a split as rows of ids (Vocabulary::encode()). Immutable: any thread may
+/// read.
 class EncodedInstructions {
  public:
   /// Encodes the instruction of every episode once. \param max_words further words are cut off
   EncodedInstructions(const r2r::EpisodeSet& episodes, const r2r::Vocabulary& vocabulary,
                       std::size_t max_words = 80);
 
-  std::size_t size() const noexcept { return size_; }  ///< rows: one an episode
+  std::size_t size() const noexcept { return size_; }  ///< rows: one per episode
   std::size_t max_words() const noexcept { return max_words_; }
   /// The words' ids of an episode. \pre episode < size()
   std::span<const std::uint32_t> row(std::size_t episode) const {
     return std::span(ids_).subspan(episode * max_words_, max_words_);
   }
-  /// Rows of a batch, one after another. \pre out.size() == episodes.size() * max_words()
+  /// Copies the rows of a batch, one after another. \pre out.size() == episodes.size() *
+  /// max_words()
   void gather(std::span<const std::size_t> episodes, std::span<std::uint32_t> out) const;
 
  private:
@@ -36,9 +38,8 @@ class EncodedInstructions {
   std::vector<std::uint32_t> ids_;
 };
 
-/// What the places of an encoded row say, in reading order: the instruction's words ("<UNK>" for
-/// those that the vocabulary lacks), then "<EOS>" unless it was cut off. Place k of this list is
-/// place reading_order()[k] of the row.
+/// The words of an encoded row in reading order ("<UNK>" for those not in the vocabulary), then
+/// "<EOS>" unless it was cut off. words[k] is at places[k] of the row.
 struct ReadingOrder {
   std::vector<std::string> words;
   std::vector<std::size_t> places;

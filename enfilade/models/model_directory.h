@@ -1,4 +1,4 @@
-/// \file  A trained agent as a folder.
+/// \file  A model directory: the files of a trained agent.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -13,7 +13,7 @@
 
 namespace enfilade::models {
 
-/// The names of its files; docs/models.md says what is in each. A plain value.
+/// Paths of its files; docs/models.md has the content of each.
 struct ModelFiles {
   std::filesystem::path folder;
 
@@ -31,36 +31,37 @@ struct ModelFiles {
   std::filesystem::path attention(std::string_view split) const;
 };
 
-/// config.json.
+/// The content of config.json.
 struct ModelConfig {
-  TrainConfig training;  ///< with network.vocabulary and network.features
+  TrainConfig training;  ///< network.vocabulary and network.features are set
   DataFingerprint data;
 };
 std::string to_json(const ModelConfig& config);
 /// \throws FileError; InvalidInput listing every fault with its JSON path
 ModelConfig load_model_config(const std::filesystem::path& file);
 
-/// \throws FileError; InvalidInput, also for another size than the network's
+/// \throws FileError; InvalidInput, also if its size is not the network's
 r2r::Vocabulary load_vocabulary(const ModelFiles& files, const NetworkConfig& network);
 
-/// What to walk with: `features` if the model sees, else nothing.
-/// \throws ArgumentError if it sees and has no features, or such of another size
+/// `features` if the model sees, else null. \throws ArgumentError if it sees and there are none, or
+/// their size is not the network's
 const features::FeatureSet* usable_features(const ModelConfig& config,
                                             const features::FeatureSet* features);
 
-/// Writes a network's arrays with their hash and the iteration they are of, so that a reader knows
-/// whether they are what was written. Atomic. \throws FileError
+/// Writes a network's arrays with their iteration and a hash, by which a reader detects damage.
+/// Atomic. \throws FileError
 void write_state(const std::filesystem::path& file, std::span<const features::NamedArray> arrays,
                  std::uint64_t iteration);
-/// A file that write_state() wrote. \throws FileError; InvalidInput for any other, or a broken one
+/// A file that write_state() wrote.
 struct StateFile {
   features::TensorFile file;
   std::uint64_t iteration = 0;
 };
+/// \throws FileError; InvalidInput for another file, or a damaged one
 StateFile open_state(const std::filesystem::path& file);
 
-/// Writes checkpoint and weights; keeps the checkpoint before. At every moment there is a whole
-/// checkpoint, also if the process is killed or the disk is full. \throws FileError
+/// Writes checkpoint and weights, and keeps the previous checkpoint. There is a complete checkpoint
+/// at any time, even if the process is killed or the disk is full. \throws FileError
 void write_checkpoint(const ModelFiles& files, std::span<const features::NamedArray> checkpoint,
                       std::span<const features::NamedArray> weights, std::uint64_t iteration);
 

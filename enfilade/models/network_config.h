@@ -5,27 +5,27 @@
 
 namespace enfilade::models {
 
-/// What the agent may use. Weights have their shapes all the same; those of no use only decay.
+/// What the agent may use. The weights have the same shapes in any case; unused ones only decay.
 struct Inputs {
-  bool language = true;  ///< off: every instruction is a lone `<EOS>`
-  bool vision = true;    ///< off: features are zero, and not looked at
+  bool language = true;  ///< off: every instruction is just <EOS>
+  bool vision = true;    ///< off: features are zero and not read
 };
 
-/// The paper's sizes.
+/// Sizes of the network; the defaults are the paper's.
 struct NetworkConfig {
-  std::size_t vocabulary = 0;  ///< words, with the three specials
+  std::size_t vocabulary = 0;  ///< words, the three special ones included
   std::size_t max_words = 80;
   std::size_t word_embedding = 256;
   std::size_t hidden = 512;
   std::size_t action_embedding = 32;
-  std::size_t features = 2048;  ///< 0 with vision off needs no feature at all
+  std::size_t features = 2048;  ///< may be 0 with vision off
   double dropout = 0.5;         ///< [0, 1)
   Inputs inputs;
 };
 /// \throws ArgumentError naming the field, its value and what is allowed
 void validate(const NetworkConfig& config);
 
-/// Adam with L2 inside, as the recipe has it; one for the encoder, one for the decoder, alike.
+/// Adam with L2 regularisation, as in the released code: the same for encoder and decoder.
 struct AdamConfig {
   double learning_rate = 1e-4;
   double beta1 = 0.9;
@@ -34,7 +34,7 @@ struct AdamConfig {
   double weight_decay = 5e-4;  ///< added to the gradient, times the weight
 };
 
-/// Where the next action comes from.
+/// The source of the next action in a rollout.
 enum class Feedback {
   kTeacher,  ///< the label
   kSample,   ///< drawn from the softmax: student-forcing

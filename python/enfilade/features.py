@@ -1,12 +1,11 @@
-"""Feature files of the field: what an image encoder says of the 36 views of each viewpoint, in the
-order of viewIndex (docs/features.md has every format).
+"""Feature files: the output of an image encoder for the 36 views of each viewpoint, in the order of
+viewIndex (docs/features.md has every format).
 
 >>> from enfilade import features
 >>> found = features.open_features("resnet152.safetensors")   # or .tsv, .h5, .hdf5
 >>> found["17DRP5sb8fy", "5b9b2794954e4694a45fc424a8643081"]   # (36, 2048) float32
 
-TSV needs nothing but NumPy; `pip install "enfilade[features]"` brings the libraries of the others,
-safetensors and h5py, which are imported when such a file is opened.
+HDF5 needs h5py, which is imported when such a file is opened: `pip install "enfilade[features]"`.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ from __future__ import annotations
 import base64
 import binascii
 import contextlib
-import importlib
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
@@ -24,7 +22,8 @@ from typing import Any, Callable, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from enfilade._errors import ArgumentError, FileError, InvalidInput
+from enfilade import _core
+from enfilade._errors import ArgumentError, InvalidInput
 
 VIEWS = 36  #: of a viewpoint, in the order of viewIndex
 MOST_VALUES = 1 << 24  #: of a viewpoint; what a file may claim in a few bytes
@@ -202,9 +201,8 @@ def write_safetensors(
 
     The file has its name when it is whole, not before. Raises ArgumentError naming the viewpoint for
     what the format does not have or could not be read again, OSError for a file that cannot be
-    written, ImportError without safetensors.
+    written.
     """
-    library = _library("safetensors.numpy", "safetensors")
     arrays: dict[str, NDArray[Any]] = {}
     for key, given in features.items():
         values = _checked(key, given)
@@ -216,38 +214,28 @@ def write_safetensors(
                 "float16 is wanted, the same for all, and a viewpoint's name without _"
             )
         arrays[f"{key[0]}_{key[1]}"] = np.ascontiguousarray(values)
-    with _whole_file(file) as part:
-        part.touch()
-        mode = part.stat().st_mode
-        try:
-            library.save_file(arrays, part, metadata=_metadata(info))
-        except _library("safetensors", "safetensors").SafetensorError as error:
-            raise FileError(f"{file}: cannot be written: {error}") from error
-        part.chmod(mode)  # later versions of the library leave it to its owner alone
+    _core.write_safetensors(file, arrays, _metadata(info))
 
 
 def _open_safetensors(file: str) -> Features:
-    library = _library("safetensors", "safetensors")
-    try:
-        tensors = library.safe_open(file, framework="np")
-    except library.SafetensorError as error:
-        raise InvalidInput(f"{file}: {error}") from error
-    names = {_key(name, file): name for name in tensors.keys()}
-
-    def read(name: str) -> Any:
-        kind = tensors.get_slice(name).get_dtype()
-        if kind not in ("F32", "F16"):
-            raise InvalidInput(f"{file}: '{name}': numbers of type {kind}, not F32 or F16")
-        return tensors.get_tensor(name)
-
-    return Features(file, _info(tensors.metadata() or {}, file), names, read)
+    tensors = _core.TensorFile(file)
+    names = {_key(name, file): name for name in tensors.names()}
+    # A copy: an array of its own outlives the file's mapping, and may be changed.
+    return Features(
+        file, _info(tensors.metadata(), file), names, lambda name: np.array(tensors.array(name), np.float32)
+    )
 
 
 # --- HDF5 -----------------------------------------------------------------------------------------
 
 
 def _open_hdf5(file: str) -> Features:
-    library = _library("h5py", "h5py")
+    try:
+        import h5py as library
+    except ImportError as error:
+        raise ImportError(
+            'features of this format need h5py: pip install "enfilade[features]"'
+        ) from error
     try:
         root = library.File(file, "r")
         names = {_key(name, file): name for name in root.keys()}
@@ -302,15 +290,6 @@ def _checked(key: Key, given: Any) -> NDArray[Any]:
     if not np.isfinite(values).all():
         raise ArgumentError(f"features of {key}: a number that is infinite or none")
     return values
-
-
-def _library(module: str, package: str) -> Any:
-    try:
-        return importlib.import_module(module)
-    except ImportError as error:
-        raise ImportError(
-            f'features of this format need {package}: pip install "enfilade[features]"'
-        ) from error
 
 
 def _key(name: str, file: str) -> Key:

@@ -26,6 +26,7 @@ nb::object array_of(T* data, nb::handle owner, Sizes... sizes) {
   return nb::cast(nb::ndarray<nb::numpy, T>(data, {static_cast<std::size_t>(sizes)...}, owner));
 }
 
+void bind_features(nb::module_& module);
 void bind_graphs(nb::module_& module);
 void bind_dataset(nb::module_& module);
 void bind_simulator(nb::module_& module);

@@ -10,6 +10,7 @@ namespace nb = nanobind;
 NB_MODULE(_core, m) {
   nb::set_leak_warnings(false);  // what caches of the process hold is no leak
   enfilade::python::bind_errors();
+  enfilade::python::bind_features(m);
   enfilade::python::bind_graphs(m);
   enfilade::python::bind_simulator(m);
   enfilade::python::bind_renderer(m);

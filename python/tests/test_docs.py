@@ -27,7 +27,6 @@ def desk(homes: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     vocabulary, results, features."""
     from enfilade import features
 
-    pytest.importorskip("safetensors", reason="safetensors is not installed")
     folder = tmp_path_factory.mktemp("desk")
     (folder / "data").symlink_to(homes)
     episodes = enfilade.Episodes(folder / "data", "val_unseen")

@@ -36,7 +36,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"turbojpeg.h", {"enfilade/image/"}},
       {"jpeglib.h", {"enfilade/image/"}},
       {"spng.h", {"enfilade/image/"}},
-      {"zip.h", {"enfilade/scan/", "enfilade/features/", "tests/"}},
+      {"zip.h", {"enfilade/scan/", "tests/"}},
       {"zstd.h", {"enfilade/scan/"}},
       {"xxhash.h",
        {"enfilade/scan/", "enfilade/features/", "enfilade/models/", "enfilade/neural/", "tests/"}},

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/half.h"
 #include "enfilade/core/mapped_file.h"
 #include "enfilade/core/part_file.h"
-#include "enfilade/features/detail/half.h"
 #include "enfilade/features/formats/feature_safetensors.h"
 #include "enfilade/features/formats/isolated.h"
 #include "enfilade/features/formats/safetensors.h"
@@ -306,8 +306,8 @@ class Reader {
 
   void check_finite(const std::string& name, const std::byte* row) const {
     std::vector<float> floats(row_elements(info_));
-    const bool finite = info_.type == DType::kFloat16 ? detail::copy_halves(row, floats)
-                                                      : detail::copy_floats(row, floats);
+    const bool finite =
+        info_.type == DType::kFloat16 ? copy_halves(row, floats) : copy_floats(row, floats);
     if (!finite) fail(name, "not-finite", "a number that is infinite or none");
   }
 
@@ -342,7 +342,7 @@ class Hdf5Rows final : public RowWriter {
     const void* data = views.data();
     if (info_.type == DType::kFloat16) {
       halves_.resize(views.size());
-      std::ranges::transform(views, halves_.begin(), detail::to_half);
+      std::ranges::transform(views, halves_.begin(), to_half);
       data = halves_.data();
     }
     const Library library;

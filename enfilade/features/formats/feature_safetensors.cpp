@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/half.h"
 #include "enfilade/core/part_file.h"
-#include "enfilade/features/detail/half.h"
 #include "enfilade/features/formats/safetensors.h"
 
 namespace enfilade::features::formats {
@@ -63,7 +63,7 @@ class SafetensorsRows final : public RowWriter {
   void write(std::size_t row, std::span<const float> views) override {
     if (type_ == DType::kFloat16) {
       halves_.resize(views.size());
-      std::ranges::transform(views, halves_.begin(), detail::to_half);
+      std::ranges::transform(views, halves_.begin(), to_half);
       write_bytes(row, std::as_bytes(std::span(halves_)));
     } else {
       write_bytes(row, std::as_bytes(views));

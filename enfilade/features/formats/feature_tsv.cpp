@@ -6,11 +6,11 @@
 #include <string_view>
 
 #include "enfilade/core/base64.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/half.h"
 #include "enfilade/core/mapped_file.h"
 #include "enfilade/core/part_file.h"
-#include "enfilade/core/errors.h"
 #include "enfilade/core/threads.h"
-#include "enfilade/features/detail/half.h"
 #include "enfilade/features/formats/stored_arrays.h"
 
 namespace enfilade::features::formats {
@@ -91,7 +91,7 @@ class RowReader {
     std::array<float, 64> floats;
     for (std::size_t at = 0; at < out.size(); at += sizeof(floats)) {
       const std::size_t bytes = std::min(sizeof(floats), out.size() - at);
-      if (!detail::copy_floats(out.data() + at, std::span(floats).first(bytes / sizeof(float)))) {
+      if (!copy_floats(out.data() + at, std::span(floats).first(bytes / sizeof(float)))) {
         refuse(file_, place(fields, row) + ", features", "not-finite",
                "a number that is infinite or none");
       }

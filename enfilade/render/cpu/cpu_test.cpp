@@ -95,21 +95,6 @@ TEST(CpuRenderer, PackersAgreeAtEveryLengthAndAlignment) {
   }
 }
 
-TEST(CpuRenderer, HalvesAreRoundedToNearestEven) {
-  EXPECT_EQ(cpu::to_half(0.0F), 0x0000);
-  EXPECT_EQ(cpu::to_half(-0.0F), 0x8000);
-  EXPECT_EQ(cpu::to_half(1.0F), 0x3C00);
-  EXPECT_EQ(cpu::to_half(-2.0F), 0xC000);
-  EXPECT_EQ(cpu::to_half(65504.0F), 0x7BFF);            // the largest
-  EXPECT_EQ(cpu::to_half(65520.0F), 0x7C00);            // half way to the next: infinity
-  EXPECT_EQ(cpu::to_half(1.0F + 1.0F / 2048), 0x3C00);  // half way, to even
-  EXPECT_EQ(cpu::to_half(1.0F + 3.0F / 2048), 0x3C02);
-  EXPECT_EQ(cpu::to_half(std::ldexp(1.0F, -24)), 0x0001);
-  EXPECT_EQ(cpu::to_half(std::ldexp(1.0F, -25)), 0x0000);  // half way, to even
-  EXPECT_EQ(cpu::to_half(std::numeric_limits<float>::infinity()), 0x7C00);
-  EXPECT_GT(cpu::to_half(std::numeric_limits<float>::quiet_NaN()), 0x7C00);
-}
-
 TEST(CpuRenderer, ThreadsDoNotChangeABit) {
   const auto cache = cache_of({noise(64, 1), noise(64, 2), noise(64, 3)});
   const Camera camera{320, 240, degrees(60)};

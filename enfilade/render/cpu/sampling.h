@@ -1,7 +1,6 @@
 /// \file  One texel lookup, in the arithmetic that all kernels share; see docs/design/kernels.md.
 #pragma once
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -80,21 +79,6 @@ T sample_nearest(const Face& face, TexelPoint p) {
   T value;
   std::memcpy(&value, face.origin + y * face.stride + x * sizeof(T), sizeof(T));
   return value;
-}
-
-/// IEEE half, rounded to nearest even.
-inline std::uint16_t to_half(float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  const std::uint32_t sign = bits >> 16 & 0x8000U;
-  const std::uint32_t magnitude = bits & 0x7FFFFFFFU;
-  if (magnitude > 0x7F800000U) return static_cast<std::uint16_t>(sign | 0x7E00U);
-  if (magnitude >= 0x47800000U) return static_cast<std::uint16_t>(sign | 0x7C00U);
-  if (magnitude < 0x38800000U) {  // below the smallest normal half: units of 2^-24
-    const float units = std::bit_cast<float>(magnitude) * 16777216.0F;
-    return static_cast<std::uint16_t>(sign | static_cast<std::uint32_t>(std::nearbyint(units)));
-  }
-  const std::uint32_t even = magnitude >> 13 & 1U;
-  return static_cast<std::uint16_t>(sign | ((magnitude - 0x38000000U + 0xFFFU + even) >> 13));
 }
 
 }  // namespace enfilade::render::cpu

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "enfilade/core/half.h"
 #include "enfilade/render/cpu/kernels.h"
 #include "enfilade/render/cpu/sampling.h"
 

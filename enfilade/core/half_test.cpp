@@ -1,4 +1,4 @@
-#include "enfilade/features/detail/half.h"
+#include "enfilade/core/half.h"
 
 #include <gmock/gmock.h>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace enfilade::features::detail {
+namespace enfilade {
 namespace {
 
 // From the definition: (-1)^s (1 + m / 1024) 2^(e - 15), and (-1)^s (m / 1024) 2^-14 for e = 0.
@@ -94,4 +94,4 @@ TEST(Half, NeedNoAlignment) {
 }
 
 }  // namespace
-}  // namespace enfilade::features::detail
+}  // namespace enfilade

@@ -1,10 +1,10 @@
-#include "enfilade/features/detail/half.h"
+#include "enfilade/core/half.h"
 
 #include <array>
 #include <bit>
 #include <cstring>
 
-namespace enfilade::features::detail {
+namespace enfilade {
 namespace {
 
 // Loops of this length have no remainder, so compilers turn them into vector instructions.
@@ -33,23 +33,6 @@ inline std::uint32_t infinite_or_nan(float value) {
 }
 
 }  // namespace
-
-std::uint16_t to_half(float value) noexcept {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  const std::uint32_t magnitude = bits & 0x7fffffffU;
-  std::uint32_t half = 0;
-  if (magnitude > 0x7f800000U) {  // not a number
-    half = 0x7e00U;
-  } else if (magnitude >= 0x477ff000U) {  // 65520
-    half = 0x7c00U;
-  } else if (magnitude < 0x38800000U) {
-    // Below 2^-14 halves are multiples of 2^-24, which is what floats from 0.5 on are, too.
-    half = std::bit_cast<std::uint32_t>(std::bit_cast<float>(magnitude) + 0.5F) - 0x3f000000U;
-  } else {
-    half = (magnitude - (112U << 23U) + 0xfffU + (magnitude >> 13U & 1U)) >> 13U;
-  }
-  return static_cast<std::uint16_t>(half | (bits >> 16U & 0x8000U));
-}
 
 bool copy_halves(const std::byte* from, std::span<float> out) noexcept {
   std::uint32_t wrong = 0;
@@ -85,4 +68,4 @@ bool all_finite(std::span<const float> values) noexcept {
   return wrong == 0;
 }
 
-}  // namespace enfilade::features::detail
+}  // namespace enfilade
