@@ -1,4 +1,4 @@
-/// \file  Numbers in IEEE half precision (binary16), as their bits.
+/// \file  Numbers in IEEE half precision (binary16).
 #pragma once
 #include <bit>
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace enfilade {
 
-/// Rounds to the nearest, ties to even; gives infinity from 65520 on.
+/// The bits of the nearest half, ties to even; infinity from 65520 on. NaN stays NaN.
 inline std::uint16_t to_half(float value) noexcept {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   const std::uint32_t magnitude = bits & 0x7fffffffU;
@@ -25,11 +25,13 @@ inline std::uint16_t to_half(float value) noexcept {
   return static_cast<std::uint16_t>(half | (bits >> 16U & 0x8000U));
 }
 
-// Copy stored halves or floats to floats; `from` has out.size() elements and need not be aligned.
-// False if one of them is not finite.
+/// Copies stored halves to floats. False if one of them is not finite.
+/// \param from out.size() halves, aligned or not
 bool copy_halves(const std::byte* from, std::span<float> out) noexcept;
+/// The same for stored floats.
 bool copy_floats(const std::byte* from, std::span<float> out) noexcept;
 
+/// False if there is an infinity or NaN among them.
 bool all_finite(std::span<const float> values) noexcept;
 
 }  // namespace enfilade

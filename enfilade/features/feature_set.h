@@ -34,7 +34,7 @@ struct FeatureInfo {
   DType type = DType::kFloat32;  ///< as stored: kFloat32 or kFloat16
 };
 
-/// Which viewpoint a row of features is of.
+/// A viewpoint by its names.
 struct FeatureKey {
   std::string scan;
   std::string viewpoint;
@@ -52,6 +52,7 @@ class FeatureSet {
 
   const FeatureInfo& info() const noexcept;
   std::span<const FeatureKey> keys() const noexcept;  ///< the viewpoint of each row
+  /// The row of a viewpoint, if the set has it.
   std::optional<std::size_t> row(std::string_view scan, std::string_view viewpoint) const;
 
   /// Copies one view of a viewpoint. \pre row < keys().size(), view < info().views, out.size() ==

@@ -12,7 +12,7 @@
 
 namespace enfilade::features {
 
-/// Type of a tensor's numbers.
+/// Type of the elements of an array.
 enum class DType : std::uint8_t {
   kFloat16,
   kBFloat16,

@@ -17,8 +17,7 @@ struct DataFingerprint {
   std::map<std::string, std::string> graphs;       ///< by scan
   std::optional<features::FeatureInfo> features;   ///< none if the agent does not see
 
-  /// Adds the hash of a split's annotations.
-  void add(const r2r::Annotations& split);
+  void add(const r2r::Annotations& split);           ///< the annotations of a split
   void add_graphs(const r2r::EpisodeSet& episodes);  ///< of all scans that these are in
 };
 

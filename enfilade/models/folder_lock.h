@@ -1,14 +1,14 @@
-/// \file  One process at a time in a folder.
+/// \file  A lock file, so that one process at a time works in a folder.
 #pragma once
 #include <filesystem>
 
 namespace enfilade::models {
 
-/// Held as long as this object, and no longer than the process, however that ends.
+/// Holds the lock while it exists. The system releases it when the process ends, however it ends.
 class FolderLock {
  public:
-  /// \param file made if it is not there, and left there
-  /// \throws FileError if another process holds it, or it cannot be made
+  /// \param file created if it does not exist, and not removed
+  /// \throws FileError if another process holds the lock, or the file cannot be created
   explicit FolderLock(const std::filesystem::path& file);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;

@@ -18,13 +18,13 @@ r2r::Vocabulary training_vocabulary(const r2r::EpisodeSet& episodes, std::size_t
 /// read.
 class EncodedInstructions {
  public:
-  /// Encodes the instruction of every episode once. \param max_words further words are cut off
+  /// Encodes the instructions of all episodes; longer ones are cut to max_words.
   EncodedInstructions(const r2r::EpisodeSet& episodes, const r2r::Vocabulary& vocabulary,
                       std::size_t max_words = 80);
 
   std::size_t size() const noexcept { return size_; }  ///< rows: one per episode
   std::size_t max_words() const noexcept { return max_words_; }
-  /// The words' ids of an episode. \pre episode < size()
+  /// The ids of one episode, (max_words). \pre episode < size()
   std::span<const std::uint32_t> row(std::size_t episode) const {
     return std::span(ids_).subspan(episode * max_words_, max_words_);
   }
@@ -44,6 +44,7 @@ struct ReadingOrder {
   std::vector<std::string> words;
   std::vector<std::size_t> places;
 };
+/// Decodes a row. \pre each of its ids is in the vocabulary
 ReadingOrder reading_order(std::span<const std::uint32_t> row, const r2r::Vocabulary& vocabulary);
 
 }  // namespace enfilade::models

@@ -26,8 +26,9 @@ struct ModelFiles {
   }
   std::filesystem::path log() const { return folder / "log.jsonl"; }
   std::filesystem::path lock() const { return folder / "training.lock"; }
-  /// Files of a split, below results/.
+  /// `results/<split>.json`
   std::filesystem::path results(std::string_view split) const;
+  /// `results/<split>.attention.json`
   std::filesystem::path attention(std::string_view split) const;
 };
 
@@ -36,11 +37,12 @@ struct ModelConfig {
   TrainConfig training;  ///< network.vocabulary and network.features are set
   DataFingerprint data;
 };
+/// The text of config.json.
 std::string to_json(const ModelConfig& config);
-/// \throws FileError; InvalidInput listing every fault with its JSON path
+/// Reads config.json. \throws FileError; InvalidInput listing every fault with its JSON path
 ModelConfig load_model_config(const std::filesystem::path& file);
 
-/// \throws FileError; InvalidInput, also if its size is not the network's
+/// Reads vocabulary.txt. \throws FileError; InvalidInput, also if its size is not the network's
 r2r::Vocabulary load_vocabulary(const ModelFiles& files, const NetworkConfig& network);
 
 /// `features` if the model sees, else null. \throws ArgumentError if it sees and there are none, or
@@ -57,7 +59,8 @@ struct StateFile {
   features::TensorFile file;
   std::uint64_t iteration = 0;
 };
-/// \throws FileError; InvalidInput for another file, or a damaged one
+/// Opens a file of weights or a checkpoint. \throws FileError; InvalidInput for another file, or a
+/// damaged one
 StateFile open_state(const std::filesystem::path& file);
 
 /// Writes checkpoint and weights, and keeps the previous checkpoint. There is a complete checkpoint

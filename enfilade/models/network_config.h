@@ -7,7 +7,7 @@ namespace enfilade::models {
 
 /// What the agent may use. The weights have the same shapes in any case; unused ones only decay.
 struct Inputs {
-  bool language = true;  ///< off: every instruction is just <EOS>
+  bool language = true;  ///< off: every instruction is just `<EOS>`
   bool vision = true;    ///< off: features are zero and not read
 };
 

@@ -18,26 +18,26 @@ namespace enfilade::neural {
 struct FeatureJob {
   EncoderConfig encoder;
   Shard shard;            ///< of the viewpoints
-  std::size_t batch = 4;  ///< pictures that the encoder sees at once, from 1
+  std::size_t batch = 4;  ///< pictures per call of the encoder, at least 1
   features::DType type = features::DType::kFloat32;  ///< of the file: kFloat32 or kFloat16
-  int threads = 0;  ///< that draw; 0: all cores. The encoder runs on libtorch's: set_threads()
+  int threads = 0;  ///< of rendering; 0: all cores. The encoder runs on libtorch's: set_threads()
 };
 
 /// What a run of compute_features() has done.
 struct FeatureReport {
-  std::size_t viewpoints = 0;        ///< of the shard: in the file now
-  std::size_t resumed = 0;           ///< of them, computed by a run that was stopped
-  std::vector<std::string> without;  ///< scans of which no included viewpoint has pictures
+  std::size_t viewpoints = 0;        ///< of the shard, in the file now
+  std::size_t resumed = 0;           ///< of them, those computed by an earlier run that was stopped
+  std::vector<std::string> without;  ///< scans without pictures at any included viewpoint
   double rendering_seconds = 0;      ///< decoding of panoramas included
   double encoding_seconds = 0;
 };
 
-/// Draws the 36 discretized views (render::discrete_views) of each included viewpoint that has
-/// pictures, in the order of the set's scans, straight into the encoder's input, and writes what it
-/// says by a FeatureWriter: a run that was stopped goes on where it was. The values do not depend
-/// on shards, nor on `threads`; on `batch` and libtorch's threads in the last bits only. \param
-/// progress counts viewpoints \throws what make_encoder(), FeatureWriter and the panoramas' sources
-/// throw; ArgumentError for a batch of 0, a shard that is none of count, or no viewpoint at all
+/// Renders the 36 discretized views (render::discrete_views) of each included viewpoint that has
+/// pictures, in the order of the set's scans, runs the encoder on them, and writes its output with
+/// a FeatureWriter; a run that was stopped is continued. The values do not depend on shards and
+/// `threads`, and on `batch` and libtorch's threads in the last bits only. \param progress counts
+/// viewpoints \throws as make_encoder(), FeatureWriter and the panoramas' sources; ArgumentError
+/// for a batch of 0, a shard out of range, or if there is no viewpoint at all
 FeatureReport compute_features(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
                                const FeatureJob& job, const std::filesystem::path& file,
                                const Progress& progress = {});

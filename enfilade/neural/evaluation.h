@@ -1,4 +1,4 @@
-/// \file  Walking a whole split with a network: greedily for scores, with a teacher for the loss.
+/// \file  Evaluating a network on a whole split: greedy trajectories for scores, and the loss.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -17,54 +17,58 @@
 
 namespace enfilade::neural {
 
-/// A split, ready for a network to walk through. Immutable: any thread.
+/// A split with its encoded instructions and features. Immutable: any thread may read.
 struct PreparedSplit {
   r2r::EpisodeSet episodes;
   models::EncodedInstructions instructions;
-  std::optional<ViewFeatures> features;  ///< none: the network does not see
+  std::optional<ViewFeatures> features;  ///< none if the network does not see
 
+  /// Null if there are no features.
   const ViewFeatures* view_features() const { return features ? &*features : nullptr; }
 };
-/// `features`: null if the network does not see. \throws as ViewFeatures
+/// Encodes instructions and looks up features. \param features null if the network does not see
+/// \throws as ViewFeatures
 PreparedSplit prepare(r2r::EpisodeSet episodes, const r2r::Vocabulary& vocabulary,
                       std::size_t max_words, const features::FeatureSet* features);
 
-/// What an agent looked at in its instruction before each of its actions.
+/// The actions of one episode, and the attention to the instruction before each.
 struct AttentionTrace {
-  std::vector<std::int32_t> actions;  ///< `end` included, if it said so
-  /// One number a place of the row up to its padding; none if the network hears nothing.
+  std::vector<std::int32_t> actions;  ///< `end` included if it was chosen
+  /// One weight per word of the row, padding left out; none if the network does not use language.
   std::vector<std::vector<float>> attention;
 };
 
-/// What a trained agent did in each episode of a split.
+/// The walks of all episodes of a split.
 struct GreedyWalk {
-  std::vector<r2r::Trajectory> trajectories;  ///< one an episode, in order
+  std::vector<r2r::Trajectory> trajectories;  ///< one per episode, in order
   std::vector<AttentionTrace> traces;         ///< likewise
 };
 
-/// How evaluation walks.
+/// Sizes of a walk.
 struct WalkOptions {
-  std::size_t batch_size = 100;
-  std::size_t max_steps = 20;
+  std::size_t batch_size = 100;  ///< episodes at once
+  std::size_t max_steps = 20;    ///< actions of an episode
 };
 
-/// The likeliest action at every step, no dropout, from start to `end` or max_steps.
+/// Walks all episodes, with the most likely action at every step and no dropout, to `end` or
+/// max_steps.
 /// \throws ArgumentError if the network does not fit the split
 GreedyWalk walk_greedily(Network& network, const PreparedSplit& split,
                          const WalkOptions& options = {}, const Progress& progress = {});
 
-/// The loss of the recipe as it logs it: summed over steps, by max_steps; here averaged over
-/// episodes. \pre options.feedback is not kArgmax; the split's goals are known
+/// Options of compute_loss().
 struct LossOptions {
   WalkOptions walk;
-  RolloutOptions rollout;  ///< its stream is the first one; each batch takes the next
+  RolloutOptions rollout;  ///< its stream is that of the first batch; each batch takes the next
   models::AfterEnd after_end = models::AfterEnd::kWalksOn;
   models::ForwardTo forward = models::ForwardTo::kNearest;
 };
+/// The loss as the released code logs it: summed over steps, divided by max_steps; here averaged
+/// over episodes. \pre options.rollout.feedback is not kArgmax; the split's goals are known
 double compute_loss(Network& network, const PreparedSplit& split, const LossOptions& options);
 
-/// `results/<split>.json` and `results/<split>.attention.json` of a model's folder.
-/// The latter holds the first `attention_episodes` episodes and, if the split can be scored, a
+/// Writes `results/<split>.json` and `results/<split>.attention.json` of a model directory.
+/// The latter has the first `attention_episodes` episodes and, if the split can be scored, a
 /// third as many of the best by SPL and of the worst by navigation error.
 /// \throws FileError
 void write_walk(const std::filesystem::path& results, const std::filesystem::path& attention,

@@ -10,16 +10,16 @@
 
 namespace enfilade::neural {
 
-/// Everything but the checkpoint.
+/// The content of a model directory, without the checkpoint.
 struct Model {
   models::ModelConfig config;
   r2r::Vocabulary vocabulary;
-  std::uint64_t iteration = 0;  ///< that the weights are of
+  std::uint64_t iteration = 0;  ///< of the weights
   Network network;
 };
-/// \throws FileError, naming what makes a model where the folder has none; InvalidInput for broken
-/// files, a vocabulary of another size than the network's, weights that do not fit or whose bytes
-/// are not those that were written; Error for a device that is not there
+/// Loads a model. \throws FileError for a missing file; InvalidInput for damaged files, a
+/// vocabulary that has not the network's size, or weights that do not fit; Error for a device that
+/// is not available
 Model load_model(const std::filesystem::path& folder, const std::string& device = "cpu");
 
 }  // namespace enfilade::neural

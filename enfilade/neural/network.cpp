@@ -14,6 +14,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/threads.h"
+#include "enfilade/neural/detail/torch_device.h"
 #include "enfilade/neural/seq2seq/seq2seq.h"
 
 namespace enfilade::neural {
@@ -31,17 +32,6 @@ std::atomic<int> chosen_threads = 0;
 
 std::unique_ptr<seq2seq::Kernels> kernels_for(const at::Device& device) {
   return device.is_cpu() ? seq2seq::make_cpu_kernels() : seq2seq::make_aten_kernels();
-}
-
-at::Device device_of(const std::string& name) {
-  try {
-    const at::Device device(name);
-    if (device.is_cpu()) return device;
-    at::zeros({1}, at::TensorOptions().device(device));
-    return device;
-  } catch (const c10::Error& error) {
-    throw Error(fmt::format("device {}: {}", name, error.what_without_backtrace()));
-  }
 }
 
 void add_array(Network::State& state, std::string name, features::DType type,
@@ -139,7 +129,7 @@ struct Network::Impl {
 Network::Network(const models::NetworkConfig& config, std::uint64_t seed,
                  const std::string& device) {
   const c10::InferenceMode guard;
-  impl_ = std::make_unique<Impl>(config, device_of(device));
+  impl_ = std::make_unique<Impl>(config, detail::open_device(device));
   impl_->model.parameters().initialise(config, seed);
 }
 Network::~Network() = default;
@@ -183,16 +173,14 @@ std::uint64_t Network::updates() const noexcept { return impl_->model.parameters
 Network::State Network::weights() const {
   const c10::InferenceMode guard;
   State state;
-  const Parameters& parameters = impl_->model.parameters();
-  add_arrays(state, "", parameters, parameters.flat_weights);
+  add_arrays(state, "", impl_->model.parameters(), impl_->model.parameters().flat_weights);
   return state;
 }
 
 Network::State Network::gradients() const {
   const c10::InferenceMode guard;
   State state;
-  const Parameters& parameters = impl_->model.parameters();
-  add_arrays(state, "", parameters, parameters.flat_gradients);
+  add_arrays(state, "", impl_->model.parameters(), impl_->model.parameters().flat_gradients);
   return state;
 }
 

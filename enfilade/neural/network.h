@@ -14,24 +14,24 @@
 
 namespace enfilade::neural {
 
-/// How a batch of episodes is walked by the network.
+/// Options of a rollout.
 struct RolloutOptions {
   models::Feedback feedback = models::Feedback::kArgmax;
-  std::size_t max_steps = 20;  ///< the recipe's
-  bool dropout = false;        ///< on in training, and in the recipe's validation loss
-  /// Names the random numbers of dropout and sampling: equal ones give equal rollouts, so that
-  /// nothing of a generator has to be saved with a checkpoint.
+  std::size_t max_steps = 20;  ///< as in the released code
+  bool dropout = false;  ///< on in training and, as in the released code, in the validation loss
+  /// Seed and stream determine dropout and sampling: equal ones give equal rollouts, so a
+  /// checkpoint has no state of a generator.
   std::uint64_t seed = 1;
   std::uint64_t stream = 0;  ///< e.g. the iteration
 };
 
-/// n instructions: ids (n, max_words) as Vocabulary::encode() makes them.
+/// n instructions: word ids (n, max_words), see Vocabulary::encode().
 struct InstructionBatch {
   std::span<const std::uint32_t> tokens;
   std::size_t size = 0;
 };
 
-/// One step of a rollout, to whoever wants to look: valid during the call.
+/// One step of a rollout, for an observer; valid during the call.
 struct StepRecord {
   std::size_t step = 0;
   std::span<const float> attention;  ///< (n, words), words = length of the longest
@@ -42,21 +42,21 @@ struct StepRecord {
 /// Called after each step of a rollout.
 using StepObserver = std::function<void(const StepRecord&)>;
 
-/// What a rollout comes to.
+/// The result of a rollout.
 struct RolloutResult {
-  /// Sum over steps of the cross-entropy averaged over rows that count; 0 without a teacher.
+  /// Cross-entropy, averaged over the rows with a label and summed over steps; 0 without a teacher.
   double loss = 0;
   std::size_t steps = 0;
 };
 
-/// Parameters, their gradients and moments, on one device. One thread at a time (it uses the
-/// threads that set_threads() gives). The same calls give the same numbers to the bit with the same
-/// number of threads; with another one, as far as the BLAS's do (OpenBLAS: up to 1e-6 of the
-/// largest gradient apart).
+/// The network's parameters, their gradients and moments, on one device. One thread at a time; it
+/// computes on the threads of set_threads(). The same calls give the same bits with the same number
+/// of threads; with another number results differ as the BLAS's do (OpenBLAS: by up to 1e-6 of the
+/// largest gradient).
 class Network {
  public:
-  /// Random weights by `seed`, distributed as PyTorch's modules initialise theirs.
-  /// \throws ArgumentError as validate(); Error for a device that is not there
+  /// Random weights by `seed`, from the distributions with which PyTorch initialises its modules.
+  /// \throws ArgumentError as validate(); Error for a device that is not available
   Network(const models::NetworkConfig& config, std::uint64_t seed,
           const std::string& device = "cpu");
   ~Network();
@@ -65,38 +65,42 @@ class Network {
 
   const models::NetworkConfig& config() const noexcept;
 
-  /// Walks the batch to its end or max_steps, without gradients. kTeacher without an observer walks
-  /// all of it before the network looks: what the labels say does not depend on it.
+  /// Walks the batch to its end or max_steps, without gradients. With kTeacher and no observer the
+  /// whole walk is made before the network runs, as the labels do not depend on it.
   /// \throws ArgumentError for sizes that do not fit, kTeacher or a loss without a teacher
   RolloutResult rollout(const InstructionBatch& instructions, Environment& environment,
                         const RolloutOptions& options, const StepObserver& observer = {});
-  /// The same with gradients, which replace those before. Nothing goes through a drawn action.
+  /// The same with gradients, which replace the previous ones. Sampling an action has no gradient.
   RolloutResult rollout_with_gradients(const InstructionBatch& instructions,
                                        Environment& environment, const RolloutOptions& options);
-  /// A greedy rollout from outside, for an agent that somebody else moves: reads n instructions,
-  /// then gives n likeliest actions at each of max_steps calls of act(). No rollout may come
-  /// between. \throws ArgumentError for sizes that do not fit, or act() without begin()
+  /// Begins a greedy rollout whose agents the caller moves: n instructions, then at most max_steps
+  /// calls of act(), each of which gives the n most likely actions. No other rollout may come
+  /// between. \throws ArgumentError for sizes that do not fit
   void begin(const InstructionBatch& instructions, std::size_t max_steps);
+  /// One step of the rollout that begin() began.
   /// \param features (n, config().features) \param forward_open (n) \param actions (n), 0..5
+  /// \throws ArgumentError for sizes that do not fit, or without begin()
   void act(std::span<const float> features, std::span<const std::uint8_t> forward_open,
            std::span<std::int32_t> actions);
 
-  /// One Adam update of all parameters from the gradients. \throws Error if one is not finite,
-  /// naming it; then nothing has changed.
+  /// One Adam update of all parameters from the gradients. \throws Error naming a gradient that is
+  /// not finite; then nothing has changed
   void update(const models::AdamConfig& config);
   std::uint64_t updates() const noexcept;  ///< so far
 
-  /// Copies, named as the released PyTorch code names its parameters ("encoder.embedding.weight",
-  /// "decoder.lstm.weight_ih", ...), and what training needs to go on ("adam.first.<name>", ...).
+  /// Copies of arrays, with the names of the released PyTorch code ("encoder.embedding.weight",
+  /// "decoder.lstm.weight_ih", ...) and, for training, "adam.first.<name>" and so on.
   struct State {
     std::vector<features::NamedArray> arrays;
     std::vector<std::vector<std::byte>> storage;  ///< what they point into
   };
-  State weights() const;
-  State gradients() const;
-  State training_state() const;  ///< weights and moments and the number of updates
+  State weights() const;         ///< the parameters
+  State gradients() const;       ///< of the last rollout_with_gradients()
+  State training_state() const;  ///< parameters, moments and number of updates
+  /// Loads what weights() or training_state() gave.
   /// \throws InvalidInput naming every missing, surplus and wrong-shaped array of the file
   void load_weights(const features::TensorFile& file);
+  /// \throws as load_weights()
   void load_training_state(const features::TensorFile& file);
 
  private:
@@ -104,7 +108,7 @@ class Network {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Threads of libtorch's and the BLAS's products; process-wide. 0: all cores
+/// Sets the number of threads of libtorch and the BLAS, for the whole process. 0: all cores
 void set_threads(int threads);
 
 }  // namespace enfilade::neural

@@ -1,5 +1,5 @@
-/// \file  Which matrix products the network made, and how long they take without the rest: the
-/// measure of how well it runs.
+/// \file  The matrix products of the network, and the time that they take alone: the lower bound of
+/// its time.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -8,38 +8,39 @@
 
 namespace enfilade::neural {
 
-/// out (rows, columns) = a (rows, inner) b (inner, columns)
+/// One product: out (rows, columns) = a (rows, inner) b (inner, columns).
 struct Product {
   std::int64_t rows = 0;
   std::int64_t columns = 0;
   std::int64_t inner = 0;
   bool a_transposed = false;  ///< a lies in memory as (inner, rows)
   bool b_transposed = false;  ///< b as (columns, inner)
-  bool add = false;           ///< to what is in `out`
+  bool add = false;           ///< the product is added to `out`
 
+  /// Floating-point operations.
   double operations() const noexcept {
     return 2.0 * static_cast<double>(rows) * static_cast<double>(columns) *
            static_cast<double>(inner);
   }
 };
 
-/// In the order they were asked for.
+/// Products in the order of the calls.
 using ProductLog = std::vector<Product>;
 
-/// Where the products of networks on the calling thread are noted from now on; null: nowhere.
-/// Returns where they were before. \param log must live until the next call
+/// Sets the log of the products that networks make on the calling thread; null: none. Returns the
+/// previous one. \param log must live until the next call
 ProductLog* log_products(ProductLog* log) noexcept;
 
-/// Does products again, by themselves, on the CPU: on random numbers laid out as the network's
-/// operands are; products of one shape share their memory. One thread at a time.
+/// Repeats products on the CPU, on random numbers in the memory layout of the network's operands;
+/// products of one shape share their memory. One thread at a time.
 class ProductTimer {
  public:
-  /// Makes random operands for each shape of these products.
+  /// Allocates the operands.
   explicit ProductTimer(const ProductLog& products);
   ~ProductTimer();
   ProductTimer(const ProductTimer&) = delete;
   ProductTimer& operator=(const ProductTimer&) = delete;
-  void run() const;  ///< all of them, in order
+  void run() const;  ///< all products, in order
 
  private:
   struct Impl;

@@ -1,4 +1,4 @@
-/// \file  The trained sequence-to-sequence agent, as an agent like any other.
+/// \file  The trained sequence-to-sequence agent as an Agent.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -12,12 +12,12 @@
 
 namespace enfilade::neural {
 
-/// Follows instructions greedily, at most 20 actions (TrainConfig::max_steps), in the simulator's
-/// room_to_room() configuration. walk_greedily() makes the same walks faster.
+/// Chooses the most likely action at each step, at most TrainConfig::max_steps (20), in the
+/// simulator's room_to_room() configuration. walk_greedily() makes the same trajectories faster.
 class Seq2SeqAgent : public agents::Agent {
  public:
-  /// \param features of the episodes' buildings; none if the model does not see
-  /// \throws ArgumentError if the model sees, and there are none or of another size
+  /// \param features of the episodes' scans; none if the model does not see
+  /// \throws ArgumentError if the model sees and there are none, or their size is not the network's
   Seq2SeqAgent(Model model, std::optional<ViewFeatures> features);
 
   std::string_view name() const override { return "seq2seq"; }

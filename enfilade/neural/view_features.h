@@ -1,4 +1,4 @@
-/// \file  Features of the views of buildings, by the indices that the simulator speaks of.
+/// \file  Features of views, by the simulator's indices of scan, viewpoint and view.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -12,19 +12,20 @@
 
 namespace enfilade::neural {
 
-/// A FeatureSet with the names of viewpoints looked up once. Immutable: any thread. Copies share.
+/// A FeatureSet whose viewpoints were looked up once. Immutable: any thread may read. Copies share
+/// their data.
 class ViewFeatures {
  public:
-  static constexpr std::size_t kViews = 36;  ///< of a viewpoint: 12 headings, 3 elevations
+  static constexpr std::size_t kViews = 36;  ///< per viewpoint: 12 headings, 3 elevations
 
   /// Looks up each included viewpoint of each scan that `episodes` use; reads their graphs.
-  /// \throws InvalidInput if the set has not kViews views a viewpoint, or lacks viewpoints, which
-  /// it names; errors of graph files
+  /// \throws InvalidInput if the set has not kViews views per viewpoint, or naming the viewpoints
+  /// that are missing; errors of graph files
   ViewFeatures(features::FeatureSet features, const r2r::EpisodeSet& episodes);
 
   std::size_t dimensions() const noexcept { return features_.info().dimensions; }
-  ScanIndex scan(std::string_view name) const { return graphs_->at(name); }  ///< of copy()
-  /// What is seen in view `view` (StateSpans::view_index) of an included viewpoint.
+  ScanIndex scan(std::string_view name) const { return graphs_->at(name); }  ///< for copy()
+  /// Copies the features of view `view` (StateSpans::view_index) of an included viewpoint.
   /// \pre the scan is one of the episodes', out.size() == dimensions()
   void copy(ScanIndex scan, ViewpointIndex viewpoint, std::uint32_t view,
             std::span<float> out) const {

@@ -8,7 +8,7 @@
 
 namespace enfilade::report {
 
-/// A point of a smoothed training curve.
+/// A point of the curve.
 struct CurvePoint {
   double iteration = 0;  ///< mean of the records that the point stands for
   double loss = 0;       ///< likewise

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 #include <array>
+#include <map>
 #include <optional>
+#include <utility>
 
 namespace enfilade::models::detail {
 namespace {
@@ -28,6 +30,11 @@ struct Writer {
   void operator()(const char* name, const Inputs& value) const { out[name] = to_string(value); }
   void operator()(const char* name, AfterEnd value) const { out[name] = to_string(value); }
   void operator()(const char* name, ForwardTo value) const { out[name] = to_string(value); }
+  void operator()(const char* name, const Camera& value) const {
+    out[name] = {{"width", value.width},
+                 {"height", value.height},
+                 {"vertical_field_of_view", to_degrees(value.vertical_field_of_view)}};
+  }
 };
 
 struct Reader {
@@ -35,8 +42,8 @@ struct Reader {
   const Path& path;
   Faults& faults;
 
-  std::optional<Element> find(const char* name) const {
-    const std::array<json::Field, 1> wanted{{{name}}};
+  std::optional<Element> find(const char* name, bool required = true) const {
+    const std::array<json::Field, 1> wanted{{{name, required}}};
     std::array<std::optional<Element>, 1> found;
     json::fields(root, wanted, found, path, faults);
     return found[0];
@@ -49,15 +56,44 @@ struct Reader {
     if (!number) return;
     if (*number < 0) {
       faults.error(Path(path, name), "negative", fmt::format("{}, not 0 or more", *number));
-      return;
+    } else if (!std::in_range<T>(*number)) {
+      faults.error(Path(path, name), "out-of-range", fmt::format("{}, too large", *number));
+    } else {
+      value = static_cast<T>(*number);
     }
-    value = static_cast<T>(*number);
   }
 
   void operator()(const char* name, double& value) const {
     const auto found = find(name);
     if (!found) return;
     value = json::number(*found, Path(path, name), faults).value_or(0);
+  }
+
+  void operator()(const char* name, std::string& value) const {
+    const auto found = find(name);
+    if (found) value = json::string(*found, Path(path, name), faults).value_or("");
+  }
+
+  void operator()(const char* name, std::map<std::string, std::string>& value) const {
+    const auto found = find(name);
+    const Path map_path(path, name);
+    const auto object = found ? json::object(*found, map_path, faults) : std::nullopt;
+    if (!object) return;
+    for (const auto& [key, text] : *object) {
+      value[std::string(key)] = json::string(text, Path(map_path, key), faults).value_or("");
+    }
+  }
+
+  void operator()(const char* name, Camera& value) const {
+    const auto found = find(name);
+    const Path camera_path(path, name);
+    if (!found || !json::object(*found, camera_path, faults)) return;
+    const Reader reader{*found, camera_path, faults};
+    reader("width", value.width);
+    reader("height", value.height);
+    double angle = 0;
+    reader("vertical_field_of_view", angle);
+    value.vertical_field_of_view = degrees(angle);
   }
 
   void operator()(const char* name, std::vector<std::string>& value) const {
@@ -112,12 +148,29 @@ Json to_json(const TrainConfig& config) {
   return out;
 }
 
+Json to_json(const DataFingerprint& data) {
+  Json out{{"annotations", data.annotations}, {"graphs", data.graphs}};
+  if (data.features) visit_features(*data.features, Writer{out["features"]});
+  return out;
+}
+
 void read(Element element, const Path& path, Faults& faults, NetworkConfig& config) {
   if (json::object(element, path, faults)) visit_network(config, Reader{element, path, faults});
 }
 
 void read(Element element, const Path& path, Faults& faults, TrainConfig& config) {
   if (json::object(element, path, faults)) visit_training(config, Reader{element, path, faults});
+}
+
+void read(Element element, const Path& path, Faults& faults, DataFingerprint& data) {
+  if (!json::object(element, path, faults)) return;
+  const Reader reader{element, path, faults};
+  reader("annotations", data.annotations);
+  reader("graphs", data.graphs);
+  const auto found = reader.find("features", false);
+  const Path features_path(path, "features");
+  if (!found || !json::object(*found, features_path, faults)) return;
+  visit_features(data.features.emplace(), Reader{*found, features_path, faults});
 }
 
 }  // namespace enfilade::models::detail

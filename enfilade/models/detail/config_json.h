@@ -1,4 +1,4 @@
-/// \file  The fields of the configs, named once, for writing, reading and comparing them.
+/// \file  The fields of config.json, listed once, for writing, reading and comparing them.
 #pragma once
 #include <concepts>
 #include <nlohmann/json.hpp>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "enfilade/core/detail/json.h"
+#include "enfilade/models/data_fingerprint.h"
 #include "enfilade/models/train_config.h"
 
 namespace enfilade::models::detail {
@@ -46,12 +47,25 @@ void visit_training(Config& config, Visitor&& visitor) {
   visitor("checkpoint_every", config.checkpoint_every);
 }
 
+/// The same for the features that a model was trained on.
+template <class Info, class Visitor>
+void visit_features(Info& info, Visitor&& visitor) {
+  visitor("encoder", info.encoder);
+  visitor("preprocessing", info.preprocessing);
+  visitor("weights", info.weights);
+  visitor("dimensions", info.dimensions);
+  visitor("camera", info.camera);
+}
+
 nlohmann::ordered_json to_json(const NetworkConfig& config);
 nlohmann::ordered_json to_json(const TrainConfig& config);  ///< without its network
+nlohmann::ordered_json to_json(const DataFingerprint& data);
 
-/// Fill a config; what is missing or wrong goes to `faults`.
+/// Reads an object; what is missing or wrong is added to `faults`.
 void read(json::Element element, const json::Path& path, json::Faults& faults,
           NetworkConfig& config);
 void read(json::Element element, const json::Path& path, json::Faults& faults, TrainConfig& config);
+void read(json::Element element, const json::Path& path, json::Faults& faults,
+          DataFingerprint& data);
 
 }  // namespace enfilade::models::detail
