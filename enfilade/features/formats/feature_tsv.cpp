@@ -16,8 +16,8 @@
 namespace enfilade::features::formats {
 namespace {
 
-constexpr std::size_t kFields = 6;  // scanId, viewpointId, image_w, image_h, vfov, features
-using Fields = std::array<std::string_view, kFields>;
+constexpr std::size_t kColumns = 6;  // scanId, viewpointId, image_w, image_h, vfov, features
+using Fields = std::array<std::string_view, kColumns>;
 
 // Python's csv module ends rows with "\r\n".
 std::vector<std::string_view> lines_of(std::string_view text) {
@@ -43,14 +43,14 @@ class RowReader {
     for (bool more = true; more; ++found) {
       const std::size_t end = line.find('\t');
       more = end != std::string_view::npos;
-      if (found < kFields) fields[found] = line.substr(0, end);
+      if (found < kColumns) fields[found] = line.substr(0, end);
       line.remove_prefix(more ? end + 1 : line.size());
     }
-    if (found != kFields) {
+    if (found != kColumns) {
       refuse(file_, fmt::format("row {}", row + 1), "bad-row",
              fmt::format("{} columns, not the {} scanId, viewpointId, image_w, image_h, vfov and "
                          "features",
-                         found, kFields));
+                         found, kColumns));
     }
     if (fields[0].empty() || fields[1].empty()) {
       refuse(file_, fmt::format("row {}", row + 1), "bad-row", "no scan or no viewpoint");
