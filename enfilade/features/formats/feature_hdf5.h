@@ -1,4 +1,4 @@
-/// \file  Features as HDF5: a dataset a viewpoint, as HAMT, DUET and others keep them.
+/// \file  Features as HDF5: one dataset per viewpoint, as in HAMT, DUET and others.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -8,11 +8,11 @@
 
 namespace enfilade::features::formats {
 
-// The HDF5 library is not for several threads: all calls into it are one behind the other here.
-// What it would print of its errors is turned off while we are in it.
+// The HDF5 library is not thread-safe: calls into it are serialised here. Its own printing of
+// errors is turned off meanwhile.
 
-/// Read into memory, by a copy of this process: the library has bugs that damaged files find.
-/// \throws FileError; InvalidInput naming the dataset
+/// Reads a file into memory, in a forked copy of this process, as damaged files can crash the
+/// library. \throws FileError; InvalidInput naming the dataset
 FeatureRows read_feature_hdf5(const std::filesystem::path& file);
 
 /// Begins anew. \throws FileError

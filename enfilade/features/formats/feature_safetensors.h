@@ -1,4 +1,4 @@
-/// \file  Features as safetensors: an array a viewpoint.
+/// \file  Features as safetensors: one array per viewpoint.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -10,13 +10,13 @@
 
 namespace enfilade::features::formats {
 
-/// Mapped. \throws FileError, InvalidInput
+/// Maps a file. \throws FileError, InvalidInput
 FeatureRows read_feature_safetensors(const std::filesystem::path& file);
 
-/// The same of a file in memory. \param map keeps it. \param name for messages
+/// The same for a mapped file. \param map is kept by the result \param name for messages
 FeatureRows feature_rows_of(const std::shared_ptr<const MappedFile>& map, const std::string& name);
 
-/// Goes on with a part of the same info and keys. \throws FileError, ArgumentError
+/// Continues a part of the same info and keys. \throws FileError, ArgumentError
 std::unique_ptr<RowWriter> write_feature_safetensors(const std::filesystem::path& file,
                                                      const FeatureInfo& info,
                                                      const std::vector<FeatureKey>& keys);

@@ -1,4 +1,4 @@
-/// \file  Work that may crash, done where that harms nobody.
+/// \file  Running code that may crash in a forked copy of the process.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -8,26 +8,25 @@
 
 namespace enfilade::features::formats {
 
-/// Bytes in memory that a process shares with its copies.
+/// Memory that a process shares with its forked copies.
 class SharedMemory {
  public:
-  SharedMemory();  ///< empty. \throws FileError
+  SharedMemory();  ///< 0 bytes. \throws FileError
   ~SharedMemory();
   SharedMemory(const SharedMemory&) = delete;
   SharedMemory& operator=(const SharedMemory&) = delete;
 
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);  ///< \throws FileError
-  std::string path() const;  ///< to map it by, as long as this object is there
+  std::string path() const;  ///< to map it by, while this object exists
 
  private:
   int descriptor_;
 };
 
-/// Runs `work` in a copy of this process, which has the calling thread only, so `work` may wait for
-/// no other. What it does to memory is lost, but for SharedMemory; what it prints is, too.
-/// \param file that it reads, for messages
-/// \throws the InvalidInput or FileError that `work` throws; InvalidInput `code` if the copy does
-/// not come to its end, whatever becomes of it
+/// Runs `work` in a forked copy of this process. The copy has the calling thread only, so `work`
+/// must not wait for another. Its changes of memory are lost, but for SharedMemory, and so is its
+/// output. \param file that it reads, for messages \throws the InvalidInput or FileError that
+/// `work` throws; InvalidInput with `code` if the copy crashes or is killed
 void run_isolated(const std::string& file, const std::string& code,
                   const std::function<void()>& work);
 

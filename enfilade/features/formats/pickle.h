@@ -16,26 +16,26 @@ namespace enfilade::features::formats {
 
 struct Value;
 
-/// What a pickle may name of Python's code; anything else is refused by its name.
+/// Classes and functions that a pickle may name; all others are refused by their name.
 enum class Callable : std::uint8_t {
   kOrderedDict,
   kSize,              ///< torch.Size, a tuple
   kRebuildTensor,     ///< (storage, offset, shape, strides, ...)
   kRebuildParameter,  ///< (tensor, ...)
-  kParameter,         ///< (tensor, ...), as files of before PyTorch 0.4 have it
-  kStorageType,       ///< torch.FloatStorage and the like: no function
+  kParameter,         ///< (tensor, ...), in files from before PyTorch 0.4
+  kStorageType,       ///< torch.FloatStorage and the like: not a function
 };
 struct Global {
   Callable callable = Callable::kSize;
   DType type = DType::kFloat32;  ///< of a storage's elements
 };
 
-/// Part of a storage that is a storage by itself: old files only.
+/// A part of a storage that is a storage of its own; in old files only.
 struct StorageView {
   std::string key;
   std::int64_t offset = 0, elements = 0;
 };
-/// What a persistent id stands for: bytes that lie elsewhere in the file.
+/// A persistent id: bytes elsewhere in the file.
 struct PickledStorage {
   std::string key;
   DType type = DType::kFloat32;
@@ -56,7 +56,7 @@ struct Tuple {
   std::vector<Value*> items;
 };
 struct Dictionary {
-  std::vector<std::pair<Value*, Value*>> items;  ///< a key's later value counts
+  std::vector<std::pair<Value*, Value*>> items;  ///< the last value of a key counts
 };
 struct Other {};  ///< None, a float, bytes, a set, an integer of more than 64 bits
 
@@ -66,11 +66,11 @@ struct Value {
       is;
 };
 
-/// What a pickle makes. Values refer to each other, in rings, too.
+/// The values of a pickle. They refer to each other, possibly in cycles.
 struct Pickle {
   std::deque<Value> values;
   const Value* root = nullptr;
-  std::size_t bytes = 0;  ///< that the pickle took
+  std::size_t bytes = 0;  ///< length of the pickle
 };
 
 /// Reads the pickle at the start of `bytes`. \param offset of `bytes` in the file, for messages
@@ -78,7 +78,7 @@ struct Pickle {
 Pickle read_pickle(std::span<const std::byte> bytes, const std::string& name,
                    std::size_t offset = 0);
 
-/// The storages that the values of a pickle refer to, in the order of their first mention.
+/// The storages that the values of a pickle refer to, in the order of first use.
 std::vector<const PickledStorage*> storages_of(const Pickle& pickle);
 
 }  // namespace enfilade::features::formats

@@ -1,4 +1,4 @@
-/// \file  What pickles consist of, and what those of tensors name.
+/// \file  Opcodes of pickles, and the names in pickles of tensors.
 #pragma once
 #include <cstdint>
 #include <string_view>
@@ -7,8 +7,7 @@
 
 namespace enfilade::features::formats {
 
-/// The opcodes, by the names of Python's module pickletools, that protocols 2 to 5 use for what
-/// torch.save() writes.
+/// Opcodes of protocols 2 to 5 that torch.save() writes, with the names of Python's pickletools.
 enum Opcode : std::uint8_t {
   kMark = '(',
   kStop = '.',

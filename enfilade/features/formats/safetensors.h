@@ -11,17 +11,17 @@
 
 namespace enfilade::features::formats {
 
-/// The arrays lie in `file` wherever their type allows it. \throws InvalidInput
+/// Arrays point into `file` where they are aligned for their type. \throws InvalidInput
 StoredArrays read_safetensors(std::span<const std::byte> file, const std::string& name);
 
-/// Where everything goes in a file of arrays whose bytes may not be known yet.
+/// The layout of a file, whose arrays' bytes need not be known yet.
 struct SafetensorsLayout {
-  std::string start;                   ///< of the file: length, header, padding
-  std::vector<std::uint64_t> offsets;  ///< from the start of the file, an array each
+  std::string start;                   ///< beginning of the file: length, header, padding
+  std::vector<std::uint64_t> offsets;  ///< of each array, from the start of the file
   std::uint64_t file_bytes = 0;
 };
-/// Only names, types and shapes of the arrays are looked at. \throws ArgumentError for equal names,
-/// a name or metadata that is no UTF-8, or too many arrays for a header of 100 MB
+/// Uses names, types and shapes of the arrays only. \throws ArgumentError for equal names, a name
+/// or metadata that is not UTF-8, or too many arrays for a header of 100 MB
 SafetensorsLayout lay_out_safetensors(std::span<const NamedArray> arrays,
                                       const std::map<std::string, std::string>& metadata);
 

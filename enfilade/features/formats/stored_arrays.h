@@ -1,4 +1,4 @@
-/// \file  What a reader of weights makes of a file.
+/// \file  The result of a reader of weights.
 #pragma once
 #include <cstddef>
 #include <map>
@@ -13,18 +13,19 @@
 
 namespace enfilade::features::formats {
 
+/// Arrays, and the memory that they point into.
 struct StoredArrays {
   std::vector<NamedArray> arrays;
   std::map<std::string, std::string> metadata;
-  std::vector<std::shared_ptr<const void>> memory;  ///< that some of the arrays lie in
+  std::vector<std::shared_ptr<const void>> memory;  ///< of arrays that are not in the mapped file
 
-  /// The bytes themselves if an element of this type may lie there, else a copy.
+  /// The bytes themselves if they are aligned for the type, else a copy.
   std::span<const std::byte> aligned(std::span<const std::byte> bytes, DType type);
-  /// Uninitialised memory, kept as long as this.
+  /// Uninitialised memory, valid as long as *this.
   std::span<std::byte> allocate(std::size_t bytes);
 };
 
-/// None if the product of a shape and the size of its elements is beyond size_t.
+/// Bytes of an array; none if they exceed size_t.
 std::optional<std::size_t> bytes_of_shape(std::span<const std::int64_t> shape, DType type) noexcept;
 
 }  // namespace enfilade::features::formats

@@ -1,4 +1,4 @@
-/// \file  What PyTorch's torch.save() makes of a dictionary of tensors.
+/// \file  Dictionaries of tensors written by PyTorch's torch.save().
 #pragma once
 #include <cstddef>
 #include <filesystem>
@@ -9,15 +9,16 @@
 
 namespace enfilade::features::formats {
 
+/// By its first bytes.
 bool looks_like_zip(std::span<const std::byte> file) noexcept;
-/// A pickle of any kind, torch.save()'s or not.
+/// A pickle of any program.
 bool looks_like_pickle(std::span<const std::byte> file) noexcept;
 
-/// Archives, as of PyTorch 1.6. \throws FileError, InvalidInput
+/// Reads a zip archive, the format since PyTorch 1.6. \throws FileError, InvalidInput
 StoredArrays read_torch_zip(const std::filesystem::path& file);
 
-/// Pickles with storages behind them, as until PyTorch 1.5. The arrays lie in `file` where they are
-/// contiguous and aligned there. \throws InvalidInput
+/// Reads a pickle followed by storages, the format until PyTorch 1.5. Arrays that are contiguous
+/// and aligned point into `file`. \throws InvalidInput
 StoredArrays read_torch_pickle(std::span<const std::byte> file, const std::string& name);
 
 }  // namespace enfilade::features::formats

@@ -1,4 +1,4 @@
-/// \file  A file that only grows.
+/// \file  A file that is only appended to.
 #pragma once
 #include <cstdio>
 #include <filesystem>
@@ -7,11 +7,11 @@
 
 namespace enfilade::models::detail {
 
-/// What is written is in the system's hands when write() returns, so it survives the process. One
-/// thread.
+/// When write() returns, the operating system has the data, so it survives a kill of the process.
+/// One thread.
 class AppendFile {
  public:
-  /// Opens at the end of what is there, or makes the file. \throws FileError
+  /// Opens a file at its end, or creates it. \throws FileError
   explicit AppendFile(const std::filesystem::path& path);
   void write(std::string_view bytes);  ///< \throws FileError
 

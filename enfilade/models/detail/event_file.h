@@ -1,5 +1,5 @@
-/// \file  Numbers over time in TensorBoard's files: TFRecords of Event messages, written by hand
-/// because the library that writes them is TensorFlow (docs/models.md).
+/// \file  TensorBoard's event files: TFRecords of Event messages. Written without a library, as the
+/// only one is TensorFlow (docs/models.md).
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -13,15 +13,15 @@ namespace enfilade::models::detail {
 /// CRC-32C (Castagnoli). reference: RFC 3720, appendix B.4, has test vectors.
 std::uint32_t crc32c(std::string_view bytes) noexcept;
 
-/// One number of a curve.
+/// One point of a curve.
 struct Scalar {
   std::string_view tag;  ///< "val_seen/success_rate"
-  double value = 0;      ///< kept in single precision
+  double value = 0;      ///< stored in single precision
   std::uint64_t step = 0;
   double time = 0;  ///< seconds since 1970
 };
 
-/// One file of scalars, appended to. One thread.
+/// Appends scalars to a file. One thread.
 class EventFile {
  public:
   static constexpr std::string_view kPrefix = "events.out.tfevents.";

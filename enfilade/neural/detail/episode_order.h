@@ -1,4 +1,4 @@
-/// \file  Which episodes an iteration of training takes.
+/// \file  The batch of episodes of each iteration of training.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -7,9 +7,9 @@
 
 namespace enfilade::neural::detail {
 
-/// Batches one after another from an endless row of shuffled passes over n episodes, so that a
-/// batch may hold the end of one pass and the begin of the next. Pass p is shuffled by (seed, p),
-/// which makes a batch a function of the iteration alone: a checkpoint has no order to keep.
+/// Consecutive batches from repeated passes over n episodes, each pass shuffled; a batch may
+/// contain the end of one pass and the beginning of the next. Pass p is shuffled by (seed, p), so a
+/// batch is a function of the iteration, and a checkpoint need not store an order.
 class EpisodeOrder {
  public:
   /// \pre episodes, batch_size > 0

@@ -1,4 +1,4 @@
-/// \file  How much time an environment takes of what is done with it.
+/// \file  An environment that measures its own time.
 #pragma once
 #include <chrono>
 #include <span>
@@ -7,7 +7,7 @@
 
 namespace enfilade::neural::detail {
 
-/// Passes everything on and adds up the time that it takes.
+/// Forwards all calls and adds up their time.
 class TimedEnvironment : public Environment {
  public:
   using Clock = std::chrono::steady_clock;

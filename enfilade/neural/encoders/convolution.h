@@ -1,10 +1,11 @@
-/// \file  Convolutions as networks in evaluation have them: batch normalisation folded in.
+/// \file  Convolutions for inference, with batch normalisation folded in.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstdint>
 
 namespace enfilade::neural::encoders {
 
+/// Weights and settings of a convolution.
 struct Convolution {
   at::Tensor weight;  ///< (out, in, k, k)
   at::Tensor bias;    ///< (out)
@@ -15,25 +16,25 @@ struct Convolution {
 struct BatchNorm {
   at::Tensor weight, bias, mean, variance;
 };
-inline constexpr double kBatchNormEpsilon = 1e-5;  ///< PyTorch's default, which torchvision keeps
+inline constexpr double kBatchNormEpsilon = 1e-5;  ///< PyTorch's default, also torchvision's
 
-/// Makes `convolution` (without bias) do what it and then `norm` would. Worked out in double, so
-/// that the result differs from the two steps by their own rounding only.
+/// Changes `convolution` (without bias) to compute what it followed by `norm` would. Computed in
+/// double, so the result differs from the two steps by their own rounding only.
 void fold(const BatchNorm& norm, Convolution& convolution);
 
-/// How numbers lie in memory while a network runs.
+/// Memory layout of activations and weights.
 enum class Layout {
-  kOneDnn,        ///< oneDNN's own, in blocks of channels: the fastest on processors
-  kChannelsLast,  ///< what graphics cards like best
+  kOneDnn,        ///< oneDNN's own, in blocks of channels: the fastest on CPUs
+  kChannelsLast,  ///< the fastest on GPUs
 };
 Layout best_layout(c10::Device device);
 
-/// Lays out weights for a device, once.
+/// Converts weights to a device and layout, once.
 void prepare(Convolution& convolution, c10::Device device, Layout layout);
-/// Pictures (n, 3, h, w) of this thread's memory on the device and in that layout.
+/// Copies pictures (n, 3, h, w) to a device and layout.
 at::Tensor prepare(const at::Tensor& pictures, c10::Device device, Layout layout);
 
-/// \pre both went through prepare() with the same layout
+/// Applies a convolution. \pre both were prepared with the same layout
 at::Tensor apply(const Convolution& convolution, const at::Tensor& x);
 
 }  // namespace enfilade::neural::encoders

@@ -1,4 +1,4 @@
-/// \file  What all encoders do with the pictures that they are given.
+/// \file  Checks of an encoder's input, and the input as a tensor.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace enfilade::neural::encoders {
 void check_sizes(std::size_t numbers, std::size_t n, const Camera& camera, std::size_t dimensions,
                  std::size_t features);
 
-/// (n, 3, height, width), a view of the caller's memory.
+/// The pictures as (n, 3, height, width), a view of the caller's memory.
 at::Tensor picture_tensor(std::span<const float> pictures, std::size_t n, const Camera& camera);
 
 }  // namespace enfilade::neural::encoders

@@ -1,4 +1,4 @@
-/// \file  What `enfilade pretrain` made, as an encoder.
+/// \file  The encoder `home`, from a file of `enfilade pretrain`.
 #pragma once
 #include <memory>
 

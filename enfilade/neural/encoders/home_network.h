@@ -1,4 +1,4 @@
-/// \file  The small network of `--encoder home`: what is where in a picture of a home.
+/// \file  The small network of the encoder `home`: classes and distances of a picture's cells.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <array>
@@ -12,16 +12,18 @@
 
 namespace enfilade::neural::encoders {
 
-/// Pictures that it looks at, and the grid of cells that it says something of.
+/// Size of its pictures, and the grid of cells that it predicts.
 inline constexpr std::uint32_t kHomeWidth = 128, kHomeHeight = 96;
-inline constexpr std::int64_t kHomeStride = 8;  ///< pixels a cell
+inline constexpr std::int64_t kHomeStride = 8;  ///< pixels per cell
 inline constexpr std::int64_t kHomeColumns = kHomeWidth / kHomeStride;
 inline constexpr std::int64_t kHomeRows = kHomeHeight / kHomeStride;
 
+/// A convolution of the trunk.
 struct HomeLayer {
   std::int64_t in, out, size, stride, dilation;
 };
-/// Stride 8 in all; dilations let the last layer's cells see the whole picture's height.
+/// The total stride is 8; the dilations make the last layer's receptive field as high as the
+/// picture.
 inline constexpr std::array<HomeLayer, 6> kHomeLayers{{{3, 32, 5, 2, 1},
                                                        {32, 64, 3, 2, 1},
                                                        {64, 96, 3, 2, 1},
@@ -30,9 +32,9 @@ inline constexpr std::array<HomeLayer, 6> kHomeLayers{{{3, 32, 5, 2, 1},
                                                        {128, 128, 3, 1, 4}}};
 inline constexpr std::int64_t kHomeChannels = kHomeLayers.back().out;
 
-/// What the network can name: that which its training homes had.
+/// The classes and rooms that the network predicts: those of its training homes.
 struct HomeWords {
-  std::vector<std::int64_t> classes;  ///< mpcat40, ascending; everything else goes by the first
+  std::vector<std::int64_t> classes;  ///< mpcat40, ascending; all others count as the first
   std::string rooms;                  ///< letters of Matterport3D's room types, ascending
 };
 
@@ -40,10 +42,10 @@ struct HomeWords {
 struct HomeOutputs {
   at::Tensor classes;    ///< (n, c, rows, columns) logits
   at::Tensor distances;  ///< (n, 1, rows, columns) natural logarithm of metres along the ray
-  at::Tensor rooms;      ///< (n, r) logits of where the picture was taken
+  at::Tensor rooms;      ///< (n, r) logits of the camera's room
 };
 
-/// Numbers that pictures are seen as.
+/// Normalisation of pictures.
 inline constexpr float kHomeMean = 0.5F, kHomeDeviation = 0.25F;
 
 /// Vertical thirds of the picture, as ranges of columns.
@@ -52,11 +54,12 @@ inline constexpr std::array<std::int64_t, kThirds + 1> kThirdColumns{0, 5, 11, k
 /// (n, k, rows, columns) -> (n, k, 3): the mean over each third.
 at::Tensor pool_thirds(const at::Tensor& cells);
 
-/// (n, 3 c + 3 + r): for each third the root of each class's share and the mean distance; then the
-/// rooms' probabilities. The root, because a thing's share grows with the square of its size.
+/// Features (n, 3 c + 3 + r): for each third the square root of each class's share, and the mean
+/// distance; then the rooms' probabilities. The root, as an object's share is the square of its
+/// size.
 at::Tensor describe(const HomeOutputs& outputs);
 
-/// The arrays of a file, by names.
+/// Names and shapes of the arrays of a file.
 std::vector<ArraySpec> home_arrays(const HomeWords& words);
 
 /// The network after its training. Runs on one device.
@@ -73,14 +76,15 @@ class HomeNetwork {
   at::Tensor rooms_weight_, rooms_bias_;
 };
 
-/// Files: weights and, as metadata, words.
+/// Writes a file: weights and, as metadata, words.
 void write_home_network(const std::filesystem::path& file, const Weights& weights,
                         const HomeWords& words);
+/// The content of such a file.
 struct HomeFile {
   Weights weights;
   HomeWords words;
 };
-/// \throws FileError; InvalidInput for what is no such file, or lacks arrays
+/// \throws FileError; InvalidInput for another file, or if arrays are missing
 HomeFile read_home_network(const std::filesystem::path& file);
 
 }  // namespace enfilade::neural::encoders

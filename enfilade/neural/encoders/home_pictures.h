@@ -1,4 +1,4 @@
-/// \file  Pictures with labels, as the renderer draws them, for training.
+/// \file  Rendered pictures with labels, for training.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstdint>
@@ -13,22 +13,23 @@ namespace enfilade::neural::encoders {
 /// mpcat40 counts from 0 (void) to 41 (unlabeled).
 inline constexpr std::int64_t kObjectClasses = 42;
 
+/// A viewpoint to render at, and its room.
 struct LabelledPlace {
   ScanIndex scan;
   ViewpointIndex viewpoint;
   char room = '-';
 };
 
-/// n pictures of kHomeWidth x kHomeHeight, labels by cells (home_network.h).
+/// n pictures of kHomeWidth x kHomeHeight, with labels per cell (home_network.h).
 struct LabelledPictures {
   at::Tensor colours;    ///< (n, height, width, 3) uint8
-  at::Tensor classes;    ///< (n, kObjectClasses, rows, columns) uint8: pixels of the cell's 64
+  at::Tensor classes;    ///< (n, kObjectClasses, rows, columns) uint8: pixels of the 64 of a cell
   at::Tensor distances;  ///< (n, 1, rows, columns) float, ln of metres; NaN: unknown
   at::Tensor rooms;      ///< (n) int64: letters
 };
 
-/// `views` of each place, headings spread evenly from a random one, elevations those of agents,
-/// shaken a little. The same seed gives the same bytes.
+/// Renders `views` pictures at each place: evenly spaced headings from a random one, and the
+/// elevations of agents, both with a little noise. The same seed gives the same bytes.
 LabelledPictures draw_labelled(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
                                std::span<const LabelledPlace> places, std::size_t views,
                                std::uint64_t seed, int threads);

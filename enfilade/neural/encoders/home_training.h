@@ -1,4 +1,4 @@
-/// \file  The network of home_network.h while it learns.
+/// \file  Training of the network of home_network.h.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstdint>
@@ -10,19 +10,20 @@
 
 namespace enfilade::neural::encoders {
 
-/// Words that the pictures show often enough to be learnt, and how labels map to them.
+/// The classes and rooms that are frequent enough in the pictures to be learnt.
 HomeWords words_of(const LabelledPictures& pictures);
 
-/// Labels as numbers of words: classes (n, c, rows, columns) uint8, rooms (n), -1: not known.
+/// Converts labels to indices of words: classes (n, c, rows, columns) uint8, rooms (n), -1:
+/// unknown.
 void number_labels(const HomeWords& words, LabelledPictures& pictures);
 
-/// uint8 (n, height, width, 3) -> what HomeNetwork wants.
+/// Converts uint8 (n, height, width, 3) to the input of HomeNetwork.
 at::Tensor as_input(const at::Tensor& colours);
 
 /// Parameters with gradients; each convolution of the trunk has a batch normalisation.
 class HomeTraining {
  public:
-  /// \param pictures numbered; looked at for how frequent classes are
+  /// \param pictures numbered; their frequencies of classes weight the loss
   HomeTraining(const HomeWords& words, const LabelledPictures& pictures, std::uint64_t seed,
                c10::Device device);
 
@@ -30,8 +31,7 @@ class HomeTraining {
   double step(const LabelledPictures& pictures, const std::vector<std::int64_t>& which,
               double learning_rate);
 
-  /// The network as it is now, with its normalisations folded in; "features.*" are for the caller
-  /// to add.
+  /// The current network with normalisations folded in. The caller adds the arrays "features.*".
   Weights folded() const;
   std::size_t parameters() const;
 

@@ -1,4 +1,4 @@
-/// \file  Numbers that networks start from.
+/// \file  Random initial weights.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace enfilade::neural::encoders {
 
-/// Normally distributed around 0, the same on every platform up to the rounding of std::log and
+/// Normal distribution around 0, the same on every platform up to the rounding of std::log and
 /// std::cos.
 at::Tensor normal(const std::vector<std::int64_t>& shape, double deviation, Rng& rng);
 

@@ -1,4 +1,4 @@
-/// \file  ResNets (He et al. 2016) as torchvision has them.
+/// \file  ResNets (He et al. 2016) as in torchvision.
 #pragma once
 #include <memory>
 

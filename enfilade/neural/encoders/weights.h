@@ -1,4 +1,4 @@
-/// \file  Weights out of files: checked against what a network needs, as tensors.
+/// \file  A network's weights from a file, checked and converted to tensors.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstdint>
@@ -12,6 +12,7 @@
 
 namespace enfilade::neural::encoders {
 
+/// An array that a network needs.
 struct ArraySpec {
   std::string name;
   std::vector<std::int64_t> shape;
@@ -19,18 +20,18 @@ struct ArraySpec {
 
 using Weights = std::map<std::string, at::Tensor, std::less<>>;  ///< float32, on the CPU
 
-/// The arrays of `wanted` as float32, whatever floating-point type the file has. A "module." before
-/// all names, as PyTorch's data-parallel wrapper leaves it, is not looked at.
-/// \param ignored names of arrays that may be there and are not needed
-/// \throws InvalidInput naming every array that is missing, surplus, of another shape, no
-/// floating-point numbers, or not finite
+/// Reads the arrays of `wanted` as float32 from any floating-point type. The prefix "module." of
+/// PyTorch's data-parallel wrapper is ignored.
+/// \param ignored whether an array of this name may be in the file without being needed
+/// \throws InvalidInput naming every array that is missing, surplus, of another shape, not
+/// of floating-point type, or not finite
 Weights read_weights(const features::TensorFile& file, std::span<const ArraySpec> wanted,
                      bool (*ignored)(std::string_view name));
 
 /// 16 hex digits of XXH3 over names and values in the order of names. \pre float32, contiguous
 std::string hash_of(const Weights& weights);
 
-/// As NamedArray's for write_safetensors(); valid as long as the tensors. \pre as hash_of()
+/// Views for write_safetensors(), valid as long as the tensors. \pre as hash_of()
 std::vector<features::NamedArray> as_arrays(const Weights& weights);
 
 }  // namespace enfilade::neural::encoders

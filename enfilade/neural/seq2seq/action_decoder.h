@@ -1,4 +1,4 @@
-/// \file  The decoder: an LSTM over what is seen and was done, with attention to the instruction.
+/// \file  The decoder: an LSTM over views and past actions, with attention to the instruction.
 #pragma once
 #include <ATen/ATen.h>
 
@@ -13,22 +13,24 @@
 namespace enfilade::neural::seq2seq {
 
 /// Forward and backward pass of one rollout at a time. Each part of the forward pass takes a range
-/// of steps, so that what does not wait for an action can be done for all steps in one product.
+/// of steps: what does not depend on an action is computed for all steps in one product.
 class ActionDecoder {
  public:
   ActionDecoder(const models::NetworkConfig& config, const Parameters& parameters,
                 const Kernels& kernels);
 
-  /// For n rows, at most `steps` steps; `keep`: all steps', for ranges and backward(); else only
-  /// the last one's.
+  /// Begins a rollout of n rows and at most `steps` steps. \param keep values of all steps, for
+  /// ranges and backward(), not of the last one only
   void begin(std::int64_t n, std::int64_t steps, bool keep, const Dropout& dropout);
-  const at::Tensor start() const { return outputs_.select(0, 0); }  ///< (n, h) to be filled
+  const at::Tensor start() const {
+    return outputs_.select(0, 0);
+  }  ///< (n, h), filled by the caller
   const at::Tensor start_cells() const { return cells_.select(0, 0); }
 
   /// \param inputs (n) last actions \param features (n, features), undefined without vision
   void put_inputs(std::int64_t step, std::span<const std::int32_t> inputs,
                   const at::Tensor& features);
-  /// What the inputs add to the gates, for steps first .. first + count - 1.
+  /// Adds the inputs' part of the gates, for steps first .. first + count - 1.
   void multiply_inputs(std::int64_t first, std::int64_t count);
   void recur(std::int64_t step);
   /// Attention and logits (count * n, 6).
@@ -38,7 +40,7 @@ class ActionDecoder {
   struct Gradients {
     at::Tensor context, start, cells;
   };
-  /// \param logit_gradient (steps * n, 6) of all steps there were. Fills the decoder's gradients.
+  /// Fills the decoder's gradients. \param logit_gradient (steps * n, 6) of all steps
   Gradients backward(const Context& context, const at::Tensor& logit_gradient);
 
  private:

@@ -1,11 +1,11 @@
-/// \file  Memory that is kept from one rollout to the next.
+/// \file  Memory that is reused from one rollout to the next.
 #pragma once
 #include <ATen/ATen.h>
 
 namespace enfilade::neural::seq2seq {
 
-/// Grows when it has to, so that no pages are fetched anew in every rollout. What it holds after
-/// get() is anything.
+/// Grows when needed, so a rollout gets no new pages from the system. Its content after get() is
+/// undefined.
 class Buffer {
  public:
   at::Tensor get(at::IntArrayRef shape, const at::TensorOptions& options) {

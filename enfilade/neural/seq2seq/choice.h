@@ -1,4 +1,4 @@
-/// \file  From six logits to an action and a loss: a few numbers a row, so on the host.
+/// \file  Actions and loss from six logits per row; a few numbers, so on the host.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,20 +9,20 @@ namespace enfilade::neural::seq2seq {
 
 /// One step of n rows.
 struct Choices {
-  std::span<double> logits;                    ///< (n, 6); -inf is put where forward is closed
+  std::span<double> logits;                    ///< (n, 6); loss() sets -inf where forward is closed
   std::span<const std::uint8_t> forward_open;  ///< (n)
   std::span<const std::int32_t> labels;        ///< (n), or empty without a teacher
 };
 
-/// \throws ArgumentError for a label that is none, or is forward where that is closed
+/// \throws ArgumentError for a label out of range, or forward where that is closed
 void check_labels(const Choices& step);
 
-/// Puts -inf where forward is closed; returns the cross-entropy averaged over the rows that count
-/// (0 if none does). `gradient`, if not empty: (n, 6) of that loss.
+/// Sets logits to -inf where forward is closed; returns the cross-entropy averaged over the rows
+/// with a label (0 if there are none). \param gradient (n, 6) of the loss, or empty
 double loss(const Choices& step, std::span<double> gradient);
 
-/// \pre loss() was called. Teacher: the labels, kIgnoreInput for those that count no more. The
-/// actions are what the network is fed next, too.
+/// Chooses actions, which are also the network's next inputs. With a teacher they are the labels,
+/// and kIgnoreInput for rows without one. \pre loss() was called
 void choose(const Choices& step, const RolloutOptions& options, std::size_t step_number,
             std::span<std::int32_t> actions);
 

@@ -1,5 +1,5 @@
-/// \file  What the network does between matrix products: on the CPU fused loops, elsewhere (and as
-/// the oracle of those) plain ATen.
+/// \file  The operations between matrix products: fused loops on the CPU; plain ATen elsewhere, and
+/// as the reference of the loops in tests.
 #pragma once
 #include <ATen/ATen.h>
 
@@ -23,17 +23,17 @@ struct Masks {
   bool on() const noexcept { return dropout.on() && !rows.empty(); }
 };
 
-/// Which rows of a tensor are meant, in order; empty: all.
+/// Rows of a tensor, in order; empty: all.
 using RowList = std::span<const std::int64_t>;
 
-/// The memory of one instruction batch, as attention needs it.
+/// The encoded instructions that attention reads.
 struct Context {
-  at::Tensor words;                       ///< (n, words, h); past a length: anything
+  at::Tensor words;                       ///< (n, words, h); undefined beyond the length
   std::span<const std::int64_t> lengths;  ///< (n)
 };
 
-/// All tensors are of one type and device, their last dimension contiguous. Nothing is allocated
-/// that grows with the batch, on the CPU. Results do not depend on the number of threads.
+/// All tensors have one type and device, and a contiguous last dimension. On the CPU nothing is
+/// allocated that grows with the batch. Results do not depend on the number of threads.
 class Kernels {
  public:
   virtual ~Kernels() = default;
@@ -66,7 +66,7 @@ class Kernels {
   /// \param query,mixed (steps, n, h); weights (steps, n, words)
   virtual void attend(const Context& context, const at::Tensor& query, const at::Tensor& weights,
                       const at::Tensor& mixed) const = 0;
-  /// \param words_gradient (n, words, h); past a length: anything
+  /// \param words_gradient (n, words, h); undefined beyond the length
   virtual void attend_backward(const Context& context, const at::Tensor& query,
                                const at::Tensor& weights, const at::Tensor& mixed_gradient,
                                const at::Tensor& query_gradient,
@@ -84,7 +84,7 @@ std::unique_ptr<Kernels> make_cpu_kernels();
 /// For any type and device.
 std::unique_ptr<Kernels> make_aten_kernels();
 
-/// What set_threads() was told.
+/// The number given to set_threads().
 int kernel_threads() noexcept;
 
 }  // namespace enfilade::neural::seq2seq

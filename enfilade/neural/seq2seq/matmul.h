@@ -1,11 +1,10 @@
-/// \file  The one door that all of the network's matrix products go through; products.h counts
-/// them.
+/// \file  All matrix products of the network; products.h logs them.
 #pragma once
 #include <ATen/ATen.h>
 
 namespace enfilade::neural::seq2seq {
 
-/// out = a b, all two-dimensional views of which one dimension is contiguous; nothing is copied.
+/// out = a b, all two-dimensional with one contiguous dimension; nothing is copied.
 void multiply(const at::Tensor& a, const at::Tensor& b, const at::Tensor& out);
 /// out += a b
 void multiply_add(const at::Tensor& a, const at::Tensor& b, const at::Tensor& out);

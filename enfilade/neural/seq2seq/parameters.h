@@ -1,4 +1,4 @@
-/// \file  The network's weights, gradients and moments, each kind in one piece of memory.
+/// \file  The network's weights, gradients and moments, each in one contiguous array.
 #pragma once
 #include <ATen/ATen.h>
 
@@ -33,19 +33,19 @@ enum class Weight : std::uint8_t {
 inline constexpr std::size_t kWeights = 16;
 
 struct WeightInfo {
-  const char* name = nullptr;  ///< as the released code calls it
+  const char* name = nullptr;  ///< in the released code
   std::vector<std::int64_t> shape;
   std::int64_t begin = 0;  ///< in the flat arrays
   std::int64_t elements = 0;
 };
 std::array<WeightInfo, kWeights> weight_infos(const models::NetworkConfig& config);
 
-/// The flat arrays, zeros between weights where one's end is not the next one's aligned begin.
+/// The flat arrays. Weights begin at aligned positions; gaps between them are zero.
 class Parameters {
  public:
   Parameters(const models::NetworkConfig& config, const at::TensorOptions& options);
 
-  /// Random numbers by `seed`, distributed as PyTorch's modules do it: embeddings normal (row 0 of
+  /// Random numbers by `seed`, with PyTorch's distributions: embeddings normal (row 0 of
   /// the words, PAD, is zero), LSTM uniform up to 1/sqrt(hidden), linear uniform up to
   /// 1/sqrt(inputs). The same on every device. Gradients and moments become 0.
   void initialise(const models::NetworkConfig& config, std::uint64_t seed);

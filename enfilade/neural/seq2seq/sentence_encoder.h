@@ -9,14 +9,14 @@
 
 namespace enfilade::neural::seq2seq {
 
-/// Forward and backward pass of one batch at a time; what the backward pass needs is kept.
+/// Forward and backward pass of one batch at a time; keeps what the backward pass needs.
 class SentenceEncoder {
  public:
   SentenceEncoder(const Parameters& parameters, const Kernels& kernels)
       : parameters_(parameters), kernels_(kernels) {}
 
-  /// \param sentences must live until backward() \param start,cells (n, h) written: what the
-  /// decoder begins with. The context is valid until the next call.
+  /// \param sentences must live until backward() \param start,cells (n, h) written: the
+  /// decoder's initial state. The context is valid until the next call.
   Context forward(const Sentences& sentences, const Dropout& dropout, const at::Tensor& start,
                   const at::Tensor& cells);
 

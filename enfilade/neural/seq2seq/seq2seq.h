@@ -1,4 +1,4 @@
-/// \file  Encoder, decoder and loss put together: rollouts, with and without gradients.
+/// \file  Encoder, decoder and loss: rollouts with and without gradients.
 #pragma once
 #include <ATen/ATen.h>
 
@@ -20,19 +20,19 @@ namespace enfilade::neural::seq2seq {
 
 enum class WithGradients : std::uint8_t { kNo, kYes };
 
-/// What Network is made of; of any type and kernels, for tests. Calls need c10::InferenceMode.
+/// The implementation of Network, for any type and kernels. Calls need c10::InferenceMode.
 class Seq2Seq {
  public:
   /// \param options type and device of all tensors \throws ArgumentError as validate()
   Seq2Seq(const models::NetworkConfig& config, const at::TensorOptions& options,
           std::unique_ptr<Kernels> kernels);
-  Seq2Seq(const Seq2Seq&) = delete;  // the parts point at each other
+  Seq2Seq(const Seq2Seq&) = delete;  // the parts refer to each other
   Seq2Seq& operator=(const Seq2Seq&) = delete;
 
   RolloutResult rollout(const InstructionBatch& instructions, Environment& environment,
                         const RolloutOptions& options, WithGradients with_gradients,
                         const StepObserver& observer = {});
-  /// A greedy rollout from outside: as Network has it.
+  /// As Network's.
   void begin(const InstructionBatch& instructions, std::size_t max_steps);
   void act(std::span<const float> features, std::span<const std::uint8_t> forward_open,
            std::span<std::int32_t> actions);
@@ -44,7 +44,7 @@ class Seq2Seq {
   const Parameters& parameters() const noexcept { return parameters_; }
 
  private:
-  /// Host memory of a rollout; labels and what forward is are kept for all steps.
+  /// Host memory of a rollout; labels and forward_open are kept for all steps.
   struct Walk {
     std::size_t n = 0, steps = 0;
     bool labelled = false;
@@ -60,7 +60,7 @@ class Seq2Seq {
     void read(const at::Tensor& step_logits);
   };
 
-  /// What begin() leaves to act(). The context points into the sentences.
+  /// State between begin() and act(). The context points into the sentences.
   struct Begun {
     Sentences sentences;
     Context context;

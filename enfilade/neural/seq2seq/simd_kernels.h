@@ -1,11 +1,11 @@
-/// \file  Inner loops on the CPU, on ranges that the caller's threads divide among them.
+/// \file  Inner loops on the CPU, on ranges that the caller divides among threads.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 
 namespace enfilade::neural::seq2seq {
 
-/// A matrix somewhere in memory; its rows' elements lie side by side.
+/// A matrix with contiguous rows.
 struct Rows {
   float* data = nullptr;
   std::size_t stride = 0;  ///< from a row to the next
@@ -13,7 +13,7 @@ struct Rows {
   float* operator[](std::size_t row) const noexcept { return data + row * stride; }
 };
 
-/// n rows of an LSTM cell; gates are i, f, g, o beside each other, as PyTorch has them.
+/// n rows of an LSTM cell; gates are in PyTorch's order: i, f, g, o.
 struct LstmRows {
   Rows gates;     ///< (n, 4 h) forward: sums in, activations out; backward: those in, gradient out
   Rows previous;  ///< (n, h) cells before
@@ -32,7 +32,7 @@ struct LstmBackward {
   Rows cells;         ///< (n, h) gradient of the cells, in: after; out: before
 };
 
-/// out (m, n) = sum over k of a(i, k) b(k, j), a anywhere.
+/// out (m, n) = sum over k of a(i, k) b(k, j), with any strides of a.
 struct Combination {
   const float* a = nullptr;
   std::size_t a_row = 0;  ///< from a(i, k) to a(i + 1, k)
@@ -71,7 +71,7 @@ struct SimdKernels {
   bool (*all_finite)(const float* x, std::size_t n);
 };
 
-/// The best that this machine has. NaN comes out wherever NaN goes in.
+/// The loops for this machine's best instruction set. NaN in an input gives NaN in its outputs.
 const SimdKernels& simd_kernels() noexcept;
 
 }  // namespace enfilade::neural::seq2seq
