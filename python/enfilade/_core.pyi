@@ -1,5 +1,5 @@
 # Made by python/tools/make_stubs.py.
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 import os
 from typing import Annotated, Any
 
@@ -8,6 +8,21 @@ import numpy.typing
 from numpy.typing import NDArray
 
 
+
+class TensorFile:
+    """The arrays of a file of weights or features."""
+
+    def __init__(self, file: str | os.PathLike[str]) -> None: ...
+
+    def names(self) -> list[str]: ...
+
+    def metadata(self) -> dict[str, str]: ...
+
+    def array(self, name: str) -> Annotated[NDArray, dict(writable=False)]:
+        """A read-only view of an array of float32 or float16, (*shape)."""
+
+def write_safetensors(file: str | os.PathLike[str], arrays: Mapping[str, Annotated[Any, dict(order='C', device='cpu', writable=False)]], metadata: Mapping[str, str]) -> None:
+    """Writes arrays of float32 or float16 by their names."""
 
 class Graph:
     """The viewpoints of one scan and the edges between them. Immutable."""
