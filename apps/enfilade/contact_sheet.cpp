@@ -105,18 +105,20 @@ void add_contact_sheet(CLI::App& app, int& status) {
   verb.add_option("--thumb", a->thumb, "Size of a picture, pixels")
       ->capture_default_str()
       ->type_name("WxH");
-  verb.add_option("--columns", a->columns, "Pictures a row (default: what looks well)")
+  verb.add_option("--columns", a->columns, "Pictures in a row (default: chosen to fit)")
       ->check(whole_number(1))
       ->type_name("N");
-  verb.add_option("--headings", a->headings, "Pictures of each viewpoint, all around")
+  verb.add_option("--headings", a->headings,
+                  "Pictures of each viewpoint, at evenly spaced headings")
       ->check(whole_number(1))
       ->capture_default_str()
       ->type_name("N");
-  verb.add_option("--heading", a->heading, "Of the first of them, clockwise from north, degrees")
+  verb.add_option("--heading", a->heading,
+                  "Heading of the first picture, clockwise from north, degrees")
       ->check(finite_number(-1e6))
       ->capture_default_str()
       ->type_name("DEG");
-  verb.add_option("--vfov", a->vfov, "Angle that a picture spans from top to bottom, degrees")
+  verb.add_option("--vfov", a->vfov, "Vertical field of view, degrees")
       ->check(finite_number())
       ->capture_default_str()
       ->type_name("DEG");

@@ -269,13 +269,13 @@ void add_demo(CLI::App& app, int& status) {
       "was");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
-  verb.add_option("-o,--output", options->output, "Folder for all that is made")
+  verb.add_option("-o,--output", options->output, "Output folder")
       ->capture_default_str()
       ->type_name("DIR");
-  verb.add_option("--seeds", options->seeds, "Of the random agent")
+  verb.add_option("--seeds", options->seeds, "Number of seeds of the random agent")
       ->capture_default_str()
       ->check(whole_number(1));
-  verb.add_flag("--skip-learning", options->skip_learning, "Train nothing");
+  verb.add_flag("--skip-learning", options->skip_learning, "Do not train agents");
   set_examples(verb, {"enfilade demo", "enfilade demo --skip-learning",
                       "enfilade demo --data ~/data --seeds 100"});
   verb.callback([options, &status] { status = demo(*options); });

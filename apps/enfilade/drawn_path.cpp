@@ -28,8 +28,7 @@ std::size_t place_of_instruction(const r2r::EpisodeSet& episodes, const std::str
 }  // namespace
 
 void add_scan_argument(CLI::App& verb, std::string& scan) {
-  verb.add_option("scan", scan, "Which building; may be left out with --instr or --path")
-      ->type_name("SCAN");
+  verb.add_option("scan", scan, "Scan id; optional with --instr or --path")->type_name("SCAN");
 }
 
 void add_path_options(CLI::App& verb, PathOptions& options, const std::string& results_help) {

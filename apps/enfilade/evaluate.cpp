@@ -91,7 +91,7 @@ void add_evaluate(CLI::App& app, int& status) {
       ->required()
       ->type_name("MODELDIR");
   add_data_option(verb, options->data);
-  verb.add_option("--features", options->features, "Of the views, if the agent sees")
+  verb.add_option("--features", options->features, "Image features, if the agent uses vision")
       ->type_name("FILE");
   verb.add_option("--split", options->splits, "train, val_seen, val_unseen, test, ...")
       ->delimiter(',')

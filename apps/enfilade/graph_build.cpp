@@ -155,15 +155,15 @@ void add_metres(CLI::App& verb, const char* name, T& value, const char* what) {
 }
 
 void add_body(CLI::App& verb, BuildArguments& a) {
-  add_metres(verb, "--body-radius", a.walk.body.radius, "How far walkers keep from things");
-  add_metres(verb, "--body-height", a.walk.body.height, "Head-room that walkers need");
-  add_metres(verb, "--step", a.walk.body.step, "Highest step that they climb");
-  verb.add_option("--slope", a.walk.body.slope, "Steepest floor that they walk on; degrees")
+  add_metres(verb, "--body-radius", a.walk.body.radius, "Radius of the walking body");
+  add_metres(verb, "--body-height", a.walk.body.height, "Height of the walking body");
+  add_metres(verb, "--step", a.walk.body.step, "Highest step");
+  verb.add_option("--slope", a.walk.body.slope, "Steepest floor, degrees")
       ->check(finite_number())
       ->capture_default_str();
-  add_metres(verb, "--cell", a.walk.cell, "Between places at which the floor is looked at");
+  add_metres(verb, "--cell", a.walk.cell, "Grid spacing of the floor");
   add_metres(verb, "--longest-edge", a.edges.longest, "Longest edge");
-  add_metres(verb, "--body-width", a.edges.width, "Of the bundle of rays along an edge");
+  add_metres(verb, "--body-width", a.edges.width, "Width that must be free along an edge");
 }
 
 }  // namespace
@@ -175,17 +175,18 @@ void add_graph_build(CLI::App& graph, int& status) {
       "and write a connectivity file and scans.txt");
   const auto a = std::make_shared<BuildArguments>();
   add_mesh_options(verb, a->mesh);
-  verb.add_option("-o,--output", a->output, "Folder; made if it is not there")
+  verb.add_option("-o,--output", a->output, "Output folder; made if missing")
       ->required()
       ->type_name("DIR");
   add_metres(verb, "--separation", a->viewpoints.separation,
              "Mean length of edges in furnished homes");
-  add_metres(verb, "--eye-height", a->viewpoints.eye_height, "Above the floor");
-  verb.add_option("--seed", a->viewpoints.seed, "Another one chooses among places as good")
+  add_metres(verb, "--eye-height", a->viewpoints.eye_height, "Camera height above the floor");
+  verb.add_option("--seed", a->viewpoints.seed, "Selects among equally good viewpoints")
       ->check(whole_number())
       ->capture_default_str();
   add_body(verb, *a);
-  verb.add_option("--corrections", a->corrections, "What people added and took away: docs/graph.md")
+  verb.add_option("--corrections", a->corrections,
+                  "Edges and viewpoints to add or remove: docs/graph.md")
       ->type_name("FILE");
   verb.add_option("--plan", a->plan, "Draw a floor plan as SVG; - for standard output")
       ->type_name("FILE");

@@ -431,7 +431,7 @@ void add_picture_options(CLI::App& verb, Arguments& a) {
 
 void add_graph_options(CLI::App& verb, Arguments& a) {
   verb.add_option("--heading", a.heading,
-                  "Where the pictures' middles (front faces) look: degrees from north, clockwise "
+                  "Heading of the pictures' middles (front faces), degrees clockwise from north "
                   "(default: 0)")
       ->check(finite_number(-360))
       ->type_name("DEG");
@@ -445,7 +445,7 @@ void add_graph_options(CLI::App& verb, Arguments& a) {
       ->capture_default_str()
       ->type_name("M");
   verb.add_option("--edges", a.edges,
-                  "Between which viewpoints one may walk: near (each two within --reach; default "
+                  "Which viewpoints to connect: near (each two within --reach; default "
                   "with --positions), line (from each to the next; default without), none (default "
                   "with --edge)")
       ->check(CLI::IsMember({"near", "line", "none"}));
@@ -453,7 +453,7 @@ void add_graph_options(CLI::App& verb, Arguments& a) {
       ->check(finite_number())
       ->capture_default_str()
       ->type_name("M");
-  verb.add_option("--edge", a.pairs, "One may walk between these two viewpoints; may be repeated")
+  verb.add_option("--edge", a.pairs, "Add an edge between these two viewpoints; may be repeated")
       ->allow_extra_args(false)
       ->type_name("A B");
 }
@@ -461,11 +461,11 @@ void add_graph_options(CLI::App& verb, Arguments& a) {
 }  // namespace
 
 void add_import(CLI::App& app, int& status) {
-  CLI::App& verb = *app.add_subcommand(
-      "import",
-      "Make a scan of one's own panoramas, as Matterport3DSimulator lays scans out: "
-      "DIR/NAME/matterport_skybox_images/ID_skybox_small.jpg and "
-      "DIR/connectivity/NAME_connectivity.json");
+  CLI::App& verb =
+      *app.add_subcommand("import",
+                          "Make a scan from your own panoramas, in Matterport3DSimulator's files: "
+                          "DIR/NAME/matterport_skybox_images/ID_skybox_small.jpg and "
+                          "DIR/connectivity/NAME_connectivity.json");
   const auto arguments = std::make_shared<Arguments>();
   add_picture_options(verb, *arguments);
   add_graph_options(verb, *arguments);

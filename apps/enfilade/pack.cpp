@@ -174,7 +174,7 @@ ExitCode run(const Arguments& a) {
 }
 
 void add_options(CLI::App& verb, Arguments& a) {
-  verb.add_option("scans", a.scans, "Which (default: all of scans.txt that have pictures)")
+  verb.add_option("scans", a.scans, "Scans to pack (default: all of scans.txt that have pictures)")
       ->type_name("SCAN...");
   add_data_option(verb, a.data);
   verb.add_option(
@@ -186,7 +186,7 @@ void add_options(CLI::App& verb, Arguments& a) {
   verb.add_option("--connectivity", a.connectivity,
                   "Folder of <scan>_connectivity.json (default: that of the data set)")
       ->type_name("DIR");
-  verb.add_option("-o,--output", a.output, "Folder for the stores; made if it is not there")
+  verb.add_option("-o,--output", a.output, "Folder for the stores; made if missing")
       ->type_name("STORE_DIR");
   verb.add_option("--colour", a.colour,
                   "keep: the files' own JPEGs where they are of the wanted size; jpeg: encoded "
@@ -199,7 +199,7 @@ void add_options(CLI::App& verb, Arguments& a) {
       ->check(whole_number())
       ->capture_default_str();
   verb.add_option("--quality", a.options.jpeg_quality,
-                  "Of JPEGs that are encoded, 1 to 100; with full chroma from 90 on")
+                  "JPEG quality, 1 to 100; full chroma from 90 on")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   verb.add_flag("--excluded", a.excluded,

@@ -68,15 +68,17 @@ void add_panorama(CLI::App& app, int& status) {
       "unfolded cube; depth is the distance along the ray");
   const auto a = std::make_shared<PanoramaArguments>();
   add_viewpoint_arguments(verb, a->scan, a->viewpoint);
-  CLI::Option* width = verb.add_option("--width", a->width, "Pixels; the height is half of it")
-                           ->check(whole_number(2))
-                           ->capture_default_str()
-                           ->type_name("N");
-  CLI::Option* heading = verb.add_option("--heading", a->heading,
-                                         "Of the middle column, clockwise from north, degrees")
-                             ->check(finite_number(-1e6))
-                             ->capture_default_str()
-                             ->type_name("DEG");
+  CLI::Option* width =
+      verb.add_option("--width", a->width, "Width in pixels; the height is half of it")
+          ->check(whole_number(2))
+          ->capture_default_str()
+          ->type_name("N");
+  CLI::Option* heading =
+      verb.add_option("--heading", a->heading,
+                      "Heading of the middle column, clockwise from north, degrees")
+          ->check(finite_number(-1e6))
+          ->capture_default_str()
+          ->type_name("DEG");
   verb.add_flag("--cube{cross}", a->cube,
                 "The six faces as they are kept instead: a cross around the front one, or "
                 "--cube=strip in Matterport3D's order")

@@ -79,7 +79,7 @@ std::string as_text(const std::vector<std::uint8_t>& bytes) { return {bytes.begi
 }  // namespace
 
 void add_viewpoint_arguments(CLI::App& verb, std::string& scan, std::string& viewpoint) {
-  verb.add_option("scan", scan, "Which building")->required()->type_name("SCAN");
+  verb.add_option("scan", scan, "Scan id")->required()->type_name("SCAN");
   verb.add_option("viewpoint", viewpoint,
                   "Its index, id, or the beginning of an id that no other one shares")
       ->required()
@@ -100,7 +100,7 @@ void add_place_options(CLI::App& verb, SceneOptions& options) {
 }
 
 void add_renderer_options(CLI::App& verb, SceneOptions& options) {
-  verb.add_option("--backend", options.backend, "What draws: cpu, cpu-scalar (slow, plain), gl")
+  verb.add_option("--backend", options.backend, "Back end: cpu, cpu-scalar (slow reference), gl")
       ->check(CLI::IsMember({"cpu", "cpu-scalar", "gl"}))
       ->capture_default_str()
       ->type_name("NAME");

@@ -101,10 +101,10 @@ void add_render(CLI::App& app, int& status) {
       ->check(finite_number(-1e6))
       ->capture_default_str()
       ->type_name("DEG");
-  verb.add_option("--size", a->size, "Of the picture, pixels")
+  verb.add_option("--size", a->size, "Size of the picture, pixels")
       ->capture_default_str()
       ->type_name("WxH");
-  verb.add_option("--vfov", a->vfov, "Angle that the picture spans from top to bottom, degrees")
+  verb.add_option("--vfov", a->vfov, "Vertical field of view, degrees")
       ->check(finite_number())
       ->capture_default_str()
       ->type_name("DEG");

@@ -58,15 +58,15 @@ void add_report(CLI::App& app, int& status) {
   verb.add_option("-o,--output", options->output, "File; - for standard output")
       ->capture_default_str()
       ->type_name("FILE");
-  verb.add_option("--title", options->config.title, "Of the page")
+  verb.add_option("--title", options->config.title, "Title of the page")
       ->capture_default_str()
       ->type_name("TEXT");
   verb.add_option("--episodes", options->config.episodes_of_a_kind,
-                  "Of each kind: best, worst, at random")
+                  "Episodes of each kind: best, worst, at random")
       ->check(whole_number())
       ->capture_default_str()
       ->type_name("N");
-  verb.add_option("--panoramas", options->config.panoramas, "Buildings that are shown, at most")
+  verb.add_option("--panoramas", options->config.panoramas, "Largest number of buildings shown")
       ->check(whole_number())
       ->capture_default_str()
       ->type_name("N");

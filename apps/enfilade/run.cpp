@@ -57,12 +57,12 @@ void add_run(CLI::App& app, int& status) {
   verb.add_option("--split", options->split, "train, val_seen, val_unseen, test, ...")
       ->capture_default_str()
       ->type_name("NAME");
-  verb.add_option("--features", options->features, "Of the views, for a model that sees")
+  verb.add_option("--features", options->features, "Image features, for a model with vision")
       ->type_name("FILE");
   verb.add_option("-o,--output", options->output,
                   "Results file, in the format of R2R's leaderboard; - for standard output")
       ->type_name("FILE");
-  verb.add_option("--seed", options->run.seed, "Of the agent's random numbers")
+  verb.add_option("--seed", options->run.seed, "Seed of the agent's random numbers")
       ->check(whole_number())
       ->capture_default_str();
   verb.add_option("--batch", options->run.batch_size, "Episodes at once; changes no result")

@@ -75,7 +75,7 @@ ExitCode score(const Options& options) {
 }
 
 void add_options(CLI::App& verb, Options& options) {
-  verb.add_option("results", options.results, "Results file, in any form found in the wild")
+  verb.add_option("results", options.results, "Results file, in any of the usual forms")
       ->required()
       ->type_name("RESULTS.json");
   verb.add_option("--split", options.split, "train, val_seen, val_unseen, ...")->type_name("NAME");

@@ -69,7 +69,7 @@ ExitCode submit(const Options& options) {
 void add_submit(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand("submit", "Hand a results file in at an Enfilade server");
   const auto options = std::make_shared<Options>();
-  verb.add_option("results", options->results, "Results file, in any form found in the wild")
+  verb.add_option("results", options->results, "Results file, in any of the usual forms")
       ->required()
       ->type_name("RESULTS.json");
   verb.add_option("--server", options->server, "Its address")->required()->type_name("URL");
