@@ -230,7 +230,7 @@ command_test() {
   else
     say "the web server and its pages are not tested"
   fi
-  build_preset "$preset" -DEN_BUILD_TESTS=ON "-DEN_WITH_WEB=$web" "${python[@]}"
+  build_preset "$preset" -DEN_BUILD_TESTS=ON -DEN_BUILD_EXAMPLES=ON "-DEN_WITH_WEB=$web" "${python[@]}"
   say "testing build/$preset${ENFILADE_DATA:+ with the data of $ENFILADE_DATA}"
   # The summary of a run that failed is the one that is wanted most.
   ctest --preset "$preset" --parallel "$(job_count)" ${rest[@]+"${rest[@]}"} 2>&1 |

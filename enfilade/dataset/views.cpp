@@ -1,25 +1,21 @@
 #include "enfilade/dataset/views.h"
 
-#include <cstddef>
-#include <span>
+#include "enfilade/render/pictures.h"
 
 namespace enfilade::dataset {
 namespace {
 
-template <class T>
-std::span<std::byte> bytes_of(image::Image<T>& picture) {
-  return std::as_writable_bytes(std::span(picture.pixels));
+constexpr scan::LayerMask mask(scan::Layer layer) {
+  return static_cast<scan::LayerMask>(1U << scan::index(layer));
 }
 
-render::Outputs colour_into(image::Image8& picture) {
-  render::Outputs outputs;
-  outputs.colour = render::ColourOutput{render::ColourFormat::kRgb8, {}, bytes_of(picture)};
-  return outputs;
-}
-
-void draw(const Dataset& dataset, const render::View& view, const Camera& camera,
-          const render::Outputs& outputs) {
-  render::make_renderer(dataset.faces())->render(camera, {&view, 1}, outputs);
+render::Pictures draw(const Dataset& dataset, const render::View& view, const Camera& camera,
+                      scan::Layer layer) {
+  render::Pictures pictures;
+  render::make_renderer(dataset.faces())
+      ->render(camera, {&view, 1},
+               outputs_into(pictures, mask(layer), camera.width, camera.height));
+  return pictures;
 }
 
 }  // namespace
@@ -36,9 +32,7 @@ bool has_colour(const Dataset& dataset, ScanIndex scan, ViewpointIndex viewpoint
 
 image::Image8 render_colour(const Dataset& dataset, const render::View& view,
                             const Camera& camera) {
-  image::Image8 picture(camera.width, camera.height, 3);
-  draw(dataset, view, camera, colour_into(picture));
-  return picture;
+  return draw(dataset, view, camera, scan::Layer::kColour).colour;
 }
 
 image::Image8 render_colour(const Dataset& dataset, const NamedView& view, const Camera& camera) {
@@ -47,12 +41,7 @@ image::Image8 render_colour(const Dataset& dataset, const NamedView& view, const
 
 image::Image16 render_depth(const Dataset& dataset, const render::View& view,
                             const Camera& camera) {
-  image::Image16 picture(camera.width, camera.height, 1);
-  render::Outputs outputs;
-  outputs.depth = render::DepthOutput{render::DepthFormat::kQuarterMillimetresUint16,
-                                      render::DepthMeasure::kZ, bytes_of(picture)};
-  draw(dataset, view, camera, outputs);
-  return picture;
+  return draw(dataset, view, camera, scan::Layer::kDepth).depth;
 }
 
 image::Image16 render_depth(const Dataset& dataset, const NamedView& view, const Camera& camera) {
@@ -61,19 +50,16 @@ image::Image16 render_depth(const Dataset& dataset, const NamedView& view, const
 
 image::Image32 render_instances(const Dataset& dataset, const render::View& view,
                                 const Camera& camera) {
-  image::Image32 picture(camera.width, camera.height, 1);
-  render::Outputs outputs;
-  outputs.instances = render::InstanceOutput{picture.pixels};
-  draw(dataset, view, camera, outputs);
-  return picture;
+  return draw(dataset, view, camera, scan::Layer::kInstance).instances;
 }
 
 image::Image8 render_panorama(const Dataset& dataset, const render::View& view,
                               std::uint32_t width) {
-  image::Image8 picture(width, width / 2, 3);
-  render::render_equirectangular(dataset.faces(), view, picture.width, picture.height,
-                                 colour_into(picture));
-  return picture;
+  render::Pictures pictures;
+  render::render_equirectangular(
+      dataset.faces(), view, width, width / 2,
+      outputs_into(pictures, mask(scan::Layer::kColour), width, width / 2));
+  return pictures.colour;
 }
 
 image::Image8 render_panorama(const Dataset& dataset, const NamedView& view, std::uint32_t width) {

@@ -48,6 +48,9 @@ std::vector<Case> import_cases() {
                for (int i = 0; i < 8 * 16; ++i) hdr += "\x40\x40\x40\x80";
                f.write("hall.jpg", hdr);
              }),
+      import("ids as HM3D has them, which are good",
+             "--scan 00000-kfPV7w3FaU5 --name 000001 -o new hall.jpg", 0,
+             "scan 00000-kfPV7w3FaU5: 1 imported"),
       import("a picture that is not there", "--scan home -o new none.jpg", 3,
              "none.jpg: cannot open"),
       import("an empty picture", two, 3, "hall.jpg: the file is empty",
@@ -66,7 +69,7 @@ std::vector<Case> import_cases() {
       import("a name that cannot be an id", "--scan home -o new 'my hall.jpg'", 2,
              "viewpoint \"my hall\": letters, digits, _ and - are allowed"),
       import("a scan that cannot be a file name", "--scan ../home -o new hall.jpg", 2,
-             "scan \"../home\": letters, digits, _ and - are allowed"),
+             "scan \"../home\": not a scan id (letters, digits, _ and -)"),
       import("a viewpoint that is there already", "--scan one --name v0 -o {} hall.jpg", 2,
              "viewpoint \"v0\" is in scan one already"),
       import("five faces",
@@ -86,9 +89,10 @@ std::vector<Case> import_cases() {
       import("a viewpoint with two positions", placed, 3, "\"hall\" has a position already",
              place("hall,1,2,3")),
       import("an edge to nowhere", two + " --edge hall garden", 2,
-             "--edge hall garden: names no two viewpoints of scan home"),
+             "edge hall garden: names no two viewpoints of scan home"),
       import("faces of no pixels", two + " --size 0", 2, "--size"),
-      import("faces larger than any", two + " --size 9000", 2, "--size 9000: at most 8192"),
+      import("faces larger than any", two + " --size 9000", 2,
+             "\"9000\" is not a whole number from 1 to 8192"),
       import("an output that is a file", "--scan home -o hall.jpg hall.jpg", 3,
              "cannot make the folder: Not a directory"),
   };

@@ -146,7 +146,6 @@ class FileChecker {
   // A header opens its folder's namespace; forward declarations may open others.
   void check_namespace() {
     if (!file_.path.starts_with("enfilade/") || !file_.path.ends_with(".h")) return;
-    if (place_.folder == "synth") return;  // being taken apart
     std::string wanted = "namespace enfilade";
     // The vocabulary is in enfilade itself.
     if (place_.folder != "core" && place_.folder != "geometry") {

@@ -97,19 +97,20 @@ class Stage:
         for code in sorted(tree.inline_code_of(text), key=lambda c: -c.begin):
             if any(a <= code.begin < b for a, b in inside + headings):
                 continue
-            to = self._explained(code.target)
+            to = self._explained(code.target, types="```python" not in text)
             if to:
                 relative = os.path.relpath(to, Path(place).parent)
                 text = f"{text[: code.begin]}[{text[code.begin : code.end]}]({relative}){text[code.end :]}"
         return text
 
-    def _explained(self, code: str) -> Optional[str]:
+    def _explained(self, code: str, types: bool) -> Optional[str]:
+        """The page of a header or example; of a C++ type, unless the page speaks Python."""
         if re.match(r"^(enfilade/\w+/\w+\.h|examples/[\w/]+\.\w+)$", code):
             path = ROOT / code
             if path in set(cpp_reference.public_headers()) | set(examples.example_files()):
                 return self.place(path)
         name = code.removeprefix("enfilade::").removesuffix("()")
-        if self.index and re.match(r"^([a-z]\w*::)*[A-Z]\w*[a-z]\w*$", name):
+        if types and self.index and re.match(r"^([a-z]\w*::)*[A-Z]\w*[a-z]\w*$", name):
             found = self.index.find(name)
             return found.replace(".html#", ".md#") if found else None
         return None

@@ -1,5 +1,4 @@
-/// \file  Reading JSON that strangers wrote: fast where it is right, exact about where it is wrong.
-/// Internal: public headers of Enfilade name no third party.
+/// \file  Reading of JSON files, with exact places of faults. Internal, as it includes simdjson.
 #pragma once
 #include <simdjson.h>
 #include <array>
@@ -17,8 +16,7 @@ namespace enfilade::json {
 
 using Element = simdjson::dom::element;
 
-/// Where in a document a value stands. Lives on the stack beside the loop that it describes and
-/// costs nothing until a fault makes a text of it.
+/// JSON path of a value, a linked list on the stack; becomes a text only when a fault is reported.
 class Path {
  public:
   Path() = default;

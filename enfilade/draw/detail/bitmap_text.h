@@ -1,4 +1,4 @@
-/// \file  Letters made of pixels, for captions in pictures. Internal.
+/// \file  A bitmap font, for captions in pictures.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -15,7 +15,7 @@ using Rgb = std::array<std::uint8_t, 3>;
 inline constexpr Rgb kPaper{250, 250, 248};
 inline constexpr Rgb kPictureInk{40, 44, 52};
 
-/// From a letter to the next, and from the top of capitals to the lowest pixel of a "g", in pixels
+/// Advance of a letter, and height from the top of capitals to the lowest pixel of a "g", in pixels
 /// at scale 1.
 inline constexpr std::uint32_t kLetterAdvance = 6;
 inline constexpr std::uint32_t kLetterHeight = 9;
@@ -28,10 +28,10 @@ void fill(image::Image8& picture, std::uint32_t x, std::uint32_t y, std::uint32_
 /// Copies `from` to (x, y). \pre it fits; both of 3 channels
 void paste(image::Image8& picture, const image::Image8& from, std::uint32_t x, std::uint32_t y);
 
-/// Pixels that a text takes in width.
+/// Width of a text, pixels.
 std::uint32_t text_pixels(std::string_view text, std::uint32_t scale);
-/// Writes ASCII, (x, y) the top left corner; other characters as "?", each of their bytes. What
-/// lies beyond the picture is cut off. `scale`: pixels along the edge of a dot.
+/// Draws ASCII text with its top left corner at (x, y), clipped to the picture; other bytes as "?".
+/// `scale`: pixels of a dot's edge.
 void draw_text(image::Image8& picture, std::uint32_t x, std::uint32_t y, std::string_view text,
                Rgb colour, std::uint32_t scale);
 /// The text if it fits `width` pixels, else its beginning and "..".

@@ -14,13 +14,13 @@ struct LegendItem {
   std::string label;
 };
 
-/// Some SVG, and how high it is.
+/// SVG text and its height, pixels.
 struct Block {
   std::string svg;
   double height = 0;
 };
 
-/// A bar of a round length, and the arrow: on the left. Items beside it, in as many rows as needed.
+/// Scale bar and north arrow on the left, items beside them in as many rows as needed.
 Block draw_legend(const std::vector<LegendItem>& items, Point corner, double width,
                   double pixels_per_metre);
 

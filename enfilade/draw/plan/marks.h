@@ -1,4 +1,4 @@
-/// \file  The signs of a floor plan, drawn alike on the plan and in its legend. Internal.
+/// \file  Marks of a floor plan, used on the plan and in its legend.
 #pragma once
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace enfilade::draw::plan {
 
-// Okabe and Ito's palette, which colour-blind people tell apart.
+// Okabe and Ito's palette, safe for colour-blind readers.
 inline constexpr Colour kBlue{0, 114, 178};
 inline constexpr Colour kSky{86, 180, 233};
 inline constexpr Colour kVermilion{213, 94, 0};
@@ -24,7 +24,7 @@ inline constexpr const char* kFloorRim = "#d8d0be";
 std::string dot(Point p);
 std::string isolated_mark(Point p);
 std::string excluded_mark(Point p);
-/// Where an edge goes on to another storey; `up`: a higher one.
+/// End of an edge that continues on another storey; `up`: a higher one.
 std::string stairs_mark(Point p, bool up);
 std::string start_mark(Point p);
 std::string goal_mark(Point p);

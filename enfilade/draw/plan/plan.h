@@ -1,4 +1,4 @@
-/// \file  What a floor plan shows and where on the sheet it goes. Internal.
+/// \file  Content and layout of a floor plan.
 #pragma once
 #include <cstddef>
 #include <string>

@@ -1,4 +1,4 @@
-/// \file  The few pieces of SVG that floor plans are made of. Internal.
+/// \file  Pieces of SVG for floor plans.
 #pragma once
 #include <fmt/format.h>
 #include <iterator>
@@ -9,7 +9,7 @@
 
 namespace enfilade::draw::plan {
 
-/// A place on the sheet, or a way between two: pixels, y down.
+/// A point on the sheet, or a vector: pixels, y down.
 struct Point {
   double x = 0, y = 0;
 
@@ -22,7 +22,7 @@ struct Point {
 std::string pair(Point p);
 std::string number(double value);
 
-/// Width of a text in the sheet's sans-serif at `size` pixels: a cautious guess, as the font is the
+/// Estimated width of a text in sans-serif at `size` pixels, on the large side, as the font is the
 /// viewer's.
 double text_width(std::string_view text, double size);
 

@@ -1,4 +1,4 @@
-/// \file  Paths over a floor plan, kept apart where they run over one edge twice. Internal.
+/// \file  Paths on a floor plan, side by side where they use an edge more than once.
 #pragma once
 #include <string>
 #include <vector>
@@ -21,10 +21,9 @@ struct Step {
   double side = 0;
 };
 
-/// The steps of each path, those that stay where they are left out. A step over an edge that is
-/// used once in all the paths runs down its middle; others keep to the right, the second one in a
-/// direction further out than the first, `spacing` pixels apart or less if there are many: like
-/// traffic.
+/// The steps of each path, without those that stay in place. A step over an edge that all paths use
+/// once runs along its centre line. Others keep to the right, each further step in a direction
+/// farther out, `spacing` pixels apart, or less if there are many.
 std::vector<std::vector<Step>> lanes(const std::vector<std::vector<ViewpointIndex>>& paths,
                                      double spacing);
 

@@ -12,7 +12,7 @@ namespace enfilade::draw::plan {
 std::string draw_lines(const UnderlayStorey& storey, const Panel& panel);
 std::string draw_texts(const UnderlayStorey& storey, const Panel& panel);
 
-/// What the kinds of lines that there are mean.
+/// Legend of the kinds of lines in the underlay.
 std::vector<LegendItem> underlay_legend(const PlanUnderlay& underlay);
 
 }  // namespace enfilade::draw::plan

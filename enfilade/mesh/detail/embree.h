@@ -1,4 +1,4 @@
-/// \file  Embree 3 (Debian 12) or 4 (Ubuntu 24.04): where they differ, and nothing else.
+/// \file  The differences between Embree 3 (Debian 12) and 4 (Ubuntu 24.04).
 #pragma once
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>

@@ -1,4 +1,4 @@
-/// \file  The true height of floor cells, which Recast knows to a level only. Internal.
+/// \file  Exact heights of floor cells, which Recast rounds to its levels.
 #pragma once
 #include <span>
 
@@ -16,9 +16,9 @@ struct Columns {
   double level = 0;                      ///< how far below
 };
 
-/// Moves each cell onto the highest surface at its middle that is near its height: a cell has the
-/// height of the highest thing anywhere in it, such as the next tread. Where there is none (a crack
-/// between triangles) it sinks by half a level, the mean error.
+/// Moves each cell to the highest surface at its centre that is near its height. Recast's cells
+/// have the height of the highest surface anywhere in them, such as the next stair. If there is no
+/// surface (a crack between triangles), the cell is lowered by half a level, the mean error.
 void set_exact_heights(const Mesh& mesh, const Columns& columns, std::span<FloorCell> cells);
 
 }  // namespace enfilade::mesh::detail

@@ -1,4 +1,4 @@
-/// \file  A furnished room for tests: what light, depth and labels are tried on.
+/// \file  A furnished room, for tests of light, depth and labels.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-/// \file  Textures as rays see them.
+/// \file  Texture lookup for rays: coordinates, alpha, filtering.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -8,13 +8,13 @@
 
 namespace enfilade::mesh::detail {
 
-/// Where a point of a triangle, (1 - u - v) corner0 + u corner1 + v corner2, lies in its texture.
+/// Texture coordinates of the point (1 - u - v) corner0 + u corner1 + v corner2 of a triangle.
 TexturePoint texture_point(const Mesh& mesh, std::uint32_t triangle, float u, float v);
 
-/// Alpha in [0, 1] between the four texels around a point. \pre 4 channels
+/// Alpha in [0, 1], bilinear. \pre 4 channels
 float alpha_at(const image::Image8& texture, TexturePoint at);
 
-/// A texture and its halves, quarters, ... so that what is seen from afar does not flicker.
+/// A mip map: a texture in halved sizes, against aliasing.
 class TexturePyramid {
  public:
   TexturePyramid() = default;

@@ -11,9 +11,9 @@ namespace enfilade::mesh::detail {
 
 inline constexpr float kFloatPi = std::numbers::pi_v<float>;
 
-/// Part by part: light on a colour.
+/// Componentwise product.
 inline Vec3f operator*(Vec3f a, Vec3f b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
-/// Of length 1; `otherwise` for a vector too short to have a direction.
+/// The vector scaled to length 1; `otherwise` if its length is about 0.
 inline Vec3f unit(Vec3f v, Vec3f otherwise = {0, 0, 1}) {
   const float size = length(v);
   return size > 1e-20F ? (1 / size) * v : otherwise;

@@ -1,4 +1,4 @@
-/// \file  Light at the points of a light mesh.
+/// \file  Computes the light at the points of a light mesh.
 #pragma once
 #include <memory>
 #include <vector>
@@ -11,7 +11,7 @@ namespace enfilade::mesh::light {
 
 struct BakedLight {
   LightMesh mesh;
-  /// Irradiance over pi by light point, but for the sun's, which rays find where one looks.
+  /// Irradiance over pi by light point, without sunlight, for which rays are traced when drawing.
   std::vector<Vec3f> light;
   float key = 1;  ///< LitMesh::key()
 };

@@ -1,4 +1,4 @@
-/// \file  What bake() does, step by step.
+/// \file  Baker: the steps of bake().
 #pragma once
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace enfilade::mesh::light {
 
-/// Tells a caller how far the work is, in steps whose shares are known beforehand.
+/// Reports progress of steps with known shares.
 class Steps {
  public:
   Steps(const Progress& progress, int threads) : progress_(progress), threads_(threads) {}
@@ -40,7 +40,7 @@ class Steps {
   std::size_t done_ = 0;
 };
 
-/// In place of a light point: the sky.
+/// Stands for the sky instead of a light point.
 inline constexpr LightPoint kNowhere = 0x7fffffffU;
 
 class Baker {
@@ -52,13 +52,13 @@ class Baker {
 
  private:
   struct State {
-    bool live = false;    ///< light comes here
-    bool backs = false;   ///< most of what it sees are surfaces' backs
-    bool buried = false;  ///< and it is dark: inside of something solid
+    bool live = false;    ///< receives light
+    bool backs = false;   ///< sees mostly back sides
+    bool buried = false;  ///< and is dark: inside a solid
   };
-  /// What a ray found.
+  /// Result of one ray.
   struct Found {
-    Vec3f radiance;      ///< of lights that are not aimed at
+    Vec3f radiance;      ///< of lights that are not sampled explicitly
     LightPoint surface;  ///< the nearest point; kNowhere: the sky
     bool back;           ///< of that surface
     bool near;           ///< it is within kNear spacings
@@ -127,10 +127,10 @@ class Baker {
   // By light point.
   std::vector<State> state_;
   std::vector<Vec3f> direct_, indirect_, sun_;  ///< irradiance
-  std::vector<Vec3f> found_;                    ///< of indirect_, what is not sent by surfaces
-  // Indirect light in two parts. What is near is known by a point's own rays: the dark below a
-  // table. What is far changes little from point to point, but is found by few rays of many: a
-  // patch of sun. So the latter is a mean over neighbours.
+  std::vector<Vec3f> found_;  ///< of indirect_, the part that surfaces do not send
+  // Indirect light in two parts. Light from near surfaces (the shade below a table) is taken from a
+  // point's own rays. Light from far surfaces changes little from point to point, but few rays find
+  // it (a patch of sun), so that it is averaged over neighbours.
   std::vector<Vec3f> near_;       ///< irradiance
   std::vector<Vec3f> far_;        ///< mean radiance
   std::vector<float> far_share_;  ///< of rays

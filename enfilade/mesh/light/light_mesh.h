@@ -11,12 +11,12 @@
 
 namespace enfilade::mesh::light {
 
-/// One side of a place on a surface: `id ^ 1` is its other side. Corners at one place and of one
-/// normal are one, whichever triangles they are of.
+/// One side of a point on a surface; `id ^ 1` is the other side. Corners of triangles with the same
+/// position and normal are one point.
 using LightPoint = std::uint32_t;
 
-/// Triangles cut in two at edges' middles, again and again. What cuts an edge depends on its ends
-/// alone, so that triangles that share an edge share its points, too: light is continuous.
+/// Triangles, split repeatedly at midpoints of edges. Whether an edge is split depends on its ends
+/// only, so that triangles with a common edge share its points, and light is continuous.
 class LightMesh {
  public:
   /// Three places, seen from the front: counter-clockwise.
@@ -38,14 +38,15 @@ class LightMesh {
   Vec3f position(LightPoint p) const { return positions_[p / 2]; }
   /// Points away from the side's surface; length 1.
   Vec3f normal(LightPoint p) const { return p % 2 == 0 ? normals_[p / 2] : flipped(p); }
-  /// The ends of the edge that it is the middle of. \pre it is not a triangle's corner
+  /// Ends of the edge whose midpoint it is. \pre it is not a triangle's corner
   std::array<LightPoint, 2> ends(LightPoint p) const {
     return {ends_[p / 2][0] ^ (p & 1U), ends_[p / 2][1] ^ (p & 1U)};
   }
   std::span<const Piece> pieces() const noexcept { return pieces_; }
   Place locate(std::uint32_t triangle, float u, float v) const;
 
-  /// Cuts every edge that `wanted(a, b)` (in any order, of the front) says, until there is none.
+  /// Splits all edges for which `wanted(a, b)` (front sides, in any order) holds, until there is
+  /// none.
   template <class Wanted>
   void cut(const Wanted& wanted) {
     std::vector<std::uint32_t> open(pieces_.size());

@@ -1,4 +1,4 @@
-/// \file  Lights that are aimed at: lamps, portals to the sky, glowing things.
+/// \file  Light sources that are sampled explicitly: lamps, portals, emissive surfaces.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -15,36 +15,36 @@ struct Receiver {
   Vec3f position, normal;  ///< the normal has length 1
 };
 
-/// One light, seen as a few points. All receivers aim at the same points, so that the error of so
-/// few is smooth over a surface, where chance would make it speckled.
+/// One light, sampled at a few points. These are the same for all receivers, so that their error is
+/// smooth over a surface; random points would give noise.
 class LightSource {
  public:
   LightSource(const Lamp& lamp);
   LightSource(const Portal& portal, const Sky& sky);
-  /// Triangles that glow. \param radiance what they send out, on both sides
+  /// Emissive triangles. \param radiance emitted on both sides
   LightSource(const Mesh& mesh, std::span<const std::uint32_t> triangles, Vec3f radiance);
 
-  /// Is it far enough from a receiver, for its size, that a few points stand for it? Else what it
-  /// sends is found by rays in all directions. Lamps always are.
+  /// Whether it is far enough from a receiver, for its size, to be sampled at a few points. Else
+  /// its light is found by rays in all directions. Always true for lamps.
   bool aimed_at(Vec3f from) const;
-  /// Could it matter? No: less than `least` irradiance, or behind the receiver.
+  /// False if it gives less than `least` irradiance or is behind the receiver.
   bool reaches(const Receiver& receiver, float least) const;
 
-  /// From a ball round it; >= 0.
+  /// Distance from its bounding sphere; >= 0.
   float distance(Vec3f from) const;
 
   struct Aim {
     Ray ray;           ///< to one of its points
-    Vec3f irradiance;  ///< that reaches the receiver if nothing lies on the ray
+    Vec3f irradiance;  ///< at the receiver, if the ray is not blocked
   };
   std::size_t points() const noexcept { return points_.size(); }
-  /// If all of the first few are blocked, the rest is taken to be.
+  /// If the first few samples are all blocked, the others are assumed to be.
   std::size_t first_few() const noexcept { return first_few_; }
   Aim aim(const Receiver& receiver, std::size_t point) const;
   Blockers blockers() const noexcept {
     return kind_ == Kind::kLamp ? Blockers::kNotGlowing : Blockers::kAll;
   }
-  /// Does a ray to the sky leave through this portal? Never for other kinds.
+  /// Whether a ray to the sky passes through this portal; false for other kinds.
   bool crossed_by(Vec3f origin, Vec3f direction) const;
 
  private:

@@ -1,4 +1,4 @@
-/// \file  What light meets: colours and normals of a mesh's triangles.
+/// \file  Colours and normals of a mesh's triangles, for lighting.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -21,9 +21,9 @@ class Surfaces {
   /// For shading, on the front; length 1.
   Vec3f normal(std::uint32_t triangle, float u, float v) const;
   Vec3f position(std::uint32_t triangle, float u, float v) const;
-  /// Share of light that is sent back evenly, mean over about `footprint` metres.
+  /// Diffuse reflectance, averaged over about `footprint` metres.
   Vec3f colour(std::uint32_t triangle, float u, float v, float footprint) const;
-  /// The mean, mirrors as white: what light gains from the surface as a whole.
+  /// Mean reflectance of the triangle; mirrors count as white.
   Vec3f mean_colour(std::uint32_t triangle) const;
 
  private:

@@ -13,8 +13,8 @@
 
 namespace enfilade::mesh::readers {
 
-/// Container and JSON. Images are left as they are: in `image` if they are not in a buffer.
-/// \throws InvalidInput for what is no glTF 2.0, and for a required extension that is not known;
+/// Parses container and JSON. Images are not decoded: they are in `image` if not in a buffer.
+/// \throws InvalidInput for files that are not glTF 2.0, and for unknown required extensions;
 /// FileError for buffers that cannot be read
 tinygltf::Model load_gltf(const Source& source);
 
@@ -22,18 +22,17 @@ tinygltf::Model load_gltf(const Source& source);
 std::string_view view_bytes(const tinygltf::Model& model, int view, const std::string& file,
                             const std::string& where);
 
-/// An accessor's numbers, sparse ones put in place; whole numbers that stand for shares of 1 as
-/// such.
+/// The numbers of an accessor, with sparse ones applied; normalised integers become [0, 1].
 struct GltfNumbers {
   std::size_t count = 0;       ///< items
   std::size_t components = 0;  ///< numbers an item
-  bool whole = false;          ///< unsigned and not shares: may be indices
+  bool whole = false;          ///< unsigned and not normalised: may be indices
   std::vector<double> values;
 };
-/// \throws InvalidInput for whatever does not lie inside its buffer
+/// \throws InvalidInput for data outside of its buffer
 GltfNumbers read_accessor(const tinygltf::Model& model, int accessor, const std::string& file);
 
-/// Where in a texture, after KHR_texture_transform.
+/// Texture coordinates, after KHR_texture_transform.
 struct GltfTexturePlace {
   int set = -1;                                 ///< TEXCOORD_<set>; -1: no texture
   std::array<double, 6> map{1, 0, 0, 0, 1, 0};  ///< u' = m0 u + m1 v + m2, v' = m3 u + m4 v + m5

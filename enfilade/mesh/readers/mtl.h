@@ -13,7 +13,7 @@ struct MtlMaterial {
   Material material;
   std::string colour_map, alpha_map;
 };
-/// Lines that cannot be understood are warnings: a mesh without a colour is still a mesh.
+/// Invalid lines give warnings, as a mesh without a colour can still be used.
 /// \param file in messages
 std::vector<MtlMaterial> parse_mtl(std::string_view text, const std::string& file,
                                    std::vector<Diagnostic>& warnings);

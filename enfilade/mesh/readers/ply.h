@@ -1,4 +1,4 @@
-/// \file  PLY (Stanford's polygon files): tables of numbers and lists. Internal.
+/// \file  PLY (Stanford's polygon files): tables of numbers and lists.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace enfilade::mesh::readers::ply {
 
 enum class Type : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
 
-/// A property of all rows. Every type's values are exact as doubles.
+/// The values of one property. Doubles hold all types exactly.
 struct Column {
   std::string name;
   Type type = Type::kFloat;
@@ -35,8 +35,8 @@ struct File {
   const Element* find(std::string_view name) const;
 };
 
-/// ASCII and binary of either byte order; keeps properties whose names are `wanted`. Takes no more
-/// memory than some multiple of the file's size. \throws InvalidInput
+/// ASCII and binary of either byte order; keeps properties whose names are `wanted`. Memory is
+/// bounded by a multiple of the file's size. \throws InvalidInput
 File parse(std::string_view bytes, const std::string& file,
            std::span<const std::string_view> wanted);
 

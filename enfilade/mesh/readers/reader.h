@@ -1,4 +1,4 @@
-/// \file  What the readers of mesh formats share. Internal.
+/// \file  Shared by the readers of mesh formats: sources, textures, assembly of triangles.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -32,12 +32,12 @@ ReadResult read_gltf(const Source& source);
 void warn(ReadResult& result, const Source& source, std::string where, std::string code,
           std::string message);
 
-/// Decodes textures, and says no before a small file has filled all memory.
+/// Decodes textures, within a limit of pixels for the whole file.
 class TextureDecoder {
  public:
   /// JPEG or PNG as RGB or RGBA. \throws InvalidInput
   image::Image8 decode(std::string_view bytes, const std::string& file);
-  /// Says no, too, where a picture is to be kept once more. \throws InvalidInput
+  /// Counts a picture that is stored once more. \throws InvalidInput
   void take(std::uint32_t width, std::uint32_t height, const std::string& file);
 
  private:
@@ -46,18 +46,18 @@ class TextureDecoder {
 
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-/// One corner of a triangle as files have it; kNone where there is nothing.
+/// Indices of one corner of a triangle; kNone: missing.
 struct Corner {
   std::uint32_t position = 0, texture_point = kNone, normal = kNone;
 };
 
-/// Collects triangles; leaves lists out that no triangle uses.
+/// Collects triangles. Lists that no triangle uses stay empty.
 class MeshCollector {
  public:
   Mesh mesh;
   std::vector<TexturePoint> texture_points;
   std::vector<Vec3f> normals;  ///< any length
-  bool coloured = false;       ///< has mesh.colours any meaning?
+  bool coloured = false;       ///< whether mesh.colours is used
 
   /// \pre indices are valid
   void add(const std::array<Corner, 3>& corners, std::uint32_t material, std::uint32_t object);

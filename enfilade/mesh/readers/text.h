@@ -1,5 +1,4 @@
-/// \file  Text formats of meshes: lines of words and numbers, and what is wrong with them.
-/// Internal.
+/// \file  Parsing of text formats: lines, words, numbers, and lists of faults.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +11,7 @@
 
 namespace enfilade::mesh::readers {
 
-/// A text's lines one after the other; ends `\n` and `\r\n`.
+/// Iterates over the lines of a text; line ends are `\n` and `\r\n`.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
@@ -27,20 +26,21 @@ class Lines {
   std::size_t number_ = 0;
 };
 
-/// Cuts the first word off `line`; empty at its end. White space is blanks, tabs, \r, \v, \f.
+/// Removes and returns the first word of `line`; empty at its end. White space: space, \t, \r, \v,
+/// \f.
 std::string_view cut_word(std::string_view& line);
-/// Without white space at both ends.
+/// The text without white space at both ends.
 std::string_view trim(std::string_view text);
 std::vector<std::string_view> words(std::string_view line);
 
-/// A number that takes up the whole word; finite. "1e999", "nan" are none.
+/// The number that is the whole word; finite. "1e999" and "nan" are invalid.
 std::optional<double> to_number(std::string_view word);
 std::optional<std::int64_t> to_integer(std::string_view word);
 
-/// The start of a word for messages, its control bytes escaped.
+/// The start of a word, quoted and escaped, for messages.
 std::string in_quotes(std::string_view word);
 
-/// What is wrong with a file. Broken files have millions of faults: it gives up after some.
+/// Faults of one file, at most 100: broken files have millions.
 class FaultList {
  public:
   explicit FaultList(const std::string& file) : file_(file) {}

@@ -1,4 +1,4 @@
-/// \file  Which texels a band of rows will need, brought into the caches before they are needed.
+/// \file  Prefetching of the texels that a band of rows will read.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -1,5 +1,5 @@
-/// \file  The inner loops of the CPU back end: one table for each instruction set, and the plain
-/// twin that they are held against. All give the same bytes.
+/// \file  The inner loops of the CPU back end: one table of functions for each instruction set, and
+/// the scalar reference. All give the same bytes.
 #pragma once
 #include <array>
 #include <cstddef>

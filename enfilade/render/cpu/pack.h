@@ -1,5 +1,5 @@
-/// \file  From blocks of pixels to the formats that callers ask for; shared with the GL back end
-/// and the equirectangular pictures.
+/// \file  Conversion of blocks of pixels to the output formats; also used by the GL back end and
+/// for equirectangular pictures.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-/// \file  The back ends that need nothing but a processor.
+/// \file  The CPU back ends.
 #pragma once
 #include <memory>
 

@@ -1,4 +1,4 @@
-/// \file  One row of a picture as stretches that lie on one face each.
+/// \file  Splits a row of a picture into stretches on one face each.
 #pragma once
 #include <array>
 #include <cstddef>

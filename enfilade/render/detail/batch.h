@@ -1,4 +1,4 @@
-/// \file  What every back end works out about a batch before it draws.
+/// \file  Preparation of a batch, shared by the back ends: rays, visible faces, decoded faces.
 #pragma once
 #include <array>
 #include <cstddef>

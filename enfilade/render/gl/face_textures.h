@@ -1,4 +1,4 @@
-/// \file  Faces in the graphics card's memory, as many as fit a number of bytes.
+/// \file  Cache of faces in textures of the graphics card, within a limit of bytes.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -1,4 +1,4 @@
-/// \file  What is drawn into, and how it comes back.
+/// \file  Render targets and their read-back.
 #pragma once
 #include <array>
 #include <cstddef>

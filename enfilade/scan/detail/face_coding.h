@@ -1,4 +1,4 @@
-/// \file  How the texels of a face of depth, classes or instances are packed, without loss.
+/// \file  Lossless compression of faces of depth, classes and instances.
 ///
 /// A face's n x n values are (1) predicted from their neighbours, row by row, and the difference to
 /// the prediction kept, modulo 2^bits; (2) differences of either sign folded to small numbers: 0,

@@ -1,4 +1,4 @@
-/// \file  From a panorama to its record in a store.
+/// \file  Encodes a panorama as a record of a store.
 #pragma once
 #include "enfilade/scan/detail/store_writer.h"
 #include "enfilade/scan/store.h"

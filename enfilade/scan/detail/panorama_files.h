@@ -1,4 +1,4 @@
-/// \file  The pictures of viewpoints, found by Matterport3D's file names.
+/// \file  Finds and reads the pictures of viewpoints by Matterport3D's file names.
 #pragma once
 #include <cstddef>
 #include <cstdint>

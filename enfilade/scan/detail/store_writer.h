@@ -1,12 +1,12 @@
-/// \file  The file in which a store grows, panorama by panorama, and which survives being killed.
+/// \file  Writes a store, panorama by panorama; a killed run can be continued.
 #pragma once
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <vector>
 
-#include "enfilade/core/part_file.h"
 #include "enfilade/core/ids.h"
+#include "enfilade/core/part_file.h"
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/detail/store_format.h"
 
