@@ -18,7 +18,7 @@ class TensorFile:
 
     def metadata(self) -> dict[str, str]: ...
 
-    def array(self, name: str) -> Annotated[NDArray, dict(writable=False)]:
+    def array(self, name: str) -> Annotated[Any, dict(writable=False)]:
         """A read-only view of an array of float32 or float16, (*shape)."""
 
 def write_safetensors(file: str | os.PathLike[str], arrays: Mapping[str, Annotated[Any, dict(order='C', device='cpu', writable=False)]], metadata: Mapping[str, str]) -> None:
