@@ -13,6 +13,7 @@ from __future__ import annotations
 import base64
 import binascii
 import contextlib
+import importlib
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
@@ -231,7 +232,7 @@ def _open_safetensors(file: str) -> Features:
 
 def _open_hdf5(file: str) -> Features:
     try:
-        import h5py as library
+        library = importlib.import_module("h5py")
     except ImportError as error:
         raise ImportError(
             'features of this format need h5py: pip install "enfilade[features]"'
