@@ -36,14 +36,6 @@ ordered_json viewpoint_json(const graph::NavGraph& graph, ViewpointIndex v,
 
 }  // namespace
 
-const scan::PanoramaSource* find_source(const Site& site, ScanIndex scan) {
-  try {
-    return &site.panoramas().source(scan);
-  } catch (const LookupError&) {
-    return nullptr;
-  }
-}
-
 ordered_json scan_list_json(const Site& site) {
   auto list = ordered_json::array();
   for (std::size_t s = 0; s < site.graphs().size(); ++s) {
@@ -51,14 +43,14 @@ ordered_json scan_list_json(const Site& site) {
     list.push_back({{"scan", graph.scan()},
                     {"viewpoints", graph.included_count()},
                     {"edges", graph.edge_count() / 2},
-                    {"pictures", find_source(site, ScanIndex(s)) != nullptr}});
+                    {"pictures", site.panoramas().find_source(ScanIndex(s)) != nullptr}});
   }
   return {{"synthetic", site.synthetic()}, {"scans", list}};
 }
 
 ordered_json scan_json(const Site& site, ScanIndex scan) {
   const graph::NavGraph& graph = site.graphs().graph(scan);
-  const scan::PanoramaSource* source = find_source(site, scan);
+  const scan::PanoramaSource* source = site.panoramas().find_source(scan);
   ordered_json out{{"scan", graph.scan()}, {"synthetic", site.synthetic()}};
   auto& storeys = out["storeys"] = ordered_json::array();
   for (const draw::Storey& storey : draw::find_storeys(graph)) {

@@ -6,9 +6,6 @@
 
 namespace enfilade::service::browsing {
 
-/// The panoramas of a scan; null if the data set has none of it.
-const scan::PanoramaSource* find_source(const Site& site, ScanIndex scan);
-
 /// All scans, with their numbers of viewpoints and edges.
 nlohmann::ordered_json scan_list_json(const Site& site);
 /// Storeys, viewpoints with their neighbours, and which pictures there are of each.

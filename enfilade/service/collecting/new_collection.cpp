@@ -1,4 +1,4 @@
-// Reading a new collection. It may be megabytes of paths by hand, so all faults come at once.
+// Reading a new collection. It may be megabytes of paths, so all faults are reported at once.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>

@@ -1,4 +1,4 @@
-/// \file  The time, as the service counts it.
+/// \file  The clock of the service.
 #pragma once
 #include <cstdint>
 #include <functional>

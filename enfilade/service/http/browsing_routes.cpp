@@ -71,7 +71,7 @@ Response face(Context& context, const Request& request, scan::Layer layer) {
   const bool colour = layer == scan::Layer::kColour;
   const std::size_t face = face_of(request.parameter("face"), colour ? ".jpg" : ".png");
   const ScanIndex scan = scan_of(context, request);
-  const scan::PanoramaSource* source = browsing::find_source(*context.site, scan);
+  const scan::PanoramaSource* source = context.site->panoramas().find_source(scan);
   const auto viewpoint =
       source == nullptr ? std::nullopt : source->find(request.parameter("viewpoint"));
   if (!viewpoint || source->face_sizes(*viewpoint)[index(layer)] == 0) {

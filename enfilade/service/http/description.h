@@ -1,4 +1,4 @@
-/// \file  The API's OpenAPI description, openapi.json, as a build step put it into the library.
+/// \file  The API's description, openapi.json, which a build step puts into the library.
 #pragma once
 #include <string_view>
 

@@ -51,6 +51,7 @@ constexpr std::array<Answer, 10> kRefusals{{{422, "invalid-input"},
                                             {409, "already-returned"},
                                             {409, "lease-expired"},
                                             {429, "rate-limited"}}};
+static_assert(kRefusals.size() == static_cast<std::size_t>(detail::ErrorCode::kRateLimited) + 1);
 
 Response respond(const Answer& answer, std::string_view message,
                  const std::vector<Diagnostic>& diagnostics) {

@@ -60,8 +60,8 @@ Response file_response(std::string json, const std::string& name);
 
 /// The body as a JSON object. \throws HttpError 400 if it is none
 nlohmann::ordered_json parse_object(const std::string& body);
-/// A text of an object. \throws HttpError 400 if it is none, or is required and absent
 enum class Presence : std::uint8_t { kRequired, kOptional };
+/// A text of an object. \throws HttpError 400 if it is none, or is required and absent
 std::string text_field(const nlohmann::ordered_json& object, const char* name,
                        Presence presence = Presence::kRequired);
 

@@ -1,4 +1,4 @@
-/// \file  What a server did, in Prometheus' text format.
+/// \file  Counts of requests and their times, in Prometheus' text format.
 #pragma once
 #include <array>
 #include <atomic>
@@ -14,8 +14,7 @@ namespace enfilade::service::http {
 /// Counts requests by route and status. All functions may be called from any thread.
 class Metrics {
  public:
-  /// \param route its pattern, so that there are only so many  \param seconds from its first byte
-  /// to its answer
+  /// \param route its pattern: paths would be too many  \param seconds until the answer was ready
   void count(std::string_view route, int status, double seconds);
   void begin() noexcept { ++in_flight_; }
   void end() noexcept { --in_flight_; }

@@ -51,8 +51,8 @@ Request convert(const httplib::Request& from, bool behind_proxy) {
 
 enum class Connection { kStays, kCloses };
 
-// By a provider of known length, as that is what cpp-httplib does not compress by itself: the App
-// has done so where it pays. A provider that fails closes the connection.
+// Sends the body by a provider of known length, which cpp-httplib does not compress itself: the App
+// has compressed it already. A provider that fails closes the connection.
 void convert(Response from, httplib::Response& to, Connection connection = Connection::kStays) {
   to.status = from.status;
   for (auto& [name, value] : from.headers) to.set_header(name, value);
@@ -88,8 +88,8 @@ bool has_body(const httplib::Request& request) {
   return request.has_header("Content-Length") || request.has_header("Transfer-Encoding");
 }
 
-/// Whether a proxy before this server could see another end of the request than cpp-httplib does,
-/// and so be made to give one client's answer to another.
+/// Whether a proxy could see another end of the request than cpp-httplib does: an attacker could
+/// then make it give one client's answer to another client.
 bool end_is_unclear(const httplib::Request& request) {
   const auto blank = [](char c) { return c == ' ' || c == '\t'; };
   for (const auto& [name, value] : request.headers) {
@@ -104,7 +104,7 @@ bool end_is_unclear(const httplib::Request& request) {
   constexpr std::size_t kMostDigits = 15;
   const bool digits = std::ranges::all_of(length, [](char c) { return c >= '0' && c <= '9'; });
   if (lengths == 1 && (length.empty() || length.size() > kMostDigits || !digits)) return true;
-  // cpp-httplib would leave the body where the next request is looked for.
+  // cpp-httplib would read the body as the next request.
   return has_body(request) && length != "0" && !may_have_body(request.method);
 }
 
@@ -133,7 +133,8 @@ class Body {
         busy = (held_ += more) > kMostHeld * config_.most_submission_bytes;
         body.append(data, more);
       }
-      // What is too large is read to its end, so that the client gets to hear of it; up to a point.
+      // A body that is too large is read to its end, up to a limit, so that the client gets the
+      // 413.
       return !late() && size <= 2 * config_.most_submission_bytes;
     });
     if (late()) throw HttpError(408, "the body took too long");
@@ -216,20 +217,20 @@ struct Transport::Impl {
   void route() {
     server.set_pre_routing_handler([](const httplib::Request& from, httplib::Response& to) {
       auto& own = const_cast<httplib::Request&>(from);  // cpp-httplib's variable, lent as const
-      // Parts of answers are nothing that the pages need, and 0.11 gets them wrong.
+      // The pages need no parts of answers, and cpp-httplib 0.11 sends wrong ones.
       own.ranges.clear();
       if (end_is_unclear(from)) {
         own.method = "GET";  // what answers HEAD has no end that could close the connection
         refuse(400, "it is not clear where this request ends", to);
       } else if (from.path.size() > kLongestTarget) {
-        // cpp-httplib matches targets with std::regex, which a long one would take down.
+        // cpp-httplib matches targets with std::regex, which crashes on a long one.
         refuse(414, "the path is too long", to);
       } else {
         return httplib::Server::HandlerResponse::Unhandled;
       }
       return httplib::Server::HandlerResponse::Handled;
     });
-    // What cpp-httplib itself refuses: lines that are no HTTP, methods that it does not know.
+    // What cpp-httplib itself refuses: malformed lines, unknown methods.
     server.set_error_handler([](const httplib::Request& from, httplib::Response& to) {
       const_cast<httplib::Request&>(from).ranges.clear();
       if (to.has_header("Content-Security-Policy")) return;  // ours

@@ -1,5 +1,5 @@
-/// \file  Sockets: brings requests to an App, by cpp-httplib. The only file of the library that
-/// knows it.
+/// \file  Sockets: passes requests to an App, by cpp-httplib. Only its source and client.cpp see
+/// cpp-httplib.
 #pragma once
 #include <memory>
 
@@ -17,7 +17,7 @@ class Transport {
   Transport& operator=(const Transport&) = delete;
 
   int port() const noexcept;
-  void stop();  ///< returns when the requests at work are answered
+  void stop();  ///< returns when the running requests are answered
 
  private:
   struct Impl;

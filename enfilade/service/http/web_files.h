@@ -1,4 +1,4 @@
-/// \file  The web client, as a build step put it into the library. See web/README.md.
+/// \file  The files of the web client, which a build step puts into the library. See web/README.md.
 #pragma once
 #include <span>
 #include <string_view>

@@ -46,7 +46,7 @@ Database::Database(const fs::path& file, detail::Clock clock)
       db_(open_file(file, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)) {
   try {
     db_.exec("PRAGMA journal_mode = WAL");
-    // What was acknowledged survives the machine's power too, not just the process.
+    // What was acknowledged survives a power failure too, not only a crash of the process.
     db_.exec("PRAGMA synchronous = FULL");
     db_.exec("PRAGMA foreign_keys = ON");
     migrate();

@@ -1,11 +1,11 @@
-/// \file  The tables, as the steps that make them.
+/// \file  The tables of the database, as migrations.
 #pragma once
 #include <array>
 
 namespace enfilade::service::store {
 
-/// Migration k takes a database of version k to version k + 1. Those that were released stay as
-/// they are: a change is a new one at the end. Times are seconds since 1970.
+/// Migration k takes a database of version k to version k + 1. A released migration never
+/// changes: a change of the schema is a new one at the end. Times are seconds since 1970.
 inline constexpr std::array<const char*, 2> kMigrations{
     // 1: evaluation
     R"sql(
@@ -49,8 +49,8 @@ CREATE TABLE submission (
 CREATE INDEX submission_team ON submission (team, phase, created);
 CREATE INDEX submission_phase ON submission (phase, state);
 )sql",
-    // 2: collections. SQLite can't change a CHECK: token, and session which refers to it, are made
-    // anew.
+    // 2: collections. SQLite can't change a CHECK: token, and session which refers to it, are
+    // created again.
     R"sql(
 CREATE TABLE collection (
   id INTEGER PRIMARY KEY,
