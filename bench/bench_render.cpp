@@ -17,6 +17,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/render/gl_devices.h"
+#include "enfilade/scan/data_root.h"
 
 namespace enfilade::bench {
 namespace {

@@ -9,6 +9,7 @@
 #include "apps/common/program.h"
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
+#include "enfilade/scan/data_root.h"
 #include "tests/conformance/data_beside.h"
 #include "tests/conformance/golden.h"
 
