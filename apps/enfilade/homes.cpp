@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
@@ -20,6 +21,8 @@ struct Options {
   std::optional<std::size_t> homes;
   std::optional<std::uint64_t> seed;
   std::optional<std::uint32_t> size, samples;
+  std::vector<std::string> parts;
+  std::uint32_t image_width = homes::HomeSetOptions().image_width;
   std::optional<double> area;
   std::size_t paths = homes::HomePathOptions().per_home;
   int threads = 0;
@@ -45,6 +48,8 @@ homes::HomeSetOptions set_of(const Options& o) {
   }
   if (o.size) set.face_size = *o.size;
   if (o.samples) set.samples = *o.samples;
+  set.parts = capture::scan_parts(o.parts);
+  set.image_width = o.image_width;
   set.corrections = o.corrections;
   set.shard = parse_shard(o.shard);
   set.threads = o.threads;
@@ -103,7 +108,7 @@ void add_options(CLI::App& verb, Options& o) {
       ->type_name("DIR");
   verb.add_option("--preset", o.preset,
                   "small: 2 flats for tests; demo: 16 homes of 25 to 50 viewpoints; full: 90 homes "
-                  "of 117 viewpoints on average, 512-texel faces")
+                  "of 117 viewpoints on average, 512-texel faces; graphs: 6 homes without pictures")
       ->check(CLI::IsMember(homes::home_set_presets()))
       ->capture_default_str();
   verb.add_option("--homes", o.homes, "How many, instead of the preset's")
@@ -118,6 +123,16 @@ void add_options(CLI::App& verb, Options& o) {
   verb.add_option("--samples", o.samples, "Colour rays a texel: 1, 4, 9 or 16")
       ->check(whole_number(1));
   verb.add_option("--seed", o.seed, "The same seed gives the same bytes")->check(whole_number());
+  verb.add_option("--parts", o.parts,
+                  "Matterport3D's files of each home too, in v1/scans/, with commas between: as of "
+                  "scan-mesh; mesh is .obj and .glb, for Habitat, Isaac Sim and Blender")
+      ->delimiter(',')
+      ->check(CLI::IsMember(capture::scan_part_names()))
+      ->type_name("PART,...");
+  verb.add_option("--image-width", o.image_width,
+                  "Of the undistorted images among the parts, pixels; heights are 4/5 of it")
+      ->check(whole_number(10, 4096))
+      ->capture_default_str();
   verb.add_option("--corrections", o.corrections,
                   "Folder of what people added to graphs and took away, SCAN_corrections.json: "
                   "docs/graph.md. Also applied to homes that are there; without it none are")

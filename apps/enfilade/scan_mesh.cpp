@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -17,7 +16,6 @@
 #include "enfilade/core/file.h"
 #include "enfilade/graph/build.h"
 #include "enfilade/mesh/lighting.h"
-#include "enfilade/mesh/segmentation.h"
 #include "enfilade/scan/connectivity.h"
 
 namespace enfilade::apps {
@@ -38,19 +36,12 @@ capture::ScanParts parts_of(const Arguments& a) {
   std::vector<std::string> names = a.parts;
   if (names.empty()) names = {"skybox", "strips", "mesh"};
   if (a.parts.empty() && a.labels.empty()) names.emplace_back("house");
-  capture::ScanParts parts;
-  for (const std::string& name : names) {
-    const bool all = name == "all", strips = name == "strips";
-    parts.faces |= all || name == "skybox";
-    parts.colour_strip |= all || strips;
-    parts.depth_strip |= all || strips || name == "depth";
-    parts.label_strips |= all || strips || name == "labels";
-    parts.undistorted |= all || name == "undistorted";
-    parts.house |= (all && a.labels.empty()) || name == "house";
-    parts.mesh |= all || name == "mesh";
-  }
+  capture::ScanParts parts = capture::scan_parts(names);
   if (parts.house && !a.labels.empty()) {
-    throw UsageError("--parts house: those files are what --labels gives");
+    if (std::ranges::find(names, "house") != names.end()) {
+      throw UsageError("--parts house: those files are what --labels gives");
+    }
+    parts.house = false;  // "all"
   }
   return parts;
 }
@@ -83,26 +74,8 @@ scan::Connectivity graph_of(const Arguments& a, const mesh::RayTracer& tracer,
                                    progress_bar("graph"));
 }
 
-// Of directions below the horizon, the share in which viewpoints see nothing at all.
-double emptiness(const mesh::RayTracer& tracer, const scan::Connectivity& graph) {
-  constexpr int kAround = 16;
-  std::size_t rays = 0, empty = 0;
-  for (const scan::ConnectivityEntry& entry : graph.entries) {
-    if (!entry.included) continue;
-    const Vec3d eye = entry.position();
-    for (int k = 0; k < kAround; ++k, ++rays) {
-      const double angle = 2 * 3.141592653589793 * k / kAround;
-      const mesh::Ray ray{
-          to_float(eye),
-          {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), -.5F}};
-      empty += !tracer.trace(ray);
-    }
-  }
-  return rays == 0 ? 0 : static_cast<double>(empty) / static_cast<double>(rays);
-}
-
 void warn_of_emptiness(const mesh::RayTracer& tracer, const scan::Connectivity& graph) {
-  const double empty = emptiness(tracer, graph);
+  const double empty = capture::share_of_nothing_below(tracer, graph);
   if (empty < .5) return;
   fmt::print(stderr,
              "warning: looking down from the viewpoints, {:.0f} % of directions meet nothing: has "
@@ -118,22 +91,6 @@ std::size_t edges(const scan::Connectivity& graph) {
         entry.unobstructed, [&](ViewpointIndex to) { return graph.entries[to.at()].included; }));
   }
   return directed / 2;
-}
-
-// For a mesh that is never looked at for its light.
-mesh::BakeOptions hardly_any_light() {
-  mesh::BakeOptions bake;
-  bake.spacing = 100;
-  bake.rays = 1;
-  bake.bounces = 1;
-  return bake;
-}
-
-std::unique_ptr<mesh::LitMesh> label_mesh(const Arguments& a, const std::string& scan) {
-  if (a.labels.empty()) return nullptr;
-  const auto tracer = std::make_shared<const mesh::RayTracer>(
-      std::make_shared<const mesh::Mesh>(mesh::read_house_mesh(a.labels, scan)));
-  return std::make_unique<mesh::LitMesh>(tracer, mesh::Lights{}, hardly_any_light());
 }
 
 void report(const Arguments& a, const scan::Connectivity& graph,
@@ -159,12 +116,11 @@ void run(Arguments a) {
       std::make_shared<const mesh::RayTracer>(std::make_shared<const mesh::Mesh>(read(a)));
   const scan::Connectivity graph = graph_of(a, *tracer, scan);
   warn_of_emptiness(*tracer, graph);
-  const capture::ScanParts& parts = a.files.parts;
-  const bool coloured = parts.faces || parts.colour_strip || parts.undistorted;
-  mesh::BakeOptions bake = coloured ? mesh::BakeOptions{} : hardly_any_light();
+  mesh::BakeOptions bake = a.files.parts.coloured() ? mesh::BakeOptions{} : capture::least_light();
   bake.threads = a.files.threads;
   const mesh::LitMesh lit(tracer, mesh::studio_lights(tracer->mesh()), bake, progress_bar("light"));
-  const std::unique_ptr<mesh::LitMesh> labels = label_mesh(a, scan);
+  std::unique_ptr<const mesh::LitMesh> labels;
+  if (!a.labels.empty()) labels = capture::read_label_mesh(a.labels, scan);
   a.files.label_mesh = labels.get();
   const auto files = write_scan(lit, graph, a.output, a.files, progress_bar("pictures"));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
@@ -196,15 +152,15 @@ void add_source_options(CLI::App& verb, Arguments& a) {
 }
 
 void add_picture_options(CLI::App& verb, Arguments& a) {
-  verb.add_option("--parts", a.parts,
-                  "What to write, with commas between: skybox (six JPEGs a viewpoint), strips "
-                  "(colour, depth, classes, instances), depth, labels (those strips alone), "
-                  "undistorted (18 colour and depth images a viewpoint with cameras: takes ten "
-                  "times as long), house (.house and its files), mesh (.obj), all (default: "
-                  "skybox,strips,house,mesh)")
+  verb.add_option(
+          "--parts", a.parts,
+          "What to write, with commas between: skybox (six JPEGs a viewpoint), strips "
+          "(colour, depth, classes, instances), depth, labels (those strips alone), "
+          "undistorted (18 colour and depth images a viewpoint with cameras: takes ten "
+          "times as long), house (.house and its files), mesh (.obj and .glb), all (default: "
+          "skybox,strips,house,mesh)")
       ->delimiter(',')
-      ->check(CLI::IsMember(
-          {"skybox", "strips", "depth", "labels", "undistorted", "house", "mesh", "all"}))
+      ->check(CLI::IsMember(capture::scan_part_names()))
       ->type_name("PART,...");
   verb.add_option("--size", a.files.face_size, "Texels along the edge of a sky-box's face")
       ->check(CLI::Range(16, 4096))

@@ -38,10 +38,6 @@ void include(HouseBox& box, Vec3d p) {
 /// Files have numbers only: what holds nothing is a point.
 HouseBox finite(const HouseBox& box) { return box.low.x <= box.high.x ? box : HouseBox{}; }
 
-std::uint32_t object_of(const Mesh& mesh, std::size_t triangle) {
-  return mesh.triangle_object.empty() ? mesh::kNoObject : mesh.triangle_object[triangle];
-}
-
 // --- pieces ---------------------------------------------------------------------------------
 
 /// Positions that are equal have one number: builders give each face corners of its own.

@@ -3,25 +3,26 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/image/textures.h"
 #include "enfilade/mesh/mesh_builder.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::capture {
 namespace {
 
 constexpr double kStanding = .3;  // metres above the lowest point of all
-constexpr std::uint16_t kWall = 1, kFloor = 2, kCeiling = 17;  // mpcat40
+using enum mesh::Mpcat40::Category;
 
 /// Lowest point of each object, and of what belongs to none.
 std::vector<double> lowest_points(const mesh::Mesh& mesh) {
   std::vector<double> lowest(mesh.objects.size() + 1, HUGE_VAL);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const std::uint32_t object =
-        mesh.triangle_object.empty() ? mesh::kNoObject : mesh.triangle_object[t];
+    const std::uint32_t object = object_of(mesh, t);
     double& low = object == mesh::kNoObject ? lowest.back() : lowest[object];
     for (const std::uint32_t v : mesh.triangles[t]) {
       low = std::min(low, static_cast<double>(mesh.positions[v].z));
@@ -38,11 +39,11 @@ double floor_height(const mesh::Mesh& mesh) {
   return lowest[standing / 2];
 }
 
-mesh::Material textured(image::Image8 texture, const char* name) {
+mesh::Material textured(const image::Texture& texture, const char* name) {
   mesh::Material material;
   material.name = name;
   material.colour = {1, 1, 1};
-  material.texture = std::move(texture);
+  material.texture = texture();
   return material;
 }
 
@@ -81,6 +82,21 @@ void add_plain_room(mesh::Mesh& mesh, const PlainRoomOptions& options) {
   wall(g, e);
   wall(e, c);
   append(mesh, room);
+}
+
+double share_of_nothing_below(const mesh::RayTracer& tracer, const scan::Connectivity& graph) {
+  constexpr int kAround = 16;
+  std::size_t rays = 0, empty = 0;
+  for (const scan::ConnectivityEntry& entry : graph.entries) {
+    if (!entry.included) continue;
+    const Vec3f eye = to_float(entry.position());
+    for (int k = 0; k < kAround; ++k, ++rays) {
+      const double angle = 2 * std::numbers::pi * k / kAround;
+      empty += !tracer.trace(
+          {eye, {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), -.5F}});
+    }
+  }
+  return rays == 0 ? 0 : static_cast<double>(empty) / static_cast<double>(rays);
 }
 
 }  // namespace enfilade::capture

@@ -1,6 +1,8 @@
 /// \file  A floor, walls and a ceiling around things that were modelled without.
 #pragma once
 #include "enfilade/mesh/mesh.h"
+#include "enfilade/mesh/ray_tracer.h"
+#include "enfilade/scan/connectivity.h"
 
 namespace enfilade::capture {
 
@@ -10,11 +12,16 @@ struct PlainRoomOptions {
   double height = 3;    ///< least metres from floor to ceiling; > 0
 };
 
-/// Puts a mesh into a plain room of its own: a floor of planks, four plastered walls, a ceiling,
-/// each an object with its class. The floor lies where most of what stands stands: at the median of
-/// the lowest points of those objects that reach within 0.3 m of the lowest of all, so that a thing
-/// modelled a little low does not lift the others off it. \pre mesh has a triangle
-/// \throws ArgumentError for options out of range
+/// Puts a mesh into a plain room: a floor of planks, four plastered walls, a ceiling, each an
+/// object with its class. The floor is at the median height of the standing objects' lowest points,
+/// that is of those within 0.3 m of the lowest of all, so that one object modelled a little low
+/// does not leave the others in the air. \pre mesh has a triangle \throws ArgumentError for options
+/// out of range
 void add_plain_room(mesh::Mesh& mesh, const PlainRoomOptions& options = {});
+
+/// Of directions below the horizon from the included viewpoints, the share in which rays meet
+/// nothing, [0, 1]; 0 without viewpoints. From one half on, the mesh probably lacks a floor, or has
+/// another axis up.
+double share_of_nothing_below(const mesh::RayTracer& tracer, const scan::Connectivity& graph);
 
 }  // namespace enfilade::capture

@@ -7,6 +7,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/mesh/mesh_builder.h"
+#include "enfilade/mesh/mpcat40.h"
 #include "enfilade/mesh/ray_tracer.h"
 
 namespace enfilade::capture {
@@ -18,10 +19,10 @@ mesh::Mesh things() {
   mesh::MeshBuilder b(mesh);
   const auto wood = b.add_material({});
   for (const double low : {-.2, -.1, -.08}) {
-    b.begin_object("table", 5, -1);
+    b.begin_object("table", mesh::Mpcat40::kTable, -1);
     b.box(wood, {10 * low, 0, low}, {10 * low + .5, 1, .7});
   }
-  b.begin_object("lamp", 28, -1);
+  b.begin_object("lamp", mesh::Mpcat40::kLighting, -1);
   b.box(wood, {3, 3, 1.5}, {3.2, 3.2, 2.0});
   return mesh;
 }

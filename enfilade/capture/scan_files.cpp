@@ -1,9 +1,11 @@
 #include "enfilade/capture/scan_files.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -19,7 +21,9 @@
 #include "enfilade/core/threads.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/mesh/capture.h"
+#include "enfilade/mesh/ray_tracer.h"
 #include "enfilade/mesh/read_mesh.h"
+#include "enfilade/mesh/segmentation.h"
 #include "enfilade/scan/matterport_names.h"
 #include "enfilade/scan/matterport_writer.h"
 #include "enfilade/scan/panorama_source.h"
@@ -409,6 +413,7 @@ void write_mesh(const mesh::Mesh& mesh, const fs::path& folder, const std::strin
   fs::remove_all(part, code);
   make_folder(part);
   mesh::write_obj(mesh, part, name);
+  mesh::write_glb(mesh, part / (name + ".glb"));
   fs::rename(part, target, code);
   if (code) throw FileError(fmt::format("{}: cannot write: {}", target.string(), code.message()));
 }
@@ -450,6 +455,44 @@ std::vector<fs::path> all_files(const std::vector<Task>& tasks, const Texts& tex
 
 }  // namespace
 
+std::vector<std::string> scan_part_names() {
+  return {"skybox", "strips", "depth", "labels", "undistorted", "house", "mesh", "all"};
+}
+
+ScanParts scan_parts(const std::vector<std::string>& names) {
+  const std::vector<std::string> known = scan_part_names();
+  ScanParts parts;
+  for (const std::string& name : names) {
+    if (std::ranges::find(known, name) == known.end()) {
+      throw ArgumentError(fmt::format("part {:?}: none of {}", name, fmt::join(known, ", ")));
+    }
+    const bool all = name == "all", strips = all || name == "strips";
+    parts.faces |= all || name == "skybox";
+    parts.colour_strip |= strips;
+    parts.depth_strip |= strips || name == "depth";
+    parts.label_strips |= strips || name == "labels";
+    parts.undistorted |= all || name == "undistorted";
+    parts.house |= all || name == "house";
+    parts.mesh |= all || name == "mesh";
+  }
+  return parts;
+}
+
+mesh::BakeOptions least_light() {
+  mesh::BakeOptions bake;
+  bake.spacing = 100;
+  bake.rays = 1;
+  bake.bounces = 1;
+  return bake;
+}
+
+std::unique_ptr<const mesh::LitMesh> read_label_mesh(const fs::path& house_segmentations,
+                                                     const std::string& scan) {
+  auto tracer = std::make_shared<const mesh::RayTracer>(
+      std::make_shared<const mesh::Mesh>(mesh::read_house_mesh(house_segmentations, scan)));
+  return std::make_unique<const mesh::LitMesh>(std::move(tracer), mesh::Lights{}, least_light());
+}
+
 ScanFilesReport write_scan(const mesh::LitMesh& mesh, const scan::Connectivity& connectivity,
                            const fs::path& root, const ScanFilesOptions& options,
                            const Progress& progress) {
@@ -462,12 +505,14 @@ ScanFilesReport write_scan(const mesh::LitMesh& mesh, const scan::Connectivity& 
   const std::string state = state_of(mesh, options);
   const fs::path manifest_file = report.folder / kManifest;
   std::vector<fs::path> files = all_files(tasks, texts);
-  files.push_back(scan::connectivity_file(root / "connectivity", connectivity.scan));
+  if (options.parts.connectivity) {
+    files.push_back(scan::connectivity_file(root / "connectivity", connectivity.scan));
+  }
   const Manifest manifest =
       joined(read_manifest(manifest_file), report.folder, state, writer.poses(), files);
   make_folder(report.folder);
   write_file_atomically(manifest_file, text_of(manifest));
-  write_connectivity(root, connectivity);
+  if (options.parts.connectivity) write_connectivity(root, connectivity);
   for (const fs::path& file : files) make_folder(file.parent_path());
   for (const auto& [file, content] : texts) {
     write_file_atomically(file, content);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,23 @@ struct ScanParts {
   /// matterport_camera_{poses,intrinsics}
   bool undistorted = false;
   bool house = false;  ///< house_segmentations: .house, .ply, .fsegs.json, .semseg.json, ...
-  bool mesh = false;   ///< `matterport_mesh/<hash>/<hash>.obj` with materials and textures
+  bool mesh = false;   ///< `matterport_mesh/<hash>/<hash>.{obj,glb}` with textures
+  /// `<root>/connectivity`: the graph and its line in scans.txt. Off where `root` has them already.
+  bool connectivity = true;
+
+  /// Is there anything to write below v1/scans?
+  bool any() const noexcept {
+    return faces || colour_strip || depth_strip || label_strips || undistorted || house || mesh;
+  }
+  /// Is any picture in colour? If not, the mesh needs no light.
+  bool coloured() const noexcept { return faces || colour_strip || undistorted; }
 };
+
+/// What users call the parts: "skybox", "strips" (colour, depth, classes, instances), "depth",
+/// "labels", "undistorted", "house", "mesh", "all".
+std::vector<std::string> scan_part_names();
+/// The parts of those names. \throws ArgumentError for another name
+ScanParts scan_parts(const std::vector<std::string>& names);
 
 /// Which files are written, and how finely.
 struct ScanFilesOptions {
@@ -48,6 +64,15 @@ struct ScanFilesReport {
   std::size_t written = 0, kept = 0;  ///< pictures; kept: there from a run that was stopped
   std::uintmax_t bytes = 0;           ///< of what was written
 };
+
+/// Options for light that hardly takes any time, of a mesh of which no colour is wanted.
+mesh::BakeOptions least_light();
+
+/// The labels of a scan's `house_segmentations`, as ScanFilesOptions::label_mesh wants them:
+/// pictures of one mesh of a building with the classes and instances of another. \throws as
+/// mesh::read_house_mesh()
+std::unique_ptr<const mesh::LitMesh> read_label_mesh(
+    const std::filesystem::path& house_segmentations, const std::string& scan);
 
 /// Writes `<root>/connectivity/<scan>_connectivity.json`` and its line in scans.txt, and the
 /// parts, so that `root` is a data set that scan::DataRoot and scan::MatterportImages open. Each

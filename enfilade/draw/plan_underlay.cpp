@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "enfilade/draw/floor_plan.h"
+#include "enfilade/mesh/mpcat40.h"
 #include "enfilade/mesh/slice.h"
 
 namespace enfilade::draw {
@@ -19,22 +20,20 @@ constexpr double kCut = 1.2, kLowCut = 0.45;
 constexpr double kTread = 0.06;  // between cuts through stairs: less than a riser
 constexpr float kAround = 3;     // metres around viewpoints that are drawn
 
-// Places in mpcat40.
-constexpr std::uint16_t kWallCategory = 1, kDoorCategory = 4, kWindowCategory = 9;
-constexpr std::uint16_t kStairsCategory = 16, kCurtainCategory = 12, kUnlabelled = 41;
+using mesh::Mpcat40;
 
 Kind kind_of(const mesh::Mesh& mesh, std::uint32_t object) {
   if (object == mesh::kNoObject) return Kind::kWall;
   switch (mesh.objects[object].category) {
-    case 0:
-    case kWallCategory:
-    case kUnlabelled:
+    case Mpcat40::kVoid:
+    case Mpcat40::kWall:
+    case Mpcat40::kUnlabeled:
       return Kind::kWall;
-    case kDoorCategory:
+    case Mpcat40::kDoor:
       return Kind::kDoor;
-    case kWindowCategory:
+    case Mpcat40::kWindow:
       return Kind::kWindow;
-    case kStairsCategory:
+    case Mpcat40::kStairs:
       return Kind::kStairs;
     default:
       return Kind::kThing;
@@ -71,8 +70,8 @@ void add_cut(const mesh::Mesh& mesh, double z, const Bounds& bounds, const Wante
 std::optional<Kind> low_kind(const mesh::Mesh& mesh, std::uint32_t object) {
   if (object == mesh::kNoObject) return Kind::kThing;
   const std::uint16_t category = mesh.objects[object].category;
-  if (category == 0 || category == kUnlabelled) return Kind::kThing;
-  const bool thing = kind_of(mesh, object) == Kind::kThing && category != kCurtainCategory;
+  if (category == Mpcat40::kVoid || category == Mpcat40::kUnlabeled) return Kind::kThing;
+  const bool thing = kind_of(mesh, object) == Kind::kThing && category != Mpcat40::kCurtain;
   return thing ? std::optional(Kind::kThing) : std::nullopt;
 }
 

@@ -23,8 +23,8 @@ mesh::Mesh inside_of(const mesh::Mesh& whole) {
 
 }  // namespace
 
-BuiltHome build_home(const PlanOptions& options) {
-  BuiltHome built{make_home(options), nullptr};
+BuiltHome build_home(const PlanOptions& options, Surfaces surfaces) {
+  BuiltHome built{make_home(options, surfaces), nullptr};
   built.tracer =
       std::make_shared<mesh::RayTracer>(std::make_shared<const mesh::Mesh>(built.home.mesh));
   return built;

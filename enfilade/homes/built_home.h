@@ -15,7 +15,7 @@ struct BuiltHome {
   std::shared_ptr<const mesh::RayTracer> tracer;
 };
 /// Plan, mesh, furniture and lights of one home. \throws as make_plan()
-BuiltHome build_home(const PlanOptions& options);
+BuiltHome build_home(const PlanOptions& options, Surfaces surfaces = Surfaces::kTextured);
 
 /// Viewpoints on the floors of all rooms, and edges, from the mesh alone. What lies outside the
 /// rooms (grass, roofs) is no floor.

@@ -58,11 +58,11 @@ std::optional<std::size_t> room_at(const Plan& plan, Vec3d floor_point) {
   return found;
 }
 
-Home make_home(const PlanOptions& options) {
+Home make_home(const PlanOptions& options, Surfaces surfaces) {
   Home home;
   home.plan = make_plan(options);
   mesh::MeshBuilder builder(home.mesh);
-  const std::vector<looks::RoomStyle> styles = looks::make_styles(home.plan, builder);
+  const std::vector<looks::RoomStyle> styles = looks::make_styles(home.plan, builder, surfaces);
   const looks::HomeParts parts{builder, home.obstacles, home.things, home.lights.lamps};
   looks::build_architecture(home.plan, styles, parts, home.lights.portals);
   for (const looks::RoomSpace& space : looks::room_spaces(home.plan)) {

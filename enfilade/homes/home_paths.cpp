@@ -40,7 +40,7 @@ void speak_in(const HomeEntry& entry, const graph::GraphSet& graphs, const HomeP
   const auto [begin, end] =
       std::ranges::equal_range(paths, entry.scan, {}, &r2r::PathAnnotation::scan);
   if (begin == end) return;
-  const BuiltHome built = build_home(entry.plan);
+  const BuiltHome built = build_home(entry.plan, Surfaces::kPlain);
   const graph::NavGraph& graph = graphs.graph(entry.scan);
   const speaking::Sights sights(built.home, *built.tracer, graph, 8192, options.threads);
   const speaking::SpokenHome home{built.home, graph, sights};

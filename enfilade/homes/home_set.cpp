@@ -45,8 +45,8 @@ struct Preset {
   HomeSetOptions options;
 };
 
-const std::array<Preset, 3>& presets() {
-  static const std::array<Preset, 3> kPresets = [] {
+const std::array<Preset, 4>& presets() {
+  static const std::array<Preset, 4> kPresets = [] {
     HomeSetOptions small;
     small.homes = 2;
     small.kind = HomeKind::kFlat;
@@ -62,7 +62,11 @@ const std::array<Preset, 3>& presets() {
     full.least_area = 350;
     full.most_area = 850;
     full.face_size = 512;
-    return std::array<Preset, 3>{{{"small", small}, {"demo", demo}, {"full", full}}};
+    HomeSetOptions graphs = demo;
+    graphs.homes = 6;
+    graphs.face_size = 0;
+    return std::array<Preset, 4>{
+        {{"small", small}, {"demo", demo}, {"full", full}, {"graphs", graphs}}};
   }();
   return kPresets;
 }
@@ -279,6 +283,7 @@ class HomeWriter {
       } else if (found->second.corrections != wanted(i)) {
         correct_again(i);
       }
+      if (options_.parts.any()) write_parts(i);
       report_.homes.push_back(homes_.at(i));
     }
     return std::move(report_);
@@ -318,7 +323,8 @@ class HomeWriter {
       }
     };
     tell(0);
-    const BuiltHome built = build(home, plan);
+    const BuiltHome built =
+        build(home, plan, options_.face_size > 0 ? Surfaces::kTextured : Surfaces::kPlain);
     const scan::Connectivity found = build_graph(built, scan_name(home), options_.threads);
     const scan::Connectivity corrected = write_graph(home, found);
     tell(kBuilt);
@@ -331,17 +337,40 @@ class HomeWriter {
     save(home, describe(built, plan, corrected), wanted(home));
   }
 
+  // Of the graph as it was found, as in make(). What is there is kept.
+  void write_parts(std::size_t home) const {
+    const BuiltHome built = build(home, plan_of(options_, home), Surfaces::kTextured);
+    const scan::Connectivity found = build_graph(built, scan_name(home), options_.threads);
+    mesh::BakeOptions bake =
+        options_.parts.coloured() ? mesh::BakeOptions{} : capture::least_light();
+    bake.threads = options_.threads;
+    const mesh::LitMesh lit(built.tracer, built.home.lights, bake);
+    capture::ScanFilesOptions files;
+    files.parts = options_.parts;
+    files.parts.connectivity = false;
+    if (options_.face_size > 0) files.face_size = options_.face_size;
+    files.image_width = options_.image_width;
+    files.samples = options_.samples;
+    files.jpeg_quality = options_.jpeg_quality;
+    files.threads = options_.threads;
+    for (const PlanRoom& room : built.home.plan.rooms) {
+      files.rooms.push_back({room.type, room.floor, built.home.plan.storeys[room.storey].floor,
+                             room.ceiling, room.storey});
+    }
+    write_scan(lit, found, folder_, files);
+  }
+
   void correct_again(std::size_t home) {
     const HomeEntry old = homes_.at(home);
     save(home, old, kUnfinished);
-    const BuiltHome built = build(home, old.plan);
+    const BuiltHome built = build(home, old.plan, Surfaces::kPlain);
     const scan::Connectivity found = build_graph(built, old.scan, options_.threads);
     save(home, describe(built, old.plan, write_graph(home, found)), wanted(home));
   }
 
-  BuiltHome build(std::size_t home, const PlanOptions& plan) const {
+  BuiltHome build(std::size_t home, const PlanOptions& plan, Surfaces surfaces) const {
     try {
-      return build_home(plan);
+      return build_home(plan, surfaces);
     } catch (const NoPlan& none) {
       throw NoPlan(fmt::format("{}: {}. {} homes made before are kept in {}", scan_name(home),
                                none.what(), homes_.size(), folder_.string()));
@@ -395,7 +424,7 @@ HomeSetOptions home_set_preset(std::string_view name) {
   for (const Preset& preset : presets()) {
     if (preset.name == name) return preset.options;
   }
-  throw ArgumentError(fmt::format("preset: {:?} is none of small, demo, full", name));
+  throw ArgumentError(fmt::format("preset: {:?} is none of small, demo, full, graphs", name));
 }
 
 std::vector<std::string> home_set_presets() {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/capture/scan_files.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/shard.h"
 #include "enfilade/homes/plan.h"
@@ -31,13 +32,17 @@ struct HomeSetOptions {
   /// Folder of `<scan>_corrections.json` (graph/corrections.h), applied on top of the graphs, also
   /// of homes that are there already; empty: none, and none stay applied.
   std::filesystem::path corrections;
+  /// Matterport3D's files of each home too, below `v1/scans/<scan>`, also of homes that are there.
+  capture::ScanParts parts{.connectivity = false};
+  std::uint32_t image_width = 1280;  ///< of undistorted images among them, pixels
   Shard shard;
   int threads = 0;  ///< 0: all cores; never changes a byte
 };
 
 /// "small": 2 homes, a few viewpoints, for tests; "demo": 16 homes of 25 to 50 viewpoints, three of
 /// them of two storeys; "full":
-/// 90 homes of 117 viewpoints on average, 512-texel faces. \throws ArgumentError for another word
+/// 90 homes of 117 viewpoints on average, 512-texel faces; "graphs": 6 homes as of "demo" without
+/// pictures, made in a second or two. \throws ArgumentError for another word
 HomeSetOptions home_set_preset(std::string_view name);
 std::vector<std::string> home_set_presets();
 

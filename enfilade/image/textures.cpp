@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace enfilade::image {
@@ -12,23 +13,9 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr std::uint32_t kLarge = 256, kSmall = 128;
 
-/// A picture from the colour at each (u, v) in [0, 1).
 template <class Colour>
-Image8 picture(std::uint32_t size, const Colour& colour) {
-  Image8 out(size, size, 3);
-  const auto byte = [](double x) {
-    return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 1.0) * 255));
-  };
-  for (std::uint32_t y = 0; y < size; ++y) {
-    for (std::uint32_t x = 0; x < size; ++x) {
-      const Rgb c = colour((x + 0.5) / size, (y + 0.5) / size);
-      std::uint8_t* p = out.at(x, y);
-      p[0] = byte(c.r);
-      p[1] = byte(c.g);
-      p[2] = byte(c.b);
-    }
-  }
-  return out;
+Texture picture(std::uint32_t size, Colour colour) {
+  return [size, colour = std::move(colour)] { return paint(size, size, colour); };
 }
 
 double distance(double x, double y) { return std::sqrt(x * x + y * y); }
@@ -48,6 +35,24 @@ double grain(const Noise& noise, double u, double v, double offset) {
 }
 
 }  // namespace
+
+Image8 paint(std::uint32_t width, std::uint32_t height,
+             const std::function<Rgb(double u, double v)>& colour) {
+  Image8 out(width, height, 3);
+  const auto byte = [](double x) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 1.0) * 255));
+  };
+  for (std::uint32_t y = 0; y < height; ++y) {
+    for (std::uint32_t x = 0; x < width; ++x) {
+      const Rgb c = colour((x + 0.5) / width, (y + 0.5) / height);
+      std::uint8_t* p = out.at(x, y);
+      p[0] = byte(c.r);
+      p[1] = byte(c.g);
+      p[2] = byte(c.b);
+    }
+  }
+  return out;
+}
 
 Rgb mix(Rgb a, Rgb b, double t) {
   return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
@@ -84,18 +89,18 @@ double Noise::cloud(double u, double v, unsigned cells, unsigned octaves) const 
   return sum / whole;
 }
 
-Image8 wood(Rng& rng, Rgb tone) {
+Texture wood(Rng& rng, Rgb tone) {
   const Noise noise(rng.next());
   return picture(
-      kLarge, [&](double u, double v) { return shade(tone, 0.80 + 0.36 * grain(noise, u, v, 0)); });
+      kLarge, [=](double u, double v) { return shade(tone, 0.80 + 0.36 * grain(noise, u, v, 0)); });
 }
 
-Image8 planks(Rng& rng, Rgb tone, unsigned boards) {
+Texture planks(Rng& rng, Rgb tone, unsigned boards) {
   const Noise noise(rng.next());
   std::vector<double> joint(boards), light(2 * std::size_t{boards});
   for (double& j : joint) j = rng.uniform();
   for (double& l : light) l = 0.86 + 0.26 * rng.uniform();
-  return picture(kLarge, [&](double u, double v) {
+  return picture(kLarge, [=](double u, double v) {
     const std::uint64_t board = cell_of(v * boards);
     const double along = fraction(u - joint[board]);
     const bool second = along > 0.5;
@@ -106,10 +111,10 @@ Image8 planks(Rng& rng, Rgb tone, unsigned boards) {
   });
 }
 
-Image8 parquet(Rng& rng, Rgb tone, unsigned blocks) {
+Texture parquet(Rng& rng, Rgb tone, unsigned blocks) {
   const Noise noise(rng.next());
   constexpr unsigned kSlats = 4;
-  return picture(kLarge, [&](double u, double v) {
+  return picture(kLarge, [=](double u, double v) {
     const std::uint64_t bx = cell_of(u * blocks), by = cell_of(v * blocks);
     const bool upright = (bx + by) % 2 == 1;
     const double across = upright ? fraction(u * blocks) : fraction(v * blocks);
@@ -123,9 +128,9 @@ Image8 parquet(Rng& rng, Rgb tone, unsigned blocks) {
   });
 }
 
-Image8 tiles(Rng& rng, Rgb a, Rgb b, Rgb grout, unsigned across) {
+Texture tiles(Rng& rng, Rgb a, Rgb b, Rgb grout, unsigned across) {
   const Noise noise(rng.next());
-  return picture(kLarge, [&](double u, double v) {
+  return picture(kLarge, [=](double u, double v) {
     const double x = u * across, y = v * across;
     const std::uint64_t ix = cell_of(x), iy = cell_of(y);
     const double own = noise.at(double(ix) + 0.001, double(iy) + 0.001, across, across);
@@ -135,10 +140,10 @@ Image8 tiles(Rng& rng, Rgb a, Rgb b, Rgb grout, unsigned across) {
   });
 }
 
-Image8 bricks(Rng& rng, Rgb tone, Rgb mortar, unsigned rows, double roughness) {
+Texture bricks(Rng& rng, Rgb tone, Rgb mortar, unsigned rows, double roughness) {
   const Noise noise(rng.next());
   const unsigned columns = rows / 2;
-  return picture(kLarge, [&](double u, double v) {
+  return picture(kLarge, [=](double u, double v) {
     const double y = v * rows;
     const std::uint64_t iy = cell_of(y);
     const double x = u * columns + (iy % 2 == 1 ? 0.5 : 0);
@@ -150,17 +155,17 @@ Image8 bricks(Rng& rng, Rgb tone, Rgb mortar, unsigned rows, double roughness) {
   });
 }
 
-Image8 carpet(Rng& rng, Rgb tone) {
+Texture carpet(Rng& rng, Rgb tone) {
   const Noise noise(rng.next());
-  return picture(kSmall, [&](double u, double v) {
+  return picture(kSmall, [=](double u, double v) {
     const double tuft = noise.at(u * 64, v * 64, 64, 64), wide = noise.cloud(u, v, 4, 2);
     return shade(tone, 0.80 + 0.30 * tuft + 0.1 * wide);
   });
 }
 
-Image8 marble(Rng& rng, Rgb ground, Rgb veins) {
+Texture marble(Rng& rng, Rgb ground, Rgb veins) {
   const Noise noise(rng.next());
-  return picture(kLarge, [&](double u, double v) {
+  return picture(kLarge, [=](double u, double v) {
     const double bend = 2.2 * noise.cloud(u, v, 3, 5);
     const double vein = std::abs(std::sin(kTwoPi * (u + v + bend)));
     const double fine = std::abs(std::sin(kTwoPi * (2 * u - v + 1.7 * noise.cloud(v, u, 4, 4))));
@@ -170,33 +175,33 @@ Image8 marble(Rng& rng, Rgb ground, Rgb veins) {
   });
 }
 
-Image8 concrete(Rng& rng, Rgb tone) {
+Texture concrete(Rng& rng, Rgb tone) {
   const Noise noise(rng.next());
-  return picture(kLarge, [&](double u, double v) {
+  return picture(kLarge, [=](double u, double v) {
     const double pore = noise.at(u * 90, v * 90, 90, 90) > 0.93 ? 0.9 : 1.0;
     return shade(tone, pore * (0.86 + 0.26 * noise.cloud(u, v, 4, 5)));
   });
 }
 
-Image8 plaster(Rng& rng, Rgb tone) {
+Texture plaster(Rng& rng, Rgb tone) {
   const Noise noise(rng.next());
-  return picture(kSmall, [&](double u, double v) {
+  return picture(kSmall, [=](double u, double v) {
     return shade(tone, 0.965 + 0.06 * noise.cloud(u, v, 8, 4));
   });
 }
 
-Image8 leather(Rng& rng, Rgb tone) {
+Texture leather(Rng& rng, Rgb tone) {
   const Noise noise(rng.next());
-  return picture(kSmall, [&](double u, double v) {
+  return picture(kSmall, [=](double u, double v) {
     const double crease = std::abs(noise.cloud(u, v, 20, 2) - 0.5) * 2;
     return shade(tone, 0.80 + 0.14 * noise.cloud(v, u, 4, 3) + 0.3 * smooth(0, 0.25, crease));
   });
 }
 
-Image8 fabric(Rng& rng, Rgb tone, Rgb second, Weave weave) {
+Texture fabric(Rng& rng, Rgb tone, Rgb second, Weave weave) {
   const Noise noise(rng.next());
   constexpr double kThreads = 42;
-  return picture(kSmall, [&](double u, double v) {
+  return picture(kSmall, [=](double u, double v) {
     Rgb base = tone;
     if (weave == Weave::kStriped) {
       const double s = fraction(u * 4);
@@ -238,10 +243,10 @@ double leaves(double x, double y) {
 
 }  // namespace
 
-Image8 wallpaper(Rng& rng, Rgb ground, Rgb motif, Paper paper) {
+Texture wallpaper(Rng& rng, Rgb ground, Rgb motif, Paper paper) {
   const Noise noise(rng.next());
   const unsigned cells = paper == Paper::kDots ? 5 : 2;
-  return picture(kLarge, [&](double u, double v) {
+  return picture(kLarge, [=](double u, double v) {
     const std::uint64_t column = cell_of(u * cells);
     const double half = column % 2 == 1 && paper != Paper::kDots ? 0.5 : 0;
     const double x = 2 * fraction(u * cells) - 1, y = 2 * fraction(v * cells + half) - 1;
@@ -257,9 +262,9 @@ Image8 wallpaper(Rng& rng, Rgb ground, Rgb motif, Paper paper) {
   });
 }
 
-Image8 rug(Rng& rng, Rgb tone, Rgb second, Rgb third, Rug pattern) {
+Texture rug(Rng& rng, Rgb tone, Rgb second, Rgb third, Rug pattern) {
   const Noise noise(rng.next());
-  return picture(kLarge, [&](double u, double v) {
+  return picture(kLarge, [=](double u, double v) {
     const double edge = std::min({u, v, 1 - u, 1 - v});
     const double x = 2 * u - 1, y = 2 * v - 1;
     Rgb base = tone;

@@ -1,6 +1,7 @@
-/// \file  Seamless pictures of surfaces, made by arithmetic. All are square, sRGB, 3 channels.
+/// \file  Procedural textures of floors, walls and fabrics: square, sRGB, 3 channels, seamless.
 #pragma once
 #include <cstdint>
+#include <functional>
 
 #include "enfilade/core/rng.h"
 #include "enfilade/image/image.h"
@@ -15,7 +16,11 @@ Rgb mix(Rgb a, Rgb b, double t);
 /// Lighter (above 1) or darker.
 Rgb shade(Rgb a, double by);
 
-/// Noise in [0, 1] that repeats after `period_x` (`period_y`) cells; smooth.
+/// A picture of 3 channels from the colour at each (u, v), pixel centres in (0, 1), v downwards.
+Image8 paint(std::uint32_t width, std::uint32_t height,
+             const std::function<Rgb(double u, double v)>& colour);
+
+/// Value noise in [0, 1] that repeats after `period_x` (`period_y`) cells; smooth.
 class Noise {
  public:
   /// The same seed gives the same noise.
@@ -30,32 +35,36 @@ class Noise {
   std::uint64_t seed_;
 };
 
-/// Floors of wood: boards side by side, or blocks of them turned by turns.
-Image8 planks(Rng& rng, Rgb tone, unsigned boards);
-Image8 parquet(Rng& rng, Rgb tone, unsigned blocks);
+/// A texture that is painted when called. All random numbers are drawn when it is made, so that
+/// one that is never painted changes nothing but time.
+using Texture = std::function<Image8()>;
+
+/// Floors of wood: boards side by side, or blocks of them alternately turned.
+Texture planks(Rng& rng, Rgb tone, unsigned boards);
+Texture parquet(Rng& rng, Rgb tone, unsigned blocks);
 /// Grain only, for furniture.
-Image8 wood(Rng& rng, Rgb tone);
-/// `a` and `b` take turns like a chess board's fields.
-Image8 tiles(Rng& rng, Rgb a, Rgb b, Rgb grout, unsigned across);
-/// Bricks or oblong tiles: each row half a brick aside.
-Image8 bricks(Rng& rng, Rgb tone, Rgb mortar, unsigned rows, double roughness);
+Texture wood(Rng& rng, Rgb tone);
+/// Alternating `a` and `b`, as on a chess board.
+Texture tiles(Rng& rng, Rgb a, Rgb b, Rgb grout, unsigned across);
+/// Bricks or oblong tiles, each row shifted by half a brick.
+Texture bricks(Rng& rng, Rgb tone, Rgb mortar, unsigned rows, double roughness);
 /// Surfaces of one tone, or of a ground with veins.
-Image8 carpet(Rng& rng, Rgb tone);
-Image8 marble(Rng& rng, Rgb ground, Rgb veins);
-Image8 concrete(Rng& rng, Rgb tone);
-Image8 plaster(Rng& rng, Rgb tone);
-Image8 leather(Rng& rng, Rgb tone);
+Texture carpet(Rng& rng, Rgb tone);
+Texture marble(Rng& rng, Rgb ground, Rgb veins);
+Texture concrete(Rng& rng, Rgb tone);
+Texture plaster(Rng& rng, Rgb tone);
+Texture leather(Rng& rng, Rgb tone);
 /// The pattern of a fabric.
 enum class Weave : std::uint8_t { kPlain, kStriped, kChecked };
 /// Cloth of two tones.
-Image8 fabric(Rng& rng, Rgb tone, Rgb second, Weave weave);
+Texture fabric(Rng& rng, Rgb tone, Rgb second, Weave weave);
 /// The pattern of a wallpaper.
 enum class Paper : std::uint8_t { kStripes, kDamask, kDots, kLeaves };
 /// Motifs on a ground.
-Image8 wallpaper(Rng& rng, Rgb ground, Rgb motif, Paper paper);
+Texture wallpaper(Rng& rng, Rgb ground, Rgb motif, Paper paper);
 /// The pattern of a rug.
 enum class Rug : std::uint8_t { kBordered, kMedallion, kStripes, kDiamonds };
-/// Once over, not seamless.
-Image8 rug(Rng& rng, Rgb tone, Rgb second, Rgb third, Rug pattern);
+/// Covers the whole rug once; not seamless.
+Texture rug(Rng& rng, Rgb tone, Rgb second, Rgb third, Rug pattern);
 
 }  // namespace enfilade::image

@@ -3,6 +3,7 @@
 #include <unordered_map>
 
 #include "enfilade/core/file.h"
+#include "enfilade/mesh/mpcat40.h"
 #include "enfilade/mesh/readers/text.h"
 #include "enfilade/mesh/segmentation.h"
 
@@ -34,13 +35,12 @@ class SegmentObjects {
 };
 
 Object object_of(const House& house, const HouseObject& from) {
-  constexpr std::int32_t kCategories = 42;  // of mpcat40, void to unlabeled
   Object out;
   out.region = from.region;
   if (from.category < 0) return out;
   const HouseCategory& category = house.categories[static_cast<std::size_t>(from.category)];
   out.name = category.mapping_name.empty() ? category.mpcat40_name : category.mapping_name;
-  if (category.mpcat40_index >= 0 && category.mpcat40_index < kCategories) {
+  if (category.mpcat40_index >= 0 && category.mpcat40_index < std::int32_t{kMpcat40Size}) {
     out.category = static_cast<std::uint16_t>(category.mpcat40_index);
   }
   return out;

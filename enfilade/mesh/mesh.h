@@ -54,6 +54,11 @@ struct Mesh {
   std::vector<Object> objects;  ///< object k is instance k + 1 in pictures; 0 there: none
 };
 
+/// The object that a triangle belongs to, or kNoObject. \pre triangle < mesh.triangles.size()
+inline std::uint32_t object_of(const Mesh& mesh, std::size_t triangle) {
+  return mesh.triangle_object.empty() ? kNoObject : mesh.triangle_object[triangle];
+}
+
 /// An axis-aligned box.
 struct Box {
   Vec3f low, high;

@@ -1,4 +1,4 @@
-/// \file  Matterport3D's 40 categories, as its label tables have them.
+/// \file  mpcat40: the object categories of Matterport3D, by number.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -6,16 +6,62 @@
 
 namespace enfilade::mesh {
 
-/// How many classes there are, 0 (void) counted.
-inline constexpr std::size_t kMpcat40Size = 42;
-
-/// One class.
+/// One category, as Matterport3D's label tables (mpcat40.tsv, category_mapping.tsv) have it.
 struct Mpcat40 {
+  /// The numbers: what Object::category and class pictures hold.
+  enum Category : std::uint16_t {
+    kVoid,
+    kWall,
+    kFloor,
+    kChair,
+    kDoor,
+    kTable,
+    kPicture,
+    kCabinet,
+    kCushion,
+    kWindow,
+    kSofa,
+    kBed,
+    kCurtain,
+    kChestOfDrawers,
+    kPlant,
+    kSink,
+    kStairs,
+    kCeiling,
+    kToilet,
+    kStool,
+    kTowel,
+    kMirror,
+    kTvMonitor,
+    kShower,
+    kColumn,
+    kBathtub,
+    kCounter,
+    kFireplace,
+    kLighting,
+    kBeam,
+    kRailing,
+    kShelving,
+    kBlinds,
+    kGymEquipment,
+    kSeating,
+    kBoardPanel,
+    kFurniture,
+    kAppliances,
+    kClothes,
+    kObjects,
+    kMisc,
+    kUnlabeled,
+  };
+
   std::string_view name;  ///< "chest_of_drawers"
   std::int32_t row;       ///< of category_mapping.tsv: the raw category that says it best
-  std::string_view raw;   ///< its name: "chest of drawers"
+  std::string_view raw;   ///< the name of that: "chest of drawers"
 };
-/// 0 void, 1 wall, ... 41 unlabeled. \pre category < kMpcat40Size
+
+inline constexpr std::size_t kMpcat40Size = 42;  ///< categories, from void to unlabeled
+
+/// O(1). \pre category < kMpcat40Size
 const Mpcat40& mpcat40(std::size_t category);
 
 /// The name, "chest_of_drawers" for 13; "unknown" for numbers from kMpcat40Size on.

@@ -26,8 +26,7 @@ std::vector<SliceLine> slice(const Mesh& mesh, float z) {
       ends[found++] = a.z < b.z ? crossing(a, b, z) : crossing(b, a, z);
     }
     if (found != 2 || ends[0] == ends[1]) continue;
-    lines.push_back(
-        {ends[0], ends[1], mesh.triangle_object.empty() ? kNoObject : mesh.triangle_object[t]});
+    lines.push_back({ends[0], ends[1], object_of(mesh, t)});
   }
   return lines;
 }

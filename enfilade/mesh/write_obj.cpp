@@ -1,17 +1,13 @@
 #include <fmt/format.h>
-#include <algorithm>
 #include <iterator>
-#include <numeric>
 
 #include "enfilade/core/file.h"
-#include "enfilade/image/codecs.h"
 #include "enfilade/image/tone.h"
+#include "enfilade/mesh/detail/writer.h"
 #include "enfilade/mesh/read_mesh.h"
 
 namespace enfilade::mesh {
 namespace {
-
-constexpr int kQuality = 92;  // above it files grow faster than differences shrink
 
 /// Names end at blanks in these files, and lines at control bytes.
 std::string word(const std::string& name) {
@@ -24,9 +20,6 @@ std::string word(const std::string& name) {
 /// Unique, as two materials may have one name.
 std::string material_name(const Mesh& mesh, std::size_t place) {
   return fmt::format("{}_{}", place, word(mesh.materials[place].name));
-}
-std::string texture_name(const std::string& name, std::size_t place, bool png) {
-  return fmt::format("{}_{}.{}", name, place, png ? "png" : "jpg");
 }
 
 void write_bytes(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
@@ -45,19 +38,14 @@ void write_materials(const Mesh& mesh, const std::filesystem::path& folder,
     }
     if (m.mirror > 0) out += fmt::format("Ks {0} {0} {0}\nillum 3\n", m.mirror);
     if (!m.texture.pixels.empty()) {
-      const bool cutouts = m.texture.channels == 4;
-      const std::string file = texture_name(name, i, cutouts);
-      write_bytes(folder / file,
-                  cutouts ? image::encode_png(m.texture) : image::encode_jpeg(m.texture, kQuality));
+      const detail::EncodedTexture texture = detail::encode_texture(m.texture);
+      const std::string file = fmt::format("{}_{}.{}", name, i, texture.suffix);
+      write_bytes(folder / file, texture.bytes);
       out += fmt::format("map_Kd {}\n", file);
       if (m.cutout > 0) out += fmt::format("map_d {}\n", file);
     }
   }
   write_file_atomically(folder / (name + ".mtl"), out);
-}
-
-std::uint32_t object_of(const Mesh& mesh, std::size_t triangle) {
-  return mesh.triangle_object.empty() ? kNoObject : mesh.triangle_object[triangle];
 }
 
 void write_points(const Mesh& mesh, fmt::memory_buffer& out) {
@@ -80,18 +68,11 @@ void write_points(const Mesh& mesh, fmt::memory_buffer& out) {
   }
 }
 
-/// By object, then by material: each group is written once.
+/// Each object is one group; what belongs to none comes before the first.
 void write_faces(const Mesh& mesh, fmt::memory_buffer& out) {
-  std::vector<std::size_t> order(mesh.triangles.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  // kNoObject + 1 is 0: what is no object comes before the first group.
-  const auto key = [&](std::size_t t) {
-    return std::pair(object_of(mesh, t) + 1, mesh.triangle_material[t]);
-  };
-  std::ranges::stable_sort(order, {}, key);
   const auto to = std::back_inserter(out);
   std::uint32_t object = kNoObject, material = kNoObject;
-  for (const std::size_t t : order) {
+  for (const std::size_t t : detail::by_object_and_material(mesh)) {
     if (object_of(mesh, t) != object) {
       object = object_of(mesh, t);
       fmt::format_to(to, "g {}_{}\n", object, word(mesh.objects[object].name));

@@ -2,12 +2,12 @@
 #include <cmath>
 
 #include "enfilade/homes/furniture/shapes.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::furniture {
 namespace {
 
-constexpr std::uint16_t kCabinet = 7, kSink = 15, kToilet = 18, kTowel = 20, kShower = 23,
-                        kBathtub = 25;
+using enum mesh::Mpcat40::Category;
 using Profile = std::array<double, 2>;
 
 void faucet(Kit& k, double y, double z, double tall) {

@@ -4,12 +4,12 @@
 #include <numbers>
 
 #include "enfilade/homes/furniture/shapes.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::furniture {
 namespace {
 
-constexpr std::uint16_t kFloor = 2, kPlant = 14, kColumn = 24, kFireplace = 27, kClothes = 38,
-                        kObjects = 39, kMisc = 40;
+using enum mesh::Mpcat40::Category;
 using Profile = std::array<double, 2>;
 constexpr double kTurn = 2 * std::numbers::pi;
 

@@ -2,11 +2,12 @@
 #include <tuple>
 
 #include "enfilade/homes/furniture/shapes.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::furniture {
 namespace {
 
-constexpr std::uint16_t kCabinet = 7, kCounter = 26, kAppliance = 37;
+using enum mesh::Mpcat40::Category;
 
 /// Doors, drawers, both; 3 is hollow at the top, for a sink to hang in.
 void base_cabinet(Kit& k, int variant) {
@@ -260,17 +261,17 @@ constexpr std::array kShapes{
     Shape{"kitchen island", kCounter, island, 2, {1.70, 0.92, 0.92}},
     Shape{"counter", kCounter, reception, 0, {1.80, 0.70, 1.10}},
     Shape{"counter", kCounter, reception, 1, {2.00, 0.72, 1.10}},
-    Shape{"refrigerator", kAppliance, refrigerator, 0, {0.62, 0.68, 1.80}},
-    Shape{"refrigerator", kAppliance, refrigerator, 1, {0.90, 0.72, 1.78}},
-    Shape{"mini fridge", kAppliance, refrigerator, 0, {0.50, 0.52, 0.84}},
-    Shape{"stove", kAppliance, stove, 0, {0.60, 0.62, 1.08}},
-    Shape{"stove", kAppliance, stove, 1, {0.60, 0.62, 1.08}},
-    Shape{"washing machine", kAppliance, machine, 0, {0.60, 0.62, 0.86}},
-    Shape{"clothes dryer", kAppliance, machine, 1, {0.60, 0.62, 0.86}},
-    Shape{"dishwasher", kAppliance, machine, 2, {0.60, 0.60, 0.88}},
-    Shape{"microwave", kAppliance, microwave, 0, {0.48, 0.34, 0.28}},
-    Shape{"coffee maker", kAppliance, coffee_maker, 0, {0.18, 0.26, 0.34}},
-    Shape{"toaster", kAppliance, toaster, 0, {0.28, 0.17, 0.19}},
+    Shape{"refrigerator", kAppliances, refrigerator, 0, {0.62, 0.68, 1.80}},
+    Shape{"refrigerator", kAppliances, refrigerator, 1, {0.90, 0.72, 1.78}},
+    Shape{"mini fridge", kAppliances, refrigerator, 0, {0.50, 0.52, 0.84}},
+    Shape{"stove", kAppliances, stove, 0, {0.60, 0.62, 1.08}},
+    Shape{"stove", kAppliances, stove, 1, {0.60, 0.62, 1.08}},
+    Shape{"washing machine", kAppliances, machine, 0, {0.60, 0.62, 0.86}},
+    Shape{"clothes dryer", kAppliances, machine, 1, {0.60, 0.62, 0.86}},
+    Shape{"dishwasher", kAppliances, machine, 2, {0.60, 0.60, 0.88}},
+    Shape{"microwave", kAppliances, microwave, 0, {0.48, 0.34, 0.28}},
+    Shape{"coffee maker", kAppliances, coffee_maker, 0, {0.18, 0.26, 0.34}},
+    Shape{"toaster", kAppliances, toaster, 0, {0.28, 0.17, 0.19}},
     Shape{"range hood", 39, hood, 0, {0.60, 0.48, 0.75}},
     Shape{"range hood", 39, hood, 1, {0.60, 0.48, 0.75}},
 };

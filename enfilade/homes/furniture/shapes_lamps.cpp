@@ -3,11 +3,12 @@
 #include <numbers>
 
 #include "enfilade/homes/furniture/shapes.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::furniture {
 namespace {
 
-constexpr std::uint16_t kLighting = 28;
+using enum mesh::Mpcat40::Category;
 using Profile = std::array<double, 2>;
 
 /// Open above and below; the light itself hangs below it, for what is inside casts no light out.

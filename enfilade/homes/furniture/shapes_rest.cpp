@@ -3,11 +3,12 @@
 #include <cmath>
 
 #include "enfilade/homes/furniture/shapes.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::furniture {
 namespace {
 
-constexpr std::uint16_t kCushion = 8, kBed = 11, kChest = 13;
+using enum mesh::Mpcat40::Category;
 
 /// Beds are covered with cloth also where sofas are of leather.
 const looks::NamedMaterial& cover(const Kit& k) {
@@ -178,12 +179,12 @@ constexpr std::array kShapes{
     Shape{"cushion", kCushion, cushion, 0, {0.44, 0.16, 0.42}},
     Shape{"cushion", kCushion, cushion, 1, {0.40, 0.40, 0.12}},
     Shape{"cushion", kCushion, cushion, 2, {0.48, 0.18, 0.18}},
-    Shape{"nightstand", kChest, nightstand, 0, {0.48, 0.40, 0.55}},
-    Shape{"nightstand", kChest, nightstand, 1, {0.45, 0.38, 0.52}},
-    Shape{"nightstand", kChest, nightstand, 2, {0.44, 0.44, 0.56}},
-    Shape{"dresser", kChest, dresser, 0, {1.30, 0.48, 0.82}},
-    Shape{"dresser", kChest, dresser, 2, {1.00, 0.46, 0.86}},
-    Shape{"chest of drawers", kChest, dresser, 1, {0.72, 0.46, 1.18}},
+    Shape{"nightstand", kChestOfDrawers, nightstand, 0, {0.48, 0.40, 0.55}},
+    Shape{"nightstand", kChestOfDrawers, nightstand, 1, {0.45, 0.38, 0.52}},
+    Shape{"nightstand", kChestOfDrawers, nightstand, 2, {0.44, 0.44, 0.56}},
+    Shape{"dresser", kChestOfDrawers, dresser, 0, {1.30, 0.48, 0.82}},
+    Shape{"dresser", kChestOfDrawers, dresser, 2, {1.00, 0.46, 0.86}},
+    Shape{"chest of drawers", kChestOfDrawers, dresser, 1, {0.72, 0.46, 1.18}},
 };
 
 }  // namespace

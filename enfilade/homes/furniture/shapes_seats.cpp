@@ -3,11 +3,12 @@
 #include <numbers>
 
 #include "enfilade/homes/furniture/shapes.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::furniture {
 namespace {
 
-constexpr std::uint16_t kChair = 3, kSofa = 10, kStool = 19, kSeating = 34;
+using enum mesh::Mpcat40::Category;
 
 void back_legs(Kit& k, const looks::NamedMaterial& m, double seat, double half) {
   const double x = k.w / 2 - half, y = k.d / 2 - half;

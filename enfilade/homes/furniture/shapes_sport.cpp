@@ -3,11 +3,12 @@
 #include <numbers>
 
 #include "enfilade/homes/furniture/shapes.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::furniture {
 namespace {
 
-constexpr std::uint16_t kGym = 33;
+using enum mesh::Mpcat40::Category;
 
 void treadmill(Kit& k, int) {
   const double x = k.w / 2, y = k.d / 2;
@@ -107,13 +108,13 @@ void rower(Kit& k, int) {
 }
 
 constexpr std::array kShapes{
-    Shape{"treadmill", kGym, treadmill, 0, {0.80, 1.75, 1.40}},
-    Shape{"exercise bike", kGym, bike, 0, {0.52, 1.10, 1.20}},
-    Shape{"weight bench", kGym, weight_bench, 0, {1.40, 1.35, 1.10}},
-    Shape{"dumbbells", kGym, dumbbells, 0, {1.20, 0.50, 0.85}},
-    Shape{"exercise ball", kGym, ball, 0, {0.62, 0.62, 0.62}},
-    Shape{"exercise mat", kGym, mat, 0, {0.62, 1.75, 0.015}},
-    Shape{"rowing machine", kGym, rower, 0, {0.50, 2.10, 0.85}, "exercise machine"},
+    Shape{"treadmill", kGymEquipment, treadmill, 0, {0.80, 1.75, 1.40}},
+    Shape{"exercise bike", kGymEquipment, bike, 0, {0.52, 1.10, 1.20}},
+    Shape{"weight bench", kGymEquipment, weight_bench, 0, {1.40, 1.35, 1.10}},
+    Shape{"dumbbells", kGymEquipment, dumbbells, 0, {1.20, 0.50, 0.85}},
+    Shape{"exercise ball", kGymEquipment, ball, 0, {0.62, 0.62, 0.62}},
+    Shape{"exercise mat", kGymEquipment, mat, 0, {0.62, 1.75, 0.015}},
+    Shape{"rowing machine", kGymEquipment, rower, 0, {0.50, 2.10, 0.85}, "exercise machine"},
 };
 
 }  // namespace

@@ -1,11 +1,12 @@
 #include <array>
 
 #include "enfilade/homes/furniture/shapes.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::furniture {
 namespace {
 
-constexpr std::uint16_t kCabinet = 7, kShelving = 31, kFurniture = 36;
+using enum mesh::Mpcat40::Category;
 
 void carcass(Kit& k, const looks::NamedMaterial& m, double z0, double z1) {
   const double x = k.w / 2, y = k.d / 2;

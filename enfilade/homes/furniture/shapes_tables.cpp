@@ -3,11 +3,12 @@
 #include <numbers>
 
 #include "enfilade/homes/furniture/shapes.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::furniture {
 namespace {
 
-constexpr std::uint16_t kTable = 5;
+using enum mesh::Mpcat40::Category;
 
 void apron(Kit& k, const looks::NamedMaterial& m, double inset, double top, double tall) {
   const double x = k.w / 2 - inset, y = k.d / 2 - inset;

@@ -4,12 +4,12 @@
 #include <numbers>
 
 #include "enfilade/homes/furniture/shapes.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::furniture {
 namespace {
 
-constexpr std::uint16_t kPicture = 6, kCurtain = 12, kMirror = 21, kTv = 22, kBlinds = 32,
-                        kBoard = 35;
+using enum mesh::Mpcat40::Category;
 
 const looks::NamedMaterial& painting(Kit& k) {
   // This room's own come first.
@@ -208,12 +208,12 @@ constexpr std::array kShapes{
     Shape{"mirror", kMirror, mirror, 1, {0.70, 0.03, 0.70}},
     Shape{"mirror", kMirror, mirror, 2, {0.70, 0.04, 0.95}},
     Shape{"standing mirror", kMirror, mirror, 3, {0.52, 0.40, 1.65}, "mirror"},
-    Shape{"tv", kTv, tv, 0, {1.15, 0.22, 0.74}},
-    Shape{"wall tv", kTv, tv, 1, {1.25, 0.06, 0.72}, "tv"},
-    Shape{"monitor", kTv, tv, 2, {0.56, 0.20, 0.46}},
-    Shape{"whiteboard", kBoard, board, 0, {1.60, 0.03, 1.00}, "board"},
-    Shape{"notice board", kBoard, board, 1, {1.10, 0.03, 0.80}, "board"},
-    Shape{"flip chart", kBoard, board, 2, {0.72, 0.60, 1.75}, "board"},
+    Shape{"tv", kTvMonitor, tv, 0, {1.15, 0.22, 0.74}},
+    Shape{"wall tv", kTvMonitor, tv, 1, {1.25, 0.06, 0.72}, "tv"},
+    Shape{"monitor", kTvMonitor, tv, 2, {0.56, 0.20, 0.46}},
+    Shape{"whiteboard", kBoardPanel, board, 0, {1.60, 0.03, 1.00}, "board"},
+    Shape{"notice board", kBoardPanel, board, 1, {1.10, 0.03, 0.80}, "board"},
+    Shape{"flip chart", kBoardPanel, board, 2, {0.72, 0.60, 1.75}, "board"},
     Shape{"curtain", kCurtain, curtain, 0, {1.80, 0.12, 2.30}},
     Shape{"curtain", kCurtain, curtain, 1, {1.80, 0.12, 2.30}},
     Shape{"curtain", kCurtain, curtain, 2, {1.80, 0.12, 2.30}},

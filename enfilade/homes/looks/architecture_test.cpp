@@ -78,7 +78,7 @@ TEST(Architecture, RoomsAreClosedAndFacesLookInward) {
           const Vec3f n = home.mesh.normals[hit.triangle][0];
           // Round bars have round normals: at their rims those look away.
           const auto object = home.mesh.triangle_object[hit.triangle];
-          const bool round = home.mesh.objects[object].category == 30;
+          const bool round = home.mesh.objects[object].category == mesh::Mpcat40::kRailing;
           if (!round && double(n.x) * way.x + double(n.y) * way.y + double(n.z) * way.z > 0)
             ++backs;
           continue;

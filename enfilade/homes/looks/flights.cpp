@@ -48,7 +48,7 @@ void build_steps(Site& site, const Stairs& s, const Run& run) {
   // Sides and the last riser keep a millimetre from walls and the slab, which lie there already.
   constexpr double kTread = 0.035, kNosing = 0.02, kApart = 0.001, kUnder = 0.14;
   const std::uint32_t object = site.parts.builder.begin_object(
-      "stairs", kStairsClass, static_cast<std::int32_t>(s.room_below));
+      "stairs", mesh::Mpcat40::kStairs, static_cast<std::int32_t>(s.room_below));
   const double c0 = run.c0 + kApart, c1 = run.c1 - kApart;
   for (unsigned k = 0; k < run.steps; ++k) {
     const double a0 = k * run.going(),
@@ -87,7 +87,7 @@ void build_banister(Site& site, const Stairs& s, const Run& run, double c) {
   const RoomStyle& style = site.style(s.room_below);
   mesh::MeshBuilder& b = site.parts.builder;
   const std::uint32_t object =
-      b.begin_object("banister", kRailingClass, static_cast<std::int32_t>(s.room_below));
+      b.begin_object("banister", mesh::Mpcat40::kRailing, static_cast<std::int32_t>(s.room_below));
   const double g = run.going(), r = run.rise();
   for (unsigned k = 0; k < run.steps; ++k) {
     const double a = (k + 0.5) * g, top = (k + 1) * r;
@@ -113,7 +113,7 @@ void build_guard(Site& site, std::size_t room, bool along_x, double u0, double u
   mesh::MeshBuilder& b = site.parts.builder;
   const double z = site.floor_z(room);
   const std::uint32_t object =
-      b.begin_object("railing", kRailingClass, static_cast<std::int32_t>(room));
+      b.begin_object("railing", mesh::Mpcat40::kRailing, static_cast<std::int32_t>(room));
   const int gaps = std::max(1, static_cast<int>(std::ceil((u1 - u0) / 0.13)));
   for (int i = 1; i < gaps; ++i) {
     const double u = u0 + (u1 - u0) * i / gaps;

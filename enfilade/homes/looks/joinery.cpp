@@ -78,8 +78,8 @@ void build_open_leaf(Site& site, const Opening& o, double z) {
   const double left = -direction.y * away.x + direction.x * away.y;
   const double y0 = left > 0 ? 0 : -kLeafThick;
   const double width = o.to - o.from - 2 * kLining - 0.004, height = o.head - kLining - 0.004;
-  const std::uint32_t leaf =
-      site.parts.builder.begin_object("door", kDoorClass, static_cast<std::int32_t>(room), at);
+  const std::uint32_t leaf = site.parts.builder.begin_object("door", mesh::Mpcat40::kDoor,
+                                                             static_cast<std::int32_t>(room), at);
   build_leaf(site, width, height, y0, style.trim.id, style.metal.id);
   add_leaf_obstacles(site, at, width, height, y0);
   const Vec3d a = at.position, b = at.to_world({width, 0, height});
@@ -93,7 +93,7 @@ void build_doorway(Site& site, const Opening& o) {
   const RoomStyle& style = site.style(o.room0);
   const double z = site.floor_z(o.room0), half = plan::wall_thickness(site.plan, o) / 2;
   const std::uint32_t object = site.parts.builder.begin_object(
-      arch ? "archway" : "door frame", kDoorClass, static_cast<std::int32_t>(o.room0));
+      arch ? "archway" : "door frame", mesh::Mpcat40::kDoor, static_cast<std::int32_t>(o.room0));
   build_frame(site, o, style.trim.id, z);
   if (arch || o.leaf <= 0) {
     add_thing(site, object, arch ? "archway" : "doorway", style.trim, o.room0,
@@ -109,13 +109,13 @@ void build_entrance(Site& site, const Opening& o) {
   const double z = site.floor_z(o.room0);
   const auto region = static_cast<std::int32_t>(o.room0);
   const NamedMaterial& face = garage ? style.white : style.wood;
-  site.parts.builder.begin_object("door frame", kDoorClass, region);
+  site.parts.builder.begin_object("door frame", mesh::Mpcat40::kDoor, region);
   build_frame(site, o, style.trim.id, z);
   const double u0 = o.from + kLining, u1 = o.to - kLining, top = o.head - kLining;
   const mesh::Placement at{wall_point(o.along_x, o.along_x ? u0 : u1, o.wall, z),
                            o.along_x ? 0 : -std::numbers::pi / 2};
   const std::uint32_t door = site.parts.builder.begin_object(garage ? "garage door" : "front door",
-                                                             kDoorClass, region, at);
+                                                             mesh::Mpcat40::kDoor, region, at);
   const double width = u1 - u0;
   if (garage) {
     constexpr int kSlats = 4;
@@ -191,7 +191,7 @@ void build_window(Site& site, const Opening& o) {
   const double z = site.floor_z(o.room0), half = plan::wall_thickness(site.plan, o) / 2;
   const auto region = static_cast<std::int32_t>(o.room0);
   const std::uint32_t object = site.parts.builder.begin_object(
-      open ? "railing" : "window", open ? kRailingClass : kWindowClass, region);
+      open ? "railing" : "window", open ? mesh::Mpcat40::kRailing : mesh::Mpcat40::kWindow, region);
   build_reveals(site, o, open ? style.wall.id : style.trim.id, z);
   if (open) {
     build_parapet(site, o, style.metal, z);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <vector>
 
@@ -30,22 +31,12 @@ Rgb any_colour(Rng& rng) {
   return kColours[rng.below(kColours.size())];
 }
 
-template <class Colour>
+/// With brush strokes all over it.
 image::Image8 paint(std::uint32_t width, std::uint32_t height, const Noise& strokes,
-                    const Colour& colour) {
-  image::Image8 out(width, height, 3);
-  for (std::uint32_t y = 0; y < height; ++y) {
-    for (std::uint32_t x = 0; x < width; ++x) {
-      const double u = (x + 0.5) / width, v = (y + 0.5) / height;
-      const Rgb c = image::shade(colour(u, v), 0.9 + 0.2 * strokes.cloud(u, v, 16, 3));
-      const std::array<double, 3> parts{c.r, c.g, c.b};
-      for (std::size_t i = 0; i < 3; ++i) {
-        out.at(x, y)[i] =
-            static_cast<std::uint8_t>(std::lround(std::clamp(parts[i], 0.0, 1.0) * 255));
-      }
-    }
-  }
-  return out;
+                    const std::function<Rgb(double u, double v)>& colour) {
+  return image::paint(width, height, [&](double u, double v) {
+    return image::shade(colour(u, v), 0.9 + 0.2 * strokes.cloud(u, v, 16, 3));
+  });
 }
 
 struct Scene {

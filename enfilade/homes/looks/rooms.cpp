@@ -70,7 +70,7 @@ void add_skirting(Site& site, const Wall& w, double u0, double u1) {
 }
 
 void build_wall(Site& site, const Wall& w, mesh::MaterialId material) {
-  site.parts.builder.begin_object("wall", kWallClass, static_cast<std::int32_t>(w.room));
+  site.parts.builder.begin_object("wall", mesh::Mpcat40::kWall, static_cast<std::int32_t>(w.room));
   const double top = site.plan.rooms[w.room].ceiling;
   double at = w.u0, skirting = w.u0;
   for (const Opening* o : w.holes) {
@@ -112,7 +112,7 @@ const Rect* flight_hole(const Plan& plan, std::size_t room, bool above) {
 void build_floor(Site& site, std::size_t room) {
   const RoomStyle& style = site.style(room);
   const double z = site.floor_z(room);
-  site.parts.builder.begin_object("floor", kFloorClass, static_cast<std::int32_t>(room));
+  site.parts.builder.begin_object("floor", mesh::Mpcat40::kFloor, static_cast<std::int32_t>(room));
   for (const Rect& r : around(site.plan.rooms[room].floor, flight_hole(site.plan, room, false))) {
     level(site, style.floor.id, r, z, true);
   }
@@ -129,7 +129,7 @@ void build_ceiling(Site& site, std::size_t room) {
   const double z = site.floor_z(room) + site.plan.rooms[room].ceiling;
   const Rect* hole = flight_hole(site.plan, room, true);
   const auto region = static_cast<std::int32_t>(room);
-  site.parts.builder.begin_object("ceiling", kCeilingClass, region);
+  site.parts.builder.begin_object("ceiling", mesh::Mpcat40::kCeiling, region);
   for (const Rect& r : around(floor, hole)) {
     level(site, site.style(room).ceiling.id, r, z, false);
     if (r.width() <= 0 || r.depth() <= 0) continue;
@@ -138,7 +138,7 @@ void build_ceiling(Site& site, std::size_t room) {
   }
   if (hole == nullptr) return;
   // The edges of the slab that the stairs lead through.
-  site.parts.builder.begin_object("wall", kWallClass, region);
+  site.parts.builder.begin_object("wall", mesh::Mpcat40::kWall, region);
   const double top = site.floor_z(room) + site.plan.storeys[site.plan.rooms[room].storey].height;
   const mesh::MaterialId paint = site.style(room).ceiling.id;
   upright(site, paint, 2, hole->x1, hole->y0, hole->y1, z, top);

@@ -4,13 +4,9 @@
 #include <vector>
 
 #include "enfilade/homes/looks/architecture.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::looks {
-
-// Of mpcat40.
-inline constexpr std::uint16_t kWallClass = 1, kFloorClass = 2, kDoorClass = 4, kWindowClass = 9,
-                               kPlantClass = 14, kStairsClass = 16, kCeilingClass = 17,
-                               kRailingClass = 30, kMiscClass = 40;
 
 inline constexpr double kCasing =
     0.05;  ///< metres: width of a door's casing beside the hole; skirting ends there

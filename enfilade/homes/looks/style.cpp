@@ -77,13 +77,14 @@ Vec3f linear(Rgb c) { return {linear(c.r), linear(c.g), linear(c.b)}; }
 struct Palette {
   mesh::MeshBuilder& builder;
   Rng rng;
+  Surfaces surfaces;
 
-  NamedMaterial textured(image::Image8 texture, double size, std::string_view colour,
+  NamedMaterial textured(const image::Texture& texture, double size, std::string_view colour,
                          std::string_view material, float mirror = 0) {
     mesh::Material m;
     m.name = std::string(colour) + " " + std::string(material);
     m.colour = {1, 1, 1};
-    m.texture = std::move(texture);
+    if (surfaces == Surfaces::kTextured) m.texture = texture();
     m.mirror = mirror;
     return {builder.add_material(std::move(m), size), std::string(colour), std::string(material)};
   }
@@ -290,9 +291,10 @@ RoomStyle room_style(const HomeMaterials& home, HomeKind kind, char type, std::s
 
 }  // namespace
 
-std::vector<RoomStyle> make_styles(const Plan& plan, mesh::MeshBuilder& builder) {
+std::vector<RoomStyle> make_styles(const Plan& plan, mesh::MeshBuilder& builder,
+                                   Surfaces surfaces) {
   constexpr std::uint64_t kStream = 0x5354594C45;  // "STYLE"
-  Palette palette{builder, Rng(plan.seed, kStream)};
+  Palette palette{builder, Rng(plan.seed, kStream), surfaces};
   HomeMaterials home;
   const std::size_t rooms = plan.rooms.size();
   make_walls(palette, home, rooms);
@@ -301,8 +303,8 @@ std::vector<RoomStyle> make_styles(const Plan& plan, mesh::MeshBuilder& builder)
   make_common(palette, home.common);
   const std::size_t paintings = std::clamp<std::size_t>(rooms, 6, 12);
   for (std::size_t i = 0; i < paintings; ++i) {
-    home.pictures.push_back(
-        palette.textured(paint_picture(palette.rng, 128, 96), 0, "", "painted"));
+    const auto painting = [&] { return paint_picture(palette.rng, 128, 96); };
+    home.pictures.push_back(palette.textured(painting, 0, "", "painted"));
   }
   std::map<char, std::size_t> seen;
   std::vector<RoomStyle> styles;

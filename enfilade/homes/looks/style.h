@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/homes/plan.h"
+#include "enfilade/homes/home.h"
 #include "enfilade/mesh/mesh_builder.h"
 
 namespace enfilade::homes::looks {
@@ -37,7 +37,8 @@ struct RoomStyle {
 
 /// Draws styles for all rooms of a plan and adds their materials (textures made here: planks,
 /// tiles, carpet, marble, brick, weave, wallpaper, plaster). One a room, by place in plan.rooms.
-std::vector<RoomStyle> make_styles(const Plan& plan, mesh::MeshBuilder& builder);
+std::vector<RoomStyle> make_styles(const Plan& plan, mesh::MeshBuilder& builder,
+                                   Surfaces surfaces = Surfaces::kTextured);
 
 /// A made-up painting: abstract, landscape, portrait of nobody. 3 channels.
 image::Image8 paint_picture(Rng& rng, std::uint32_t width, std::uint32_t height);

@@ -4,11 +4,12 @@
 #include <cmath>
 
 #include "enfilade/mesh/mesh_builder.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::speaking::testing {
 namespace {
 
-constexpr std::uint16_t kWall = 1, kFloor = 2, kStairs = 16, kFurniture = 36;
+using enum mesh::Mpcat40::Category;
 constexpr double kEye = 1.5;
 
 // One inner face of a room's wall, without its doors and arches.

@@ -7,6 +7,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "enfilade/mesh/mpcat40.h"
+
 namespace enfilade::homes::speaking {
 namespace {
 
@@ -260,25 +262,26 @@ bool looks(const Thing& thing, const std::string& said) {
   return true;
 }
 
-// By mpcat40: how gladly people speak of it.
+// How gladly people speak of things of a category.
 double category_weight(std::uint16_t category) {
+  using enum mesh::Mpcat40::Category;
   switch (category) {
-    case 1:
-    case 4:
-    case 16:
-    case 17:
-    case 29:
-      return 0;  // NOLINT: wall, door, stairs, ceiling
-    case 9:
-    case 30:
-      return 0.1;  // window, railing
-    case 8:
-    case 12:
-    case 20:
-    case 28:
-    case 32:
-    case 38:
-    case 39:
+    case kWall:
+    case kDoor:
+    case kStairs:
+    case kCeiling:
+    case kBeam:
+      return 0;
+    case kWindow:
+    case kRailing:
+      return 0.1;
+    case kCushion:
+    case kCurtain:
+    case kTowel:
+    case kLighting:
+    case kBlinds:
+    case kClothes:
+    case kObjects:
       return 0.4;
     default:
       return 1;

@@ -8,6 +8,7 @@
 
 #include "enfilade/homes/speaking/box_home_for_test.h"
 #include "enfilade/mesh/mesh_builder.h"
+#include "enfilade/mesh/mpcat40.h"
 #include "tests/support/graphs.h"
 
 namespace enfilade::homes::speaking {
@@ -25,7 +26,7 @@ Home two_cubes() {
   const mesh::MaterialId paint = builder.add_material({});
   for (const double x : {3.0, 6.0}) {
     const Vec3d low{x - 0.2, -0.2, 1.3}, high{x + 0.2, 0.2, 1.7};
-    const std::uint32_t object = builder.begin_object("cube", 36, 1);
+    const std::uint32_t object = builder.begin_object("cube", mesh::Mpcat40::kFurniture, 1);
     builder.box(paint, low, high);
     home.things.push_back({object, "cube", "red", "", 1, low, high});
   }

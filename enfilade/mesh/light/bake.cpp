@@ -179,7 +179,7 @@ void Baker::make_glowing_sources() {
   std::vector<Vec3f> radiances;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (luminance(surfaces_.material(t).emission) <= 0) continue;
-    const std::uint32_t object = mesh.triangle_object.empty() ? kNoObject : mesh.triangle_object[t];
+    const std::uint32_t object = object_of(mesh, t);
     glowing[{object, mesh.triangle_material[t]}].push_back(t);
   }
   if (glowing.empty()) return;
