@@ -9,6 +9,7 @@
 
 #include "enfilade/core/rng.h"
 #include "enfilade/homes/home.h"
+#include "enfilade/mesh/mpcat40.h"
 #include "enfilade/mesh/ray_tracer.h"
 
 namespace enfilade::homes::looks {
