@@ -40,32 +40,19 @@ void write_square(const fs::path& folder) {
   write(folder / "regions/region_to_panorama.json", R"({"square": {"0": ["v0", "v1"]}})");
 }
 
-TEST(Dataset, KnowsTheLayoutsInTheWild) {
-  const tests::TemporaryFolder made("dataset_layouts");
-  const fs::path& root = made.path();
-  for (const char* file :
-       {"ours/connectivity/scans.txt", "ours/r2r/R2R_train.json", "checkout/connectivity/scans.txt",
-        "checkout/tasks/R2R/data/R2R_train.json", "flat/scans.txt", "flat/R2R_train.json"}) {
-    write(root / file, "x");
-  }
-  EXPECT_EQ(Dataset(root / "ours").connectivity_folder(), root / "ours/connectivity");
-  EXPECT_EQ(Dataset(root / "ours").annotations_file("train"), root / "ours/r2r/R2R_train.json");
-  EXPECT_EQ(Dataset(root / "checkout").annotations_file("train"),
-            root / "checkout/tasks/R2R/data/R2R_train.json");
-  EXPECT_EQ(Dataset(root / "flat").connectivity_folder(), root / "flat");
-  EXPECT_THAT([&] { (void)Dataset(root / "ours").annotations_file("val"); },
+TEST(Dataset, FindsFilesAsDataRootDoesButTakesWhatIsNamed) {
+  const tests::TemporaryFolder made("dataset_files");
+  write_square(made.path());
+  const Dataset data(made.path());
+  EXPECT_EQ(data.connectivity_folder(), made.path() / "connectivity");
+  EXPECT_EQ(data.annotations_file("val_unseen"), made.path() / "r2r/R2R_val_unseen.json");
+  EXPECT_THAT([&] { (void)data.annotations_file("val"); },
               ThrowsMessage<FileError>(HasSubstr("tried: r2r/R2R_val.json, tasks/R2R/data/")));
-  EXPECT_THAT([&] { (void)Dataset(root / "ours").regions_file(); },
-              ThrowsMessage<FileError>(HasSubstr("holds no region map")));
-  EXPECT_THAT([&] { Dataset gone(root / "absent"); },
+  EXPECT_THAT([&] { Dataset gone(made.path() / "absent"); },
               ThrowsMessage<FileError>(HasSubstr("not a folder")));
-
-  fs::create_directories(root / "ours/store");
-  fs::create_directories(root / "ours/v1/scans");
-  const scan::PanoramaPlaces places = Dataset(root / "ours").panorama_places();
-  EXPECT_EQ(places.images,
-            (std::vector<fs::path>{root / "ours/store", root / "ours/v1/scans", root / "ours"}));
-  EXPECT_EQ(places.connectivity, root / "ours/connectivity");
+  const Dataset named(DatasetConfig{made.path(), "graphs", {"images"}, {}});
+  EXPECT_EQ(named.connectivity_folder(), "graphs");
+  EXPECT_EQ(named.panorama_places().images, std::vector<fs::path>{"images"});
 }
 
 TEST(Dataset, HasGraphsEpisodesAndRegions) {
