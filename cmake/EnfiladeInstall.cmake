@@ -10,6 +10,7 @@ set_target_properties(enfilade_all PROPERTIES EXPORT_NAME enfilade)
 target_link_libraries(enfilade_all INTERFACE ${libraries})
 install(TARGETS enfilade_all EXPORT enfilade)
 
+install(FILES enfilade/enfilade.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/enfilade)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(EXPORT enfilade NAMESPACE enfilade:: FILE enfiladeTargets.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/enfilade)

@@ -104,8 +104,9 @@ TEST(Dataset, SaysWhetherItsBuildingsAreMadeUp) {
 TEST(Dataset, ToldWhatIsMissingAndHowToGetIt) {
   const tests::TemporaryFolder made("dataset_missing");
   write_square(made.path());
-  std::vector<std::string> present;
+  std::vector<std::string> present, names;
   for (const Part& part : Dataset(made.path()).examine()) {
+    names.push_back(part.name);
     if (part.present) {
       present.push_back(part.name + ": " + part.found);
       EXPECT_THAT(part.advice, IsEmpty());
@@ -113,6 +114,8 @@ TEST(Dataset, ToldWhatIsMissingAndHowToGetIt) {
       EXPECT_FALSE(part.found.empty() || part.advice.empty()) << part.name;
     }
   }
+  EXPECT_THAT(names, ElementsAre("connectivity", "R2R train", "R2R val_seen", "R2R val_unseen",
+                                 "R2R test", "regions", "panoramas"));
   EXPECT_THAT(present,
               ElementsAre("connectivity: 1 scans", "R2R val_unseen: 1 paths, 4 instructions",
                           "regions: 1 regions in 1 scans"));

@@ -10,7 +10,8 @@ namespace {
 template <class Look>
 Part look_for(std::string name, const Look& look, std::string advice) {
   try {
-    return {std::move(name), true, look(), {}};
+    std::string found = look();  // may throw: the name has to be there still
+    return {std::move(name), true, std::move(found), {}};
   } catch (const Error& error) {
     return {std::move(name), false, error.what(), std::move(advice)};
   }

@@ -1,6 +1,7 @@
 # Made by python/tools/make_stubs.py.
 from collections.abc import Iterator, Mapping, Sequence
 import os
+import pathlib
 from typing import Annotated, Any
 
 import numpy
@@ -127,7 +128,7 @@ class Panoramas:
     The panoramas of the scans of a Graphs: stores, or Matterport3D's files in any layout. A scan is opened when first used.
     """
 
-    def __init__(self, images: Sequence[str], connectivity: str, graphs: Graphs) -> None:
+    def __init__(self, images: Sequence[str | os.PathLike[str]], connectivity: str | os.PathLike[str], graphs: Graphs) -> None:
         """
         images: folders to look in, in this order. connectivity: folder of the graphs' files.
         """
@@ -160,9 +161,6 @@ class ViewRenderer:
 
 def backends() -> list[str]:
     """What a Renderer may draw with in this build, such as "cpu" and "gl"."""
-
-def panorama_places(folder: str) -> tuple[list[str], str]:
-    """Where a data folder has its pictures, and its graphs."""
 
 class EpisodeSet:
     """What enfilade.Episodes is made of."""
@@ -217,6 +215,33 @@ class Vocabulary:
         """
         Back to words in reading order, without specials but <UNK>, which ids of no word are too.
         """
+
+class DatasetFolder:
+    """What enfilade.Dataset is made of."""
+
+    def __init__(self, folder: str | os.PathLike[str] | None) -> None: ...
+
+    @property
+    def folder(self) -> pathlib.Path: ...
+
+    @property
+    def synthetic(self) -> bool: ...
+
+    @property
+    def splits(self) -> list[str]: ...
+
+    @property
+    def graphs(self) -> Graphs: ...
+
+    @property
+    def panoramas(self) -> Panoramas: ...
+
+    @property
+    def panorama_places(self) -> tuple[list[pathlib.Path], pathlib.Path]: ...
+
+    def region(self, scan: str, viewpoint: str) -> int | None: ...
+
+    def examine(self) -> list[tuple[str, bool, str, str]]: ...
 
 class BatchEnvironment:
     """What the environments of enfilade.gym are made of."""

@@ -40,6 +40,8 @@ def main() -> int:
     check = parser.parse_args().check
     status = 0
     for script in sorted(SCRIPTS.glob("*.py")):
+        if "# %%" not in script.read_text():
+            continue  # a program of a few lines, and no notebook
         file = SCRIPTS / "notebooks" / f"{script.stem}.ipynb"
         text = notebook_of(script)
         if not check:
