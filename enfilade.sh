@@ -37,6 +37,7 @@ usage: ./enfilade.sh COMMAND [ARGUMENTS]
                                 (none: the demo's homes, or two small ones made now)
   build [--preset P]            build; programs are left in build/P/bin/ (P is release)
   test  [--preset P] [ARGS]     build and run the tests; ARGS go to ctest, as in -R NavGraph
+        --quick                 unit tests only: no Python, browser, training, documentation
   docs  [ARGS]                  build the documentation: build/docs/index.html; with the examples'
                                 output where a build has them; ARGS go to tools/docs/site.py
   bench [ARGS]                  build and run the benchmarks; ARGS go to each of them
@@ -207,10 +208,13 @@ command_demo() {
 # --- testing --------------------------------------------------------------------------------------
 
 command_test() {
-  local preset=release rest status=0 python=(-DEN_BUILD_PYTHON=OFF) web=OFF
+  local preset=release rest python=(-DEN_BUILD_PYTHON=OFF) web=OFF
   [[ -z "${CI:-}" ]] || preset=ci
   parse_preset "$preset" "$@"
   [[ $preset != fuzz ]] || die 2 "the preset 'fuzz' has no tests: its programs are run by hand"
+  if [[ " ${rest[*]-} " == *" --quick "* ]]; then
+    command_test_quick "$preset" "${rest[@]}"
+  fi
   ensure_packages "build and test Enfilade" build web test python docs
   if ensure_python; then
     python=(-DEN_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python")
@@ -231,9 +235,28 @@ command_test() {
     say "the web server and its pages are not tested"
   fi
   build_preset "$preset" -DEN_BUILD_TESTS=ON -DEN_BUILD_EXAMPLES=ON "-DEN_WITH_WEB=$web" "${python[@]}"
+  run_tests "$preset" ${rest[@]+"${rest[@]}"}
+}
+
+# What was built of Python and the pages stays so; only their tests are left out.
+command_test_quick() {
+  local preset=$1 argument rest=()
+  shift
+  for argument in "$@"; do
+    [[ $argument == --quick ]] || rest+=("$argument")
+  done
+  ensure_packages "build Enfilade and its unit tests" build test
+  build_preset "$preset" -DEN_BUILD_TESTS=ON
+  run_tests "$preset" --label-exclude slow ${rest[@]+"${rest[@]}"}
+}
+
+# run_tests PRESET [CTEST ARGS]: exits with ctest's status
+run_tests() {
+  local preset=$1 status=0
+  shift
   say "testing build/$preset${ENFILADE_DATA:+ with the data of $ENFILADE_DATA}"
   # The summary of a run that failed is the one that is wanted most.
-  ctest --preset "$preset" --parallel "$(job_count)" ${rest[@]+"${rest[@]}"} 2>&1 |
+  ctest --preset "$preset" --parallel "$(job_count)" "$@" 2>&1 |
     tee "build/$preset/test.log" || status=$?
   summarize "build/$preset/test.log" "build/$preset/Testing/Temporary/LastTest.log"
   exit "$status"

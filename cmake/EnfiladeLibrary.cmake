@@ -37,16 +37,21 @@ function(enfilade_library name)
   endif()
 endfunction()
 
-# A GoogleTest program whose tests ctest runs one by one.
+# A GoogleTest program whose tests ctest runs one by one. SLOW: they are left out of a quick run
+# (`./enfilade.sh test --quick`), as are all tests with the label `slow`.
 function(enfilade_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBRARIES;DEFINITIONS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "SLOW" "" "SOURCES;LIBRARIES;DEFINITIONS")
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} enfilade_compile GTest::gmock
     GTest::gtest_main fmt::fmt)
   target_compile_definitions(${name} PRIVATE EN_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     ${arg_DEFINITIONS})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/test)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+  set(label "")
+  if(arg_SLOW)
+    set(label LABELS slow)
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 ${label})
 endfunction()
 
 # A program in bin/: the command line, its tools, examples and benchmarks.

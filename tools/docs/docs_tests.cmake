@@ -7,7 +7,7 @@ find_program(DOXYGEN_PROGRAM doxygen)
 if(EN_DOCS_PYTHON AND DOXYGEN_PROGRAM)
   add_test(NAME docs.site
     COMMAND ${EN_DOCS_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/site.py -o ${PROJECT_BINARY_DIR}/docs --no-runs)
-  set_tests_properties(docs.site PROPERTIES TIMEOUT 300)
+  set_tests_properties(docs.site PROPERTIES TIMEOUT 300 LABELS slow)
   add_test(NAME docs.tools COMMAND ${EN_DOCS_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/tools_test.py)
 else()
   add_test(NAME docs.site COMMAND ${CMAKE_COMMAND} -E echo
@@ -29,7 +29,7 @@ if(PYTHON3_PROGRAM)
     if(commands AND EN_BUILD_APPS)
       add_test(NAME tutorial.${name} COMMAND ${PYTHON3_PROGRAM} -B ${CMAKE_CURRENT_LIST_DIR}/tutorials.py
         ${page} --build ${PROJECT_BINARY_DIR} --python ${python})
-      set_tests_properties(tutorial.${name} PROPERTIES TIMEOUT 900 SKIP_RETURN_CODE 77)
+      set_tests_properties(tutorial.${name} PROPERTIES TIMEOUT 900 SKIP_RETURN_CODE 77 LABELS slow)
     endif()
   endforeach()
 endif()
