@@ -1,4 +1,4 @@
-// enfilade homes: makes a data set of model homes.
+// enfilade homes, and its short form enfilade synth: make a data set of model homes.
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
@@ -166,6 +166,34 @@ void add_homes(CLI::App& app, int& status) {
       "\nA run that was stopped goes on where it was. All of it is synthetic, and says so.");
   verb.callback([options, &status] {
     make(*options);
+    status = kSuccess;
+  });
+}
+
+void add_synth(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "synth", "Make SYNTHETIC homes without pictures: short for homes --preset graphs");
+  const auto options = std::make_shared<Options>();
+  options->preset = "graphs";
+  options->homes = homes::home_set_preset(options->preset).homes;
+  options->seed = homes::HomeSetOptions().seed;
+  verb.add_option("-o,--output", options->output, "A new or empty folder, or one to complete")
+      ->required()
+      ->type_name("DIR");
+  verb.add_option("--buildings", options->homes, "How many homes, at least 3, one a split")
+      ->check(whole_number(homes::kLeastHomes, 10000))
+      ->capture_default_str()
+      ->type_name("N");
+  verb.add_option("--seed", options->seed, "The same seed gives the same bytes")
+      ->check(whole_number())
+      ->capture_default_str();
+  set_examples(verb, {"enfilade synth -o my-data", "enfilade stats --data my-data",
+                      "enfilade graph draw home_0001 --data my-data -o plan.svg"});
+  verb.callback([options, &status] {
+    make(*options);
+    fmt::print(
+        "Use them with --data {} or ENFILADE_DATA; numbers from them compare with no others.\n",
+        options->output);
     status = kSuccess;
   });
 }

@@ -26,7 +26,7 @@ void add_score(CLI::App& app, int& status);          ///< a results file
 void add_serve(CLI::App& app, int& status);          ///< pages and evaluation over HTTP
 void add_stats(CLI::App& app, int& status);          ///< what a data set is like
 void add_submit(CLI::App& app, int& status);         ///< results to a server
-void add_synth(CLI::App& app, int& status);          ///< a small made-up data set
+void add_synth(CLI::App& app, int& status);          ///< model homes without pictures
 void add_table(CLI::App& app, int& status);          ///< the paper's table of what was run
 void add_train(CLI::App& app, int& status);          ///< the sequence-to-sequence agent
 

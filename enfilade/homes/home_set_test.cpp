@@ -3,16 +3,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/graph/check.h"
 #include "enfilade/graph/corrections.h"
+#include "enfilade/graph/graph_set.h"
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/r2r/annotations.h"
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/data_root.h"
+#include "enfilade/scan/regions.h"
 #include "enfilade/scan/store.h"
 #include "tests/support/folder_content.h"
 #include "tests/support/refusal.h"
@@ -210,6 +214,35 @@ TEST(HomeSet, RefusesOptionsOutOfRangeBeforeItMakesAFolder) {
   EXPECT_EQ(refused([](auto& o) { o.samples = 3; }), "samples: 3, not 1, 4, 9 or 16");
   EXPECT_EQ(refused([](auto& o) { o.face_size = 4097; }), "face_size: 4097, not from 0 to 4096");
   EXPECT_FALSE(fs::exists(folder));
+}
+
+TEST(HomeSet, WithoutPicturesReadsBackWithNothingOdd) {
+  const TemporaryFolder folder("homes");
+  HomeSetOptions options = home_set_preset("graphs");
+  options.homes = 3;
+  write_homes(folder.path(), options);
+  write_home_paths(folder.path(), {});
+  const scan::DataRoot data(folder.path());
+  const auto reports = graph::check_folder(data.connectivity());
+  ASSERT_EQ(reports.size(), 3U);
+  for (const auto& report : reports) EXPECT_TRUE(report.diagnostics.empty()) << report.scan;
+  EXPECT_FALSE(fs::exists(folder.path() / "store"));
+  const auto graphs = graph::GraphSet::open(data.connectivity());
+  const scan::RegionMap regions = scan::RegionMap::load(data.regions());
+  for (const char* split : {"train", "val_seen", "val_unseen"}) {
+    SCOPED_TRACE(split);
+    const auto episodes =
+        r2r::make_episodes(r2r::load_annotations(data.annotations(split), split), graphs);
+    EXPECT_FALSE(episodes.paths.empty());
+    for (const r2r::ReferencePath& path : episodes.paths) {
+      const graph::NavGraph& graph = graphs->graph(path.scan);
+      const ViewpointIndex from = path.viewpoints.front(), to = path.viewpoints.back();
+      EXPECT_EQ(path.viewpoints.size(), std::clamp<std::size_t>(path.viewpoints.size(), 5, 7));
+      EXPECT_GE(graph.distance(from, to), 5.0);
+      EXPECT_NE(regions.find(graph.scan(), graph.id(from)),
+                regions.find(graph.scan(), graph.id(to)));
+    }
+  }
 }
 
 TEST(HomeSet, PathsHaveThreeInstructionsAndHiddenGoals) {

@@ -146,5 +146,5 @@ if __name__ == "__main__":
 # %% tags=["active-ipynb"]
 # import enfilade
 #
-# enfilade.write_small_dataset("small")  # synthetic buildings, paths and instructions
+# enfilade.write_small_dataset("small")  # synthetic homes without pictures
 # main("small")

@@ -65,5 +65,5 @@ if __name__ == "__main__":
     main(sys.argv[1])
 
 # %% tags=["active-ipynb"]
-# enfilade.write_small_dataset("small")  # synthetic buildings
+# enfilade.write_small_dataset("small")  # synthetic homes without pictures
 # main("small")

@@ -29,7 +29,6 @@ from enfilade._core import (
     backends,
     metrics,
     tokenize,
-    write_small_dataset,
 )
 from enfilade._errors import ArgumentError, Error, FileError, InvalidInput, UnknownNameError
 
@@ -38,10 +37,11 @@ if TYPE_CHECKING:
     from enfilade._episodes import Episode, Episodes, Score
     from enfilade._renderer import Renderer, open_panoramas
     from enfilade._simulator import Candidate, CandidateTable, Simulator, State
+    from enfilade.synth import write_small_dataset
 
 __version__ = "0.1.0"
 
-# Where the names are that need NumPy.
+# Where the names are that need NumPy, or the ray tracer.
 _LATER = {
     "Dataset": "_dataset",
     "Part": "_dataset",
@@ -54,6 +54,7 @@ _LATER = {
     "Episode": "_episodes",
     "Episodes": "_episodes",
     "Score": "_episodes",
+    "write_small_dataset": "synth",
 }
 
 __all__ = [

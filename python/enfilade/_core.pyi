@@ -99,11 +99,6 @@ class Graphs:
         Reads all that are not read yet; threads 0: all cores. Raises FileError, InvalidInput.
         """
 
-def write_small_dataset(folder: str | os.PathLike[str], buildings: int = 6, seed: int = 1) -> None:
-    """
-    Writes a small synthetic data set without pictures: graphs, R2R annotations. At least 3 buildings; the same arguments give the same bytes.
-    """
-
 class BatchSimulator:
     """What enfilade.Simulator is made of: indices and arrays only."""
 

@@ -10,6 +10,7 @@ from typing import Union
 
 from enfilade import _synth
 from enfilade._arguments import whole
+from enfilade._errors import ArgumentError
 
 
 @dataclass(frozen=True)
@@ -51,3 +52,17 @@ def write_homes(
         threads,
     )
     return HomeReport(*made)
+
+
+def write_small_dataset(
+    folder: Union[str, os.PathLike[str]], buildings: int = 6, seed: int = 1
+) -> None:
+    """Writes a small synthetic data set without pictures: graphs, R2R annotations.
+
+    Short for `write_homes(folder, preset="graphs", homes=buildings, seed=seed, face_size=0)`; the same
+    arguments give the same bytes. Raises ArgumentError for fewer than 3 buildings (train, val_unseen
+    and test need one each).
+    """
+    if whole("buildings", buildings) < 3:
+        raise ArgumentError(f"buildings: {buildings}, but splits by building need 3")
+    write_homes(folder, preset="graphs", homes=buildings, seed=seed, face_size=0)

@@ -6,13 +6,11 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <filesystem>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/homes/small_building.h"
 #include "python/src/bindings.h"
 
 namespace enfilade::python {
@@ -139,14 +137,6 @@ void bind_graphs(nb::module_& m) {
           "load_all", &GraphSet::load_all, "threads"_a = 0,
           nb::call_guard<nb::gil_scoped_release>(),
           "Reads all that are not read yet; threads 0: all cores. Raises FileError, InvalidInput.");
-  m.def(
-      "write_small_dataset",
-      [](const std::filesystem::path& folder, std::size_t buildings, std::uint64_t seed) {
-        homes::write_small_dataset(folder, buildings, seed);
-      },
-      "folder"_a, "buildings"_a = 6, "seed"_a = 1, nb::call_guard<nb::gil_scoped_release>(),
-      "Writes a small synthetic data set without pictures: graphs, R2R annotations. At least 3 "
-      "buildings; the same arguments give the same bytes.");
 }
 
 }  // namespace enfilade::python

@@ -46,6 +46,18 @@ std::vector<Case> options() {
             "{}/results.json/homes: cannot make the folder: Not a directory"),
       homes("a folder that holds something else", "-o {}", 3,
             "{}: holds files that are not model homes; name a new or an empty folder"),
+      {"Model homes",
+       "fewer homes without pictures than splits by building take",
+       "synth " + out + "--buildings 2",
+       2,
+       "--buildings: \"2\" is not a whole number from 3 to 10000",
+       {}},
+      {"Model homes",
+       "homes without pictures, in a folder that holds something else",
+       "synth -o {}",
+       3,
+       "{}: holds files that are not model homes; name a new or an empty folder",
+       {}},
   };
 }
 

@@ -7,19 +7,20 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/features/feature_set.h"
-#include "enfilade/homes/small_building.h"
 #include "enfilade/neural/trainer.h"
+#include "tests/support/small_homes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tests {
 
-/// Three made buildings with paths and instructions, and random features of their views.
+/// Three model homes without pictures, with paths and instructions, and random features of their
+/// views.
 class SmallTraining {
  public:
   static constexpr std::size_t kDimensions = 5;
 
   SmallTraining() {
-    homes::write_small_dataset(data(), 3);
+    write_small_homes(data());
     write_features(features(), kDimensions);
   }
 

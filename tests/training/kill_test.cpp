@@ -9,8 +9,8 @@
 
 #include "enfilade/core/file.h"
 #include "enfilade/core/rng.h"
-#include "enfilade/homes/small_building.h"
 #include "tests/support/process.h"
+#include "tests/support/small_homes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade {
@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 class KillTest : public ::testing::Test {
  protected:
-  KillTest() { homes::write_small_dataset(folder_.path() / "data", 3); }
+  KillTest() { tests::write_small_homes(folder_.path() / "data"); }
 
   std::vector<std::string> training(const fs::path& model) const {
     return {EN_PROGRAM,
