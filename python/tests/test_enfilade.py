@@ -129,16 +129,16 @@ def test_names_and_indices_mean_the_same(graphs: enfilade.Graphs) -> None:
 
 def test_candidates_of_all_viewpoints_are_those_of_each(graphs: enfilade.Graphs) -> None:
     sim = enfilade.Simulator(graphs)
-    table = sim.all_candidates(["synth_3"])
+    table = sim.all_candidates(["home_0003"])
     row = 0
-    for viewpoint in graphs["synth_3"].viewpoints:
-        for c in sim.candidates("synth_3", viewpoint):
+    for viewpoint in graphs["home_0003"].viewpoints:
+        for c in sim.candidates("home_0003", viewpoint):
             got = (table.neighbour[row], table.view_index[row], table.index[row])
             assert got == (c.ix, c.view_index, c.index)
             assert table.normalized_heading[row] == c.normalized_heading
             assert table.angle[row] == c.angle and table.distance[row] == c.distance
             row += 1
-    assert row == len(table.scan) and (table.scan == graphs.index("synth_3")).all()
+    assert row == len(table.scan) and (table.scan == graphs.index("home_0003")).all()
 
 
 def raises(error: Any, words: str, call: Callable[[], Any]) -> None:
