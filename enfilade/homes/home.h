@@ -12,7 +12,7 @@
 
 namespace enfilade::homes {
 
-/// A solid thing, as the generator knows it: an upright box that may stand askew.
+/// A solid thing, as the generator knows it: a box that may be turned about the vertical.
 struct Obstacle {
   double x = 0, y = 0;            ///< middle, metres
   double half_x = 0, half_y = 0;  ///< before turning
@@ -20,7 +20,7 @@ struct Obstacle {
   double z0 = 0, z1 = 0;          ///< lowest and highest point, world
 };
 
-/// Something that people would speak of.
+/// Something that an instruction may mention.
 struct Thing {
   std::uint32_t object = 0;  ///< its place in mesh.objects
   std::string noun;          ///< "sofa", "bookshelf"
@@ -47,8 +47,8 @@ enum class Surfaces : std::uint8_t { kTextured, kPlain };
 /// \throws ArgumentError as make_plan()
 Home make_home(const PlanOptions& options, Surfaces surfaces = Surfaces::kTextured);
 
-/// The room on whose floor, or on whose stairs, a point of a floor lies; on a threshold, the nearer
-/// room. Nothing for points more than 0.5 m from every room.
+/// The room whose floor or stairs hold the point; on a threshold, the nearer room. No value for
+/// points more than 0.5 m from every room.
 std::optional<std::size_t> room_at(const Plan& plan, Vec3d floor_point);
 
 /// Can a body (graph::EdgeOptions' width, lowest, highest) move straight from above floor point `a`

@@ -21,14 +21,14 @@ struct HomeSetOptions {
   std::uint64_t seed = 1;
   std::optional<HomeKind> kind;          ///< none: a mixture, most of them houses
   double least_area = 0, most_area = 0;  ///< m2, drawn between; 0: as usual for the kind
-  /// Every so many homes, one is a house or an office of two storeys and 170 m2, whatever the
-  /// areas, unless `kind` has no stairs; 0: storeys as usual for kind and area.
+  /// One home in this many is a house or an office of two storeys and 170 m2, whatever the areas,
+  /// unless `kind` has no stairs. 0: storeys as usual for kind and area.
   std::size_t stairs_every = 0;
   std::uint32_t face_size = 256;  ///< texels of a panorama's faces; 0: no pictures
   std::uint32_t samples = 4;      ///< colour rays a texel
   int jpeg_quality = 92;
 
-  // What follows is of one run; another may differ in it.
+  // Options of one run: a later run of the same set may have others.
   /// Folder of `<scan>_corrections.json` (graph/corrections.h), applied on top of the graphs, also
   /// of homes that are there already; empty: none, and none stay applied.
   std::filesystem::path corrections;
@@ -39,10 +39,10 @@ struct HomeSetOptions {
   int threads = 0;  ///< 0: all cores; never changes a byte
 };
 
-/// "small": 2 homes, a few viewpoints, for tests; "demo": 16 homes of 25 to 50 viewpoints, three of
-/// them of two storeys; "full":
-/// 90 homes of 117 viewpoints on average, 512-texel faces; "graphs": 6 homes as of "demo" without
-/// pictures, made in a second or two. \throws ArgumentError for another word
+/// Options by name. "small": 2 homes of a few viewpoints, for tests. "demo": 16 homes of 25 to 50
+/// viewpoints, three of them with two storeys. "full": 90 homes of 117 viewpoints on average, faces
+/// of 512 texels. "graphs": 6 homes like those of "demo" but without pictures, made in a second or
+/// two. \throws ArgumentError for another name
 HomeSetOptions home_set_preset(std::string_view name);
 std::vector<std::string> home_set_presets();
 
@@ -51,7 +51,7 @@ struct RoomEntry {
   char type = '-';  ///< Matterport3D's region letter
   std::string name;
   unsigned storey = 0;
-  std::vector<std::string> viewpoints;  ///< ids of those that stand in it
+  std::vector<std::string> viewpoints;  ///< ids of those in the room
 };
 
 /// One home as the folder's list has it.
@@ -60,8 +60,8 @@ struct HomeEntry {
   PlanOptions plan;  ///< gives make_home() the same home again
   std::string kind;
   std::size_t viewpoints = 0, edges = 0, triangles = 0;
-  std::vector<RoomEntry> rooms;  ///< in the order of the plan: a room's place is its region
-  std::string corrections;       ///< a checksum of those that its graph has; empty: none
+  std::vector<RoomEntry> rooms;  ///< in the plan's order: a room's index is its region
+  std::string corrections;       ///< checksum of the corrections in its graph; empty: none
 };
 
 /// What write_homes() has done.
@@ -70,32 +70,32 @@ struct HomeSetReport {
   std::vector<Diagnostic> notes;  ///< warnings: corrections that change nothing
 };
 
-/// Told of progress: what is being done, and how much of everything.
+/// Called with what is being done, and how many steps of all are done.
 using SetProgress =
     std::function<void(const std::string& what, std::size_t done, std::size_t total)>;
 
-/// Makes, or completes, a folder that the rest of Enfilade reads by `--data`: `connectivity/`,
-/// `regions/region_to_panorama.json`, `store/<scan>.enfilade` (panoramas, packed), `homes.json`
-/// (the list), README.md (that all of it is synthetic). Homes that are there complete, of the same
-/// options, are not made again, so that a killed run goes on where it was. The same options and
-/// corrections give the same bytes. Paths and instructions come by write_home_paths().
+/// Makes a data set of homes, or completes one: `connectivity/`, `regions/region_to_panorama.json`,
+/// `store/<scan>.enfilade` (packed panoramas), `homes.json` (the list) and a README.md that calls
+/// it synthetic. Homes that are complete and have the same options are kept, so a killed run can be
+/// continued. The same options and corrections give the same bytes. Paths and instructions are
+/// written by write_home_paths().
 ///
-/// Runs of different shards may share the folder at the same time; a run of the whole set after
-/// them, alone, makes what they left out and the list. \throws FileError if the folder holds
-/// something else, or homes of other options (naming the first that differs); ArgumentError for
-/// options out of range; NoPlan, naming the home, whose set has to be made with another seed or
-/// area; InvalidInput for a broken list or broken corrections. Homes made until then stay
+/// Runs of different shards may write to the folder at the same time; afterwards one run of the
+/// whole set makes what is missing, and the list. \throws FileError if the folder holds something
+/// else, or homes of other options (naming the first that differs); ArgumentError for options out
+/// of range; NoPlan naming the home (choose another seed or area for the set); InvalidInput for a
+/// broken list or broken corrections. Homes that were made before the error are kept
 HomeSetReport write_homes(const std::filesystem::path& folder, const HomeSetOptions& options,
                           const SetProgress& progress = {});
 
 /// The list of a folder. \throws FileError, InvalidInput
 std::vector<HomeEntry> read_home_list(const std::filesystem::path& folder);
 
-inline constexpr std::size_t kLeastHomes = 3;  ///< that splits by building take
+inline constexpr std::size_t kLeastHomes = 3;  ///< fewer cannot be split by building
 
-/// How many paths are drawn, and how they are shared out.
+/// How many paths are drawn, and how they are split.
 struct HomePathOptions {
-  std::size_t per_home = 60;  ///< paths at most
+  std::size_t per_home = 60;  ///< paths, at most
   std::uint64_t seed = 1;
   double val_seen_share = 0.15;
   int threads = 0;
@@ -104,11 +104,12 @@ struct HomePathOptions {
 struct HomePathReport {
   std::size_t paths = 0, instructions = 0;
 };
-/// Room-to-Room for a folder of homes: `r2r/R2R_{train,val_seen,val_unseen,test}.json`, three
-/// instructions a path, one by each speaker (speaker.h), splits by building in the paper's
-/// proportions; whole test paths in `hidden/R2R_test.json`. Graphs are read from the folder, so
-/// that corrections made there count. \throws as read_home_list(), graph::GraphSet; FileError if
-/// there are fewer than kLeastHomes or the splits cannot be written
+/// Writes Room-to-Room annotations for a folder of homes: `r2r/R2R_<split>.json` for train,
+/// val_seen, val_unseen and test, split by building in the paper's proportions, with three
+/// instructions a path, one by each speaker. The test paths with their goals are in
+/// `hidden/R2R_test.json`. Graphs are read from the folder, so corrections made there count.
+/// \throws as read_home_list(), graph::GraphSet; FileError if there are fewer than kLeastHomes or
+/// the splits cannot be written
 HomePathReport write_home_paths(const std::filesystem::path& folder, const HomePathOptions& options,
                                 const SetProgress& progress = {});
 

@@ -62,7 +62,7 @@ struct Opening {
   double leaf = 0;  ///< degrees that the door stands open; 0: no leaf at all
 };
 
-/// A straight flight between two storeys inside a room of type 's' on either.
+/// A straight flight of stairs. On both storeys it lies inside a room of type 's'.
 struct Stairs {
   unsigned storey = 0;  ///< the lower one
   std::size_t room_below = 0, room_above = 0;
@@ -92,13 +92,13 @@ struct Plan {
 /// \throws ArgumentError for options out of range
 void check_options(const PlanOptions& options);
 
-/// Rooms along a sensible plan: front door to hall; living, dining and kitchen beside each other
-/// and open to each other now and then; bedrooms and baths off corridors; offices with meeting
-/// rooms; hotel corridors with rooms that have baths of their own. Every room is reached from every
-/// other without passing bedrooms or baths (but a bath that belongs to a bedroom is reached through
-/// it), storeys by stairs. Windows in outer walls. The same options give the same plan on every
-/// platform. \throws as check_options(); NoPlan if none of many draws works
-/// out, as may be where the rooms of a kind hardly fit into the area
+/// Draws a plan. The front door leads to a hall; living room, dining room and kitchen are
+/// neighbours, sometimes without doors between them; bedrooms and baths lie along corridors;
+/// offices have meeting rooms; hotel rooms have baths of their own. Every room can be reached from
+/// every other without passing through a bedroom or bath, except that a bath which belongs to a
+/// bedroom is reached through it. Stairs join the storeys, and windows are in outer walls. The same
+/// options give the same plan on every platform. \throws as check_options(); NoPlan if none of many
+/// draws succeeds, for instance because the rooms of the kind hardly fit into the area
 Plan make_plan(const PlanOptions& options);
 
 }  // namespace enfilade::homes

@@ -24,9 +24,9 @@ struct Placement {
   Vec3d to_world(Vec3d local) const;
 };
 
-/// Appends to a mesh. Shapes are of the current object, in the current placement's frame; texture
-/// points are metres divided by `texture_size` of the material, so that patterns have true size on
-/// every shape. Normals point out of solids.
+/// Appends shapes to a mesh. A shape belongs to the current object and is given in the frame of the
+/// current placement. Texture coordinates are metres divided by the material's `texture_size`, so
+/// that a pattern has its true size on every shape. Normals point out of solids.
 class MeshBuilder {
  public:
   /// \param mesh is appended to; must outlive *this
@@ -40,21 +40,22 @@ class MeshBuilder {
   /// What has been built so far.
   const Mesh& mesh() const noexcept { return mesh_; }
 
-  /// Corners counter-clockwise seen from where it faces; a texture that is stretched once over the
-  /// face has its bottom left at `a`, else patterns stand upright and go on from face to face.
+  /// Corners counter-clockwise as seen from the front. A texture that is stretched over the face
+  /// (`texture_size` 0) has its bottom left corner at `a`; other textures are upright and continue
+  /// from face to face.
   void quad(MaterialId material, Vec3d a, Vec3d b, Vec3d c, Vec3d d);
   void triangle(MaterialId material, Vec3d a, Vec3d b, Vec3d c);
   /// From `low` to `high`, all six sides (or without the one below).
   void box(MaterialId material, Vec3d low, Vec3d high, bool bottom = true);
-  /// A box whose edges are cut off by `round` metres, shaded as if round: cushions, mattresses.
+  /// A box with edges bevelled by `round` metres and shaded as if round: cushions, mattresses.
   void soft_box(MaterialId material, Vec3d low, Vec3d high, double round);
   /// Upright; a cone if the radii differ. Closed at both ends.
   void cylinder(MaterialId material, Vec3d foot, double radius0, double radius1, double height,
                 unsigned sides = 16);
-  /// A round shape about a vertical axis: (radius, z) from the bottom up on its outside (and down
-  /// again on its inside, as bowls have it), smooth but where it bends by more than 50 degrees.
-  /// Open where its ends are off the axis.
-  /// where its ends are off the axis. `stretch` makes it oval: the share of the radius along y.
+  /// A surface of revolution about a vertical axis. `profile` holds (radius, z), metres, from the
+  /// bottom up along the outside, and down again along the inside for bowls. It is shaded smooth
+  /// except at bends of more than 50 degrees, and is open at ends that do not lie on the axis.
+  /// \param stretch radius along y divided by that along x
   void lathe(MaterialId material, Vec3d foot, std::span<const std::array<double, 2>> profile,
              unsigned sides = 20, double stretch = 1);
   void sphere(MaterialId material, Vec3d middle, double radius, unsigned sides = 14);
