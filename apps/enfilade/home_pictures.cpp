@@ -11,6 +11,7 @@
 #include "enfilade/draw/contact_sheet.h"
 #include "enfilade/homes/home_set.h"
 #include "enfilade/homes/plan.h"
+#include "enfilade/render/pictures.h"
 
 namespace enfilade::apps {
 namespace {
@@ -61,25 +62,26 @@ bool lies_on(const Rect& floor, Vec3f eye, Radians heading, Size size, std::size
 }
 
 // Many things of this room, and little of other rooms or right before one's eyes.
-double interest(const dataset::Dataset& data, const std::string& scan, Pose pose,
+double interest(render::Renderer& renderer, const render::View& view, Vec3f eye,
                 const Rect& floor) {
   constexpr Size kSmall{64, 48};
-  const render::View view = view_of(data, scan, pose);
-  const image::Image16 depths = render_depth(data, view, camera_of(kSmall));
-  const image::Image32 instances = render_instances(data, view, camera_of(kSmall));
-  const Vec3f eye = data.graphs()->graph(scan).position(pose.viewpoint);
+  constexpr auto kLayers = static_cast<scan::LayerMask>(1U << index(scan::Layer::kDepth) |
+                                                        1U << index(scan::Layer::kInstance));
+  render::Pictures drawn;
+  renderer.render(camera_of(kSmall), {&view, 1},
+                  outputs_into(drawn, kLayers, kSmall.width, kSmall.height));
   std::map<std::uint32_t, std::size_t> counts;
   double near = 0, inside = 0;
-  for (std::size_t i = 0; i < depths.pixels.size(); ++i) {
-    const double depth = depths.pixels[i] / scan::kDepthUnitsPerMetre;
+  for (std::size_t i = 0; i < drawn.depth.pixels.size(); ++i) {
+    const double depth = drawn.depth.pixels[i] / scan::kDepthUnitsPerMetre;
     if (depth < 1.0) near += 1;
-    if (!lies_on(floor, eye, pose.heading, kSmall, i, depth)) continue;
-    ++counts[instances.pixels[i]];
+    if (!lies_on(floor, eye, view.heading, kSmall, i, depth)) continue;
+    ++counts[drawn.instances.pixels[i]];
     inside += 1;
   }
   double things = 0;
   for (const auto& [id, pixels] : counts) things += pixels >= 12 ? 1 : 0;
-  const auto all = static_cast<double>(depths.pixels.size());
+  const auto all = static_cast<double>(drawn.depth.pixels.size());
   return things * (1 - near / all) * (inside / all);
 }
 
@@ -87,6 +89,8 @@ double interest(const dataset::Dataset& data, const std::string& scan, Pose pose
 std::optional<Look> best_look(const dataset::Dataset& data, const std::string& scan,
                               const homes::RoomEntry& room, const Rect& floor) {
   const graph::NavGraph& graph = data.graphs()->graph(scan);
+  const auto renderer =
+      render::make_renderer(data.faces());  // hundreds of small views: one for all
   constexpr std::size_t kHeadings = 12;
   std::optional<Look> best;
   for (const std::string& id : room.viewpoints) {
@@ -94,7 +98,8 @@ std::optional<Look> best_look(const dataset::Dataset& data, const std::string& s
     if (!v) continue;
     for (std::size_t k = 0; k < kHeadings; ++k) {
       const Pose pose{*v, degrees(360.0 * static_cast<double>(k) / kHeadings)};
-      const double worth = interest(data, scan, pose, floor);
+      const double worth =
+          interest(*renderer, view_of(data, scan, pose), graph.position(*v), floor);
       if (worth > (best ? best->worth : 0)) best = Look{pose, worth};
     }
   }
