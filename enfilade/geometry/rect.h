@@ -1,7 +1,26 @@
-/// \file  A rectangle with sides along the axes.
+/// \file  A rectangle with sides along the axes, and its four sides.
 #pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
 
 namespace enfilade {
+
+/// A side of a Rect, named by the direction that it faces outwards.
+enum class Side : std::uint8_t { kPlusX, kPlusY, kMinusX, kMinusY };
+
+/// All sides, counter-clockwise.
+inline constexpr std::array kSides{Side::kPlusX, Side::kPlusY, Side::kMinusX, Side::kMinusY};
+
+constexpr std::size_t index(Side side) { return static_cast<std::size_t>(side); }
+constexpr Side opposite(Side side) { return kSides[(index(side) + 2) % kSides.size()]; }
+/// Whether the side faces +x or -x.
+constexpr bool faces_x(Side side) { return side == Side::kPlusX || side == Side::kMinusX; }
+/// Whether the side runs along x, that is, faces +y or -y.
+constexpr bool runs_along_x(Side side) { return !faces_x(side); }
+/// Whether the side faces up its axis: +x or +y.
+constexpr bool is_high(Side side) { return side == Side::kPlusX || side == Side::kPlusY; }
 
 /// [x0, x1] x [y0, y1], metres.
 struct Rect {
@@ -11,6 +30,19 @@ struct Rect {
   double area() const { return width() * depth(); }
   /// Whether the point lies in it or on its sides.
   bool contains(double x, double y) const { return x >= x0 && x <= x1 && y >= y0 && y <= y1; }
+  /// x of a side that faces x, y of one that faces y.
+  double at(Side side) const { return std::array{x1, y1, x0, y0}[index(side)]; }
+  /// {x0, x1} along x, else {y0, y1}.
+  std::pair<double, double> range(bool along_x) const {
+    return along_x ? std::pair{x0, x1} : std::pair{y0, y1};
+  }
+  /// Its length along x or along y.
+  double length(bool along_x) const { return along_x ? width() : depth(); }
 };
+
+/// The rectangle that spans [u0, u1] along one axis and [n0, n1] across it.
+constexpr Rect laid_rect(bool along_x, double u0, double u1, double n0, double n1) {
+  return along_x ? Rect{u0, n0, u1, n1} : Rect{n0, u0, n1, u1};
+}
 
 }  // namespace enfilade

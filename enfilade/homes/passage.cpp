@@ -116,8 +116,7 @@ void add_level_floors(const Plan& plan, const Way& way, std::vector<Floor>& floo
   for (const Opening& o : plan.openings) {
     if (o.kind != Opening::Kind::kDoor && o.kind != Opening::Kind::kArch) continue;
     const double half = plan.inner_wall / 2;
-    const double n0 = o.wall - half, n1 = o.wall + half;
-    add(o.along_x ? Rect{o.from, n0, o.to, n1} : Rect{n0, o.from, n1, o.to},
+    add(laid_rect(o.along_x, o.from, o.to, o.wall - half, o.wall + half),
         plan.rooms[o.room0].storey);
   }
 }
@@ -126,9 +125,8 @@ void add_flights(const Plan& plan, const Way& way, std::vector<Floor>& floors) {
   for (const Stairs& s : plan.stairs) {
     const auto at = within(way, s.flight);
     if (!at) continue;
-    const bool x = s.climbs_towards % 2 == 0, up = s.climbs_towards < 2;
-    const double run = x ? s.flight.width() : s.flight.depth();
-    const double foot = x ? (up ? s.flight.x0 : s.flight.x1) : (up ? s.flight.y0 : s.flight.y1);
+    const bool x = faces_x(s.climbs_towards), up = is_high(s.climbs_towards);
+    const double run = s.flight.length(x), foot = s.flight.at(opposite(s.climbs_towards));
     const double rate = plan.storeys[s.storey].height / run * (up ? 1 : -1);
     const double step = x ? way.along_x : way.along_y;
     const double enters = (x ? way.x : way.y) + at->first * step;

@@ -74,8 +74,8 @@ TEST(Passage, MeetsTurnedThingsAtBodyHeightOnly) {
 
 Vec3d on_flight(const Plan& plan, const Stairs& s, double share) {
   const Rect& f = s.flight;
-  const double t = s.climbs_towards < 2 ? share : 1 - share;
-  const bool x = s.climbs_towards % 2 == 0;
+  const double t = is_high(s.climbs_towards) ? share : 1 - share;
+  const bool x = faces_x(s.climbs_towards);
   const double z = plan.storeys[s.storey].floor + share * plan.storeys[s.storey].height;
   return x ? Vec3d{f.x0 + t * f.width(), (f.y0 + f.y1) / 2, z}
            : Vec3d{(f.x0 + f.x1) / 2, f.y0 + t * f.depth(), z};
@@ -87,8 +87,8 @@ TEST(Passage, ClimbsStairsButDoesNotFallIntoTheirHole) {
     home.plan = make_plan({seed, HomeKind::kHouse, 3, 330});
     mesh::MeshBuilder builder(home.mesh);
     looks::build_architecture(home.plan, looks::make_styles(home.plan, builder),
-                       {builder, home.obstacles, home.things, home.lights.lamps},
-                       home.lights.portals);
+                              {builder, home.obstacles, home.things, home.lights.lamps},
+                              home.lights.portals);
     for (const Stairs& s : home.plan.stairs) {
       const Vec3d foot = on_flight(home.plan, s, 0.02), middle = on_flight(home.plan, s, 0.5);
       const Vec3d head = on_flight(home.plan, s, 0.98);
@@ -110,8 +110,8 @@ TEST(Passage, EveryDoorOfABareHomeIsPassable) {
     home.plan = make_plan({seed, {}, {}, 0});
     mesh::MeshBuilder builder(home.mesh);
     looks::build_architecture(home.plan, looks::make_styles(home.plan, builder),
-                       {builder, home.obstacles, home.things, home.lights.lamps},
-                       home.lights.portals);
+                              {builder, home.obstacles, home.things, home.lights.lamps},
+                              home.lights.portals);
     for (const Opening& o : home.plan.openings) {
       const double z = home.plan.storeys[home.plan.rooms[o.room0].storey].floor;
       const double u = (o.from + o.to) / 2;

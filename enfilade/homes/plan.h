@@ -66,8 +66,8 @@ struct Opening {
 struct Stairs {
   unsigned storey = 0;  ///< the lower one
   std::size_t room_below = 0, room_above = 0;
-  Rect flight;                  ///< in plan
-  unsigned climbs_towards = 0;  ///< 0 +x, 1 +y, 2 -x, 3 -y
+  Rect flight;  ///< in plan
+  Side climbs_towards = Side::kPlusX;
   unsigned steps = 16;
 };
 

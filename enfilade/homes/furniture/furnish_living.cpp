@@ -243,7 +243,7 @@ std::optional<Spot> place_seating(FurnishedRoom& room, Seating& s) {
         arrange(s, deep);
       }
       const Score score = [&](const Spot& spot) {
-        const bool fits = (spot.wall % 2 == 0) == along_x;
+        const bool fits = faces_x(spot.wall) == along_x;
         return (fits ? 0 : -50) - 0.8 * spot.off_centre + 0.1 * std::min(spot.door, 4.0) -
                (spot.window ? 0.8 : 0);
       };

@@ -154,7 +154,7 @@ void furnish_gym(FurnishedRoom& room) {
   if (room.area() > 12) room.lay(mat, mat.size, room.middle(), 0.6, 0);
   for (int i = 0; i < 3; ++i) {
     const Shape& mirror = FurnishedRoom::pick("mirror", 0);
-    for (unsigned wall = 0; wall < 4; ++wall) {
+    for (const Side wall : kSides) {
       const auto [from, to] = room.wall_ends(wall);
       if (room.hang(mirror, {1.2, 0.03, 1.7}, wall, (from + to) / 2, 0.25, (to - from) / 2)) break;
     }

@@ -66,22 +66,17 @@ std::vector<looks::RoomSpace::WallHole> FurnishedRoom::windows() const {
   return found;
 }
 
-std::pair<double, double> FurnishedRoom::wall_ends(unsigned wall) const {
-  const Rect& f = space_.floor;
-  return wall % 2 == 0 ? std::pair{f.y0, f.y1} : std::pair{f.x0, f.x1};
+std::pair<double, double> FurnishedRoom::wall_ends(Side wall) const {
+  return space_.floor.range(runs_along_x(wall));
 }
-double FurnishedRoom::wall_length(unsigned wall) const {
-  const auto [from, to] = wall_ends(wall);
-  return to - from;
+double FurnishedRoom::wall_length(Side wall) const {
+  return space_.floor.length(runs_along_x(wall));
 }
 
-Frame FurnishedRoom::wall_frame(unsigned wall, double along) const {
-  const Rect& f = space_.floor;
-  const std::array<Vec3d, 4> origins{{{f.x1, along, space_.floor_z},
-                                      {along, f.y1, space_.floor_z},
-                                      {f.x0, along, space_.floor_z},
-                                      {along, f.y0, space_.floor_z}}};
-  return {origins[wall % 4], (wall + 1) % 4};
+Frame FurnishedRoom::wall_frame(Side wall, double along) const {
+  const double n = space_.floor.at(wall), z = space_.floor_z;
+  const Vec3d origin = runs_along_x(wall) ? Vec3d{along, n, z} : Vec3d{n, along, z};
+  return {origin, static_cast<unsigned>(index(wall) + 1) % 4};
 }
 
 Frame FurnishedRoom::middle() const {
@@ -142,7 +137,7 @@ bool FurnishedRoom::put_if_clear(const Item& item, const Frame& frame) {
   return true;
 }
 
-bool FurnishedRoom::commit(const Group& group, const Frame& frame, std::optional<unsigned> wall) {
+bool FurnishedRoom::commit(const Group& group, const Frame& frame, std::optional<Side> wall) {
   std::vector<Rect> rects;
   for (const Item& item : group.items) {
     if (item.z < 1.9 && item.size.h > kFlat && item.z < kFlat) {
@@ -164,8 +159,7 @@ bool FurnishedRoom::commit(const Group& group, const Frame& frame, std::optional
     build(item, frame);
     if (!wall) continue;
     const Rect r = footprint(item, frame);
-    const bool along_y = *wall % 2 == 0;
-    const double from = along_y ? r.y0 : r.x0, to = along_y ? r.y1 : r.x1;
+    const auto [from, to] = r.range(runs_along_x(*wall));
     if (item.y - item.size.d / 2 < 0.3) {
       on_walls_.push_back({*wall, from, to, item.z, item.z + item.size.h});
     }
@@ -178,7 +172,7 @@ bool FurnishedRoom::place(const Group& group, const Frame& frame) {
 }
 
 bool FurnishedRoom::wall_is_free(const WallItem& item, double margin) const {
-  const auto meets = [&](unsigned wall, double from, double to, double low, double high) {
+  const auto meets = [&](Side wall, double from, double to, double low, double high) {
     return wall == item.wall && from < item.to + margin && to > item.from - margin &&
            low < item.high + margin && high > item.low - margin;
   };
@@ -190,7 +184,7 @@ bool FurnishedRoom::wall_is_free(const WallItem& item, double margin) const {
   });
 }
 
-Spot FurnishedRoom::describe(const Frame& frame, unsigned wall, double along, double w) const {
+Spot FurnishedRoom::describe(const Frame& frame, Side wall, double along, double w) const {
   const auto [from, to] = wall_ends(wall);
   Spot spot{frame, wall, along, 0, 0, 9, false};
   spot.off_centre = std::abs(along - (from + to) / 2) / std::max(0.01, (to - from) / 2);
@@ -214,7 +208,7 @@ std::vector<Spot> FurnishedRoom::spots(const Group& group) const {
   for (const Item& item : group.items) {
     if (item.y - item.size.d / 2 < 0.3) tallest = std::max(tallest, item.z + item.size.h);
   }
-  for (unsigned wall = 0; wall < 4; ++wall) {
+  for (const Side wall : kSides) {
     const auto [from, to] = wall_ends(wall);
     const double first = from + group.w / 2 + 0.01, last = to - group.w / 2 - 0.01;
     if (last < first) continue;
@@ -299,10 +293,9 @@ std::optional<Frame> FurnishedRoom::place_free(const Group& group, double x, dou
   return std::nullopt;
 }
 
-bool FurnishedRoom::hang(const Shape& shape, Size size, unsigned wall, double along, double low,
+bool FurnishedRoom::hang(const Shape& shape, Size size, Side wall, double along, double low,
                          double slide, double apart) {
   if (low + size.h > height() - 0.08) return false;
-  wall %= 4;
   const auto [from, to] = wall_ends(wall);
   for (double off = 0; off <= slide + 1e-9; off += 0.15) {
     for (const double side : {-1.0, 1.0}) {
@@ -326,9 +319,9 @@ bool FurnishedRoom::hang(const Shape& shape, Size size, unsigned wall, double al
 
 bool FurnishedRoom::hang_anywhere(const Shape& shape, double low) {
   constexpr double kApart = 0.25;  // nearer frames seem to overlap when seen along the wall
-  const auto first = static_cast<unsigned>(rng_.below(4));
-  for (unsigned i = 0; i < 4; ++i) {
-    const unsigned wall = (first + i) % 4;
+  const auto first = rng_.below(4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Side wall = kSides[(first + i) % 4];
     const auto [from, to] = wall_ends(wall);
     const double at = from + (to - from) * between(0.25, 0.75);
     if (hang(shape, shape.size, wall, at, low, (to - from) / 2, kApart)) return true;

@@ -38,7 +38,7 @@ struct Frame {
 /// A place at a wall, and what speaks for it.
 struct Spot {
   Frame frame;
-  unsigned wall = 0;
+  Side wall = Side::kPlusX;
   double along = 0;       ///< x or y of its middle
   double off_centre = 0;  ///< of the wall: 0 at its middle, 1 at an end
   double corner = 0;      ///< metres from its side to the nearer corner
@@ -81,10 +81,10 @@ class FurnishedRoom {
   void put(const Item& item, const Frame& frame);
   /// As put(), unless it would meet something; was it?
   bool put_if_clear(const Item& item, const Frame& frame);
-  /// On a wall (modulo 4), above what stands there: `low` metres above the floor, at most `slide`
+  /// On a wall, above what stands there: `low` metres above the floor, at most `slide`
   /// from `along`, `apart` from doors, windows and what else hangs there.
-  bool hang(const Shape& shape, Size size, unsigned wall, double along, double low,
-            double slide = 0, double apart = 0.06);
+  bool hang(const Shape& shape, Size size, Side wall, double along, double low, double slide = 0,
+            double apart = 0.06);
   /// On any wall with room for it, well apart from others. `low` as above.
   bool hang_anywhere(const Shape& shape, double low);
   /// On the floor, lies under what stands there; cut to the room's size.
@@ -92,15 +92,15 @@ class FurnishedRoom {
 
   std::vector<looks::RoomSpace::WallHole> doors() const;
   std::vector<looks::RoomSpace::WallHole> windows() const;
-  Frame wall_frame(unsigned wall, double along) const;
+  Frame wall_frame(Side wall, double along) const;
   /// Ends of a wall (x or y).
-  std::pair<double, double> wall_ends(unsigned wall) const;
-  double wall_length(unsigned wall) const;
+  std::pair<double, double> wall_ends(Side wall) const;
+  double wall_length(Side wall) const;
   Frame middle() const;
 
  private:
   struct WallItem {
-    unsigned wall;
+    Side wall;
     double from, to, low, high;
   };
   struct Solid {
@@ -111,11 +111,11 @@ class FurnishedRoom {
   Solid solid(const Item& item, const Frame& frame) const;
   static bool meets_any(const Solid& solid, const std::vector<Solid>& others);
   bool fits(const std::vector<Rect>& rects) const;
-  bool commit(const Group& group, const Frame& frame, std::optional<unsigned> wall);
+  bool commit(const Group& group, const Frame& frame, std::optional<Side> wall);
   void build(const Item& item, const Frame& frame);
   std::vector<Spot> spots(const Group& group) const;
   bool wall_is_free(const WallItem& item, double margin) const;
-  Spot describe(const Frame& frame, unsigned wall, double along, double w) const;
+  Spot describe(const Frame& frame, Side wall, double along, double w) const;
 
   const looks::RoomSpace& space_;
   const looks::RoomStyle& style_;

@@ -123,13 +123,13 @@ looks::RoomSpace random_space(char type, Rng& rng) {
   space.floor.y1 = space.floor.y0 + d;
   space.floor_z = 3 * double(rng.below(2));
   space.ceiling_z = space.floor_z + between(2.35, 3.2);
-  std::array<unsigned, 4> walls{0, 1, 2, 3};
-  rng.shuffle(std::span<unsigned>(walls));
+  std::array<Side, 4> walls = kSides;
+  rng.shuffle(std::span<Side>(walls));
   const std::size_t doors = 1 + rng.below(3);
   for (std::size_t i = 0; i < 4; ++i) {
-    const unsigned wall = walls[i];
-    const double from = wall % 2 == 0 ? space.floor.y0 : space.floor.x0;
-    const double size = wall % 2 == 0 ? d : w;
+    const Side wall = walls[i];
+    const double from = space.floor.range(runs_along_x(wall)).first;
+    const double size = runs_along_x(wall) ? w : d;
     if (i < doors) {
       const double at = from + between(0.1, size - 0.95);
       space.holes.push_back({wall, at, at + 0.85, 0, 2.1});
@@ -189,7 +189,7 @@ void expect_well_placed(const looks::RoomSpace& space, const Workshop& shop) {
                                         {hole.from, f.y1 - 0.8, hole.to, f.y1},
                                         {f.x0, hole.from, f.x0 + 0.8, hole.to},
                                         {hole.from, f.y0, hole.to, f.y0 + 0.8}}};
-      EXPECT_LT(shared(fronts[hole.wall], {t.low.x, t.low.y, t.high.x, t.high.y}), 0.03)
+      EXPECT_LT(shared(fronts[index(hole.wall)], {t.low.x, t.low.y, t.high.x, t.high.y}), 0.03)
           << t.noun << " before a door";
     }
   }
@@ -268,7 +268,8 @@ bool doors_are_joined(const looks::RoomSpace& space, const std::vector<Rect>& st
     const double m = (hole.from + hole.to) / 2, in = FloorParts::kRadius + 0.1;
     const std::array<std::pair<double, double>, 4> entry{
         {{f.x1 - in, m}, {m, f.y1 - in}, {f.x0 + in, m}, {m, f.y0 + in}}};
-    const auto here = parts.near(entry[hole.wall].first, entry[hole.wall].second, 0.25);
+    const auto here =
+        parts.near(entry[index(hole.wall)].first, entry[index(hole.wall)].second, 0.25);
     std::set<int> both;
     std::set_intersection(common.begin(), common.end(), here.begin(), here.end(),
                           std::inserter(both, both.end()));
@@ -334,7 +335,7 @@ Thing hole_of(const looks::RoomSpace& space, const looks::RoomSpace::WallHole& h
                                    {hole.from, f.y1 - deep, hole.to, f.y1 + deep},
                                    {f.x0 - deep, hole.from, f.x0 + deep, hole.to},
                                    {hole.from, f.y0 - deep, hole.to, f.y0 + deep}}};
-  const Rect& box = boxes[hole.wall];
+  const Rect& box = boxes[index(hole.wall)];
   return {0,
           hole.sill > 0.05 ? "window" : "door",
           "",
@@ -405,7 +406,7 @@ TEST(Furnish, GivesRoomsWhatTheirTypeNeeds) {
       looks::RoomSpace space;
       space.type = type;
       space.floor = {0, 0, 5.2, 4.4};
-      space.holes = {{0, 0.3, 1.15, 0, 2.1}, {1, 1.5, 3.5, 0.9, 2.1}};
+      space.holes = {{Side::kPlusX, 0.3, 1.15, 0, 2.1}, {Side::kPlusY, 1.5, 3.5, 0.9, 2.1}};
       Rng rng(seed);
       furnish(space, shop.styles[0], rng, shop.parts);
       for (const std::string& noun : nouns) {

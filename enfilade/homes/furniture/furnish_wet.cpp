@@ -102,7 +102,7 @@ void above_run(FurnishedRoom& room, const Run& run, const Spot& spot, double eac
   // Frames look into the room: the wall's own coordinate runs along or against x.
   const auto along = [&](double x) {
     const Vec3d p = spot.frame.to_world(x, 0);
-    return spot.wall % 2 == 0 ? p.y : p.x;
+    return faces_x(spot.wall) ? p.y : p.x;
   };
   if (has_stove) {
     room.hang(hood, {0.6, 0.48, std::min(0.75, room.height() - 1.7)}, spot.wall, along(run.stove),
@@ -330,8 +330,7 @@ void furnish_toilet(FurnishedRoom& room) {
   wash_place(room, false);
   if (room.area() > 2) put_in_corner(room, FurnishedRoom::pick("trash can", 0));
   const Shape& towel = FurnishedRoom::pick("towel", 0);
-  room.hang(towel, towel.size, static_cast<unsigned>(room.rng().below(4)), room.middle().origin.x,
-            0.8, 0.6);
+  room.hang(towel, towel.size, kSides[room.rng().below(4)], room.middle().origin.x, 0.8, 0.6);
   dress_windows(room, false);
   hang_pictures(room, 1);
   hang_lights(room, Light::kHome);

@@ -143,13 +143,13 @@ void furnish_meeting(FurnishedRoom& room) {
     table_with_chairs(room, table, table.size, "chair", m.origin.x, m.origin.y);
   }
   // What people look at hangs behind the table's ends, if it can.
-  const unsigned wall = room.width() > room.depth() ? 0 : 1;
+  const Side wall = room.width() > room.depth() ? Side::kPlusX : Side::kPlusY;
   const auto [from, to] = room.wall_ends(wall);
   const Shape& screen = FurnishedRoom::pick("wall tv", 0);
   if (!room.hang(screen, {1.5, 0.06, 0.86}, wall, (from + to) / 2, 1.1, 0.6))
     room.hang_anywhere(screen, 1.1);
   const Shape& board = FurnishedRoom::pick("whiteboard", 0);
-  if (!room.hang(board, board.size, wall + 2, (from + to) / 2, 0.95, 0.6))
+  if (!room.hang(board, board.size, opposite(wall), (from + to) / 2, 0.95, 0.6))
     room.hang_anywhere(board, 0.95);
   dressed_console(room, room.pick("sideboard"), false);
   if (room.area() > 18) room.place_at_wall(FurnishedRoom::pick("flip chart", 0), in_corner, 0.2);
@@ -161,7 +161,7 @@ void furnish_meeting(FurnishedRoom& room) {
 }
 
 void furnish_classroom(FurnishedRoom& room) {
-  const unsigned wall = room.width() > room.depth() ? 2 : 3;
+  const Side wall = room.width() > room.depth() ? Side::kMinusX : Side::kMinusY;
   const auto [from, to] = room.wall_ends(wall);
   const Shape& board = FurnishedRoom::pick("whiteboard", 0);
   const double wide = std::min(3.0, to - from - 1);

@@ -28,12 +28,12 @@ void solid_box(Site& site, bool along_x, mesh::MaterialId material, const WallBo
   add_obstacle(site, along_x, box);
 }
 
-void upright(Site& site, mesh::MaterialId material, unsigned facing, double n, double u0, double u1,
+void upright(Site& site, mesh::MaterialId material, Side facing, double n, double u0, double u1,
              double z0, double z1) {
   if (u1 - u0 < 1e-9 || z1 - z0 < 1e-9) return;
-  const bool along_x = facing % 2 == 1;
+  const bool along_x = runs_along_x(facing);
   // The right hand of somebody who looks at the face points up the axis for +x and -y.
-  const bool rising = facing == 0 || facing == 3;
+  const bool rising = facing == Side::kPlusX || facing == Side::kMinusY;
   const double a = rising ? u0 : u1, b = rising ? u1 : u0;
   site.parts.builder.quad(material, wall_point(along_x, a, n, z0), wall_point(along_x, b, n, z0),
                           wall_point(along_x, b, n, z1), wall_point(along_x, a, n, z1));
@@ -84,9 +84,9 @@ std::vector<RoomSpace> room_spaces(const Plan& plan) {
     space.ceiling_z = space.floor_z + room.ceiling;
     for (const Opening& o : plan.openings) {
       if (o.room0 != r && o.room1 != r) continue;
-      const double side = o.along_x ? room.floor.y1 : room.floor.x1;
-      const unsigned high = o.wall > side - 1e-6 ? 0U : 2U;
-      space.holes.push_back({(o.along_x ? 1U : 0U) + high, o.from, o.to, o.sill, o.head});
+      const Side high = o.along_x ? Side::kPlusY : Side::kPlusX;
+      const Side wall = o.wall > room.floor.at(high) - 1e-6 ? high : opposite(high);
+      space.holes.push_back({wall, o.from, o.to, o.sill, o.head});
       if (o.kind == Opening::Kind::kWindow) continue;
       space.keep_clear.push_back(plan::opening_zone(plan, o));
       const bool here = (o.leaf_in_room1 ? o.room1 == r : o.room0 == r);
@@ -99,7 +99,7 @@ std::vector<RoomSpace> room_spaces(const Plan& plan) {
       space.no_way.push_back(s.flight);
       // The flight or its hole, and landings as long as it is wide.
       constexpr double kLanding = 1.0, kBeside = 0.1;
-      const bool x = s.climbs_towards % 2 == 0;
+      const bool x = faces_x(s.climbs_towards);
       const double along_x = x ? kLanding : kBeside, along_y = x ? kBeside : kLanding;
       space.keep_clear.push_back({s.flight.x0 - along_x, s.flight.y0 - along_y,
                                   s.flight.x1 + along_x, s.flight.y1 + along_y});

@@ -168,9 +168,9 @@ TEST(Architecture, RoomSpacesKnowHolesAndLeaves) {
   for (const RoomSpace& s : spaces) {
     holes += s.holes.size();
     for (const auto& h : s.holes) {
-      const bool along_x = h.wall % 2 == 1;
-      EXPECT_GE(h.from, along_x ? s.floor.x0 : s.floor.y0);
-      EXPECT_LE(h.to, along_x ? s.floor.x1 : s.floor.y1);
+      const auto [from, to] = s.floor.range(runs_along_x(h.wall));
+      EXPECT_GE(h.from, from);
+      EXPECT_LE(h.to, to);
       EXPECT_LT(h.head, s.ceiling_z - s.floor_z);
     }
   }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "enfilade/homes/looks/site.h"
 
@@ -30,13 +31,11 @@ struct Run {
 
 Run make_run(const Site& site, const Stairs& s) {
   Run r;
-  r.along_x = s.climbs_towards % 2 == 0;
-  r.up = s.climbs_towards < 2;
-  const Rect& f = s.flight;
-  r.foot = r.along_x ? (r.up ? f.x0 : f.x1) : (r.up ? f.y0 : f.y1);
-  r.length = r.along_x ? f.width() : f.depth();
-  r.c0 = r.along_x ? f.y0 : f.x0;
-  r.c1 = r.along_x ? f.y1 : f.x1;
+  r.along_x = faces_x(s.climbs_towards);
+  r.up = is_high(s.climbs_towards);
+  r.foot = s.flight.at(opposite(s.climbs_towards));
+  r.length = s.flight.length(r.along_x);
+  std::tie(r.c0, r.c1) = s.flight.range(!r.along_x);
   r.z = site.plan.storeys[s.storey].floor;
   r.height = site.plan.storeys[s.storey].height;
   r.steps = s.steps;
@@ -71,8 +70,7 @@ void build_steps(Site& site, const Stairs& s, const Run& run) {
 // Does a side of the flight stand free, away from walls?
 bool is_free(const Site& site, const Stairs& s, const Run& run, bool high) {
   constexpr double kAtWall = 0.3;
-  const Rect& f = site.plan.rooms[s.room_below].floor;
-  const double lo = run.along_x ? f.y0 : f.x0, hi = run.along_x ? f.y1 : f.x1;
+  const auto [lo, hi] = site.plan.rooms[s.room_below].floor.range(!run.along_x);
   return high ? hi - run.c1 > kAtWall : run.c0 - lo > kAtWall;
 }
 

@@ -9,7 +9,7 @@
 
 namespace enfilade::homes::looks {
 
-/// A room to be furnished. Walls are named by direction: 0 +x (at floor.x1), 1 +y, 2 -x, 3 -y.
+/// A room to be furnished. Walls are named by the floor's side.
 struct RoomSpace {
   std::size_t room = 0;  ///< place in plan.rooms
   char type = '-';
@@ -18,7 +18,7 @@ struct RoomSpace {
   /// Pieces of its walls with doors, arches or windows: nothing stands in front of doors; below
   /// windows only what is lower than the sill.
   struct WallHole {
-    unsigned wall = 0;
+    Side wall = Side::kPlusX;
     double from = 0, to = 0;      ///< x or y along the wall
     double sill = 0, head = 2.1;  ///< above the floor; a sill of 0 is a door or an arch
   };

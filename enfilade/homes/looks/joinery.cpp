@@ -138,9 +138,9 @@ void build_entrance(Site& site, const Opening& o) {
 void build_reveals(Site& site, const Opening& o, mesh::MaterialId paint, double z) {
   const double half = plan::wall_thickness(site.plan, o) / 2;
   const double n0 = o.wall - half, n1 = o.wall + half, z0 = z + o.sill, z1 = z + o.head;
-  const unsigned along = o.along_x ? 0U : 1U;  // the direction that u grows in
+  const Side along = o.along_x ? Side::kPlusX : Side::kPlusY;  // the direction that u grows in
   upright(site, paint, along, o.from, n0, n1, z0, z1);
-  upright(site, paint, along + 2, o.to, n0, n1, z0, z1);
+  upright(site, paint, opposite(along), o.to, n0, n1, z0, z1);
   const Rect rect = plan::both_sides(o.along_x, o.wall, o.from, o.to, half);
   level(site, paint, rect, z0, true);
   level(site, paint, rect, z1, false);

@@ -35,10 +35,10 @@ void build_facade(Site& site, mesh::MaterialId material, double ground) {
   const Plan& plan = site.plan;
   const Rect& out = plan.outline;
   site.parts.builder.begin_object("facade", mesh::Mpcat40::kWall, kOutside);
-  for (unsigned side = 0; side < 4; ++side) {
-    const bool along_x = side % 2 == 1;
-    const double n = std::array{out.x1, out.y1, out.x0, out.y0}[side];
-    const double u0 = along_x ? out.x0 : out.y0, u1 = along_x ? out.x1 : out.y1;
+  for (const Side side : kSides) {
+    const bool along_x = runs_along_x(side);
+    const double n = out.at(side);
+    const auto [u0, u1] = out.range(along_x);
     upright(site, material, side, n, u0, u1, ground, plan.storeys[0].floor);
     for (unsigned s = 0; s < plan.storeys.size(); ++s) {
       std::vector<const Opening*> holes;
@@ -92,9 +92,9 @@ void build_hedge(Site& site, Rng& rng, double ground) {
   const Rect in{out.x0 - away, out.y0 - away, out.x1 + away, out.y1 + away};
   constexpr double kThick = 0.6;
   site.parts.builder.begin_object("hedge", mesh::Mpcat40::kPlant, kOutside);
-  for (unsigned side = 0; side < 4; ++side) {
-    const bool along_x = side % 2 == 1;
-    const double n = std::array{in.x1, in.y1, in.x0 - kThick, in.y0 - kThick}[side];
+  for (const Side side : kSides) {
+    const bool along_x = runs_along_x(side);
+    const double n = in.at(side) - (is_high(side) ? 0 : kThick);
     const double u0 = along_x ? in.x0 : in.y0 - kThick, u1 = along_x ? in.x1 : in.y1 + kThick;
     wall_box(site, along_x, green, {u0, u1, n, n + kThick, ground, ground + height});
   }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include "enfilade/homes/looks/site.h"
 #include "enfilade/homes/plan/model.h"
@@ -13,25 +14,22 @@ constexpr double kSkirting = 0.08, kSkirtingDepth = 0.012, kSkirtingInWall = 0.0
 /// A wall of a room, from inside.
 struct Wall {
   std::size_t room = 0;
-  unsigned side = 0;  // 0 at floor.x1, 1 at y1, 2 at x0, 3 at y0
+  Side side = Side::kPlusX;  // of the room's floor
   bool along_x = false, outer = false;
   double n = 0, u0 = 0, u1 = 0;       // its face and its ends
   std::vector<const Opening*> holes;  // in order
 };
 
-Wall find_wall(const Site& site, std::size_t room, unsigned side) {
+Wall find_wall(const Site& site, std::size_t room, Side side) {
   const Plan& plan = site.plan;
   const Rect& f = plan.rooms[room].floor;
   Wall w;
   w.room = room;
   w.side = side;
-  w.along_x = side % 2 == 1;
-  w.n = std::array{f.x1, f.y1, f.x0, f.y0}[side];
-  w.u0 = w.along_x ? f.x0 : f.y0;
-  w.u1 = w.along_x ? f.x1 : f.y1;
-  const Rect& out = plan.outline;
-  const double edge = std::array{out.x1, out.y1, out.x0, out.y0}[side];
-  w.outer = std::abs(edge - w.n) < plan.outer_wall + 1e-6;
+  w.along_x = runs_along_x(side);
+  w.n = f.at(side);
+  std::tie(w.u0, w.u1) = f.range(w.along_x);
+  w.outer = std::abs(plan.outline.at(side) - w.n) < plan.outer_wall + 1e-6;
   for (const Opening& o : plan.openings) {
     if ((o.room0 != room && o.room1 != room) || o.along_x != w.along_x) continue;
     if (std::abs(o.wall - w.n) < plan.outer_wall) w.holes.push_back(&o);
@@ -45,9 +43,9 @@ Wall find_wall(const Site& site, std::size_t room, unsigned side) {
 void add_piece(Site& site, const Wall& w, mesh::MaterialId material, double u0, double u1,
                double z0, double z1) {
   const double z = site.floor_z(w.room);
-  upright(site, material, w.side ^ 2U, w.n, u0, u1, z + z0, z + z1);
+  upright(site, material, opposite(w.side), w.n, u0, u1, z + z0, z + z1);
   const double depth = w.outer ? site.plan.outer_wall : site.plan.inner_wall / 2;
-  const bool high = w.side < 2;
+  const bool high = is_high(w.side);
   // Bodies reach round corners; those at holes end there.
   const double past = site.plan.inner_wall / 2;
   const double a = u0 <= w.u0 ? u0 - past : u0, b = u1 >= w.u1 ? u1 + past : u1;
@@ -58,7 +56,7 @@ void add_piece(Site& site, const Wall& w, mesh::MaterialId material, double u0, 
 void add_skirting(Site& site, const Wall& w, double u0, double u1) {
   if (u1 - u0 < 0.03) return;
   const double z = site.floor_z(w.room);
-  const bool high = w.side < 2;
+  const bool high = is_high(w.side);
   // Of two that meet in a corner one ends at the other.
   const double cut = w.along_x ? 0 : kSkirtingDepth;
   const double a = u0 <= w.u0 ? u0 + cut : u0, b = u1 >= w.u1 ? u1 - cut : u1;
@@ -87,8 +85,8 @@ void build_wall(Site& site, const Wall& w, mesh::MaterialId material) {
 }
 
 // One wall of a room may be of its own kind: the longest without doors.
-unsigned feature_side(const std::array<Wall, 4>& walls) {
-  unsigned best = 0;
+Side feature_side(const std::array<Wall, 4>& walls) {
+  Side best = Side::kPlusX;
   double most = -1;
   for (const Wall& w : walls) {
     const bool door =
@@ -141,18 +139,19 @@ void build_ceiling(Site& site, std::size_t room) {
   site.parts.builder.begin_object("wall", mesh::Mpcat40::kWall, region);
   const double top = site.floor_z(room) + site.plan.storeys[site.plan.rooms[room].storey].height;
   const mesh::MaterialId paint = site.style(room).ceiling.id;
-  upright(site, paint, 2, hole->x1, hole->y0, hole->y1, z, top);
-  upright(site, paint, 0, hole->x0, hole->y0, hole->y1, z, top);
-  upright(site, paint, 3, hole->y1, hole->x0, hole->x1, z, top);
-  upright(site, paint, 1, hole->y0, hole->x0, hole->x1, z, top);
+  for (const Side side : {Side::kPlusX, Side::kMinusX, Side::kPlusY, Side::kMinusY}) {
+    const auto [u0, u1] = hole->range(runs_along_x(side));
+    upright(site, paint, opposite(side), hole->at(side), u0, u1, z, top);
+  }
 }
 
 }  // namespace
 
 void build_room(Site& site, std::size_t room) {
-  const std::array<Wall, 4> walls{find_wall(site, room, 0), find_wall(site, room, 1),
-                                  find_wall(site, room, 2), find_wall(site, room, 3)};
-  const unsigned feature = feature_side(walls);
+  std::array<Wall, 4> walls;
+  std::ranges::transform(kSides, walls.begin(),
+                         [&](Side side) { return find_wall(site, room, side); });
+  const Side feature = feature_side(walls);
   for (const Wall& w : walls) {
     const RoomStyle& style = site.style(room);
     build_wall(site, w, w.side == feature ? style.feature_wall.id : style.wall.id);

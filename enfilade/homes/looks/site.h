@@ -31,8 +31,8 @@ void wall_box(Site& site, bool along_x, mesh::MaterialId material, const WallBox
 /// The same, and an obstacle.
 void solid_box(Site& site, bool along_x, mesh::MaterialId material, const WallBox& box);
 void add_obstacle(Site& site, bool along_x, const WallBox& box);
-/// An upright face that looks towards `facing` (0 +x, 1 +y, 2 -x, 3 -y), at `n` of that axis.
-void upright(Site& site, mesh::MaterialId material, unsigned facing, double n, double u0, double u1,
+/// An upright face that looks towards `facing`, at `n` of that axis.
+void upright(Site& site, mesh::MaterialId material, Side facing, double n, double u0, double u1,
              double z0, double z1);
 /// A level face that looks up or down.
 void level(Site& site, mesh::MaterialId material, const Rect& rect, double z, bool up);

@@ -53,8 +53,9 @@ void check_rooms(const Plan& plan, Faults& faults) {
 bool fits_room(const Plan& plan, const Opening& o, std::size_t room, bool lower) {
   const Rect& f = plan.rooms[room].floor;
   const double half = wall_thickness(plan, o) / 2;
-  const double face = o.along_x ? (lower ? f.y1 : f.y0) : (lower ? f.x1 : f.x0);
-  const double lo = o.along_x ? f.x0 : f.y0, hi = o.along_x ? f.x1 : f.y1;
+  const auto [low_face, high_face] = f.range(!o.along_x);
+  const double face = lower ? high_face : low_face;
+  const auto [lo, hi] = f.range(o.along_x);
   const double nib = 0.15 - 1e-6;
   return std::abs(face - (lower ? o.wall - half : o.wall + half)) < 1e-6 && o.from >= lo + nib &&
          o.to <= hi - nib && o.head <= plan.rooms[room].ceiling - 0.1;
@@ -160,8 +161,8 @@ void check_windows(const Plan& plan, Faults& faults) {
 
 void check_stairs(const Plan& plan, Faults& faults) {
   for (const Stairs& s : plan.stairs) {
-    const bool x = s.climbs_towards % 2 == 0;
-    const double going = (x ? s.flight.width() : s.flight.depth()) / s.steps;
+    const bool x = faces_x(s.climbs_towards);
+    const double going = s.flight.length(x) / s.steps;
     const double rise = plan.storeys[s.storey].height / s.steps;
     if (going < 0.25 - 1e-9 || rise > 0.19) {
       faults.push_back(fmt::format("stairs with steps of {:.3f} by {:.3f} m", going, rise));
@@ -169,9 +170,10 @@ void check_stairs(const Plan& plan, Faults& faults) {
     for (const std::size_t r : {s.room_below, s.room_above}) {
       const Rect& f = plan.rooms[r].floor;
       if (plan.rooms[r].type != 's') faults.push_back(name(plan, r) + " has stairs");
-      const double before = x ? s.flight.x0 - f.x0 : s.flight.y0 - f.y0;
-      const double behind = x ? f.x1 - s.flight.x1 : f.y1 - s.flight.y1;
-      const double beside = x ? f.depth() - s.flight.depth() : f.width() - s.flight.width();
+      const auto [floor0, floor1] = f.range(x);
+      const auto [flight0, flight1] = s.flight.range(x);
+      const double before = flight0 - floor0, behind = floor1 - flight1;
+      const double beside = f.length(!x) - s.flight.length(!x);
       if (before < 0.9 || behind < 0.9 || beside < 1.2) {
         faults.push_back(fmt::format("{}: stairs have {:.2f}, {:.2f} and {:.2f} m around them",
                                      name(plan, r), before, behind, beside));

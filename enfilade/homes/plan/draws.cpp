@@ -95,13 +95,16 @@ class Turning {
     r = {snap2(r.x0 - dx), snap2(r.y0 - dy), snap2(r.x1 - dx), snap2(r.y1 - dy)};
     return swapped_ ? Rect{r.y0, r.x0, r.y1, r.x1} : r;
   }
-  unsigned operator()(unsigned direction) const {
-    if (mirrored_ && direction % 2 == 0) direction ^= 2U;
-    if (upside_ && direction % 2 == 1) direction ^= 2U;
-    return swapped_ ? direction ^ 1U : direction;
+  Side operator()(Side side) const {
+    if (faces_x(side) ? mirrored_ : upside_) side = opposite(side);
+    return swapped_ ? mirrored_at_diagonal(side) : side;
   }
 
  private:
+  static Side mirrored_at_diagonal(Side side) {
+    constexpr std::array kSwapped{Side::kPlusY, Side::kPlusX, Side::kMinusY, Side::kMinusX};
+    return kSwapped[index(side)];
+  }
   // Middle lines that were equal stay equal after mirroring: a tenth of a millimetre.
   static double snap2(double x) { return std::round(x * 1e4) / 1e4; }
   double width_, depth_;
@@ -171,8 +174,7 @@ std::optional<Scored> draw_plan(const Brief& brief, Rng& rng) {
     ProgramNeeds needs{brief.kind, s, brief.storeys, 0, 0, 0};
     for (const auto& block : building->storeys[s].blocks) {
       (block.inner ? needs.inner : needs.strips) += block.box.area();
-      needs.depth =
-          std::max(needs.depth, block.faces % 2 == 1 ? block.box.depth() : block.box.width());
+      needs.depth = std::max(needs.depth, block.box.length(faces_x(block.faces)));
     }
     const auto layout = fill(*building, s, draw_program(needs, rng), 60, rng);
     if (!layout) return std::nullopt;
@@ -186,7 +188,7 @@ std::optional<Scored> draw_plan(const Brief& brief, Rng& rng) {
     score += layout->score;
   }
   sketch.middle = turn(Rect{0, 0, building->width, building->depth});
-  sketch.front = turn(3U);
+  sketch.front = turn(Side::kMinusY);
   if (building->flight) {
     sketch.flight = Flight{turn(building->flight->box), turn(building->flight->towards)};
   }

@@ -65,21 +65,20 @@ struct Strip {
   double wanted = 0;
 };
 
-bool runs_along_x(const Block& block) { return block.faces % 2 == 1; }
-
 // Piece of a strip: along it, and from the corridor's side (0) away from it.
 Rect piece(const Block& block, double a0, double a1, double n0, double n1) {
   const Rect& b = block.box;
   switch (block.faces) {
-    case 0:
+    case Side::kPlusX:
       return {snap(b.x1 - n1), snap(b.y0 + a0), snap(b.x1 - n0), snap(b.y0 + a1)};
-    case 1:
+    case Side::kPlusY:
       return {snap(b.x0 + a0), snap(b.y1 - n1), snap(b.x0 + a1), snap(b.y1 - n0)};
-    case 2:
+    case Side::kMinusX:
       return {snap(b.x0 + n0), snap(b.y0 + a0), snap(b.x0 + n1), snap(b.y0 + a1)};
-    default:
-      return {snap(b.x0 + a0), snap(b.y0 + n0), snap(b.x0 + a1), snap(b.y0 + n1)};
+    case Side::kMinusY:
+      break;
   }
+  return {snap(b.x0 + a0), snap(b.y0 + n0), snap(b.x0 + a1), snap(b.y0 + n1)};
 }
 
 // Widths between their limits that fill the strip: wanted widths times one factor, found by
@@ -349,8 +348,7 @@ double door_room(const Rect& a, const Rect& b, const std::optional<Flight>& flig
   if (!flight) return whole;
   const Rect zone = both_sides(wall->along_x, wall->wall, wall->from, wall->to, kStand);
   if (!overlap(zone, flight->box)) return whole;
-  const double f0 = wall->along_x ? flight->box.x0 : flight->box.y0;
-  const double f1 = wall->along_x ? flight->box.x1 : flight->box.y1;
+  const auto [f0, f1] = flight->box.range(wall->along_x);
   return std::max({0.0, f0 - wall->from, wall->to - f1});
 }
 
@@ -361,13 +359,8 @@ std::optional<Layout> fill(const Building& building, unsigned storey,
   for (unsigned t = 0; t < trials; ++t) {
     std::vector<Strip> strips;
     for (const Block& block : frame.blocks) {
-      const bool x = runs_along_x(block);
-      strips.push_back({&block,
-                        x ? block.box.width() : block.box.depth(),
-                        x ? block.box.depth() : block.box.width(),
-                        {},
-                        0,
-                        0});
+      const bool x = runs_along_x(block.faces);
+      strips.push_back({&block, block.box.length(x), block.box.length(!x), {}, 0, 0});
     }
     if (!place_items(strips, program, rng)) continue;
     if (!std::all_of(strips.begin(), strips.end(), set_widths)) continue;

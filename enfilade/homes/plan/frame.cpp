@@ -10,11 +10,6 @@ constexpr double kShortestPiece = 1.7;  // of a corridor, between middle lines
 constexpr double kNarrowSpine = 1.65;   // 1.5 m clear: arches in it are 1.2 m wide
 constexpr double kStairSpine = 2.5;     // a flight and a passage of 1.3 m beside it
 
-// A rectangle given along and across a corridor.
-Rect laid(bool along_x, double a0, double a1, double c0, double c1) {
-  return along_x ? Rect{a0, c0, a1, c1} : Rect{c0, a0, c1, a1};
-}
-
 double stair_length(const FrameNeeds& needs) { return snap(needs.run + 2 * kLanding + 0.1); }
 
 // Depth of the rooms beside a corridor.
@@ -51,7 +46,7 @@ double spine_width(const FrameNeeds& needs, Rng& rng, bool stairs) {
 void add_spine(Frame& frame, bool along_x, std::pair<double, double> along,
                std::pair<double, double> across, std::optional<std::pair<double, double>> stairs) {
   const auto add = [&](double from, double to, char type) {
-    frame.spine.push_back({laid(along_x, from, to, across.first, across.second), type});
+    frame.spine.push_back({laid_rect(along_x, from, to, across.first, across.second), type});
   };
   if (!stairs) return add(along.first, along.second, 'h');
   auto [from, to] = *stairs;
@@ -68,9 +63,10 @@ Flight make_flight(bool along_x, double from, std::pair<double, double> across, 
   const double a0 = from + kInnerWall / 2 + kLanding - 0.05, a1 = a0 + needs.run;
   const double low = across.first + kInnerWall / 2, high = across.second - kInnerWall / 2;
   Flight flight;
-  flight.box = high_side ? laid(along_x, a0, a1, high - kFlightWidth, high)
-                         : laid(along_x, a0, a1, low, low + kFlightWidth);
-  flight.towards = (along_x ? 0U : 1U) + (reversed ? 2U : 0U);
+  flight.box = high_side ? laid_rect(along_x, a0, a1, high - kFlightWidth, high)
+                         : laid_rect(along_x, a0, a1, low, low + kFlightWidth);
+  const Side rising = along_x ? Side::kPlusX : Side::kPlusY;
+  flight.towards = reversed ? opposite(rising) : rising;
   return flight;
 }
 
@@ -104,9 +100,9 @@ std::optional<Building> central_hall(const FrameNeeds& needs, Rng& rng) {
     } else if (!whole) {
       add_spine(f, false, {entry, end}, across, std::nullopt);
     }
-    f.blocks.push_back({{0, 0, left, end}, 0});
-    f.blocks.push_back({{left + spine, 0, b.width, end}, 2});
-    if (end < b.depth) f.blocks.push_back({{0, end, b.width, b.depth}, 3});
+    f.blocks.push_back({{0, 0, left, end}, Side::kPlusX});
+    f.blocks.push_back({{left + spine, 0, b.width, end}, Side::kMinusX});
+    if (end < b.depth) f.blocks.push_back({{0, end, b.width, b.depth}, Side::kMinusY});
     b.storeys.push_back(std::move(f));
   }
   return b;
@@ -141,13 +137,13 @@ std::optional<Building> corridor_across(const FrameNeeds& needs, Rng& rng) {
     add_spine(f, true, {0, end}, across, at);
     if (s == 0) {
       f.spine.push_back({{door, 0, door + hall, front}, 'e'});
-      f.blocks.push_back({{0, 0, door, front}, 1});
-      f.blocks.push_back({{door + hall, 0, end, front}, 1});
+      f.blocks.push_back({{0, 0, door, front}, Side::kPlusY});
+      f.blocks.push_back({{door + hall, 0, end, front}, Side::kPlusY});
     } else {
-      f.blocks.push_back({{0, 0, end, front}, 1});
+      f.blocks.push_back({{0, 0, end, front}, Side::kPlusY});
     }
-    f.blocks.push_back({{0, front + spine, end, b.depth}, 3});
-    if (side > 0) f.blocks.push_back({{end, 0, b.width, b.depth}, 2});
+    f.blocks.push_back({{0, front + spine, end, b.depth}, Side::kMinusY});
+    if (side > 0) f.blocks.push_back({{end, 0, b.width, b.depth}, Side::kMinusX});
     b.storeys.push_back(std::move(f));
   }
   return b;
@@ -179,9 +175,9 @@ std::optional<Building> ell(const FrameNeeds& needs, Rng& rng) {
     Frame f;
     f.spine.push_back({{x0, 0, x1, front + spine}, s == 0 ? 'e' : 'h'});
     add_spine(f, true, {x1, b.width}, across, at);
-    f.blocks.push_back({{0, 0, left, b.depth}, 0});
-    f.blocks.push_back({{x1, 0, b.width, front}, 1});
-    f.blocks.push_back({{left, front + spine, b.width, b.depth}, 3});
+    f.blocks.push_back({{0, 0, left, b.depth}, Side::kPlusX});
+    f.blocks.push_back({{x1, 0, b.width, front}, Side::kPlusY});
+    f.blocks.push_back({{left, front + spine, b.width, b.depth}, Side::kMinusY});
     b.storeys.push_back(std::move(f));
   }
   return b;
@@ -216,14 +212,14 @@ std::optional<Building> horseshoe(const FrameNeeds& needs, Rng& rng) {
     add_spine(f, false, {y1, b.depth}, {x2, x2 + spine}, std::nullopt);
     if (s == 0) {
       f.spine.push_back({{door, 0, door + hall, front}, 'e'});
-      f.blocks.push_back({{0, 0, door, front}, 1});
-      f.blocks.push_back({{door + hall, 0, b.width, front}, 1});
+      f.blocks.push_back({{0, 0, door, front}, Side::kPlusY});
+      f.blocks.push_back({{door + hall, 0, b.width, front}, Side::kPlusY});
     } else {
-      f.blocks.push_back({{0, 0, b.width, front}, 1});
+      f.blocks.push_back({{0, 0, b.width, front}, Side::kPlusY});
     }
-    f.blocks.push_back({{0, y1, left, b.depth}, 0});
-    f.blocks.push_back({{left + arm, y1, x2, b.depth}, 2, true});
-    f.blocks.push_back({{x2 + spine, y1, b.width, b.depth}, 2});
+    f.blocks.push_back({{0, y1, left, b.depth}, Side::kPlusX});
+    f.blocks.push_back({{left + arm, y1, x2, b.depth}, Side::kMinusX, true});
+    f.blocks.push_back({{x2 + spine, y1, b.width, b.depth}, Side::kMinusX});
     b.storeys.push_back(std::move(f));
   }
   return b;
@@ -256,10 +252,11 @@ std::optional<Building> comb(const FrameNeeds& needs, Rng& rng) {
         const std::pair across{strip.second, snap(strip.second + spine)};
         add_spine(f, true, {0, b.width}, across, i == 0 ? at : std::nullopt);
         if (i > 0) f.spine.push_back({{door, strip.first, door + hall, strip.second}, 'h'});
-        f.blocks.push_back({{0, strip.first, door, strip.second}, 1, i > 0});
-        f.blocks.push_back({{door + hall, strip.first, b.width, strip.second}, 1, i > 0});
+        f.blocks.push_back({{0, strip.first, door, strip.second}, Side::kPlusY, i > 0});
+        f.blocks.push_back(
+            {{door + hall, strip.first, b.width, strip.second}, Side::kPlusY, i > 0});
       } else {
-        f.blocks.push_back({{0, strip.first, b.width, strip.second}, 3});
+        f.blocks.push_back({{0, strip.first, b.width, strip.second}, Side::kMinusY});
       }
       y += depth + spine;
     }

@@ -33,8 +33,8 @@ struct Piece {
 /// A strip beside the corridor, to be cut into rooms along it.
 struct Block {
   Rect box;
-  unsigned faces = 0;  // the side on which the corridor runs: 0 +x, 1 +y, 2 -x, 3 -y
-  bool inner = false;  // between corridors: its rooms need no windows
+  Side faces = Side::kPlusX;  // the side on which the corridor runs
+  bool inner = false;         // between corridors: its rooms need no windows
 };
 struct Frame {
   std::vector<Piece> spine;
@@ -42,7 +42,7 @@ struct Frame {
 };
 struct Flight {
   Rect box;  // true size
-  unsigned towards = 0;
+  Side towards = Side::kPlusX;
 };
 /// Corridors and strips of all storeys; the front is at y = 0.
 struct Building {
@@ -85,8 +85,7 @@ inline bool overlap(const Rect& a, const Rect& b) {
 }
 /// The same piece of wall on both sides of it, `reach` metres from its middle line.
 inline Rect both_sides(bool along_x, double wall, double from, double to, double reach) {
-  return along_x ? Rect{from, wall - reach, to, wall + reach}
-                 : Rect{wall - reach, from, wall + reach, to};
+  return laid_rect(along_x, from, to, wall - reach, wall + reach);
 }
 
 /// Can a door or arch be made between two cells at [from, to] of their wall: is there standing room

@@ -24,9 +24,6 @@ void take_out(std::vector<Interval>& free, double from, double to) {
   free = std::move(rest);
 }
 
-double low_of(const Rect& r, bool along_x) { return along_x ? r.x0 : r.y0; }
-double high_of(const Rect& r, bool along_x) { return along_x ? r.x1 : r.y1; }
-
 /// One storey's openings in the making.
 class Openings {
  public:
@@ -43,7 +40,7 @@ class Openings {
   void add_enfilades();
   bool add_entrances();
   void add_windows(std::size_t room);
-  void add_windows(std::size_t room, unsigned side, bool must);
+  void add_windows(std::size_t room, Side side, bool must);
 
   bool join(std::size_t a, std::size_t b, Opening::Kind kind, double least, double most);
   bool place_arch(Opening o, const std::vector<Interval>& free, double least, double most);
@@ -83,7 +80,8 @@ std::vector<Interval> Openings::free_wall(const Opening& o, double lo, double hi
   if (sketch_.flight) {
     const Rect& f = sketch_.flight->box;
     const Rect zone = both_sides(o.along_x, o.wall, lo, hi, kStand);
-    if (overlap(zone, f)) take_out(free, low_of(f, o.along_x) - 0.1, high_of(f, o.along_x) + 0.1);
+    const auto [from, to] = f.range(o.along_x);
+    if (overlap(zone, f)) take_out(free, from - 0.1, to + 0.1);
   }
   for (const Opening& p : plan_.openings) {
     if (!here(p.room0) || p.along_x != o.along_x || std::abs(p.wall - o.wall) > 1e-6) continue;
@@ -114,15 +112,15 @@ double Openings::leaf_cost(const Opening& o) const {
   const bool small_hall = sketch_.cells[room].type == 'e' && !sketch_.cells[room].spine;
   const bool own = sketch_.cells[o.room0].spine || sketch_.cells[*o.room1].spine;
   if (small_hall && !own) return kNever;
-  const double deep = o.along_x ? floor.depth() : floor.width();
+  const double deep = floor.length(!o.along_x);
   if (deep < o.to - o.from + 0.15) return kNever;
   if (leaf.x0 < floor.x0 || leaf.x1 > floor.x1 || leaf.y0 < floor.y0 || leaf.y1 > floor.y1) {
     return kNever;
   }
   if (sketch_.flight && overlap(leaf, sketch_.flight->box)) return kNever;
   if (clashes(leaf, true)) return kNever;
-  const double corner =
-      o.hinge_at_to ? high_of(floor, o.along_x) - o.to : o.from - low_of(floor, o.along_x);
+  const auto [low, high] = floor.range(o.along_x);
+  const double corner = o.hinge_at_to ? high - o.to : o.from - low;
   return std::min(corner, 1.6) + (sketch_.cells[room].spine ? 2.5 : 0);
 }
 
@@ -205,9 +203,9 @@ bool Openings::join(std::size_t a, std::size_t b, Opening::Kind kind, double lea
   o.room1 = wall->first_is_lower ? b : a;
   o.along_x = wall->along_x;
   o.wall = wall->wall;
-  const Rect &f0 = plan_.rooms[a].floor, &f1 = plan_.rooms[b].floor;
-  const double lo = std::max(low_of(f0, o.along_x), low_of(f1, o.along_x));
-  const double hi = std::min(high_of(f0, o.along_x), high_of(f1, o.along_x));
+  const auto [low0, high0] = plan_.rooms[a].floor.range(o.along_x);
+  const auto [low1, high1] = plan_.rooms[b].floor.range(o.along_x);
+  const double lo = std::max(low0, low1), hi = std::min(high0, high1);
   const bool arch = kind == Opening::Kind::kArch;
   o.head = arch ? std::min(kHighestHead, lowest_ceiling(o) - 0.15) : door_head_;
   const auto free = free_wall(o, lo, hi, kNib);
@@ -290,15 +288,13 @@ void Openings::add_enfilades() {
 }
 
 // The outer wall of a room on a side of the outline, as an opening without width.
-std::optional<Opening> outer_wall(const Sketch& sketch, std::size_t room, unsigned side) {
+std::optional<Opening> outer_wall(const Sketch& sketch, std::size_t room, Side side) {
   const Rect &box = sketch.cells[room].box, &m = sketch.middle;
-  const std::array<double, 4> mine{box.x1, box.y1, box.x0, box.y0};
-  const std::array<double, 4> edge{m.x1, m.y1, m.x0, m.y0};
-  if (std::abs(mine[side] - edge[side]) > 1e-6) return std::nullopt;
+  if (std::abs(box.at(side) - m.at(side)) > 1e-6) return std::nullopt;
   Opening o;
   o.room0 = room;
-  o.along_x = side % 2 == 1;
-  o.wall = edge[side];
+  o.along_x = runs_along_x(side);
+  o.wall = m.at(side);
   return o;
 }
 
@@ -312,7 +308,7 @@ bool Openings::add_entrances() {
     if (!o) continue;
     o->kind = Opening::Kind::kEntrance;
     const Rect& floor = plan_.rooms[r].floor;
-    const double lo = low_of(floor, o->along_x), hi = high_of(floor, o->along_x);
+    const auto [lo, hi] = floor.range(o->along_x);
     const double width = garage ? std::min(2.8, hi - lo - 0.5) : std::min(1.1, hi - lo - 2 * kNib);
     const double slack = hi - lo - 2 * kNib - width;
     o->from = lo + kNib + slack * (garage ? 0.5 : draw(rng_, 0.3, 0.7));
@@ -341,7 +337,7 @@ WindowKind window_kind(char type, bool tall) {
   return {0.7, 1.1, 1.8, tall ? 0.5 : 0.85, 2.15, 1.1};
 }
 
-void Openings::add_windows(std::size_t room, unsigned side, bool must) {
+void Openings::add_windows(std::size_t room, Side side, bool must) {
   auto o = outer_wall(sketch_, room, side);
   if (!o) return;
   const char type = sketch_.cells[room].type;
@@ -352,13 +348,14 @@ void Openings::add_windows(std::size_t room, unsigned side, bool must) {
   o->sill = kind.sill;
   o->head = std::min(kind.head, ceiling - 0.2);
   const Rect& floor = plan_.rooms[room].floor;
-  const double lo = low_of(floor, o->along_x), hi = high_of(floor, o->along_x);
+  const auto [lo, hi] = floor.range(o->along_x);
   auto free = free_wall(*o, lo, hi, 0.3);
   for (const Opening& p : plan_.openings) {  // no window behind an open leaf
     const auto leaf = leaf_zone(plan_, p);
     if (!leaf || !here(p.room0)) continue;
     if (!overlap(*leaf, both_sides(o->along_x, o->wall, lo, hi, 0.6))) continue;
-    take_out(free, low_of(*leaf, o->along_x) - 0.1, high_of(*leaf, o->along_x) + 0.1);
+    const auto [from, to] = leaf->range(o->along_x);
+    take_out(free, from - 0.1, to + 0.1);
   }
   const double width = snap(draw(rng_, kind.low, kind.high));
   for (const auto& [a, b] : free) {
@@ -380,11 +377,11 @@ void Openings::add_windows(std::size_t room, unsigned side, bool must) {
 
 void Openings::add_windows(std::size_t room) {
   // The longest outer wall has one in any case, where people stay.
-  std::vector<std::pair<double, unsigned>> sides;
-  for (unsigned side = 0; side < 4; ++side) {
+  std::vector<std::pair<double, Side>> sides;
+  for (const Side side : kSides) {
     if (!outer_wall(sketch_, room, side)) continue;
     const Rect& f = plan_.rooms[room].floor;
-    sides.emplace_back(side % 2 == 1 ? -f.width() : -f.depth(), side);
+    sides.emplace_back(-f.length(runs_along_x(side)), side);
   }
   std::sort(sides.begin(), sides.end());
   const bool stay = is_one_of(sketch_.cells[room].type, "bdfiklnorvwmCSpy");
@@ -423,7 +420,7 @@ std::optional<Rect> leaf_zone(const Plan& plan, const Opening& o) {
   const double n0 = o.leaf_in_room1 ? o.wall + face : o.wall - reach;
   const double n1 = o.leaf_in_room1 ? o.wall + reach : o.wall - face;
   const double a0 = hinge - kLeafSpace, a1 = hinge + kLeafSpace;
-  return o.along_x ? Rect{a0, n0, a1, n1} : Rect{n0, a0, n1, a1};
+  return laid_rect(o.along_x, a0, a1, n0, n1);
 }
 
 bool add_openings(const Sketch& sketch, Plan& plan, Rng& rng) {

@@ -8,12 +8,12 @@
 namespace enfilade::homes::plan {
 
 /// Cells are the plan's rooms, in the same order; `middle` is the outline between the outer walls'
-/// middle lines; the front is its side `front` (0 +x, 1 +y, 2 -x, 3 -y).
+/// middle lines; the front is its side `front`.
 struct Sketch {
   std::vector<Cell> cells;
   std::optional<Flight> flight;
   Rect middle;
-  unsigned front = 3;
+  Side front = Side::kMinusY;
 };
 
 /// \pre plan has rooms and no openings. False if a door found no place.

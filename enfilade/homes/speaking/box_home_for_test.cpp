@@ -51,16 +51,16 @@ void add_flight(mesh::MeshBuilder& builder, mesh::MaterialId paint, const Plan& 
     const double top = z + height * b;
     Vec3d low{f.x0, f.y0, top - 0.2}, high{f.x1, f.y1, top};
     switch (s.climbs_towards) {
-      case 0:
+      case enfilade::Side::kPlusX:
         low.x = f.x0 + a * f.width(), high.x = f.x0 + b * f.width();
         break;
-      case 1:
+      case enfilade::Side::kPlusY:
         low.y = f.y0 + a * f.depth(), high.y = f.y0 + b * f.depth();
         break;
-      case 2:
+      case enfilade::Side::kMinusX:
         low.x = f.x1 - b * f.width(), high.x = f.x1 - a * f.width();
         break;
-      default:
+      case enfilade::Side::kMinusY:
         low.y = f.y1 - b * f.depth(), high.y = f.y1 - a * f.depth();
         break;
     }
@@ -164,7 +164,7 @@ Plan small_plan() {
                    opening(K::kArch, 0, 5, false, 10.06, 0.3, 1.7),
                    opening(K::kArch, 7, 6, false, 10.06, 5.6, 6.9),
                    opening(K::kDoor, 8, 7, true, 3.94, 7, 7.9)};
-  plan.stairs = {{0, 5, 6, {10.2, 1.6, 12.0, 5.6}, 1, 16}};
+  plan.stairs = {{0, 5, 6, {10.2, 1.6, 12.0, 5.6}, enfilade::Side::kPlusY, 16}};
   plan.outline = {-0.25, -5.25, 12.5, 7.25};
   return plan;
 }
@@ -213,10 +213,11 @@ graph::NavGraph grid_graph(const Plan& plan, const mesh::RayTracer& tracer,
   for (const Stairs& s : plan.stairs) {
     const Rect& f = s.flight;
     const double z = plan.storeys[s.storey].floor + kEye, h = plan.storeys[s.storey].height;
-    const Vec3d dir[] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
-    const Vec3d d = dir[s.climbs_towards];
+    const bool x = faces_x(s.climbs_towards);
+    const double up = is_high(s.climbs_towards) ? 1 : -1;
+    const Vec3d d = x ? Vec3d{up, 0, 0} : Vec3d{0, up, 0};
     const Vec3d centre{(f.x0 + f.x1) / 2, (f.y0 + f.y1) / 2, 0};
-    const double half = (s.climbs_towards % 2 == 0 ? f.width() : f.depth()) / 2;
+    const double half = f.length(x) / 2;
     for (const double k : {-1.0, 0.0, 1.0}) {
       const double out = k * (half + 0.6);
       eyes.push_back({centre.x + d.x * out, centre.y + d.y * out, z + h * (k + 1) / 2});

@@ -389,10 +389,9 @@ class Teller {
 
   static Flat flight_end(const Stairs& s, bool high) {
     const Rect& f = s.flight;
-    const bool far = high == (s.climbs_towards < 2);
-    const Flat centre{(f.x0 + f.x1) / 2, (f.y0 + f.y1) / 2};
-    if (s.climbs_towards % 2 == 0) return {far ? f.x1 : f.x0, centre.y};
-    return {centre.x, far ? f.y1 : f.y0};
+    const double end = f.at(high ? s.climbs_towards : opposite(s.climbs_towards));
+    if (faces_x(s.climbs_towards)) return {end, (f.y0 + f.y1) / 2};
+    return {(f.x0 + f.x1) / 2, end};
   }
 
   void end_in_room(std::size_t i, double facing, PathEnd& e) const {
