@@ -5,9 +5,9 @@
 
 #include <numbers>
 
-#include "enfilade/homes/speaking/box_home_for_test.h"
 #include "enfilade/homes/speaking/naming.h"
 #include "enfilade/homes/speaking/phrases.h"
+#include "enfilade/homes/speaking/testing/box_home.h"
 #include "tests/support/graphs.h"
 
 namespace enfilade::homes::speaking {
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// A walk through the small home, whose plan is in box_home_for_test.h.
+// A walk through the small home, whose plan is in testing/box_home.h.
 struct Walked {
   Home home = homes::speaking::testing::small_home();
   std::shared_ptr<mesh::RayTracer> tracer = homes::speaking::testing::tracer_of(home);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "enfilade/homes/speaking/box_home_for_test.h"
+#include "enfilade/homes/speaking/testing/box_home.h"
 #include "enfilade/mesh/mesh_builder.h"
 #include "enfilade/mesh/mpcat40.h"
 #include "tests/support/graphs.h"

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/homes/speaking/box_home_for_test.h"
-#include "enfilade/homes/speaking/instruction_checker_for_test.h"
-#include "enfilade/homes/speaking/instruction_reader_for_test.h"
 #include "enfilade/homes/speaking/path_story.h"
+#include "enfilade/homes/speaking/testing/box_home.h"
+#include "enfilade/homes/speaking/testing/instruction_checker.h"
+#include "enfilade/homes/speaking/testing/instruction_reader.h"
 
 namespace enfilade::homes::speaking {
 namespace {

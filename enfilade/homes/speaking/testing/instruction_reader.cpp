@@ -1,11 +1,11 @@
-#include "enfilade/homes/speaking/instruction_reader_for_test.h"
+#include "enfilade/homes/speaking/testing/instruction_reader.h"
 
 #include <algorithm>
 #include <cctype>
 #include <map>
 #include <sstream>
 
-#include "enfilade/homes/speaking/instruction_words_for_test.h"
+#include "enfilade/homes/speaking/testing/instruction_words.h"
 
 namespace enfilade::homes::speaking::testing {
 namespace {

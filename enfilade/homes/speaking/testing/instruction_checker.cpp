@@ -1,4 +1,4 @@
-#include "enfilade/homes/speaking/instruction_checker_for_test.h"
+#include "enfilade/homes/speaking/testing/instruction_checker.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <optional>
 #include <set>
 
-#include "enfilade/homes/speaking/instruction_reader_for_test.h"
+#include "enfilade/homes/speaking/testing/instruction_reader.h"
 
 namespace enfilade::homes::speaking::testing {
 namespace {

@@ -1,4 +1,4 @@
-#include "enfilade/homes/speaking/instruction_words_for_test.h"
+#include "enfilade/homes/speaking/testing/instruction_words.h"
 
 #include <set>
 

@@ -1,4 +1,4 @@
-#include "enfilade/homes/speaking/box_home_for_test.h"
+#include "enfilade/homes/speaking/testing/box_home.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-/// \file  For tests: a path through a home, walked in small steps; where one is and what one sees.
+/// \file  For tests: a path through a home, followed in small steps: rooms passed and things seen.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "enfilade/homes/speaking/route_for_test.h"
+#include "enfilade/homes/speaking/testing/route.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-/// \file  For tests: is an instruction true? Shares nothing with the code that wrote it but the
-/// home.
+/// \file  For tests: checks whether an instruction is true. Shares only the home with the code
+/// that wrote it.
 #pragma once
 #include <span>
 #include <string>
@@ -8,7 +8,7 @@
 #include "enfilade/core/ids.h"
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/homes/home.h"
-#include "enfilade/homes/speaking/route_for_test.h"
+#include "enfilade/homes/speaking/testing/route.h"
 #include "enfilade/mesh/ray_tracer.h"
 
 namespace enfilade::homes::speaking::testing {

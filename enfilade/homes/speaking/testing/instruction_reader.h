@@ -1,4 +1,4 @@
-/// \file  For tests: what the text of an instruction claims. Knows nothing of how it was written.
+/// \file  For tests: reads what the text of an instruction claims, without knowledge of its writer.
 #pragma once
 #include <optional>
 #include <set>

@@ -1,4 +1,4 @@
-/// \file  For tests: the English that the reader of instructions knows, whoever wrote them.
+/// \file  For tests: the English vocabulary of the reader of instructions.
 #pragma once
 #include <map>
 #include <string>

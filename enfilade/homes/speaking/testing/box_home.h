@@ -1,4 +1,4 @@
-/// \file  For tests: a home of bare walls and boxes, out of any plan, with a graph.
+/// \file  For tests: a home of bare walls and boxes, built from any plan, with a graph.
 #pragma once
 #include <memory>
 #include <string>
