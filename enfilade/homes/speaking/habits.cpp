@@ -1,79 +1,70 @@
 #include "enfilade/homes/speaking/habits.h"
 
+#include <array>
+
 namespace enfilade::homes::speaking {
 namespace {
 
-Habits terse() {
-  Habits h;
-  h.brevity = 1;
-  h.bend = 0.85;
-  h.towards = h.things = 0.02;
-  h.all_things = 1;
-  h.merge = 0.7;
-  h.skip = 0.9;
-  h.goal = h.elide = 0.8;
-  h.clauses = 4;
-  h.links = Links::kShort;
-  h.least_words = 8;
-  h.most_words = 20;
-  return h;
-}
-
-Habits by_landmarks() {
-  Habits h;
-  h.brevity = h.bend = 0.6;
-  h.start = 0.12;
-  h.towards = 0.2;
-  h.things = h.merge = 0.7;
-  h.all_things = 2;
-  h.distance = 0.1;
-  h.skip = 0.8;
-  h.openings = 0.08;
-  h.goal = 0.95;
-  h.elide = 0.4;
-  h.clauses = 3;
-  h.least_words = 20;
-  h.most_words = 40;
-  return h;
-}
-
-Habits step_by_step() {
-  Habits h;
-  h.brevity = 0.3;
-  h.bend = 0.25;
-  h.start = 0.06;
-  h.towards = 0.1;
-  h.things = h.openings = h.elide = 0.2;
-  h.all_things = 1;
-  h.distance = h.merge = 0.4;
-  h.skip = 0.6;
-  h.goal = 0.9;
-  h.clauses = 2;
-  h.least_words = 20;
-  h.most_words = 40;
-  return h;
-}
+/// By Speaker.
+constexpr std::array<Habits, kSpeakers.size()> kHabits{
+    // kTerse
+    Habits{.brevity = 1,
+           .bend = 0.85,
+           .towards = 0.02,
+           .things = 0.02,
+           .all_things = 1,
+           .merge = 0.7,
+           .skip = 0.9,
+           .goal = 0.8,
+           .elide = 0.8,
+           .clauses = 4,
+           .links = Links::kShort,
+           .least_words = 8,
+           .most_words = 20},
+    // kLandmarks
+    Habits{.brevity = 0.6,
+           .bend = 0.6,
+           .start = 0.12,
+           .towards = 0.2,
+           .things = 0.7,
+           .all_things = 2,
+           .distance = 0.1,
+           .merge = 0.7,
+           .skip = 0.8,
+           .openings = 0.08,
+           .goal = 0.95,
+           .elide = 0.4,
+           .clauses = 3,
+           .least_words = 20,
+           .most_words = 40},
+    // kStepByStep
+    Habits{.brevity = 0.3,
+           .bend = 0.25,
+           .start = 0.06,
+           .towards = 0.1,
+           .things = 0.2,
+           .all_things = 1,
+           .distance = 0.4,
+           .merge = 0.4,
+           .skip = 0.6,
+           .openings = 0.2,
+           .goal = 0.9,
+           .elide = 0.2,
+           .clauses = 2,
+           .least_words = 20,
+           .most_words = 40},
+};
 
 }  // namespace
 
-Habits habits_of(Speaker speaker) {
-  switch (speaker) {
-    case Speaker::kTerse:
-      return terse();
-    case Speaker::kLandmarks:
-      return by_landmarks();
-    case Speaker::kStepByStep:
-      break;
-  }
-  return step_by_step();
-}
+Habits habits_of(Speaker speaker) { return kHabits.at(static_cast<std::size_t>(speaker)); }
 
 Habits leaner_habits(Habits h, double leaner) {
   for (double* share : {&h.brevity, &h.bend, &h.merge, &h.skip, &h.elide}) {
     *share += (1 - *share) * leaner;
   }
   for (double* share : {&h.start, &h.towards, &h.distance, &h.openings}) *share *= 1 - leaner;
-  h.things *= 1 - leaner / 2;  // what one sees says most in few words
+  h.things *= 1 - leaner / 2;  // landmarks say the most in few words
   return h;
 }
 

@@ -1,6 +1,8 @@
 #include "enfilade/homes/speaking/naming.h"
 
+#include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -14,8 +16,7 @@ namespace {
 
 using Group = std::vector<std::string_view>;
 
-// Words for the same thing. A word that the generator uses and that stands nowhere here is said as
-// it is.
+// Synonyms. A word of the generator that is in no group has no synonyms.
 const std::vector<Group>& thing_groups() {
   static const std::vector<Group> kGroups{
       {"sofa", "couch", "settee", "divan"},
@@ -164,7 +165,7 @@ Group words_for(const std::vector<Group>& groups, std::string_view word) {
   return group ? *group : Group{word};
 }
 
-// The same colour in another word; the generator's own two times out of three.
+// The colour or, one time out of three, a synonym of it.
 std::string spoken_colour(const std::string& colour, Rng& rng) {
   static const std::map<std::string_view, std::string_view> kAlso{
       {"grey", "gray"},       {"cream", "ivory"},   {"light blue", "pale blue"},
@@ -174,22 +175,21 @@ std::string spoken_colour(const std::string& colour, Rng& rng) {
   return also != kAlso.end() && rng.below(3) == 0 ? std::string(also->second) : colour;
 }
 
-// Spellings that are known but not said: "TV" is.
+// Whether speakers use the spelling: they say "TV", not "tv".
 bool is_sayable(std::string_view word) {
   static const std::set<std::string_view> kNot{"tv", "tv stand", "wall tv"};
   return !kNot.contains(word);
 }
 
-// "the toilet" is a thing.
+// Whether speakers call a room that. "The toilet" would be the thing.
 bool is_sayable_room(std::string_view word) { return word != "tv room" && word != "toilet"; }
 
-constexpr double kLargeThing = 0.8;  // metres: seen at once when one comes in
+constexpr double kLargeThing = 0.8;  // metres: seen at once from the door
+constexpr double kFar = 9;           // metres: things beyond are not mistaken for near ones
 
-constexpr double kFar = 9;  // metres: beyond, things are not mistaken for near ones
-
-// Is a point of a storey in a room, or in a doorway?
+// Whether a point of a storey is in a room or in a doorway.
 bool is_open(const Plan& plan, unsigned storey, double x, double y) {
-  constexpr double kWall = 0.3;  // metres: no wall is as thick
+  constexpr double kWall = 0.3;  // metres: thicker than any wall
   const auto in_room = [&](const PlanRoom& r) {
     return r.storey == storey && r.floor.contains(x, y);
   };
@@ -212,47 +212,29 @@ bool is_open_between(const Plan& plan, unsigned storey, double x0, double y0, do
   return true;
 }
 
-Vec3d middle_of(const Thing& t) {
-  return {(t.low.x + t.high.x) / 2, (t.low.y + t.high.y) / 2, (t.low.z + t.high.z) / 2};
-}
+Vec3d middle_of(const Thing& t) { return 0.5 * (t.low + t.high); }
 
-// Could someone point at a thing of that name and say `word`? "chair" fits an armchair.
-bool fits(std::string_view word, std::string_view name) {
-  return name.size() >= word.size() && name.substr(name.size() - word.size()) == word;
-}
+// Whether `word` can mean a thing of that name: "chair" can mean an armchair.
+bool fits(std::string_view word, std::string_view name) { return name.ends_with(word); }
 
 bool fits_any(std::string_view word, const Thing& other) {
   const Group names = words_for(thing_groups(), other.noun);
   return std::ranges::any_of(names, [&](std::string_view name) { return fits(word, name); });
 }
 
-bool is_spoken_material(std::string_view material) {
-  static const std::set<std::string_view> kSpoken{"wooden", "leather", "marble", "metal", "glass",
-                                                  "brick",  "stone",   "clay",   "wicker"};
-  return kSpoken.contains(material);
-}
-
 std::string spoken_material(const std::string& material, Rng& rng) {
   return material == "wooden" && rng.below(3) == 0 ? "wood" : material;
 }
 
+// The material if people mention it. Nobody calls a window wooden.
 std::string material_of(const Thing& thing) {
-  // A wooden window is a window to everybody.
-  const bool said = is_spoken_material(thing.material) && !fits("window", thing.noun);
+  static const std::set<std::string_view> kSpoken{"wooden", "leather", "marble", "metal", "glass",
+                                                  "brick",  "stone",   "clay",   "wicker"};
+  const bool said = kSpoken.contains(thing.material) && !fits("window", thing.noun);
   return said ? thing.material : std::string();
 }
 
-std::string joined(std::initializer_list<std::string_view> words) {
-  std::string text;
-  for (const std::string_view word : words) {
-    if (word.empty()) continue;
-    if (!text.empty()) text += ' ';
-    text += word;
-  }
-  return text;
-}
-
-// Could one say those words of its looks? A dark green plant is a green one, too.
+// Whether the words describe the thing. A dark green plant is also a green one.
 bool looks(const Thing& thing, const std::string& said) {
   const std::string all = " " + thing.colour + " " + thing.material + " ";
   std::istringstream words(said);
@@ -262,30 +244,17 @@ bool looks(const Thing& thing, const std::string& said) {
   return true;
 }
 
-// How gladly people speak of things of a category.
+// How much people care for things of a category, [0, 1].
 double category_weight(std::uint16_t category) {
   using enum mesh::Mpcat40::Category;
-  switch (category) {
-    case kWall:
-    case kDoor:
-    case kStairs:
-    case kCeiling:
-    case kBeam:
-      return 0;
-    case kWindow:
-    case kRailing:
-      return 0.1;
-    case kCushion:
-    case kCurtain:
-    case kTowel:
-    case kLighting:
-    case kBlinds:
-    case kClothes:
-    case kObjects:
-      return 0.4;
-    default:
-      return 1;
-  }
+  static constexpr std::array kNever{kWall, kDoor, kStairs, kCeiling, kBeam};
+  static constexpr std::array kSeldom{kWindow, kRailing};
+  static constexpr std::array kSometimes{kCushion, kCurtain, kTowel,  kLighting,
+                                         kBlinds,  kClothes, kObjects};
+  const auto is_in = [&](const auto& list) { return std::ranges::count(list, category) > 0; };
+  if (is_in(kNever)) return 0;
+  if (is_in(kSeldom)) return 0.1;
+  return is_in(kSometimes) ? 0.4 : 1;
 }
 
 }  // namespace
@@ -294,7 +263,7 @@ std::vector<std::size_t> Naming::others(std::size_t thing, ViewpointIndex from) 
   const std::vector<Thing>& things = home_.home.things;
   std::set<std::size_t> found;
   for (const Sight& sight : home_.sights.at(from)) found.insert(sight.thing);
-  // What stands in the room, or a few doors away, can come into view with the next step.
+  // Things in the room or a few doors away may come into view with the next step.
   std::set<std::size_t> rooms{things[thing].room};
   const auto here = home_.sights.room(from);
   if (here) rooms.insert(*here);
@@ -323,7 +292,7 @@ std::vector<std::size_t> Naming::others(std::size_t thing, ViewpointIndex from) 
   return {found.begin(), found.end()};
 }
 
-// By the plan alone: what a body hides is not known.
+// Walls of the plan only; furniture that hides the thing is not considered.
 bool Naming::is_behind_walls(std::size_t thing, ViewpointIndex from) const {
   const Plan& plan = home_.home.plan;
   const Thing& t = home_.home.things[thing];
@@ -365,7 +334,7 @@ std::optional<std::string> Naming::thing(std::size_t thing, ViewpointIndex from,
   const Group group = words_for(thing_groups(), t.noun);
   std::vector<std::string_view> nouns(group.begin(), group.end());
   std::erase_if(nouns, [](std::string_view w) { return !is_sayable(w); });
-  // Half of the time the generator's own word, so that common words stay common.
+  // The generator's own word half of the time, so that common words stay common.
   const std::string_view noun = rng.below(2) == 0 && is_sayable(t.noun)
                                     ? std::string_view(t.noun)
                                     : nouns[rng.below(nouns.size())];
@@ -384,10 +353,10 @@ std::optional<std::string> Naming::thing(std::size_t thing, ViewpointIndex from,
   const std::string made_of = spoken_material(material_of(t), rng);
   if (plain && detail == Detail::kPlain) choices.emplace_back(noun);
   const std::string of_colour = spoken_colour(t.colour, rng);
-  if (colour) choices.push_back(joined({of_colour, noun}));
-  if (material) choices.push_back(joined({made_of, noun}));
+  if (colour) choices.push_back(fmt::format("{} {}", of_colour, noun));
+  if (material) choices.push_back(fmt::format("{} {}", made_of, noun));
   if (both && (choices.empty() || detail == Detail::kColour)) {
-    choices.push_back(joined({of_colour, made_of, noun}));
+    choices.push_back(fmt::format("{} {} {}", of_colour, made_of, noun));
   }
   if (choices.empty() && plain) choices.emplace_back(noun);
   if (choices.empty()) return std::nullopt;
@@ -414,13 +383,8 @@ std::string Naming::room(std::size_t room, Rng& rng) const {
 }
 
 std::optional<std::string> Naming::mark_of(std::size_t room, Rng& rng) const {
-  const std::vector<PlanRoom>& rooms = home_.home.plan.rooms;
   const std::vector<Thing>& things = home_.home.things;
-  bool alone = true;
-  for (std::size_t i = 0; i < rooms.size(); ++i) {
-    if (i != room && same_room_name(i, room)) alone = false;
-  }
-  if (alone || is_way(room)) return std::nullopt;
+  if (rooms_of_name(room) == 1 || is_way(room)) return std::nullopt;
   std::vector<std::string> marks;
   for (const Thing& t : things) {
     const Vec3d size = t.high - t.low;
@@ -431,7 +395,7 @@ std::optional<std::string> Naming::mark_of(std::size_t room, Rng& rng) const {
              (o.room == room || same_room_name(o.room, room));
     });
     if (unique && is_sayable(t.noun) && weight_of(home_.home, place) >= 1) {
-      marks.push_back(joined({t.colour, t.noun}));
+      marks.push_back(fmt::format("{} {}", t.colour, t.noun));
     }
   }
   if (marks.empty()) return std::nullopt;
@@ -445,12 +409,12 @@ bool Naming::same_room_name(std::size_t a, std::size_t b) const {
   return x == y || (group != nullptr && group == group_of(room_groups(), y));
 }
 
-bool Naming::is_one_of_two(std::size_t room) const {
+std::size_t Naming::rooms_of_name(std::size_t room) const {
   std::size_t alike = 0;
   for (std::size_t i = 0; i < home_.home.plan.rooms.size(); ++i) {
     if (same_room_name(i, room)) ++alike;
   }
-  return alike == 2;
+  return alike;
 }
 
 bool Naming::is_way(std::size_t room) const {

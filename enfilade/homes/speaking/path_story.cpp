@@ -9,14 +9,14 @@
 namespace enfilade::homes::speaking {
 namespace {
 
-constexpr double kStep = 0.35;          // metres: a leg that rises by more is on stairs
-constexpr double kOnFloor = 0.3;        // metres above or below a storey's floor that are still it
-constexpr double kClearlyAside = 0.2;   // metres that a box keeps off the line walked
-constexpr double kPassedWithin = 2.2;   // metres to its nearest corner
-constexpr double kSeenShare = 0.0008;   // of the sphere: about 7 of 8,192 rays
-constexpr double kAroundShare = 0.002;  // things that one starts or stops by
-constexpr double kOverhead = 1.9;       // metres: what hangs higher is not passed at a side
-constexpr double kReach = 1.6;          // metres to what one stops by
+constexpr double kStep = 0.35;         // metres: a leg that rises by more is on stairs
+constexpr double kOnFloor = 0.3;       // metres above or below a storey's floor that count as on it
+constexpr double kClearlyAside = 0.2;  // least metres from the line walked to a thing's box
+constexpr double kPassedWithin = 2.2;  // metres to its nearest corner
+constexpr double kSeenShare = 0.0008;  // of the sphere: about 7 of 8,192 rays
+constexpr double kAroundShare = 0.002;  // of things that describe the start or the end
+constexpr double kOverhead = 1.9;       // metres: things that hang higher are not passed
+constexpr double kReach = 1.6;          // metres to a thing that the path ends by
 constexpr double kInDoorway = 0.4, kByDoor = 1.2, kByStairs = 1.5, kJustInside = 2.5;
 
 constexpr double kPlainTurn = 40;  // degrees
@@ -27,7 +27,7 @@ struct Flat {
   friend Flat operator-(Flat a, Flat b) { return {a.x - b.x, a.y - b.y}; }
 };
 double dot(Flat a, Flat b) { return a.x * b.x + a.y * b.y; }
-// How far b lies to the right of direction a.
+// How far b lies to the right of the line through 0 in direction a.
 double right_of(Flat a, Flat b) { return a.y * b.x - a.x * b.y; }
 
 double gap(const Vec3d& low, const Vec3d& high, Flat p) {
@@ -42,7 +42,7 @@ double bearing(Flat from, double facing, Flat to) {
   return to_degrees(wrap_difference(Radians(std::atan2(d.x, d.y) - facing)));
 }
 
-// Where the middle line of an opening's wall is; distance from a point to it along the floor.
+// Distance along the floor from a point to an opening, on the middle line of its wall.
 double gap(const Opening& o, Flat p) {
   const double along = o.along_x ? p.x : p.y, across = o.along_x ? p.y : p.x;
   return std::hypot(std::max({o.from - along, 0.0, along - o.to}), across - o.wall);
@@ -98,7 +98,7 @@ class Teller {
   }
   const Thing& thing(std::size_t i) const { return home_.home.things[i]; }
 
-  // Appends to the last stretch or begins another.
+  // Adds leg i to the last stretch or begins a new one.
   void add_leg(std::size_t i, double heading, double turn) {
     const double rise = floor_at(i + 1) - floor_at(i);
     const int climb = rise > kStep ? 1 : rise < -kStep ? -1 : 0;
@@ -157,7 +157,7 @@ class Teller {
     }
     std::ranges::stable_sort(found, {}, &Happening::metres);
     for (const Happening& crossing : found) room_ = crossing.to;
-    // In a doorway one is in neither room; the next leg tells.
+    // A viewpoint in a doorway is in neither room; the next leg decides.
     if (stands_in_room(i + 1) && room_ != room_at(i + 1)) {
       if (stands_in_room(i) && stretch.climb == 0) {
         Happening crossing;  // rooms that meet without a wall
@@ -171,7 +171,7 @@ class Teller {
     stretch.happenings.insert(stretch.happenings.end(), found.begin(), found.end());
   }
 
-  // A path that only touches a doorway and turns back goes into no other room.
+  // Removes crossings of a path that enters a doorway and turns back.
   void drop_touches() {
     Happening* before = nullptr;
     double walked = 0, when = 0;  // metres; of the crossing before
@@ -193,7 +193,7 @@ class Teller {
     }
   }
 
-  // Who stops in a doorway has not gone through it.
+  // A path that ends in a doorway does not go through it: removes that crossing.
   void stay_in_doorway(std::size_t opening) {
     std::vector<Happening>& all = story_.stretches.back().happenings;
     for (std::size_t k = all.size(); k-- > 0;) {
@@ -205,7 +205,20 @@ class Teller {
     }
   }
 
-  // Things beside and below leg i, seen from its start.
+  // Things in view from a viewpoint, without rugs and things that nobody mentions.
+  std::vector<Neighbour> neighbours(std::size_t i, double facing, double least_share) const {
+    std::vector<Neighbour> found;
+    for (const Sight& sight : home_.sights.at(path_[i])) {
+      const Thing& t = thing(sight.thing);
+      const double weight = sight.share * weight_of(home_.home, sight.thing);
+      if (sight.share < least_share || weight <= 0 || is_rug(t)) continue;
+      found.push_back(
+          {sight.thing, bearing(at(i), facing, middle(t)), gap(t.low, t.high, at(i)), weight});
+    }
+    return found;
+  }
+
+  // Adds things beside and below leg i, seen from its start.
   void add_things(std::size_t i, double heading, Stretch& stretch) const {
     if (stretch.climb != 0) return;
     const Flat a = at(i), u{std::sin(heading), std::cos(heading)};
@@ -233,7 +246,7 @@ class Teller {
     }
   }
 
-  // Does all of a thing stand on one side of the line, near enough and not overhead?
+  // Whether the whole thing stands on one side of the line, near enough and not overhead.
   bool is_aside(const Thing& t, std::size_t i, Flat u, bool& on_right) const {
     if (t.low.z > floor_at(i) + kOverhead) return false;
     double least = 1e9, most = -1e9;
@@ -253,24 +266,18 @@ class Teller {
     Stretch& stretch = story_.stretches[k];
     const Flat a = at(stretch.first), b = at(stretch.last);
     const double heading = std::atan2(b.x - a.x, b.y - a.y);
-    std::vector<Neighbour> ahead;
-    for (const Sight& sight : home_.sights.at(path_[stretch.first])) {
-      const double weight = sight.share * weight_of(home_.home, sight.thing);
-      const Thing& t = thing(sight.thing);
-      if (sight.share < kSeenShare || weight <= 0 || is_rug(t)) continue;
-      const Flat m = middle(t);
-      const double angle = bearing(a, heading, m), far = std::hypot(m.x - a.x, m.y - a.y);
-      if (std::abs(angle) < 12 && far > std::max(1.5, stretch.metres - 0.3)) {
-        ahead.push_back({sight.thing, angle, far, weight});
-      }
-    }
+    std::vector<Neighbour> ahead = neighbours(stretch.first, heading, kSeenShare);
     std::ranges::stable_sort(ahead, std::ranges::greater(), &Neighbour::salience);
-    for (const Neighbour& n : ahead) stretch.ahead.push_back(n.thing);
+    for (const Neighbour& n : ahead) {
+      const Flat d = middle(thing(n.thing)) - a;
+      const bool beyond = std::hypot(d.x, d.y) > std::max(1.5, stretch.metres - 0.3);
+      if (std::abs(n.bearing) < 12 && beyond) stretch.ahead.push_back(n.thing);
+    }
     stretch.to_end = stretch.climb == 0 && at_end_of_long(stretch.last, heading);
     stretch.door = k > 0 ? count_doors(story_.stretches[k - 1], stretch) : 0;
   }
 
-  // Does a point lie by the short wall of a long and narrow room that one walks towards?
+  // Whether a viewpoint is at the end of a long and narrow room, near the short wall ahead.
   bool at_end_of_long(std::size_t i, double heading) const {
     if (plan_.rooms[room_at(i)].type == 's') return false;
     const Rect& r = plan_.rooms[room_at(i)].floor;
@@ -292,7 +299,7 @@ class Teller {
         std::ranges::find(after.happenings, Happening::Kind::kCross, &Happening::kind);
     if (first == after.happenings.end() || !first->opening || first->from != before.room) return 0;
     if (plan_.openings[*first->opening].kind != Opening::Kind::kDoor) return 0;
-    // Where counting begins must be plain: at a turn, or where the room was entered.
+    // Counting must begin at an obvious place: at a turn, or where the room was entered.
     if (before.first > 0 && room_at(before.first - 1) == before.room &&
         std::abs(before.turn) < kPlainTurn) {
       return 0;
@@ -310,7 +317,7 @@ class Teller {
       const double along = dot(m, u), aside = right_of(u, m);
       const bool same_side = (aside > 0) == (after.turn > 0);
       if (!same_side && std::abs(aside) > 0.4) continue;
-      // What can be counted one way or another is not counted at all.
+      // If it is unclear whether a door counts, nothing is counted.
       if (std::abs(aside) < 0.4 && along > -0.8 && along < target) return 0;
       if (std::abs(along) < 0.8 || std::abs(along - target) < 0.8) return 0;
       if (along < 0 || along > target) continue;
@@ -321,15 +328,8 @@ class Teller {
   }
 
   PathStart start() const {
-    PathStart s;
-    s.room = room_at(0);
-    for (const Sight& sight : home_.sights.at(path_[0])) {
-      const double weight = sight.share * weight_of(home_.home, sight.thing);
-      const Thing& t = thing(sight.thing);
-      if (sight.share < kAroundShare || weight <= 0 || t.room != s.room || is_rug(t)) continue;
-      s.around.push_back({sight.thing, bearing(at(0), start_heading_, middle(t)),
-                          gap(t.low, t.high, at(0)), weight});
-    }
+    PathStart s{room_at(0), neighbours(0, start_heading_, kAroundShare)};
+    std::erase_if(s.around, [&](const Neighbour& n) { return thing(n.thing).room != s.room; });
     std::ranges::stable_sort(s.around, std::ranges::greater(), &Neighbour::salience);
     return s;
   }
@@ -339,17 +339,11 @@ class Teller {
     PathEnd e;
     e.room = room_at(i);
     e.on_stairs = !on_storey(i);
-    for (const Sight& sight : home_.sights.at(path_[i])) {
-      const Thing& t = thing(sight.thing);
-      const double weight = sight.share * weight_of(home_.home, sight.thing);
-      const double distance = gap(t.low, t.high, at(i));
-      if (sight.share < kAroundShare || weight <= 0 || t.room != e.room || is_rug(t) ||
-          t.low.z > floor_at(i) + kOverhead || distance > kReach) {
-        continue;
-      }
-      // People stop by the nearest of what strikes the eye.
-      e.near.push_back(
-          {sight.thing, bearing(at(i), facing, middle(t)), distance, weight / (0.3 + distance)});
+    for (Neighbour n : neighbours(i, facing, kAroundShare)) {
+      const Thing& t = thing(n.thing);
+      if (t.room != e.room || t.low.z > floor_at(i) + kOverhead || n.gap > kReach) continue;
+      n.salience /= 0.3 + n.gap;  // of the things that stand out, people stop by the nearest
+      e.near.push_back(n);
     }
     std::ranges::stable_sort(e.near, std::ranges::greater(), &Neighbour::salience);
     end_by_openings(i, e);
@@ -367,7 +361,7 @@ class Teller {
       const double distance = gap(o, at(i));
       if (joins_rooms(o) && distance < kInDoorway) e.in_opening = k;
       if (distance < kByDoor) e.near_opening = k;
-      // One that is hardly farther would make "the door" two.
+      // With another opening hardly farther away, "the door" would be ambiguous.
       if (distance < kByDoor + 0.6) ++close;
     }
     if (close != 1) e.near_opening.reset();
@@ -412,7 +406,7 @@ class Teller {
   std::span<const ViewpointIndex> path_;
   double start_heading_;
   double stretch_heading_ = 0;
-  std::size_t room_ = 0;  // where one is, by the doors that one went through
+  std::size_t room_ = 0;  // the current room, by the crossings so far
   PathStory story_;
 };
 

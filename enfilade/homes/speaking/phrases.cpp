@@ -19,19 +19,25 @@ std::size_t closing(std::string_view pattern, std::size_t open) {
   return pattern.size();
 }
 
+// The choices of "a|3*b", each as many times as its weight says.
 std::vector<std::string_view> choices(std::string_view inside) {
   std::vector<std::string_view> found;
+  const auto add = [&](std::string_view choice) {
+    const bool weighted = choice.size() > 2 && choice[1] == '*';
+    const int weight = weighted ? choice[0] - '0' : 1;
+    found.insert(found.end(), static_cast<std::size_t>(weight), choice.substr(weighted ? 2 : 0));
+  };
   int depth = 0;
   std::size_t begin = 0;
   for (std::size_t i = 0; i < inside.size(); ++i) {
     if (inside[i] == '[') ++depth;
     if (inside[i] == ']') --depth;
     if (inside[i] == '|' && depth == 0) {
-      found.push_back(inside.substr(begin, i - begin));
+      add(inside.substr(begin, i - begin));
       begin = i + 1;
     }
   }
-  found.push_back(inside.substr(begin));
+  add(inside.substr(begin));
   return found;
 }
 

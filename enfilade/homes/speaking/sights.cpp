@@ -13,8 +13,8 @@ namespace {
 constexpr std::uint32_t kFewestRays = 3;
 constexpr std::size_t kNoThing = static_cast<std::size_t>(-1);
 
-// A Fibonacci lattice, in an order in which neighbours lie together (rays are traced in packets):
-// bands of equal height, each once around.
+// A Fibonacci lattice, sorted so that neighbours lie together, as rays are traced in packets: in
+// bands of equal height, and around each band.
 std::vector<Vec3f> directions(std::size_t count) {
   const auto n = static_cast<double>(count);
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
@@ -44,7 +44,7 @@ std::vector<Vec3f> directions(std::size_t count) {
   return sorted;
 }
 
-// Object -> thing.
+// The thing of each object.
 std::vector<std::size_t> things_of_objects(const Home& home) {
   std::vector<std::size_t> things(home.mesh.objects.size(), kNoThing);
   for (std::size_t i = 0; i < home.things.size(); ++i) {
@@ -54,7 +54,7 @@ std::vector<std::size_t> things_of_objects(const Home& home) {
   return things;
 }
 
-// What was met of one thing.
+// The rays that hit one thing.
 struct Sum {
   std::uint32_t rays = 0;
   Vec3d direction;
@@ -75,7 +75,7 @@ std::vector<Sight> sights_of(const std::vector<Sum>& sums, std::size_t rays) {
   return found;
 }
 
-// All that is seen from one eye.
+// Finds the things that are visible from a point.
 class Looker {
  public:
   Looker(const Home& home, const mesh::RayTracer& tracer, std::size_t rays)

@@ -1,4 +1,4 @@
-/// \file  What can be seen from each viewpoint of a model home, and what a path through it is like.
+/// \file  Things of a model home that are visible from each viewpoint. Internal.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -21,16 +21,16 @@ struct Sight {
   double share = 0;     ///< of the whole sphere of directions, [0, 1]
 };
 
-/// All viewpoints of a home. Immutable.
+/// Things in view from all viewpoints of a home. Immutable.
 class Sights {
  public:
-  /// By rays spread evenly over all directions from each eye (`rays` of them; a thing is in view if
-  /// at least 3 meet it). \pre graph's viewpoints stand in the home
+  /// Casts `rays` rays from each viewpoint, spread evenly over all directions; a thing is in view
+  /// if at least 3 rays hit it. \pre graph's viewpoints are in the home
   Sights(const Home& home, const mesh::RayTracer& tracer, const graph::NavGraph& graph,
          std::size_t rays = 8192, int threads = 0);
-  /// Largest share first.
+  /// Things in view, the largest share first.
   std::span<const Sight> at(ViewpointIndex v) const { return sights_[v.at()]; }
-  /// room_at() of the floor below the viewpoint.
+  /// The room of the floor below the viewpoint, by room_at().
   std::optional<std::size_t> room(ViewpointIndex v) const { return rooms_[v.at()]; }
 
  private:

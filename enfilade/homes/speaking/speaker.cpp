@@ -16,10 +16,11 @@
 namespace enfilade::homes::speaking {
 namespace {
 
-// Degrees: a bend that somebody who looks for "turn left" could take for it.
+// Degrees: a bend from the first on could be mistaken for a turn; unsaid bends may add up to less
+// than the second.
 constexpr double kMustBeSaid = 38, kMostUnsaid = 50;
 
-// What a clause leaves the reader with, for how the next may begin.
+// What a clause ends with; the beginning of the next sentence may refer to it.
 enum class After : std::uint8_t { kAnything, kRoom, kStairsTop, kStairsBottom, kTurn };
 
 struct Clause {
@@ -28,7 +29,7 @@ struct Clause {
   std::optional<std::size_t> room;  // entered by it
 };
 
-// Words, and some more for what reads badly: clauses in a row that begin alike.
+// The number of words, plus a penalty for consecutive clauses that begin alike.
 std::size_t cost_of(const std::string& text) {
   constexpr std::size_t kAlike = 5;
   std::size_t cost = 0, alike = 0;
@@ -73,13 +74,14 @@ class Describer {
         if (h.kind == Happening::Kind::kCross) words_.been_in(h.to);
       }
     }
-    clauses_.push_back({stop(), After::kAnything, std::nullopt});
+    add(stop());
     return compose(lead);
   }
 
  private:
-  // Small bends need not be said, unless they add up; nor one before a room that one enters then,
-  // nor one that nobody takes for the next turn.
+  // Whether a turn is mentioned. A slight bend may be left out if a room is entered right after it
+  // or if it cannot be mistaken for the next turn; other small bends are left out until they add
+  // up.
   bool says_turn(std::size_t i, bool enters) {
     const Stretch& s = story_.stretches[i];
     if (turn_of(s.turn) == Turn::kSlight && (enters || !is_mistakable(i)) &&
@@ -93,7 +95,7 @@ class Describer {
     unsaid_ = 0;
     return true;
   }
-  // Does a real turn to the same side come next?
+  // Whether the next real turn is to the same side.
   bool is_mistakable(std::size_t i) const {
     for (std::size_t k = i + 1; k < story_.stretches.size(); ++k) {
       const double next = story_.stretches[k].turn;
@@ -119,7 +121,7 @@ class Describer {
     return "";
   }
 
-  // The thing to stop by, which is then kept for the end.
+  // Chooses the thing to stop by; other clauses then leave it out.
   void choose_goal() {
     if (!words_.chance(habits_.goal)) return;
     const std::vector<Neighbour>& near = story_.end.near;
@@ -135,11 +137,9 @@ class Describer {
 
   void climb(std::size_t i) {
     const Stretch& s = story_.stretches[i];
-    if (says_turn(i, false)) {
-      add(words_.turn(s.turn) + " and " + words_.stairs(s), stairs_after(s));
-    } else {
-      add(words_.stairs(s), stairs_after(s));
-    }
+    const bool turns = says_turn(i, false);
+    const std::string stairs = words_.stairs(s);  // drawn before the words of the turn
+    add(turns ? words_.turn(s.turn) + " and " + stairs : stairs, stairs_after(s));
     for (const Happening& h : s.happenings) {
       if (h.kind == Happening::Kind::kCross && !words_.naming().is_stairs(h.to)) {
         add(words_.into(h), After::kRoom, h.to);
@@ -152,7 +152,7 @@ class Describer {
     return s.climb > 0 ? After::kStairsTop : After::kStairsBottom;
   }
 
-  // Stairwells are not rooms to people: they go up the stairs.
+  // Entering a stairwell is not mentioned where the path goes on by the stairs.
   bool is_spoken(const Happening& h, std::size_t stretch) const {
     if (h.kind != Happening::Kind::kCross) return false;
     const bool last = stretch + 1 == story_.stretches.size();
@@ -163,8 +163,8 @@ class Describer {
     return h.opening.has_value() || !words_.naming().same_room_name(h.from, h.to);
   }
 
-  // From one hall into another: nothing that one needs to be told, but at the end, and where the
-  // end is another room of that name.
+  // A crossing from one hall into another may be left out, unless it is the last one or the last
+  // one enters another room of that name.
   bool may_skip(const Happening& h) const {
     if (h.kind != Happening::Kind::kCross) return false;
     const Naming& names = words_.naming();
@@ -183,7 +183,7 @@ class Describer {
     return last;
   }
 
-  // Crossings, and some of the things, of a stretch.
+  // The crossings and things of a stretch that are mentioned, in order.
   std::vector<Happening> chosen(std::size_t i) {
     const Stretch& s = story_.stretches[i];
     std::vector<Happening> things, found;
@@ -268,7 +268,7 @@ class Describer {
            !words_.naming().is_stairs(s.room) && s.metres > 2.2;
   }
 
-  // The way ahead, before anything happens on it.
+  // Adds a clause for the way ahead, before anything happens on it.
   void go_on(std::size_t i, const std::vector<Happening>& all, bool turns) {
     const Stretch& s = story_.stretches[i];
     if (s.metres >= 1.5 && things_said_ < habits_.all_things && words_.chance(habits_.towards)) {
@@ -297,7 +297,8 @@ class Describer {
     return crossing.metres < std::min(kSameBreath, s.first_leg);
   }
 
-  // Two things on either side, or a room that is only passed through.
+  // Adds one clause for two happenings: things at both sides, or a room that is only passed
+  // through. False if these two do not go together.
   bool add_pair(const std::vector<Happening>& all, std::size_t k, bool straight) {
     if (k + 1 >= all.size()) return false;
     const Happening &a = all[k], &b = all[k + 1];
@@ -321,16 +322,12 @@ class Describer {
   }
 
   void add_one(const Happening& h, bool straight) {
-    switch (h.kind) {
-      case Happening::Kind::kCross:
-        add(words_.cross(h, straight), After::kRoom, h.to);
-        break;
-      case Happening::Kind::kPass:
-        add(words_.pass(names_[h.thing], h.on_right));
-        break;
-      case Happening::Kind::kOver:
-        add(words_.over(names_[h.thing]));
-        break;
+    if (h.kind == Happening::Kind::kCross) {
+      add(words_.cross(h, straight), After::kRoom, h.to);
+    } else if (h.kind == Happening::Kind::kPass) {
+      add(words_.pass(names_[h.thing], h.on_right));
+    } else {
+      add(words_.over(names_[h.thing]));
     }
   }
 
@@ -351,7 +348,7 @@ class Describer {
     const bool fresh = !clauses_.empty() && clauses_.back().room == e.room;
     if (e.at_end) return words_.stop(words_.say("at the end of the $room", room));
     if (fresh && words_.naming().is_way(e.room)) {
-      // Who was told to leave the kitchen has not heard of the hallway.
+      // "Leave the kitchen" has not mentioned the hallway yet.
       return clauses_.back().text.ends_with(words_.room(e.room))
                  ? words_.say("[stop|wait] there")
                  : words_.stop(words_.say("in the $room", room));
@@ -369,7 +366,7 @@ class Describer {
                  : words_.stop(words_.say("in the $room", room));
   }
 
-  // Clauses become sentences.
+  // Joins the clauses into sentences.
   std::string compose(const std::string& lead) {
     std::string text;
     for (std::size_t i = 0; i < clauses_.size();) {
@@ -390,43 +387,42 @@ class Describer {
     return text;
   }
 
-  // "You will see" is no clause that commands, and goes with none.
+  // "You will see ..." is no imperative, so it is not joined with other clauses.
   static bool stands_alone(const Clause& clause) { return clause.text.starts_with("you "); }
-  // How many clauses a sentence that begins with clause i has.
+  // The number of clauses of the sentence that begins with clause i.
   std::size_t sentence_length(std::size_t i) {
     const std::size_t left = clauses_.size() - i;
     std::size_t n = std::min<std::size_t>(left, 1 + words_.rng().below(habits_.clauses));
-    if (left == n + 1 && words_.chance(habits_.brevity)) n = left;  // no lonely stop
+    if (left == n + 1 && words_.chance(habits_.brevity))
+      n = left;  // avoids a last sentence of one clause
     for (std::size_t k = 0; k < n; ++k) {
       if (stands_alone(clauses_[i + k])) return std::max<std::size_t>(k, 1);
     }
     return n;
   }
 
-  // How a sentence may follow another.
+  // Words that may connect a sentence to the one before it.
   std::string opening(const Clause& before, bool last) {
     if (!words_.chance(habits_.openings)) return "";
-    if (last) return words_.say("[finally,|then|lastly,]") + " ";
-    if (before.after == After::kStairsTop && words_.chance(0.6)) {
-      return words_.say("[at the top,|once you are upstairs,|at the top of the stairs,]") + " ";
+    std::string_view pattern = "[then|next,|after that,|from there,|now|from here,|afterwards,]";
+    Slots slots;
+    if (last) {
+      pattern = "[finally,|then|lastly,]";
+    } else if (before.after == After::kStairsTop && words_.chance(0.6)) {
+      pattern = "[at the top,|once you are upstairs,|at the top of the stairs,]";
+    } else if (before.after == After::kStairsBottom && words_.chance(0.6)) {
+      pattern = "[at the bottom,|once you are downstairs,|at the foot of the stairs,]";
+    } else if (before.after == After::kRoom && words_.chance(0.5)) {
+      pattern = words_.naming().is_way(*before.room)
+                    ? "[in the $room,|when you are in the $room,|once you are in the $room,]"
+                    : "[once inside,|in the $room,|when you are in the $room,|inside,]";
+      slots = {{"room", words_.room(*before.room)}};
     }
-    if (before.after == After::kStairsBottom && words_.chance(0.6)) {
-      return words_.say("[at the bottom,|once you are downstairs,|at the foot of the stairs,]") +
-             " ";
-    }
-    if (before.after == After::kRoom && words_.chance(0.5)) {
-      return words_.say(
-                 words_.naming().is_way(*before.room)
-                     ? "[in the $room,|when you are in the $room,|once you are in the $room,]"
-                     : "[once inside,|in the $room,|when you are in the $room,|inside,]",
-                 {{"room", words_.room(*before.room)}}) +
-             " ";
-    }
-    return words_.say("[then|next,|after that,|from there,|now|from here,|afterwards,]") + " ";
+    return words_.say(pattern, slots) + " ";
   }
 
   static constexpr std::size_t kGoals = 4;
-  // Metres: a door that comes sooner after a turn is said in one breath with it.
+  // Metres: a crossing sooner after a turn shares its clause.
   static constexpr double kSameBreath = 2.5;
 
   const PathStory& story_;

@@ -1,4 +1,4 @@
-/// \file  Made-up people who describe paths through model homes in English. SYNTHETIC.
+/// \file  Simulated speakers who describe paths through model homes in English. Internal.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -12,27 +12,26 @@
 
 namespace enfilade::homes::speaking {
 
-/// Habits of three kinds of people.
+/// The three kinds of speakers.
 enum class Speaker : std::uint8_t {
   kTerse,       ///< "Leave the bedroom, turn right, stop by the stairs."
-  kLandmarks,   ///< says what one sees: things with colour and side
-  kStepByStep,  ///< each turn, door, stair and stretch in order
+  kLandmarks,   ///< names things in view, with colour and side
+  kStepByStep,  ///< says each turn, door, staircase and stretch in order
 };
 inline constexpr std::array kSpeakers{Speaker::kTerse, Speaker::kLandmarks, Speaker::kStepByStep};
 
-/// What a speaker knows of a home: everything true of it, nothing else.
+/// What a speaker knows of a home.
 struct SpokenHome {
   const Home& home;
   const graph::NavGraph& graph;
   const Sights& sights;
 };
 
-/// An instruction for a path, from its first viewpoint, looking to `heading` (radians, world), to
-/// its last. Everything said is true at that point of the path: turns (against the direction one
-/// faces there), doors and stairs in the order met, things in view and on the side said, rooms
-/// entered and left, where to stop. What says least is left out, down to the length that the
-/// speaker cares for (detail/habits.h). The same arguments give the same words. \pre viewpoints has
-/// at least 2
+/// An instruction for a path that begins at its first viewpoint with that heading (radians, world).
+/// Everything in it is true at that point of the path: turns (relative to the direction faced
+/// there), doors and stairs in their order, things in view and their side, rooms entered and left,
+/// where to stop. The least important facts are left out until it has the speaker's usual length
+/// (habits.h). The same arguments give the same words. \pre at least 2 viewpoints
 std::string describe(const SpokenHome& home, std::span<const ViewpointIndex> viewpoints,
                      double heading, Speaker speaker, std::uint64_t seed);
 

@@ -22,44 +22,34 @@ std::string Wording::turn(double degrees) {
   const Slots slots{{"side", side_of(degrees > 0)}};
   if (turn_of(degrees) == Turn::kSlight) {
     return say(
-        "[bear $side|bear $side|bear $side|veer $side|veer $side|turn slightly $side|"
-        "turn slightly $side|go slightly $side|take a slight $side|make a slight $side|"
-        "angle $side|turn a bit $side|turn a little $side|curve $side|veer off to the $side|"
-        "head slightly $side|turn slightly to the $side|turn gently $side]",
+        "[3*bear $side|2*veer $side|2*turn slightly $side|go slightly $side|take a slight $side|"
+        "make a slight $side|angle $side|turn a bit $side|turn a little $side|curve $side|"
+        "veer off to the $side|head slightly $side|turn slightly to the $side|turn gently $side]",
         slots);
   }
   if (turn_of(degrees) == Turn::kAround) {
     return say(
-        "[turn around|turn around|turn around|turn around|turn around|turn around|turn around|"
-        "turn all the way around|turn completely around|make a U-turn|spin around|"
-        "turn to face the other way|reverse direction|[turn|turn|spin] yourself around]");
+        "[7*turn around|turn all the way around|turn completely around|make a U-turn|spin around|"
+        "turn to face the other way|reverse direction|[2*turn|spin] yourself around]");
   }
   if (std::abs(degrees) > kSharp && chance(0.2)) {
-    return say("[[take|make] a [sharp|sharp|hard] $side|turn sharply $side|turn sharp $side]",
-               slots);
+    return say("[[take|make] a [2*sharp|hard] $side|turn sharply $side|turn sharp $side]", slots);
   }
   if (speaker_ == Speaker::kTerse) {
-    return say(
-        "[turn $side|turn $side|turn $side|turn $side|go $side|go $side|take a $side|[hang|hook] a "
-        "$side]",
-        slots);
+    return say("[4*turn $side|2*go $side|take a $side|[hang|hook] a $side]", slots);
   }
   if (brief()) {
-    return say(
-        "[turn $side|turn $side|turn $side|turn $side|turn $side|go $side|take a $side|take a "
-        "$side|make a $side|make a $side|hang a $side]",
-        slots);
+    return say("[5*turn $side|go $side|2*take a $side|2*make a $side|hang a $side]", slots);
   }
   return say(
-      "[turn $side|turn $side|turn $side|turn $side|take a $side|make a $side|turn to the $side|"
-      "turn to your $side|make a $side turn|take a $side turn|go to your $side|swing $side|"
-      "rotate $side|pivot $side]",
+      "[4*turn $side|take a $side|make a $side|turn to the $side|turn to your $side|"
+      "make a $side turn|take a $side turn|go to your $side|swing $side|rotate $side|pivot $side]",
       slots);
 }
 
 std::string Wording::straight() {
   return say(
-      "[[go|walk|head|keep going|carry on|proceed|move] [straight|straight|ahead|forward]|"
+      "[[go|walk|head|keep going|carry on|proceed|move] [2*straight|ahead|forward]|"
       "[go|walk|head] straight [ahead|on]|continue [straight|ahead|forward|onward]|"
       "keep [straight|walking straight]]");
 }
@@ -87,8 +77,7 @@ std::string Wording::walk(double metres) {
 std::string Wording::along(const Stretch& stretch, bool with_turn) {
   const Slots slots{{"room", room(stretch.room_after)}, {"side", side_of(stretch.turn > 0)}};
   if (with_turn) {
-    return say("[turn|turn|go|head] $side [down|along] the $room|take a $side down the $room",
-               slots);
+    return say("[2*turn|go|head] $side [down|along] the $room|take a $side down the $room", slots);
   }
   if (stretch.to_end) {
     return say(
@@ -97,12 +86,11 @@ std::string Wording::along(const Stretch& stretch, bool with_turn) {
         slots);
   }
   return say(
-      "[[walk|go|continue|head|proceed|move|keep going] [down|down|along] the $room|"
-      "follow the $room]",
+      "[[walk|go|continue|head|proceed|move|keep going] [2*down|along] the $room|follow the $room]",
       slots);
 }
 
-// One name for a sort of room in all of an instruction.
+// An instruction uses one name for all rooms of a kind.
 std::string Wording::room(std::size_t room) {
   const auto [name, is_new] = names_.try_emplace(home_.home.plan.rooms[room].name);
   if (is_new) name->second = naming_.room(room, rng_);
@@ -118,8 +106,8 @@ bool Wording::been_in_another(std::size_t room) const {
 std::string Wording::entered(std::size_t room, double mark) {
   const std::string name = this->room(room);
   if (been_in_another(room)) {
-    return say(naming_.is_one_of_two(room) ? "[the other|the other|another] $name"
-                                           : "[another|another|a different|the next] $name",
+    return say(naming_.rooms_of_name(room) == 2 ? "[2*the other|another] $name"
+                                                : "[2*another|a different|the next] $name",
                {{"name", name}});
   }
   if (brief() || !chance(mark)) return "the " + name;
@@ -128,7 +116,7 @@ std::string Wording::entered(std::size_t room, double mark) {
 }
 
 std::string Wording::left(std::size_t room) {
-  // Who leaves only one room need not say which.
+  // If only one room is left behind, it needs no name.
   if (been_.size() == 1 && chance(0.15)) return "the room";
   return "the " + this->room(room);
 }
@@ -136,8 +124,8 @@ std::string Wording::left(std::size_t room) {
 std::string Wording::stairs(const Stretch& stretch) {
   const bool up = stretch.climb > 0;
   const Slots slots{{"up", up ? "up" : "down"},
-                    {"flight", say("[stairs|stairs|stairs|steps|staircase|flight of stairs]")},
-                    {"verb", up ? say("[climb|climb|ascend|mount]") : say("[descend|come down]")},
+                    {"flight", say("[3*stairs|steps|staircase|flight of stairs]")},
+                    {"verb", up ? say("[2*climb|ascend|mount]") : say("[descend|come down]")},
                     {"end", up ? say("[top|very top]") : say("[bottom|foot]")},
                     {"upstairs", up ? "upstairs" : "downstairs"},
                     {"floor", up ? say("[upper floor|next floor|floor above|upper level]")
@@ -164,7 +152,7 @@ std::string Wording::door(const Happening& crossing) {
   if (!crossing.opening) return "";
   const Opening& opening = home_.home.plan.openings[*crossing.opening];
   if (opening.kind == Opening::Kind::kArch) {
-    return say("[archway|archway|arch|opening|wide opening|open archway]");
+    return say("[2*archway|arch|opening|wide opening|open archway]");
   }
   return opening.leaf > 20 ? say("[door|doorway|open door]") : say("[door|doorway]");
 }
@@ -176,10 +164,10 @@ std::string Wording::cross(const Happening& crossing, bool straight) {
                     {"straight", straight && chance(0.6) ? "straight" : ""},
                     {"door", door(crossing)}};
   if (naming_.same_room_name(crossing.from, crossing.to)) {
-    return has_door ? say("[go|walk|pass|continue|step] $straight through the $door "
-                          "[into|into|to] $to",
-                          slots)
-                    : say("[go|walk|continue] $straight [on|] into $to", slots);
+    return has_door
+               ? say("[go|walk|pass|continue|step] $straight through the $door [2*into|to] $to",
+                     slots)
+               : say("[go|walk|continue] $straight [on|] into $to", slots);
   }
   if (leaves(crossing)) {
     if (has_door && !brief() && chance(0.4)) {
@@ -187,15 +175,15 @@ std::string Wording::cross(const Happening& crossing, bool straight) {
     }
     if (!brief() && chance(0.3)) return say("[step|walk|go|head] out of $from into $to", slots);
     return say(
-        "[leave|leave|leave|exit|exit|exit|walk out of|go out of|step out of|head out of|"
-        "come out of|get out of] $from",
+        "[3*leave|3*exit|walk out of|go out of|step out of|head out of|come out of|"
+        "get out of] $from",
         slots);
   }
   if (has_door && !brief() && chance(0.4)) {
     return say("[go|walk|pass|step|head|move|proceed] $straight through the $door into $to", slots);
   }
   if (straight && chance(0.5)) {
-    return say("[go|walk|head|continue] [straight|straight|straight|directly] into $to", slots);
+    return say("[go|walk|head|continue] [3*straight|directly] into $to", slots);
   }
   return into(crossing);
 }
@@ -206,12 +194,12 @@ std::string Wording::into(const Happening& crossing) {
     return say("[walk|continue|keep going|go on] until you [reach|get to|come to] $to", slots);
   }
   return say(
-      "[enter|enter|enter|enter|go into|go into|walk into|walk into|step into|head into|pass into|"
-      "proceed into|move into|continue into|make your way into] $to",
+      "[4*enter|2*go into|2*walk into|step into|head into|pass into|proceed into|move into|"
+      "continue into|make your way into] $to",
       slots);
 }
 
-// By a door with a turn before it.
+// Through a door at one side; empty if it shall not be mentioned.
 std::string Wording::door_aside(const Stretch& stretch, const Happening& crossing,
                                 const Slots& slots) {
   const auto first =
@@ -219,10 +207,9 @@ std::string Wording::door_aside(const Stretch& stretch, const Happening& crossin
   const bool counted = first != stretch.happenings.end() && first->opening == crossing.opening;
   const bool names = crossing.to == goal_room_ && !been_in_another(crossing.to);
   if (counted && stretch.door > 0 && chance(0.7)) {
-    return say(
-        names ? "[take|take|go through|walk through] the $nth door on [your|the] $side into $to"
-              : "[take|take|go through|walk through] the $nth door on [your|the] $side",
-        slots);
+    return say(names ? "[2*take|go through|walk through] the $nth door on [your|the] $side into $to"
+                     : "[2*take|go through|walk through] the $nth door on [your|the] $side",
+               slots);
   }
   if (brief() || !chance(0.4)) return "";
   if (leaves(crossing)) {
@@ -247,19 +234,19 @@ std::string Wording::turn_and_cross(const Stretch& stretch, const Happening& cro
   }
   if (turned != Turn::kAround && !leaves(crossing) && chance(0.85)) {
     return say(turned == Turn::kSlight
-                   ? "[bear|bear|veer|veer|turn slightly|angle|go slightly|take a slight] $side "
-                     "into $to"
-                   : "[turn|turn|turn|turn|go|go|take a|make a|head] $side into $to|"
+                   ? "[2*bear|2*veer|turn slightly|angle|go slightly|take a slight] $side into $to"
+                   : "[4*turn|2*go|take a|make a|head] $side into $to|"
                      "enter $plain [on|to] your $side",
                slots);
   }
-  return turn(stretch.turn) + " and " + cross(crossing, false);
+  const std::string crossed = cross(crossing, false);  // drawn before the words of the turn
+  return turn(stretch.turn) + " and " + crossed;
 }
 
 std::string Wording::through(const Happening& first, const Happening& second, bool straight) {
   return say(
       "[go|walk|pass|head|move|continue|cut] $straight through the $middle "
-      "[into|into|to|and into] $to",
+      "[2*into|to|and into] $to",
       {{"middle", room(first.to)},
        {"to", entered(second.to)},
        {"straight", straight && chance(0.4) ? "straight" : ""}});
@@ -271,16 +258,15 @@ std::string Wording::pass(const std::string& thing, bool on_right) {
                     {"side", side_of(on_right)},
                     {"other", side_of(!on_right)}};
   if (brief()) {
-    return say("[pass|pass|go past|walk past|walk past|continue past|head past] the $thing", slots);
+    return say("[2*pass|go past|2*walk past|continue past|head past] the $thing", slots);
   }
   if (chance(0.1)) {
     return say("you [will|should] [see|pass|notice|find] $a on [your|the] $side", slots);
   }
   return say(
-      "[pass|pass|walk past|walk past|go past|go past|move past|continue past|head past|walk by|"
-      "go by|proceed past|stroll past] the $thing [on|on|to] [your|your|your|the] $side|"
-      "[keep|leave] the $thing on your $side|"
-      "[walk|go] to the $other of the $thing|"
+      "[2*pass|2*walk past|2*go past|move past|continue past|head past|walk by|go by|"
+      "proceed past|stroll past] the $thing [2*on|to] [3*your|the] $side|"
+      "[keep|leave] the $thing on your $side|[walk|go] to the $other of the $thing|"
       "[walk|go|continue] [on|ahead] with the $thing on your $side",
       slots);
 }
@@ -291,8 +277,8 @@ std::string Wording::between(const std::string& a, const std::string& b) {
 
 std::string Wording::over(const std::string& thing) {
   return say(
-      "[walk|step|go|walk] [over|across] the $thing|[cross|cross|traverse] the $thing|step onto "
-      "the $thing",
+      "[walk|step|go|walk] [over|across] the $thing|[2*cross|traverse] the $thing|"
+      "step onto the $thing",
       {{"thing", thing}});
 }
 
@@ -319,24 +305,20 @@ std::optional<std::string> Wording::at_start(const std::string& thing, double be
 
 std::string Wording::stop(const std::string& where) {
   if (where.starts_with("when") || where.starts_with("once")) {
-    return say("[stop|stop|stop|halt] $where", {{"where", where}});
+    return say("[3*stop|halt] $where", {{"where", where}});
   }
-  return say(
-      "[stop|stop|stop|stop|stop|wait|wait|wait|wait|stand|stand|halt|pause|finish|"
-      "come to a stop] $where",
-      {{"where", where}});
+  return say("[5*stop|4*wait|2*stand|halt|pause|finish|come to a stop] $where", {{"where", where}});
 }
 
 std::string Wording::beside(const std::string& thing, const Neighbour& n) {
   const Slots slots{
       {"thing", thing}, {"side", side_of(n.bearing > 0)}, {"is", is_plural(thing) ? "are" : "is"}};
   const double size = std::abs(n.bearing);
-  if (speaker_ == Speaker::kTerse)
-    return say("[by|by|by|at|beside|near|next to] the $thing", slots);
+  if (speaker_ == Speaker::kTerse) return say("[3*by|at|beside|near|next to] the $thing", slots);
   if (size < 35 && chance(0.5)) {
     return say(
-        "[in front of|in front of|directly in front of|facing|right before|opposite|across "
-        "from|when you [reach|get to]] the $thing",
+        "[2*in front of|directly in front of|facing|right before|opposite|across from|"
+        "when you [reach|get to]] the $thing",
         slots);
   }
   if (size > 55 && size < 125 && !brief() && chance(0.25)) {
@@ -346,9 +328,7 @@ std::string Wording::beside(const std::string& thing, const Neighbour& n) {
         slots);
   }
   return say(
-      "[next to|next to|next to|by|by|by|beside|near|near|close to|right next "
-      "to|alongside|adjacent to] "
-      "the $thing",
+      "[3*next to|3*by|beside|2*near|close to|right next to|alongside|adjacent to] the $thing",
       slots);
 }
 
@@ -363,7 +343,7 @@ std::string Wording::in_doorway(std::size_t opening) {
     return say("on the threshold of the $b", slots);
   if (naming_.is_way(*o.room1)) return say("in the $door [of|to] the $a", slots);
   if (naming_.is_way(o.room0)) return say("in the $door [of|to] the $b", slots);
-  if (chance(0.7)) {  // who comes from one looks into the other
+  if (chance(0.7)) {  // coming from one room, the doorway leads to the other
     if (been_.back() == o.room0) return say("in the $door [to|of|leading to] the $b", slots);
     if (been_.back() == *o.room1) return say("in the $door [to|of|leading to] the $a", slots);
   }

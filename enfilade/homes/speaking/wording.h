@@ -1,4 +1,4 @@
-/// \file  Clauses for what happens along a path, each in many ways. Internal.
+/// \file  Clauses for the facts of a path, each with many variants. Internal.
 #pragma once
 #include <map>
 #include <optional>
@@ -11,16 +11,16 @@
 
 namespace enfilade::homes::speaking {
 
-/// Draws words for one speaker. Clauses are imperative, without capital and full stop.
+/// Draws clauses for one speaker: imperatives without capital letter and full stop.
 class Wording {
  public:
-  /// \param brevity  how often a clause is said in the fewest words, [0, 1]
+  /// \param brevity  probability that a clause gets the fewest words, [0, 1]
   Wording(const SpokenHome& home, Speaker speaker, double brevity, std::uint64_t seed)
       : home_(home), naming_(home), speaker_(speaker), brevity_(brevity), rng_(seed) {}
 
-  /// The room where the path ends: it is always named.
+  /// Sets the room where the path ends, which is always named.
   void set_goal_room(std::size_t room) { goal_room_ = room; }
-  /// Another of its name is then "the other bedroom".
+  /// Records a room that the path has entered: another of its name is then "the other bedroom".
   void been_in(std::size_t room) { been_.push_back(room); }
 
   Rng& rng() noexcept { return rng_; }
@@ -34,23 +34,25 @@ class Wording {
   std::string straight();
   /// "walk about four metres"
   std::string walk(double metres);
-  /// Along a hall, after the stretch's turn or with it in one.
+  /// Along a hall, with or without the turn before it.
   std::string along(const Stretch& stretch, bool with_turn);
   std::string stairs(const Stretch& stretch);
-  /// Through an opening, straight ahead or not known; with the turn right before it, in one.
+  /// Into another room. \param straight  the opening lies straight ahead
   std::string cross(const Happening& crossing, bool straight);
+  /// The turn of a stretch and its first crossing, right after it.
   std::string turn_and_cross(const Stretch& stretch, const Happening& crossing);
+  /// Two crossings in one clause.
   std::string through(const Happening& first, const Happening& second, bool straight);
   std::string into(const Happening& crossing);
   std::string pass(const std::string& thing, bool on_right);
   std::string between(const std::string& a, const std::string& b);
   std::string over(const std::string& thing);
   std::string towards(const std::string& thing);
-  /// A lead for the first clause: "with the bed behind you"; nothing if it is at none of four
-  /// sides.
+  /// An introduction such as "with the bed behind you"; no value if the thing is not clearly at one
+  /// of the four sides.
   std::optional<std::string> at_start(const std::string& thing, double bearing);
-  /// Where to stop, without the verb: "next to the sink".
   std::string stop(const std::string& where);
+  // Places to stop, without the verb: "next to the sink".
   std::string beside(const std::string& thing, const Neighbour& n);
   std::string in_doorway(std::size_t opening);
   std::string by_door(std::size_t opening, std::size_t room);
