@@ -22,9 +22,7 @@ using mesh::kMpcat40Size;
 using mesh::Mesh;
 using mesh::mpcat40;
 
-Vec3d middle(const HouseBox& box) {
-  return {(box.low.x + box.high.x) / 2, (box.low.y + box.high.y) / 2, (box.low.z + box.high.z) / 2};
-}
+Vec3d middle(const HouseBox& box) { return 0.5 * (box.low + box.high); }
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr HouseBox kNothing{{kInfinity, kInfinity, kInfinity},
@@ -120,7 +118,7 @@ Vec3f mean_colour(const mesh::Material& material) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < pixels; i += step, ++count) {
     const std::uint8_t* p = texture.pixels.data() + i * texture.channels;
-    sum = sum + Vec3f{linear(p[0]), linear(p[1]), linear(p[2])};
+    sum += Vec3f{linear(p[0]), linear(p[1]), linear(p[2])};
   }
   const float scale = 1 / static_cast<float>(count);
   return {sum.x * scale * material.colour.x, sum.y * scale * material.colour.y,
@@ -135,7 +133,7 @@ std::vector<Vec3f> vertex_colours(const Mesh& mesh) {
   std::vector<float> count(mesh.positions.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const std::uint32_t v : mesh.triangles[t]) {
-      sum[v] = sum[v] + of_material[mesh.triangle_material[t]];
+      sum[v] += of_material[mesh.triangle_material[t]];
       count[v] += 1;
     }
   }
@@ -239,9 +237,7 @@ class HouseMaker {
     image.camera = static_cast<std::int32_t>(c.camera);
     image.yaw = static_cast<std::int32_t>(c.yaw);
     const Mat3d r = transpose(scan::with_y_up(c.world_from_camera));
-    const Vec3d t = r * c.position;
-    image.camera_from_world = {r.m[0], r.m[1], r.m[2], -t.x, r.m[3], r.m[4], r.m[5], -t.y,
-                               r.m[6], r.m[7], r.m[8], -t.z, 0,      0,      0,      1};
+    image.camera_from_world = pose_matrix(r, -(r * c.position));
     image.intrinsics = {c.fx, 0, c.cx, 0, c.fy, c.height - 1 - c.cy, 0, 0, 1};
     image.width = c.width;
     image.height = c.height;
@@ -251,6 +247,7 @@ class HouseMaker {
 
   /// One for each class that an object has; objects of class 0 have none.
   void add_categories() {
+    category_.fill(-1);
     for (const mesh::Object& object : mesh_.objects) {
       if (object.category >= kMpcat40Size) {
         throw ArgumentError(fmt::format("object {:?}: category {}, not one of mpcat40's 0 to {}",
@@ -354,11 +351,7 @@ class HouseMaker {
   std::uint32_t image_width_;
   bool one_room_ = false;
   mesh::House house_{"", "", kNothing, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
-  std::array<std::int32_t, kMpcat40Size> category_ = [] {
-    std::array<std::int32_t, kMpcat40Size> none{};
-    none.fill(-1);
-    return none;
-  }();
+  std::array<std::int32_t, kMpcat40Size> category_{};  // of the house, by class; -1: none
 };
 
 }  // namespace

@@ -153,9 +153,7 @@ std::optional<ViewpointIndex> find(const Connectivity& graph, const std::string&
 }
 
 std::array<double, 16> pose_of(Vec3d p, double heading) {
-  const Mat3d r = world_from_camera(degrees(heading), Radians(0));
-  return {r.m[0], r.m[1], r.m[2], p.x, r.m[3], r.m[4], r.m[5], p.y,
-          r.m[6], r.m[7], r.m[8], p.z, 0,      0,      0,      1};
+  return pose_matrix(world_from_camera(degrees(heading), Radians(0)), p);
 }
 
 // Adds the panorama's entry, or changes what is given of the one that is there.
@@ -228,32 +226,18 @@ void connect_all(const ImportOptions& o, const std::vector<ViewpointIndex>& fres
 
 // --- files -----------------------------------------------------------------------------------
 
-void list_scan(const fs::path& connectivity, const std::string& scan) {
-  const fs::path file = connectivity / "scans.txt";
-  std::string content = fs::exists(file) ? read_file(file) : "";
-  std::istringstream words(content);
-  for (std::string word; words >> word;) {
-    if (word == scan) return;
-  }
-  if (!content.empty() && content.back() != '\n') content += '\n';
-  write_file_atomically(file, content + scan + "\n");
-}
-
 // Pictures first: a graph never names a panorama that is not there.
 void write(const fs::path& folder, std::span<const PanoramaFiles> panoramas,
            const std::vector<Strip>& strips, const Connectivity& graph) {
   const fs::path images = folder / graph.scan / "matterport_skybox_images";
-  const fs::path connectivity = folder / "connectivity";
   make_folder(images);
-  make_folder(connectivity);
   for (std::size_t k = 0; k < strips.size(); ++k) {
     const std::vector<std::uint8_t>& jpeg = strips[k].jpeg;
     write_file_atomically(
         images / scan::skybox_strip_name(panoramas[k].viewpoint, scan::Layer::kColour),
         {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
   }
-  write_file_atomically(scan::connectivity_file(connectivity, graph.scan), to_json(graph));
-  list_scan(connectivity, graph.scan);
+  save_connectivity(folder / "connectivity", graph);
 }
 
 void check(std::span<const PanoramaFiles> panoramas, const ImportOptions& o,

@@ -8,11 +8,11 @@
 namespace enfilade::capture {
 namespace {
 
-// The last panorama that a thread has taken.
+// The last panorama that a thread has rendered.
 struct Taken {
   std::uint64_t serial = 0;
   ViewpointIndex viewpoint;
-  mesh::CubeCapture pictures;
+  scan::Panorama pictures;
 };
 
 std::uint64_t next_serial() {
@@ -42,13 +42,15 @@ scan::FaceSizes MeshPanoramas::face_sizes(ViewpointIndex) const {
   return {face_size_, face_size_, face_size_, face_size_};
 }
 
-const mesh::CubeCapture& MeshPanoramas::capture(ViewpointIndex viewpoint) const {
+const scan::Panorama& MeshPanoramas::capture(ViewpointIndex viewpoint) const {
   static thread_local Taken taken;
   if (taken.serial != serial_ || taken.viewpoint != viewpoint) {
     const scan::PanoramaPose& pose = poses()[viewpoint.at()];
     taken.serial = 0;  // in case it throws
-    taken.pictures =
+    mesh::CubeCapture cube =
         capture_cube(*mesh_, pose.world_from_panorama, pose.position, face_size_, options_);
+    taken.pictures = {std::move(cube.colour), std::move(cube.depth), std::move(cube.classes),
+                      std::move(cube.instances)};
     taken.serial = serial_;
     taken.viewpoint = viewpoint;
   }
@@ -57,17 +59,7 @@ const mesh::CubeCapture& MeshPanoramas::capture(ViewpointIndex viewpoint) const 
 
 void MeshPanoramas::read(scan::Layer layer, ViewpointIndex viewpoint, scan::FaceMask wanted,
                          const scan::FaceBuffers& buffers) const {
-  const mesh::CubeCapture& pictures = capture(viewpoint);
-  switch (layer) {
-    case scan::Layer::kColour:
-      return image::write_faces(pictures.colour, wanted, std::get<scan::ColourFaces>(buffers));
-    case scan::Layer::kDepth:
-      return image::copy_faces(pictures.depth, wanted, std::get<scan::Faces16>(buffers));
-    case scan::Layer::kClass:
-      return image::copy_faces(pictures.classes, wanted, std::get<scan::Faces16>(buffers));
-    case scan::Layer::kInstance:
-      return image::copy_faces(pictures.instances, wanted, std::get<scan::Faces32>(buffers));
-  }
+  capture(viewpoint).copy_to(layer, wanted, buffers);
 }
 
 }  // namespace enfilade::capture

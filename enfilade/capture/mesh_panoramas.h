@@ -26,7 +26,7 @@ class MeshPanoramas final : public scan::PanoramaSource {
  private:
   void read(scan::Layer layer, ViewpointIndex viewpoint, scan::FaceMask wanted,
             const scan::FaceBuffers& buffers) const override;
-  const mesh::CubeCapture& capture(ViewpointIndex viewpoint) const;
+  const scan::Panorama& capture(ViewpointIndex viewpoint) const;
 
   std::shared_ptr<const mesh::LitMesh> mesh_;
   scan::Connectivity connectivity_;

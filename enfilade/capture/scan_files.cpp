@@ -187,7 +187,7 @@ using Texts = std::vector<std::pair<fs::path, std::string>>;
 std::string text(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
 std::string jpeg(const image::Image8& picture, int quality) {
-  return text(image::encode_jpeg(picture, quality, quality >= 90));
+  return text(image::encode_jpeg(picture, quality, quality >= image::kFullChromaQuality));
 }
 
 /// Makes a scan's tasks, and the texts beside its pictures.
@@ -363,10 +363,8 @@ bool is_there(const fs::path& file) {
 }
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& why) {
-  throw FileError(
-      fmt::format("{}: is in the way: {}; remove it or choose another folder or scan "
-                  "id",
-                  file.string(), why));
+  throw FileError(fmt::format(
+      "{}: is in the way: {}; remove it or choose another folder or scan id", file.string(), why));
 }
 
 /// The folder's list with what is to come. \throws FileError if what is there was made of something
@@ -389,20 +387,6 @@ Manifest joined(std::optional<Manifest> old, const fs::path& folder, const std::
     manifest.kinds.insert(kind_of(file));
   }
   return manifest;
-}
-
-void write_connectivity(const fs::path& root, const scan::Connectivity& connectivity) {
-  const fs::path folder = root / "connectivity";
-  make_folder(folder);
-  write_file_atomically(scan::connectivity_file(folder, connectivity.scan), to_json(connectivity));
-  const fs::path list = folder / "scans.txt";
-  std::vector<std::string> scans;
-  if (is_there(list)) scans = scan::load_scan_list(folder);
-  if (std::ranges::find(scans, connectivity.scan) != scans.end()) return;
-  scans.push_back(connectivity.scan);
-  std::string text;
-  for (const std::string& scan : scans) text += scan + "\n";
-  write_file_atomically(list, text);
 }
 
 /// Whole or not at all, as the folder is renamed when it is complete.
@@ -512,7 +496,7 @@ ScanFilesReport write_scan(const mesh::LitMesh& mesh, const scan::Connectivity& 
       joined(read_manifest(manifest_file), report.folder, state, writer.poses(), files);
   make_folder(report.folder);
   write_file_atomically(manifest_file, text_of(manifest));
-  if (options.parts.connectivity) write_connectivity(root, connectivity);
+  if (options.parts.connectivity) save_connectivity(root / "connectivity", connectivity);
   for (const fs::path& file : files) make_folder(file.parent_path());
   for (const auto& [file, content] : texts) {
     write_file_atomically(file, content);

@@ -67,10 +67,7 @@ Mat3d world_from_camera(Radians heading, Radians elevation);
 struct PixelRays {
   Vec3d origin, row, column;
   /// Direction through the point in row i and column j of the picture; not normalised.
-  Vec3d at(double i, double j) const {
-    return {origin.x + i * row.x + j * column.x, origin.y + i * row.y + j * column.y,
-            origin.z + i * row.z + j * column.z};
-  }
+  Vec3d at(double i, double j) const { return origin + i * row + j * column; }
 };
 /// Rays of a camera, in the frame that the rotation maps to. \pre camera is valid
 PixelRays pixel_rays(const Camera& camera, const Mat3d& frame_from_camera);

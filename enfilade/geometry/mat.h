@@ -34,6 +34,17 @@ constexpr Mat3d transpose(const Mat3d& a) {
   return {{a.m[0], a.m[3], a.m[6], a.m[1], a.m[4], a.m[7], a.m[2], a.m[5], a.m[8]}};
 }
 
+/// A pose as files have it: a 4 x 4 matrix, row-major, of a rotation, a position in the last column
+/// and the last row 0 0 0 1.
+constexpr std::array<double, 16> pose_matrix(const Mat3d& r, Vec3d p) {
+  return {r.m[0], r.m[1], r.m[2], p.x, r.m[3], r.m[4], r.m[5], p.y,
+          r.m[6], r.m[7], r.m[8], p.z, 0,      0,      0,      1};
+}
+/// The upper left 3 x 3 part of such a matrix.
+constexpr Mat3d rotation_of(const std::array<double, 16>& pose) {
+  return {{pose[0], pose[1], pose[2], pose[4], pose[5], pose[6], pose[8], pose[9], pose[10]}};
+}
+
 /// Largest deviation of R^T R from the identity that counts as a rotation. Poses in files have six
 /// digits, which gives errors of 1e-6; scaled or sheared frames are far above this limit.
 inline constexpr double kRotationTolerance = 1e-3;

@@ -47,6 +47,8 @@ Image8 decode_jpeg(Bytes jpeg, const std::string& file);
 /// \throws InvalidInput; ArgumentError if the picture is not width x height
 void decode_jpeg_rgba(Bytes jpeg, std::uint32_t width, std::uint32_t height, std::uint8_t* rows,
                       std::size_t stride, const std::string& file);
+/// JPEG quality from which writers keep chroma in full: below it, halving is not visible.
+inline constexpr int kFullChromaQuality = 90;
 /// \param picture 1 or 3 channels  \param quality 1 .. 100  \param full_chroma 4:4:4, else 4:2:0
 std::vector<std::uint8_t> encode_jpeg(const Image8& picture, int quality, bool full_chroma = false);
 /// The six faces of a strip as baseline JPEGs with the coefficients of the strip, without decoding.

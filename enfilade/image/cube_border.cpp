@@ -114,10 +114,8 @@ void write_border(const BorderedFace& face, std::span<const std::uint8_t> border
   }
 }
 
-void write_face(const BorderedFace& face, const Image8& picture) {
-  EN_CHECK(picture.channels == 3 && picture.width == face.size && picture.height == face.size);
+void write_face(const BorderedFace& face, const std::uint8_t* rgb) {
   for (std::size_t y = 0; y < face.size; ++y) {
-    const std::uint8_t* rgb = picture.at(0, y);
     std::uint8_t* texel = face.texel(0, static_cast<std::ptrdiff_t>(y));
     for (std::size_t x = 0; x < face.size; ++x, rgb += 3, texel += 4) {
       texel[0] = rgb[0];
@@ -126,6 +124,11 @@ void write_face(const BorderedFace& face, const Image8& picture) {
       texel[3] = 255;
     }
   }
+}
+
+void write_face(const BorderedFace& face, const Image8& picture) {
+  EN_CHECK(picture.channels == 3 && picture.width == face.size && picture.height == face.size);
+  write_face(face, picture.pixels.data());
 }
 
 void write_faces(const CubeMap<std::uint8_t>& faces, std::uint8_t wanted,

@@ -36,7 +36,8 @@ std::vector<std::uint8_t> border_of(const CubeMap<std::uint8_t>& faces, CubeFace
 /// border_texels(size)
 void write_border(const BorderedFace& face, std::span<const std::uint8_t> border);
 
-/// Copies a face (3 channels), without border, with alpha 255.
+/// Copies a face's pixels, RGB in rows, with alpha 255, without a border. \pre of the face's size
+void write_face(const BorderedFace& face, const std::uint8_t* rgb);
 void write_face(const BorderedFace& face, const Image8& picture);
 
 /// Writes the faces in `wanted` (bits 1 << index(CubeFace)) with their borders; other buffers are

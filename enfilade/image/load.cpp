@@ -1,15 +1,10 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
-#include "enfilade/image/detail/check_size.h"
 
 namespace enfilade::image {
 
-using namespace detail;
-
 namespace {
-
-constexpr int kFullChromaFrom = 90;  // JPEG quality: below it, halved chroma is not seen
 
 // Grey becomes three equal channels, an alpha channel is dropped.
 Image8 to_rgb(Image8 picture) {
@@ -43,7 +38,7 @@ void save(const std::string& path, const Image8& picture, int jpeg_quality) {
   if (suffix == ".png") {
     bytes = encode_png(picture);
   } else if (suffix == ".jpg" || suffix == ".jpeg") {
-    bytes = encode_jpeg(picture, jpeg_quality, jpeg_quality >= kFullChromaFrom);
+    bytes = encode_jpeg(picture, jpeg_quality, jpeg_quality >= kFullChromaQuality);
   } else {
     throw ArgumentError(path + ": a name that ends in .png, .jpg or .jpeg is expected");
   }

@@ -1,6 +1,7 @@
 #include "enfilade/scan/connectivity.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -153,6 +154,21 @@ std::string to_json(const Connectivity& connectivity) {
                        {"height", entry.height}});
   }
   return entries.dump() + "\n";
+}
+
+void save_connectivity(const std::filesystem::path& directory, const Connectivity& connectivity) {
+  const std::filesystem::path list = directory / "scans.txt";
+  std::vector<std::string> scans;
+  std::string text;
+  if (std::filesystem::exists(list) && !std::filesystem::is_empty(list)) {
+    scans = load_scan_list(directory);
+    text = read_file(list);
+    if (text.back() != '\n') text += '\n';
+  }
+  make_folder(directory);
+  write_file_atomically(connectivity_file(directory, connectivity.scan), to_json(connectivity));
+  if (std::ranges::find(scans, connectivity.scan) != scans.end()) return;
+  write_file_atomically(list, text + connectivity.scan + "\n");
 }
 
 std::vector<std::string> load_scan_list(const std::filesystem::path& directory) {

@@ -50,6 +50,10 @@ Connectivity parse_connectivity(std::string_view json, std::string scan, const s
 /// The file's content in Matterport3D's format, which load_connectivity() reads back equal.
 std::string to_json(const Connectivity& connectivity);
 
+/// Writes `<directory>/<scan>_connectivity.json` and adds the scan to the folder's `scans.txt`, if
+/// it is not there. Creates the folder. \throws FileError; InvalidInput if the list is broken
+void save_connectivity(const std::filesystem::path& directory, const Connectivity& connectivity);
+
 /// The scans of a connectivity folder: the ids in its `scans.txt` (white space between), in order.
 /// \throws FileError; InvalidInput if the list is empty, repeats an id, or holds one that is no
 /// scan id

@@ -53,13 +53,7 @@ class View {
     cy_ = image_.height - 1 - image.camera.cy;  // the file counts rows from the bottom
     const Mat3d camera_from_world = transpose(image.camera.world_from_camera);
     origin_ = camera_from_world * (eye.position - image.camera.position);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3d axis{k == 0 ? 1.0 : 0, k == 1 ? 1.0 : 0, k == 2 ? 1.0 : 0};
-      const Vec3d column = camera_from_world * (eye.world_from_panorama * axis);
-      camera_from_panorama_.m[k] = column.x;
-      camera_from_panorama_.m[3 + k] = column.y;
-      camera_from_panorama_.m[6 + k] = column.z;
-    }
+    camera_from_panorama_ = camera_from_world * eye.world_from_panorama;
   }
 
   /// The nearest surface along the ray that the picture shows. \param direction of length 1
@@ -75,10 +69,7 @@ class View {
   }
 
  private:
-  static Vec3d point(const Ray& ray, double t) {
-    return {ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y,
-            ray.origin.z + t * ray.direction.z};
-  }
+  static Vec3d point(const Ray& ray, double t) { return ray.origin + t * ray.direction; }
 
   Pixel project(Vec3d p) const { return {cx_ - fx_ * p.x / p.z, cy_ + fy_ * p.y / p.z}; }
 
@@ -190,11 +181,10 @@ image::CubeMap<std::uint16_t> depth_skybox(std::span<const DepthImage> images,
       for (std::size_t x = 0; x < size; ++x) {
         const Vec3d d = cube_direction(cube_face(face), (static_cast<double>(x) + .5) / size,
                                        (static_cast<double>(y) + .5) / size);
-        const double scale = 1 / length(d);
+        const Vec3d direction = 1 / length(d) * d;
         readings.clear();
         for (const View& view : views) {
-          const auto reading = view.look({scale * d.x, scale * d.y, scale * d.z});
-          if (reading) readings.push_back(*reading);
+          if (const auto reading = view.look(direction)) readings.push_back(*reading);
         }
         *result[face].at(x, y) = in_units(blend(readings));
       }

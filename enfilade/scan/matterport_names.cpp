@@ -1,21 +1,14 @@
 #include "enfilade/scan/matterport_names.h"
 
 #include <fmt/format.h>
+#include <array>
 
 namespace enfilade::scan {
 
 std::string skybox_strip_name(std::string_view viewpoint, Layer layer) {
-  switch (layer) {
-    case Layer::kColour:
-      return fmt::format("{}_skybox_small.jpg", viewpoint);
-    case Layer::kDepth:
-      return fmt::format("{}_skybox_depth_small.png", viewpoint);
-    case Layer::kClass:
-      return fmt::format("{}_skybox_class_small.png", viewpoint);
-    case Layer::kInstance:
-      break;
-  }
-  return fmt::format("{}_skybox_instance_small.png", viewpoint);
+  constexpr std::array<std::string_view, kLayers> kEndings{"small.jpg", "depth_small.png",
+                                                           "class_small.png", "instance_small.png"};
+  return fmt::format("{}_skybox_{}", viewpoint, kEndings.at(index(layer)));
 }
 
 std::string skybox_face_name(std::string_view viewpoint, std::size_t face) {

@@ -43,41 +43,29 @@ std::uint64_t checksum_of_faces(const image::CubeMap<T>& map, std::uint64_t seed
   return seed;
 }
 
-// Room for one face with its border, RGBA.
-class FaceBuffer {
- public:
-  explicit FaceBuffer(std::uint32_t size)
-      : stride_(4 * (std::size_t{size} + 2)), pixels_(stride_ * (std::size_t{size} + 2)) {
-    face_ = {pixels_.data() + stride_ + 4, stride_, size};
+// The RGB part of a face, without its border.
+image::Image8 rgb_of(const image::BorderedFace& face) {
+  image::Image8 picture(face.size, face.size, 3);
+  std::uint8_t* to = picture.pixels.data();
+  for (std::ptrdiff_t y = 0; y < std::ptrdiff_t{face.size}; ++y) {
+    const std::uint8_t* from = face.texel(0, y);
+    for (std::uint32_t x = 0; x < face.size; ++x, from += 4, to += 3) std::copy_n(from, 3, to);
   }
-  const image::BorderedFace& face() const { return face_; }
-  image::Image8 rgb() const {
-    image::Image8 picture(face_.size, face_.size, 3);
-    std::uint8_t* to = picture.pixels.data();
-    for (std::ptrdiff_t y = 0; y < std::ptrdiff_t{face_.size}; ++y) {
-      const std::uint8_t* from = face_.texel(0, y);
-      for (std::uint32_t x = 0; x < face_.size; ++x, from += 4, to += 3) std::copy_n(from, 3, to);
-    }
-    return picture;
-  }
-
- private:
-  std::size_t stride_;
-  std::vector<std::uint8_t> pixels_;
-  image::BorderedFace face_;
-};
+  return picture;
+}
 
 image::CubeMap<std::uint8_t> read_colour_map(const PanoramaSource& source, ViewpointIndex viewpoint,
                                              std::uint32_t size) {
-  std::vector<FaceBuffer> rooms(kCubeFaces, FaceBuffer(0));
-  std::array<image::BorderedFace, kCubeFaces> faces;
+  // Six faces with their borders, RGBA.
+  const std::size_t edge = std::size_t{size} + 2, stride = 4 * edge;
+  std::vector<std::uint8_t> pixels(kCubeFaces * edge * stride);
+  ColourFaces faces;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    rooms[k] = FaceBuffer(size);
-    faces[k] = rooms[k].face();
+    faces[k] = {pixels.data() + k * edge * stride + stride + 4, stride, size};
   }
   source.read_colour(viewpoint, kAllFaces, faces);
   image::CubeMap<std::uint8_t> map;
-  for (std::size_t k = 0; k < kCubeFaces; ++k) map[k] = rooms[k].rgb();
+  std::ranges::transform(faces, map.begin(), rgb_of);
   return map;
 }
 
@@ -151,8 +139,7 @@ std::vector<PanoramaPose> poses_of(const Connectivity& connectivity) {
   std::vector<Diagnostic> faults;
   for (std::size_t i = 0; i < connectivity.entries.size(); ++i) {
     const ConnectivityEntry& entry = connectivity.entries[i];
-    const auto& p = entry.pose;
-    const Mat3d rotation{{p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10]}};
+    const Mat3d rotation = rotation_of(entry.pose);
     if (!is_rotation(rotation)) {
       faults.push_back({Severity::kError, connectivity.file, fmt::format("$[{}].pose", i),
                         "bad-pose",
@@ -178,6 +165,19 @@ Panorama make_panorama(std::uint32_t size) {
 
 FaceSizes Panorama::sizes() const noexcept {
   return {colour[0].width, depth[0].width, classes[0].width, instances[0].width};
+}
+
+void Panorama::copy_to(Layer layer, FaceMask wanted, const FaceBuffers& buffers) const {
+  switch (layer) {
+    case Layer::kColour:
+      return image::write_faces(colour, wanted, std::get<ColourFaces>(buffers));
+    case Layer::kDepth:
+      return image::copy_faces(depth, wanted, std::get<Faces16>(buffers));
+    case Layer::kClass:
+      return image::copy_faces(classes, wanted, std::get<Faces16>(buffers));
+    case Layer::kInstance:
+      return image::copy_faces(instances, wanted, std::get<Faces32>(buffers));
+  }
 }
 
 Panorama read_panorama(const PanoramaSource& source, ViewpointIndex viewpoint, LayerMask layers) {
@@ -224,16 +224,7 @@ void MemoryPanoramas::read(Layer layer, ViewpointIndex viewpoint, FaceMask wante
                            const FaceBuffers& buffers) const {
   const Panorama& panorama = panoramas_.at(viewpoint.at());
   if (panorama.sizes()[index(layer)] == 0) throw lacks(layer, viewpoint);
-  switch (layer) {
-    case Layer::kColour:
-      return image::write_faces(panorama.colour, wanted, std::get<ColourFaces>(buffers));
-    case Layer::kDepth:
-      return image::copy_faces(panorama.depth, wanted, std::get<Faces16>(buffers));
-    case Layer::kClass:
-      return image::copy_faces(panorama.classes, wanted, std::get<Faces16>(buffers));
-    case Layer::kInstance:
-      return image::copy_faces(panorama.instances, wanted, std::get<Faces32>(buffers));
-  }
+  panorama.copy_to(layer, wanted, buffers);
 }
 
 std::string MemoryPanoramas::state() const {

@@ -147,6 +147,9 @@ struct Panorama {
   image::CubeMap<std::uint32_t> instances;  ///< 1 channel
 
   FaceSizes sizes() const noexcept;
+  /// Copies faces of a layer, as PanoramaSource's read functions do. \pre it has the layer; buffers
+  /// have its size and type
+  void copy_to(Layer layer, FaceMask wanted, const FaceBuffers& buffers) const;
 };
 
 /// A panorama of all four layers, with size x size texels a face, all 0.

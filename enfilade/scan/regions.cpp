@@ -1,9 +1,10 @@
 #include "enfilade/scan/regions.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <charconv>
 #include <nlohmann/json.hpp>
-#include <utility>
+#include <ranges>
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/file.h"
@@ -98,22 +99,17 @@ std::size_t RegionMap::viewpoints() const noexcept {
 
 std::string to_json(const std::vector<ScanRegions>& scans) {
   const auto quoted = [](const std::string& text) { return nlohmann::json(text).dump(); };
-  std::string json = "{";
+  std::vector<std::string> lines;
   for (const ScanRegions& scan : scans) {
-    json += fmt::format("{}\n{}: {{", json.size() > 1 ? "," : "", quoted(scan.scan));
-    std::string_view comma;
+    std::vector<std::string> regions;
     for (std::size_t r = 0; r < scan.viewpoints.size(); ++r) {
       if (scan.viewpoints[r].empty()) continue;
-      json += fmt::format("{}\"{}\": [", std::exchange(comma, ", "), r);
-      std::string_view between;
-      for (const std::string& id : scan.viewpoints[r]) {
-        json += fmt::format("{}{}", std::exchange(between, ", "), quoted(id));
-      }
-      json += "]";
+      const auto ids = scan.viewpoints[r] | std::views::transform(quoted);
+      regions.push_back(fmt::format("\"{}\": [{}]", r, fmt::join(ids, ", ")));
     }
-    json += "}";
+    lines.push_back(fmt::format("\n{}: {{{}}}", quoted(scan.scan), fmt::join(regions, ", ")));
   }
-  return json + "\n}\n";
+  return fmt::format("{{{}\n}}\n", fmt::join(lines, ","));
 }
 
 }  // namespace enfilade::scan

@@ -47,18 +47,6 @@ std::span<std::uint8_t> border_room(std::uint32_t size) {
   return {memory.data(), bytes};
 }
 
-void copy_rgb(const std::uint8_t* rgb, const image::BorderedFace& face) {
-  for (std::ptrdiff_t y = 0; y < std::ptrdiff_t{face.size}; ++y) {
-    std::uint8_t* to = face.texel(0, y);
-    for (std::uint32_t x = 0; x < face.size; ++x, rgb += 3, to += 4) {
-      to[0] = rgb[0];
-      to[1] = rgb[1];
-      to[2] = rgb[2];
-      to[3] = 255;
-    }
-  }
-}
-
 }  // namespace
 
 struct Store::Impl {
@@ -105,7 +93,7 @@ void Store::Impl::read_colour_face(const FaceName& name, const image::BorderedFa
   const image::Bytes bytes = bytes_of(found);
   const image::Bytes picture = bytes.first(found.bytes);
   if (found.coding == Coding::kRawRgb) {
-    copy_rgb(picture.data(), face);
+    image::write_face(face, picture.data());
   } else {
     try {
       image::decode_jpeg_rgba(picture, face.size, face.size, face.origin, face.stride,

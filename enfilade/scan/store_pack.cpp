@@ -4,14 +4,17 @@
 
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
-#include "enfilade/scan/detail/panorama_coding.h"
+#include "enfilade/image/cube_border.h"
 #include "enfilade/scan/detail/store_writer.h"
 #include "enfilade/scan/store.h"
 
 namespace enfilade::scan {
 namespace {
 
+using detail::CodedFace;
+using detail::Coding;
 using detail::EncodedPanorama;
+using detail::FaceEntry;
 using detail::PlannedPanorama;
 
 void validate(const PackOptions& options) {
@@ -61,6 +64,14 @@ bool is_packed(const PanoramaPose& pose, const PackOptions& options) {
   return pose.included || !options.included_only;
 }
 
+// Sizes of the faces in the store: those of the source, none above options.face_size.
+FaceSizes packed_sizes(const FaceSizes& sizes, const PackOptions& options) {
+  FaceSizes packed = sizes;
+  if (options.face_size == 0) return packed;
+  for (std::uint32_t& size : packed) size = std::min(size, options.face_size);
+  return packed;
+}
+
 std::vector<PlannedPanorama> make_plan(const PanoramaSource& source, const PackOptions& options) {
   std::vector<FaceSizes> sizes(source.size());
   parallel_for(source.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
@@ -73,7 +84,7 @@ std::vector<PlannedPanorama> make_plan(const PanoramaSource& source, const PackO
   bool colour = false;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     if (sizes[i] == FaceSizes{}) continue;
-    plan.push_back({ViewpointIndex(i), sizes[i], detail::packed_sizes(sizes[i], options)});
+    plan.push_back({ViewpointIndex(i), sizes[i], packed_sizes(sizes[i], options)});
     colour = colour || sizes[i][index(Layer::kColour)] > 0;
     const std::uint32_t largest = std::ranges::max(plan.back().sizes);
     if (largest > detail::kLargestFace) {
@@ -114,6 +125,135 @@ PackReport report_of(const Store& store) {
   report.without = without_pictures(store, packed);
   return report;
 }
+
+// --- encoding ---------------------------------------------------------------------------------
+
+using Jpegs = std::array<std::vector<std::uint8_t>, kCubeFaces>;
+
+void append_face(EncodedPanorama& to, Layer layer, std::size_t face, const CodedFace& coded,
+                 const std::vector<std::uint8_t>& border) {
+  FaceEntry& entry = to.header.faces[detail::entry_index(layer, face)];
+  entry.offset = to.payload.size();
+  entry.bytes = static_cast<std::uint32_t>(coded.bytes.size());
+  entry.border_bytes = static_cast<std::uint32_t>(border.size());
+  entry.coding = coded.coding;
+  to.payload.insert(to.payload.end(), coded.bytes.begin(), coded.bytes.end());
+  to.payload.insert(to.payload.end(), border.begin(), border.end());
+  entry.checksum = detail::checksum(
+      image::Bytes(to.payload).subspan(entry.offset, to.payload.size() - entry.offset));
+}
+
+// Depth and ids, shrunk to the texel in the middle of each area: a mean of two classes or of two
+// distances would be neither.
+template <class T>
+image::CubeMap<T> resampled(image::CubeMap<T> map, std::uint32_t size) {
+  const std::uint32_t from = map[0].width;
+  if (from == size) return map;
+  image::CubeMap<T> result;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    result[k] = image::Image<T>(size, size, 1);
+    for (std::size_t y = 0; y < size; ++y) {
+      for (std::size_t x = 0; x < size; ++x) {
+        *result[k].at(x, y) = *map[k].at((2 * x + 1) * from / (2 * std::size_t{size}),
+                                         (2 * y + 1) * from / (2 * std::size_t{size}));
+      }
+    }
+  }
+  return result;
+}
+
+template <class T>
+void append_texels(EncodedPanorama& to, Layer layer, image::CubeMap<T> map) {
+  map = resampled(std::move(map), to.header.sizes[index(layer)]);
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    append_face(to, layer, k, detail::encode_texels<T>(map[k].pixels, map[k].width), {});
+  }
+}
+
+// The source's own JPEGs if they are wanted, there, and of the size planned.
+std::optional<Jpegs> kept_jpegs(const PanoramaSource& source, const PlannedPanorama& planned,
+                                const PackOptions& options) {
+  constexpr std::size_t kColour = index(Layer::kColour);
+  if (options.colour != ColourCoding::kKeep ||
+      planned.source_sizes[kColour] != planned.sizes[kColour]) {
+    return std::nullopt;
+  }
+  const auto texts = source.colour_jpegs(planned.viewpoint);
+  if (!texts) return std::nullopt;
+  Jpegs jpegs;
+  for (std::size_t k = 0; k < kCubeFaces; ++k)
+    jpegs[k].assign((*texts)[k].begin(), (*texts)[k].end());
+  return jpegs;
+}
+
+image::CubeMap<std::uint8_t> shrunk(image::CubeMap<std::uint8_t> faces, std::uint32_t size) {
+  if (faces[0].width != size) {
+    for (image::Image8& face : faces) face = image::shrink(face, size, size);
+  }
+  return faces;
+}
+
+Jpegs encoded(const image::CubeMap<std::uint8_t>& faces, int quality) {
+  Jpegs jpegs;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    jpegs[k] = image::encode_jpeg(faces[k], quality, quality >= image::kFullChromaQuality);
+  }
+  return jpegs;
+}
+
+image::CubeMap<std::uint8_t> decoded(const Jpegs& jpegs, const PanoramaSource& source,
+                                     const PlannedPanorama& planned) {
+  const std::uint32_t size = planned.sizes[index(Layer::kColour)];
+  const std::string& viewpoint = source.poses()[planned.viewpoint.at()].viewpoint;
+  image::CubeMap<std::uint8_t> faces;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    const std::string where = fmt::format("viewpoint {:?}, colour, face {}", viewpoint, k);
+    faces[k] = image::decode_jpeg(jpegs[k], source.origin() + ": " + where);
+    if (faces[k].width == size && faces[k].height == size) continue;
+    throw InvalidInput({{Severity::kError, source.origin(), where, "wrong-size",
+                         fmt::format("{} x {} pixels, not {} x {}", faces[k].width, faces[k].height,
+                                     size, size)}});
+  }
+  return faces;
+}
+
+void append_colour(EncodedPanorama& to, const PanoramaSource& source,
+                   const PlannedPanorama& planned, const PackOptions& options) {
+  std::optional<Jpegs> jpegs = kept_jpegs(source, planned, options);
+  image::CubeMap<std::uint8_t> faces;
+  if (!jpegs) {
+    constexpr LayerMask kColourOnly = 1 << index(Layer::kColour);
+    faces = shrunk(read_panorama(source, planned.viewpoint, kColourOnly).colour,
+                   planned.sizes[index(Layer::kColour)]);
+    if (options.colour != ColourCoding::kRaw) jpegs = encoded(faces, options.jpeg_quality);
+  }
+  // Borders must continue what a reader will decode, not what was encoded.
+  if (jpegs) faces = decoded(*jpegs, source, planned);
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    CodedFace coded = jpegs ? CodedFace{Coding::kJpeg, std::move((*jpegs)[k])}
+                            : CodedFace{Coding::kRawRgb, faces[k].pixels};
+    append_face(to, Layer::kColour, k, coded,
+                detail::compress(image::border_of(faces, cube_face(k))));
+  }
+}
+
+// Reads, shrinks and encodes one panorama. The same input gives the same bytes in any thread.
+EncodedPanorama encode_panorama(const PanoramaSource& source, const PlannedPanorama& planned,
+                                const PackOptions& options) {
+  EncodedPanorama result;
+  result.header.viewpoint = planned.viewpoint.value;
+  result.header.sizes = planned.sizes;
+  const auto has = [&](Layer layer) { return planned.sizes[index(layer)] > 0; };
+  if (has(Layer::kColour)) append_colour(result, source, planned, options);
+  constexpr LayerMask kNotColour = kAllLayers & ~(1 << index(Layer::kColour));
+  Panorama rest = read_panorama(source, planned.viewpoint, kNotColour);
+  if (has(Layer::kDepth)) append_texels(result, Layer::kDepth, std::move(rest.depth));
+  if (has(Layer::kClass)) append_texels(result, Layer::kClass, std::move(rest.classes));
+  if (has(Layer::kInstance)) append_texels(result, Layer::kInstance, std::move(rest.instances));
+  return result;
+}
+
+// --- the file ---------------------------------------------------------------------------------
 
 void write_panoramas(const PanoramaSource& source, const PackOptions& options,
                      std::span<const PlannedPanorama> plan, detail::StoreWriter& writer,

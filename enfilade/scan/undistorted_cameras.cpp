@@ -168,7 +168,7 @@ class Parser {
     }
     camera.fx = intrinsics_[0], camera.fy = intrinsics_[1];
     camera.cx = intrinsics_[2], camera.cy = intrinsics_[3];
-    camera.world_from_camera = {{p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10]}};
+    camera.world_from_camera = rotation_of(p);
     camera.position = {p[3], p[7], p[11]};
     if (!is_rotation(camera.world_from_camera) || p[12] != 0 || p[13] != 0 || p[14] != 0 ||
         p[15] != 1) {

@@ -75,9 +75,7 @@ inline scan::Connectivity furnished_room_graph(const std::string& scan = "rooms"
   const auto add = [&](const std::string& id, double heading, double elevation, Vec3d eye) {
     scan::ConnectivityEntry entry;
     entry.id = id;
-    const Mat3d r = world_from_camera(degrees(heading), degrees(elevation));
-    entry.pose = {r.m[0], r.m[1], r.m[2], eye.x, r.m[3], r.m[4], r.m[5], eye.y,
-                  r.m[6], r.m[7], r.m[8], eye.z, 0,      0,      0,      1};
+    entry.pose = pose_matrix(world_from_camera(degrees(heading), degrees(elevation)), eye);
     entry.height = eye.z;
     graph.entries.push_back(entry);
   };

@@ -15,18 +15,18 @@ namespace {
 using image::bytes_of;
 using image::Shape;
 
-/// More than the header of any picture without an embedded thumbnail or colour profile.
+/// Larger than the header of any picture without an embedded thumbnail or colour profile.
 constexpr std::size_t kHeaderBytes = std::size_t{16} << 10;
 
-/// What shape_of() says of a file; it is asked for all of it if its start does not do.
+/// The shape of a picture and its file's path, from the start of the file if possible.
 template <class ShapeOf>
 std::pair<Shape, std::string> shape_of_file(const KindOfFiles& files, const std::string& name,
                                             const ShapeOf& shape_of) {
-  auto file = files.read_start(name, kHeaderBytes);
+  auto file = files.read(name, kHeaderBytes);
   if (!file) return {};
   try {
     return {shape_of(bytes_of(file->bytes), file->path), file->path};
-  } catch (const InvalidInput&) {  // its header is longer, or broken: the second reading tells
+  } catch (const InvalidInput&) {  // a longer header, or a broken one, which the whole file tells
     file = files.read(name);
     if (!file) return {};
     return {shape_of(bytes_of(file->bytes), file->path), file->path};
@@ -42,24 +42,18 @@ std::uint32_t check_strip(const Shape& shape, const std::string& file) {
   return shape.height;
 }
 
-std::uint32_t check_face(const Shape& shape, const std::string& file) {
-  if (shape.width != shape.height) {
-    refuse(file, "", "bad-face",
-           fmt::format("{} x {} pixels, not square", shape.width, shape.height));
-  }
-  return shape.width;
-}
-
-/// All six faces have the size of the first.
-class SameSize {
+/// Checks that faces are square and have the size of the first one.
+class FaceCheck {
  public:
-  void check(std::uint32_t size, const std::string& file) {
-    if (size_ == 0) size_ = size, first_ = file;
-    if (size == size_) return;
+  void check(std::uint32_t width, std::uint32_t height, const std::string& file) {
+    if (width != height) {
+      refuse(file, "", "bad-face", fmt::format("{} x {} pixels, not square", width, height));
+    }
+    if (size_ == 0) size_ = width, first_ = file;
+    if (width == size_) return;
     refuse(file, "", "mixed-sizes",
-           fmt::format("{} pixels wide, but {} is {}: the six faces of a "
-                       "panorama are of one size",
-                       size, first_, size_));
+           fmt::format("{} pixels wide, but {} is {}: the six faces of a panorama are of one size",
+                       width, first_, size_));
   }
   std::uint32_t size() const { return size_; }
 
@@ -68,7 +62,7 @@ class SameSize {
   std::string first_;
 };
 
-/// A strip's greyscale, as its layer has to be.
+/// Checks channels and bits of a strip of a layer that is no colour.
 void check_grey(Layer layer, const Shape& shape, const std::string& file) {
   const bool grey = shape.channels == 1;
   if (layer == Layer::kDepth && !(grey && shape.bits == 16)) {
@@ -100,14 +94,7 @@ bool KindOfFiles::contains(std::string_view name) const {
   return std::ranges::any_of(trees_, [&](const auto& tree) { return tree->contains(name); });
 }
 
-std::optional<FoundFile> KindOfFiles::read(std::string_view name) const {
-  for (const auto& tree : trees_) {
-    if (auto bytes = tree->read(name)) return FoundFile{tree->path_of(name), *std::move(bytes)};
-  }
-  return std::nullopt;
-}
-
-std::optional<FoundFile> KindOfFiles::read_start(std::string_view name, std::size_t bytes) const {
+std::optional<FoundFile> KindOfFiles::read(std::string_view name, std::size_t bytes) const {
   for (const auto& tree : trees_) {
     if (auto start = tree->read_start(name, bytes)) {
       return FoundFile{tree->path_of(name), *std::move(start)};
@@ -159,13 +146,13 @@ std::uint32_t SkyboxFiles::size(Layer layer, const std::string& viewpoint) const
     return check_strip(shape, path);
   }
   if (layer != Layer::kColour || !has_faces(viewpoint)) return 0;
-  SameSize same;
+  FaceCheck faces;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     const auto [shape, path] =
         shape_of_file(files_, skybox_face_name(viewpoint, k), image::jpeg_shape);
-    same.check(check_face(shape, path), path);
+    faces.check(shape.width, shape.height, path);
   }
-  return same.size();
+  return faces.size();
 }
 
 std::optional<image::CubeMap<std::uint8_t>> SkyboxFiles::colour(
@@ -177,33 +164,36 @@ std::optional<image::CubeMap<std::uint8_t>> SkyboxFiles::colour(
   }
   if (!has_faces(viewpoint)) return std::nullopt;
   image::CubeMap<std::uint8_t> faces;
-  SameSize same;
+  FaceCheck all;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     const auto file = files_.read(skybox_face_name(viewpoint, k));
     if (!file) return std::nullopt;
     faces[k] = image::decode_jpeg(bytes_of(file->bytes), file->path);
-    same.check(check_face({faces[k].width, faces[k].height, 3, 8}, file->path), file->path);
+    all.check(faces[k].width, faces[k].height, file->path);
   }
   return faces;
 }
 
-std::optional<image::CubeMap<std::uint16_t>> SkyboxFiles::strip_16(
-    Layer layer, const std::string& viewpoint) const {
-  const auto file = files_.read(skybox_strip_name(viewpoint, layer));
+std::optional<FoundFile> SkyboxFiles::png_strip(Layer layer, const std::string& viewpoint) const {
+  auto file = files_.read(skybox_strip_name(viewpoint, layer));
   if (!file) return std::nullopt;
   const Shape shape = image::png_shape(bytes_of(file->bytes), file->path);
   check_grey(layer, shape, file->path);
   check_strip(shape, file->path);
+  return file;
+}
+
+std::optional<image::CubeMap<std::uint16_t>> SkyboxFiles::strip_16(
+    Layer layer, const std::string& viewpoint) const {
+  const auto file = png_strip(layer, viewpoint);
+  if (!file) return std::nullopt;
   return image::split_strip(image::decode_png16(bytes_of(file->bytes), file->path));
 }
 
 std::optional<image::CubeMap<std::uint32_t>> SkyboxFiles::instances(
     const std::string& viewpoint) const {
-  const auto file = files_.read(skybox_strip_name(viewpoint, Layer::kInstance));
+  const auto file = png_strip(Layer::kInstance, viewpoint);
   if (!file) return std::nullopt;
-  const Shape shape = image::png_shape(bytes_of(file->bytes), file->path);
-  check_grey(Layer::kInstance, shape, file->path);
-  check_strip(shape, file->path);
   return image::split_strip(image::decode_ids(bytes_of(file->bytes), file->path));
 }
 
@@ -218,12 +208,12 @@ std::optional<std::array<std::string, kCubeFaces>> SkyboxFiles::colour_jpegs(
     return jpegs;
   }
   if (!has_faces(viewpoint)) return std::nullopt;
-  SameSize same;
+  FaceCheck faces;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     auto file = files_.read(skybox_face_name(viewpoint, k));
     if (!file) return std::nullopt;
     const Shape shape = image::jpeg_shape(bytes_of(file->bytes), file->path);
-    same.check(check_face(shape, file->path), file->path);
+    faces.check(shape.width, shape.height, file->path);
     jpegs[k] = std::move(file->bytes);
   }
   return jpegs;

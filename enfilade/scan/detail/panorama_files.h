@@ -24,7 +24,8 @@ struct FoundFile {
   std::string bytes;
 };
 
-/// The trees that may hold the files of one kind; the first that has a file is asked for it.
+/// The folders and zip files that may hold the files of one kind. A file is read from the first
+/// that has it.
 class KindOfFiles {
  public:
   KindOfFiles() = default;
@@ -33,10 +34,9 @@ class KindOfFiles {
 
   bool empty() const { return trees_.empty(); }
   bool contains(std::string_view name) const;
-  std::optional<FoundFile> read(std::string_view name) const;
-  /// Of those bytes or fewer.
-  std::optional<FoundFile> read_start(std::string_view name, std::size_t bytes) const;
-  /// Where it was looked for, one a line, indented.
+  /// The file, or at most that many bytes from its start.
+  std::optional<FoundFile> read(std::string_view name, std::size_t bytes = std::string::npos) const;
+  /// The places where it was looked for, one a line, indented.
   std::string tried(std::string_view name) const;
   std::string state() const;  ///< as FileTree's
 
@@ -50,23 +50,24 @@ class SkyboxFiles {
   SkyboxFiles() = default;
   explicit SkyboxFiles(KindOfFiles files) : files_(std::move(files)) {}
 
-  /// Edge length of a face, by headers alone; 0 if there is no such picture (of six faces: none).
+  /// Edge length of a face, from headers alone; 0 if there is no such picture (none of six faces).
   /// \throws FileError, InvalidInput
   std::uint32_t size(Layer layer, const std::string& viewpoint) const;
-  /// Nothing if there is none. \throws FileError, InvalidInput
+  /// No value if there is none. \throws FileError, InvalidInput
   std::optional<image::CubeMap<std::uint8_t>> colour(const std::string& viewpoint) const;
   std::optional<image::CubeMap<std::uint16_t>> strip_16(Layer layer,
                                                         const std::string& viewpoint) const;
   std::optional<image::CubeMap<std::uint32_t>> instances(const std::string& viewpoint) const;
-  /// As PanoramaSource's; nothing, too, if there are no pictures.
+  /// As PanoramaSource's; no value also if there are no pictures.
   std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
       const std::string& viewpoint) const;
-  /// Where a layer's files were looked for, one a line, indented.
+  /// The places where a layer's files were looked for, one a line, indented.
   std::string tried(Layer layer, const std::string& viewpoint) const;
   std::string state() const { return files_.state(); }
 
  private:
   bool has_faces(const std::string& viewpoint) const;
+  std::optional<FoundFile> png_strip(Layer layer, const std::string& viewpoint) const;
   KindOfFiles files_;
 };
 
@@ -78,12 +79,12 @@ class UndistortedDepth {
         parameters_(std::move(parameters)),
         images_(std::move(images)) {}
 
-  /// Are there a camera and its picture? Reads the cameras at the first call, for all viewpoints.
-  /// \throws FileError, InvalidInput
+  /// Whether there are a camera and its picture. The first call reads the cameras of all
+  /// viewpoints. \throws FileError, InvalidInput
   bool contains(const std::string& viewpoint) const;
-  /// Builds the sky-box and fills its holes, on this thread alone: callers go through many
-  /// viewpoints at once. \pre contains(eye.viewpoint)
-  /// \throws FileError if a camera's picture is missing; InvalidInput
+  /// Builds the sky-box and fills its holes, on this thread alone, as callers process many
+  /// viewpoints in parallel. \pre contains(eye.viewpoint) \throws FileError if a camera's picture
+  /// is missing; InvalidInput
   image::CubeMap<std::uint16_t> read(const PanoramaPose& eye,
                                      const image::CubeMap<std::uint8_t>& colour) const;
   std::string tried(const std::string& viewpoint) const;
@@ -96,7 +97,7 @@ class UndistortedDepth {
   std::string name_;
   KindOfFiles parameters_, images_;
   mutable std::mutex mutex_;
-  mutable std::optional<Cameras> cameras_;  ///< under the mutex until set, then for ever the same
+  mutable std::optional<Cameras> cameras_;  ///< set once, under the mutex
 };
 
 }  // namespace enfilade::scan::detail

@@ -175,11 +175,9 @@ Catalogue read_catalogue(image::Bytes bytes, const std::string& file) {
     if (!fault.empty() || !are_valid(row.sizes, faces, result.header.catalogue, fault)) {
       refuse(file, fmt::format("viewpoint {}", i), "bad-index", fault);
     }
-    const auto& r = row.world_from_panorama;
-    const auto& p = row.position;
+    const auto& [x, y, z] = row.position;
     rows.entries.push_back({.id = std::string(name),
-                            .pose = {r[0], r[1], r[2], p[0], r[3], r[4], r[5], p[1],  //
-                                     r[6], r[7], r[8], p[2], 0, 0, 0, 1},
+                            .pose = pose_matrix({row.world_from_panorama}, {x, y, z}),
                             .included = row.included == 1,
                             .height = 0,
                             .unobstructed = {},
