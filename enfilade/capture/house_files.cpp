@@ -33,12 +33,12 @@ void include(HouseBox& box, Vec3d p) {
   box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
 }
 
-/// Files have numbers only: what holds nothing is a point.
+/// Files cannot hold infinity: an empty box becomes a point.
 HouseBox finite(const HouseBox& box) { return box.low.x <= box.high.x ? box : HouseBox{}; }
 
 // --- pieces ---------------------------------------------------------------------------------
 
-/// Positions that are equal have one number: builders give each face corners of its own.
+/// Numbers the positions, equal ones alike, as each face may have corners of its own.
 std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions) {
   std::vector<std::uint32_t> order(positions.size()), number(positions.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -107,12 +107,12 @@ std::vector<std::int32_t> pieces(const Mesh& mesh) {
 
 float linear(std::uint8_t srgb) { return image::linear_from_srgb(static_cast<float>(srgb) / 255); }
 
-/// Of a surface of the material, without its light.
+/// The mean colour of a material, without light.
 Vec3f mean_colour(const mesh::Material& material) {
   const image::Image8& texture = material.texture;
   const std::size_t pixels = std::size_t{texture.width} * texture.height;
   if (pixels == 0) return material.colour;
-  // A few thousand pixels tell; a prime step does not keep to the texture's columns.
+  // A few thousand pixels are enough; an odd step visits different columns of the texture.
   const std::size_t step = pixels < 4096 ? 1 : pixels / 4096 | 1U;
   Vec3f sum;
   std::size_t count = 0;
@@ -152,7 +152,7 @@ HouseBox box_of(const ScanRoom& room) {
           {room.floor.x1, room.floor.y1, room.floor_z + room.height}};
 }
 
-/// The whole building as one room, where nobody knows better.
+/// The whole building as one room, if its rooms are not known.
 ScanRoom everything(const HouseBox& box) {
   return {
       'z', {box.low.x, box.low.y, box.high.x, box.high.y}, box.low.z, box.high.z - box.low.z, 0};
@@ -223,7 +223,7 @@ class HouseMaker {
       if (!pose.included) continue;
       const auto place = static_cast<std::int32_t>(house_.panoramas.size());
       const auto cameras = scan::rig_cameras(pose, image_width_);
-      // As in Matterport3D's files, where the first image was taken stands for the panorama.
+      // As in Matterport3D's files, the panorama's position is that of its first image.
       house_.panoramas.push_back(
           {pose.viewpoint, region_below(rooms_, pose.position), cameras[0].position});
       for (const scan::RigCamera& camera : cameras) add_image(place, camera);
@@ -245,7 +245,7 @@ class HouseMaker {
     house_.images.push_back(std::move(image));
   }
 
-  /// One for each class that an object has; objects of class 0 have none.
+  /// Adds a category for each class of an object; class 0 has none.
   void add_categories() {
     category_.fill(-1);
     for (const mesh::Object& object : mesh_.objects) {

@@ -123,8 +123,8 @@ image::CubeMap<std::uint8_t> load_faces(const std::vector<std::string>& files,
   const std::uint32_t size =
       o.face_size > 0 ? o.face_size : std::min(1024U, rounded_to_blocks(faces[0].width));
   for (image::Image8& face : faces) face = image::shrink(face, size, size);
-  // Everyone else's top and bottom are seen by turning up or down from the front, Matterport3D's
-  // from the back.
+  // Usually the top and bottom faces are seen by turning up or down from the front; Matterport3D's
+  // are seen from the back.
   for (const CubeFace face : {CubeFace::kUp, CubeFace::kDown}) {
     faces[index(face)] = half_turn(faces[index(face)]);
   }
@@ -139,7 +139,7 @@ Strip make_strip(const PanoramaFiles& panorama, const ImportOptions& o) {
 
 // --- the graph -------------------------------------------------------------------------------
 
-// As it is, empty if it is a new one.
+// The scan's graph; an empty one for a new scan.
 Connectivity load_or_begin(const fs::path& folder, const std::string& scan) {
   const fs::path file = scan::connectivity_file(folder, scan);
   if (fs::exists(file)) return scan::load_connectivity(folder, scan);
@@ -156,7 +156,7 @@ std::array<double, 16> pose_of(Vec3d p, double heading) {
   return pose_matrix(world_from_camera(degrees(heading), Radians(0)), p);
 }
 
-// Adds the panorama's entry, or changes what is given of the one that is there.
+// Adds the panorama's entry, or updates an existing one.
 ViewpointIndex place(const PanoramaFiles& panorama, const ImportOptions& o, const Places& places,
                      Connectivity& graph) {
   const auto known = find(graph, panorama.viewpoint);
@@ -226,7 +226,7 @@ void connect_all(const ImportOptions& o, const std::vector<ViewpointIndex>& fres
 
 // --- files -----------------------------------------------------------------------------------
 
-// Pictures first: a graph never names a panorama that is not there.
+// Pictures first, so that a graph never names a panorama that is missing.
 void write(const fs::path& folder, std::span<const PanoramaFiles> panoramas,
            const std::vector<Strip>& strips, const Connectivity& graph) {
   const fs::path images = folder / graph.scan / "matterport_skybox_images";
@@ -282,7 +282,7 @@ ImportReport import_panoramas(const fs::path& folder, const std::string& scan,
     fresh.push_back(place(panorama, options, places, graph));
   }
   connect_all(options, fresh, graph);
-  // All of them before the first is written: a broken picture leaves the scan as it was.
+  // Encodes all before writing the first: a broken picture leaves the scan unchanged.
   std::vector<Strip> strips;
   for (const PanoramaFiles& panorama : panoramas) {
     if (progress) progress(strips.size(), panoramas.size());

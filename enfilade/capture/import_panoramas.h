@@ -1,4 +1,4 @@
-/// \file  Panoramas of one's own, made into a scan in Matterport3DSimulator's files.
+/// \file  Imports a user's panoramas as a scan in Matterport3DSimulator's files.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -35,7 +35,7 @@ inline constexpr std::uint32_t kLargestImportedFace = 8192;
 /// R2R's graphs.
 inline constexpr double kImportSpacing = 2.25;
 
-/// Which scan is made or added to, and how its panoramas are taken.
+/// How panoramas are imported.
 struct ImportOptions {
   std::uint32_t face_size = 0;     ///< texels; 0: the picture's resolution, at most 1024
   std::optional<double> exposure;  ///< of HDR pictures, stops; none: the median becomes mid-grey
@@ -59,7 +59,7 @@ struct ImportedPanorama {
   std::uint32_t face_size = 0;
   Vec3d position;  ///< metres, world frame
 };
-/// What was imported, and what the scan has now.
+/// The imported panoramas, and the size of the scan afterwards.
 struct ImportReport {
   std::vector<ImportedPanorama> panoramas;  ///< in the order given
   std::size_t added = 0;                    ///< of them, new to the scan

@@ -1,4 +1,4 @@
-/// \file  Panoramas of a lit mesh, taken when they are asked for.
+/// \file  Panoramas of a lit mesh, rendered on demand.
 #pragma once
 #include <memory>
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace enfilade::capture {
 
-/// Panoramas of a lit mesh at the viewpoints of its graph, all four layers. Nothing is kept but
-/// each thread's last panorama, so that reading its layers one after another takes one capture.
+/// Panoramas of a lit mesh at the viewpoints of its graph, all four layers. Only each thread's last
+/// panorama is kept, so that reading its layers one after another renders it once.
 class MeshPanoramas final : public scan::PanoramaSource {
  public:
   /// \param state  what the pictures depend on, as text: PanoramaSource::state()
-  /// \param capture its `threads` are not looked at: a panorama is taken on the caller's thread
+  /// \param capture its `threads` are ignored: a panorama is rendered on the caller's thread
   /// \throws ArgumentError for a face size of 0; InvalidInput as scan::poses_of()
   MeshPanoramas(std::shared_ptr<const mesh::LitMesh> mesh, scan::Connectivity connectivity,
                 std::uint32_t face_size, const mesh::CaptureOptions& capture, std::string state);
@@ -33,7 +33,7 @@ class MeshPanoramas final : public scan::PanoramaSource {
   std::uint32_t face_size_;
   mesh::CaptureOptions options_;
   std::string state_;
-  std::uint64_t serial_;  // tells this source from one that had its address before
+  std::uint64_t serial_;  // distinguishes this source from an earlier one at its address
 };
 
 }  // namespace enfilade::capture

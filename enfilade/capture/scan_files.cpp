@@ -37,7 +37,7 @@ using scan::PanoramaPose;
 using scan::RigCamera;
 
 constexpr const char* kManifest = "enfilade_scan.json";
-// Changes whenever the same mesh and options give other pictures.
+// Must change whenever the same mesh and options give other pictures.
 constexpr int kGeneration = 1;
 
 void validate(const scan::Connectivity& connectivity, const ScanFilesOptions& o) {
@@ -124,14 +124,14 @@ std::string state_of(const mesh::LitMesh& mesh, const ScanFilesOptions& o) {
 
 std::string state_of(const PanoramaPose& pose) {
   State state;
-  // As poses_of() gives them; a file's text read back gives the same.
+  // Numbers that are written to a file and read back are the same.
   state.add_value(pose.world_from_panorama.m);
   state.add_value(pose.position);
   return state.text();
 }
 
-/// Which files of a scan are meant: "matterport_skybox_images/skybox0_sami.jpg", whosever, or all
-/// of another folder.
+/// The kind of a file: "matterport_skybox_images/skybox0_sami.jpg" for that face of any viewpoint,
+/// else its folder.
 std::string kind_of(const fs::path& file) {
   const std::string folder = file.parent_path().filename().string();
   const std::string name = file.filename().string();
@@ -139,7 +139,7 @@ std::string kind_of(const fs::path& file) {
   return skybox == std::string::npos ? folder : folder + "/" + name.substr(skybox + 1);
 }
 
-/// What a folder's files were made of.
+/// Records what a folder's files were made from.
 struct Manifest {
   std::string state;
   std::set<std::string> kinds;                    ///< kind_of(each file)
@@ -220,7 +220,7 @@ class ScanWriter {
     return tasks;
   }
 
-  /// File and content, of everything that is small or quickly made.
+  /// Files that are small or quickly made, and their contents.
   Texts texts() const {
     Texts texts;
     if (o_.parts.undistorted) add_cameras(texts);
@@ -367,8 +367,8 @@ bool is_there(const fs::path& file) {
       "{}: is in the way: {}; remove it or choose another folder or scan id", file.string(), why));
 }
 
-/// The folder's list with what is to come. \throws FileError if what is there was made of something
-/// else: somebody's download must not be mixed with pictures of a mesh, still less be overwritten
+/// The folder's manifest, with the new files. \throws FileError if files there were made from
+/// something else: a download must not be mixed with pictures of a mesh, or overwritten
 Manifest joined(std::optional<Manifest> old, const fs::path& folder, const std::string& state,
                 const std::vector<PanoramaPose>& poses, const std::vector<fs::path>& files) {
   Manifest manifest = old ? *old : Manifest{state, {}, {}};
@@ -429,7 +429,7 @@ void run(const std::vector<Task>& tasks, int threads, const Progress& progress,
   });
 }
 
-/// All that is written but the mesh, whose folder is named by what it holds.
+/// All files that are written, except for the mesh, whose folder's name depends on its content.
 std::vector<fs::path> all_files(const std::vector<Task>& tasks, const Texts& texts) {
   std::vector<fs::path> files;
   for (const Task& task : tasks) files.insert(files.end(), task.files.begin(), task.files.end());

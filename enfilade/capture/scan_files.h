@@ -1,4 +1,4 @@
-/// \file  Any lit mesh as a scan on disk, in Matterport3D's files.
+/// \file  Writes a lit mesh as a scan on disk, in Matterport3D's files.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace enfilade::capture {
 
-/// What is written for a scan, below `<root>/v1/scans/<scan>/`.
+/// The files that are written for a scan, below `<root>/v1/scans/<scan>/`.
 struct ScanParts {
   bool faces = false;         ///< matterport_skybox_images: six colour JPEGs a viewpoint
   bool colour_strip = false;  ///< there: all six side by side
@@ -28,15 +28,15 @@ struct ScanParts {
   /// `<root>/connectivity`: the graph and its line in scans.txt. Off where `root` has them already.
   bool connectivity = true;
 
-  /// Is there anything to write below v1/scans?
+  /// Whether anything is written below v1/scans.
   bool any() const noexcept {
     return faces || colour_strip || depth_strip || label_strips || undistorted || house || mesh;
   }
-  /// Is any picture in colour? If not, the mesh needs no light.
+  /// Whether any picture is in colour. If not, the mesh needs no light.
   bool coloured() const noexcept { return faces || colour_strip || undistorted; }
 };
 
-/// What users call the parts: "skybox", "strips" (colour, depth, classes, instances), "depth",
+/// The parts' names for users: "skybox", "strips" (colour, depth, classes, instances), "depth",
 /// "labels", "undistorted", "house", "mesh", "all".
 std::vector<std::string> scan_part_names();
 /// The parts of those names. \throws ArgumentError for another name
@@ -57,7 +57,7 @@ struct ScanFilesOptions {
   int threads = 0;  ///< 0: all cores; never changes a byte
 };
 
-/// What was written.
+/// The result of write_scan().
 struct ScanFilesReport {
   std::filesystem::path folder;       ///< `<root>/v1/scans/<scan>`
   std::size_t viewpoints = 0;         ///< included ones, which have pictures
@@ -65,21 +65,21 @@ struct ScanFilesReport {
   std::uintmax_t bytes = 0;           ///< of what was written
 };
 
-/// Options for light that hardly takes any time, of a mesh of which no colour is wanted.
+/// Baking options that take hardly any time, for a mesh of which no colour is wanted.
 mesh::BakeOptions least_light();
 
-/// The labels of a scan's `house_segmentations`, as ScanFilesOptions::label_mesh wants them:
-/// pictures of one mesh of a building with the classes and instances of another. \throws as
+/// The labelled mesh of a scan's `house_segmentations`, for ScanFilesOptions::label_mesh: pictures
+/// of one mesh of a building get the classes and instances of another. \throws as
 /// mesh::read_house_mesh()
 std::unique_ptr<const mesh::LitMesh> read_label_mesh(
     const std::filesystem::path& house_segmentations, const std::string& scan);
 
-/// Writes `<root>/connectivity/<scan>_connectivity.json`` and its line in scans.txt, and the
+/// Writes `<root>/connectivity/<scan>_connectivity.json` and its line in scans.txt, and the
 /// parts, so that `root` is a data set that scan::DataRoot and scan::MatterportImages open. Each
 /// file is written whole or not at all; pictures that are there of the same mesh, lights, viewpoint
-/// and options are kept (baking options are not looked at), so that a killed run goes on where it
-/// was, and parts and viewpoints may be added later. That is recorded in `enfilade_scan.json`
-/// there. Pictures cost time in proportion to their pixels; they are taken in parallel, one a
+/// and options are kept (baking options are not compared), so that a killed run can be
+/// continued, and parts and viewpoints may be added later. `enfilade_scan.json` there records that.
+/// The time for pictures is proportional to their pixels; they are rendered in parallel, one a
 /// thread. \throws ArgumentError for options out of range or a scan id that cannot be part of a
 /// file name; FileError if files are in the way that were made of something else, naming one, or
 /// cannot be written; InvalidInput as scan::poses_of()

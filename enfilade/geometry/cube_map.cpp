@@ -8,7 +8,7 @@
 namespace enfilade {
 namespace {
 
-// Is the middle of a face inside the picture's cone?
+// Whether the middle of a face is inside the picture's cone.
 bool sees_middle(CubeFace face, const Camera& camera, const Mat3d& camera_from_panorama) {
   const Vec3d eye = camera_from_panorama * kFaceAxes[index(face)].forward;
   const double y = std::tan(camera.vertical_field_of_view.value / 2);
@@ -16,8 +16,8 @@ bool sees_middle(CubeFace face, const Camera& camera, const Mat3d& camera_from_p
   return eye.z > 0 && std::abs(eye.x) <= x * eye.z && std::abs(eye.y) <= y * eye.z;
 }
 
-// The faces that the points from + u (to - from), u in [0, 1], are seen on. Where two faces meet,
-// two of the direction's parts are equal in size, which is linear in u for each pair and sign.
+// The faces that the directions from + u (to - from), u in [0, 1], hit. Where two faces meet, two
+// components of the direction have equal size, which is linear in u for each pair and sign.
 std::uint8_t faces_along(Vec3d from, Vec3d to) {
   constexpr double kMargin = 1e-9;  // both sides of an edge count if a line runs along it
   const Vec3d step = to - from;
@@ -87,7 +87,7 @@ std::uint8_t faces_in_view(const Camera& camera, const Mat3d& panorama_from_came
       panorama_from_camera * Vec3d{x, y, 1}, panorama_from_camera * Vec3d{-x, y, 1}};
   std::uint8_t mask = 0;
   for (std::size_t k = 0; k < 4; ++k) mask |= faces_along(corners[k], corners[(k + 1) % 4]);
-  // A face that meets the picture but not its outline lies inside it whole, so its middle does.
+  // A face that meets the picture but not its outline is entirely inside, and so is its middle.
   const Mat3d camera_from_panorama = transpose(panorama_from_camera);
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     if (sees_middle(cube_face(k), camera, camera_from_panorama)) {

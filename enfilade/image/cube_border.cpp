@@ -12,8 +12,8 @@ struct Texel {
   std::ptrdiff_t x = 0, y = 0;
 };
 
-// The neighbour's texel that touches a face's edge from the other side at (s, t) on that edge. The
-// step across is so small that it moves the point along the edge by much less than a texel.
+// The texel of the neighbouring face at the point (s, t) of a face's edge. The step across the edge
+// is so small that it moves the point along the edge by much less than a texel.
 Texel across(CubeFace face, double s, double t, std::uint32_t size) {
   constexpr double kStep = 1e-9;
   const auto outwards = [](double u) { return u == 0 ? -kStep : u == 1 ? 1 + kStep : u; };
@@ -52,8 +52,8 @@ class BorderWriter {
     for (const int sum : sums) border_.push_back(static_cast<std::uint8_t>((sum + 1) / 3));
   }
 
-  // The texels along the edge from (s, t) to (s1, t1): they lie on a straight line of the
-  // neighbour, so its two ends say where all are.
+  // The texels along the edge from (s, t) to (s1, t1). They lie on a straight line of the
+  // neighbour, so its two ends give all of them.
   void edge(double s, double t, double s1, double t1) {
     const double half = 0.5 / size_, ds = (s1 - s) * half, dt = (t1 - t) * half;
     const Texel first = across(face_, s + ds, t + dt, size_);

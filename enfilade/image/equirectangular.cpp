@@ -10,8 +10,9 @@
 namespace enfilade::image {
 namespace {
 
-// The picture with two more pixels on each side, so that no tap of the cubic needs a test: around
-// the seam left and right, across the poles (half a turn away, rows reversed) above and below.
+// The picture with two more pixels on each side, so that no tap of the cubic filter needs a test:
+// left and right they continue it around the seam, above and below across the poles (half a turn
+// away, rows reversed).
 class Source {
  public:
   explicit Source(const Image8& picture)
@@ -39,7 +40,7 @@ class Source {
     const double left = std::floor(u), top = std::floor(v);
     const std::array<float, 4> across = cubic(static_cast<float>(u - left));
     const std::array<float, 4> down = cubic(static_cast<float>(v - top));
-    // Tap k lies k - 1 pixels beyond (left, top), and kMargin further in the wider picture.
+    // Tap k is k - 1 pixels beyond (left, top), and kMargin further in the enlarged picture.
     const std::uint8_t* row = pixels_.data() +
                               static_cast<std::size_t>(top + (kMargin - 1)) * stride_ +
                               static_cast<std::size_t>(left + (kMargin - 1)) * 3;
@@ -57,7 +58,7 @@ class Source {
  private:
   static constexpr std::size_t kMargin = 2;
 
-  // Catmull and Rom's spline: it runs through the pixels and stays sharp.
+  // The Catmull-Rom spline, which interpolates the pixels and stays sharp.
   static std::array<float, 4> cubic(float x) {
     const float x2 = x * x, x3 = x2 * x;
     return {0.5F * (-x3 + 2 * x2 - x), 0.5F * (3 * x3 - 5 * x2 + 2), 0.5F * (-3 * x3 + 4 * x2 + x),
@@ -92,8 +93,8 @@ class Cutter {
     int across = 1, down = 1;
   };
 
-  // How many samples a texel takes each way: one a pixel that its edges span. Near a pole a texel
-  // spans much of a turn and few different colours: the bound keeps that cheap.
+  // Samples of a texel in each direction: one for each pixel that its edges span. Near a pole a
+  // texel spans many pixels of few different colours; the bound limits the time for those.
   Counts samples(const FaceAxes& axes, Vec3d d) const {
     const double flat2 = d.x * d.x + d.z * d.z, far2 = flat2 + d.y * d.y;
     const auto count = [&](Vec3d step) {

@@ -16,10 +16,10 @@ namespace {
 
 using Rgbe = std::array<std::uint8_t, 4>;
 
-// Lines of a header are short; one without end is no header.
+// Header lines are short; a longer one is not a header.
 constexpr std::size_t kLongestLine = 4096;
 
-// Of 12 bytes each once they are read.
+// Each takes 12 bytes in memory.
 constexpr std::uint64_t kMostHdrPixels = std::uint64_t{1} << 27;
 
 struct Resolution {
@@ -62,7 +62,7 @@ class HdrReader {
     return text.substr(0, end);
   }
 
-  // EXPOSURE may stand there many times: what the pixels were multiplied by is the product.
+  // EXPOSURE may occur several times: pixels were multiplied by the product.
   void read_header() {
     if (!line().starts_with("#?")) fail("bad-hdr", "does not begin with \"#?\"");
     double exposure = 1;
@@ -88,7 +88,7 @@ class HdrReader {
     return value;
   }
 
-  // "-Y 512 +X 1024": which axis the lines step along, then which runs along a line.
+  // "-Y 512 +X 1024": the axis from line to line, then the axis along a line.
   Resolution parse_resolution(std::string_view text) const {
     Resolution resolution;
     const char first_axis = text.size() > 1 ? text[1] : ' ';
@@ -150,7 +150,7 @@ class HdrReader {
     for (std::size_t channel = 0; channel < 4; ++channel) read_channel(pixels, channel);
   }
 
-  // New style: one channel after the other, each in runs (a code above 128) and literal stretches.
+  // New style: one channel after the other, each in runs (a code above 128) and literal values.
   void read_channel(std::vector<Rgbe>& pixels, std::size_t channel) {
     for (std::size_t x = 0; x < pixels.size();) {
       const std::uint8_t code = byte();
@@ -163,8 +163,8 @@ class HdrReader {
     }
   }
 
-  // Old style: pixels one by one; (1, 1, 1, n) repeats the last one n times, and several in a row
-  // are the bytes of n, lowest first. Flat files have no such pixel.
+  // Old style: pixel by pixel; (1, 1, 1, n) repeats the last pixel n times, and several such pixels
+  // in a row give the bytes of n, lowest first. Flat files have no such pixel.
   void read_old_line(std::vector<Rgbe>& pixels) {
     unsigned shift = 0;
     for (std::size_t x = 0; x < pixels.size();) {
@@ -185,7 +185,8 @@ class HdrReader {
     }
   }
 
-  // color.c adds half a step to each mantissa, being the middle of what was rounded down to it.
+  // color.c adds half a step to each mantissa: the middle of the values that are rounded down to
+  // it.
   void store(const std::vector<Rgbe>& pixels, const Resolution& r, ImageF& picture) const {
     for (std::size_t k = 0; k < pixels.size(); ++k) {
       const Rgbe& pixel = pixels[k];

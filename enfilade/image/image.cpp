@@ -9,8 +9,8 @@
 namespace enfilade::image {
 namespace {
 
-// What one output pixel covers of an axis, in units of which a source pixel has `out` and an output
-// pixel `in`: whole numbers, so means are exact.
+// The source pixels that an output pixel covers along an axis. Units: a source pixel has `out` of
+// them and an output pixel `in`, which are whole numbers, so means are exact.
 struct Cover {
   std::size_t first = 0, last = 0;  // source pixels, both included
   std::uint32_t first_weight = 0, last_weight = 0;

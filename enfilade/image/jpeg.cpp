@@ -23,8 +23,8 @@ struct FreeBuffer {
 };
 using Buffer = std::unique_ptr<unsigned char, FreeBuffer>;
 
-// A transformer can decompress and compress too. One a thread, as handles may not be shared and
-// cost 30 microseconds to make.
+// A handle for transforming can also decompress and compress. One per thread, as handles may not be
+// shared and take 30 microseconds to create.
 Handle& thread_handle() {
   thread_local Handle handle;
   if (handle == nullptr) handle.reset(tjInitTransform());
@@ -32,15 +32,15 @@ Handle& thread_handle() {
   return handle;
 }
 
-// TurboJPEG gives a picture for damaged data too, grey from the damage on, and calls it a warning.
-// Its warnings are refused without exception: it tells the first one only, so a harmless one could
-// hide that the file is cut off.
+// TurboJPEG decodes damaged data too, grey from the damage on, and reports a warning. All warnings
+// are treated as errors: only the first one is reported, so a harmless one could hide that the file
+// is cut off.
 void check(int result, const std::string& file) {
   if (result == 0) return;
   Handle& handle = thread_handle();
   const std::string words = tjGetErrorStr2(handle.get());
   const bool damaged = tjGetErrorCode(handle.get()) == TJERR_WARNING;
-  handle.reset();  // TurboJPEG 2.1 goes on in the middle of a header that it failed to read
+  handle.reset();  // TurboJPEG 2.1 would continue in the middle of a header that it failed to read
   refuse(
       file, "", damaged ? "damaged-jpeg" : "bad-jpeg",
       fmt::format("{}: {}", damaged ? "the JPEG is damaged" : "no JPEG that can be read", words));

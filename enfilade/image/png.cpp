@@ -23,7 +23,7 @@ struct FreeBytes {
   void operator()(void* bytes) const noexcept { std::free(bytes); }
 };
 
-// A chunk that is no pixels: a colour profile, a text, a thumbnail.
+// Of a chunk without pixels: a colour profile, a text, a thumbnail.
 constexpr std::size_t kLargestChunk = std::size_t{64} << 20;
 
 void check(int result, const std::string& file) {
@@ -68,7 +68,7 @@ class Reader {
   const spng_ihdr& header() const { return header_; }
   bool grey() const { return header_.color_type == SPNG_COLOR_TYPE_GRAYSCALE; }
 
-  // What decode_png8() makes of it.
+  // Channels of the picture that decode_png8() returns.
   unsigned channels() {
     if (header_.color_type != SPNG_COLOR_TYPE_INDEXED) return channels_of(header_.color_type);
     spng_trns transparency{};
@@ -77,8 +77,8 @@ class Reader {
     return result == SPNG_OK ? 4 : 3;
   }
 
-  // Decodes, then reads on to the end of the file, as its last pixels may be there and its last
-  // checksum not.
+  // Decodes, then reads the rest of the file: the last checksum may be missing though all pixels
+  // are there.
   void read(void* pixels, std::size_t bytes, spng_format format, int flags) {
     std::size_t needed = 0;
     check(spng_decoded_image_size(context_.get(), format, &needed), file_);
@@ -166,7 +166,7 @@ Image16 decode_png16(Bytes png, const std::string& file) {
   }
   std::vector<std::uint8_t> grey(picture.pixels.size());
   reader.read(grey.data(), grey.size(), SPNG_FMT_G8, 0);
-  // Fewer bits come scaled up to 8, which division takes back exactly.
+  // Values of fewer bits were scaled up to 8 bits, which a division reverses exactly.
   const int scale = 255 / ((1 << header.bit_depth) - 1);
   std::ranges::transform(grey, picture.pixels.begin(),
                          [scale](int value) { return static_cast<std::uint16_t>(value / scale); });

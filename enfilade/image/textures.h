@@ -35,8 +35,8 @@ class Noise {
   std::uint64_t seed_;
 };
 
-/// A texture that is painted when called. All random numbers are drawn when it is made, so that
-/// one that is never painted changes nothing but time.
+/// A texture that is painted when called. All random numbers are drawn when it is created, so that
+/// leaving out the painting of one does not change the others.
 using Texture = std::function<Image8()>;
 
 /// Floors of wood: boards side by side, or blocks of them alternately turned.

@@ -9,8 +9,8 @@
 namespace enfilade::image {
 namespace {
 
-// What to multiply by so that the median becomes mid-grey. Black pixels tell nothing (a studio's
-// panorama may be mostly black).
+// The factor by which the median becomes mid-grey. Black pixels are left out (a studio's panorama
+// may be mostly black).
 double metered_scale(const ImageF& linear) {
   std::vector<float> values;
   values.reserve(linear.pixels.size() / 3);

@@ -36,7 +36,7 @@ void read_pose(Element element, const Path& path, Faults& faults, std::array<dou
   std::size_t i = 0;
   for (const Element number : *numbers) {
     pose[i] = json::number(number, Path(path, i), faults).value_or(0);
-    // Positions are kept in single precision too, where a larger number would be infinite.
+    // Positions are also kept in single precision, where a larger number would be infinite.
     if (std::abs(pose[i]) > 1e30) {
       faults.error(Path(path, i), "bad-pose", fmt::format("{} is no length in metres", pose[i]));
     }
@@ -53,7 +53,7 @@ std::vector<ViewpointIndex> read_row(Element element, std::size_t n, const Path&
   for (const Element flag : *flags) {
     bool set = false;
     if (flag.get_bool().get(set) != simdjson::SUCCESS) {
-      json::boolean(flag, Path(path, i), faults);  // says what was found
+      json::boolean(flag, Path(path, i), faults);  // reports what was found
     }
     if (set && i < n) places.emplace_back(i);
     ++i;

@@ -16,18 +16,18 @@ namespace {
 /// at 10 m, from eyes at 1.5 m, changes by .6 % from one row to the next; a pillar in front of a
 /// wall usually by much more.
 constexpr double kSurfaceRatio = 1.03;
-/// Readings of two cameras are of one surface within 2 cm or 2 %: Matterport's camera errs by about
-/// 1 % of the depth.
+/// Readings of two cameras within 2 cm or 2 % are of one surface: the error of Matterport's camera
+/// is about 1 % of the depth.
 constexpr double kSameSurface = .02;
-/// A surface wins over a farther one if it has at least this share of its weight: of two that are
-/// there on one ray, the eye sees the nearer.
+/// A surface wins over a farther one if it has at least this share of its weight, as the nearer of
+/// two surfaces on a ray is the visible one.
 constexpr double kNearerWins = .5;
-/// Where the search along a ray begins. The first is nearer than anything that the camera measures,
-/// so that of two surfaces on the ray the nearer is found; the others are asked if a pixel without
-/// a reading, or an edge, ended the search.
+/// Where the search along a ray begins. The first start is nearer than anything that the camera
+/// measures, so that the nearer of two surfaces on the ray is found; the others are tried if the
+/// search ended at an edge or at a pixel without a reading.
 constexpr std::array<double, 4> kStarts{.3, 1, 3, 1e6};  // metres
-/// Cameras stand centimetres from the eye, so that each step divides the error by ten or more on
-/// anything but a surface seen edge on.
+/// Cameras are only centimetres from the eye, so each step divides the error by ten or more, unless
+/// the surface is seen edge on.
 constexpr int kSteps = 12;
 constexpr double kSettled = kSameSurface / 400;  // metres; a fifth of the depth's unit
 
@@ -45,7 +45,7 @@ struct Reading {
   double weight = 0;    ///< (0, 1]
 };
 
-/// One picture, made ready for looking things up.
+/// One picture, prepared for queries.
 class View {
  public:
   View(const DepthImage& image, const PanoramaPose& eye)
@@ -73,7 +73,8 @@ class View {
 
   Pixel project(Vec3d p) const { return {cx_ - fx_ * p.x / p.z, cy_ + fy_ * p.y / p.z}; }
 
-  /// Could it be seen at any distance from the first start on? Generous: only spares work.
+  /// Whether the ray may be in the picture at some distance from the first start on. May be true
+  /// for rays that are not; it only saves work.
   bool is_near_frame(const Ray& ray) const {
     constexpr double kMargin = .35;  // of the frame; 10 cm beside the eye at .3 m are .3 of it
     if (ray.direction.z > -.1) return false;
@@ -87,11 +88,11 @@ class View {
     return p.x >= 0 && p.y >= 0 && p.x <= image_.width - 1. && p.y <= image_.height - 1.;
   }
 
-  /// z-distance, metres, of what is seen there, or 0. A plane's 1 / z is linear in the picture, so
-  /// that interpolating it is exact on planes; across a step in depth it would invent a surface,
-  /// so there, and beside pixels without a reading, the nearest pixel answers.
+  /// z-distance at a point of the picture, metres, or 0. On planes, 1 / z is linear in the picture,
+  /// so interpolating it is exact. Across a step in depth this would invent a surface: there, and
+  /// next to pixels without a reading, the nearest pixel is taken.
   double depth_at(Pixel p) const {
-    // In this order also what is no number, from absurd intrinsics, comes out as 0.
+    // In this order NaN, from absurd intrinsics, becomes 0.
     const double x = std::min(std::max(0., p.x), image_.width - 1.);
     const double y = std::min(std::max(0., p.y), image_.height - 1.);
     const auto x0 = std::min(static_cast<std::size_t>(x), std::size_t{image_.width} - 2);
@@ -107,9 +108,9 @@ class View {
     return 1 / (inverse * kDepthUnitsPerMetre);
   }
 
-  /// From a first guess of the pixel: the depth there says where on the ray the surface is, and
-  /// that where it is seen; until both agree. Nothing if they don't come to, as beside an edge
-  /// behind which the camera does not see, or if there is no reading.
+  /// Iterates from a first guess of the pixel: its depth gives a point of the ray, which gives the
+  /// next pixel, until both agree. No value if that does not converge, for instance next to an edge
+  /// that hides the surface from the camera, or if there is no reading.
   std::optional<Reading> follow(const Ray& ray, Pixel pixel) const {
     double t = 0;
     for (int step = 0; step < kSteps; ++step) {
@@ -128,7 +129,7 @@ class View {
     return std::nullopt;
   }
 
-  /// 1 in the middle, falling to (almost) nothing at the frame, where lenses are at their worst.
+  /// 1 in the middle, almost 0 at the edge of the picture, where lenses are worst.
   double weight_at(Pixel p) const {
     const double x = std::min(p.x, image_.width - 1. - p.x) / image_.width;
     const double y = std::min(p.y, image_.height - 1. - p.y) / image_.height;
@@ -141,7 +142,7 @@ class View {
   Mat3d camera_from_panorama_;
 };
 
-/// Of the readings of one ray, the mean of those of the surface that wins; 0 if there are none.
+/// The mean of the readings of a ray that are of the winning surface; 0 if there are none.
 double blend(std::vector<Reading>& readings) {
   std::ranges::sort(readings, std::greater<>(), &Reading::distance);
   double best = 0, behind = 0;  // behind: the most weight of a surface farther away
@@ -169,7 +170,7 @@ image::CubeMap<std::uint16_t> depth_skybox(std::span<const DepthImage> images,
                                            int threads) {
   std::vector<View> views;
   for (const DepthImage& image : images) {
-    // Two pixels each way are what a surface can be interpolated from.
+    // Interpolation needs two pixels in each direction.
     if (image.depth.width >= 2 && image.depth.height >= 2) views.emplace_back(image, eye);
   }
   image::CubeMap<std::uint16_t> result;

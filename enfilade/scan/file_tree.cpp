@@ -71,7 +71,7 @@ class Folder final : public FileTree {
     std::error_code code;
     for (fs::directory_iterator entry(path_, code), end; !code && entry != end;
          entry.increment(code)) {
-      std::error_code gone;  // a file may go while we look: then it is no file
+      std::error_code gone;  // a file that disappears meanwhile is left out
       if (entry->is_regular_file(gone)) names.push_back(entry->path().filename().string());
     }
     if (code) fail(path_.string(), "list", code.value());
@@ -120,9 +120,9 @@ bool is_of_the_system(const zip_error_t& error) {
 
 std::string_view bare(std::string_view path) { return path.substr(path.rfind('/') + 1); }
 
-/// libzip's handles are for one thread each and cost the reading of the list of entries. So there
-/// are as many as threads ever read at once, kept for the next reader: inflating goes on in
-/// parallel, with no decompressor of our own beside libzip's.
+/// A libzip handle serves one thread, and opening one reads the list of entries. So handles are
+/// kept for later readers: there are as many as threads have ever read at once, which inflate in
+/// parallel.
 class Zip final : public FileTree {
  public:
   Zip(fs::path path, std::string bytes, std::string name)
@@ -176,7 +176,7 @@ class Zip final : public FileTree {
   };
 
   Handle open() const {
-    std::error_code ignored;  // a file that is not there is libzip's to complain about
+    std::error_code ignored;  // libzip reports a file that is missing
     if (path_.empty() ? bytes_.empty() : fs::file_size(path_, ignored) == 0) {
       refuse(name_, "", "no-zip",
              "an empty file, no zip");  // to libzip it is a zip without entries
@@ -201,7 +201,7 @@ class Zip final : public FileTree {
     entries_.reserve(count);
     for (std::uint64_t i = 0; i < count; ++i) {
       zip_stat_t stat;
-      // Raw: a name that is no UTF-8 would come out converted, unlike what a folder gives.
+      // Raw: libzip would convert a name that is not UTF-8, and it would differ from a folder's.
       if (zip_stat_index(zip, i, ZIP_FL_ENC_RAW, &stat) != 0 || (stat.valid & ZIP_STAT_NAME) == 0) {
         refuse(name_, "", "bad-zip", fmt::format("a damaged zip file: entry {} has no name", i));
       }
@@ -246,8 +246,8 @@ class Zip final : public FileTree {
     if (!file) fail_read(zip_get_error(zip), path);
     std::string content;
     for (;;) {
-      // Room grows with what was read, not with what a damaged header claims; one byte more than
-      // the entry has, so that its end, where checksums are compared, is reached.
+      // Memory grows with what was read, not with what a damaged header claims. One byte more than
+      // the entry has is asked for, to reach its end, where libzip compares the checksum.
       const std::size_t have = content.size();
       const std::size_t room =
           std::min<std::size_t>({bytes - have, static_cast<std::size_t>(entry.size) + 1 - have,
@@ -269,7 +269,7 @@ class Zip final : public FileTree {
 
   [[noreturn]] static void fail_read(const zip_error_t* error, const std::string& path) {
     zip_error_t copy = *error;
-    copy.str = nullptr;  // libzip's own cached text stays its own
+    copy.str = nullptr;  // the cached text belongs to libzip
     const std::string words = zip_error_strerror(&copy);
     const bool system = is_of_the_system(copy);
     zip_error_fini(&copy);

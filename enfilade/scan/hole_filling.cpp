@@ -15,16 +15,17 @@ namespace {
 
 /// Beyond two sigmas a texel's weight is under a seventh of the nearest one's.
 constexpr double kReach = 2;
-/// What an earlier, coarser pass filled in counts a twentieth of a reading: it carries readings on
-/// to where a pass does not reach by itself, and gives way to any of like colour.
+/// An estimate of an earlier, coarser pass has a twentieth of a reading's weight: it helps where a
+/// pass does not reach any reading, and readings of similar colour override it.
 constexpr float kEstimateWeight = .05F;
-/// A window of sigma 12 has no more to say if every texel of it is asked.
+/// Larger windows are sampled: using every texel of a window of sigma 12 does not improve the
+/// result.
 constexpr double kTexelsPerSigma = 6;
 
 std::size_t radius(double sigma) { return static_cast<std::size_t>(std::ceil(kReach * sigma)); }
 
-/// Six faces, each in a frame of `margin` texels in which its neighbours go on, as seen on the
-/// face's own plane: a window that hangs over an edge is whole.
+/// Six faces, each with a margin of `margin` texels that continues it with its neighbours,
+/// projected to the face's plane, so that windows at an edge are complete.
 class Layout {
  public:
   Layout(std::uint32_t size, std::size_t margin)
@@ -71,7 +72,7 @@ class Layout {
   std::vector<std::uint32_t> source_;
 };
 
-/// What is known of a texel: a reading, an estimate (its weight is less), or nothing (0).
+/// The depth of a texel: a reading, an estimate (with less weight), or unknown (weight 0).
 struct Known {
   float weight = 0;
   float sum = 0;  ///< weight times depth
@@ -160,7 +161,7 @@ std::vector<Known> readings_of(const image::CubeMap<std::uint16_t>& depth) {
   return known;
 }
 
-/// Rec. 601's luma, which is what an eye sees as an edge.
+/// Luma of Rec. 601, in which perceived edges are visible.
 std::vector<std::uint8_t> luminance_of(const image::CubeMap<std::uint8_t>& colour) {
   std::vector<std::uint8_t> result;
   for (const auto& face : colour) {

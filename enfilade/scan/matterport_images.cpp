@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using detail::KindOfFiles;
 
-/// The folders and zip files of one kind that there are. \param tried gets all that may be
+/// The existing folders and zip files of one kind. \param tried gets all places that were looked at
 KindOfFiles find_kind(const fs::path& root, const std::string& scan, const std::string& kind,
                       std::string& tried) {
   std::vector<std::shared_ptr<const FileTree>> trees;
@@ -36,7 +36,7 @@ KindOfFiles find_kind(const fs::path& root, const std::string& scan, const std::
 }  // namespace
 
 struct MatterportImages::Impl {
-  /// Reads something of a viewpoint; what goes wrong names scan and viewpoint, too.
+  /// Calls read() and adds scan and viewpoint to its errors.
   template <class Read>
   static auto at(const MatterportImages& source, ViewpointIndex viewpoint, const Read& read);
   FaceSizes sizes_at(ViewpointIndex viewpoint, const std::string& id) const;
@@ -51,7 +51,8 @@ struct MatterportImages::Impl {
   detail::SkyboxFiles skybox;
   detail::UndistortedDepth undistorted;
   mutable std::mutex mutex{};
-  /// What face_sizes() said first: buffers were made for it, whatever the files become later.
+  /// The first result of face_sizes(), which callers allocate buffers by; files that change later
+  /// must not change it.
   mutable std::vector<std::optional<FaceSizes>> sizes{};
 };
 
@@ -85,7 +86,7 @@ FaceSizes MatterportImages::Impl::read_sizes(const std::string& viewpoint) const
   for (const Layer layer : {Layer::kColour, Layer::kDepth, Layer::kClass, Layer::kInstance}) {
     found[index(layer)] = skybox.size(layer, viewpoint);
   }
-  // Holes are filled by the colour's leave, and depth is made of its size.
+  // Depth is built at the size of the colour, which guides the filling of holes.
   const std::uint32_t colour = found[index(Layer::kColour)];
   std::uint32_t& depth = found[index(Layer::kDepth)];
   if (depth == 0 && colour != 0 && undistorted.contains(viewpoint)) depth = colour;

@@ -10,23 +10,23 @@
 namespace enfilade::scan {
 namespace {
 
-/// One of the three cameras, at the width that numbers of it are for.
+/// One of the three cameras, for pictures of kKindWidth.
 struct RigCameraKind {
   double elevation;       ///< degrees above the horizon
   Vec3d beside;           ///< of the eye, metres: to the right, down, ahead of the turned rig
   double fx, fy, cx, cy;  ///< pixels
 };
 constexpr double kKindWidth = 1280;
-/// Made up, of the size of what such rigs are calibrated to: no camera is like the next, and no
-/// principal point is in the middle (639.5, 511.5). The camera of the first picture stands at most
-/// 3.5 cm from the eye in Matterport3D's files.
+/// Invented values, close to those of calibrated rigs: all cameras differ, and no principal point
+/// is in the middle (639.5, 511.5). In Matterport3D's files, the camera of the first picture is at
+/// most 3.5 cm from the eye.
 constexpr std::array<RigCameraKind, kRigCameras> kKinds{{
     {41, {.010, -.020, .025}, 1076.45, 1077.19, 629.48, 505.46},
     {0, {.010, 0, .027}, 1074.28, 1075.36, 640.21, 517.02},
     {-42, {.011, .018, .025}, 1077.93, 1078.41, 646.87, 499.87},
 }};
 
-/// Turned to the right about the panorama's vertical, then up about the camera's own x axis.
+/// Rotated to the right about the panorama's vertical axis, then up about the camera's x axis.
 Mat3d panorama_from_camera(double heading, double elevation) {
   const double sh = std::sin(heading), ch = std::cos(heading);
   const double se = std::sin(elevation), ce = std::cos(elevation);
@@ -34,7 +34,7 @@ Mat3d panorama_from_camera(double heading, double elevation) {
   return {{ch, se * sh, ce * sh, 0, ce, -se, -sh, se * ch, ce * ch}};
 }
 
-/// Rotations of few angles are full of 6e-17, which are zeros.
+/// Rotation matrices of common angles contain values such as 6e-17 instead of 0.
 double rounded(double value) { return std::round(value * 1e10) / 1e10 + 0.; }
 
 std::string row(const Mat3d& m, std::size_t i, double place) {
@@ -64,7 +64,7 @@ std::array<RigCamera, kRigImages> rig_cameras(const PanoramaPose& eye, std::uint
     c.height = width * 4 / 5;
     c.fx = kind.fx * scale;
     c.fy = kind.fy * scale;
-    // Edges of pictures stay edges: half a pixel outside the middles of the first pixels.
+    // Scaled about the picture's edge, which is half a pixel outside the first pixels' centres.
     c.cx = (kind.cx + .5) * scale - .5;
     c.cy = (kind.cy + .5) * scale - .5;
     const double heading = 60 * (static_cast<double>(c.yaw) - 2) * kDegree;

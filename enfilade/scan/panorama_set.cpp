@@ -22,7 +22,7 @@ LookupError not_found(const std::string& scan, const std::string& tried) {
                   tried.empty() ? "no folder to look in was named (--images)" : "tried:" + tried));
 }
 
-// Nothing where no place has the scan; `tried` names them then.
+// Null if no place has the scan; `tried` then names the places.
 std::shared_ptr<const PanoramaSource> find_panoramas(const PanoramaPlaces& places,
                                                      const std::string& scan, std::string& tried) {
   for (const std::filesystem::path& folder : places.images) {
@@ -41,7 +41,7 @@ std::shared_ptr<const PanoramaSource> find_panoramas(const PanoramaPlaces& place
 
 }  // namespace
 
-// `opened` is what everyone reads; `source` owns it and is touched under the mutex only.
+// Readers use `opened`; `source` owns it and is accessed under the mutex only.
 struct PanoramaSet::Slot {
   std::atomic<const PanoramaSource*> opened{nullptr};
   std::mutex mutex;

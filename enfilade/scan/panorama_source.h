@@ -105,8 +105,8 @@ class PanoramaSource {
     read(Layer::kInstance, viewpoint, wanted, buffers);
   }
 
-  /// Where the layer of a panorama is looked for, to follow "no colour" in messages: " in
-  /// <origin>", or "; tried:" and the files, one a line. Whether it is there, face_sizes() tells.
+  /// The places where the layer of a panorama is looked for, to follow "no colour" in messages: "
+  /// in <origin>", or "; tried:" and the files, one a line, whether they exist or not.
   virtual std::string tried(Layer layer, ViewpointIndex viewpoint) const;
   /// What the read functions throw if the panorama lacks the layer: names scan, viewpoint, layer
   /// and what was tried().
@@ -117,9 +117,9 @@ class PanoramaSource {
   virtual std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
       ViewpointIndex viewpoint) const;
 
-  /// A text that changes when the pictures do, as far as can be told quickly: for instance names,
-  /// sizes and times of files. Empty if unknown; pack() then neither continues an earlier run nor
-  /// sees that it is complete. \throws FileError
+  /// A text that changes when the pictures do, as far as can be found out quickly: for instance
+  /// names, sizes and times of files. Empty if unknown; pack() then starts again instead of
+  /// continuing an earlier run or keeping a complete store. \throws FileError
   virtual std::string state() const;
 
  protected:

@@ -19,7 +19,7 @@ using detail::RecordHeader;
 
 namespace {
 
-// Which face of a store, for messages.
+// A face of a store, for messages.
 struct FaceName {
   const PanoramaSource& store;
   ViewpointIndex viewpoint;
@@ -39,7 +39,7 @@ Diagnostic fault(const FaceName& name, std::string code, std::string message) {
 
 [[noreturn]] void refuse(Diagnostic diagnostic) { throw InvalidInput({std::move(diagnostic)}); }
 
-// Of a thread, as large as its largest border so far.
+// Memory for a border, one per thread, as large as the largest border so far.
 std::span<std::uint8_t> border_room(std::uint32_t size) {
   thread_local std::vector<std::uint8_t> memory;
   const std::size_t bytes = 3 * image::border_texels(size);
@@ -56,7 +56,7 @@ struct Store::Impl {
   const FaceEntry& entry(const FaceName& name) const {
     return catalogue.faces[name.viewpoint.at()][detail::entry_index(name.layer, name.face)];
   }
-  // The border, if it has one, comes after it.
+  // The bytes of a face and, after them, of its border, if it has one.
   image::Bytes bytes_of(const FaceEntry& entry) const {
     return file.bytes().subspan(entry.offset, entry.all_bytes());
   }
@@ -98,7 +98,7 @@ void Store::Impl::read_colour_face(const FaceName& name, const image::BorderedFa
     try {
       image::decode_jpeg_rgba(picture, face.size, face.size, face.origin, face.stride,
                               name.store.origin());
-    } catch (const Error& error) {  // which knows nothing of viewpoints
+    } catch (const Error& error) {  // it does not name the viewpoint
       refuse(fault(name, "damaged-face", error.what()));
     }
   }
@@ -118,7 +118,7 @@ void Store::Impl::read_face(const FaceName& name, std::uint32_t size, T* buffer)
   }
 }
 
-// All records, one after another, say what the catalogue says and fill the file up to it.
+// Checks that the records follow each other without gaps up to the catalogue and agree with it.
 void Store::Impl::verify_records(const std::string& origin, std::vector<Diagnostic>& faults) const {
   std::uint64_t at = sizeof(Header);
   const auto report = [&](std::string message) {
@@ -246,7 +246,7 @@ std::vector<Diagnostic> Store::verify(int threads, const Progress& progress) con
   }
   impl_->verify_records(origin(), faults);
   std::mutex mutex;
-  // Panoramas between two reports of progress.
+  // Number of panoramas between two reports of progress.
   constexpr std::size_t kWindow = 64;
   for (std::size_t begin = 0; begin < size(); begin += kWindow) {
     const std::size_t count = std::min(kWindow, size() - begin);

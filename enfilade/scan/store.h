@@ -23,11 +23,11 @@ std::filesystem::path store_file(const std::filesystem::path& directory, const s
 /// How RGB faces are kept.
 enum class ColourCoding : std::uint8_t {
   kKeep,  ///< the source's own JPEG bytes, where it has them at the wanted size; else kJpeg
-  kJpeg,  ///< encoded anew
+  kJpeg,  ///< encoded again
   kRaw,   ///< uncompressed: decoding is a copy, a panorama takes 4.5 MiB at 512
 };
 
-/// What of a scan is packed, and how.
+/// Which parts of a scan are packed, and how.
 struct PackOptions {
   ColourCoding colour = ColourCoding::kKeep;
   std::uint32_t face_size = 0;  ///< texels; 0: as the source has them; larger ones are shrunk
@@ -36,7 +36,7 @@ struct PackOptions {
   int threads = 0;              ///< 0: all cores
 };
 
-/// What packing has done.
+/// The result of packing.
 struct PackReport {
   std::filesystem::path file;
   std::size_t panoramas = 0;         ///< with pictures

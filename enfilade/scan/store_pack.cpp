@@ -26,7 +26,7 @@ void validate(const PackOptions& options) {
   }
 }
 
-// What the format has no room for.
+// Checks the limits of the format.
 void validate(const PanoramaSource& source) {
   for (const PanoramaPose& pose : source.poses()) {
     if (!pose.viewpoint.empty() && pose.viewpoint.size() <= detail::kLongestName) continue;
@@ -35,8 +35,8 @@ void validate(const PanoramaSource& source) {
   }
 }
 
-// 0 if the source can't tell its state. Everything that the bytes of a store depend on, but for
-// the versions of the codecs.
+// A hash of everything that the bytes of a store depend on, except for the versions of the codecs;
+// 0 if the source cannot tell its state.
 std::uint64_t fingerprint_of(const PanoramaSource& source, const Connectivity& graph,
                              const PackOptions& options) {
   const std::string state = source.state();
@@ -44,7 +44,7 @@ std::uint64_t fingerprint_of(const PanoramaSource& source, const Connectivity& g
   const std::string all = fmt::format(
       "{}\n{}\n{} {} {} {}\n{}\n{}", kStoreVersion, source.scan(), static_cast<int>(options.colour),
       options.face_size, options.jpeg_quality, options.included_only, to_json(graph), state);
-  // 0 has its own meaning.
+  // 0 means unknown.
   return std::max<std::uint64_t>(1, detail::checksum(image::bytes_of(all)));
 }
 
@@ -55,7 +55,7 @@ std::shared_ptr<const Store> complete_store(const std::filesystem::path& file,
   try {
     auto store = Store::open(file);
     return store->fingerprint() == fingerprint ? store : nullptr;
-  } catch (const Error&) {  // absent, damaged, of another version: packed anew
+  } catch (const Error&) {  // absent, damaged or of another version: pack it again
     return nullptr;
   }
 }
@@ -227,7 +227,7 @@ void append_colour(EncodedPanorama& to, const PanoramaSource& source,
                    planned.sizes[index(Layer::kColour)]);
     if (options.colour != ColourCoding::kRaw) jpegs = encoded(faces, options.jpeg_quality);
   }
-  // Borders must continue what a reader will decode, not what was encoded.
+  // Borders must match the pixels that a reader decodes, which differ from those encoded.
   if (jpegs) faces = decoded(*jpegs, source, planned);
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     CodedFace coded = jpegs ? CodedFace{Coding::kJpeg, std::move((*jpegs)[k])}
@@ -259,8 +259,8 @@ void write_panoramas(const PanoramaSource& source, const PackOptions& options,
                      std::span<const PlannedPanorama> plan, detail::StoreWriter& writer,
                      const Progress& progress) {
   if (progress) progress(writer.panoramas(), plan.size());
-  // In windows, so that what is encoded and waits for its turn stays little; a few panoramas a
-  // thread, as some take longer than others.
+  // In windows of a few panoramas a thread (some take longer than others), so that few encoded ones
+  // wait in memory to be written.
   const int threads = threads_or_all(options.threads);
   const std::size_t window = 4 * static_cast<std::size_t>(threads);
   while (writer.panoramas() < plan.size()) {

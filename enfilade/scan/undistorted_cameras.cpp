@@ -27,7 +27,7 @@ Words words_of(std::string_view line) {
   return words;
 }
 
-/// A value as it may stand in a message: escaped, and not longer than a line.
+/// A value for a message: escaped, and shortened to less than a line.
 std::string shown(std::string_view value) {
   constexpr std::size_t kLongest = 40;
   if (value.size() <= kLongest) return fmt::format("{:?}", value);
@@ -45,7 +45,7 @@ std::optional<T> number(std::string_view word) {
   return value;
 }
 
-/// Who has so many has no such file, and each takes memory.
+/// A file with so many faults is of another kind; more would only take memory.
 constexpr std::size_t kMostFaults = 100;
 
 class Parser {
@@ -97,14 +97,14 @@ class Parser {
     } else if (command == "intrinsics_matrix") {
       read_intrinsics(words);
     } else if (command == "intrinsics") {
-      // They are in a file that the directory of the download lacks. The cameras after it are not
-      // those before it, so these must not pass for them.
+      // The file that it names is not in the download. The intrinsics read before do not hold for
+      // the cameras that follow.
       state_ = Intrinsics::kInFile;
     } else if (command == "scan" || command == "image") {
       ++scans_;
       read_scan(words);
     } else if (command != "rectangle" && command != "mesh" && command != "texture_directory") {
-      // Those three describe surfaces to be textured; no picture depends on them.
+      // Those three describe surfaces to be textured; pictures do not depend on them.
       fault("unknown-command",
             fmt::format("{} is no command; allowed: dataset, n_images, depth_directory, "
                         "color_directory, intrinsics_matrix, scan, image, and, without effect, "

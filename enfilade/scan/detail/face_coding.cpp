@@ -10,8 +10,8 @@
 namespace enfilade::scan::detail {
 namespace {
 
-// Of 1 to 22; measured in docs/design/store.md. Predictors are compared at a quick level, which
-// ranks them as the thorough one does.
+// Levels of zstd (1 to 22); measurements: docs/design/store.md. Predictors are compared at the
+// quick level, which ranks them as the thorough one does.
 constexpr int kThorough = 12, kQuick = 3;
 
 struct FreeContext {
@@ -31,7 +31,7 @@ ZSTD_DCtx* decompressor() {
   return context.get();
 }
 
-// Of a thread, as large as its largest face so far.
+// Memory for a face, one per thread, as large as the largest face so far.
 std::span<std::uint8_t> scratch(std::size_t bytes) {
   thread_local std::vector<std::uint8_t> memory;
   if (memory.size() < bytes) memory.resize(bytes);
@@ -49,8 +49,8 @@ T unfold(T folded) {
   return static_cast<T>((folded >> 1) ^ static_cast<T>(0 - (folded & 1)));
 }
 
-// What the texel is taken for. Beyond the left edge lies the texel above, beyond the top edge that
-// to the left, beyond both 0.
+// The predicted value of a texel. In the first column it is the texel above, in the first row that
+// to the left, for the first texel 0.
 template <class T>
 T predicted(Coding coding, const T* texel, std::size_t x, std::size_t y, std::size_t size) {
   if (x == 0) return y == 0 ? T{0} : texel[-static_cast<std::ptrdiff_t>(size)];
@@ -92,7 +92,7 @@ void merge_row(const std::uint8_t* planes, std::size_t count, std::size_t size, 
   }
 }
 
-// Folded differences -> texels, in place. `above` is the row before, null for the first.
+// Converts folded differences to texels, in place. `above` is the previous row, null for the first.
 template <class T>
 void restore_row(Coding coding, const T* above, std::size_t size, T* row) {
   for (std::size_t x = 0; x < size; ++x) row[x] = unfold(row[x]);
@@ -100,7 +100,7 @@ void restore_row(Coding coding, const T* above, std::size_t size, T* row) {
     for (std::size_t x = 0; x < size; ++x) row[x] = static_cast<T>(row[x] + above[x]);
     return;
   }
-  // The sum of all differences so far; a running value keeps the loop free of loads that wait.
+  // The sum of all differences so far, kept in a register: reading row[x - 1] back would be slower.
   T sum = above != nullptr && coding == Coding::kLeft ? above[0] : T{0};
   for (std::size_t x = 0; x < size; ++x) row[x] = sum = static_cast<T>(sum + row[x]);
   if (above != nullptr && coding == Coding::kGradient) {

@@ -53,7 +53,7 @@ Header read_header(image::Bytes bytes, const std::string& file) {
   return header;
 }
 
-// Sizes of the catalogue's parts add up to what is there; without overflow, as each is below it.
+// Whether the parts of the catalogue fill the rest of the file. Subtracts, to avoid overflow.
 bool parts_fit(const Header& header) {
   const std::uint64_t end = header.file_bytes;
   if (header.catalogue < sizeof(Header) || header.catalogue > end) return false;
@@ -98,12 +98,12 @@ std::string_view name_at(image::Bytes names, std::uint64_t offset, std::uint64_t
   return {reinterpret_cast<const char*>(names.data()) + offset, size};
 }
 
-// What is wrong with a row; empty if nothing is.
+// Describes what is wrong with a row; empty if it is valid.
 std::string fault_of(const ViewpointRow& row, std::string_view name) {
   if (name.empty()) return "its id lies outside the names";
   if (row.included > 1) return fmt::format("included is {}, not 0 or 1", row.included);
   for (const double metres : row.position) {
-    // As in connectivity files: kept in single precision too.
+    // As in connectivity files: positions are also kept in single precision.
     if (!(std::abs(metres) <= 1e30)) return fmt::format("{} is no position in metres", metres);
   }
   return {};
@@ -162,7 +162,7 @@ Catalogue read_catalogue(image::Bytes bytes, const std::string& file) {
   if (!is_scan_id(result.scan)) {
     refuse(file, "catalogue", "bad-index", fmt::format("{:?} is no scan id", result.scan));
   }
-  // poses_of() checks rotations, so the rows go through the form that it takes.
+  // As Connectivity, since poses_of() checks the rotations.
   Connectivity rows{result.scan, file, {}};
   std::set<std::string_view> seen;
   for (std::uint64_t i = 0; i < result.header.viewpoints; ++i) {

@@ -65,12 +65,12 @@ StoreWriter::StoreWriter(const std::filesystem::path& file, std::uint64_t finger
     part_.resize(0);
     end_ = sizeof(Header);
   }
-  // Also over the final header of a run that was killed just before it renamed.
+  // Replaces also the final header of a run that was killed before it renamed the file.
   write_at(0, bytes_of(unfinished(fingerprint_)));
   part_.resize(end_);
 }
 
-// The end of the records that are kept; 0 if the part is of no use.
+// The end of the records that are kept; 0 if the part cannot be used.
 std::uint64_t StoreWriter::resume(std::span<const PlannedPanorama> plan) {
   const MappedFile part(part_.path());
   const image::Bytes bytes = part.bytes();
@@ -133,7 +133,7 @@ std::uint64_t StoreWriter::finish(const Connectivity& graph) {
   header.checksum = checksum_of(header);
   write_at(end_, catalogue);
   write_at(end_ + catalogue.size(), packed_json);
-  part_.synchronise();  // before the header that vouches for it
+  part_.synchronise();  // before the header that declares it complete
   write_at(0, bytes_of(header));
   part_.finish();
   return header.file_bytes;
