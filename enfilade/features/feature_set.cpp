@@ -2,17 +2,14 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <unordered_map>
 #include <utility>
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/half.h"
-#include "enfilade/features/formats/feature_hdf5.h"
 #include "enfilade/features/formats/feature_rows.h"
-#include "enfilade/features/formats/feature_safetensors.h"
-#include "enfilade/features/formats/feature_tsv.h"
 #include "enfilade/features/formats/stored_arrays.h"
 
 namespace enfilade::features {
@@ -20,29 +17,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-formats::FeatureRows read_rows(const fs::path& file) {
-  switch (format_of(file)) {
-    case FeatureFormat::kSafetensors:
-      return formats::read_feature_safetensors(file);
-    case FeatureFormat::kTsv:
-      return formats::read_feature_tsv(file);
-    case FeatureFormat::kHdf5:
-      break;
-  }
-  return formats::read_feature_hdf5(file);
-}
+struct Format {
+  std::string_view suffix;
+  FeatureFormat format;
+  formats::FeatureRows (*read)(const fs::path&);
+  std::unique_ptr<formats::RowWriter> (*write)(const fs::path&, const FeatureInfo&,
+                                               const std::vector<FeatureKey>&);
+};
+constexpr std::array kFormats{
+    Format{".safetensors", FeatureFormat::kSafetensors, formats::read_feature_safetensors,
+           formats::write_feature_safetensors},
+    Format{".tsv", FeatureFormat::kTsv, formats::read_feature_tsv, formats::write_feature_tsv},
+    Format{".h5", FeatureFormat::kHdf5, formats::read_feature_hdf5, formats::write_feature_hdf5},
+    Format{".hdf5", FeatureFormat::kHdf5, formats::read_feature_hdf5, formats::write_feature_hdf5},
+};
 
-std::unique_ptr<formats::RowWriter> write_rows(const fs::path& file, const FeatureInfo& info,
-                                               const std::vector<FeatureKey>& keys) {
-  switch (format_of(file)) {
-    case FeatureFormat::kSafetensors:
-      return formats::write_feature_safetensors(file, info, keys);
-    case FeatureFormat::kTsv:
-      return formats::write_feature_tsv(file, info, keys);
-    case FeatureFormat::kHdf5:
-      break;
-  }
-  return formats::write_feature_hdf5(file, info, keys);
+const Format& find_format(const fs::path& file) {
+  const auto found = std::ranges::find(kFormats, file.extension().string(), &Format::suffix);
+  if (found != kFormats.end()) return *found;
+  throw ArgumentError(
+      fmt::format("{}: ends neither in .safetensors nor in .tsv, .h5 or .hdf5", file.string()));
 }
 
 std::string place_of(const FeatureKey& key) {
@@ -61,7 +55,7 @@ void check_info(const fs::path& file, const FeatureInfo& info) {
   validate(info.camera);
 }
 
-// One name a viewpoint, in each of the formats.
+// Each viewpoint needs a name of its own, which all formats can hold.
 void check_keys(const fs::path& file, const std::vector<FeatureKey>& keys) {
   if (keys.empty()) throw ArgumentError(file.string() + ": features of no viewpoint");
   const auto unfit = [](unsigned char c) { return c < 0x20 || c == '/' || c == 0x7f; };
@@ -83,19 +77,12 @@ void check_keys(const fs::path& file, const std::vector<FeatureKey>& keys) {
 
 }  // namespace
 
-FeatureFormat format_of(const fs::path& file) {
-  const std::string suffix = file.extension().string();
-  if (suffix == ".safetensors") return FeatureFormat::kSafetensors;
-  if (suffix == ".tsv") return FeatureFormat::kTsv;
-  if (suffix == ".h5" || suffix == ".hdf5") return FeatureFormat::kHdf5;
-  throw ArgumentError(
-      fmt::format("{}: ends neither in .safetensors nor in .tsv, .h5 or .hdf5", file.string()));
-}
+FeatureFormat format_of(const fs::path& file) { return find_format(file).format; }
 
 // --- FeatureSet -----------------------------------------------------------------------------
 
 struct FeatureSet::Impl {
-  explicit Impl(const fs::path& path) : file(path.string()), read(read_rows(path)) {
+  explicit Impl(const fs::path& path) : file(path.string()), read(find_format(path).read(path)) {
     rows.reserve(read.keys.size());
     for (std::size_t i = 0; i < read.keys.size(); ++i) {
       if (!rows.emplace(formats::name_of(read.keys[i]), i).second) {
@@ -106,16 +93,14 @@ struct FeatureSet::Impl {
 
   void copy(std::size_t row, std::size_t first, std::span<float> out) const {
     const std::byte* const from = read.rows[row] + first * size_of(read.info.type);
-    const bool finite =
-        read.info.type == DType::kFloat16 ? copy_halves(from, out) : copy_floats(from, out);
-    if (!finite) {
+    if (!formats::copy_numbers(from, read.info.type, out)) {
       refuse(file, place_of(read.keys[row]), "not-finite", "a number that is infinite or none");
     }
   }
 
   std::string file;
   formats::FeatureRows read;
-  std::unordered_map<std::string, std::size_t> rows;  ///< by name: a scan's may have a "_", too
+  std::unordered_map<std::string, std::size_t> rows;  ///< by name, as a scan may have a "_", too
 };
 
 FeatureSet FeatureSet::open(const fs::path& file) {
@@ -156,7 +141,7 @@ struct FeatureWriter::Impl {
       : file(path.string()), info(what), keys(std::move(of)), done(keys.size()) {
     check_info(path, info);
     check_keys(path, keys);
-    rows = write_rows(path, info, keys);
+    rows = find_format(path).write(path, info, keys);
     for (std::size_t i = 0; i < keys.size(); ++i) done[i] = rows->written(i);
     left = static_cast<std::size_t>(std::ranges::count(done, false));
   }
@@ -167,7 +152,7 @@ struct FeatureWriter::Impl {
                                       views.size(), info.views, info.dimensions));
     }
     const float largest = info.type == DType::kFloat16 ? 65504.0F : 3.402823466e38F;
-    // Halves are rounded to the nearest: up to half a step above the largest goes down to it.
+    // Halves are rounded to the nearest: values up to half a step above the largest become it.
     const float limit = info.type == DType::kFloat16 ? 65520.0F : INFINITY;
     const auto unfit = [limit](float value) { return !(std::abs(value) < limit); };
     const auto wrong = std::ranges::find_if(views, unfit);

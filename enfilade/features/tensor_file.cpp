@@ -10,7 +10,6 @@
 #include "enfilade/core/part_file.h"
 #include "enfilade/features/formats/safetensors.h"
 #include "enfilade/features/formats/stored_arrays.h"
-#include "enfilade/features/formats/torch_file.h"
 
 namespace enfilade::features {
 

@@ -1,5 +1,3 @@
-#include "enfilade/features/formats/feature_hdf5.h"
-
 #include <fmt/format.h>
 #include <hdf5.h>
 #include <algorithm>
@@ -11,18 +9,15 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/core/half.h"
 #include "enfilade/core/mapped_file.h"
 #include "enfilade/core/part_file.h"
-#include "enfilade/features/formats/feature_safetensors.h"
+#include "enfilade/features/formats/feature_rows.h"
 #include "enfilade/features/formats/isolated.h"
-#include "enfilade/features/formats/safetensors.h"
-#include "enfilade/features/formats/stored_arrays.h"
 
 namespace enfilade::features::formats {
 namespace {
 
-// No viewpoint has as many numbers; more would be memory that a small file asks for.
+// No viewpoint has so many numbers; a small file must not make us allocate more.
 constexpr std::uint64_t kMostElements = std::uint64_t{1} << 24;
 
 /// Held around every use of the library.
@@ -39,13 +34,13 @@ class Library {
   Library(const Library&) = delete;
   Library& operator=(const Library&) = delete;
 
-  /// What the library says of its last error.
+  /// The library's description of its last error.
   static std::string reason() {
     std::string text;
     H5Ewalk2(
         H5E_DEFAULT, H5E_WALK_UPWARD,
         [](unsigned level, const H5E_error2_t* error, void* into) -> herr_t {
-          // The innermost call knows best.
+          // The innermost call gives the most exact reason.
           if (level == 0 && error->desc != nullptr) *static_cast<std::string*>(into) = error->desc;
           return 0;
         },
@@ -66,7 +61,7 @@ class Library {
 
 using Close = herr_t (*)(hid_t);
 
-/// Something of the library's; below 0 if it could not be had.
+/// Owns an object of the library; its id is negative if it could not be opened.
 class Handle {
  public:
   Handle(hid_t id, Close closer) : id_(id), close_(closer) {}
@@ -96,8 +91,8 @@ Handle half_type() {
   return type;
 }
 
-// Of these only: the library converts from any layout of bits that a file describes, also from
-// impossible ones, and then reads where nothing is.
+// Only these types are read: the library converts from any bit layout that a file describes, even
+// from an impossible one, and then reads outside of its memory.
 bool is_plain_float(hid_t type) {
   const Handle half = half_type();
   const std::array<hid_t, 5> plain{half.id(), H5T_IEEE_F32LE, H5T_IEEE_F32BE, H5T_IEEE_F64LE,
@@ -111,8 +106,9 @@ bool is_plain_number(hid_t type) {
          std::ranges::any_of(plain, [&](hid_t one) { return H5Tequal(type, one) > 0; });
 }
 
-Handle type_in_memory(DType type) {
-  return type == DType::kFloat16 ? half_type() : Handle(H5Tcopy(H5T_NATIVE_FLOAT), H5Tclose);
+// In files and in memory, as this machine is little-endian, too (stored_arrays.cpp).
+Handle type_of(DType type) {
+  return type == DType::kFloat16 ? half_type() : Handle(H5Tcopy(H5T_IEEE_F32LE), H5Tclose);
 }
 
 // --- reading ---
@@ -126,14 +122,11 @@ class Reader {
   void copy_to(SharedMemory& memory) {
     const std::vector<std::string> names = datasets();
     if (names.empty()) refuse(name_, "", "no-features", "holds no viewpoint's features");
-    for (const std::string& name : names) key_of(name, name_);
+    std::vector<FeatureKey> keys;
+    for (const std::string& name : names) keys.push_back(key_of(name, name_));
     read_texts();
     info_ = info_of(names[0], open_dataset(names[0]));
-    const std::vector<std::int64_t> shape{static_cast<std::int64_t>(info_.views),
-                                          static_cast<std::int64_t>(info_.dimensions)};
-    std::vector<NamedArray> arrays;
-    for (const std::string& name : names) arrays.push_back({name, info_.type, shape, {}});
-    const SafetensorsLayout layout = lay_out_safetensors(arrays, metadata_of(info_));
+    const SafetensorsLayout layout = lay_out_features(info_, keys);
     memory.write_at(0, std::as_bytes(std::span(layout.start)));
     std::vector<std::byte> row(row_bytes(info_));
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -152,7 +145,7 @@ class Reader {
   }
 
   [[noreturn]] void fail(const std::string& dataset, const char* code, std::string message) const {
-    refuse(name_, fmt::format("{:?}", dataset.substr(0, 100)), code, std::move(message));
+    refuse(name_, in_quotes(dataset), code, std::move(message));
   }
   [[noreturn]] void fail_damaged(const std::string& dataset) const {
     fail(dataset, "bad-hdf5", "cannot be read: " + Library::reason());
@@ -163,7 +156,7 @@ class Reader {
     bool hard = true;
   };
 
-  // Links could lead to other files, where nobody expects to read.
+  // Only hard links are followed: others could lead to other files.
   std::vector<std::string> datasets() const {
     Links links;
     const herr_t result = H5Literate(
@@ -222,14 +215,14 @@ class Reader {
     const Handle dataset = open_dataset(name);
     check_layout(name, dataset);
     check_equal(name, info_of(name, dataset));
-    if (H5Dread(dataset.id(), type_in_memory(info_.type).id(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                row.data()) < 0) {
+    if (H5Dread(dataset.id(), type_of(info_.type).id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, row.data()) <
+        0) {
       fail_damaged(name);
     }
     check_finite(name, row.data());
   }
 
-  // A dataset without data reads as zeros, and chunks are made room for as large as they claim.
+  // A dataset without data reads as zeros. The library allocates chunks as large as they claim.
   void check_layout(const std::string& name, const Handle& dataset) const {
     if (H5Dget_storage_size(dataset.id()) == 0) fail(name, "no-data", "a dataset without data");
     const Handle made(H5Dget_create_plist(dataset.id()), H5Pclose);
@@ -291,24 +284,17 @@ class Reader {
   }
 
   void check_equal(const std::string& name, const FeatureInfo& found) const {
-    const FeatureInfo& first = info_;
-    if (found.views != first.views || found.dimensions != first.dimensions ||
-        found.type != first.type) {
-      fail(name, "differing-size",
-           fmt::format("{} x {} of {}, not {} x {} of {} as the first", found.views,
-                       found.dimensions, to_string(found.type), first.views, first.dimensions,
-                       to_string(first.type)));
-    }
-    if (metadata_of(found) != metadata_of(first)) {
+    check_same_size(found.views, found.dimensions, found.type, info_, name_, in_quotes(name));
+    if (metadata_of(found) != metadata_of(info_)) {
       fail(name, "differing-camera", "image_w, image_h or vfov other than the first's");
     }
   }
 
   void check_finite(const std::string& name, const std::byte* row) const {
     std::vector<float> floats(row_elements(info_));
-    const bool finite =
-        info_.type == DType::kFloat16 ? copy_halves(row, floats) : copy_floats(row, floats);
-    if (!finite) fail(name, "not-finite", "a number that is infinite or none");
+    if (!copy_numbers(row, info_.type, floats)) {
+      fail(name, "not-finite", "a number that is infinite or none");
+    }
   }
 
   std::string name_;
@@ -322,7 +308,7 @@ class Hdf5Rows final : public RowWriter {
  public:
   Hdf5Rows(std::filesystem::path file, const FeatureInfo& info, const std::vector<FeatureKey>& keys)
       : target_(std::move(file)), info_(info), keys_(keys) {
-    path_ = PartFile(target_).path();  // and it can be written, or PartFile says why not
+    path_ = PartFile(target_).path();  // PartFile throws if it cannot be written
     const Library library;
     Handle made(H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
     check(made.good());
@@ -336,15 +322,8 @@ class Hdf5Rows final : public RowWriter {
     file_.close();
   }
 
-  bool written(std::size_t) const override { return false; }
-
   void write(std::size_t row, std::span<const float> views) override {
-    const void* data = views.data();
-    if (info_.type == DType::kFloat16) {
-      halves_.resize(views.size());
-      std::ranges::transform(views, halves_.begin(), to_half);
-      data = halves_.data();
-    }
+    const void* const data = stored_bytes(views, info_.type, halves_).data();
     const Library library;
     const std::string name = name_of(keys_[row]);
     if (H5Lexists(file_.id(), name.c_str(), H5P_DEFAULT) > 0) {
@@ -352,14 +331,12 @@ class Hdf5Rows final : public RowWriter {
     }
     const std::array<hsize_t, 2> size{info_.views, info_.dimensions};
     const Handle space(H5Screate_simple(2, size.data(), nullptr), H5Sclose);
-    const Handle stored =
-        info_.type == DType::kFloat16 ? half_type() : Handle(H5Tcopy(H5T_IEEE_F32LE), H5Tclose);
-    const Handle dataset(H5Dcreate2(file_.id(), name.c_str(), stored.id(), space.id(), H5P_DEFAULT,
+    const Handle type = type_of(info_.type);
+    const Handle dataset(H5Dcreate2(file_.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT,
                                     H5P_DEFAULT, H5P_DEFAULT),
                          H5Dclose);
     check(dataset.good());
-    check(H5Dwrite(dataset.id(), type_in_memory(info_.type).id(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                   data) >= 0);
+    check(H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
     write_attributes(dataset, keys_[row]);
   }
 
@@ -388,8 +365,8 @@ class Hdf5Rows final : public RowWriter {
     write_number(dataset, "vfov", vfov);
   }
 
-  /// h5py gives texts of variable length as Python's str. Ours are fixed, as we read them again:
-  /// in a damaged file, variable ones lead the library astray.
+  /// h5py gives texts of variable length as Python's str. Those that we read again are fixed: a
+  /// damaged file with variable ones can crash the library.
   enum class TextLength : std::uint8_t { kFixed, kVariable };
 
   void write_text(const Handle& to, const char* name, const std::string& text, TextLength length) {
@@ -430,7 +407,7 @@ class Hdf5Rows final : public RowWriter {
 }  // namespace
 
 FeatureRows read_feature_hdf5(const std::filesystem::path& file) {
-  const MappedFile readable(file);  // the library does not tell one reason from another
+  const MappedFile readable(file);  // throws the system's reason, which the library does not give
   SharedMemory memory;
   {
     const Library library;

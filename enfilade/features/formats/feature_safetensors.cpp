@@ -1,14 +1,12 @@
-#include "enfilade/features/formats/feature_safetensors.h"
-
 #include <fmt/format.h>
 #include <xxhash.h>
 #include <algorithm>
 #include <cstring>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/core/half.h"
 #include "enfilade/core/part_file.h"
-#include "enfilade/features/formats/safetensors.h"
+#include "enfilade/features/formats/feature_rows.h"
+#include "enfilade/features/formats/stored_arrays.h"
 
 namespace enfilade::features::formats {
 namespace {
@@ -24,33 +22,20 @@ void check_array(const NamedArray& array, const FeatureInfo& info, const std::st
     refuse(file, where, "unsupported-type",
            fmt::format("numbers of type {}, not F32 or F16", to_string(array.type)));
   }
-  const auto views = static_cast<std::size_t>(array.shape[0]);
-  const auto dimensions = static_cast<std::size_t>(array.shape[1]);
-  if (views != info.views || dimensions != info.dimensions || array.type != info.type) {
-    refuse(file, where, "differing-size",
-           fmt::format("{} x {} of {}, not {} x {} of {} as the first", views, dimensions,
-                       to_string(array.type), info.views, info.dimensions, to_string(info.type)));
-  }
+  check_same_size(static_cast<std::size_t>(array.shape[0]),
+                  static_cast<std::size_t>(array.shape[1]), array.type, info, file, where);
 }
 
 // --- writing ---
 
-std::vector<NamedArray> arrays_of(const FeatureInfo& info, const std::vector<FeatureKey>& keys) {
-  const std::vector<std::int64_t> shape{static_cast<std::int64_t>(info.views),
-                                        static_cast<std::int64_t>(info.dimensions)};
-  std::vector<NamedArray> arrays;
-  arrays.reserve(keys.size());
-  for (const FeatureKey& key : keys) arrays.push_back({name_of(key), info.type, shape, {}});
-  return arrays;
-}
-
-/// The part is the file to be with a journal behind it: 8 bytes a row, its checksum if it was
-/// written, else 0. A row that was torn, or lost by a power cut, does not have its checksum.
+/// The part is the later file with a journal behind it: 8 bytes for each row, its checksum if it
+/// was written, else 0. The checksum of a row that was torn, or lost by a power cut, does not
+/// match.
 class SafetensorsRows final : public RowWriter {
  public:
   SafetensorsRows(const std::filesystem::path& file, const FeatureInfo& info,
                   const std::vector<FeatureKey>& keys)
-      : layout_(lay_out_safetensors(arrays_of(info, keys), metadata_of(info))),
+      : layout_(lay_out_features(info, keys)),
         type_(info.type),
         row_(row_bytes(info)),
         written_(keys.size()),
@@ -61,18 +46,14 @@ class SafetensorsRows final : public RowWriter {
   bool written(std::size_t row) const override { return written_[row]; }
 
   void write(std::size_t row, std::span<const float> views) override {
-    if (type_ == DType::kFloat16) {
-      halves_.resize(views.size());
-      std::ranges::transform(views, halves_.begin(), to_half);
-      write_bytes(row, std::as_bytes(std::span(halves_)));
-    } else {
-      write_bytes(row, std::as_bytes(views));
-    }
+    const auto bytes = stored_bytes(views, type_, halves_);
+    part_.write_at(layout_.offsets[row], bytes);
+    mark(row, checksum(row, bytes));
   }
 
   void finish() override {
     part_.synchronise();
-    // A part of just this size is taken for a whole one, so data goes to the disk first.
+    // resume() takes a part of this size for a whole file, so data goes to the disk first.
     part_.resize(layout_.file_bytes);
     part_.finish();
   }
@@ -90,11 +71,6 @@ class SafetensorsRows final : public RowWriter {
     part_.write_at(layout_.file_bytes + sizeof(checksum) * row,
                    std::as_bytes(std::span(&checksum, 1)));
     written_[row] = true;
-  }
-
-  void write_bytes(std::size_t row, std::span<const std::byte> bytes) {
-    part_.write_at(layout_.offsets[row], bytes);
-    mark(row, checksum(row, bytes));
   }
 
   bool resume() {

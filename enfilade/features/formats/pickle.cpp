@@ -2,22 +2,44 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <limits>
-#include <set>
 #include <string_view>
 #include <unordered_map>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/features/formats/pickle_names.h"
-#include "enfilade/features/formats/stored_arrays.h"
 
 namespace enfilade::features::formats {
 namespace {
 
-// Of 50,000 tensors, a pickle has about 5 MB; values take a hundred times an opcode's room.
+// A pickle of 50,000 tensors has about 5 MB; values take a hundred times the size of an opcode.
 constexpr std::size_t kLongestPickle = std::size_t{64} << 20;
 constexpr std::size_t kMostSides = 64;  // of a tensor, as in PyTorch
 constexpr int kLatestProtocol = 5;
+
+/// A class or function that a pickle may name.
+struct NamedGlobal {
+  std::string_view name;
+  Global global;
+};
+constexpr NamedGlobal kGlobals[] = {
+    {"collections.OrderedDict", {Callable::kOrderedDict}},
+    {"torch.Size", {Callable::kSize}},
+    {"torch._utils._rebuild_tensor", {Callable::kRebuildTensor}},
+    {"torch._utils._rebuild_tensor_v2", {Callable::kRebuildTensor}},
+    {"torch._utils._rebuild_parameter", {Callable::kRebuildParameter}},
+    {"torch._utils._rebuild_parameter_with_state", {Callable::kRebuildParameter}},
+    {"torch.nn.parameter.Parameter", {Callable::kParameter}},
+};
+// Of the modules torch and torch.cuda.
+constexpr NamedGlobal kStorageTypes[] = {
+    {"HalfStorage", {Callable::kStorageType, DType::kFloat16}},
+    {"BFloat16Storage", {Callable::kStorageType, DType::kBFloat16}},
+    {"FloatStorage", {Callable::kStorageType, DType::kFloat32}},
+    {"DoubleStorage", {Callable::kStorageType, DType::kFloat64}},
+    {"IntStorage", {Callable::kStorageType, DType::kInt32}},
+    {"LongStorage", {Callable::kStorageType, DType::kInt64}},
+    {"ByteStorage", {Callable::kStorageType, DType::kUint8}},
+    {"BoolStorage", {Callable::kStorageType, DType::kBool}},
+};
 
 /// Pickle's stack machine. It builds values and calls nothing.
 class Machine {
@@ -29,22 +51,15 @@ class Machine {
         offset_(offset),
         into_(into) {}
 
-  void run() {
-    while (true) {
-      opcode_at_ = at_;
-      const auto opcode = static_cast<Opcode>(take(1)[0]);
-      if (opcode == kStop) break;
-      if (!scalar(opcode) && !text(opcode) && !container(opcode) && !filling(opcode) &&
-          !memory(opcode) && !object(opcode)) {
-        fail("bad-pickle", fmt::format("opcode {:#04x}, which torch.save() does not write",
-                                       static_cast<unsigned>(opcode)));
-      }
-    }
-    into_.root = pop();
-    into_.bytes = at_;
-  }
+  void run();
 
  private:
+  struct Opcode {
+    std::uint8_t code;
+    void (*run)(Machine&);
+  };
+  static const Opcode kOpcodes[];
+
   [[noreturn]] void fail(const char* code, std::string message) const {
     refuse(name_, fmt::format("byte {}", offset_ + opcode_at_), code, std::move(message));
   }
@@ -126,41 +141,11 @@ class Machine {
     return *is;
   }
 
-  // --- opcodes, by kind; each function says whether it was one of its kind ---
+  // --- what opcodes do ---
 
-  bool scalar(Opcode opcode) {
-    switch (opcode) {
-      case kNone:
-        push(Other{});
-        return true;
-      case kNewTrue:
-        push(true);
-        return true;
-      case kNewFalse:
-        push(false);
-        return true;
-      case kBinInt1:
-        push(static_cast<std::int64_t>(unsigned_of(1)));
-        return true;
-      case kBinInt2:
-        push(static_cast<std::int64_t>(unsigned_of(2)));
-        return true;
-      case kBinInt:
-        push(std::int64_t{static_cast<std::int32_t>(static_cast<std::uint32_t>(unsigned_of(4)))});
-        return true;
-      case kLong1:
-        push_long(unsigned_of(1));
-        return true;
-      case kLong4:
-        push_long(unsigned_of(4));
-        return true;
-      case kBinFloat:
-        take(sizeof(double));
-        push(Other{});
-        return true;
-      default:
-        return false;
-    }
+  void push_int32() {
+    const auto bits = static_cast<std::uint32_t>(unsigned_of(4));
+    push(std::int64_t{static_cast<std::int32_t>(bits)});
   }
 
   // Two's complement of any length, little-endian.
@@ -178,112 +163,15 @@ class Machine {
     push(static_cast<std::int64_t>(value));
   }
 
-  bool text(Opcode opcode) {
-    switch (opcode) {
-      case kShortBinString:
-      case kShortBinUnicode:
-        push(text_of(unsigned_of(1)));
-        return true;
-      case kBinString:
-      case kBinUnicode:
-        push(text_of(unsigned_of(4)));
-        return true;
-      case kBinUnicode8:
-        push(text_of(unsigned_of(8)));
-        return true;
-      case kShortBinBytes:
-        return skip(unsigned_of(1));
-      case kBinBytes:
-        return skip(unsigned_of(4));
-      case kBinBytes8:
-        return skip(unsigned_of(8));
-      default:
-        return false;
-    }
-  }
-
-  bool skip(std::uint64_t size) {
+  // For values that no tensor needs.
+  void skip(std::uint64_t size) {
     take(size);
     push(Other{});
-    return true;
   }
 
-  bool container(Opcode opcode) {
-    switch (opcode) {
-      case kMark:
-        marks_.push_back(stack_.size());
-        return true;
-      case kEmptyTuple:
-        push(Tuple{});
-        return true;
-      case kTuple1:
-        push(Tuple{pop_last(1)});
-        return true;
-      case kTuple2:
-        push(Tuple{pop_last(2)});
-        return true;
-      case kTuple3:
-        push(Tuple{pop_last(3)});
-        return true;
-      case kTuple:
-        push(Tuple{pop_to_mark()});
-        return true;
-      case kEmptyList:
-        push(List{});
-        return true;
-      case kList:
-        push(List{pop_to_mark()});
-        return true;
-      case kEmptyDict:
-        push(Dictionary{});
-        return true;
-      case kDict: {
-        Dictionary dictionary;
-        add_pairs(pop_to_mark(), dictionary);
-        push(std::move(dictionary));
-        return true;
-      }
-      case kEmptySet:
-        push(Other{});
-        return true;
-      case kFrozenSet:
-        pop_to_mark();
-        push(Other{});
-        return true;
-      default:
-        return false;
-    }
-  }
-
-  bool filling(Opcode opcode) {
-    switch (opcode) {
-      case kAppend: {
-        Value* const item = pop();
-        as<List>(top(), "a list").items.push_back(item);
-        return true;
-      }
-      case kAppends: {
-        const auto items = pop_to_mark();
-        auto& to = as<List>(top(), "a list").items;
-        to.insert(to.end(), items.begin(), items.end());
-        return true;
-      }
-      case kSetItem: {
-        const auto pair = pop_last(2);
-        add_pairs(pair, as<Dictionary>(top(), "a dictionary"));
-        return true;
-      }
-      case kSetItems: {
-        const auto pairs = pop_to_mark();
-        add_pairs(pairs, as<Dictionary>(top(), "a dictionary"));
-        return true;
-      }
-      case kAddItems:
-        pop_to_mark();
-        return true;  // to a set, which nobody looks into
-      default:
-        return false;
-    }
+  void append(const std::vector<Value*>& items) {
+    auto& list = as<List>(top(), "a list").items;
+    list.insert(list.end(), items.begin(), items.end());
   }
 
   void add_pairs(std::span<Value* const> values, Dictionary& to) const {
@@ -293,41 +181,14 @@ class Machine {
     }
   }
 
-  bool memory(Opcode opcode) {
-    switch (opcode) {
-      case kProto:
-        check_protocol(unsigned_of(1));
-        return true;
-      case kFrame:
-        unsigned_of(8);
-        return true;  // only says how much to read at once
-      case kPop:
-        pop();
-        return true;
-      case kPopMark:
-        pop_to_mark();
-        return true;
-      case kDup:
-        stack_.push_back(top());
-        return true;
-      case kBinPut:
-        memo_[unsigned_of(1)] = top();
-        return true;
-      case kLongBinPut:
-        memo_[unsigned_of(4)] = top();
-        return true;
-      case kMemoize:
-        memo_[memo_.size()] = top();
-        return true;
-      case kBinGet:
-        push_remembered(unsigned_of(1));
-        return true;
-      case kLongBinGet:
-        push_remembered(unsigned_of(4));
-        return true;
-      default:
-        return false;
-    }
+  void push_dictionary(std::span<Value* const> pairs) {
+    Dictionary dictionary;
+    add_pairs(pairs, dictionary);
+    push(std::move(dictionary));
+  }
+
+  void set_items(std::span<Value* const> pairs) {
+    add_pairs(pairs, as<Dictionary>(top(), "a dictionary"));
   }
 
   void check_protocol(std::uint64_t protocol) const {
@@ -336,39 +197,36 @@ class Machine {
     }
   }
 
-  void push_remembered(std::uint64_t key) {
+  void push_set() {
+    pop_to_mark();
+    push(Other{});
+  }
+
+  void put(std::size_t key_bytes) {
+    Value* const value = top();
+    memo_[unsigned_of(key_bytes)] = value;
+  }
+
+  void get(std::size_t key_bytes) {
+    const std::uint64_t key = unsigned_of(key_bytes);
     const auto found = memo_.find(key);
     if (found == memo_.end()) fail("bad-pickle", fmt::format("recalls value {}, not put", key));
     stack_.push_back(found->second);
   }
 
-  bool object(Opcode opcode) {
-    switch (opcode) {
-      case kGlobal: {
-        const std::string module = line();
-        push(global(module, line()));
-        return true;
-      }
-      case kStackGlobal: {
-        const auto names = pop_last(2);
-        push(global(as<std::string>(names[0], "a name"), as<std::string>(names[1], "a name")));
-        return true;
-      }
-      case kReduce:
-      case kNewObj: {
-        const auto called = pop_last(2);
-        call(as<Global>(called[0], "a function"), as<Tuple>(called[1], "arguments"));
-        return true;
-      }
-      case kBuild:
-        build();
-        return true;
-      case kBinPersId:
-        push(storage(as<Tuple>(pop(), "a storage's place")));
-        return true;
-      default:
-        return false;
-    }
+  void push_global() {
+    const std::string module = line();
+    push(global(module, line()));
+  }
+
+  void push_stack_global() {
+    const auto names = pop_last(2);
+    push(global(as<std::string>(names[0], "a name"), as<std::string>(names[1], "a name")));
+  }
+
+  void call_function() {
+    const auto called = pop_last(2);
+    call(as<Global>(called[0], "a function"), as<Tuple>(called[1], "arguments"));
   }
 
   Global global(const std::string& module, const std::string& name) const {
@@ -419,7 +277,7 @@ class Machine {
     }
   }
 
-  // Of nothing, or, as Python 2 wrote it, of a list of pairs.
+  // Made from nothing or, as Python 2 wrote it, from a list of pairs.
   Dictionary ordered_dictionary(const Tuple& arguments) const {
     Dictionary dictionary;
     if (arguments.items.empty()) return dictionary;
@@ -433,7 +291,7 @@ class Machine {
   void build() {
     Value* const state = pop();
     auto* const built = std::get_if<PickledTensor>(&top()->is);
-    // What is set of a dictionary is its _metadata, of a tensor whether it is trained.
+    // The state of a dictionary is its _metadata, that of a tensor whether it is trained.
     if (built == nullptr || built->storage != nullptr) return;
     const auto* parts = std::get_if<Tuple>(&state->is);
     if (parts != nullptr && !parts->items.empty()) {
@@ -464,7 +322,8 @@ class Machine {
       fail("bad-pickle", fmt::format("a tensor of {} sides and {} strides, not as many, at most {}",
                                      tensor.shape.size(), tensor.strides.size(), kMostSides));
     }
-    constexpr std::size_t kFlags = 6;  // conjugated, negated: to be done when it is read
+    constexpr std::size_t kFlags =
+        6;  // the argument that says whether it is conjugated or negated when read
     if (items.size() > kFlags) {
       const auto* flags = std::get_if<Dictionary>(&items[kFlags]->is);
       if (flags != nullptr && !flags->items.empty()) {
@@ -475,8 +334,8 @@ class Machine {
   }
 
   // ("storage", type, key, where it was, elements[, None or (key, offset, elements)])
-  PickledStorage storage(const Tuple& place) const {
-    const auto& items = place.items;
+  void push_storage() {
+    const auto& items = as<Tuple>(pop(), "a storage's place").items;
     if (items.size() < 5 || as<std::string>(items[0], "\"storage\"") != "storage") {
       fail("bad-pickle", "a persistent id that is no storage's");
     }
@@ -490,7 +349,7 @@ class Machine {
       storage.view = {as<std::string>(view[0], "a view's key"), count(view[1], "a view's offset"),
                       count(view[2], "a view's size")};
     }
-    return storage;
+    push(std::move(storage));
   }
 
   std::span<const std::byte> bytes_;
@@ -503,6 +362,81 @@ class Machine {
   std::vector<std::size_t> marks_;
   std::unordered_map<std::uint64_t, Value*> memo_;
 };
+
+// Those of protocols 2 to 5 that torch.save() writes, with their names in Python's pickletools.
+const Machine::Opcode Machine::kOpcodes[] = {
+    // Scalars.
+    {'N', [](Machine& m) { m.push(Other{}); }},                                      // NONE
+    {0x88, [](Machine& m) { m.push(true); }},                                        // NEWTRUE
+    {0x89, [](Machine& m) { m.push(false); }},                                       // NEWFALSE
+    {'K', [](Machine& m) { m.push(static_cast<std::int64_t>(m.unsigned_of(1))); }},  // BININT1
+    {'M', [](Machine& m) { m.push(static_cast<std::int64_t>(m.unsigned_of(2))); }},  // BININT2
+    {'J', [](Machine& m) { m.push_int32(); }},                                       // BININT
+    {0x8a, [](Machine& m) { m.push_long(m.unsigned_of(1)); }},                       // LONG1
+    {0x8b, [](Machine& m) { m.push_long(m.unsigned_of(4)); }},                       // LONG4
+    {'G', [](Machine& m) { m.skip(sizeof(double)); }},                               // BINFLOAT
+    // Texts and bytes.
+    {'U', [](Machine& m) { m.push(m.text_of(m.unsigned_of(1))); }},   // SHORT_BINSTRING
+    {0x8c, [](Machine& m) { m.push(m.text_of(m.unsigned_of(1))); }},  // SHORT_BINUNICODE
+    {'T', [](Machine& m) { m.push(m.text_of(m.unsigned_of(4))); }},   // BINSTRING
+    {'X', [](Machine& m) { m.push(m.text_of(m.unsigned_of(4))); }},   // BINUNICODE
+    {0x8d, [](Machine& m) { m.push(m.text_of(m.unsigned_of(8))); }},  // BINUNICODE8
+    {'C', [](Machine& m) { m.skip(m.unsigned_of(1)); }},              // SHORT_BINBYTES
+    {'B', [](Machine& m) { m.skip(m.unsigned_of(4)); }},              // BINBYTES
+    {0x8e, [](Machine& m) { m.skip(m.unsigned_of(8)); }},             // BINBYTES8
+    // Containers. Nobody looks into a set.
+    {'(', [](Machine& m) { m.marks_.push_back(m.stack_.size()); }},  // MARK
+    {')', [](Machine& m) { m.push(Tuple{}); }},                      // EMPTY_TUPLE
+    {0x85, [](Machine& m) { m.push(Tuple{m.pop_last(1)}); }},        // TUPLE1
+    {0x86, [](Machine& m) { m.push(Tuple{m.pop_last(2)}); }},        // TUPLE2
+    {0x87, [](Machine& m) { m.push(Tuple{m.pop_last(3)}); }},        // TUPLE3
+    {'t', [](Machine& m) { m.push(Tuple{m.pop_to_mark()}); }},       // TUPLE
+    {']', [](Machine& m) { m.push(List{}); }},                       // EMPTY_LIST
+    {'l', [](Machine& m) { m.push(List{m.pop_to_mark()}); }},        // LIST
+    {'a', [](Machine& m) { m.append(m.pop_last(1)); }},              // APPEND
+    {'e', [](Machine& m) { m.append(m.pop_to_mark()); }},            // APPENDS
+    {'}', [](Machine& m) { m.push(Dictionary{}); }},                 // EMPTY_DICT
+    {'d', [](Machine& m) { m.push_dictionary(m.pop_to_mark()); }},   // DICT
+    {'s', [](Machine& m) { m.set_items(m.pop_last(2)); }},           // SETITEM
+    {'u', [](Machine& m) { m.set_items(m.pop_to_mark()); }},         // SETITEMS
+    {0x8f, [](Machine& m) { m.push(Other{}); }},                     // EMPTY_SET
+    {0x90, [](Machine& m) { m.pop_to_mark(); }},                     // ADDITEMS
+    {0x91, [](Machine& m) { m.push_set(); }},                        // FROZENSET
+    // Stack and memo. A frame only says how much to read at once.
+    {0x80, [](Machine& m) { m.check_protocol(m.unsigned_of(1)); }},  // PROTO
+    {0x95, [](Machine& m) { m.take(8); }},                           // FRAME
+    {'0', [](Machine& m) { m.pop(); }},                              // POP
+    {'1', [](Machine& m) { m.pop_to_mark(); }},                      // POP_MARK
+    {'2', [](Machine& m) { m.stack_.push_back(m.top()); }},          // DUP
+    {'q', [](Machine& m) { m.put(1); }},                             // BINPUT
+    {'r', [](Machine& m) { m.put(4); }},                             // LONG_BINPUT
+    {0x94, [](Machine& m) { m.memo_[m.memo_.size()] = m.top(); }},   // MEMOIZE
+    {'h', [](Machine& m) { m.get(1); }},                             // BINGET
+    {'j', [](Machine& m) { m.get(4); }},                             // LONG_BINGET
+    // Objects.
+    {'c', [](Machine& m) { m.push_global(); }},         // GLOBAL
+    {0x93, [](Machine& m) { m.push_stack_global(); }},  // STACK_GLOBAL
+    {'R', [](Machine& m) { m.call_function(); }},       // REDUCE
+    {0x81, [](Machine& m) { m.call_function(); }},      // NEWOBJ
+    {'b', [](Machine& m) { m.build(); }},               // BUILD
+    {'Q', [](Machine& m) { m.push_storage(); }},        // BINPERSID
+};
+
+void Machine::run() {
+  constexpr std::uint8_t kStop = '.';
+  while (true) {
+    opcode_at_ = at_;
+    const auto code = std::to_integer<std::uint8_t>(take(1)[0]);
+    if (code == kStop) break;
+    const auto opcode = std::ranges::find(kOpcodes, code, &Opcode::code);
+    if (opcode == std::end(kOpcodes)) {
+      fail("bad-pickle", fmt::format("opcode {:#04x}, which torch.save() does not write", code));
+    }
+    opcode->run(*this);
+  }
+  into_.root = pop();
+  into_.bytes = at_;
+}
 
 }  // namespace
 

@@ -14,6 +14,7 @@
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/features/formats/stored_arrays.h"
 
 namespace enfilade::features::formats {
 namespace {
@@ -38,7 +39,7 @@ std::optional<DType> dtype_of(std::string_view name) {
   return std::nullopt;
 }
 
-/// An array's bytes, counted from behind the header.
+/// The bytes of an array, counted from the end of the header.
 struct Range {
   std::uint64_t begin = 0, end = 0;
 };
@@ -167,7 +168,7 @@ std::span<const std::byte> header_of(std::span<const std::byte> file, const std:
   return header;
 }
 
-// The format allows neither holes nor overlaps, nor bytes behind the last array.
+// The format allows no holes, no overlaps, and no bytes after the last array.
 void check_ranges(const std::vector<NamedArray>& arrays, const std::vector<Range>& ranges,
                   std::uint64_t bytes, json::Faults& faults) {
   std::vector<std::size_t> order(ranges.size());
@@ -232,8 +233,8 @@ void check_names(std::span<const NamedArray> arrays) {
   }
 }
 
-// Data in this order has each array aligned as well as the format, which allows no gaps, lets it
-// be: first those that leave the next one aligned, then by the size of an element.
+// The order of the data. It aligns each array as well as a format without gaps allows: first the
+// arrays that leave the next one aligned, then by the size of an element.
 std::vector<std::size_t> order_of_data(std::span<const NamedArray> arrays) {
   std::vector<std::size_t> order(arrays.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -1,4 +1,4 @@
-/// \file  The safetensors format (https://github.com/huggingface/safetensors, "Format").
+/// \file  The layout of safetensors (https://github.com/huggingface/safetensors, "Format").
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -7,12 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/features/formats/stored_arrays.h"
+#include "enfilade/features/tensor_file.h"
 
 namespace enfilade::features::formats {
-
-/// Arrays point into `file` where they are aligned for their type. \throws InvalidInput
-StoredArrays read_safetensors(std::span<const std::byte> file, const std::string& name);
 
 /// The layout of a file, whose arrays' bytes need not be known yet.
 struct SafetensorsLayout {

@@ -1,12 +1,12 @@
-/// \file  The result of a reader of weights.
+/// \file  Readers of files of weights, and their result.
 #pragma once
 #include <cstddef>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "enfilade/features/tensor_file.h"
@@ -24,6 +24,20 @@ struct StoredArrays {
   /// Uninitialised memory, valid as long as *this.
   std::span<std::byte> allocate(std::size_t bytes);
 };
+
+/// Safetensors. Arrays point into `file` where they are aligned for their type.
+/// \throws InvalidInput
+StoredArrays read_safetensors(std::span<const std::byte> file, const std::string& name);
+
+// Dictionaries of tensors written by PyTorch's torch.save(), detected by the first bytes.
+bool looks_like_zip(std::span<const std::byte> file) noexcept;
+/// A pickle of any program.
+bool looks_like_pickle(std::span<const std::byte> file) noexcept;
+/// A zip archive, the format since PyTorch 1.6. \throws FileError, InvalidInput
+StoredArrays read_torch_zip(const std::filesystem::path& file);
+/// A pickle followed by storages, the format until PyTorch 1.5. Arrays that are contiguous and
+/// aligned point into `file`. \throws InvalidInput
+StoredArrays read_torch_pickle(std::span<const std::byte> file, const std::string& name);
 
 /// Bytes of an array; none if they exceed size_t.
 std::optional<std::size_t> bytes_of_shape(std::span<const std::int64_t> shape, DType type) noexcept;

@@ -1,5 +1,3 @@
-#include "enfilade/features/formats/torch_file.h"
-
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
@@ -14,6 +12,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/features/formats/pickle.h"
+#include "enfilade/features/formats/stored_arrays.h"
 #include "enfilade/scan/file_tree.h"
 
 namespace enfilade::features::formats {
@@ -74,7 +73,7 @@ Tensors find_tensors(const Value* root, const std::string& name) {
   refuse(file, fmt::format("{:?}", tensor), std::move(code), std::move(message));
 }
 
-// The elements from a tensor's first to its last in its storage; none if that is beyond any size.
+// Number of elements from a tensor's first to its last in its storage; none if it overflows.
 std::optional<std::uint64_t> extent(const PickledTensor& tensor) {
   std::uint64_t last = 0;
   for (std::size_t i = 0; i < tensor.shape.size(); ++i) {
@@ -163,8 +162,8 @@ class ArrayBuilder {
 
   Bytes gathered(const std::string& name, const PickledTensor& tensor, Bytes from, std::size_t size,
                  std::size_t bytes) {
-    // Strides of 0 make any size out of one number: nothing that is learnt looks like that, and a
-    // small file could fill the memory.
+    // Strides of 0 make an array of any size from one number. No trained tensor looks like that,
+    // and a small file could fill the memory.
     if (bytes > from.size()) {
       refuse_tensor(
           file_, name, "expanded",
@@ -188,7 +187,7 @@ void build_arrays(const Pickle& pickle, const std::string& file, const FindStora
 
 Bytes bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
-// --- pickles with storages behind them ---
+// --- pickles followed by storages ---
 
 constexpr std::array<std::uint8_t, 12> kMagic{0x8a, 0x0a, 0x6c, 0xfc, 0x9c, 0x46,
                                               0xf9, 0x20, 0x6a, 0xa8, 0x50, 0x19};
@@ -198,7 +197,7 @@ bool has_magic(Bytes file) {
   return !std::ranges::search(start, std::as_bytes(std::span(kMagic))).empty();
 }
 
-/// The parts of such a file, one behind the other.
+/// The parts of such a file, one after the other.
 class PickleSequence {
  public:
   PickleSequence(Bytes file, const std::string& name) : file_(file), name_(name) {}
