@@ -235,11 +235,17 @@ void check_size(const char* name, std::uint32_t size) {
 
 // Makes a picture where one is wanted.
 template <class T>
-T* begin(image::Image<T>& picture, bool wanted, std::uint32_t width, std::uint32_t height,
-         std::uint32_t channels) {
+T* begin(image::Image<T>& picture, bool wanted, const View& view, std::uint32_t channels) {
   if (!wanted) return nullptr;
-  picture = image::Image<T>(width, height, channels);
+  picture = image::Image<T>(view.width, view.height, channels);
   return picture.pixels.data();
+}
+void begin(View& view, const CaptureOptions& options, image::Image8& colour, image::Image16& depth,
+           image::Image16& classes, image::Image32& instances) {
+  view.colour = begin(colour, options.colour, view, 3);
+  view.depth = begin(depth, options.depth, view, 1);
+  view.classes = begin(classes, options.labels, view, 1);
+  view.instances = begin(instances, options.labels, view, 1);
 }
 
 }  // namespace
@@ -257,10 +263,8 @@ CubeCapture capture_cube(const LitMesh& mesh, const Mat3d& world_from_panorama, 
     view.across = world_from_panorama * (2.0 / size * axes.right);
     view.down = world_from_panorama * (2.0 / size * axes.down);
     view.width = view.height = size;
-    view.colour = begin(capture.colour[k], options.colour, size, size, 3);
-    view.depth = begin(capture.depth[k], options.depth, size, size, 1);
-    view.classes = begin(capture.classes[k], options.labels, size, size, 1);
-    view.instances = begin(capture.instances[k], options.labels, size, size, 1);
+    begin(view, options, capture.colour[k], capture.depth[k], capture.classes[k],
+          capture.instances[k]);
   }
   Photographer(mesh, eye, options).take(views);
   return capture;
@@ -279,7 +283,6 @@ PinholeCapture capture_pinhole(const LitMesh& mesh, const Pinhole& camera,
                     "positive, all finite",
                     camera.fx, camera.fy, camera.cx, camera.cy));
   }
-  const std::uint32_t w = camera.width, h = camera.height;
   PinholeCapture capture;
   View view;
   // Whole numbers are pixels' middles, so that the picture begins at -0.5.
@@ -288,12 +291,9 @@ PinholeCapture capture_pinhole(const LitMesh& mesh, const Pinhole& camera,
   view.across = camera.world_from_camera * Vec3d{1 / camera.fx, 0, 0};
   view.down = camera.world_from_camera * Vec3d{0, 1 / camera.fy, 0};
   view.forward = camera.world_from_camera * Vec3d{0, 0, 1};
-  view.width = w;
-  view.height = h;
-  view.colour = begin(capture.colour, options.colour, w, h, 3);
-  view.depth = begin(capture.depth, options.depth, w, h, 1);
-  view.classes = begin(capture.classes, options.labels, w, h, 1);
-  view.instances = begin(capture.instances, options.labels, w, h, 1);
+  view.width = camera.width;
+  view.height = camera.height;
+  begin(view, options, capture.colour, capture.depth, capture.classes, capture.instances);
   Photographer(mesh, camera.position, options).take({&view, 1});
   return capture;
 }

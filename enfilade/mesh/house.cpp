@@ -261,19 +261,27 @@ constexpr auto kSegment = [](auto& io, auto& x, std::size_t i, const House& h) {
 /// One kind of record.
 struct Kind {
   std::string_view letter;
-  std::string_view name;
+  const char* name;
   std::size_t words;
+  bool in_first_version;  ///< ASCII 1.0
+  std::size_t (*count)(const House&);
   void (*read)(RecordReader&, House&);
   void (*write)(RecordWriter&, std::string_view letter, const House&);
 };
 
 template <auto list, auto fields>
-constexpr Kind kind(std::string_view letter, std::string_view name, std::size_t words) {
-  return {letter, name, words,
+constexpr Kind kind(std::string_view letter, const char* name, std::size_t words,
+                    bool in_first_version = true) {
+  return {letter,
+          name,
+          words,
+          in_first_version,
+          [](const House& house) { return (house.*list).size(); },
           [](RecordReader& reader, House& house) {
-            typename std::remove_reference_t<decltype(house.*list)>::value_type record;
-            fields(reader, record, (house.*list).size(), house);
-            (house.*list).push_back(std::move(record));
+            auto& records = house.*list;
+            typename std::remove_reference_t<decltype(records)>::value_type record;
+            fields(reader, record, records.size(), house);
+            records.push_back(std::move(record));
           },
           [](RecordWriter& writer, std::string_view with, const House& house) {
             for (std::size_t i = 0; i < (house.*list).size(); ++i) {
@@ -287,15 +295,19 @@ constexpr Kind kind(std::string_view letter, std::string_view name, std::size_t 
 constexpr std::array<Kind, 10> kKinds{
     kind<&House::levels, kLevel>("L", "levels", 18),
     kind<&House::regions, kRegion>("R", "regions", 20),
-    kind<&House::portals, kPortal>("P", "portals", 15),
+    kind<&House::portals, kPortal>("P", "portals", 15, false),
     kind<&House::surfaces, kSurface>("S", "surfaces", 22),
     kind<&House::vertices, kVertex>("V", "vertices", 13),
     kind<&House::panoramas, kPanorama>("P", "panoramas", 13),
     kind<&House::images, kImage>("I", "images", 41),
-    kind<&House::categories, kCategory>("C", "categories", 11),
-    kind<&House::objects, kObject>("O", "objects", 24),
-    kind<&House::segments, kSegment>("E", "segments", 19),
+    kind<&House::categories, kCategory>("C", "categories", 11, false),
+    kind<&House::objects, kObject>("O", "objects", 24, false),
+    kind<&House::segments, kSegment>("E", "segments", 19, false),
 };
+
+/// The counts of the H record, as places in kKinds: images, panoramas, vertices, surfaces,
+/// segments, objects, categories, regions, portals, levels.
+constexpr std::array<std::size_t, kKinds.size()> kHeaderCounts{6, 5, 4, 3, 9, 8, 7, 1, 2, 0};
 
 class Parser {
  public:
@@ -347,20 +359,9 @@ class Parser {
     }
     record->name(house_.name);
     record->name(house_.label);
-    auto& [levels, regions, portals, surfaces, vertices, panoramas, images, categories, objects,
-           segments] = counts_;
-    record->count("images", images);
-    record->count("panoramas", panoramas);
-    record->count("vertices", vertices);
-    record->count("surfaces", surfaces);
-    if (!short_header) {
-      record->count("segments", segments);
-      record->count("objects", objects);
-      record->count("categories", categories);
+    for (const std::size_t k : kHeaderCounts) {
+      if (!short_header || kKinds[k].in_first_version) record->count(kKinds[k].name, counts_[k]);
     }
-    record->count("regions", regions);
-    if (!short_header) record->count("portals", portals);
-    record->count("levels", levels);
     if (!short_header) record->zeros(5);
     record->box(house_.box);
   }
@@ -400,22 +401,6 @@ class Parser {
   std::array<std::uint32_t, kKinds.size()> counts_{};  // by kind
 };
 
-void write_header(RecordWriter& w, const House& h) {
-  w.line("ASCII 1.1");
-  w.line("H");
-  w.name(h.name);
-  w.name(h.label);
-  for (const std::size_t n :
-       {h.images.size(), h.panoramas.size(), h.vertices.size(), h.surfaces.size(),
-        h.segments.size(), h.objects.size(), h.categories.size(), h.regions.size(),
-        h.portals.size(), h.levels.size()}) {
-    w.place(n);
-  }
-  w.zeros(5);
-  w.box(h.box);
-  w.zeros(5);
-}
-
 }  // namespace
 
 House parse_house(std::string_view text, const std::string& file) {
@@ -424,20 +409,16 @@ House parse_house(std::string_view text, const std::string& file) {
 
 std::string to_text(const House& house) {
   RecordWriter writer;
-  write_header(writer, house);
+  writer.line("ASCII 1.1");
+  writer.line("H");
+  writer.name(house.name);
+  writer.name(house.label);
+  for (const std::size_t k : kHeaderCounts) writer.place(kKinds[k].count(house));
+  writer.zeros(5);
+  writer.box(house.box);
+  writer.zeros(5);
   for (const Kind& kind : kKinds) kind.write(writer, kind.letter, house);
   return writer.take();
-}
-
-std::vector<RegionType> region_types() {
-  return {{'a', "bathroom"}, {'b', "bedroom"},    {'c', "closet"},    {'d', "dining"},
-          {'e', "entryway"}, {'f', "familyroom"}, {'g', "garage"},    {'h', "hallway"},
-          {'i', "library"},  {'j', "laundry"},    {'k', "kitchen"},   {'l', "living"},
-          {'m', "meeting"},  {'n', "lounge"},     {'o', "office"},    {'p', "porch"},
-          {'r', "rec"},      {'s', "stairs"},     {'t', "toilet"},    {'u', "utility"},
-          {'v', "tv"},       {'w', "workout"},    {'x', "outdoor"},   {'y', "balcony"},
-          {'z', "other"},    {'B', "bar"},        {'C', "classroom"}, {'D', "dining booth"},
-          {'S', "spa"},      {'Z', "junk"},       {'-', "none"}};
 }
 
 }  // namespace enfilade::mesh

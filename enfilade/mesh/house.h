@@ -24,7 +24,7 @@ struct HouseLevel {
 /// A room (record R).
 struct HouseRegion {
   std::int32_t level = -1;
-  char label = '-';  ///< room type: 'b' bedroom, 'k' kitchen, ...: region_types()
+  char label = '-';  ///< room type: 'b' bedroom, 'k' kitchen, ...
   Vec3d position;
   HouseBox box;
   double height = 0;  ///< metres from the floor polygon; <= 0: to the house's top
@@ -108,13 +108,5 @@ struct House {
 House parse_house(std::string_view text, const std::string& file);
 /// The file's content, which parse_house() reads back equal. Spaces in names become '#'.
 std::string to_text(const House& house);
-
-/// A room type: its letter in files, and its name.
-struct RegionType {
-  char letter;
-  std::string_view name;  ///< "bedroom"
-};
-/// Matterport3D's room types by letter (formats: region labels of the data organisation).
-std::vector<RegionType> region_types();
 
 }  // namespace enfilade::mesh

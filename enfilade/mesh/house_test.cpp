@@ -171,16 +171,5 @@ TEST(House, CutAnywhereIsRefused) {
   }
 }
 
-TEST(House, RegionTypesHaveEachLetterOnce) {
-  const auto types = region_types();
-  EXPECT_EQ(types.size(), 31U);
-  std::string letters;
-  for (const RegionType& type : types) letters += type.letter;
-  std::ranges::sort(letters);
-  EXPECT_EQ(std::ranges::adjacent_find(letters), letters.end());
-  const auto bedroom = std::ranges::find(types, 'b', &RegionType::letter);
-  EXPECT_EQ(bedroom->name, "bedroom");
-}
-
 }  // namespace
 }  // namespace enfilade::mesh

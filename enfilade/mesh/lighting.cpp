@@ -9,8 +9,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/mesh/detail/vector.h"
-#include "enfilade/mesh/light/bake.h"
-#include "enfilade/mesh/light/sources.h"
+#include "enfilade/mesh/light/baker.h"
 
 namespace enfilade::mesh {
 
@@ -79,7 +78,7 @@ struct LitMesh::Impl {
         sun(unit(lights.sun.towards)),
         sunny(luminance(lights.sun.irradiance) > 0),
         surfaces(tracer->mesh()),
-        baked(bake(*tracer, surfaces, lights, options, progress)) {}
+        baked(Baker(*tracer, surfaces, lights, options, progress).run()) {}
 
   void look(std::span<const Ray> rays, std::span<const Hit> hits, std::span<Vec3f> radiance,
             float spread, bool mirrors) const;

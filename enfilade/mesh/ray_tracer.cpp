@@ -17,7 +17,7 @@ using namespace detail;
 
 namespace {
 
-constexpr std::size_t kPacket = 16;
+constexpr unsigned kPacket = 16;
 // Spatial splits make rays through rooms of large walls faster, but the tree takes twice as long.
 constexpr std::size_t kSplitBelow = 1'000'000;
 
@@ -49,38 +49,28 @@ void note_failure(void* text, RTCError code, const char* words) noexcept {
   }
 }
 
-void write_ray(RTCRay& to, const Ray& ray, unsigned mask) {
-  to = {ray.origin.x,
-        ray.origin.y,
-        ray.origin.z,
-        ray.near,
-        ray.direction.x,
-        ray.direction.y,
-        ray.direction.z,
-        0,
-        ray.far,
-        mask,
-        0,
-        0};
+// Writes ray i of a packet of n; a single ray has the layout of a packet of 1.
+void write_ray(void* packet, unsigned n, unsigned i, const Ray& ray, unsigned mask) {
+  auto* const to = static_cast<RTCRayN*>(packet);
+  RTCRayN_org_x(to, n, i) = ray.origin.x;
+  RTCRayN_org_y(to, n, i) = ray.origin.y;
+  RTCRayN_org_z(to, n, i) = ray.origin.z;
+  RTCRayN_tnear(to, n, i) = ray.near;
+  RTCRayN_dir_x(to, n, i) = ray.direction.x;
+  RTCRayN_dir_y(to, n, i) = ray.direction.y;
+  RTCRayN_dir_z(to, n, i) = ray.direction.z;
+  RTCRayN_time(to, n, i) = 0;
+  RTCRayN_tfar(to, n, i) = ray.far;
+  RTCRayN_mask(to, n, i) = mask;
+  RTCRayN_id(to, n, i) = 0;
+  RTCRayN_flags(to, n, i) = 0;
 }
 
-// Lanes beyond the rays repeat the last one and are switched off.
+// Lanes after the last ray repeat it and are switched off.
 void write_rays(RTCRay16& to, std::span<const Ray> rays, unsigned mask, int* valid) {
-  for (std::size_t i = 0; i < kPacket; ++i) {
-    const Ray& ray = rays[std::min(i, rays.size() - 1)];
+  for (unsigned i = 0; i < kPacket; ++i) {
     valid[i] = i < rays.size() ? -1 : 0;
-    to.org_x[i] = ray.origin.x;
-    to.org_y[i] = ray.origin.y;
-    to.org_z[i] = ray.origin.z;
-    to.tnear[i] = ray.near;
-    to.dir_x[i] = ray.direction.x;
-    to.dir_y[i] = ray.direction.y;
-    to.dir_z[i] = ray.direction.z;
-    to.time[i] = 0;
-    to.tfar[i] = ray.far;
-    to.mask[i] = mask;
-    to.id[i] = 0;
-    to.flags[i] = 0;
+    write_ray(&to, kPacket, i, i < rays.size() ? rays[i] : rays.back(), mask);
   }
 }
 
@@ -187,7 +177,7 @@ void RayTracer::trace(std::span<const Ray> rays, std::span<Hit> hits) const {
   alignas(64) RTCRayHit16 packet;
   alignas(64) std::array<int, kPacket> valid;
   for (std::size_t first = 0; first < rays.size(); first += kPacket) {
-    const std::size_t n = std::min(kPacket, rays.size() - first);
+    const std::size_t n = std::min<std::size_t>(kPacket, rays.size() - first);
     write_rays(packet.ray, rays.subspan(first, n), kMaskOfGlowing | kMaskOfOthers, valid.data());
     std::ranges::fill(packet.hit.geomID, RTC_INVALID_GEOMETRY_ID);
     std::ranges::fill(packet.hit.instID[0], RTC_INVALID_GEOMETRY_ID);
@@ -205,7 +195,7 @@ void RayTracer::trace(std::span<const Ray> rays, std::span<Hit> hits) const {
 
 Hit RayTracer::trace(const Ray& ray) const {
   RTCRayHit single;
-  write_ray(single.ray, ray, kMaskOfGlowing | kMaskOfOthers);
+  write_ray(&single.ray, 1, 0, ray, kMaskOfGlowing | kMaskOfOthers);
   single.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   single.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   embree::intersect(impl_->scene.get(), single);
@@ -222,7 +212,7 @@ void RayTracer::blocked(std::span<const Ray> rays, std::span<std::uint8_t> out,
   alignas(64) RTCRay16 packet;
   alignas(64) std::array<int, kPacket> valid;
   for (std::size_t first = 0; first < rays.size(); first += kPacket) {
-    const std::size_t n = std::min(kPacket, rays.size() - first);
+    const std::size_t n = std::min<std::size_t>(kPacket, rays.size() - first);
     write_rays(packet, rays.subspan(first, n), mask, valid.data());
     embree::occluded(valid.data(), impl_->scene.get(), packet);
     // Embree marks a ray that something lies on by far = -infinity.
@@ -232,7 +222,7 @@ void RayTracer::blocked(std::span<const Ray> rays, std::span<std::uint8_t> out,
 
 bool RayTracer::blocked(const Ray& ray) const {
   RTCRay single;
-  write_ray(single, ray, kMaskOfGlowing | kMaskOfOthers);
+  write_ray(&single, 1, 0, ray, kMaskOfGlowing | kMaskOfOthers);
   embree::occluded(impl_->scene.get(), single);
   return single.tfar < 0;
 }

@@ -113,6 +113,21 @@ SegmentGroup read_group(Element element, const Path& path, Faults& faults) {
   return out;
 }
 
+/// Calls `read` for the one field of a file's object. \throws InvalidInput
+template <class Read>
+void read_field(std::string_view text, const std::string& file, std::string_view name,
+                const Read& read) {
+  const json::Document document = json::Document::parse(text, file);
+  Faults faults(file);
+  const json::Field field{name};
+  std::optional<Element> found;
+  const Path root;
+  if (json::fields(document.root(), {&field, 1}, {&found, 1}, root, faults)) {
+    read(*found, Path(root, name), faults);
+  }
+  faults.throw_if_errors();
+}
+
 std::string json_text(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -172,16 +187,10 @@ std::string to_labelled_ply(const LabelledMesh& labelled) {
 }
 
 std::vector<std::int32_t> parse_face_segments(std::string_view text, const std::string& file) {
-  const json::Document document = json::Document::parse(text, file);
-  Faults faults(file);
-  constexpr std::array<json::Field, 1> kFields{{{"segIndices", true}}};
-  std::array<std::optional<Element>, 1> found;
   std::vector<std::int32_t> out;
-  const Path root;
-  if (json::fields(document.root(), kFields, found, root, faults)) {
-    out = whole_numbers(*found[0], Path(root, "segIndices"), faults);
-  }
-  faults.throw_if_errors();
+  read_field(text, file, "segIndices", [&](Element list, const Path& path, Faults& faults) {
+    out = whole_numbers(list, path, faults);
+  });
   return out;
 }
 
@@ -191,22 +200,14 @@ std::string face_segments_json(const std::vector<std::int32_t>& segments, const 
 }
 
 std::vector<SegmentGroup> parse_segment_groups(std::string_view text, const std::string& file) {
-  const json::Document document = json::Document::parse(text, file);
-  Faults faults(file);
-  constexpr std::array<json::Field, 1> kFields{{{"segGroups", true}}};
-  std::array<std::optional<Element>, 1> found;
   std::vector<SegmentGroup> out;
-  const Path root;
-  if (json::fields(document.root(), kFields, found, root, faults)) {
-    const Path path(root, "segGroups");
-    if (const auto groups = json::array(*found[0], path, faults)) {
-      std::size_t i = 0;
-      for (const Element group : *groups) {
-        out.push_back(read_group(group, Path(path, i++), faults));
-      }
+  read_field(text, file, "segGroups", [&](Element list, const Path& path, Faults& faults) {
+    const auto groups = json::array(list, path, faults);
+    if (!groups) return;
+    for (const Element group : *groups) {
+      out.push_back(read_group(group, Path(path, out.size()), faults));
     }
-  }
-  faults.throw_if_errors();
+  });
   return out;
 }
 

@@ -13,6 +13,9 @@
 #include "enfilade/mesh/detail/exact_heights.h"
 
 namespace enfilade::mesh {
+
+using namespace detail;
+
 namespace {
 
 // Recast counts spans in 24 bits, heights in 13.
@@ -33,13 +36,6 @@ void check_options(const WalkableOptions& o) {
   check_range("body.slope", o.body.slope, 0, 85);
   check_range("body.radius / cell", o.body.radius / o.cell, 0, 120);  // eroded in 8-bit half cells
 }
-
-// How the building is cut into columns and levels.
-struct Lattice {
-  Box box;
-  double cell = 0, level = 0;
-  int width = 0, depth = 0;  // columns along x, y
-};
 
 Lattice make_lattice(const Mesh& mesh, double cell) {
   Lattice lattice;
@@ -191,14 +187,6 @@ Field make_field(const Mesh& mesh, const WalkableOptions& options, const Lattice
 }
 
 constexpr std::uint32_t kNoSpan = std::numeric_limits<std::uint32_t>::max();
-
-// Floor as lists: cells by column, links by cell.
-struct Cells {
-  std::vector<FloorCell> cells;
-  std::vector<std::uint32_t> first_in_column;  // columns + 1
-  std::vector<std::uint32_t> first_link;       // cells + 1
-  std::vector<std::uint32_t> links;
-};
 
 // Spans with their columns, and the steps between them.
 class FieldReader {
@@ -377,13 +365,8 @@ WalkableFloor::WalkableFloor(const Mesh& mesh, const WalkableOptions& options)
   const Lattice& lattice = impl_->lattice;
   const Field field = make_field(mesh, options, lattice);
   impl_->floor = gather(FieldReader(field, lattice), lattice, options);
-  Cells& floor = impl_->floor;
-  detail::set_exact_heights(
-      mesh,
-      {lattice.box.low.x, lattice.box.low.y, lattice.cell, lattice.width, lattice.depth,
-       floor.first_in_column, options.body.step, lattice.level},
-      floor.cells);
-  for (const FloorCell& cell : floor.cells) {
+  set_exact_heights(mesh, lattice, options.body.step, impl_->floor);
+  for (const FloorCell& cell : impl_->floor.cells) {
     impl_->areas = std::max<std::size_t>(impl_->areas, cell.area + 1);
   }
 }

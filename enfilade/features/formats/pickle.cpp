@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cstring>
 #include <string_view>
 #include <unordered_map>
 
@@ -78,12 +79,10 @@ class Machine {
     return taken;
   }
 
+  // Little-endian, as this machine (stored_arrays.cpp).
   std::uint64_t unsigned_of(std::size_t size) {
     std::uint64_t value = 0;
-    const auto bytes = take(size);
-    for (std::size_t i = 0; i < size; ++i) {
-      value |= std::to_integer<std::uint64_t>(bytes[i]) << 8 * i;
-    }
+    std::memcpy(&value, take(size).data(), size);
     return value;
   }
 

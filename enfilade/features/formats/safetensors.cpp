@@ -24,14 +24,6 @@ constexpr std::size_t kLengthBytes = 8;
 constexpr std::size_t kAlignment = 64;  // of a cache line, and of any vector instruction's memory
 constexpr std::string_view kMetadata = "__metadata__";
 
-std::uint64_t little_endian(std::span<const std::byte> bytes) {
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < kLengthBytes; ++i) {
-    value |= std::to_integer<std::uint64_t>(bytes[i]) << 8 * i;
-  }
-  return value;
-}
-
 std::optional<DType> dtype_of(std::string_view name) {
   for (int i = 0; i <= static_cast<int>(DType::kBool); ++i) {
     if (to_string(static_cast<DType>(i)) == name) return static_cast<DType>(i);
@@ -151,7 +143,8 @@ std::span<const std::byte> header_of(std::span<const std::byte> file, const std:
     refuse(name, "byte 0", "truncated",
            fmt::format("{} bytes, not the 8 and more of a safetensors file", file.size()));
   }
-  const std::uint64_t bytes = little_endian(file);
+  std::uint64_t bytes = 0;  // little-endian, as this machine (stored_arrays.cpp)
+  std::memcpy(&bytes, file.data(), kLengthBytes);
   if (bytes > kLongestHeader) {
     refuse(name, "byte 0", "bad-header",
            fmt::format("a header of {} bytes, at most {} are allowed: no safetensors file", bytes,
@@ -290,9 +283,8 @@ SafetensorsLayout lay_out_safetensors(std::span<const NamedArray> arrays,
     throw ArgumentError(fmt::format("{} arrays: a header of {} bytes, at most {} are allowed",
                                     arrays.size(), header.size(), kLongestHeader));
   }
-  for (std::size_t i = 0; i < kLengthBytes; ++i) {
-    layout.start += static_cast<char>(header.size() >> 8 * i & 255U);
-  }
+  const std::uint64_t length = header.size();
+  layout.start.append(reinterpret_cast<const char*>(&length), kLengthBytes);
   layout.start += header;
   for (std::uint64_t& offset : layout.offsets) offset += layout.start.size();
   layout.file_bytes = layout.start.size() + end;

@@ -1,5 +1,3 @@
-#include "enfilade/mesh/light/bake.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -28,11 +26,6 @@ T median(std::vector<T> values, T otherwise) {
 }
 
 }  // namespace
-
-BakedLight bake(const RayTracer& tracer, const Surfaces& surfaces, const Lights& lights,
-                const BakeOptions& options, const Progress& progress) {
-  return Baker(tracer, surfaces, lights, options, progress).run();
-}
 
 Baker::Baker(const RayTracer& tracer, const Surfaces& surfaces, const Lights& lights,
              const BakeOptions& options, const Progress& progress)

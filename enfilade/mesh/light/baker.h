@@ -1,4 +1,4 @@
-/// \file  Baker: the steps of bake().
+/// \file  Computes the light at the points of a light mesh, in steps.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -6,10 +6,19 @@
 #include <vector>
 
 #include "enfilade/core/threads.h"
-#include "enfilade/mesh/light/bake.h"
+#include "enfilade/mesh/light/light_mesh.h"
 #include "enfilade/mesh/light/sources.h"
+#include "enfilade/mesh/light/surfaces.h"
+#include "enfilade/mesh/lighting.h"
 
 namespace enfilade::mesh::light {
+
+struct BakedLight {
+  LightMesh mesh;
+  /// Irradiance over pi by light point, without sunlight, for which rays are traced when drawing.
+  std::vector<Vec3f> light;
+  float key = 1;  ///< LitMesh::key()
+};
 
 /// Reports progress of steps with known shares.
 class Steps {
@@ -40,11 +49,12 @@ class Steps {
   std::size_t done_ = 0;
 };
 
-/// Stands for the sky instead of a light point.
+/// The sky, in the place of a light point.
 inline constexpr LightPoint kNowhere = 0x7fffffffU;
 
 class Baker {
  public:
+  /// \pre options are in range
   Baker(const RayTracer& tracer, const Surfaces& surfaces, const Lights& lights,
         const BakeOptions& options, const Progress& progress);
 

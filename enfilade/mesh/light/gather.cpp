@@ -36,26 +36,7 @@ struct Frame {
   }
 };
 
-// A point on both arrays' threads: rays of one light, for a block of receivers.
-struct Batch {
-  std::vector<Ray> rays;
-  std::vector<Vec3f> irradiances;
-  std::vector<std::uint32_t> receivers;
-  std::vector<std::uint8_t> blocked;
-
-  void clear() {
-    rays.clear();
-    irradiances.clear();
-    receivers.clear();
-  }
-  void add(const LightSource::Aim& aim, std::uint32_t receiver) {
-    rays.push_back(aim.ray);
-    irradiances.push_back(aim.irradiance);
-    receivers.push_back(receiver);
-  }
-};
-
-// What a block of receivers gets from one light.
+// Computes the light that a block of receivers gets from one source.
 class Shining {
  public:
   Shining(const RayTracer& tracer, std::span<const Receiver> receivers)
@@ -76,28 +57,39 @@ class Shining {
  private:
   template <class Which>
   void trace(const LightSource& source, std::size_t first, std::size_t last, const Which& which) {
-    batch_.clear();
+    rays_.clear();
+    targets_.clear();
     for (std::uint32_t i = 0; i < receivers_.size(); ++i) {
       if (!which(i)) continue;
       for (std::size_t k = first; k < last; ++k) {
         const LightSource::Aim aim = source.aim(receivers_[i], k);
-        if (luminance(aim.irradiance) > 0) batch_.add(aim, i);
+        if (!(luminance(aim.irradiance) > 0)) continue;
+        rays_.push_back(aim.ray);
+        targets_.push_back({i, aim.irradiance});
       }
     }
-    batch_.blocked.resize(batch_.rays.size());
-    tracer_.blocked(batch_.rays, batch_.blocked, source.blockers());
-    for (std::size_t k = 0; k < batch_.rays.size(); ++k) {
-      if (batch_.blocked[k] != 0) continue;
-      sum_[batch_.receivers[k]] += batch_.irradiances[k];
-      ++seen_[batch_.receivers[k]];
+    blocked_.resize(rays_.size());
+    tracer_.blocked(rays_, blocked_, source.blockers());
+    for (std::size_t k = 0; k < rays_.size(); ++k) {
+      if (blocked_[k] != 0) continue;
+      sum_[targets_[k].receiver] += targets_[k].irradiance;
+      ++seen_[targets_[k].receiver];
     }
   }
+
+  // What a ray brings if it is not blocked.
+  struct Target {
+    std::uint32_t receiver;
+    Vec3f irradiance;
+  };
 
   const RayTracer& tracer_;
   std::span<const Receiver> receivers_;
   std::vector<std::uint32_t> seen_;
   std::vector<Vec3f> sum_;
-  Batch batch_;
+  std::vector<Ray> rays_;
+  std::vector<Target> targets_;  ///< one a ray
+  std::vector<std::uint8_t> blocked_;
 };
 
 }  // namespace

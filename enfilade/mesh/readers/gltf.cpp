@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <system_error>
+#include <type_traits>
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/mesh/readers/text.h"
@@ -15,12 +16,14 @@ namespace {
 
 using tinygltf::Model;
 
-std::uint32_t word_at(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t k = 0; k < 4; ++k) {
-    value |= std::uint32_t{static_cast<unsigned char>(bytes[at + k])} << (8 * k);
-  }
+template <class T>
+T value_at(const char* at) {
+  T value;
+  std::memcpy(&value, at, sizeof(T));  // as machines of today: little-endian, like the format
   return value;
+}
+std::uint32_t word_at(std::string_view bytes, std::size_t at) {
+  return value_at<std::uint32_t>(bytes.data() + at);
 }
 
 /// The JSON text of a .glb, whose parts all lie inside the file (glTF 2.0, 4.4).
@@ -47,7 +50,7 @@ std::string_view json_chunk(std::string_view glb, const std::string& file) {
   return json;
 }
 
-/// Those that change nothing but looks, and those that are followed.
+/// Extensions that are read, and those that only change looks.
 bool is_known(std::string_view extension) {
   constexpr std::array<std::string_view, 18> kKnown{"KHR_texture_transform",
                                                     "KHR_mesh_quantization",
@@ -104,7 +107,7 @@ void check_json(std::string_view text, const std::string& file) {
   faults.throw_if_errors();
 }
 
-/// What tinygltf asks for files through.
+/// What the file callbacks of tinygltf need.
 struct Files {
   const Source& source;
   std::optional<std::string> missing;  ///< why the last one could not be read
@@ -143,89 +146,74 @@ bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, in
   return true;
 }
 
-std::size_t element_bytes(const tinygltf::Accessor& a) {
-  const int size = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(a.componentType));
-  const int n = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type));
-  return size > 0 && n > 0 ? static_cast<std::size_t>(size) * static_cast<std::size_t>(n) : 0;
-}
-
 template <class T>
 double number_at(const char* at) {
-  T value;
-  std::memcpy(&value, at, sizeof(T));  // as machines of today: little-endian, like the format
-  return static_cast<double>(value);
+  return static_cast<double>(value_at<T>(at));
 }
-double number_at(const char* at, int type) {
-  switch (type) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return number_at<std::int8_t>(at);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return number_at<std::uint8_t>(at);
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return number_at<std::int16_t>(at);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return number_at<std::uint16_t>(at);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-      return number_at<std::uint32_t>(at);
-    default:
-      return number_at<float>(at);
-  }
+
+/// A type of numbers in buffers.
+struct ComponentType {
+  int code;
+  std::size_t bytes;
+  double (*read)(const char* at);
+  bool is_unsigned;
+  double one;  ///< what stands for 1 if it is normalised (glTF 2.0, 3.6.2.2); 0: never normalised
+};
+template <class T>
+constexpr ComponentType component_type(int code) {
+  constexpr bool kNormalised = sizeof(T) < 4;
+  return {code, sizeof(T), number_at<T>, std::is_unsigned_v<T>,
+          kNormalised ? static_cast<double>(std::numeric_limits<T>::max()) : 0};
 }
-/// The greatest whole number of a type, which stands for 1 (glTF 2.0, 3.6.2.2).
-double share_of(double value, int type) {
-  switch (type) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return std::max(value / 127, -1.0);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return value / 255;
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return std::max(value / 32767, -1.0);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return value / 65535;
-    default:
-      return value;
-  }
-}
-bool is_allowed(int type) {
-  return type != TINYGLTF_COMPONENT_TYPE_INT && type != TINYGLTF_COMPONENT_TYPE_DOUBLE &&
-         tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(type)) > 0;
+constexpr std::array kComponentTypes{
+    component_type<std::int8_t>(TINYGLTF_COMPONENT_TYPE_BYTE),
+    component_type<std::uint8_t>(TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE),
+    component_type<std::int16_t>(TINYGLTF_COMPONENT_TYPE_SHORT),
+    component_type<std::uint16_t>(TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT),
+    component_type<std::uint32_t>(TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT),
+    component_type<float>(TINYGLTF_COMPONENT_TYPE_FLOAT)};
+
+/// Null for types that the format does not allow.
+const ComponentType* find_type(int code) {
+  const auto at = std::ranges::find(kComponentTypes, code, &ComponentType::code);
+  return at == kComponentTypes.end() ? nullptr : &*at;
 }
 
 class AccessorReader {
  public:
   AccessorReader(const Model& model, int accessor, const std::string& file)
-      : model_(model), file_(file), where_(fmt::format("$.accessors[{}]", accessor)) {
-    if (accessor < 0 || static_cast<std::size_t>(accessor) >= model.accessors.size()) {
+      : model_(model),
+        file_(file),
+        where_(fmt::format("$.accessors[{}]", accessor)),
+        accessor_(item_at(model.accessors, accessor)) {
+    if (accessor_ == nullptr) {
       refuse(file, where_, "bad-index", fmt::format("only {} are there", model.accessors.size()));
     }
-    accessor_ = &model.accessors[static_cast<std::size_t>(accessor)];
   }
 
   GltfNumbers read() {
     const tinygltf::Accessor& a = *accessor_;
-    const std::size_t element = element_bytes(a);
-    if (element == 0 || !is_allowed(a.componentType)) {
+    type_ = find_type(a.componentType);
+    const int components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type));
+    if (type_ == nullptr || components <= 0) {
       fail(fmt::format("component type {}, not one of glTF's", a.componentType));
     }
     if (a.count == 0) fail("a count of 0");
     if (a.bufferView < 0) {
       fail("no bufferView: compressed, or all zeros, which is not supported");
     }
-    out_.components = static_cast<std::size_t>(
-        tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)));
+    out_.components = static_cast<std::size_t>(components);
     out_.count = a.count;
-    out_.whole = !a.normalized && (a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
-                                   a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
-                                   a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT);
+    out_.whole = !a.normalized && type_->is_unsigned;
+    const std::size_t element = out_.components * type_->bytes;
     const std::string_view bytes = view(a.bufferView);
-    // Looked up by view(), so that it is there.
-    const std::size_t given = model_.bufferViews[static_cast<std::size_t>(a.bufferView)].byteStride;
+    const std::size_t given = item_at(model_.bufferViews, a.bufferView)->byteStride;
     const std::size_t stride = given == 0 ? element : given;
     if (stride < element) fail(fmt::format("a stride of {} for items of {}", stride, element));
     check_fits(bytes, a.byteOffset, a.count, stride, element);
-    out_.values.reserve(out_.count * out_.components);
+    out_.values.resize(out_.count * out_.components);
     for (std::size_t i = 0; i < a.count; ++i) {
-      append(bytes.data() + a.byteOffset + i * stride);
+      set_item(i, bytes.data() + a.byteOffset + i * stride);
     }
     if (a.sparse.isSparse) read_sparse(element);
     return std::move(out_);
@@ -245,51 +233,41 @@ class AccessorReader {
     fail(fmt::format("{} items from byte {} on, every {} bytes, end after their {} bytes", count,
                      offset, stride, bytes.size()));
   }
-  double number(const char* at) const {
-    const double value = number_at(at, accessor_->componentType);
-    return accessor_->normalized ? share_of(value, accessor_->componentType) : value;
-  }
-  std::size_t component_bytes() const {
-    return static_cast<std::size_t>(
-        tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(accessor_->componentType)));
-  }
-  void append(const char* item) {
+  void set_item(std::size_t item, const char* from) {
     for (std::size_t k = 0; k < out_.components; ++k) {
-      out_.values.push_back(number(item + k * component_bytes()));
+      const double value = type_->read(from + k * type_->bytes);
+      const bool normalised = accessor_->normalized && type_->one > 0;
+      out_.values[item * out_.components + k] =
+          normalised ? std::max(value / type_->one, -1.0) : value;
     }
   }
   void read_sparse(std::size_t element) {
     const auto& sparse = accessor_->sparse;
-    const int type = sparse.indices.componentType;
+    const ComponentType* type = find_type(sparse.indices.componentType);
     if (sparse.count < 1 || static_cast<std::size_t>(sparse.count) > out_.count ||
-        sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0 || !is_allowed(type) ||
-        type == TINYGLTF_COMPONENT_TYPE_BYTE || type == TINYGLTF_COMPONENT_TYPE_SHORT ||
-        type == TINYGLTF_COMPONENT_TYPE_FLOAT) {
+        sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0 || type == nullptr ||
+        !type->is_unsigned) {
       fail("its sparse part has a count, an offset or a type that is not allowed");
     }
     const auto count = static_cast<std::size_t>(sparse.count),
                at = static_cast<std::size_t>(sparse.indices.byteOffset),
                values_at = static_cast<std::size_t>(sparse.values.byteOffset);
-    const auto size = static_cast<std::size_t>(
-        tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(type)));
     const std::string_view indices = view(sparse.indices.bufferView),
                            values = view(sparse.values.bufferView);
-    check_fits(indices, at, count, size, size);
+    check_fits(indices, at, count, type->bytes, type->bytes);
     check_fits(values, values_at, count, element, element);
     for (std::size_t i = 0; i < count; ++i) {
-      const auto item = static_cast<std::size_t>(number_at(indices.data() + at + i * size, type));
+      const auto item = static_cast<std::size_t>(type->read(indices.data() + at + i * type->bytes));
       if (item >= out_.count) fail(fmt::format("sparse index {} of {}", item, out_.count));
-      for (std::size_t k = 0; k < out_.components; ++k) {
-        out_.values[item * out_.components + k] =
-            number(values.data() + values_at + i * element + k * component_bytes());
-      }
+      set_item(item, values.data() + values_at + i * element);
     }
   }
 
   const Model& model_;
   const std::string& file_;
   std::string where_;
-  const tinygltf::Accessor* accessor_ = nullptr;
+  const tinygltf::Accessor* accessor_;
+  const ComponentType* type_ = nullptr;
   GltfNumbers out_;
 };
 
@@ -333,19 +311,16 @@ std::string_view view_bytes(const Model& model, int view, const std::string& fil
   const auto fail = [&](const std::string& what) {
     refuse(file, where, "bad-buffer-view", fmt::format("buffer view {}: {}", view, what));
   };
-  if (view < 0 || static_cast<std::size_t>(view) >= model.bufferViews.size()) {
-    fail(fmt::format("only {} are there", model.bufferViews.size()));
+  const tinygltf::BufferView* v = item_at(model.bufferViews, view);
+  if (v == nullptr) fail(fmt::format("only {} are there", model.bufferViews.size()));
+  const tinygltf::Buffer* buffer = item_at(model.buffers, v->buffer);
+  if (buffer == nullptr) fail(fmt::format("buffer {} of {}", v->buffer, model.buffers.size()));
+  const auto& data = buffer->data;
+  if (v->byteOffset > data.size() || v->byteLength > data.size() - v->byteOffset) {
+    fail(fmt::format("{} bytes from {} on end after their buffer's {}", v->byteLength,
+                     v->byteOffset, data.size()));
   }
-  const tinygltf::BufferView& v = model.bufferViews[static_cast<std::size_t>(view)];
-  if (v.buffer < 0 || static_cast<std::size_t>(v.buffer) >= model.buffers.size()) {
-    fail(fmt::format("buffer {} of {}", v.buffer, model.buffers.size()));
-  }
-  const auto& data = model.buffers[static_cast<std::size_t>(v.buffer)].data;
-  if (v.byteOffset > data.size() || v.byteLength > data.size() - v.byteOffset) {
-    fail(fmt::format("{} bytes from {} on end after their buffer's {}", v.byteLength, v.byteOffset,
-                     data.size()));
-  }
-  return {reinterpret_cast<const char*>(data.data()) + v.byteOffset, v.byteLength};
+  return {reinterpret_cast<const char*>(data.data()) + v->byteOffset, v->byteLength};
 }
 
 GltfNumbers read_accessor(const Model& model, int accessor, const std::string& file) {

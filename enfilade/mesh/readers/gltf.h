@@ -18,6 +18,13 @@ namespace enfilade::mesh::readers {
 /// FileError for buffers that cannot be read
 tinygltf::Model load_gltf(const Source& source);
 
+/// The item that a file refers to by its number; null if there is none.
+template <class T>
+const T* item_at(const std::vector<T>& list, int index) {
+  const auto at = static_cast<std::size_t>(index);
+  return index >= 0 && at < list.size() ? &list[at] : nullptr;
+}
+
 /// The bytes of a buffer view. \param where in messages  \throws InvalidInput
 std::string_view view_bytes(const tinygltf::Model& model, int view, const std::string& file,
                             const std::string& where);

@@ -183,24 +183,25 @@ class MaterialReader {
   const image::Image8* texture(int index) {
     file_.clear();
     const std::string where = fmt::format("$.textures[{}]", index);
-    if (static_cast<std::size_t>(index) >= model_.textures.size()) {
+    const tinygltf::Texture* texture = item_at(model_.textures, index);
+    if (texture == nullptr) {
       complain(where_, "missing-texture",
                fmt::format("texture {} of {}", index, model_.textures.size()));
       return nullptr;
     }
-    const int source = model_.textures[static_cast<std::size_t>(index)].source;
-    if (source < 0 || static_cast<std::size_t>(source) >= model_.images.size()) {
+    const int source = texture->source;
+    const tinygltf::Image* image = item_at(model_.images, source);
+    if (image == nullptr) {
       complain(where, "missing-texture", "no image that is JPEG or PNG");
       return nullptr;
     }
-    const tinygltf::Image& image = model_.images[static_cast<std::size_t>(source)];
     const std::string image_where = fmt::format("$.images[{}]", source);
-    file_ = image.uri.empty() ? fmt::format("{}#images[{}]", source_.name, source)
-                              : (source_.folder / image.uri).string();
+    file_ = image->uri.empty() ? fmt::format("{}#images[{}]", source_.name, source)
+                               : (source_.folder / image->uri).string();
     try {
       if (source != decoded_) {
         decoded_ = -1;
-        picture_ = textures_.decode(image_bytes(image, image_where), file_);
+        picture_ = textures_.decode(image_bytes(*image, image_where), file_);
         decoded_ = source;
       } else {
         textures_.take(picture_.width, picture_.height, file_);

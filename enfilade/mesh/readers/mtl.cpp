@@ -1,10 +1,9 @@
-#include "enfilade/mesh/readers/mtl.h"
-
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <optional>
 
+#include "enfilade/mesh/readers/reader.h"
 #include "enfilade/mesh/readers/text.h"
 
 namespace enfilade::mesh::readers {

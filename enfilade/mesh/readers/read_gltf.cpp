@@ -114,18 +114,15 @@ class SceneReader {
   };
   std::vector<int> roots() const {
     if (!model_.scenes.empty()) {
-      const int scene = std::max(model_.defaultScene, 0);
-      if (static_cast<std::size_t>(scene) >= model_.scenes.size()) {
-        fail("$.scene", "bad-index", fmt::format("{} of {}", scene, model_.scenes.size()));
-      }
-      return model_.scenes[static_cast<std::size_t>(scene)].nodes;
+      const int number = std::max(model_.defaultScene, 0);
+      const tinygltf::Scene* scene = item_at(model_.scenes, number);
+      if (scene != nullptr) return scene->nodes;
+      fail("$.scene", "bad-index", fmt::format("{} of {}", number, model_.scenes.size()));
     }
     std::vector<bool> child(model_.nodes.size());
     for (const tinygltf::Node& node : model_.nodes) {
       for (const int c : node.children) {
-        if (c >= 0 && static_cast<std::size_t>(c) < child.size()) {
-          child[static_cast<std::size_t>(c)] = true;
-        }
+        if (item_at(model_.nodes, c) != nullptr) child[static_cast<std::size_t>(c)] = true;
       }
     }
     std::vector<int> out;
@@ -146,34 +143,32 @@ class SceneReader {
       const Visit visit = open.back();
       open.pop_back();
       const std::string where = fmt::format("$.nodes[{}]", visit.node);
-      if (visit.node < 0 || static_cast<std::size_t>(visit.node) >= seen.size()) {
-        fail(where, "bad-index", fmt::format("only {} are there", seen.size()));
-      }
+      const tinygltf::Node* node = item_at(model_.nodes, visit.node);
+      if (node == nullptr) fail(where, "bad-index", fmt::format("only {} are there", seen.size()));
       const auto n = static_cast<std::size_t>(visit.node);
       if (seen[n]) fail(where, "bad-node", "a child of two nodes, or of itself");
       seen[n] = true;
-      const tinygltf::Node& node = model_.nodes[n];
-      const Affine world = visit.world_from_parent * affine_of(node);
+      const Affine world = visit.world_from_parent * affine_of(*node);
       if (!std::ranges::all_of(world.m, [](double v) { return std::isfinite(v); })) {
         fail(where, "not-finite", "its transform is not finite");
       }
-      if (node.mesh >= 0) read_mesh_of(node, n, world);
-      push(node.children, world);
+      if (node->mesh >= 0) read_mesh_of(*node, n, world);
+      push(node->children, world);
     }
   }
 
   void read_mesh_of(const tinygltf::Node& node, std::size_t place, const Affine& world) {
     const std::string where = fmt::format("$.meshes[{}]", node.mesh);
-    if (static_cast<std::size_t>(node.mesh) >= model_.meshes.size()) {
+    const tinygltf::Mesh* mesh = item_at(model_.meshes, node.mesh);
+    if (mesh == nullptr) {
       fail(where, "bad-index", fmt::format("only {} are there", model_.meshes.size()));
     }
-    const tinygltf::Mesh& mesh = model_.meshes[static_cast<std::size_t>(node.mesh)];
-    std::string name = !node.name.empty()   ? node.name
-                       : !mesh.name.empty() ? mesh.name
-                                            : fmt::format("node {}", place);
+    std::string name = !node.name.empty()    ? node.name
+                       : !mesh->name.empty() ? mesh->name
+                                             : fmt::format("node {}", place);
     mesh_.mesh.objects.push_back({std::move(name), 0, -1});
-    for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
-      read_primitive(mesh.primitives[p], fmt::format("{}.primitives[{}]", where, p), world);
+    for (std::size_t p = 0; p < mesh->primitives.size(); ++p) {
+      read_primitive(mesh->primitives[p], fmt::format("{}.primitives[{}]", where, p), world);
     }
   }
 
@@ -249,7 +244,7 @@ class SceneReader {
 
   std::uint32_t material_of(const tinygltf::Primitive& primitive, const std::string& where) {
     if (primitive.material >= 0) {
-      if (static_cast<std::size_t>(primitive.material) >= materials_.size()) {
+      if (item_at(materials_, primitive.material) == nullptr) {
         fail(where, "bad-index",
              fmt::format("material {} of {}", primitive.material, materials_.size()));
       }

@@ -9,7 +9,6 @@
 #include <unordered_map>
 
 #include "enfilade/image/tone.h"
-#include "enfilade/mesh/readers/mtl.h"
 #include "enfilade/mesh/readers/reader.h"
 #include "enfilade/mesh/readers/text.h"
 

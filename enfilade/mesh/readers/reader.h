@@ -29,6 +29,16 @@ ReadResult read_ply(const Source& source);
 ReadResult read_obj(const Source& source);
 ReadResult read_gltf(const Source& source);
 
+/// A material of a .mtl and the names of its textures, which are not read yet.
+struct MtlMaterial {
+  Material material;
+  std::string colour_map, alpha_map;
+};
+/// Materials of an OBJ. Invalid lines give warnings, as a mesh without a colour can still be used.
+/// \param file in messages
+std::vector<MtlMaterial> parse_mtl(std::string_view text, const std::string& file,
+                                   std::vector<Diagnostic>& warnings);
+
 void warn(ReadResult& result, const Source& source, std::string where, std::string code,
           std::string message);
 
