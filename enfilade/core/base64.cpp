@@ -24,7 +24,7 @@ std::size_t padding(std::string_view text) {
   return text.ends_with('=') ? 1 : 0;
 }
 
-// The bytes of four characters in the low 24 bits; more if one of them has no value.
+// The bytes of four characters in the low 24 bits; higher bits are set if a character is invalid.
 std::uint32_t group(const char* text) {
   const std::uint32_t a = value_of(text[0]), b = value_of(text[1]), c = value_of(text[2]),
                       d = value_of(text[3]);

@@ -20,7 +20,7 @@ struct CloseFile {
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
 
-// Of a file that is being written: "a.json.part4711", by the process's number.
+// Ending of a file that is being written, before the process id: "a.json.part4711".
 constexpr std::string_view kPart = ".part";
 
 [[noreturn]] void fail(const fs::path& path, const char* doing, int reason) {
@@ -34,7 +34,7 @@ void write_whole(const fs::path& path, std::string_view content, const fs::path&
   if (std::fwrite(content.data(), 1, content.size(), file.get()) != content.size()) {
     fail(named, "write", errno);
   }
-  // A full disk may show only when buffers go out, so closing is part of writing.
+  // A full disk may be reported only when buffers are flushed, so closing is part of writing.
   if (std::fflush(file.get()) != 0) fail(named, "write", errno);
   if (std::fclose(file.release()) != 0) fail(named, "write", errno);
 }

@@ -10,8 +10,8 @@ namespace {
 // Loops of this length have no remainder, so compilers turn them into vector instructions.
 constexpr std::size_t kBlock = 16;
 
-// Without denormal floats, which a thread may be told to take for zero; and without a choice
-// between floats, which gcc 12 makes a jump of.
+// Avoids denormal floats, which a thread may be set to treat as zero, and chooses between integers,
+// as gcc 12 compiles a choice between floats to a branch.
 inline float to_float(std::uint32_t half) {
   const std::uint32_t magnitude = (half & 0x7fffU) << 13U;
   const std::uint32_t normal = magnitude + (112U << 23U);

@@ -42,7 +42,7 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
   if (S_ISDIR(status.st_mode)) fail(path, EISDIR);
   if (!S_ISREG(status.st_mode)) fail(path, EINVAL);
   const auto size = static_cast<std::size_t>(status.st_size);
-  if (size == 0) return;  // which mmap refuses
+  if (size == 0) return;  // mmap refuses empty files
   void* memory = mmap(nullptr, size, PROT_READ, MAP_SHARED, file.number(), 0);
   if (memory == MAP_FAILED) fail(path, errno);
   bytes_ = {static_cast<const std::uint8_t*>(memory), size};

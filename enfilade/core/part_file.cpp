@@ -15,8 +15,8 @@ namespace enfilade {
 namespace fs = std::filesystem;
 namespace {
 
-// A new name outlives a power cut only once its folder is on the disk; where folders can't be
-// synchronised there is nothing to be done.
+// A renamed file survives a power cut only after its folder has been synchronised. Errors are
+// ignored: some file systems cannot synchronise folders.
 void synchronise_folder(const fs::path& folder) {
   const int descriptor =
       open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -44,7 +44,7 @@ PartFile::PartFile(const fs::path& file) {
 }
 
 PartFile::~PartFile() {
-  if (descriptor_ >= 0) close(descriptor_);  // and with it goes the lock
+  if (descriptor_ >= 0) close(descriptor_);  // releases the lock too
 }
 
 void PartFile::open_locked() {
@@ -58,8 +58,8 @@ void PartFile::open_locked() {
       if (reason != EWOULDBLOCK) fail("locked");
       throw FileError(fmt::format("{}: another process is writing it just now", part_.string()));
     }
-    // Whoever held the lock may have finished and renamed the part meanwhile: then what is open is
-    // the whole file.
+    // The process that held the lock may have renamed the part meanwhile: then the open file is the
+    // finished one.
     struct stat opened {
     }, named{};
     if (fstat(descriptor_, &opened) == 0 && stat(part_.c_str(), &named) == 0 &&

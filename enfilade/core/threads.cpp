@@ -33,8 +33,8 @@ void run(std::size_t count, std::size_t grain, int threads, RangeBody body) {
 
 #else
 
-// The stand-in where oneTBB is unwanted: thread sanitizer cannot see into Debian's library, which
-// is not instrumented, and would report its hand-over of every task as a race.
+// Used instead of oneTBB with thread sanitizer: Debian's oneTBB is not instrumented, so that each
+// task handed over would be reported as a race.
 void run(std::size_t count, std::size_t grain, int threads, RangeBody body) {
   std::atomic<std::size_t> next{0};
   std::exception_ptr failure;
@@ -65,8 +65,8 @@ int available_threads() noexcept {
 #if EN_WITH_TBB
   return std::max(1, tbb::info::default_concurrency());
 #else
-  // Asked once: the standard library opens a file of the kernel's each time, and that takes as long
-  // as a small picture. It would also count cores that this process is kept from.
+  // Read once: the standard library opens a kernel file each time, which takes as long as drawing a
+  // small picture. It would also count cores that this process may not use.
   static const int kCores = [] {
     cpu_set_t allowed;
     const bool known = sched_getaffinity(0, sizeof(allowed), &allowed) == 0;
@@ -78,7 +78,7 @@ int available_threads() noexcept {
 
 void parallel_for(std::size_t count, std::size_t grain, int threads, RangeBody body) {
   if (count == 0) return;
-  // More threads than cores gain nothing, and oneTBB would complain of them on stderr.
+  // More threads than cores gain nothing, and oneTBB would print a warning to stderr.
   const int wanted = threads <= 0 ? available_threads() : std::min(threads, available_threads());
   if (wanted == 1 || count <= grain) {
     body(0, count);

@@ -60,7 +60,7 @@ image::Image8 coloured(const image::Image<T>& values, const Colour& colour_of) {
   return picture;
 }
 
-// Neighbours mostly have one id: its colour is worked out once a run.
+// Neighbours mostly have the same id: its colour is computed once a run.
 template <class T>
 image::Image8 coloured_ids(const image::Image<T>& ids) {
   std::uint32_t last = 0;
@@ -143,7 +143,7 @@ std::vector<std::string> labels_of(std::span<const IdArea> ids, const IdNames& n
   return labels;
 }
 
-// And two letters of air; no narrower than the words that may stand in a label's place.
+// The longest of the labels and of the texts that may replace one, and two blanks.
 std::string longest(const std::vector<std::string>& labels) {
   std::string found = "nothing known here";
   if (!labels.empty()) found = "+ 99 more";

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/draw/markup.h"
-#include "enfilade/draw/plan/legend.h"
 #include "enfilade/draw/plan/marks.h"
 #include "enfilade/draw/plan/plan.h"
 #include "enfilade/draw/plan/sheet.h"
@@ -28,12 +28,10 @@ using plan::Point;
 using plan::Step;
 using Role = PlannedPath::Role;
 
-constexpr double kNoteSize = 14;
-constexpr double kNoteLine = 20;
 constexpr std::array kReferenceColours{plan::kBlue, plan::kSky};
 constexpr std::array kAgentColours{plan::kVermilion, plan::kPurple};
 
-// A path as it is drawn: with its colour, and its steps beside those of the others.
+// A path as it is drawn: with its colour, its steps placed beside those of other paths.
 struct Overlay {
   Role role = Role::kAgent;
   ViewpointIndex start, end;
@@ -111,22 +109,17 @@ class Painter {
             plan::arrange(plan_, success_circles(), options.underlay, options.pixels_per_metre)) {}
 
   std::string run() const {
-    const double width = std::max(
-        {layout_.size.x, plan::kNarrowest, 1.15 * plan::text_width(title(), plan::kTitleSize)});
-    const std::vector<std::string> note = plan::wrap(options_.note, kNoteSize, width);
-    const double top =
-        plan::kBorder + plan::kHeading + kNoteLine * static_cast<double>(note.size());
-    const double legend_top = top + layout_.size.y + 20;
-    const plan::Block legend =
-        plan::draw_legend(legend_items(), {plan::kBorder, legend_top}, width, layout_.scale);
-    std::string out = plan::open_sheet(
-        title(), {width + 2 * plan::kBorder, legend_top + legend.height + plan::kBorder - 10});
-    out += draw_title(note);
-    append(out, "<g transform=\"translate({})\">\n", plan::pair({plan::kBorder, top}));
-    for (const Panel& panel : layout_.panels) out += draw_panel(panel);
-    append(out, "</g>\n<path d=\"M{}h{}\" stroke=\"#e2e4e8\"/>\n",
-           plan::pair({plan::kBorder, legend_top - 12}), plan::number(width));
-    return out + legend.svg + "</g>\n</svg>\n";
+    const std::size_t storeys = plan_.storeys.size();
+    std::string panels;
+    for (const Panel& panel : layout_.panels) panels += draw_panel(panel);
+    return plan::draw_sheet(
+        {.title = options_.title.empty() ? graph_.scan() : options_.title,
+         .subtitle = fmt::format("{} viewpoints, {} edges, {} {}", graph_.included_count(),
+                                 plan_.edges.size(), storeys, storeys == 1 ? "storey" : "storeys"),
+         .note = options_.note,
+         .legend = legend_items(),
+         .rule = true},
+        layout_, panels);
   }
 
  private:
@@ -139,31 +132,8 @@ class Painter {
   }
 
   Point place(const Panel& panel, ViewpointIndex v) const { return panel.at(graph_.position(v)); }
-  bool isolated(ViewpointIndex v) const { return !touched_by_edge(v); }
-
-  bool touched_by_edge(ViewpointIndex v) const {
-    return std::ranges::any_of(plan_.edges, [v](auto e) { return e.a == v || e.b == v; });
-  }
-
-  const std::string& title() const {
-    return options_.title.empty() ? graph_.scan() : options_.title;
-  }
-
-  std::string draw_title(const std::vector<std::string>& note) const {
-    const std::size_t storeys = plan_.storeys.size();
-    Point p{plan::kBorder, plan::kBorder + 16};
-    std::string out = plan::text(p, title(), plan::kTitleSize, plan::kInk, true);
-    p.y += 22;
-    out += plan::text(p,
-                      fmt::format("{} viewpoints, {} edges, {} {}", graph_.included_count(),
-                                  plan_.edges.size(), storeys, storeys == 1 ? "storey" : "storeys"),
-                      13, plan::kFaintInk);
-    p.y += 3;
-    for (const std::string& line : note) {
-      p.y += kNoteLine;
-      out += plan::text(p, line, kNoteSize, plan::kInk);
-    }
-    return out;
+  bool isolated(ViewpointIndex v) const {
+    return std::ranges::none_of(plan_.edges, [v](auto e) { return e.a == v || e.b == v; });
   }
 
   std::string draw_panel(const Panel& panel) const {
@@ -269,9 +239,7 @@ class Painter {
     }
     add_end_items(items);
     if (options_.underlay != nullptr) {
-      for (LegendItem& item : plan::underlay_legend(*options_.underlay)) {
-        items.push_back(std::move(item));
-      }
+      std::ranges::move(plan::underlay_legend(*options_.underlay), std::back_inserter(items));
       return items;
     }
     items.push_back({fmt::format("<rect x=\"-14\" y=\"-7\" width=\"28\" height=\"14\" rx=\"7\" "

@@ -46,6 +46,8 @@ struct Storey {
 /// viewpoints and 3 % of all within 0.25 m. Viewpoints on stairs and landings belong to the nearest
 /// storey; each included viewpoint to exactly one. Empty for an empty graph.
 std::vector<Storey> find_storeys(const graph::NavGraph& graph);
+/// Index of the storey whose floor is nearest to a height, world z. \pre !storeys.empty()
+std::size_t nearest_storey(const std::vector<Storey>& storeys, double floor);
 
 /// A self-contained SVG document: one panel a storey, lowest first, all at one scale, north (+y)
 /// up, with scale bar and legend. Edges between storeys are drawn on both, dashed, with a mark at

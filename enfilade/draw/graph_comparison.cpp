@@ -7,7 +7,6 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/draw/markup.h"
-#include "enfilade/draw/plan/legend.h"
 #include "enfilade/draw/plan/marks.h"
 #include "enfilade/draw/plan/plan.h"
 #include "enfilade/draw/plan/sheet.h"
@@ -20,9 +19,7 @@ using graph::GraphComparison;
 using graph::NavGraph;
 using plan::Panel;
 using plan::Plan;
-using plan::Point;
 
-constexpr double kNoteLine = 20;
 constexpr const char* kCommonStyle = "stroke=\"#a7acb5\"";
 constexpr const char* kExtraStyle = "stroke=\"#d62728\" stroke-width=\"2.5\"";
 constexpr const char* kMissingStyle =
@@ -51,43 +48,20 @@ class Painter {
   }
 
   std::string run() const {
-    using plan::kBorder;
-    const double width = std::max({layout_.size.x, plan::kNarrowest,
-                                   1.15 * plan::text_width(title(), plan::kTitleSize),
-                                   plan::text_width(options_.note, 14)});
-    const double top = kBorder + plan::kHeading + (options_.note.empty() ? 0 : kNoteLine);
-    const double legend_top = top + layout_.size.y + 20;
-    const plan::Block legend =
-        plan::draw_legend(legend_items(), {kBorder, legend_top}, width, layout_.scale);
-    std::string out =
-        plan::open_sheet(title(), {width + 2 * kBorder, legend_top + legend.height + kBorder - 10});
-    out += draw_title();
-    plan::append(out, "<g transform=\"translate({})\">\n", plan::pair({kBorder, top}));
-    for (const Panel& panel : layout_.panels) out += draw_panel(panel);
-    return out + "</g>\n" + legend.svg + "</g>\n</svg>\n";
+    std::string panels;
+    for (const Panel& panel : layout_.panels) panels += draw_panel(panel);
+    return plan::draw_sheet(
+        {.title = options_.title.empty() ? found_.scan() : options_.title,
+         .subtitle = fmt::format(
+             "precision {:.3f}, recall {:.3f}, F1 {:.3f}: {} edges in both, {} extra, {} missing",
+             comparison_.precision(), comparison_.recall(), comparison_.f1(), comparison_.common,
+             comparison_.extra.size(), comparison_.missing.size()),
+         .note = options_.note,
+         .legend = legend_items()},
+        layout_, panels);
   }
 
  private:
-  const std::string& title() const {
-    return options_.title.empty() ? found_.scan() : options_.title;
-  }
-
-  std::string draw_title() const {
-    Point p{plan::kBorder, plan::kBorder + 16};
-    std::string out = plan::text(p, title(), plan::kTitleSize, plan::kInk, true);
-    p.y += 22;
-    out += plan::text(
-        p,
-        fmt::format("precision {:.3f}, recall {:.3f}, F1 {:.3f}: {} edges in both, {} extra, {} "
-                    "missing",
-                    comparison_.precision(), comparison_.recall(), comparison_.f1(),
-                    comparison_.common, comparison_.extra.size(), comparison_.missing.size()),
-        13, plan::kFaintInk);
-    p.y += 23;
-    if (!options_.note.empty()) out += plan::text(p, options_.note, 14, plan::kInk);
-    return out;
-  }
-
   std::string line(const Panel& panel, ViewpointIndex a, ViewpointIndex b) const {
     if (!plan_.touches(panel.storey, a, b)) return "";
     return "M" + plan::pair(panel.at(found_.position(a))) + "L" +

@@ -62,9 +62,8 @@ IdNames load_class_names(const std::filesystem::path& file) {
     std::uint32_t id = 0;
     const auto [stop, code] = std::from_chars(row.data(), row.data() + tab, id);
     if (code != std::errc() || stop != row.data() + tab || next <= tab + 1) {
-      throw InvalidInput(
-          {{Severity::kError, file.string(), fmt::format("line {}", line), "bad-label",
-            "not a whole number, a tab and a name, as mpcat40.tsv has them"}});
+      refuse(file.string(), fmt::format("line {}", line), "bad-label",
+             "not a whole number, a tab and a name, as mpcat40.tsv has them");
     }
     names[id] = row.substr(tab + 1, next - tab - 1);
   }

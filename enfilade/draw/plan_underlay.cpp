@@ -66,7 +66,7 @@ void add_cut(const mesh::Mesh& mesh, double z, const Bounds& bounds, const Wante
   }
 }
 
-// What has no label may be anything: low down furniture, and walls where it is also higher up.
+// Surfaces without label count as furniture low above the floor, and as walls higher up.
 std::optional<Kind> low_kind(const mesh::Mesh& mesh, std::uint32_t object) {
   if (object == mesh::kNoObject) return Kind::kThing;
   const std::uint16_t category = mesh.objects[object].category;
@@ -80,7 +80,7 @@ std::optional<Kind> high_kind(const mesh::Mesh& mesh, std::uint32_t object) {
   return kind == Kind::kWall || kind == Kind::kDoor ? std::optional(kind) : std::nullopt;
 }
 
-// Frames with glass between them, or without: one line through them, along them, says window.
+// A window's frames, with or without glass between them, become one line along them.
 UnderlayLine window_line(const std::vector<Vec3f>& cut) {
   double x = 0, y = 0, xx = 0, xy = 0, yy = 0;
   const auto n = static_cast<double>(cut.size());
@@ -159,9 +159,7 @@ void add_text(PlanUnderlay& underlay, const graph::NavGraph& graph, Vec3f at,
               const std::string& text) {
   const std::vector<Storey> storeys = find_storeys(graph);
   if (storeys.empty() || underlay.storeys.size() != storeys.size()) return;
-  const auto nearest = std::ranges::min_element(
-      storeys, {}, [&](const Storey& s) { return std::abs(s.floor - double{at.z}); });
-  underlay.storeys[static_cast<std::size_t>(nearest - storeys.begin())].texts.push_back({at, text});
+  underlay.storeys[nearest_storey(storeys, at.z)].texts.push_back({at, text});
 }
 
 }  // namespace enfilade::draw

@@ -10,7 +10,7 @@
 namespace enfilade::draw {
 namespace {
 
-// Enough of an id to name a viewpoint of a scan by.
+// The first characters of an id, enough to identify a viewpoint of a scan.
 std::string brief(const std::string& viewpoint) { return viewpoint.substr(0, 8); }
 
 Shot shot(const std::string& name, const std::string& viewpoint, Radians heading,
@@ -24,7 +24,7 @@ Shot shot(const std::string& name, const std::string& viewpoint, Radians heading
                   raised == 0 ? std::string() : fmt::format(", {:+}", raised))};
 }
 
-// Along a path, towards the next viewpoint; at the end as it was reached.
+// Headings along a path: towards the next viewpoint; at the end as on arrival.
 std::vector<Radians> ahead(const graph::NavGraph& graph, std::span<const ViewpointIndex> path,
                            Radians start) {
   std::vector<Radians> headings;

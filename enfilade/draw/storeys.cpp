@@ -8,8 +8,8 @@ namespace enfilade::draw {
 namespace {
 
 constexpr double kWindow = 1.2;  // floors of one storey differ by less (steps, sloping ground)
-constexpr double kApart = 1.8;   // no two storeys are nearer: people stand in the lower one
-constexpr double kCore = 0.25;   // of a storey's middle; stairs have few viewpoints at one height
+constexpr double kApart = 1.8;   // storeys are farther apart: people stand in the lower one
+constexpr double kCore = 0.25;   // around the median floor; stairs have few viewpoints so level
 constexpr double kLeastShare = 0.03;
 constexpr double kLeastViewpoints = 3;
 
@@ -57,23 +57,28 @@ std::vector<Storey> find_storeys(const graph::NavGraph& graph) {
   std::ranges::sort(sorted);
   const auto least = static_cast<std::size_t>(
       std::ceil(std::max(kLeastViewpoints, kLeastShare * static_cast<double>(sorted.size()))));
-  std::vector<double> modes;  // the largest storey may be as small as it likes
+  std::vector<double> modes;  // the largest storey has no least number of viewpoints
   for (Mode mode = densest_window(sorted, modes, 0); mode.count > 0;
        mode = densest_window(sorted, modes, least)) {
     modes.push_back(mode.floor);
   }
   std::ranges::sort(modes);
-  std::vector<Storey> storeys(modes.size());
+  std::vector<Storey> storeys;
+  for (const double mode : modes) storeys.push_back({mode, {}});
   std::vector<std::vector<double>> members(modes.size());
   for (const auto& [v, floor] : floors) {
-    const auto nearest = std::ranges::min_element(
-        modes, {}, [f = floor](double mode) { return std::abs(mode - f); });
-    const auto s = static_cast<std::size_t>(nearest - modes.begin());
+    const std::size_t s = nearest_storey(storeys, floor);
     storeys[s].viewpoints.push_back(v);
     members[s].push_back(floor);
   }
   for (std::size_t s = 0; s < storeys.size(); ++s) storeys[s].floor = median(members[s]);
   return storeys;
+}
+
+std::size_t nearest_storey(const std::vector<Storey>& storeys, double floor) {
+  const auto nearest = std::ranges::min_element(
+      storeys, {}, [floor](const Storey& s) { return std::abs(s.floor - floor); });
+  return static_cast<std::size_t>(nearest - storeys.begin());
 }
 
 }  // namespace enfilade::draw

@@ -133,7 +133,8 @@ class Checker {
     }
   }
 
-  // Parts but for the largest, isolated viewpoints left out (they are reported themselves).
+  // All connected parts but the largest. Isolated viewpoints are left out, as they are reported
+  // already.
   void check_parts() {
     std::vector<std::vector<std::size_t>> parts(n_);
     for (std::size_t i = 0; i < n_; ++i) {

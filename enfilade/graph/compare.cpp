@@ -57,7 +57,7 @@ bool linked(const NavGraph& graph, ViewpointIndex a, ViewpointIndex b) {
   return graph.edge(a, b) != nullptr || graph.edge(b, a) != nullptr;
 }
 
-// Calls back with each undirected edge once, from whichever end has it.
+// Calls `visit` with each undirected edge once, from the end that has it.
 template <class Visit>
 void each_edge(const NavGraph& graph, const Visit& visit) {
   for (std::size_t i = 0; i < graph.size(); ++i) {

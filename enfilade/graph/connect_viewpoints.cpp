@@ -11,7 +11,8 @@
 namespace enfilade::graph {
 namespace {
 
-// Ids that look like Matterport3D's. Millimetres, so that they don't hang on the last bit.
+// Ids like Matterport3D's. Positions are rounded to millimetres, so that ids do not depend on the
+// last bit.
 std::string make_id(const std::string& scan, Vec3d p, std::size_t repeat) {
   const std::string text = fmt::format("{} {:.3f} {:.3f} {:.3f} {}", scan, p.x, p.y, p.z, repeat);
   Rng rng(stream_of(text.data(), text.size()));
@@ -35,12 +36,12 @@ scan::Connectivity make_entries(const std::vector<PlacedViewpoint>& viewpoints,
   return out;
 }
 
-// What is known of a pair, from its lower index.
+// What is known of a pair of viewpoints, stored at the lower index.
 struct Sight {
   bool visible = false, free = false;
 };
 
-// Hands rows' ends on, one at a time.
+// Counts finished rows and reports progress, one thread at a time.
 class RowCounter {
  public:
   RowCounter(const Progress& progress, std::size_t total) : progress_(progress), total_(total) {}

@@ -33,7 +33,7 @@ bool is_of_edge(Action action) {
   return action == Action::kAddEdge || action == Action::kRemoveEdge;
 }
 
-// A text that may be absent, and is empty then.
+// An optional text; empty if absent.
 std::string read_text(const std::optional<Element>& element, const Path& path, Faults& faults) {
   if (!element) return "";
   const auto text = json::string(*element, path, faults);
@@ -94,7 +94,7 @@ class Corrector {
     return static_cast<std::size_t>(at - c_.entries.begin());
   }
 
-  // False if that is how it was.
+  // Returns false if nothing changed.
   bool apply(const Correction& correction) {
     const std::size_t from = find(correction.from).value();
     if (!is_of_edge(correction.action)) {

@@ -69,7 +69,7 @@ std::shared_ptr<const GraphSet> GraphSet::of(std::vector<NavGraph> graphs) {
 }
 
 std::optional<ScanIndex> GraphSet::find(std::string_view scan) const {
-  // A data set has tens of scans, looked up once an episode.
+  // A data set has tens of scans, and each is looked up once an episode.
   for (std::size_t i = 0; i < scans_.size(); ++i) {
     if (scans_[i] == scan) return ScanIndex(i);
   }

@@ -19,7 +19,7 @@
 namespace enfilade::graph {
 namespace {
 
-// The included viewpoints, as nanoflann wants to see them.
+// The included viewpoints, with the interface that nanoflann needs.
 struct Cloud {
   std::vector<Vec3f> points;
   std::vector<ViewpointIndex> viewpoints;
@@ -47,8 +47,8 @@ Edge make_edge(Vec3d from_exact, Vec3d to_exact, ViewpointIndex target) {
   edge.target = target;
   edge.dx = offset.x;
   edge.dy = offset.y;
-  // Straight above or below there is no horizontal direction: 0 * inf would be NaN as well, said
-  // here aloud.
+  // Straight above or below there is no horizontal direction. 0 * inf would be NaN too; this makes
+  // it explicit.
   edge.unit_x = squared > 0 ? offset.x * inverse : std::numeric_limits<float>::quiet_NaN();
   edge.unit_y = squared > 0 ? offset.y * inverse : std::numeric_limits<float>::quiet_NaN();
   edge.distance = length(offset);

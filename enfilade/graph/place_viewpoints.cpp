@@ -25,7 +25,7 @@ using mesh::WalkableFloor;
 
 constexpr double kGrid = 0.2;            // metres between candidates
 constexpr std::size_t kDirections = 32;  // of rays that measure what is seen
-constexpr double kSight = 8;             // metres; what is beyond doesn't make a place better
+constexpr double kSight = 8;             // metres; things farther away do not make a place better
 constexpr double kBelowCeiling = 0.1;    // metres between an eye and the ceiling
 // Between a new viewpoint and those there are, on foot, as a share of the separation: gives
 // Matterport3D's mean length of edges in furnished homes. See docs/graph.md.
@@ -47,8 +47,8 @@ struct Candidate {
   bool roomy = false;  // clear of what the body would touch
 };
 
-// Parts of the floor that get viewpoints: the first, and others that have room for two and are as
-// much indoors.
+// Parts of the floor that get viewpoints: the first, and others that have room for two and are
+// indoors if the first is.
 std::vector<bool> choose_parts(const WalkableFloor& floor, double separation) {
   std::vector<double> cells(floor.areas(), 0), covered(floor.areas(), 0);
   for (const FloorCell& cell : floor.cells()) {
@@ -125,7 +125,7 @@ void score_candidates(const RayTracer& tracer, const WalkableFloor& floor,
       const double room = std::min(1.0, cell.clearance / std::max(options.least_clearance, 1e-3));
       const double middle = 0.5 * std::min<double>(cell.clearance, 1.5);
       candidates[i].roomy = cell.clearance >= options.least_clearance;
-      // Seeds differ by what they prefer among places that are about as good.
+      // The seed decides between places that are about equally good.
       const double taste = 1 + 0.05 * Rng(options.seed, candidates[i].cell).uniform();
       candidates[i].score = (0.3 + 0.7 * room) * (sight + middle) * taste;
     }
@@ -158,8 +158,8 @@ std::vector<std::uint32_t> spread(const WalkableFloor& floor,
     has_one[pockets.of[cell]] = 1;
     near.add(cell, spacing);
   };
-  // Rooms first, each at its best place; then whatever is far from all of them. Corners and narrow
-  // places come last, and only if nothing is near.
+  // Rooms first, each at its best place; then places that are far from all of them. Corners and
+  // narrow places come last, and only if no viewpoint is near.
   for (const Candidate& c : candidates) {
     if (!has_one[pockets.of[c.cell]]) take(c.cell);
   }
@@ -174,7 +174,7 @@ std::vector<std::uint32_t> spread(const WalkableFloor& floor,
 }
 
 PlacedViewpoint place(const RayTracer& tracer, const FloorCell& cell, double eye_height) {
-  // From a little above the floor, so that a rug on it is no ceiling.
+  // The ray starts a little above the floor, so that a rug is not taken for the ceiling.
   constexpr float kStart = 0.2F;
   const mesh::Hit above = tracer.trace({cell.position + Vec3f{0, 0, kStart}, {0, 0, 1}});
   double height = eye_height;

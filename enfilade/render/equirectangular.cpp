@@ -17,7 +17,7 @@ namespace {
 
 using scan::Layer;
 
-// A pixel as the row kernels see a whole row: of one column.
+// A pixel as a row of one column.
 struct Pixel {
   CubeFace face;
   cpu::FaceLine line;
@@ -38,8 +38,8 @@ class Drawer {
         panorama_from_world_(panorama_from_world),
         width_(width),
         height_(height),
-        outputs_(outputs) {
-    if (outputs.colour) scale_ = cpu::planar_scale(outputs.colour->normalisation);
+        outputs_(outputs),
+        packer_(cpu::simd_kernels(), outputs, false) {
     ones_.fill(1.0F);
   }
 
@@ -77,30 +77,21 @@ class Drawer {
   }
 
   void draw_block(std::span<const Pixel> pixels, const cpu::Place& place) const {
-    const cpu::Kernels& kernels = cpu::simd_kernels();
-    std::array<std::uint32_t, cpu::kBlock> wide;
-    std::array<std::uint16_t, cpu::kBlock> narrow;
+    std::array<std::uint32_t, cpu::kBlock> rgba, instances;
+    std::array<std::uint16_t, cpu::kBlock> depth, classes;
     if (outputs_.colour) {
-      std::uint32_t* out = wide.data();
+      std::uint32_t* out = rgba.data();
       for (const Pixel& p : pixels) {
         const Face& f = face(Layer::kColour, p.face);
         *out++ = cpu::sample_colour(f, cpu::linear_range(f.size, false),
                                     cpu::texel_point(p.line, f.size, 0));
       }
-      cpu::pack_colour(kernels, *outputs_.colour, scale_, wide.data(), place);
     }
-    if (outputs_.depth) {
-      read(Layer::kDepth, pixels, narrow.data());
-      cpu::pack_depth(kernels, *outputs_.depth, false, narrow.data(), ones_.data(), place);
-    }
-    if (outputs_.classes) {
-      read(Layer::kClass, pixels, narrow.data());
-      cpu::pack_classes(*outputs_.classes, narrow.data(), place);
-    }
-    if (outputs_.instances) {
-      read(Layer::kInstance, pixels, wide.data());
-      cpu::pack_instances(*outputs_.instances, wide.data(), place);
-    }
+    if (outputs_.depth) read(Layer::kDepth, pixels, depth.data());
+    if (outputs_.classes) read(Layer::kClass, pixels, classes.data());
+    if (outputs_.instances) read(Layer::kInstance, pixels, instances.data());
+    packer_.pack({rgba.data(), depth.data(), classes.data(), instances.data(), ones_.data()},
+                 place);
   }
 
   std::span<const Face> faces_;
@@ -109,7 +100,7 @@ class Drawer {
   Mat3d panorama_from_world_;
   std::uint32_t width_, height_;
   const Outputs& outputs_;
-  cpu::PlanarScale scale_{};
+  cpu::Packer packer_;
   std::array<float, cpu::kBlock> ones_{};
 };
 

@@ -16,6 +16,7 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/threads.h"
+#include "enfilade/render/detail/layers.h"
 
 namespace enfilade::render {
 namespace {
@@ -37,27 +38,10 @@ struct Memory {
   Memory& operator=(const Memory&) = delete;
 };
 
-std::size_t texel_bytes(Layer layer) noexcept {
-  return layer == Layer::kColour || layer == Layer::kInstance ? 4 : 2;
-}
-
-// Colour has a border of one texel around it, and 8-byte loads at its last texel reach beyond it.
-std::size_t border(Layer layer) noexcept { return layer == Layer::kColour ? 1 : 0; }
-
 std::size_t row_bytes(Layer layer, std::uint32_t size) noexcept {
-  const std::size_t bytes = (size + 2 * border(layer)) * texel_bytes(layer);
-  return (bytes + 15) / 16 * 16;
+  const std::size_t texels = size + 2 * detail::border_of(layer);
+  return (texels * detail::kTexelBytes[index(layer)] + 15) / 16 * 16;
 }
-
-struct KeyHash {
-  std::size_t operator()(const FaceKey& key) const noexcept {
-    std::uint64_t x = std::uint64_t{key.scan.value} << 38 ^
-                      std::uint64_t{key.viewpoint.value} << 6 ^
-                      static_cast<std::uint64_t>(key.layer) << 3 ^ index(key.face);
-    x *= 0x9E3779B97F4A7C15U;  // the golden ratio's bits, to spread neighbours
-    return static_cast<std::size_t>(x ^ x >> 32);
-  }
-};
 
 enum class State : std::uint8_t { kLoading, kReady, kFailed };
 
@@ -72,10 +56,11 @@ struct Entry {
 };
 
 Face face_of(const Entry& entry) {
-  const std::size_t stride = row_bytes(entry.key.layer, entry.size);
-  const std::size_t frame = border(entry.key.layer);
-  return {entry.memory->address + frame * (stride + texel_bytes(entry.key.layer)),
-          static_cast<std::uint32_t>(stride), entry.size};
+  const Layer layer = entry.key.layer;
+  const std::size_t stride = row_bytes(layer, entry.size);
+  const std::size_t before =
+      detail::border_of(layer) * (stride + detail::kTexelBytes[index(layer)]);
+  return {entry.memory->address + before, static_cast<std::uint32_t>(stride), entry.size};
 }
 
 // Faces of one panorama and layer that are decoded by one call to the source.
@@ -98,7 +83,8 @@ std::array<T*, kCubeFaces> addresses(const Unit& unit) {
 }  // namespace
 
 std::size_t face_bytes(Layer layer, std::uint32_t size) noexcept {
-  return row_bytes(layer, size) * (size + 2 * border(layer)) + kAlignment;
+  // The last term is for 8-byte loads at the last texel too, which reach beyond it.
+  return row_bytes(layer, size) * (size + 2 * detail::border_of(layer)) + kAlignment;
 }
 
 struct FaceCache::Impl {
@@ -124,7 +110,7 @@ struct FaceCache::Impl {
 
   std::mutex mutex;
   std::condition_variable_any changed;  // an entry became ready or failed; wishes came
-  std::unordered_map<FaceKey, std::unique_ptr<Entry>, KeyHash> entries;
+  std::unordered_map<FaceKey, std::unique_ptr<Entry>, detail::FaceKeyHash> entries;
   // Entries move between these as nodes, so that nothing is allocated.
   std::list<Entry*> held;
   std::list<Entry*> idle;  // nobody holds these; the least recently used first
@@ -153,7 +139,8 @@ void FaceCache::Impl::forget(const Lock&, Entry& entry) noexcept {
   entries.erase(FaceKey(entry.key));
 }
 
-// Throws out faces until `bytes` more fit; if one that goes has just that size, its memory is kept.
+// Removes faces until `bytes` more fit. The memory of a removed face is reused if it has exactly
+// that size.
 void FaceCache::Impl::make_room(const Lock& lock, std::size_t bytes,
                                 std::unique_ptr<Memory>& memory) {
   while (counters.bytes + bytes > config.bytes && !idle.empty() && !memory) {
@@ -195,7 +182,7 @@ void FaceCache::Impl::plan_one(Lock& lock, const FaceKey& key, std::vector<Unit>
   }
 }
 
-// Decides what has to be decoded, so that each face is by one thread only.
+// Decides what has to be decoded; each face is decoded by one thread only.
 void FaceCache::Impl::plan(Lock& lock, std::span<const FaceKey> keys, std::vector<Unit>& units,
                            bool ahead) {
   std::size_t done = 0;
@@ -249,7 +236,7 @@ void FaceCache::Impl::decode(const Unit& unit) {
   }
 }
 
-// Decodes, and tells everybody who waits. Does not throw: what failed is in the entries.
+// Decodes, and wakes those who wait. Does not throw: failures are stored in the entries.
 void FaceCache::Impl::load(const Unit& unit) {
   const auto begin = std::chrono::steady_clock::now();
   std::exception_ptr failure;
@@ -312,7 +299,7 @@ void FaceCache::Impl::work_ahead(const std::stop_token& stop) {
       const Lock lock(mutex);
       release(lock, *entries.find(wish)->second);
     } catch (const std::exception&) {
-      // Whoever needs the face will be told.
+      // acquire() throws it again when the face is needed.
     }
   }
 }

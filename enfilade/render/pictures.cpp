@@ -2,12 +2,14 @@
 
 #include <span>
 
+#include "enfilade/render/detail/layers.h"
+
 namespace enfilade::render {
 
 Outputs outputs_into(Pictures& pictures, scan::LayerMask layers, std::uint32_t width,
                      std::uint32_t height, std::size_t views) {
   const auto rows = static_cast<std::uint32_t>(height * views);
-  const auto wanted = [&](scan::Layer layer) { return (layers >> index(layer) & 1) != 0; };
+  const auto wanted = [&](scan::Layer layer) { return detail::has(layers, layer); };
   Outputs outputs;
   if (wanted(scan::Layer::kColour)) {
     pictures.colour = image::Image8(width, rows, 3);

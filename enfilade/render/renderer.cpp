@@ -35,12 +35,10 @@ void validate_alignment(std::string_view name, const void* memory, std::size_t a
 
 void validate(const ColourOutput& colour, std::size_t pixels) {
   validate_size("colour", colour.pixels.size(), pixels, pixel_bytes(colour.format));
-  if (colour.format == ColourFormat::kPlanarFloat32) {
-    validate_alignment("colour", colour.pixels.data(), alignof(float));
-  }
-  if (colour.format == ColourFormat::kPlanarFloat16) {
-    validate_alignment("colour", colour.pixels.data(), alignof(std::uint16_t));
-  }
+  validate_alignment("colour", colour.pixels.data(),
+                     colour.format == ColourFormat::kPlanarFloat32   ? alignof(float)
+                     : colour.format == ColourFormat::kPlanarFloat16 ? alignof(std::uint16_t)
+                                                                     : 1);
   for (std::size_t c = 0; c < 3; ++c) {
     const float mean = colour.normalisation.mean[c], deviation = colour.normalisation.deviation[c];
     if (!std::isfinite(mean)) {
@@ -55,17 +53,14 @@ void validate(const ColourOutput& colour, std::size_t pixels) {
 }
 
 void validate(const Outputs& outputs, std::size_t pixels) {
+  const auto validate_values = [&](std::string_view name, const auto& output) {
+    const std::size_t bytes = pixel_bytes(output.format);
+    validate_size(name, output.pixels.size(), pixels, bytes);
+    validate_alignment(name, output.pixels.data(), bytes);
+  };
   if (outputs.colour) validate(*outputs.colour, pixels);
-  if (outputs.depth) {
-    const std::size_t bytes = pixel_bytes(outputs.depth->format);
-    validate_size("depth", outputs.depth->pixels.size(), pixels, bytes);
-    validate_alignment("depth", outputs.depth->pixels.data(), bytes);
-  }
-  if (outputs.classes) {
-    const std::size_t bytes = pixel_bytes(outputs.classes->format);
-    validate_size("classes", outputs.classes->pixels.size(), pixels, bytes);
-    validate_alignment("classes", outputs.classes->pixels.data(), bytes);
-  }
+  if (outputs.depth) validate_values("depth", *outputs.depth);
+  if (outputs.classes) validate_values("classes", *outputs.classes);
   if (outputs.instances) {
     validate_size("instances", outputs.instances->pixels.size_bytes(), pixels,
                   sizeof(std::uint32_t));
@@ -132,6 +127,18 @@ std::vector<Backend> backends() {
   std::vector<Backend> all{Backend::kCpu, Backend::kCpuScalar};
   if (EN_WITH_GL) all.push_back(Backend::kGl);
   return all;
+}
+
+std::array<View, kDiscreteViews> discrete_views(ScanIndex scan, ViewpointIndex viewpoint) {
+  constexpr std::size_t kHeadings = 12;
+  std::array<View, kDiscreteViews> views;
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    // MatterSim's own arithmetic, so that a view is drawn at exactly the heading in its state.
+    const double heading = static_cast<double>(k % kHeadings) * (2 * kPi / 12);
+    const double elevation = (static_cast<double>(k / kHeadings) - 1) * (kPi / 6);
+    views[k] = {scan, viewpoint, Radians(heading), Radians(elevation)};
+  }
+  return views;
 }
 
 void validate(const Camera& camera, std::span<const View> views, const Outputs& outputs,

@@ -4,13 +4,15 @@
 #include <cmath>
 #include <utility>
 
+#include "enfilade/render/renderer.h"
+
 namespace enfilade::sim {
 namespace {
 
-constexpr std::size_t kViews = 36;
+using render::kDiscreteViews;
 
 SimulatorConfig all_views(SimulatorConfig config) {
-  config.batch_size = kViews;
+  config.batch_size = kDiscreteViews;
   config.viewing = Viewing::kDiscretized;
   config.threads = 1;
   return config;
@@ -21,10 +23,8 @@ SimulatorConfig all_views(SimulatorConfig config) {
 CandidateFinder::CandidateFinder(std::shared_ptr<const graph::GraphSet> graphs,
                                  const SimulatorConfig& config)
     : simulator_(std::move(graphs), all_views(config)) {
-  for (std::size_t view = 0; view < kViews; ++view) {
-    const double row = static_cast<double>(view / 12) - 1;
-    starts_.push_back(
-        {{}, Radians(static_cast<double>(view % 12) * (2 * kPi / 12)), Radians(row * (kPi / 6))});
+  for (const render::View& view : render::discrete_views({}, {})) {
+    starts_.push_back({{}, view.heading, view.elevation});
   }
 }
 
@@ -32,7 +32,7 @@ const std::vector<Candidate>& CandidateFinder::find(graph::Location location) {
   for (EpisodeStart& start : starts_) start.location = location;
   simulator_.new_episodes(starts_);
   found_.clear();
-  for (std::uint32_t view = 0; view < kViews; ++view) {
+  for (std::uint32_t view = 0; view < kDiscreteViews; ++view) {
     for (std::uint32_t k = 1; k < simulator_.state().navigable_count[view]; ++k) keep(view, k);
   }
   return found_;

@@ -28,7 +28,7 @@ constexpr std::size_t kMaxNavigable = 1024;              // lists are sorted in 
 constexpr std::size_t kMaxRows = std::size_t{1} << 31U;  // of the navigable lists of a batch
 // Agents worked on together: enough to fill vector registers, few enough for the first cache.
 constexpr std::size_t kChunk = 16;
-// Agents a task when there are threads: 70 us of work, several times what handing it over takes.
+// Agents a task if there are threads: 70 us of work, several times the cost of starting a task.
 constexpr std::size_t kGrain = 1024;
 
 int sign(Radians change) { return int{change.value > 0} - int{change.value < 0}; }
@@ -43,7 +43,7 @@ double half_field_of_view(const SimulatorConfig& config) {
   return camera.vertical_field_of_view.value * camera.width / camera.height / 2;
 }
 
-// Nothing here is a caller's to change: outputs are copies.
+// The simulator's own state: callers get copies.
 struct Agents {
   explicit Agents(const SimulatorConfig& config)
       : graph(config.batch_size),
@@ -69,7 +69,8 @@ struct Agents {
   std::vector<std::uint64_t> random_episodes;  // drawn so far
 };
 
-// Random agents of a batch stand anywhere in 2 MB of edges; four lines hold those of a viewpoint.
+// Agents of a batch may be anywhere in 2 MB of edges; four cache lines hold the edges of a
+// viewpoint.
 void prefetch([[maybe_unused]] std::span<const graph::Edge> edges) {
 #if defined(__GNUC__)
   if (edges.empty()) return;
@@ -78,7 +79,7 @@ void prefetch([[maybe_unused]] std::span<const graph::Edge> edges) {
 #endif
 }
 
-// What indices of actions refer to: the simulator's own, or those of a caller who only looks.
+// The navigable lists that indices of actions refer to, or temporary ones in write_state().
 struct Lists {
   std::span<std::uint32_t> count, target;
 };
@@ -87,6 +88,21 @@ struct CheckedStart {
   const NavGraph* graph;
   EpisodeStart start;
 };
+
+// Throws an ActionError: "agent 3: " and what the format says.
+template <class... Args>
+[[noreturn]] void fail(std::size_t agent, fmt::format_string<Args...> format, Args&&... args) {
+  throw ActionError(
+      agent, fmt::format("agent {}: {}", agent, fmt::format(format, std::forward<Args>(args)...)));
+}
+
+[[noreturn]] void fail_without_episode(std::size_t agent) {
+  throw ArgumentError(fmt::format("agent {}: no episode was started", agent));
+}
+
+void check_angle(std::size_t agent, const char* name, Radians angle) {
+  if (!is_finite(angle)) fail(agent, "{} {}: any finite angle is allowed", name, angle.value);
+}
 
 void check_shape(const char* name, std::size_t found, std::size_t wanted) {
   if (found == wanted) [[likely]]
@@ -102,7 +118,7 @@ struct Simulator::Impl {
   void check_agent(std::size_t agent) const;
   void check_output(const StateSpans& out) const;
   void check_actions(std::span<const Action> actions) const;
-  [[noreturn]] void refuse(std::size_t agent, const Action& action) const;
+  void explain(std::size_t agent, const Action& action) const;
   const NavGraph& checked_graph(std::size_t agent, ScanIndex scan) const;
   CheckedStart checked(std::size_t agent, const EpisodeStart& start) const;
 
@@ -110,6 +126,12 @@ struct Simulator::Impl {
                           MatterSimRandom& headings) const;
   void begin(std::size_t agent, const CheckedStart& start);
   void look(std::size_t agent, Radians heading, Radians elevation);
+  void look_at_view(std::size_t agent, int heading_step, int elevation_step) {
+    agents.heading_step[agent] = heading_step;
+    agents.elevation_step[agent] = elevation_step;
+    agents.heading[agent] = heading_step * kHeadingStep;
+    agents.elevation[agent] = elevation_step * kElevationStep;
+  }
   void advance(std::size_t agent, const Action& action);
   void look_around(std::size_t begin, std::size_t end, NavigableViews& scratch) const;
   void observe(std::size_t begin, std::size_t end, NavigableViews& scratch, const StateSpans& out,
@@ -172,39 +194,31 @@ void Simulator::Impl::check_actions(std::span<const Action> actions) const {
     const bool good = action.index < agents.navigable_count[i] &&
                       is_finite(action.heading_change) && is_finite(action.elevation_change);
     if (!good) [[unlikely]]
-      refuse(i, action);
+      explain(i, action);
   }
 }
 
-void Simulator::Impl::refuse(std::size_t agent, const Action& action) const {
+// Throws what is wrong with an action that cannot be carried out.
+void Simulator::Impl::explain(std::size_t agent, const Action& action) const {
   const std::uint32_t count = agents.navigable_count[agent];
-  if (count == 0) {
-    throw ArgumentError(fmt::format("agent {}: no episode was started", agent));
-  }
+  if (count == 0) fail_without_episode(agent);
   if (action.index >= count) {
-    throw ActionError(agent, fmt::format("agent {}: index {} of its navigable list: 0 to {} are "
-                                         "allowed at viewpoint {} of scan {}",
-                                         agent, action.index, count - 1,
-                                         agents.graph[agent]->id(agents.viewpoint[agent]),
-                                         agents.graph[agent]->scan()));
+    const NavGraph& graph = *agents.graph[agent];
+    fail(agent, "index {} of its navigable list: 0 to {} are allowed at viewpoint {} of scan {}",
+         action.index, count - 1, graph.id(agents.viewpoint[agent]), graph.scan());
   }
-  const bool heading = !is_finite(action.heading_change);
-  const double value = (heading ? action.heading_change : action.elevation_change).value;
-  throw ActionError(agent, fmt::format("agent {}: {} change {}: any finite angle is allowed", agent,
-                                       heading ? "heading" : "elevation", value));
+  check_angle(agent, "heading change", action.heading_change);
+  check_angle(agent, "elevation change", action.elevation_change);
 }
 
 const NavGraph& Simulator::Impl::checked_graph(std::size_t agent, ScanIndex scan) const {
   if (scan.at() >= graphs->size()) {
-    throw ActionError(agent, fmt::format("agent {}: scan {}: 0 to {} are allowed", agent,
-                                         scan.value, graphs->size() - 1));
+    fail(agent, "scan {}: 0 to {} are allowed", scan.value, graphs->size() - 1);
   }
   const NavGraph& graph = graphs->graph(scan);
   if (graph.max_degree() + 1 > config.max_navigable) {
-    throw ActionError(agent, fmt::format("agent {}: scan {} has a viewpoint with {} neighbours; "
-                                         "max_navigable {} allows {}",
-                                         agent, graph.scan(), graph.max_degree(),
-                                         config.max_navigable, config.max_navigable - 1));
+    fail(agent, "scan {} has a viewpoint with {} neighbours; max_navigable {} allows {}",
+         graph.scan(), graph.max_degree(), config.max_navigable, config.max_navigable - 1);
   }
   return graph;
 }
@@ -213,22 +227,15 @@ CheckedStart Simulator::Impl::checked(std::size_t agent, const EpisodeStart& sta
   const NavGraph& graph = checked_graph(agent, start.location.scan);
   const ViewpointIndex viewpoint = start.location.viewpoint;
   if (viewpoint.at() >= graph.size()) {
-    throw ActionError(agent, fmt::format("agent {}: viewpoint {} of scan {}: 0 to {} are allowed",
-                                         agent, viewpoint.value, graph.scan(),
-                                         static_cast<std::ptrdiff_t>(graph.size()) - 1));
+    fail(agent, "viewpoint {} of scan {}: 0 to {} are allowed", viewpoint.value, graph.scan(),
+         static_cast<std::ptrdiff_t>(graph.size()) - 1);
   }
   if (!graph.included(viewpoint)) {
-    throw ActionError(agent,
-                      fmt::format("agent {}: viewpoint {} ({}) of scan {} is excluded from "
-                                  "its graph",
-                                  agent, viewpoint.value, graph.id(viewpoint), graph.scan()));
+    fail(agent, "viewpoint {} ({}) of scan {} is excluded from its graph", viewpoint.value,
+         graph.id(viewpoint), graph.scan());
   }
-  for (const auto& [name, angle] :
-       {std::pair("heading", start.heading), std::pair("elevation", start.elevation)}) {
-    if (is_finite(angle)) continue;
-    throw ActionError(agent, fmt::format("agent {}: {} {}: any finite angle is allowed", agent,
-                                         name, angle.value));
-  }
+  check_angle(agent, "heading", start.heading);
+  check_angle(agent, "elevation", start.elevation);
   return {&graph, start};
 }
 
@@ -237,9 +244,7 @@ EpisodeStart Simulator::Impl::draw_start(std::size_t agent, ScanIndex scan,
                                          MatterSimRandom& headings) const {
   const NavGraph& graph = checked_graph(agent, scan);
   if (graph.included_count() == 0) {
-    throw ActionError(agent, fmt::format("agent {}: no viewpoint of scan {} is included, so none "
-                                         "can be drawn",
-                                         agent, graph.scan()));
+    fail(agent, "no viewpoint of scan {} is included, so none can be drawn", graph.scan());
   }
   if (config.random_starts == RandomStarts::kMatterSim) {
     std::size_t v = viewpoints.below(static_cast<std::uint32_t>(graph.size()));
@@ -272,10 +277,7 @@ void Simulator::Impl::look(std::size_t agent, Radians heading, Radians elevation
   const int step = static_cast<int>(std::lround(h / kHeadingStep)) % kHeadings;
   const int row =
       int{elevation.value > kElevationStep / 2} - int{elevation.value < -kElevationStep / 2};
-  agents.heading_step[agent] = step;
-  agents.elevation_step[agent] = row;
-  agents.heading[agent] = step * kHeadingStep;
-  agents.elevation[agent] = row * kElevationStep;
+  look_at_view(agent, step, row);
 }
 
 void Simulator::Impl::advance(std::size_t agent, const Action& action) {
@@ -289,10 +291,7 @@ void Simulator::Impl::advance(std::size_t agent, const Action& action) {
   int step = agents.heading_step[agent] + sign(action.heading_change);
   step = step < 0 ? kHeadings - 1 : step == kHeadings ? 0 : step;
   const int row = std::clamp(agents.elevation_step[agent] + sign(action.elevation_change), -1, 1);
-  agents.heading_step[agent] = step;
-  agents.elevation_step[agent] = row;
-  agents.heading[agent] = step * kHeadingStep;
-  agents.elevation[agent] = row * kElevationStep;
+  look_at_view(agent, step, row);
 }
 
 void Simulator::Impl::look_around(std::size_t begin, std::size_t end,
@@ -461,8 +460,7 @@ void Simulator::write_state(const StateSpans& out) const {
   impl_->check_output(out);
   const Agents& agents = impl_->agents;
   for (std::size_t i = 0; i < batch_size(); ++i) {
-    if (agents.navigable_count[i] > 0) continue;
-    throw ArgumentError(fmt::format("agent {}: no episode was started", i));
+    if (agents.navigable_count[i] == 0) fail_without_episode(i);
   }
   NavigableViews views(1, config().max_navigable);
   std::vector<std::uint32_t> count(batch_size()), target(agents.target.size());

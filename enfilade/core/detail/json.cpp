@@ -93,7 +93,7 @@ Diagnostic explain(std::string_view text, const std::string& name, simdjson::err
   Diagnostic fault{Severity::kError, name, "$", "not-json", ""};
   FaultFinder finder;
   if (nlohmann::json::sax_parse(text.begin(), text.end(), &finder)) {
-    fault.message = simdjson::error_message(code);  // deeper, or a number larger, than it takes
+    fault.message = simdjson::error_message(code);  // nested too deeply, or a number is too large
     return fault;
   }
   fault.where = finder.path();
@@ -110,8 +110,13 @@ Diagnostic explain(std::string_view text, const std::string& name, simdjson::err
   return fault;
 }
 
-std::string expected(Element element, std::string_view allowed) {
-  return fmt::format("{}, not {}", describe(element), allowed);
+template <class T>
+std::optional<T> read(Element element, const Path& path, Faults& faults, const char* code,
+                      const char* allowed) {
+  T value{};
+  if (element.get(value) == simdjson::SUCCESS) return value;
+  faults.error(path, code, fmt::format("{}, not {}", describe(element), allowed));
+  return std::nullopt;
 }
 
 }  // namespace
@@ -133,8 +138,8 @@ void Faults::throw_if_errors() {
 Document::Document(std::string_view text, std::string name)
     : name_(std::move(name)), parser_(std::make_unique<simdjson::dom::parser>()) {
   text = without_byte_order_mark(text);
-  if (text.empty()) text = "";  // a view of nothing may point nowhere, which memcpy may not
-  // simdjson copies the text to where it may read past the end.
+  if (text.empty()) text = "";  // an empty view may be null, which memcpy does not allow
+  // simdjson copies the text into a buffer with padding.
   const simdjson::error_code code = parser_->parse(text.data(), text.size()).get(root_);
   if (code == simdjson::MEMALLOC) throw std::bad_alloc();
   if (code != simdjson::SUCCESS) throw InvalidInput({explain(text, name_, code)});
@@ -172,45 +177,27 @@ std::string describe(Element element) {
 }
 
 std::optional<double> number(Element element, const Path& path, Faults& faults) {
-  double value = 0;
-  if (element.get_double().get(value) == simdjson::SUCCESS) return value;
-  faults.error(path, "not-a-number", expected(element, "a number"));
-  return std::nullopt;
+  return read<double>(element, path, faults, "not-a-number", "a number");
 }
 
 std::optional<std::int64_t> integer(Element element, const Path& path, Faults& faults) {
-  std::int64_t value = 0;
-  if (element.get_int64().get(value) == simdjson::SUCCESS) return value;
-  faults.error(path, "not-an-integer", expected(element, "a whole number"));
-  return std::nullopt;
+  return read<std::int64_t>(element, path, faults, "not-an-integer", "a whole number");
 }
 
 std::optional<bool> boolean(Element element, const Path& path, Faults& faults) {
-  bool value = false;
-  if (element.get_bool().get(value) == simdjson::SUCCESS) return value;
-  faults.error(path, "not-a-boolean", expected(element, "true or false"));
-  return std::nullopt;
+  return read<bool>(element, path, faults, "not-a-boolean", "true or false");
 }
 
 std::optional<std::string_view> string(Element element, const Path& path, Faults& faults) {
-  std::string_view value;
-  if (element.get_string().get(value) == simdjson::SUCCESS) return value;
-  faults.error(path, "not-a-string", expected(element, "a string"));
-  return std::nullopt;
+  return read<std::string_view>(element, path, faults, "not-a-string", "a string");
 }
 
 std::optional<simdjson::dom::array> array(Element element, const Path& path, Faults& faults) {
-  simdjson::dom::array value;
-  if (element.get_array().get(value) == simdjson::SUCCESS) return value;
-  faults.error(path, "not-an-array", expected(element, "an array"));
-  return std::nullopt;
+  return read<simdjson::dom::array>(element, path, faults, "not-an-array", "an array");
 }
 
 std::optional<simdjson::dom::object> object(Element element, const Path& path, Faults& faults) {
-  simdjson::dom::object value;
-  if (element.get_object().get(value) == simdjson::SUCCESS) return value;
-  faults.error(path, "not-an-object", expected(element, "an object"));
-  return std::nullopt;
+  return read<simdjson::dom::object>(element, path, faults, "not-an-object", "an object");
 }
 
 bool fields(Element element, std::span<const Field> wanted, std::span<std::optional<Element>> found,

@@ -19,12 +19,6 @@ double floor_of(const graph::NavGraph& graph, ViewpointIndex v) {
   return static_cast<double>(graph.position(v).z) - graph.height(v);
 }
 
-std::size_t nearest_storey(const std::vector<Storey>& storeys, double floor) {
-  const auto nearest = std::ranges::min_element(
-      storeys, {}, [floor](const Storey& s) { return std::abs(s.floor - floor); });
-  return static_cast<std::size_t>(nearest - storeys.begin());
-}
-
 // World bounds of what is drawn on a storey, and how wide its caption is.
 struct Extent {
   double west = std::numeric_limits<double>::infinity();
@@ -59,7 +53,7 @@ std::vector<Extent> extents(const Plan& plan, const std::vector<Disc>& discs) {
   return found;
 }
 
-// Storeys of one row share north and south, so that what is above each other is at one height.
+// Storeys of one row share north and south, so that places above each other are at the same height.
 Layout arrange_at(const std::vector<Extent>& extents, double scale) {
   Layout layout{{}, scale, {}};
   Point cursor;

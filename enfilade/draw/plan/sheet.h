@@ -1,18 +1,29 @@
-/// \file  Parts of all floor plans: the sheet, and panels with caption, floor and labels.
+/// \file  The sheet of a floor plan: title, panels with caption, floor and labels, legend.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "enfilade/draw/plan/plan.h"
 
 namespace enfilade::draw::plan {
 
-inline constexpr double kBorder = 26;   ///< around everything, pixels
-inline constexpr double kHeading = 62;  ///< title and subtitle
-inline constexpr double kTitleSize = 21;
-inline constexpr double kNarrowest = 560;  ///< room for a title and two columns of legend
+/// One entry of the legend: a sample, drawn around (0, 0), and its text.
+struct LegendItem {
+  std::string sample;
+  double width = 0;  ///< of the sample, pixels
+  std::string label;
+};
 
-/// Start of the document, with a group that sets the font; the caller closes `</g></svg>`.
-std::string open_sheet(const std::string& title, Point size);
+/// What is written around the panels.
+struct Sheet {
+  std::string title, subtitle;
+  std::string note;  ///< a paragraph below them; may be empty
+  std::vector<LegendItem> legend;
+  bool rule = false;  ///< whether a line parts the legend from the panels
+};
+
+/// The SVG document. \param panels SVG of all panels, in the layout's coordinates
+std::string draw_sheet(const Sheet& sheet, const Layout& layout, const std::string& panels);
 
 std::string draw_caption(const Plan& plan, const Panel& panel);
 /// The shaded floor: discs around viewpoints and bands along edges in one colour, drawn twice, the

@@ -8,7 +8,7 @@
 namespace enfilade::draw::plan {
 namespace {
 
-constexpr double kCorner = 11;       // pixels of a step's end that are rounded off
+constexpr double kCorner = 11;       // pixels of a step's end that are rounded
 constexpr double kArrow = 5.5;       // half the length of an arrowhead
 constexpr double kShortArrow = 16;   // steps of fewer pixels get none
 constexpr double kWidestLanes = 22;  // pixels that all uses of an edge share on one side
@@ -118,7 +118,7 @@ std::string draw_band(const Plan& plan, const Panel& panel, const std::vector<St
                       Colour colour) {
   const std::vector<Stroke> all = strokes(plan, panel, steps);
   if (all.empty()) return "";
-  // The group is translucent, not its strokes: where they overlap nothing gets darker.
+  // The group is translucent, not its strokes, so that overlaps do not get darker.
   std::string out = fmt::format(
       "<g fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\" "
       "stroke-linejoin=\"round\" opacity=\"0.4\">\n",

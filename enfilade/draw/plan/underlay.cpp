@@ -15,7 +15,7 @@ struct Look {
   const char* name;
   const char* attributes;  // of the lines
 };
-// In the order in which they are drawn. Darker and broader is harder to get through.
+// In the order in which they are drawn. What is harder to pass is darker and broader.
 constexpr std::array<Look, 5> kLooks{
     {{Kind::kThing, "furniture", "stroke=\"#c9b79a\" stroke-width=\"0.8\""},
      {Kind::kStairs, "stairs", "stroke=\"#b08968\" stroke-width=\"0.8\""},

@@ -1,10 +1,9 @@
-/// \file  Walls, doors, windows, stairs and names below a floor plan's graph. Internal.
+/// \file  Walls, doors, windows, stairs and names below a floor plan's graph.
 #pragma once
 #include <string>
 #include <vector>
 
-#include "enfilade/draw/plan/legend.h"
-#include "enfilade/draw/plan/plan.h"
+#include "enfilade/draw/plan/sheet.h"
 #include "enfilade/draw/plan_underlay.h"
 
 namespace enfilade::draw::plan {

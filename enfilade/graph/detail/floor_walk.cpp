@@ -16,7 +16,7 @@ double apart(const mesh::WalkableFloor& floor, std::uint32_t a, std::uint32_t b)
   return length(floor.cells()[a].position - floor.cells()[b].position);
 }
 
-constexpr double kPassage = 0.55;  // half of the width of what parts two rooms, at most
+constexpr double kPassage = 0.55;  // largest half width of a passage between two rooms
 constexpr double kWider = 1.3;     // a room is wider than its door by this, at least
 constexpr double kRoom = 0.5;      // m2 where the body's middle may be: 1.5 m2 of floor
 
@@ -59,7 +59,7 @@ class Flood {
   void flood(std::uint32_t c) {
     parent_[c] = c;
     size_[c] = 1;
-    // Widest first, so that a cell of a door goes to one side and the sides stay apart.
+    // Widest first, so that the cell of a door joins one side and the sides stay separate.
     std::vector<std::uint32_t> sides;
     for (const std::uint32_t n : floor_.neighbours(c)) {
       if (parent_[n] != kNone) sides.push_back(root(n));
@@ -75,7 +75,7 @@ class Flood {
     }
   }
 
-  // What is too small for a room belongs to its neighbour.
+  // A pocket that is too small for a room joins its neighbour.
   void merge_small(std::uint32_t c) {
     const double cell = floor_.options().cell * floor_.options().cell;
     for (const std::uint32_t n : floor_.neighbours(c)) {

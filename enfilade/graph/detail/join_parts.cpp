@@ -19,9 +19,7 @@ class Joiner {
          const std::function<PlacedViewpoint(std::uint32_t)>& placed,
          std::vector<std::uint32_t>& cells)
       : floor_(floor), passage_(passage), placed_(placed), cells_(cells) {
-    std::vector<std::uint32_t> first;
-    first.swap(cells_);
-    for (const std::uint32_t cell : first) add(cell);
+    start_from(cells.size());
   }
 
   // Groups of a part of the floor join their nearest, the smallest first.
@@ -68,7 +66,7 @@ class Joiner {
     }
     const std::vector<std::uint32_t> way = find_way(floor_, smallest->second, others);
     if (way.empty() || !walk(way)) {
-      // Too tight for an edge all the same; check_graph() will tell.
+      // Too narrow for an edge; check_graph() reports the gap.
       given_up_.insert(smallest->second.begin(), smallest->second.end());
     }
     return true;
@@ -79,14 +77,14 @@ class Joiner {
     return root(static_cast<std::size_t>(at - cells_.begin()));
   }
 
-  // Sets viewpoints along the way until its ends hang together.
+  // Adds viewpoints along the way until its ends are connected.
   bool walk(const std::vector<std::uint32_t>& way) {
     std::size_t here = 0;
     const std::size_t first = cells_.size();
     while (root_of(way.front()) != root_of(way.back())) {
       const std::optional<std::size_t> next = next_stop(way, here);
       if (!next || *next == here) {
-        withdraw(first);
+        start_from(first);
         return false;
       }
       here = *next;
@@ -115,10 +113,10 @@ class Joiner {
     return std::min<double>(floor_.cells()[way[i]].clearance, 0.5) + 2 * share * (1 - share);
   }
 
-  // Forgets viewpoints that led nowhere.
-  void withdraw(std::size_t first) {
-    std::vector<std::uint32_t> kept(cells_.begin(),
-                                    cells_.begin() + static_cast<std::ptrdiff_t>(first));
+  // Keeps the first `count` viewpoints only.
+  void start_from(std::size_t count) {
+    const std::vector<std::uint32_t> kept(cells_.begin(),
+                                          cells_.begin() + static_cast<std::ptrdiff_t>(count));
     cells_.clear();
     viewpoints_.clear();
     parent_.clear();

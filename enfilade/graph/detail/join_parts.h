@@ -8,7 +8,7 @@
 
 namespace enfilade::graph::detail {
 
-/// Adds cells until all viewpoints of one part of the floor hang together by edges, or until no
+/// Adds cells until all viewpoints of each part of the floor are connected by edges, or until no
 /// cell helps.
 void join_parts(const mesh::WalkableFloor& floor, const Passage& passage,
                 const std::function<PlacedViewpoint(std::uint32_t)>& placed,

@@ -75,12 +75,12 @@ bool Passage::is_free(const PlacedViewpoint& a, const PlacedViewpoint& b) const 
   return has_room(way);
 }
 
-// Follows the floor from a to b, a cell at a time; empty if there is none somewhere, or a step that
-// is too high. The body's middle may pass as far outside the cells as the floor's body is wider
-// than the edge's: the rays see to the rest.
+// Follows the floor from a to b, a cell at a time. Empty if floor is missing or a step is too high.
+// The body's middle may be as far outside the cells as the floor's body is wider than the edge's:
+// the rays check the rest.
 std::vector<Vec3d> Passage::floor_profile(Vec3d a, Vec3d b) const {
   const mesh::WalkableOptions& walk = floor_.options();
-  const double step = walk.body.step + 0.02;  // as treads are made, not as they are drawn
+  const double step = walk.body.step + 0.02;  // treads of real stairs vary by this much
   const double flat = std::hypot(b.x - a.x, b.y - a.y);
   const auto pieces = static_cast<std::size_t>(std::max(1.0, std::ceil(flat / walk.cell)));
   const double aside = std::max(0.0, walk.body.radius - options_.width / 2) + walk.cell / 2;

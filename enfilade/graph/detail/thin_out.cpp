@@ -129,7 +129,7 @@ class Thinner {
   const Pockets& pockets_;
   const std::vector<std::uint32_t>& candidates_;
   double least_;
-  std::size_t first_;  // a pair's lower place is that of the one to keep to
+  std::size_t first_;  // viewpoints that were chosen for their surroundings
   const std::function<PlacedViewpoint(std::uint32_t)>& placed_;
   std::vector<std::uint32_t>& cells_;
   std::vector<PlacedViewpoint> viewpoints_;

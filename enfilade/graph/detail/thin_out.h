@@ -9,11 +9,11 @@
 
 namespace enfilade::graph::detail {
 
-/// Puts one cell of `candidates` (best first), or one of the two, in the place of two viewpoints
-/// that see each other from less than `least` metres, where nothing is lost: their neighbours hang
-/// together by it as they did by the two, no pocket is left without a viewpoint, and those there
-/// for their surroundings, the `first` ones, move by half of `least` at most, on foot; no two of
-/// them become one.
+/// Replaces two viewpoints that see each other from less than `least` metres by one, at a cell of
+/// `candidates` (best first) or at one of the two, if nothing is lost: their neighbours stay
+/// connected, and no pocket is left without a viewpoint. The first `first` viewpoints, which were
+/// chosen for their surroundings, move by half of `least` at most, on foot; two of them are never
+/// replaced by one.
 void thin_out(const mesh::WalkableFloor& floor, const Passage& passage, const Pockets& pockets,
               const std::vector<std::uint32_t>& candidates, double least, std::size_t first,
               const std::function<PlacedViewpoint(std::uint32_t)>& placed,

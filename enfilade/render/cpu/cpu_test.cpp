@@ -56,10 +56,10 @@ TEST(CpuRenderer, PackersAgreeAtEveryLengthAndAlignment) {
   const cpu::Kernels& simd = cpu::simd_kernels();
   const cpu::Kernels& twin = cpu::scalar_kernels();
   Rng rng(22, 0);
-  cpu::ColourBlock block;
+  cpu::Block32 block;
   cpu::Block16 depth;
   std::array<float, cpu::kBlock> factor;
-  for (auto& v : block.rgba) v = static_cast<std::uint32_t>(rng.below(1ULL << 32));
+  for (auto& v : block.values) v = static_cast<std::uint32_t>(rng.below(1ULL << 32));
   for (auto& v : depth.values) v = static_cast<std::uint16_t>(rng.below(65536));
   for (auto& v : factor) v = static_cast<float>(rng.uniform());
   const cpu::PlanarScale scale{{0.017F, 0.0175F, 0.0174F}, {-2.1F, -2.03F, -1.8F}};
@@ -72,13 +72,13 @@ TEST(CpuRenderer, PackersAgreeAtEveryLengthAndAlignment) {
       ASSERT_EQ(a, b) << "count " << count;
     };
     both([&](const cpu::Kernels& k, std::uint8_t* out) {
-      k.pack_rgb(block.rgba.data(), count, out + 1);
-      k.pack_bgr(block.rgba.data(), count, out + 301);
+      k.pack_rgb(block.values.data(), count, out + 1);
+      k.pack_bgr(block.values.data(), count, out + 301);
     });
     both([&](const cpu::Kernels& k, std::uint8_t* out) {
-      k.pack_planar16(block.rgba.data(), count, scale, 100,
+      k.pack_planar16(block.values.data(), count, scale, 100,
                       reinterpret_cast<std::uint16_t*>(out + 2));
-      k.pack_planar32(block.rgba.data(), count, scale, 100, reinterpret_cast<float*>(out + 1024));
+      k.pack_planar32(block.values.data(), count, scale, 100, reinterpret_cast<float*>(out + 1024));
     });
     both([&](const cpu::Kernels& k, std::uint8_t* out) {
       k.pack_metres(depth.values.data(), factor.data(), count, reinterpret_cast<float*>(out + 4));

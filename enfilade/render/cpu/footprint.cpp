@@ -11,8 +11,8 @@ namespace {
 constexpr std::size_t kRowStep = 8;
 constexpr std::size_t kCacheLine = 64;
 
-// A load that nobody uses. A prefetch instruction would do, but processors drop those when more
-// than a few dozen are on their way; of loads they drop none.
+// A load whose value is not used. Processors drop prefetch instructions when more than a few dozen
+// are in flight, but never loads.
 void read(const std::uint8_t* p) { asm volatile("" : : "r"(*p)); }
 
 }  // namespace

@@ -17,15 +17,15 @@ struct PlannedRow {
 };
 
 /// The part of a face that a band of rows shows. Straight rows are straight on a face, so that the
-/// part is convex and each row of texels in it a single run. Found from some of the rows and with a
-/// little to spare: it is for speed only.
+/// part is convex and each row of texels in it a single run. Computed from some of the rows and
+/// slightly too large: it only serves speed.
 class Footprint {
  public:
   Footprint(std::span<const PlannedRow> rows, CubeFace face, std::uint32_t size);
 
   std::uint32_t size() const noexcept { return size_; }
-  /// Brings all of it into the caches, run by run: memory gives neighbouring lines several times as
-  /// fast as it would give the same lines in the order of pixels.
+  /// Loads all of it into the caches, run by run: neighbouring cache lines load several times as
+  /// fast as the same lines in the order of pixels.
   void bring(const Face& face, std::size_t texel_bytes) const;
 
  private:

@@ -16,9 +16,6 @@ inline constexpr std::size_t kBlock = 512;
 inline constexpr std::size_t kSlack = 64;
 
 /// Values of a piece of a row, before they are packed into the caller's format.
-struct ColourBlock {
-  alignas(64) std::array<std::uint32_t, kBlock + kSlack> rgba;
-};
 struct Block16 {
   alignas(64) std::array<std::uint16_t, kBlock + kSlack> values;
 };

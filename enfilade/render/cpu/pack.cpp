@@ -37,75 +37,87 @@ void put_planes(const Kernels& kernels, const Place& place, T* out, const Pack& 
 
 }  // namespace
 
-PlanarScale planar_scale(const Normalisation& normalisation) noexcept {
-  PlanarScale scale{};
+Packer::Packer(const Kernels& kernels, const Outputs& outputs, bool eight_bit_depth) noexcept
+    : kernels_(kernels), outputs_(outputs), eight_bit_depth_(eight_bit_depth) {
+  if (!outputs.colour) return;
+  const Normalisation& normalisation = outputs.colour->normalisation;
   for (std::size_t c = 0; c < 3; ++c) {
-    scale.factor[c] = 1.0F / (255.0F * normalisation.deviation[c]);
-    scale.offset[c] = -normalisation.mean[c] / normalisation.deviation[c];
+    scale_.factor[c] = 1.0F / (255.0F * normalisation.deviation[c]);
+    scale_.offset[c] = -normalisation.mean[c] / normalisation.deviation[c];
   }
-  return scale;
 }
 
-void pack_colour(const Kernels& kernels, const ColourOutput& output, const PlanarScale& scale,
-                 const std::uint32_t* rgba, const Place& place) {
-  const std::size_t pixel = place.view * place.pixels + place.first;
-  const std::size_t planar = 3 * place.view * place.pixels + place.first;
-  const auto interleaved = [&](auto pack) {
-    put(kernels, place.stream, values_at<std::uint8_t>(output.pixels, 3 * pixel), 3 * place.count,
-        [&](std::uint8_t* out) { pack(rgba, place.count, out); });
+void Packer::pack(const Values& values, const Place& place) const {
+  if (outputs_.colour) pack_colour(values.rgba, place);
+  if (outputs_.depth) pack_depth(values.depth, values.depth_factor, place);
+  if (outputs_.classes) pack_classes(values.classes, place);
+  if (outputs_.instances) {
+    std::memcpy(outputs_.instances->pixels.data() + place.pixel(), values.instances,
+                4 * place.count);
+  }
+}
+
+void Packer::pack_colour(const std::uint32_t* rgba, const Place& place) const {
+  const std::span<std::byte> pixels = outputs_.colour->pixels;
+  const auto interleaved = [&](auto kernel) {
+    put(kernels_, place.stream, values_at<std::uint8_t>(pixels, 3 * place.pixel()), 3 * place.count,
+        [&](std::uint8_t* out) { kernel(rgba, place.count, out); });
   };
-  switch (output.format) {
+  const auto planar = [&]<class T>(auto kernel, T* first) {
+    put_planes(kernels_, place, first + 3 * place.view * place.pixels + place.first,
+               [&](T* out, std::size_t plane) { kernel(rgba, place.count, scale_, plane, out); });
+  };
+  switch (outputs_.colour->format) {
     case ColourFormat::kRgb8:
-      return interleaved(kernels.pack_rgb);
+      return interleaved(kernels_.pack_rgb);
     case ColourFormat::kBgr8:
-      return interleaved(kernels.pack_bgr);
+      return interleaved(kernels_.pack_bgr);
     case ColourFormat::kRgba8:
-      std::memcpy(output.pixels.data() + 4 * pixel, rgba, 4 * place.count);
+      std::memcpy(pixels.data() + 4 * place.pixel(), rgba, 4 * place.count);
       return;
     case ColourFormat::kPlanarFloat16:
-      return put_planes(kernels, place, values_at<std::uint16_t>(output.pixels, planar),
-                        [&](std::uint16_t* out, std::size_t plane) {
-                          kernels.pack_planar16(rgba, place.count, scale, plane, out);
-                        });
+      return planar(kernels_.pack_planar16, values_at<std::uint16_t>(pixels, 0));
     case ColourFormat::kPlanarFloat32:
-      return put_planes(kernels, place, values_at<float>(output.pixels, planar),
-                        [&](float* out, std::size_t plane) {
-                          kernels.pack_planar32(rgba, place.count, scale, plane, out);
-                        });
+      return planar(kernels_.pack_planar32, values_at<float>(pixels, 0));
   }
 }
 
-void pack_depth(const Kernels& kernels, const DepthOutput& output, bool eight_bit,
-                const std::uint16_t* units, const float* factor, const Place& place) {
-  const std::size_t pixel = place.view * place.pixels + place.first;
-  const auto with = [&](auto pack, auto* out) {
-    put(kernels, place.stream, out, place.count,
-        [&](auto* to) { pack(units, factor, place.count, to); });
+void Packer::pack_depth(const std::uint16_t* units, const float* factor, const Place& place) const {
+  const auto with = [&]<class T>(auto kernel, T* first) {
+    put(kernels_, place.stream, first + place.pixel(), place.count,
+        [&](T* out) { kernel(units, factor, place.count, out); });
   };
-  if (output.format == DepthFormat::kMetresFloat32) {
-    with(eight_bit ? kernels.pack_legacy_metres : kernels.pack_metres,
-         values_at<float>(output.pixels, pixel));
+  const std::span<std::byte> pixels = outputs_.depth->pixels;
+  if (outputs_.depth->format == DepthFormat::kMetresFloat32) {
+    with(eight_bit_depth_ ? kernels_.pack_legacy_metres : kernels_.pack_metres,
+         values_at<float>(pixels, 0));
   } else {
-    with(eight_bit ? kernels.pack_legacy_units : kernels.pack_units,
-         values_at<std::uint16_t>(output.pixels, pixel));
+    with(eight_bit_depth_ ? kernels_.pack_legacy_units : kernels_.pack_units,
+         values_at<std::uint16_t>(pixels, 0));
   }
 }
 
-void pack_classes(const ClassOutput& output, const std::uint16_t* values, const Place& place) {
-  const std::size_t pixel = place.view * place.pixels + place.first;
-  if (output.format == ClassFormat::kUint16) {
-    std::memcpy(output.pixels.data() + 2 * pixel, values, 2 * place.count);
+void Packer::pack_classes(const std::uint16_t* values, const Place& place) const {
+  const std::span<std::byte> pixels = outputs_.classes->pixels;
+  if (outputs_.classes->format == ClassFormat::kUint16) {
+    std::memcpy(pixels.data() + 2 * place.pixel(), values, 2 * place.count);
     return;
   }
-  auto* out = values_at<std::uint8_t>(output.pixels, pixel);
+  auto* out = values_at<std::uint8_t>(pixels, place.pixel());
   for (std::size_t k = 0; k < place.count; ++k) {
     out[k] = static_cast<std::uint8_t>(std::min<std::uint16_t>(values[k], 255));
   }
 }
 
-void pack_instances(const InstanceOutput& output, const std::uint32_t* values, const Place& place) {
-  const std::size_t pixel = place.view * place.pixels + place.first;
-  std::memcpy(output.pixels.data() + pixel, values, 4 * place.count);
+std::vector<float> inverse_ray_lengths(const Camera& camera) {
+  const PixelRays rays = pixel_rays(camera, Mat3d{});
+  std::vector<float> lengths(std::size_t{camera.width} * camera.height);
+  for (std::uint32_t i = 0; i < camera.height; ++i) {
+    for (std::uint32_t j = 0; j < camera.width; ++j) {
+      lengths[std::size_t{i} * camera.width + j] = static_cast<float>(1 / length(rays.at(i, j)));
+    }
+  }
+  return lengths;
 }
 
 }  // namespace enfilade::render::cpu

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "enfilade/render/cpu/kernels.h"
 #include "enfilade/render/renderer.h"
@@ -16,16 +17,36 @@ struct Place {
   std::size_t count = 0;
   std::size_t pixels = 0;  ///< of a view
   bool stream = false;     ///< past the caches: the batch is larger than they are
+
+  std::size_t pixel() const { return view * pixels + first; }  ///< place in the whole batch
 };
 
-PlanarScale planar_scale(const Normalisation& normalisation) noexcept;
+/// Values of a block of pixels; only those of layers among the outputs are read.
+struct Values {
+  const std::uint32_t* rgba;
+  const std::uint16_t *depth, *classes;
+  const std::uint32_t* instances;
+  const float* depth_factor;  ///< turns a pixel's ray length into what the output's measure is
+};
 
-void pack_colour(const Kernels& kernels, const ColourOutput& output, const PlanarScale& scale,
-                 const std::uint32_t* rgba, const Place& place);
-/// `factor[k]` turns the k-th pixel's ray length into what output.measure asks for.
-void pack_depth(const Kernels& kernels, const DepthOutput& output, bool eight_bit,
-                const std::uint16_t* units, const float* factor, const Place& place);
-void pack_classes(const ClassOutput& output, const std::uint16_t* values, const Place& place);
-void pack_instances(const InstanceOutput& output, const std::uint32_t* values, const Place& place);
+/// Converts values to the formats of some outputs. Must not outlive its arguments.
+class Packer {
+ public:
+  Packer(const Kernels& kernels, const Outputs& outputs, bool eight_bit_depth) noexcept;
+  void pack(const Values& values, const Place& place) const;
+
+ private:
+  void pack_colour(const std::uint32_t* rgba, const Place& place) const;
+  void pack_depth(const std::uint16_t* units, const float* factor, const Place& place) const;
+  void pack_classes(const std::uint16_t* values, const Place& place) const;
+
+  const Kernels& kernels_;
+  const Outputs& outputs_;
+  bool eight_bit_depth_;
+  PlanarScale scale_{};  // of colour
+};
+
+/// For each pixel 1 / the length of its ray: what turns a distance along it into a z-distance.
+std::vector<float> inverse_ray_lengths(const Camera& camera);
 
 }  // namespace enfilade::render::cpu

@@ -11,6 +11,7 @@
 #include "enfilade/render/cpu/pack.h"
 #include "enfilade/render/cpu/row_plan.h"
 #include "enfilade/render/detail/batch.h"
+#include "enfilade/render/detail/layers.h"
 #include "enfilade/render/gl_devices.h"
 
 namespace enfilade::render::cpu {
@@ -33,18 +34,6 @@ std::size_t bytes_of(const Outputs& outputs) {
          (outputs.instances ? outputs.instances->pixels.size_bytes() : 0);
 }
 
-// For each pixel, 1 / the length of its ray: what turns a distance along it into a z-distance.
-std::vector<float> inverse_ray_lengths(const Camera& camera) {
-  const PixelRays rays = pixel_rays(camera, Mat3d{});
-  std::vector<float> lengths(std::size_t{camera.width} * camera.height);
-  for (std::uint32_t i = 0; i < camera.height; ++i) {
-    for (std::uint32_t j = 0; j < camera.width; ++j) {
-      lengths[std::size_t{i} * camera.width + j] = static_cast<float>(1 / length(rays.at(i, j)));
-    }
-  }
-  return lengths;
-}
-
 // What all rows of a batch have in common.
 struct Job {
   const Kernels& kernels;
@@ -52,7 +41,7 @@ struct Job {
   const Legacy& legacy;
   const Outputs& outputs;
   const float* depth_factor;  // one a pixel, or a block of ones
-  PlanarScale scale;
+  Packer packer;
   std::span<const PreparedView> views;
   std::span<const Face> faces;
   bool stream;  // write past the caches
@@ -94,42 +83,33 @@ class RowDrawer {
     const Kernels& kernels = job_.kernels;
     const std::size_t count = piece.size();
     size_ = 0;
-    const auto with = [&](Layer layer, auto&& body) {
-      const Face& face = job_.faces[view_.face[index(layer)][k]];
-      body(points_for(face, k, piece), face);
-    };
+    const auto face = [&](Layer layer) { return job_.faces[view_.face[index(layer)][k]]; };
     if (job_.outputs.colour) {
-      with(Layer::kColour, [&](const Points& points, const Face& face) {
-        kernels.colour(points, face, job_.legacy.clamped_edges, count, &colour_.rgba[at]);
-      });
+      const Face f = face(Layer::kColour);
+      kernels.colour(points_for(f, k, piece), f, job_.legacy.clamped_edges, count,
+                     &colour_.values[at]);
     }
     if (job_.outputs.depth) {
-      with(Layer::kDepth, [&](const Points& points, const Face& face) {
-        kernels.nearest16(points, face, count, &depth_.values[at]);
-      });
+      const Face f = face(Layer::kDepth);
+      kernels.nearest16(points_for(f, k, piece), f, count, &depth_.values[at]);
     }
     if (job_.outputs.classes) {
-      with(Layer::kClass, [&](const Points& points, const Face& face) {
-        kernels.nearest16(points, face, count, &classes_.values[at]);
-      });
+      const Face f = face(Layer::kClass);
+      kernels.nearest16(points_for(f, k, piece), f, count, &classes_.values[at]);
     }
     if (job_.outputs.instances) {
-      with(Layer::kInstance, [&](const Points& points, const Face& face) {
-        kernels.nearest32(points, face, count, &instances_.values[at]);
-      });
+      const Face f = face(Layer::kInstance);
+      kernels.nearest32(points_for(f, k, piece), f, count, &instances_.values[at]);
     }
   }
 
   void pack() const {
-    const Outputs& out = job_.outputs;
-    if (out.colour) pack_colour(job_.kernels, *out.colour, job_.scale, colour_.rgba.data(), place_);
-    if (out.depth) {
-      const bool along_ray = out.depth->measure == DepthMeasure::kRay;
-      pack_depth(job_.kernels, *out.depth, job_.legacy.eight_bit_depth, depth_.values.data(),
-                 job_.depth_factor + (along_ray ? 0 : place_.first), place_);
-    }
-    if (out.classes) pack_classes(*out.classes, classes_.values.data(), place_);
-    if (out.instances) pack_instances(*out.instances, instances_.values.data(), place_);
+    const auto& depth = job_.outputs.depth;
+    const bool scaled = depth && depth->measure == DepthMeasure::kZ;
+    job_.packer.pack(
+        {colour_.values.data(), depth_.values.data(), classes_.values.data(),
+         instances_.values.data(), scaled ? job_.depth_factor + place_.first : job_.depth_factor},
+        place_);
   }
 
   const Job& job_;
@@ -138,23 +118,21 @@ class RowDrawer {
   Place place_;
   std::uint32_t size_ = 0;  // of the face that points_ are on
   Points points_;
-  ColourBlock colour_;
+  Block32 colour_, instances_;
   Block16 depth_, classes_;
-  Block32 instances_;
 };
 
 void bring_texels(const Job& job, const PreparedView& view, std::span<const PlannedRow> rows) {
-  constexpr std::array<std::size_t, scan::kLayers> kTexelBytes{4, 2, 2, 4};
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     if ((view.mask >> k & 1U) == 0) continue;
     std::optional<Footprint> footprint;
-    for (std::size_t layer = 0; layer < scan::kLayers; ++layer) {
-      if (!detail::wants(job.outputs, static_cast<Layer>(layer))) continue;
-      const Face& face = job.faces[view.face[layer][k]];
+    for (const Layer layer : detail::kEachLayer) {
+      if (!detail::has(detail::layers_of(job.outputs), layer)) continue;
+      const Face& face = job.faces[view.face[index(layer)][k]];
       if (!footprint || footprint->size() != face.size) {
         footprint.emplace(rows, cube_face(k), face.size);
       }
-      footprint->bring(face, kTexelBytes[layer]);
+      footprint->bring(face, detail::kTexelBytes[index(layer)]);
     }
   }
 }
@@ -192,11 +170,15 @@ class CpuRenderer final : public Renderer {
  private:
   void draw(const Camera& camera, const Outputs& outputs) {
     const bool rays = outputs.depth && outputs.depth->measure == DepthMeasure::kRay;
-    Job job{kernels_,       camera,         config_.legacy,
-            outputs,        nullptr,        {},
-            batch_.views(), batch_.faces(), bytes_of(outputs) > kStreamBytes};
-    job.depth_factor = rays ? ones_.data() : inverse_ray_lengths_.data();
-    if (outputs.colour) job.scale = planar_scale(outputs.colour->normalisation);
+    const Job job{kernels_,
+                  camera,
+                  config_.legacy,
+                  outputs,
+                  rays ? ones_.data() : inverse_ray_lengths_.data(),
+                  Packer(kernels_, outputs, config_.legacy.eight_bit_depth),
+                  batch_.views(),
+                  batch_.faces(),
+                  bytes_of(outputs) > kStreamBytes};
     const std::size_t tiles = (camera.height + kTileRows - 1) / kTileRows;
     parallel_for(batch_.views().size() * tiles, 1, config_.threads,
                  [&](std::size_t begin, std::size_t end) {

@@ -50,8 +50,8 @@ RowPlan::RowPlan(const PixelRays& rays, std::uint32_t row, std::uint32_t width) 
   }
 }
 
-// At a cut, rounding may have put the pixel on the other side: the middle tells the face, the
-// pixels at both ends are asked themselves.
+// Rounding may put the pixel at a cut on the wrong side: the middle pixel decides the face of the
+// stretch, and the pixels at both ends are tested themselves.
 void RowPlan::add_piece(const PixelRays& rays, std::uint32_t row, std::uint32_t begin,
                         std::uint32_t end) {
   const auto face_at = [&](std::uint32_t column) { return face_towards(rays.at(row, column)); };

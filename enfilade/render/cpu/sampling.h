@@ -23,7 +23,7 @@ inline TexelPoint texel_point(const FaceLine& line, std::uint32_t size, std::uin
   const float ratio = half / (line.d0 + j * line.d1);
   const float x = (line.s0 + j * line.s1) * ratio + half;
   const float y = (line.t0 + j * line.t1) * ratio + half;
-  // Outside this range only rounding can have put it.
+  // Values outside this range are rounding errors.
   return {static_cast<std::int32_t>(std::min(std::max(x, 0.0F), whole)),
           static_cast<std::int32_t>(std::min(std::max(y, 0.0F), whole))};
 }

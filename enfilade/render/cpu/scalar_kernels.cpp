@@ -1,4 +1,4 @@
-// The plain twin: one pixel after another, no tricks. What the vector kernels are held against.
+// The scalar kernels: one pixel after another. The vector kernels are tested against them.
 #include <cmath>
 #include <cstring>
 

@@ -1,5 +1,5 @@
 // The kernels once for each instruction set that Highway knows, the best one chosen at run time.
-// docs/design/kernels.md says how they came to be.
+// Design: docs/design/kernels.md.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "enfilade/render/cpu/simd_kernels.cpp"
 #include <hwy/cache_control.h>
@@ -27,7 +27,7 @@ using VF = hn::Vec<DF>;
 using VI = hn::Vec<DI>;
 using VU = hn::Vec<DU>;
 
-// Of numbers from 0 to 2^31 - 256: without ConvertTo's care for others, which costs four
+// Converts numbers from 0 to 2^31 - 256. ConvertTo handles all others too, which costs four
 // instructions.
 HWY_INLINE VI truncated(VF v) {
 #if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
@@ -41,9 +41,9 @@ HWY_INLINE VI truncated(VF v) {
 #endif
 }
 
-// texel_point() for as many columns as a register holds. Multiplications and additions are kept
-// apart, as a fused one would round differently from the twin. Beyond the piece's end the last
-// column's again, so that no lane leaves the face.
+// texel_point() for as many columns as a register holds. Multiplications and additions are
+// separate, as a fused one would round differently from the scalar kernel. Lanes beyond the piece's
+// end repeat the last column, so that none leaves the face.
 void points(const FaceLine& line, std::uint32_t size, Piece piece, Points& out) {
   const DF d;
   const DI di;
@@ -99,8 +99,8 @@ void find_taps(const Points& points, const Face& face, LinearRange range, std::s
   }
 }
 
-// Two texels lie side by side in 8 bytes: one load a row of texels. Said outright, pair by pair:
-// left alone, gcc 12 shuffles more than it loads.
+// Two texels lie side by side in 8 bytes: one load a row of texels. Written out pair by pair, as
+// gcc 12 emits more shuffles than loads otherwise.
 template <std::size_t kPixels>
 HWY_INLINE hn::Vec<hn::FixedTag<std::uint64_t, kPixels>> load_pairs(const std::uint8_t* texels,
                                                                     const std::int32_t* offset) {
@@ -195,8 +195,8 @@ void nearest(const Points& points, const Face& face, std::size_t count, T* out) 
 
 // --- packing ------------------------------------------------------------------------------------
 
-// Four pixels of 128 bits lose their fourth bytes; the 4 bytes beyond the 12 are overwritten by the
-// next four pixels, so the last ones of the caller's memory are done one by one.
+// Drops the fourth byte of four pixels at once. The 4 bytes beyond the 12 are overwritten by the
+// next four pixels, so the last pixels of the caller's memory are done one by one.
 template <bool kSwap>
 void pack_three(const std::uint32_t* rgba, std::size_t count, std::uint8_t* out) {
   const hn::Full128<std::uint8_t> d8;
@@ -245,7 +245,8 @@ void pack_planar16(const std::uint32_t* rgba, std::size_t count, const PlanarSca
                    std::size_t plane, std::uint16_t* out) {
   std::size_t whole = 0;
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
-  // Only where the processor converts: elsewhere Highway's own rounds otherwise than the twin.
+  // Only where the processor converts: Highway's own conversion rounds differently from the scalar
+  // kernel.
   const hn::Rebind<hwy::float16_t, DF> d16;
   const std::size_t n = hn::Lanes(DF());
   whole = count - count % n;
@@ -290,7 +291,7 @@ HWY_INLINE VF scaled(const std::uint16_t* units, const float* factor, std::size_
 
 constexpr float kMetresPerUnit = 1.0F / static_cast<float>(scan::kDepthUnitsPerMetre);
 
-// Runs `vector(k)` over whole registers, then the twin over the rest.
+// Runs `vector(k)` over whole registers, then the scalar kernel over the rest.
 template <class Vector, class Twin, class T>
 void pack_depth(const std::uint16_t* units, const float* factor, std::size_t count, T* out,
                 Vector vector, Twin twin) {

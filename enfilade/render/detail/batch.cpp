@@ -4,13 +4,12 @@
 #include <tuple>
 
 #include "enfilade/core/check.h"
+#include "enfilade/render/detail/layers.h"
 
 namespace enfilade::render::detail {
 namespace {
 
 using scan::Layer;
-constexpr std::array<Layer, scan::kLayers> kAllLayers{Layer::kColour, Layer::kDepth, Layer::kClass,
-                                                      Layer::kInstance};
 
 auto order(const FaceKey& key) { return std::tuple(key.scan, key.viewpoint, key.layer, key.face); }
 bool before(const FaceKey& a, const FaceKey& b) { return order(a) < order(b); }
@@ -27,20 +26,6 @@ PreparedView prepare(const Camera& camera, const View& view, const scan::Panoram
 }
 
 }  // namespace
-
-bool wants(const Outputs& outputs, Layer layer) noexcept {
-  switch (layer) {
-    case Layer::kColour:
-      return outputs.colour.has_value();
-    case Layer::kDepth:
-      return outputs.depth.has_value();
-    case Layer::kClass:
-      return outputs.classes.has_value();
-    case Layer::kInstance:
-      return outputs.instances.has_value();
-  }
-  return false;
-}
 
 Outputs slice(const Camera& camera, const Outputs& outputs, std::size_t first, std::size_t count) {
   const std::size_t view = std::size_t{camera.width} * camera.height;
@@ -66,7 +51,7 @@ std::size_t Batch::fill(const Camera& camera, std::span<const View> views, const
     const PreparedView prepared = prepare(camera, view, cache_->panoramas());
     const std::size_t before_it = keys_.size();
     used += add_keys(view, prepared, outputs);
-    if (used > bytes && !views_.empty()) {  // the next batch's
+    if (used > bytes && !views_.empty()) {  // it belongs to the next batch
       keys_.resize(before_it);
       break;
     }
@@ -93,16 +78,16 @@ void Batch::hold_faces(std::span<const View> views, const Outputs& outputs) {
   for (std::size_t v = 0; v < views.size(); ++v) place_faces(views[v], views_[v], outputs);
 }
 
-// Appends the view's faces, and tells the bytes of those that its neighbours in the batch have not
-// brought already. Views of one panorama tend to come together, so the last ones are looked at: a
-// face that is counted twice only makes a batch smaller.
+// Appends the keys of the view's faces. Returns the bytes of those that the last views have not
+// added already: views of one panorama usually follow each other, and a face that is counted twice
+// only makes a batch smaller.
 std::size_t Batch::add_keys(const View& view, const PreparedView& prepared,
                             const Outputs& outputs) {
   const scan::FaceSizes sizes = cache_->panoramas().source(view.scan).face_sizes(view.viewpoint);
   std::size_t bytes = 0;
   constexpr std::size_t kLookBack = 3 * kCubeFaces * scan::kLayers;
-  for (const Layer layer : kAllLayers) {
-    if (!wants(outputs, layer)) continue;
+  for (const Layer layer : kEachLayer) {
+    if (!has(layers_of(outputs), layer)) continue;
     for (std::size_t k = 0; k < kCubeFaces; ++k) {
       if (!sees(prepared, k)) continue;
       const FaceKey key{view.scan, view.viewpoint, layer, cube_face(k)};
@@ -117,8 +102,8 @@ std::size_t Batch::add_keys(const View& view, const PreparedView& prepared,
 }
 
 void Batch::place_faces(const View& view, PreparedView& prepared, const Outputs& outputs) const {
-  for (const Layer layer : kAllLayers) {
-    if (!wants(outputs, layer)) continue;
+  for (const Layer layer : kEachLayer) {
+    if (!has(layers_of(outputs), layer)) continue;
     for (std::size_t k = 0; k < kCubeFaces; ++k) {
       if (!sees(prepared, k)) continue;
       const FaceKey key{view.scan, view.viewpoint, layer, cube_face(k)};

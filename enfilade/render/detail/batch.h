@@ -56,9 +56,6 @@ class Batch {
   std::vector<Face> faces_;
 };
 
-/// Is this layer among the outputs?
-bool wants(const Outputs& outputs, scan::Layer layer) noexcept;
-
 /// The part of the outputs that belongs to `count` views from the one at `first` on.
 Outputs slice(const Camera& camera, const Outputs& outputs, std::size_t first, std::size_t count);
 

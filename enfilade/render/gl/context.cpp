@@ -1,7 +1,9 @@
 #include "enfilade/render/gl/context.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <mutex>
 #include <utility>
@@ -13,30 +15,19 @@ namespace {
 
 constexpr int kMajor = 4, kMinor = 3;  // glTexStorage3D, glCopyImageSubData
 
-// EGL's word for the thread's last error, which this takes away.
+// EGL's name of the thread's last error, which this clears.
 std::string egl_error() {
-  constexpr std::array<std::pair<EGLint, const char*>, 15> kNames{{
-      {EGL_SUCCESS, "no EGL error was noted"},
-      {EGL_NOT_INITIALIZED, "EGL_NOT_INITIALIZED"},
-      {EGL_BAD_ACCESS, "EGL_BAD_ACCESS"},
-      {EGL_BAD_ALLOC, "EGL_BAD_ALLOC"},
-      {EGL_BAD_ATTRIBUTE, "EGL_BAD_ATTRIBUTE"},
-      {EGL_BAD_CONFIG, "EGL_BAD_CONFIG"},
-      {EGL_BAD_CONTEXT, "EGL_BAD_CONTEXT"},
-      {EGL_BAD_CURRENT_SURFACE, "EGL_BAD_CURRENT_SURFACE"},
-      {EGL_BAD_DISPLAY, "EGL_BAD_DISPLAY"},
-      {EGL_BAD_MATCH, "EGL_BAD_MATCH"},
-      {EGL_BAD_NATIVE_PIXMAP, "EGL_BAD_NATIVE_PIXMAP"},
-      {EGL_BAD_NATIVE_WINDOW, "EGL_BAD_NATIVE_WINDOW"},
-      {EGL_BAD_PARAMETER, "EGL_BAD_PARAMETER"},
-      {EGL_BAD_SURFACE, "EGL_BAD_SURFACE"},
-      {EGL_CONTEXT_LOST, "EGL_CONTEXT_LOST"},
-  }};
+  // By number, from EGL_SUCCESS on: EGL counts its errors without a gap.
+  constexpr std::array<const char*, 15> kNames{
+      "no EGL error was noted", "EGL_NOT_INITIALIZED",     "EGL_BAD_ACCESS",
+      "EGL_BAD_ALLOC",          "EGL_BAD_ATTRIBUTE",       "EGL_BAD_CONFIG",
+      "EGL_BAD_CONTEXT",        "EGL_BAD_CURRENT_SURFACE", "EGL_BAD_DISPLAY",
+      "EGL_BAD_MATCH",          "EGL_BAD_NATIVE_PIXMAP",   "EGL_BAD_NATIVE_WINDOW",
+      "EGL_BAD_PARAMETER",      "EGL_BAD_SURFACE",         "EGL_CONTEXT_LOST"};
+  static_assert(EGL_SUCCESS + kNames.size() - 1 == EGL_CONTEXT_LOST);
   const EGLint code = eglGetError();
-  for (const auto& [known, name] : kNames) {
-    if (known == code) return name;
-  }
-  return fmt::format("EGL error 0x{:04x}", code);
+  const auto place = static_cast<std::size_t>(code - EGL_SUCCESS);
+  return place < kNames.size() ? kNames[place] : fmt::format("EGL error 0x{:04x}", code);
 }
 
 [[noreturn]] void fail_egl(std::string_view call) {
@@ -44,7 +35,7 @@ std::string egl_error() {
 }
 
 EGLDisplay display_of(const Way& way) {
-  // Mesa's number; in no header that epoxy brings.
+  // Mesa's number; epoxy's headers do not have it.
   constexpr EGLenum kPlatformSurfaceless = 0x31DD;
   switch (way.kind) {
     case Way::Kind::kDevice:
@@ -57,8 +48,8 @@ EGLDisplay display_of(const Way& way) {
   return eglGetDisplay(EGL_DEFAULT_DISPLAY);
 }
 
-// Displays are never terminated: EGL gives the same one to everybody in the process who asks for
-// the same device, and eglTerminate() would take their contexts away too.
+// Displays are never terminated: EGL returns the same one to everyone in the process who asks for
+// this device, and eglTerminate() would destroy their contexts too.
 EGLDisplay open_display(const Way& way) {
   const EGLDisplay display = display_of(way);
   if (display == EGL_NO_DISPLAY) fail_egl("eglGetDisplay");
@@ -85,13 +76,6 @@ std::string gl_string(GLenum name) {
   std::string copy;
   for (; text != nullptr && *text != 0; ++text) copy += static_cast<char>(*text);
   return copy;
-}
-
-std::string hex(const std::array<GLubyte, 16>& bytes) {
-  if (bytes == std::array<GLubyte, 16>{}) return "";
-  std::string text;
-  for (const GLubyte byte : bytes) text += fmt::format("{:02x}", byte);
-  return text;
 }
 
 std::mutex& creation_mutex() {
@@ -128,7 +112,7 @@ void Context::create(const Way& way) {
                                           EGL_NONE};
   context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, kWanted.data());
   const std::string refusal = context_ == EGL_NO_CONTEXT ? egl_error() : "";
-  // Any context will do to tell what the device has instead.
+  // Any context can tell which version the device has instead.
   if (context_ == EGL_NO_CONTEXT) {
     context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, nullptr);
   }
@@ -156,12 +140,13 @@ void Context::describe() {
   if (epoxy_has_gl_extension("GL_EXT_memory_object")) {
     std::array<GLubyte, 16> uuid{};
     glGetUnsignedBytei_vEXT(GL_DEVICE_UUID_EXT, 0, uuid.data());
-    if (glGetError() == GL_NO_ERROR) uuid_ = hex(uuid);
+    const bool known = glGetError() == GL_NO_ERROR && uuid != std::array<GLubyte, 16>{};
+    if (known) uuid_ = hex(uuid);
   }
 }
 
 void Context::destroy() noexcept {
-  // What was made in the context goes with it.
+  // The context's objects are deleted with it.
   if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
   if (surface_ != EGL_NO_SURFACE) eglDestroySurface(display_, surface_);
 }
@@ -192,27 +177,31 @@ void check_gl(std::string_view doing) {
   if (code == GL_NO_ERROR) return;
   while (glGetError() != GL_NO_ERROR) {
   }
-  const char* name = "an unknown error";
-  switch (code) {
-    case GL_INVALID_ENUM:
-      name = "GL_INVALID_ENUM";
-      break;
-    case GL_INVALID_VALUE:
-      name = "GL_INVALID_VALUE";
-      break;
-    case GL_INVALID_OPERATION:
-      name = "GL_INVALID_OPERATION";
-      break;
-    case GL_INVALID_FRAMEBUFFER_OPERATION:
-      name = "GL_INVALID_FRAMEBUFFER_OPERATION";
-      break;
-    case GL_OUT_OF_MEMORY:
-      name = "GL_OUT_OF_MEMORY";
-      break;
-    default:
-      break;
-  }
-  throw Error(fmt::format("OpenGL: {}: {} (0x{:04x})", doing, name, code));
+  throw Error(fmt::format("OpenGL: {}: {}", doing, gl_name(code)));
+}
+
+std::string gl_name(GLenum code) {
+  using Name = std::pair<GLenum, const char*>;
+  constexpr std::array kNames{
+      Name{GL_INVALID_ENUM, "GL_INVALID_ENUM"},
+      Name{GL_INVALID_VALUE, "GL_INVALID_VALUE"},
+      Name{GL_INVALID_OPERATION, "GL_INVALID_OPERATION"},
+      Name{GL_INVALID_FRAMEBUFFER_OPERATION, "GL_INVALID_FRAMEBUFFER_OPERATION"},
+      Name{GL_OUT_OF_MEMORY, "GL_OUT_OF_MEMORY"},
+      Name{GL_FRAMEBUFFER_UNDEFINED, "GL_FRAMEBUFFER_UNDEFINED"},
+      Name{GL_FRAMEBUFFER_INCOMPLETE_ATTACHMENT, "GL_FRAMEBUFFER_INCOMPLETE_ATTACHMENT"},
+      Name{GL_FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT,
+           "GL_FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT"},
+      Name{GL_FRAMEBUFFER_INCOMPLETE_DRAW_BUFFER, "GL_FRAMEBUFFER_INCOMPLETE_DRAW_BUFFER"},
+      Name{GL_FRAMEBUFFER_INCOMPLETE_READ_BUFFER, "GL_FRAMEBUFFER_INCOMPLETE_READ_BUFFER"},
+      Name{GL_FRAMEBUFFER_INCOMPLETE_MULTISAMPLE, "GL_FRAMEBUFFER_INCOMPLETE_MULTISAMPLE"},
+      Name{GL_FRAMEBUFFER_UNSUPPORTED, "GL_FRAMEBUFFER_UNSUPPORTED"}};
+  const auto known = std::ranges::find(kNames, code, &Name::first);
+  return fmt::format("{} (0x{:04x})", known == kNames.end() ? "unknown" : known->second, code);
+}
+
+std::string hex(std::span<const unsigned char> bytes) {
+  return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 
 }  // namespace enfilade::render::gl

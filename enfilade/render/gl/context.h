@@ -4,6 +4,7 @@
 #include <epoxy/gl.h>
 
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,7 +16,7 @@ struct Way {
   enum class Kind { kDevice, kSurfaceless, kDefault };
   Kind kind = Kind::kDefault;
   std::string name;  ///< "0", "1", ...; "surfaceless"; "default"
-  std::string uuid;  ///< 32 hex digits, if EGL tells
+  std::string uuid;  ///< 32 hex digits, if EGL has one
   bool software = false;
   EGLDeviceEXT device = nullptr;
 };
@@ -24,7 +25,7 @@ struct Way {
 /// default. Empty without an EGL library.
 std::vector<Way> ways();
 
-/// What to say where ways() is empty.
+/// The error message if ways() is empty.
 inline constexpr std::string_view kNoEgl =
     "no EGL library (libEGL.so.1) could be loaded; on Debian and Ubuntu: apt-get install "
     "libegl1 libegl-mesa0 libgl1-mesa-dri, or the graphics card's own driver";
@@ -40,7 +41,7 @@ class Context {
 
   const std::string& renderer() const noexcept { return renderer_; }  ///< GL_RENDERER
   const std::string& version() const noexcept { return version_; }    ///< GL_VERSION
-  const std::string& uuid() const noexcept { return uuid_; }  ///< as EGL tells it, else OpenGL
+  const std::string& uuid() const noexcept { return uuid_; }  ///< from EGL, else from OpenGL
 
  private:
   friend class Current;
@@ -76,5 +77,11 @@ std::unique_ptr<Context> make_context(const std::string& device);
 
 /// \throws Error if OpenGL has noted one, naming it and what was being done
 void check_gl(std::string_view doing);
+
+/// "GL_INVALID_ENUM (0x0500)": an error, or a framebuffer's status.
+std::string gl_name(GLenum code);
+
+/// Two digits a byte.
+std::string hex(std::span<const unsigned char> bytes);
 
 }  // namespace enfilade::render::gl

@@ -30,7 +30,7 @@ std::string uuid_of(EGLDeviceEXT device, const char* extensions) {
   if (!has_word(extensions, "EGL_EXT_device_persistent_id")) return "";
   using QueryBinary = EGLBoolean (*)(EGLDeviceEXT, EGLint, EGLint, void*, EGLint*);
   constexpr EGLint kDeviceUuid = 0x335C;
-  // The one cast that eglGetProcAddress() is made for.
+  // eglGetProcAddress() returns functions of any type.
   const auto query = reinterpret_cast<QueryBinary>(eglGetProcAddress("eglQueryDeviceBinaryEXT"));
   std::array<unsigned char, 16> bytes{};
   EGLint size = 0;
@@ -38,9 +38,7 @@ std::string uuid_of(EGLDeviceEXT device, const char* extensions) {
                                 bytes.data(), &size) != EGL_TRUE) {
     return "";
   }
-  std::string text;
-  for (const unsigned char byte : bytes) text += fmt::format("{:02x}", byte);
-  return text;
+  return hex(bytes);
 }
 
 std::vector<Way> devices() {
@@ -81,7 +79,7 @@ std::string digits_of(std::string text) {
   return text;
 }
 
-// A UUID that only OpenGL tells costs a context for each device.
+// If only OpenGL has the UUIDs, this makes a context for each device.
 std::unique_ptr<Context> find_by_uuid(const std::vector<Way>& all, const std::string& uuid) {
   for (const Way& way : all) {
     if (way.kind != Way::Kind::kDevice || (!way.uuid.empty() && way.uuid != uuid)) continue;

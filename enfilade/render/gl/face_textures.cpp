@@ -6,34 +6,14 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/render/gl/program.h"
 
 namespace enfilade::render::gl {
 namespace {
 
 constexpr std::size_t kLeastSlots = kCubeFaces;  // a view may show all six
-// Faces that are decoded, and held in the face cache, at once: enough for all cores.
+// Faces that are decoded, and held in the face cache, at the same time: enough for all cores.
 constexpr std::size_t kGroup = 24;
-
-/// How a layer's texels are stored here and come from the cache.
-struct Texels {
-  GLint internal;
-  GLenum format, type;
-  std::size_t bytes;
-  std::uint32_t border;
-};
-
-Texels texels_of(scan::Layer layer) {
-  switch (layer) {
-    case scan::Layer::kColour:
-      return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4, 1};
-    case scan::Layer::kInstance:
-      return {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, 4, 0};
-    case scan::Layer::kDepth:
-    case scan::Layer::kClass:
-      break;
-  }
-  return {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2, 0};
-}
 
 GLint integer(GLenum name) {
   GLint value = 0;
@@ -59,26 +39,17 @@ class Held {
 
 }  // namespace
 
-std::size_t FaceKeyHash::operator()(const FaceKey& key) const noexcept {
-  const std::uint64_t place = std::uint64_t{key.scan.value} << 32 | key.viewpoint.value;
-  const std::uint64_t all = place * 32 + index(key.layer) * 8 + index(key.face);
-  return static_cast<std::size_t>(all * 0x9E3779B97F4A7C15U >> 20);  // 2^64 / golden ratio
-}
-
 FacePool::FacePool(scan::Layer layer, std::uint32_t size) : layer_(layer), size_(size) {
-  const std::uint32_t edge = size + 2 * texels_of(layer).border;
   const GLint most = integer(GL_MAX_TEXTURE_SIZE);
-  if (edge > static_cast<std::uint32_t>(most)) {
+  if (edge() > static_cast<std::uint32_t>(most)) {
     throw Error(fmt::format(
         "OpenGL: {} faces of {} x {} texels: the device's textures have at most {} x {}",
-        to_string(layer), edge, edge, most, most));
+        to_string(layer), edge(), edge(), most, most));
   }
 }
 
 std::size_t FacePool::slot_bytes() const noexcept {
-  const Texels texels = texels_of(layer_);
-  const std::size_t edge = size_ + 2 * texels.border;
-  return edge * edge * texels.bytes;
+  return std::size_t{edge()} * edge() * detail::kTexelBytes[index(layer_)];
 }
 
 void FacePool::limit(std::size_t slots) {
@@ -88,46 +59,34 @@ void FacePool::limit(std::size_t slots) {
   texture_ = 0;
   slots_.clear();
   places_.clear();
-  newest_ = oldest_ = -1;
 }
 
 FacePool::Claim FacePool::claim(const FaceKey& key, std::uint64_t turn) {
   const auto found = places_.find(key);
-  if (found != places_.end()) {
-    const std::int32_t slot = found->second;
-    slots_[static_cast<std::size_t>(slot)].turn = turn;
-    unlink(slot);
-    make_newest(slot);
-    return {slot, false};
+  const bool fresh = found == places_.end();
+  if (fresh) {
+    if ((slots_.empty() || slots_.back().turn != 0) && slots_.size() < limit_) grow();
+    if (slots_.back().turn == turn) return {};
   }
-  const std::int32_t slot = free_slot(turn);
-  if (slot < 0) return {};
-  Slot& entry = slots_[static_cast<std::size_t>(slot)];
-  if (entry.turn != 0) places_.erase(entry.key);
-  places_.emplace(key, slot);
-  entry.key = key;
-  entry.turn = turn;
-  unlink(slot);
-  make_newest(slot);
-  return {slot, true};
-}
-
-// Free slots are the oldest.
-std::int32_t FacePool::free_slot(std::uint64_t turn) {
-  const auto turn_of_oldest = [&] { return slots_[static_cast<std::size_t>(oldest_)].turn; };
-  if ((oldest_ < 0 || turn_of_oldest() != 0) && slots_.size() < limit_) grow();
-  return turn_of_oldest() == turn ? -1 : oldest_;
+  const auto slot = fresh ? std::prev(slots_.end()) : found->second;
+  if (fresh) {
+    if (slot->turn != 0) places_.erase(slot->key);
+    places_.emplace(key, slot);
+    slot->key = key;
+  }
+  slot->turn = turn;
+  slots_.splice(slots_.begin(), slots_, slot);
+  return {slot->number, fresh};
 }
 
 void FacePool::grow() {
   const std::size_t before = slots_.size();
   const std::size_t after = std::min(std::max(2 * before, 2 * kLeastSlots), limit_);
-  const Texels texels = texels_of(layer_);
-  const auto edge = static_cast<GLsizei>(size_ + 2 * texels.border);
+  const auto width = static_cast<GLsizei>(edge());
   GLuint texture = 0;
   glGenTextures(1, &texture);
   glBindTexture(GL_TEXTURE_2D_ARRAY, texture);
-  glTexStorage3D(GL_TEXTURE_2D_ARRAY, 1, static_cast<GLenum>(texels.internal), edge, edge,
+  glTexStorage3D(GL_TEXTURE_2D_ARRAY, 1, kTexelFormats[index(layer_)].internal, width, width,
                  static_cast<GLsizei>(after));
   const GLint filter = layer_ == scan::Layer::kColour ? GL_LINEAR : GL_NEAREST;
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, filter);
@@ -136,66 +95,41 @@ void FacePool::grow() {
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   if (before > 0) {
     glCopyImageSubData(texture_, GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, texture, GL_TEXTURE_2D_ARRAY, 0,
-                       0, 0, 0, edge, edge, static_cast<GLsizei>(before));
+                       0, 0, 0, width, width, static_cast<GLsizei>(before));
   }
   try {
-    check_gl(fmt::format("{} {} faces of {} x {} texels", after, to_string(layer_), edge, edge));
+    check_gl(fmt::format("{} {} faces of {} x {} texels", after, to_string(layer_), width, width));
   } catch (const Error&) {
     glDeleteTextures(1, &texture);
     throw;
   }
   glDeleteTextures(1, &texture_);
   texture_ = texture;
-  slots_.resize(after);
   places_.reserve(after);
   for (std::size_t slot = before; slot < after; ++slot) {
-    const auto fresh = static_cast<std::int32_t>(slot);
-    slots_[slot].newer = oldest_;
-    if (oldest_ >= 0) slots_[static_cast<std::size_t>(oldest_)].older = fresh;
-    oldest_ = fresh;
-    if (newest_ < 0) newest_ = fresh;
+    slots_.push_back({static_cast<std::int32_t>(slot), {}, 0});
   }
 }
 
-void FacePool::unlink(std::int32_t slot) {
-  const auto [newer, older] = std::pair(slots_[static_cast<std::size_t>(slot)].newer,
-                                        slots_[static_cast<std::size_t>(slot)].older);
-  (newer < 0 ? newest_ : slots_[static_cast<std::size_t>(newer)].older) = older;
-  (older < 0 ? oldest_ : slots_[static_cast<std::size_t>(older)].newer) = newer;
-}
-
-void FacePool::make_newest(std::int32_t slot) {
-  Slot& entry = slots_[static_cast<std::size_t>(slot)];
-  entry.newer = -1;
-  entry.older = newest_;
-  (newest_ < 0 ? oldest_ : slots_[static_cast<std::size_t>(newest_)].newer) = slot;
-  newest_ = slot;
-}
-
 void FacePool::upload(std::int32_t slot, const Face& face) {
-  const Texels texels = texels_of(layer_);
-  EN_CHECK_EQ(face.stride % texels.bytes, 0U);
-  const std::size_t before = texels.border * (face.stride + texels.bytes);
-  const auto edge = static_cast<GLsizei>(size_ + 2 * texels.border);
+  const std::size_t texel = detail::kTexelBytes[index(layer_)];
+  const TexelFormat& format = kTexelFormats[index(layer_)];
+  EN_CHECK_EQ(face.stride % texel, 0U);
+  const std::size_t before = detail::border_of(layer_) * (face.stride + texel);
+  const auto width = static_cast<GLsizei>(edge());
   glBindTexture(GL_TEXTURE_2D_ARRAY, texture_);
-  glPixelStorei(GL_UNPACK_ROW_LENGTH, static_cast<GLint>(face.stride / texels.bytes));
-  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, slot, edge, edge, 1, texels.format, texels.type,
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, static_cast<GLint>(face.stride / texel));
+  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, slot, width, width, 1, format.format, format.type,
                   face.origin - before);
 }
 
 void FacePool::drop(const FaceKey& key) {
   const auto found = places_.find(key);
   if (found == places_.end()) return;
-  const std::int32_t slot = found->second;
+  const auto slot = found->second;
   places_.erase(found);
-  slots_[static_cast<std::size_t>(slot)].turn = 0;
-  // To the old end, where free slots are looked for.
-  unlink(slot);
-  Slot& entry = slots_[static_cast<std::size_t>(slot)];
-  entry.older = -1;
-  entry.newer = oldest_;
-  (oldest_ < 0 ? newest_ : slots_[static_cast<std::size_t>(oldest_)].older) = slot;
-  oldest_ = slot;
+  slot->turn = 0;
+  slots_.splice(slots_.end(), slots_, slot);
 }
 
 FaceTextures::FaceTextures(std::shared_ptr<FaceCache> faces, std::size_t bytes)
@@ -240,7 +174,7 @@ std::int32_t FaceTextures::claim(const FaceKey& key, std::uint32_t size) {
 }
 
 void FaceTextures::begin_turn() noexcept {
-  // Left over if the last turn failed: claimed, but never brought in.
+  // If the last turn failed, these were claimed but never uploaded.
   for (std::size_t k = 0; k < missing_.size(); ++k) missing_[k].pool->drop(missing_keys_[k]);
   missing_.clear();
   missing_keys_.clear();

@@ -1,21 +1,18 @@
 /// \file  Cache of faces in textures of the graphics card, within a limit of bytes.
 #pragma once
-#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <list>
 #include <memory>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
+#include "enfilade/render/detail/layers.h"
 #include "enfilade/render/face_cache.h"
 #include "enfilade/render/gl/context.h"
 
 namespace enfilade::render::gl {
-
-struct FaceKeyHash {
-  std::size_t operator()(const FaceKey& key) const noexcept;
-};
 
 /// The faces of one layer and size: layers ("slots") of one array texture. It grows up to a number
 /// of slots, then the least recently used face goes first. Belongs to the current context.
@@ -44,22 +41,20 @@ class FacePool {
 
  private:
   struct Slot {
+    std::int32_t number = 0;
     FaceKey key;
     std::uint64_t turn = 0;  ///< of the last claim; 0: free
-    std::int32_t newer = -1, older = -1;
   };
-  std::int32_t free_slot(std::uint64_t turn);
+  /// Texels along an edge, border included.
+  std::uint32_t edge() const { return size_ + 2 * detail::border_of(layer_); }
   void grow();
-  void unlink(std::int32_t slot);
-  void make_newest(std::int32_t slot);
 
   scan::Layer layer_;
   std::uint32_t size_;
   std::size_t limit_ = 0;
   GLuint texture_ = 0;
-  std::vector<Slot> slots_;
-  std::int32_t newest_ = -1, oldest_ = -1;
-  std::unordered_map<FaceKey, std::int32_t, FaceKeyHash> places_;
+  std::list<Slot> slots_;  // the most recently used first, free ones last
+  std::unordered_map<FaceKey, std::list<Slot>::iterator, detail::FaceKeyHash> places_;
 };
 
 /// All pools of a renderer. What views need is claimed view by view, then brought in from the face

@@ -21,7 +21,7 @@ void add_along(double c, double a, double b, double width, double height, double
   }
 }
 
-// Does the line pass through the picture, or so close that a pixel's middle may be near it?
+// Whether the line passes through the picture.
 bool meets(const std::array<double, 3>& line, double width, double height) {
   const double reach = std::abs(line[1]) * width / 2 + std::abs(line[2]) * height / 2;
   return std::abs(line[0]) <= reach;

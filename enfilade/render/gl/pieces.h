@@ -41,7 +41,8 @@ FaceForms face_forms(const Camera& camera, const PixelRays& rays, CubeFace face)
 Piece piece_of(const Camera& camera, const FaceForms& forms, double margin);
 
 /// Finds the pixels with middles less than `distance` (< 0.5 pixels) from where two faces could
-/// meet: there a piece's edge is not exact enough to tell whose they are. Their middles.
+/// meet: there a piece's edge is not exact enough to tell which face they show. Returns their
+/// middles.
 void find_pixels_at_edges(const Camera& camera, const PixelRays& rays, double distance,
                           std::vector<PicturePoint>& pixels);
 

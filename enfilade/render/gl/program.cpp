@@ -73,17 +73,17 @@ void main() {
 
 std::string header_of(const ProgramKey& key) {
   std::string text = "#version 430 core\n";
-  if (has(key.layers, index(scan::Layer::kColour))) text += "#define COLOUR\n";
+  if (detail::has(key.layers, scan::Layer::kColour)) text += "#define COLOUR\n";
   if (key.clamped) text += "#define CLAMPED\n";
   return text;
 }
 
 std::string fragment_shader(const ProgramKey& key) {
   std::string inputs = kFragmentInputs, body = kFragmentMain;
-  for (std::size_t layer = 1; layer < scan::kLayers; ++layer) {
-    if (!has(key.layers, layer)) continue;
-    inputs += fmt::format(kValuesOutput, layer);
-    body += fmt::format(kValuesRead, layer);
+  for (const scan::Layer layer : detail::kEachLayer) {
+    if (layer == scan::Layer::kColour || !detail::has(key.layers, layer)) continue;
+    inputs += fmt::format(kValuesOutput, index(layer));
+    body += fmt::format(kValuesRead, index(layer));
   }
   return inputs + body + "}\n";
 }
@@ -115,7 +115,7 @@ void attach(GLuint program, GLenum stage, const char* name, const std::string& s
     throw Error(fmt::format("OpenGL: the {} shader does not compile: {}", name, log));
   }
   glAttachShader(program, shader);
-  glDeleteShader(shader);  // goes with the program
+  glDeleteShader(shader);  // deleted with the program
 }
 
 GLuint link(const ProgramKey& key) {
@@ -149,10 +149,11 @@ void Programs::use(const ProgramKey& key, const scan::FaceSizes& sizes) {
     entry.program = link(key);
     entry.sizes = glGetUniformLocation(entry.program, "sizes");
     glUseProgram(entry.program);
-    for (std::size_t layer = 0; layer < scan::kLayers; ++layer) {
-      if (!has(key.layers, layer)) continue;
-      const std::string sampler = fmt::format("faces_{}", layer);
-      glUniform1i(glGetUniformLocation(entry.program, sampler.c_str()), static_cast<GLint>(layer));
+    for (const scan::Layer layer : detail::kEachLayer) {
+      if (!detail::has(key.layers, layer)) continue;
+      const std::string sampler = fmt::format("faces_{}", index(layer));
+      glUniform1i(glGetUniformLocation(entry.program, sampler.c_str()),
+                  static_cast<GLint>(index(layer)));
     }
   }
   glUseProgram(entry.program);
@@ -163,7 +164,7 @@ void Programs::use(const ProgramKey& key, const scan::FaceSizes& sizes) {
 void describe_vertices() {
   const auto floats = [](GLuint location, GLint count, std::size_t offset) {
     glEnableVertexAttribArray(location);
-    // OpenGL wants an offset dressed as a pointer.
+    // OpenGL takes the offset as a pointer.
     glVertexAttribPointer(location, count, GL_FLOAT, GL_FALSE, sizeof(Vertex),
                           reinterpret_cast<const void*>(offset));
   };

@@ -4,15 +4,21 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "enfilade/render/detail/layers.h"
 #include "enfilade/render/gl/context.h"
-#include "enfilade/scan/panorama_source.h"
 
 namespace enfilade::render::gl {
 
-/// Layers as bits 1 << index(Layer).
-using LayerMask = std::uint8_t;
-constexpr LayerMask bit(scan::Layer layer) { return static_cast<LayerMask>(1U << index(layer)); }
-constexpr bool has(LayerMask mask, std::size_t layer) { return (mask >> layer & 1U) != 0; }
+/// How OpenGL keeps a layer's values, as texels of faces and as pixels of targets, by index(Layer).
+struct TexelFormat {
+  GLenum internal, format, type;
+};
+inline constexpr std::array<TexelFormat, scan::kLayers> kTexelFormats{{
+    {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE},
+    {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT},
+    {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT},
+    {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT},
+}};
 
 /// A corner of a triangle. All but `position` is the same for the whole piece of a picture.
 struct Vertex {
@@ -24,7 +30,7 @@ struct Vertex {
 
 /// What a program does.
 struct ProgramKey {
-  LayerMask layers = 0;
+  scan::LayerMask layers = 0;
   bool clamped = false;  ///< Legacy::clamped_edges
 };
 

@@ -10,7 +10,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/render/cpu/pack.h"
-#include "enfilade/render/detail/batch.h"
+#include "enfilade/render/detail/layers.h"
 #include "enfilade/render/gl/context.h"
 #include "enfilade/render/gl/face_textures.h"
 #include "enfilade/render/gl/pieces.h"
@@ -20,32 +20,27 @@
 namespace enfilade::render::gl {
 namespace {
 
+using detail::has;
+using detail::kEachLayer;
+using detail::kTexelBytes;
 using scan::Layer;
-constexpr std::array<Layer, scan::kLayers> kAllLayers{Layer::kColour, Layer::kDepth, Layer::kClass,
-                                                      Layer::kInstance};
 
-// Of one target: small enough for several to make up a batch, so that one is drawn while another
-// is packed.
+// Size of one target: a batch fills several, so that one is drawn while another is packed.
 constexpr std::size_t kTargetBytes = std::size_t{8} << 20;
-// In more rows than this a float no longer tells the points of the grid apart on which hardware
-// puts corners (1/256 pixel).
+// With more rows, floats could not distinguish the points of the grid on which hardware puts
+// corners (1/256 pixel).
 constexpr std::uint32_t kMostRows = 8192;
-
-LayerMask layers_of(const Outputs& outputs) {
-  LayerMask mask = 0;
-  for (const Layer layer : kAllLayers) {
-    if (detail::wants(outputs, layer)) mask = static_cast<LayerMask>(mask | bit(layer));
-  }
-  return mask;
-}
 
 std::array<float, 3> to_floats(const std::array<double, 3>& v) {
   return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
 }
 
+// Values of a layer from a pixel on; null if the layer is not drawn.
 template <class T>
-const T* values_of(const std::array<const std::byte*, scan::kLayers>& pixels, Layer layer) {
-  return reinterpret_cast<const T*>(pixels[index(layer)]);
+const T* values_of(const std::array<const std::byte*, scan::kLayers>& pixels, Layer layer,
+                   std::size_t first) {
+  const auto* values = reinterpret_cast<const T*>(pixels[index(layer)]);
+  return values == nullptr ? nullptr : values + first;
 }
 
 class GlRenderer final : public Renderer {
@@ -85,8 +80,6 @@ class GlRenderer final : public Renderer {
                    std::size_t place);
   void make_depth_factors(const Camera& camera, DepthMeasure measure);
   void finish(const Frame& frame, const Part& part, Target& target);
-  void pack(const Outputs& out, const std::array<const std::byte*, scan::kLayers>& pixels,
-            const cpu::Place& place) const;
 
   std::shared_ptr<FaceCache> faces_;
   Legacy legacy_;
@@ -99,7 +92,6 @@ class GlRenderer final : public Renderer {
   scan::FaceSizes sizes_{};  // of the panoramas in the target that is being drawn
   std::vector<Vertex> vertices_;
   std::vector<PicturePoint> edge_pixels_;
-  const cpu::Kernels& kernels_ = cpu::simd_kernels();
   std::optional<std::pair<Camera, DepthMeasure>> depth_factors_of_;
   std::vector<float> depth_factors_;  // what a ray's length is multiplied with, for each pixel
 };
@@ -122,7 +114,7 @@ GlRenderer::GlRenderer(std::shared_ptr<FaceCache> faces, const RendererConfig& c
   GLint bits = 4;
   glGetIntegerv(GL_SUBPIXEL_BITS, &bits);
   mesh_ = std::ldexp(1.0, -bits);
-  programs_.use({bit(Layer::kColour), legacy_.clamped_edges}, {});
+  programs_.use({1U << index(Layer::kColour), legacy_.clamped_edges}, {});
   check_gl("setting up");
 }
 
@@ -134,12 +126,12 @@ std::string GlRenderer::description() const {
 
 void GlRenderer::render(const Camera& camera, std::span<const View> views, const Outputs& outputs) {
   validate(camera, views, outputs, faces_->panoramas());
-  const LayerMask layers = layers_of(outputs);
+  const scan::LayerMask layers = detail::layers_of(outputs);
   if (views.empty() || layers == 0) return;
   const Current current(*context_);
   std::size_t bytes = 0;
-  for (std::size_t layer = 0; layer < scan::kLayers; ++layer) {
-    if (has(layers, layer)) bytes += kPixelBytes[layer] * camera.width * camera.height;
+  for (const Layer layer : kEachLayer) {
+    if (has(layers, layer)) bytes += kTexelBytes[index(layer)] * camera.width * camera.height;
   }
   const std::size_t rows =
       std::max(camera.height, std::min(kMostRows, most_rows(camera.width, camera.height)));
@@ -187,12 +179,12 @@ std::size_t GlRenderer::draw(const Frame& frame, std::size_t first, Target& targ
   const auto rows = static_cast<std::uint32_t>(frame.most * frame.camera.height);
   target.begin(frame.program.layers, frame.camera.width, rows);
   programs_.use(frame.program, sizes_);
-  for (const Layer layer : kAllLayers) {
-    if (!has(frame.program.layers, index(layer))) continue;
+  for (const Layer layer : kEachLayer) {
+    if (!has(frame.program.layers, layer)) continue;
     glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(index(layer)));
     glBindTexture(GL_TEXTURE_2D_ARRAY, textures_.texture(layer, sizes_[index(layer)]));
   }
-  glActiveTexture(GL_TEXTURE0 + scan::kLayers);  // where changes of textures disturb nothing
+  glActiveTexture(GL_TEXTURE0 + scan::kLayers);  // a unit that no program reads
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices_.size() * sizeof(Vertex)),
                vertices_.data(), GL_STREAM_DRAW);
   glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices_.size()));
@@ -204,9 +196,9 @@ std::size_t GlRenderer::draw(const Frame& frame, std::size_t first, Target& targ
 // A target's panoramas have faces of one size, as textures do.
 bool GlRenderer::take_panorama(const Frame& frame, const View& view, bool first) {
   const scan::FaceSizes& sizes = textures_.sizes(view.scan, view.viewpoint);
-  for (const Layer layer : kAllLayers) {
+  for (const Layer layer : kEachLayer) {
     const std::uint32_t size = sizes[index(layer)];
-    if (!has(frame.program.layers, index(layer))) continue;
+    if (!has(frame.program.layers, layer)) continue;
     if (size == 0) {
       throw faces_->panoramas().source(view.scan).lacks(layer, view.viewpoint);
     }
@@ -235,8 +227,8 @@ bool GlRenderer::add_view(const Frame& frame, const View& view, std::size_t plac
     const Piece piece = piece_of(frame.camera, forms, 2 * mesh_);
     if (piece.corners().size() < 3) continue;
     looks[k] = Look{forms, {}};
-    for (const Layer layer : kAllLayers) {
-      if (!has(frame.program.layers, index(layer))) continue;
+    for (const Layer layer : kEachLayer) {
+      if (!has(frame.program.layers, layer)) continue;
       const FaceKey key{view.scan, view.viewpoint, layer, cube_face(k)};
       const std::int32_t slot = textures_.claim(key, sizes_[index(layer)]);
       if (slot < 0) return false;
@@ -258,7 +250,7 @@ void GlRenderer::draw_edges_again(const Frame& frame, const PixelRays& rays,
   for (const auto [x, y] : edge_pixels_) {
     const auto& look = looks[index(face_towards(rays.at(y + i0, x + j0)))];
     if (!look) continue;
-    // Around this pixel's middle, and no other's.
+    // Contains the middle of this pixel only.
     const std::array<PicturePoint, 3> triangle{
         {{x - 0.25, y - 0.25}, {x + 0.5, y - 0.25}, {x - 0.25, y + 0.5}}};
     add_polygon(frame, *look, triangle, place);
@@ -270,8 +262,8 @@ void GlRenderer::add_polygon(const Frame& frame, const Look& look,
   const double width = frame.camera.width, height = frame.camera.height;
   const double middle_y = (static_cast<double>(place) + 0.5) * height;
   const double rows = static_cast<double>(frame.most) * height;
-  // Put on the grid here, corners are there wherever in the target the view lies: the same view
-  // covers the same pixels in any batch.
+  // Rounded to the grid here, corners do not depend on where in the target the view lies: the same
+  // view covers the same pixels in any batch.
   const auto on_grid = [this](double pixels) { return std::round(pixels / mesh_) * mesh_; };
   const auto vertex = [&](PicturePoint p) -> Vertex {
     return {
@@ -291,49 +283,27 @@ void GlRenderer::add_polygon(const Frame& frame, const Look& look,
 void GlRenderer::make_depth_factors(const Camera& camera, DepthMeasure measure) {
   const std::pair now{camera, measure};
   if (depth_factors_of_ == now) return;
-  depth_factors_.assign(std::size_t{camera.width} * camera.height, 1.0F);
+  depth_factors_ = measure == DepthMeasure::kRay
+                       ? std::vector(std::size_t{camera.width} * camera.height, 1.0F)
+                       : cpu::inverse_ray_lengths(camera);
   depth_factors_of_ = now;
-  if (measure == DepthMeasure::kRay) return;
-  const PixelRays rays = pixel_rays(camera, Mat3d{});
-  for (std::uint32_t i = 0; i < camera.height; ++i) {
-    for (std::uint32_t j = 0; j < camera.width; ++j) {
-      depth_factors_[std::size_t{i} * camera.width + j] =
-          static_cast<float>(1 / length(rays.at(i, j)));
-    }
-  }
 }
 
+// Packs with the CPU back end's own arithmetic. Depth comes back as the texels hold it and is
+// scaled here, as a graphics card's square root need not be as exact.
 void GlRenderer::finish(const Frame& frame, const Part& part, Target& target) {
   const auto pixels = target.map();
   const std::size_t view_pixels = std::size_t{frame.camera.width} * frame.camera.height;
+  const cpu::Packer packer(cpu::simd_kernels(), frame.outputs, legacy_.eight_bit_depth);
   for (std::size_t k = 0; k < part.count; ++k) {
-    std::array<const std::byte*, scan::kLayers> view = pixels;
-    for (std::size_t layer = 0; layer < scan::kLayers; ++layer) {
-      if (view[layer] != nullptr) view[layer] += k * view_pixels * kPixelBytes[layer];
-    }
-    pack(frame.outputs, view, {part.first + k, 0, view_pixels, view_pixels});
+    const std::size_t first = k * view_pixels;
+    packer.pack({values_of<std::uint32_t>(pixels, Layer::kColour, first),
+                 values_of<std::uint16_t>(pixels, Layer::kDepth, first),
+                 values_of<std::uint16_t>(pixels, Layer::kClass, first),
+                 values_of<std::uint32_t>(pixels, Layer::kInstance, first), depth_factors_.data()},
+                {part.first + k, 0, view_pixels, view_pixels});
   }
   target.finish_reading();
-}
-
-// In the CPU back end's own arithmetic. Depth comes back as the texels hold it and is scaled here,
-// as a graphics card's square root need not be as exact.
-void GlRenderer::pack(const Outputs& out, const std::array<const std::byte*, scan::kLayers>& pixels,
-                      const cpu::Place& place) const {
-  if (out.colour) {
-    cpu::pack_colour(kernels_, *out.colour, cpu::planar_scale(out.colour->normalisation),
-                     values_of<std::uint32_t>(pixels, Layer::kColour), place);
-  }
-  if (out.depth) {
-    cpu::pack_depth(kernels_, *out.depth, legacy_.eight_bit_depth,
-                    values_of<std::uint16_t>(pixels, Layer::kDepth), depth_factors_.data(), place);
-  }
-  if (out.classes) {
-    cpu::pack_classes(*out.classes, values_of<std::uint16_t>(pixels, Layer::kClass), place);
-  }
-  if (out.instances) {
-    cpu::pack_instances(*out.instances, values_of<std::uint32_t>(pixels, Layer::kInstance), place);
-  }
 }
 
 }  // namespace

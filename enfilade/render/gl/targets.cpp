@@ -9,38 +9,9 @@
 namespace enfilade::render::gl {
 namespace {
 
-struct PixelFormat {
-  GLenum internal, format, type;
-};
-constexpr std::array<PixelFormat, scan::kLayers> kFormats{{
-    {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE},
-    {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT},
-    {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT},
-    {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT},
-}};
+using scan::Layer;
 
-GLenum attachment(std::size_t layer) { return GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(layer); }
-
-std::string status_name(GLenum status) {
-  switch (status) {
-    case GL_FRAMEBUFFER_UNDEFINED:
-      return "GL_FRAMEBUFFER_UNDEFINED";
-    case GL_FRAMEBUFFER_INCOMPLETE_ATTACHMENT:
-      return "GL_FRAMEBUFFER_INCOMPLETE_ATTACHMENT";
-    case GL_FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT:
-      return "GL_FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT";
-    case GL_FRAMEBUFFER_INCOMPLETE_DRAW_BUFFER:
-      return "GL_FRAMEBUFFER_INCOMPLETE_DRAW_BUFFER";
-    case GL_FRAMEBUFFER_INCOMPLETE_READ_BUFFER:
-      return "GL_FRAMEBUFFER_INCOMPLETE_READ_BUFFER";
-    case GL_FRAMEBUFFER_INCOMPLETE_MULTISAMPLE:
-      return "GL_FRAMEBUFFER_INCOMPLETE_MULTISAMPLE";
-    case GL_FRAMEBUFFER_UNSUPPORTED:
-      return "GL_FRAMEBUFFER_UNSUPPORTED";
-    default:
-      return fmt::format("0x{:04x}", status);
-  }
-}
+GLenum attachment(Layer layer) { return GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(index(layer)); }
 
 }  // namespace
 
@@ -58,34 +29,34 @@ std::uint32_t most_rows(std::uint32_t width, std::uint32_t height) {
   return highest;
 }
 
-void Target::begin(LayerMask layers, std::uint32_t width, std::uint32_t height) {
+void Target::begin(scan::LayerMask layers, std::uint32_t width, std::uint32_t height) {
   layers_ = layers;
   width_ = width;
   height_ = height;
   if (framebuffer_ == 0) glGenFramebuffers(1, &framebuffer_);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  for (std::size_t layer = 0; layer < scan::kLayers; ++layer) {
-    if (has(layers, layer)) allocate(layer);
+  for (const Layer layer : detail::kEachLayer) {
+    if (detail::has(layers, layer)) allocate(layer);
   }
   if (attached_ != layers) attach();
   glViewport(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height));
 }
 
-void Target::allocate(std::size_t layer) {
-  Picture& picture = pictures_[layer];
+void Target::allocate(Layer layer) {
+  Picture& picture = pictures_[index(layer)];
   if (picture.width < width_ || picture.height < height_) {
     attached_ = 0;
     glDeleteTextures(1, &picture.texture);
     picture = {0, picture.buffer, width_, height_, picture.buffer_bytes, picture.mapped};
     glGenTextures(1, &picture.texture);
     glBindTexture(GL_TEXTURE_2D, picture.texture);
-    glTexStorage2D(GL_TEXTURE_2D, 1, kFormats[layer].internal, static_cast<GLsizei>(width_),
-                   static_cast<GLsizei>(height_));
+    glTexStorage2D(GL_TEXTURE_2D, 1, kTexelFormats[index(layer)].internal,
+                   static_cast<GLsizei>(width_), static_cast<GLsizei>(height_));
   }
-  const std::size_t bytes = std::size_t{width_} * height_ * kPixelBytes[layer];
+  const std::size_t bytes = std::size_t{width_} * height_ * detail::kTexelBytes[index(layer)];
   if (picture.buffer == 0) glGenBuffers(1, &picture.buffer);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, picture.buffer);
-  if (picture.mapped) {  // a render() that failed left it so
+  if (picture.mapped) {  // left so by a render() that failed
     glUnmapBuffer(GL_PIXEL_PACK_BUFFER);
     picture.mapped = false;
   }
@@ -105,28 +76,28 @@ void Target::allocate(std::size_t layer) {
 
 void Target::attach() {
   std::array<GLenum, scan::kLayers> outputs{};
-  for (std::size_t layer = 0; layer < scan::kLayers; ++layer) {
-    const bool wanted = has(layers_, layer);
-    outputs[layer] = wanted ? attachment(layer) : GL_NONE;
+  for (const Layer layer : detail::kEachLayer) {
+    const bool wanted = detail::has(layers_, layer);
+    outputs[index(layer)] = wanted ? attachment(layer) : GL_NONE;
     glFramebufferTexture2D(GL_FRAMEBUFFER, attachment(layer), GL_TEXTURE_2D,
-                           wanted ? pictures_[layer].texture : 0, 0);
+                           wanted ? pictures_[index(layer)].texture : 0, 0);
   }
   glDrawBuffers(scan::kLayers, outputs.data());
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE) {
-    throw Error("OpenGL: the framebuffer cannot be drawn into: " + status_name(status));
+    throw Error("OpenGL: the framebuffer cannot be drawn into: " + gl_name(status));
   }
   attached_ = layers_;
 }
 
 void Target::start_reading(std::uint32_t rows) {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  for (std::size_t layer = 0; layer < scan::kLayers; ++layer) {
-    if (!has(layers_, layer)) continue;
-    glBindBuffer(GL_PIXEL_PACK_BUFFER, pictures_[layer].buffer);
+  for (const Layer layer : detail::kEachLayer) {
+    if (!detail::has(layers_, layer)) continue;
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, pictures_[index(layer)].buffer);
     glReadBuffer(attachment(layer));
     glReadPixels(0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(rows),
-                 kFormats[layer].format, kFormats[layer].type, nullptr);
+                 kTexelFormats[index(layer)].format, kTexelFormats[index(layer)].type, nullptr);
   }
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   check_gl("reading pixels back");
@@ -134,9 +105,9 @@ void Target::start_reading(std::uint32_t rows) {
 
 std::array<const std::byte*, scan::kLayers> Target::map() {
   std::array<const std::byte*, scan::kLayers> pixels{};
-  for (std::size_t layer = 0; layer < scan::kLayers; ++layer) {
-    if (!has(layers_, layer)) continue;
-    Picture& picture = pictures_[layer];
+  for (const Layer layer : detail::kEachLayer) {
+    if (!detail::has(layers_, layer)) continue;
+    Picture& picture = pictures_[index(layer)];
     glBindBuffer(GL_PIXEL_PACK_BUFFER, picture.buffer);
     const void* bytes = glMapBufferRange(
         GL_PIXEL_PACK_BUFFER, 0, static_cast<GLsizeiptr>(picture.buffer_bytes), GL_MAP_READ_BIT);
@@ -146,18 +117,18 @@ std::array<const std::byte*, scan::kLayers> Target::map() {
       throw Error("OpenGL: mapping pixels: glMapBufferRange gave nothing");
     }
     picture.mapped = true;
-    pixels[layer] = static_cast<const std::byte*>(bytes);
+    pixels[index(layer)] = static_cast<const std::byte*>(bytes);
   }
   return pixels;
 }
 
 void Target::finish_reading() {
   bool kept = true;
-  for (std::size_t layer = 0; layer < scan::kLayers; ++layer) {
-    if (!has(layers_, layer)) continue;
-    glBindBuffer(GL_PIXEL_PACK_BUFFER, pictures_[layer].buffer);
+  for (const Layer layer : detail::kEachLayer) {
+    if (!detail::has(layers_, layer)) continue;
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, pictures_[index(layer)].buffer);
     kept = glUnmapBuffer(GL_PIXEL_PACK_BUFFER) == GL_TRUE && kept;
-    pictures_[layer].mapped = false;
+    pictures_[index(layer)].mapped = false;
   }
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   if (!kept) throw Error("OpenGL: the pixels were lost while they were read (glUnmapBuffer)");

@@ -9,17 +9,14 @@
 
 namespace enfilade::render::gl {
 
-/// Bytes a pixel takes in a target: RGBA, or the texel of the layer as it is.
-constexpr std::array<std::size_t, scan::kLayers> kPixelBytes{4, 2, 2, 4};
-
 /// One picture for each layer, all drawn at once, and the buffers that they are read back through.
-/// Views lie below one another, so that a whole batch is one picture of the driver's and one
-/// read-back, on any hardware. Belongs to the current context.
+/// Views lie below one another, so that the driver draws a whole batch as one picture and reads it
+/// back at once. Belongs to the current context.
 class Target {
  public:
   /// Makes the target the one that is drawn into, with at least this size.
   /// \throws Error if it is too large for the device, incomplete, or out of memory
-  void begin(LayerMask layers, std::uint32_t width, std::uint32_t height);
+  void begin(scan::LayerMask layers, std::uint32_t width, std::uint32_t height);
   /// Starts to copy the first rows into the buffers. Does not wait where the driver can copy by
   /// itself. \throws Error
   void start_reading(std::uint32_t rows);
@@ -30,11 +27,11 @@ class Target {
   void finish_reading();
 
  private:
-  void allocate(std::size_t layer);
+  void allocate(scan::Layer layer);
   void attach();
 
   GLuint framebuffer_ = 0;
-  LayerMask layers_ = 0, attached_ = 0;
+  scan::LayerMask layers_ = 0, attached_ = 0;
   std::uint32_t width_ = 0, height_ = 0;
   struct Picture {
     GLuint texture = 0, buffer = 0;

@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::size_t kLanes = 8;  // loops run over whole blocks, so that compilers unroll them
 
-// compute_sincos() is off by less than 4e-16 (three roundings of numbers up to 1, and what the
-// series leaves out), the C library by less than 2e-16. So where a number with twice the sum taken
-// away and added rounds to one float, direction_of() rounds to it as well.
+// compute_sincos() is off by less than 4e-16 (three roundings of numbers up to 1, and the terms
+// that the series leaves out), the C library by less than 2e-16. This is twice their sum: if value
+// - kMargin and value + kMargin round to the same float, direction_of() rounds to it too.
 constexpr double kMargin = 1.2e-15;
 
 double with_sign_of_bit_1(double value, std::int64_t bits) {

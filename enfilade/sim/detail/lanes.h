@@ -1,5 +1,5 @@
-/// \file  Pieces of arithmetic without jumps: a loop over them runs in vector registers, with every
-/// compiler and for every instruction set.
+/// \file  Arithmetic without branches: a loop over it runs in vector registers, with every compiler
+/// and for every instruction set.
 #pragma once
 #include <bit>
 #include <cstdint>

@@ -46,7 +46,8 @@ void NavigableViews::add(std::span<const graph::Edge> edges, Direction camera, d
     rel_elevation_[n] = edge.elevation.value - elevation;
     distance_[n] = edge.distance;
     target_[n] = edge.target.value;
-    // Kept by not writing over it: a jump would be mispredicted every other time.
+    // An edge out of view is overwritten by the next one: a branch would be mispredicted every
+    // other time.
     const bool in_view = static_cast<double>(cosine) >= limit.min_cosine;  // false for NaN
     n += static_cast<std::size_t>(limit.all | in_view);
   }
@@ -64,9 +65,9 @@ void NavigableViews::compute() {
 std::uint32_t NavigableViews::write(ViewpointIndex here, const NavigableRow& row) {
   const std::size_t begin = written_ == 0 ? 0 : ends_[written_ - 1];
   const std::size_t n = ends_[written_++] - begin;
-  // Counting who comes before whom takes n^2 / 2 comparisons and no unpredictable jump: for the
-  // five neighbours of a viewpoint faster than sorting. Neighbours come by rising index, so that
-  // on a tie the earlier one stays in front.
+  // Counting for each neighbour how many come before it takes n^2 / 2 comparisons and no
+  // unpredictable branch: for the five neighbours of a viewpoint that is faster than sorting.
+  // Neighbours come by rising index, so that on a tie the earlier one stays in front.
   const double* order = &order_[begin];
   std::uint32_t* rank = rank_.data();
   for (std::size_t i = 0; i < n; ++i) {

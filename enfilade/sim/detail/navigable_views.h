@@ -28,13 +28,14 @@ struct NavigableRow {
 
 /// The neighbours that a few agents see, worked on together: the arithmetic of all of them runs in
 /// vector registers, and nothing branches on what random agents do. Used in rounds of clear(),
-/// add() for each agent, compute(), write() for each in the same order. Allocates when made only.
+/// add() for each agent, compute(), write() for each in the same order. Allocates only in the
+/// constructor.
 class NavigableViews {
  public:
   NavigableViews(std::size_t agents, std::size_t max_navigable);
 
   void clear() noexcept;
-  /// \pre not more agents since clear(), nor edges, than the constructor was told
+  /// \pre no more agents and edges since clear() than given to the constructor
   void add(std::span<const graph::Edge> edges, Direction camera, double elevation,
            const ViewLimit& limit);
   void compute();

@@ -1,5 +1,5 @@
-/// \file  The simulator's fast loops once more, as plainly as they can be written: the oracle of
-/// its tests. Agrees to the bit.
+/// \file  Plain reference implementations of the simulator's fast loops, for its tests. Both agree
+/// to the bit.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -72,8 +72,8 @@ struct ReferenceNavigable {
   friend bool operator==(const ReferenceNavigable&, const ReferenceNavigable&) = default;
 };
 
-/// What can be walked to from `here`, looking along `heading` and `elevation`; \p half_width is the
-/// half field of view.
+/// The viewpoints that are navigable from `here` with `heading` and `elevation`; \p half_width is
+/// half the field of view.
 inline std::vector<ReferenceNavigable> reference_navigable(const graph::NavGraph& graph,
                                                            ViewpointIndex here, double heading,
                                                            double elevation, bool restricted,

@@ -1,0 +1,43 @@
+/// \file  The layers of panoramas as tables and sets, for the face cache and the back ends.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "enfilade/render/face_cache.h"
+#include "enfilade/render/renderer.h"
+
+namespace enfilade::render::detail {
+
+/// All layers, by index(Layer).
+inline constexpr std::array<scan::Layer, scan::kLayers> kEachLayer{
+    scan::Layer::kColour, scan::Layer::kDepth, scan::Layer::kClass, scan::Layer::kInstance};
+
+/// Bytes of a texel or pixel in memory, by index(Layer): RGBA, or the value as it is.
+inline constexpr std::array<std::size_t, scan::kLayers> kTexelBytes{4, 2, 2, 4};
+
+/// Texels around a face in memory.
+constexpr std::uint32_t border_of(scan::Layer layer) {
+  return layer == scan::Layer::kColour ? 1 : 0;
+}
+
+constexpr bool has(scan::LayerMask layers, scan::Layer layer) {
+  return (layers >> index(layer) & 1U) != 0;
+}
+
+/// The layers that are to be drawn.
+inline scan::LayerMask layers_of(const Outputs& outputs) noexcept {
+  return static_cast<scan::LayerMask>(
+      unsigned{outputs.colour.has_value()} | unsigned{outputs.depth.has_value()} << 1U |
+      unsigned{outputs.classes.has_value()} << 2U | unsigned{outputs.instances.has_value()} << 3U);
+}
+
+struct FaceKeyHash {
+  std::size_t operator()(const FaceKey& key) const noexcept {
+    const std::uint64_t place = std::uint64_t{key.scan.value} << 32 | key.viewpoint.value;
+    const std::uint64_t all = place * 32 + index(key.layer) * 8 + index(key.face);
+    return static_cast<std::size_t>(all * 0x9E3779B97F4A7C15U >> 20);  // 2^64 / golden ratio
+  }
+};
+
+}  // namespace enfilade::render::detail
