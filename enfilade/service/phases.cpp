@@ -39,7 +39,7 @@ std::optional<Phase> read_phase(json::Element element, const json::Path& path,
       fields.text("scores", is_scores, "\"public\" or \"hidden\"", "bad-scores") == "hidden") {
     phase.scores = Scores::kHidden;
   }
-  if (fields.has("per_day")) phase.per_day = fields.integer("per_day", 1, kMostPerDay);
+  phase.per_day = fields.integer("per_day", 1, kMostPerDay, phase.per_day);
   if (faults.errors() != before) return std::nullopt;
   return phase;
 }

@@ -1,6 +1,7 @@
 #include "enfilade/service/server.h"
 
 #include <fmt/format.h>
+#include <array>
 #include <filesystem>
 #include <utility>
 
@@ -13,17 +14,11 @@
 namespace enfilade::service {
 namespace {
 
-accounts::Role kept_role(TokenRole role) {
-  switch (role) {
-    case TokenRole::kReviewer:
-      return accounts::Role::kReviewer;
-    case TokenRole::kTeam:
-      return accounts::Role::kTeam;
-    case TokenRole::kOrganiser:
-      break;
-  }
-  return accounts::Role::kOrganiser;
-}
+/// In the order of TokenRole.
+constexpr std::array<accounts::Role, 3> kRoles{accounts::Role::kOrganiser,
+                                               accounts::Role::kReviewer, accounts::Role::kTeam};
+
+accounts::Role stored_role(TokenRole role) { return kRoles.at(static_cast<std::size_t>(role)); }
 
 void check_exists(const std::filesystem::path& database) {
   if (!std::filesystem::exists(database)) {
@@ -65,13 +60,13 @@ std::string create_token(const std::filesystem::path& database, TokenRole role,
   store::Database db(database);
   std::optional<std::int64_t> expires;
   if (days) expires = db.now() + std::int64_t{*days} * 24 * 3600;
-  return accounts::add_token(db, kept_role(role), label, expires);
+  return accounts::add_token(db, stored_role(role), label, expires);
 }
 
 int revoke_tokens(const std::filesystem::path& database, TokenRole role, const std::string& label) {
   check_exists(database);
   store::Database db(database);
-  return accounts::revoke_tokens(db, kept_role(role), label);
+  return accounts::revoke_tokens(db, stored_role(role), label);
 }
 
 void back_up_database(const std::filesystem::path& database, const std::filesystem::path& copy) {

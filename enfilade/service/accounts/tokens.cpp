@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "enfilade/service/detail/errors.h"
+#include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/store/database.h"
@@ -10,8 +10,7 @@
 namespace enfilade::service::accounts {
 namespace {
 
-using detail::ErrorCode;
-using detail::ServiceError;
+using detail::Refusal;
 
 constexpr std::size_t kLongestTeam = 80;
 constexpr std::size_t kLongestContact = 200;
@@ -45,22 +44,16 @@ std::optional<Principal> find_principal(store::Database& db, const std::string& 
 
 }  // namespace
 
-store::Row& operator>>(store::Row& row, Principal& p) {
-  return row >> p.role >> p.token >> p.team >> p.visit >> p.name;
-}
-
 NewTeam add_team(store::Database& db, const std::string& name, const std::string& contact) {
   if (!detail::is_label(name, kLongestTeam)) {
-    throw ServiceError(ErrorCode::kInvalidInput,
-                       fmt::format("name: not 1 to {} printable characters", kLongestTeam));
+    throw Refusal(422, fmt::format("name: not 1 to {} printable characters", kLongestTeam));
   }
   if (!contact.empty() && !detail::is_label(contact, kLongestContact)) {
-    throw ServiceError(ErrorCode::kInvalidInput,
-                       fmt::format("contact: not up to {} printable characters", kLongestContact));
+    throw Refusal(422, fmt::format("contact: not up to {} printable characters", kLongestContact));
   }
   return db.transact([&] {
     if (db.find_number("SELECT id FROM team WHERE name = ?", name) != 0) {
-      throw ServiceError(ErrorCode::kConflict, "name: another team has it");
+      throw Refusal(409, "name: another team has it");
     }
     const std::int64_t id = db.insert("INSERT INTO team (name, contact, created) VALUES (?, ?, ?)",
                                       name, contact, db.now());

@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 
 namespace enfilade::service::store {
 class Database;
-class Row;
-}  // namespace enfilade::service::store
+}
 
 namespace enfilade::service::accounts {
 
@@ -29,7 +29,7 @@ struct Principal {
   /// changes something must prove more.
   bool by_cookie = false;
 
-  friend store::Row& operator>>(store::Row& row, Principal& principal);
+  auto columns() { return std::tie(role, token, team, visit, name); }
 };
 
 struct NewTeam {
@@ -42,7 +42,7 @@ inline constexpr std::int64_t kSessionSeconds = 12L * 3600;
 inline constexpr std::int64_t kWorkerSeconds = 24L * 3600;
 inline constexpr const char* kSessionCookie = "enfilade_session";
 
-/// \throws ServiceError kConflict if the name is taken, kInvalidInput if it is not 1 to 80
+/// \throws Refusal 409 if the name is taken, kInvalidInput if it is not 1 to 80
 /// printable characters, or the contact is neither empty nor up to 200 of them
 NewTeam add_team(store::Database& db, const std::string& name, const std::string& contact);
 /// \returns the token, shown once  \param label of a team its name  \param expires seconds since

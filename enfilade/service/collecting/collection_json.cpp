@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "enfilade/service/detail/clock.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
@@ -13,12 +12,19 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json completion_json(const Completion& completion) {
-  ordered_json out{{"kind", detail::name_of(completion.kind)}};
-  if (!completion.action.empty()) out["action"] = completion.action;
-  for (const auto& [name, value] : completion.fields) out["fields"][name] = value;
-  if (!completion.url.empty()) out["url"] = completion.url;
-  if (!completion.code.empty()) out["code"] = completion.code;
+/// How the worker tells the platform that the visit is finished.
+ordered_json completion_json(const Platform& platform, const Visit& visit) {
+  ordered_json out{{"kind", detail::name_of(platform.kind)}};
+  if (platform.kind == PlatformKind::kMturk) {
+    out["action"] = visit.submit_to + "/mturk/externalSubmit";
+    // MTurk refuses a form that has nothing but the assignment.
+    out["fields"] = {{"assignmentId", visit.assignment},
+                     {"visit", std::to_string(visit.id)},
+                     {"tasks", std::to_string(visit.done)}};
+  } else if (platform.kind == PlatformKind::kProlific) {
+    out["url"] = "https://app.prolific.com/submissions/complete?cc=" + platform.completion_code;
+    out["code"] = platform.completion_code;
+  }
   return out;
 }
 
@@ -94,8 +100,7 @@ ordered_json visit_json(const Collection& collection, const Visit& visit,
   out["finished"] = finished;
   out["task"] = task ? task_json(*task) : ordered_json();
   if (finished && visit.done > 0) {
-    out["completion"] = completion_json(
-        completion(collection.platform, visit.assignment, visit.submit_to, visit.id, visit.done));
+    out["completion"] = completion_json(collection.platform, visit);
   }
   return out;
 }

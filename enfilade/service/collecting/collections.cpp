@@ -4,14 +4,13 @@
 #include <utility>
 
 #include "enfilade/r2r/metrics.h"
-#include "enfilade/service/detail/errors.h"
+#include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
 
 namespace enfilade::service::collecting {
 namespace {
 
-using detail::ErrorCode;
-using detail::ServiceError;
+using detail::Refusal;
 
 constexpr std::size_t kKeySize = 32;  // digits: 128 bits
 
@@ -43,38 +42,13 @@ void insert_item(store::Database& db, std::int64_t collection, const Item& item)
 
 }  // namespace
 
-store::Row& operator>>(store::Row& row, Collection& c) {
-  return row >> c.id >> c.name >> c.title >> c.kind >> c.open >> c.key >> c.platform.kind >>
-         c.platform.origins >> c.platform.completion_code >> c.consent >> c.instructions >>
-         c.per_item >> c.lease_seconds >> c.tasks_per_visit >> c.created;
-}
-
-store::Row& operator>>(store::Row& row, Item& item) {
-  return row >> item.id >> item.split >> item.path_id >> item.number >> item.scan >>
-         item.heading.value >> item.path >> item.distance >> item.instruction >> item.secret;
-}
-
-store::Row& operator>>(store::Row& row, Progress& p) {
-  return row >> p.items >> p.complete >> p.leased >> p.submitted >> p.accepted >> p.rejected >>
-         p.workers;
-}
-
-store::Row& operator>>(store::Row& row, SplitSize& split) {
-  return row >> split.split >> split.items >> split.secret;
-}
-
-store::Row& operator>>(store::Row& row, VisitSummary& v) {
-  return row >> v.visit >> v.worker >> v.external >> v.assignment >> v.group >> v.created >>
-         v.submitted >> v.accepted >> v.rejected >> v.bonuses >> v.finished;
-}
-
 Collection add_collection(store::Database& db, const NewCollection& added) {
   Collection collection = added.about;
   collection.created = db.now();
   collection.key = detail::new_secret("").substr(0, kKeySize);
   db.transact([&] {
     if (find_collection(db, collection.name)) {
-      throw ServiceError(ErrorCode::kConflict, "name: another collection has it");
+      throw Refusal(409, "name: another collection has it");
     }
     collection.id = insert_collection(db, collection);
     for (const Item& item : added.items) insert_item(db, collection.id, item);
@@ -88,7 +62,7 @@ std::optional<Collection> find_collection(store::Database& db, std::string_view 
 
 Collection get_collection(store::Database& db, std::string_view name) {
   auto found = find_collection(db, name);
-  if (!found) throw ServiceError(ErrorCode::kNotFound, "no collection of this name");
+  if (!found) throw Refusal(404, "no collection of this name");
   return std::move(*found);
 }
 
@@ -156,9 +130,13 @@ Item first_item(store::Database& db, std::int64_t collection) {
 }
 
 std::string link_of(const Collection& collection) {
+  // What Prolific fills in. MTurk adds its parameters itself.
+  constexpr std::string_view kProlific =
+      "&PROLIFIC_PID={{%PROLIFIC_PID%}}&STUDY_ID={{%STUDY_ID%}}&SESSION_ID={{%SESSION_ID%}}";
   return fmt::format("/{}?collection={}&key={}{}",
                      collection.kind == Kind::kWalk ? "walk" : "collect", collection.name,
-                     collection.key, placeholders(collection.platform.kind));
+                     collection.key,
+                     collection.platform.kind == PlatformKind::kProlific ? kProlific : "");
 }
 
 }  // namespace enfilade::service::collecting

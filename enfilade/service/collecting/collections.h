@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "enfilade/r2r/annotations.h"
@@ -33,7 +34,11 @@ struct Collection {
   int tasks_per_visit = 0;  ///< 0: no limit
   std::int64_t created = 0;
 
-  friend store::Row& operator>>(store::Row& row, Collection& collection);
+  auto columns() {
+    return std::tie(id, name, title, kind, open, key, platform.kind, platform.origins,
+                    platform.completion_code, consent, instructions, per_item, lease_seconds,
+                    tasks_per_visit, created);
+  }
 };
 
 /// What a task is about: a path (kWrite), or one of its instructions (kWalk).
@@ -50,7 +55,10 @@ struct Item {
   std::string instruction;  ///< kWalk
   bool secret = false;  ///< the goal is of a phase with secret goals: it never leaves the server
 
-  friend store::Row& operator>>(store::Row& row, Item& item);
+  auto columns() {
+    return std::tie(id, split, path_id, number, scan, heading.value, path, distance, instruction,
+                    secret);
+  }
 };
 
 struct NewCollection {
@@ -66,7 +74,9 @@ struct Progress {
   std::int64_t items = 0, leased = 0, submitted = 0, accepted = 0, rejected = 0, complete = 0,
                workers = 0;
 
-  friend store::Row& operator>>(store::Row& row, Progress& progress);
+  auto columns() {
+    return std::tie(items, complete, leased, submitted, accepted, rejected, workers);
+  }
 };
 
 struct SplitSize {
@@ -74,7 +84,7 @@ struct SplitSize {
   std::int64_t items = 0;
   bool secret = false;  ///< has goals that never leave the server
 
-  friend store::Row& operator>>(store::Row& row, SplitSize& split);
+  auto columns() { return std::tie(split, items, secret); }
 };
 
 /// A visit, as an organiser pays for it.
@@ -84,14 +94,17 @@ struct VisitSummary {
   std::int64_t created = 0, submitted = 0, accepted = 0, rejected = 0, bonuses = 0;
   bool finished = false;
 
-  friend store::Row& operator>>(store::Row& row, VisitSummary& visit);
+  auto columns() {
+    return std::tie(visit, worker, external, assignment, group, created, submitted, accepted,
+                    rejected, bonuses, finished);
+  }
 };
 
-/// \returns it with its id, key and time  \throws ServiceError kConflict if the name is taken
+/// \returns it with its id, key and time  \throws Refusal 409 if the name is taken
 Collection add_collection(store::Database& db, const NewCollection& added);
 /// None if no collection has this name.
 std::optional<Collection> find_collection(store::Database& db, std::string_view name);
-/// \throws ServiceError kNotFound
+/// \throws Refusal 404
 Collection get_collection(store::Database& db, std::string_view name);
 Collection collection_of_visit(store::Database& db, std::int64_t visit);
 std::vector<Collection> list_collections(store::Database& db);

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "enfilade/service/detail/clock.h"
 #include "enfilade/service/detail/json_list.h"
+#include "enfilade/service/detail/texts.h"
 #include "enfilade/service/store/database.h"
 
 namespace enfilade::service::collecting {

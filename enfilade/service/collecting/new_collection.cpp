@@ -56,15 +56,10 @@ class Reader {
     if (fields.has("platform")) {
       about.platform = read_platform(fields["platform"], fields.path("platform"));
     }
-    about.per_item = about.kind == Kind::kWrite ? 3 : 1;
-    if (fields.has("per_item")) about.per_item = fields.integer("per_item", 1, 100);
-    if (fields.has("lease_minutes")) {
-      about.lease_seconds = 60L * fields.integer("lease_minutes", 1, 1440);
-    }
-    about.tasks_per_visit = about.platform.kind == PlatformKind::kSelf ? 0 : 1;
-    if (fields.has("tasks_per_visit")) {
-      about.tasks_per_visit = fields.integer("tasks_per_visit", 0, 1000);
-    }
+    about.per_item = fields.integer("per_item", 1, 100, about.kind == Kind::kWrite ? 3 : 1);
+    about.lease_seconds = 60L * fields.integer("lease_minutes", 1, 1440, 30);
+    about.tasks_per_visit = fields.integer("tasks_per_visit", 0, 1000,
+                                           about.platform.kind == PlatformKind::kSelf ? 0 : 1);
   }
 
   /// One of the enumeration's names; the first value if it is none of them.
@@ -128,9 +123,7 @@ class Reader {
     const Fields fields(element, path, faults_, {"split"}, {"paths", "most"});
     if (!fields.complete()) return;
     const std::string split = fields.text("split", detail::is_name, kNameRule);
-    most_ = fields.has("most")
-                ? static_cast<std::size_t>(fields.integer("most", 1, static_cast<int>(kMostItems)))
-                : kMostItems;
+    most_ = static_cast<std::size_t>(fields.integer("most", 1, kMostItems, kMostItems));
     if (fields.has("paths")) {
       read_paths(fields["paths"], fields.path("paths"), split);
     } else {

@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 #include <algorithm>
 
-#include "enfilade/service/detail/errors.h"
+#include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service::collecting {
 namespace {
 
-using detail::ErrorCode;
-using detail::ServiceError;
+using detail::Refusal;
 
 constexpr std::size_t kLongestWorker = 100;
 constexpr std::size_t kLongestOrigin = 200;
@@ -26,9 +25,8 @@ std::string parameter(const Parameters& parameters, std::string_view name) {
 std::string external_id(const Parameters& parameters, std::string_view name) {
   std::string value = parameter(parameters, name);
   if (!detail::is_external_id(value)) {
-    throw ServiceError(
-        ErrorCode::kInvalidInput,
-        fmt::format("{}: {:?}, not 1 to 100 of A-Z, a-z, 0-9, - and _", name, value.substr(0, 40)));
+    throw Refusal(422, fmt::format("{}: {:?}, not 1 to 100 of A-Z, a-z, 0-9, - and _", name,
+                                   value.substr(0, 40)));
   }
   return value;
 }
@@ -39,8 +37,7 @@ Arrival by_link(const Parameters& parameters) {
   if (named == parameters.end())
     return {false, detail::new_secret("w-").substr(0, kNameSize), "", "", ""};
   if (!detail::is_label(named->second, kLongestWorker)) {
-    throw ServiceError(ErrorCode::kInvalidInput,
-                       fmt::format("worker: not 1 to {} printable characters", kLongestWorker));
+    throw Refusal(422, fmt::format("worker: not 1 to {} printable characters", kLongestWorker));
   }
   return {false, named->second, "", "", ""};
 }
@@ -53,8 +50,7 @@ Arrival by_mturk(const Platform& platform, const Parameters& parameters) {
   // It is part of the page's address, which anybody can write: an unknown one could send the form,
   // and the worker, anywhere.
   if (std::ranges::find(platform.origins, submit_to) == platform.origins.end()) {
-    throw ServiceError(ErrorCode::kInvalidInput,
-                       fmt::format("turkSubmitTo: {:?}, not one of the collection's origins",
+    throw Refusal(422, fmt::format("turkSubmitTo: {:?}, not one of the collection's origins",
                                    submit_to.substr(0, 80)));
   }
   return {false, external_id(parameters, "workerId"), external_id(parameters, "assignmentId"),
@@ -82,43 +78,14 @@ bool is_origin(std::string_view text) {
   } else {
     return false;
   }
-  return !host.empty() && std::ranges::all_of(host, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '.' || c == ':';
-  });
+  return !host.empty() && host.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-.:") ==
+                              std::string_view::npos;
 }
 
 Arrival read_arrival(const Platform& platform, const Parameters& parameters) {
-  switch (platform.kind) {
-    case PlatformKind::kMturk:
-      return by_mturk(platform, parameters);
-    case PlatformKind::kProlific:
-      return by_prolific(parameters);
-    case PlatformKind::kSelf:
-      break;
-  }
+  if (platform.kind == PlatformKind::kMturk) return by_mturk(platform, parameters);
+  if (platform.kind == PlatformKind::kProlific) return by_prolific(parameters);
   return by_link(parameters);
-}
-
-Completion completion(const Platform& platform, const std::string& assignment,
-                      const std::string& submit_to, std::int64_t visit, std::int64_t tasks) {
-  Completion out;
-  out.kind = platform.kind;
-  if (platform.kind == PlatformKind::kMturk) {
-    out.action = submit_to + "/mturk/externalSubmit";
-    // MTurk refuses a form that has nothing but the assignment.
-    out.fields = {{"assignmentId", assignment},
-                  {"visit", fmt::format("{}", visit)},
-                  {"tasks", fmt::format("{}", tasks)}};
-  } else if (platform.kind == PlatformKind::kProlific) {
-    out.code = platform.completion_code;
-    out.url = "https://app.prolific.com/submissions/complete?cc=" + platform.completion_code;
-  }
-  return out;
-}
-
-std::string_view placeholders(PlatformKind kind) {
-  if (kind != PlatformKind::kProlific) return "";  // MTurk adds its parameters by itself
-  return "&PROLIFIC_PID={{%PROLIFIC_PID%}}&STUDY_ID={{%STUDY_ID%}}&SESSION_ID={{%SESSION_ID%}}";
 }
 
 }  // namespace enfilade::service::collecting

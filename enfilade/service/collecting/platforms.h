@@ -42,20 +42,7 @@ struct Arrival {
 };
 
 /// Reads the platform's query. A self-hosted worker without a name gets a random one.
-/// \throws ServiceError kInvalidInput naming the parameter
+/// \throws Refusal 422 naming the parameter
 Arrival read_arrival(const Platform& platform, const Parameters& parameters);
-
-/// How the worker tells the platform that the visit is finished.
-struct Completion {
-  PlatformKind kind = PlatformKind::kSelf;
-  std::string action;                                       ///< Mechanical Turk: of the form
-  std::vector<std::pair<std::string, std::string>> fields;  ///< of the form
-  std::string url, code;                                    ///< Prolific
-};
-Completion completion(const Platform& platform, const std::string& assignment,
-                      const std::string& submit_to, std::int64_t visit, std::int64_t tasks);
-
-/// Placeholders for a link's query, which the platform fills in; "" if it needs none.
-std::string_view placeholders(PlatformKind kind);
 
 }  // namespace enfilade::service::collecting

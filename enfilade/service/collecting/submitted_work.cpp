@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <sstream>
 
 #include "enfilade/core/check.h"
 #include "enfilade/service/detail/fields.h"
@@ -32,13 +34,8 @@ std::string instruction_fault(std::string_view text) {
   if (!detail::is_prose(text, kLongestInstruction)) {
     return fmt::format("not up to {} printable characters", kLongestInstruction);
   }
-  std::ptrdiff_t words = 0;
-  bool inside = false;
-  for (const char c : text) {
-    const bool blank = c == ' ' || c == '\n' || c == '\t';
-    if (!blank && !inside) ++words;
-    inside = !blank;
-  }
+  std::istringstream in{std::string(text)};
+  const auto words = std::distance(std::istream_iterator<std::string>(in), {});
   if (words < kFewestWords || text.size() < kShortestInstruction) {
     return fmt::format("{:?} is too short to lead anybody; {} words are the least", text,
                        kFewestWords);

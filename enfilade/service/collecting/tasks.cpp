@@ -4,14 +4,13 @@
 #include <utility>
 
 #include "enfilade/r2r/metrics.h"
-#include "enfilade/service/detail/errors.h"
+#include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
 
 namespace enfilade::service::collecting {
 namespace {
 
-using detail::ErrorCode;
-using detail::ServiceError;
+using detail::Refusal;
 
 constexpr const char* kIsSubmitted = "task.state IN ('submitted', 'accepted', 'rejected')";
 
@@ -109,13 +108,13 @@ Lease lease_next(store::Database& db, const Collection& collection, const Visit&
 
 void check_held(store::Database& db, const Task& task) {
   if (task.is_submitted()) {
-    throw ServiceError(ErrorCode::kAlreadySubmitted, "it was handed in already");
+    throw Refusal(409, "it was handed in already", "already-submitted");
   }
   if (task.state == TaskState::kReturned) {
-    throw ServiceError(ErrorCode::kAlreadyReturned, "it was given back");
+    throw Refusal(409, "it was given back", "already-returned");
   }
   if (!is_still_held(db, task)) {
-    throw ServiceError(ErrorCode::kLeaseExpired, "it took too long, and others have it by now");
+    throw Refusal(409, "it took too long, and others have it by now", "lease-expired");
   }
 }
 
@@ -134,21 +133,11 @@ void add_event(store::Database& db, const Task& task, const Event& event) {
 
 }  // namespace
 
-store::Row& operator>>(store::Row& row, Task& t) {
-  return row >> t.item >> t.collection >> t.kind >> t.per_item >> t.lease_seconds >> t.id >>
-         t.worker >> t.visit >> t.state >> t.expires >> t.draft >> t.content >> t.digest >>
-         t.seconds >> t.flags >> t.camera >> t.error >> t.submitted >> t.reason;
-}
-
-store::Row& operator>>(store::Row& row, Event& event) {
-  return row >> event.at >> event.who >> event.what >> event.before >> event.reason;
-}
-
 bool Task::bonus() const { return error && *error < r2r::MetricOptions{}.success_distance; }
 
 Lease lease_task(store::Database& db, const Collection& collection, const Visit& visit) {
   if (!visit.consented) {
-    throw ServiceError(ErrorCode::kConsentRequired, "the consent page comes first");
+    throw Refusal(403, "the consent page comes first", "consent-required");
   }
   return db.transact([&] { return lease_next(db, collection, visit); });
 }
@@ -160,7 +149,7 @@ std::optional<Task> held_task(store::Database& db, const Visit& visit) {
 
 Task own_task(store::Database& db, const Visit& visit, std::int64_t id) {
   auto task = db.find<Task>(tasks_where("task.id = ? AND task.visit = ?"), id, visit.id);
-  if (!task) throw ServiceError(ErrorCode::kNotFound, "no such task of this worker");
+  if (!task) throw Refusal(404, "no such task of this worker");
   return std::move(*task);
 }
 
@@ -221,7 +210,7 @@ std::vector<Task> work_of(store::Database& db, std::int64_t collection, const st
 
 Task find_work(store::Database& db, std::int64_t id) {
   auto task = db.find<Task>(tasks_where(fmt::format("task.id = ? AND {}", kIsSubmitted)), id);
-  if (!task) throw ServiceError(ErrorCode::kNotFound, "no work of this number was handed in");
+  if (!task) throw Refusal(404, "no work of this number was handed in");
   return std::move(*task);
 }
 
@@ -230,17 +219,16 @@ std::vector<Event> events_of(store::Database& db, std::int64_t task) {
       "SELECT at, who, what, before, reason FROM event WHERE task = ? ORDER BY id", task);
 }
 
-void review(store::Database& db, std::int64_t id, Verdict verdict, const std::string& reason,
+void review(store::Database& db, std::int64_t id, TaskState verdict, const std::string& reason,
             const std::string& who) {
-  const bool accepted = verdict == Verdict::kAccepted;
-  const TaskState state = accepted ? TaskState::kAccepted : TaskState::kRejected;
+  const bool accepted = verdict == TaskState::kAccepted;
   db.transact([&] {
     const Task task = find_work(db, id);
-    if (task.state == state && task.reason == reason) return;
+    if (task.state == verdict && task.reason == reason) return;
     if (accepted && task.state == TaskState::kRejected && !has_place(db, task)) {
-      throw ServiceError(ErrorCode::kConflict, "it was rejected, and others have its place by now");
+      throw Refusal(409, "it was rejected, and others have its place by now");
     }
-    db.run("UPDATE task SET state = ?, reason = ? WHERE id = ?", state, reason, id);
+    db.run("UPDATE task SET state = ?, reason = ? WHERE id = ?", verdict, reason, id);
     add_event(db, task,
               {db.now(), who, accepted ? EventKind::kAccepted : EventKind::kRejected, "", reason});
     update_item(db, task);
@@ -252,7 +240,7 @@ void edit(store::Database& db, std::int64_t id, const std::string& instruction,
   db.transact([&] {
     const Task task = find_work(db, id);
     if (task.kind != Kind::kWrite) {
-      throw ServiceError(ErrorCode::kConflict, "it is a walk, and has no instruction of its own");
+      throw Refusal(409, "it is a walk, and has no instruction of its own");
     }
     if (task.content == instruction) return;
     db.run("UPDATE task SET content = ? WHERE id = ?", instruction, id);

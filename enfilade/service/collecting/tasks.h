@@ -48,7 +48,11 @@ struct Task {
   bool is_submitted() const { return submitted != 0; }  ///< reviewed or not
   bool bonus() const;  ///< a walk that ended less than 3 m from its goal
 
-  friend store::Row& operator>>(store::Row& row, Task& task);
+  auto columns() {
+    return std::tie(item, collection, kind, per_item, lease_seconds, id, worker, visit, state,
+                    expires, draft, content, digest, seconds, flags, camera, error, submitted,
+                    reason);
+  }
 };
 
 /// Why a worker gets no task.
@@ -81,14 +85,14 @@ struct SubmittedWork {
 
 /// The task that the visit holds, its lease renewed; else one of the worker's that lapsed, if its
 /// place is free; else the next: items that others have begun come first, so that few stay half
-/// done, and no worker gets an item twice. \throws ServiceError kConsentRequired
+/// done, and no worker gets an item twice. \throws Refusal 403 (consent-required)
 Lease lease_task(store::Database& db, const Collection& collection, const Visit& visit);
 /// The task that the visit holds, whether or not its lease has ended.
 std::optional<Task> held_task(store::Database& db, const Visit& visit);
-/// \throws ServiceError kNotFound if there is no such task, or it is another visit's
+/// \throws Refusal 404 if there is no such task, or it is another visit's
 Task own_task(store::Database& db, const Visit& visit, std::int64_t task);
 
-// These \throw as own_task(); ServiceError kAlreadySubmitted or kAlreadyReturned for a task that
+// These \throw as own_task(); Refusal 409 (already-submitted) or kAlreadyReturned for a task that
 // the worker no longer has, kLeaseExpired if another worker has the place.
 
 /// Stores the draft and renews the lease. \returns when it ends
@@ -98,7 +102,7 @@ void return_task(store::Database& db, const Visit& visit, std::int64_t task);
 /// On the disk when it returns. Submitting the same work again changes nothing.
 void submit(store::Database& db, const Visit& visit, std::int64_t task, const SubmittedWork& work);
 
-// For reviewers. Those with a task's number \throw ServiceError kNotFound unless it was submitted.
+// For reviewers. Those with a task's number \throw Refusal 404 unless it was submitted.
 
 enum class EventKind : std::uint8_t { kEdited, kAccepted, kRejected };
 constexpr std::array<std::string_view, 3> names_of(EventKind /*enum*/) {
@@ -113,13 +117,8 @@ struct Event {
   std::string before;  ///< kEdited: the content until then
   std::string reason;
 
-  friend store::Row& operator>>(store::Row& row, Event& event);
+  auto columns() { return std::tie(at, who, what, before, reason); }
 };
-
-enum class Verdict : std::uint8_t { kAccepted, kRejected };
-constexpr std::array<std::string_view, 2> names_of(Verdict /*enum*/) {
-  return {"accepted", "rejected"};
-}
 
 struct WorkPage {
   std::int64_t matching = 0;  ///< of all, not only of these
@@ -138,11 +137,11 @@ std::vector<Task> work_of(store::Database& db, std::int64_t collection, const st
                           Reviewed reviewed);
 Task find_work(store::Database& db, std::int64_t task);
 std::vector<Event> events_of(store::Database& db, std::int64_t task);
-/// A rejected task leaves its place to another worker. \throws ServiceError kConflict if it was
-/// rejected before and its place is taken
-void review(store::Database& db, std::int64_t task, Verdict verdict, const std::string& reason,
+/// A rejected task leaves its place to another worker. \pre verdict is kAccepted or kRejected
+/// \throws Refusal 409 if it was rejected before and its place is taken
+void review(store::Database& db, std::int64_t task, TaskState verdict, const std::string& reason,
             const std::string& who);
-/// Changes an instruction. \throws ServiceError kConflict if the task is a walk
+/// Changes an instruction. \throws Refusal 409 if the task is a walk
 void edit(store::Database& db, std::int64_t task, const std::string& instruction,
           const std::string& who);
 /// Tasks that wait for review, of all collections.

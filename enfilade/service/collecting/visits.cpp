@@ -1,12 +1,11 @@
 #include "enfilade/service/collecting/visits.h"
 
-#include "enfilade/service/detail/errors.h"
+#include "enfilade/service/detail/refusal.h"
 
 namespace enfilade::service::collecting {
 namespace {
 
-using detail::ErrorCode;
-using detail::ServiceError;
+using detail::Refusal;
 
 std::int64_t find_or_add_visit(store::Database& db, const Collection& collection,
                                const Arrival& arrival) {
@@ -18,25 +17,20 @@ std::int64_t find_or_add_visit(store::Database& db, const Collection& collection
       "SELECT id FROM visit WHERE worker = ? AND external = ?", worker, arrival.assignment);
   if (known != 0) return known;
   if (!collection.open) {
-    throw ServiceError(ErrorCode::kCollectionClosed, "the collection is closed");
+    throw Refusal(403, "the collection is closed", "collection-closed");
   }
   const bool taken = !arrival.assignment.empty() &&
                      db.find_number(
                          "SELECT visit.id FROM visit JOIN worker ON worker.id = visit.worker "
                          "WHERE worker.collection = ? AND visit.external = ?",
                          collection.id, arrival.assignment) != 0;
-  if (taken) throw ServiceError(ErrorCode::kConflict, "another worker has this assignment");
+  if (taken) throw Refusal(409, "another worker has this assignment");
   return db.insert(
       "INSERT INTO visit (worker, external, grouped, submit_to, created) VALUES (?, ?, ?, ?, ?)",
       worker, arrival.assignment, arrival.group, arrival.submit_to, db.now());
 }
 
 }  // namespace
-
-store::Row& operator>>(store::Row& row, Visit& v) {
-  return row >> v.id >> v.worker >> v.collection >> v.consented >> v.worker_name >> v.assignment >>
-         v.submit_to >> v.done;
-}
 
 bool is_finished(const Collection& collection, const Visit& visit) {
   return collection.tasks_per_visit > 0 && visit.done >= collection.tasks_per_visit;

@@ -15,7 +15,9 @@ struct Visit {
   std::string assignment, submit_to;
   std::int64_t done = 0;  ///< tasks submitted
 
-  friend store::Row& operator>>(store::Row& row, Visit& visit);
+  auto columns() {
+    return std::tie(id, worker, collection, consented, worker_name, assignment, submit_to, done);
+  }
 };
 
 /// Whether the visit has submitted as many tasks as the collection gives one; never if it gives any
@@ -24,7 +26,7 @@ bool is_finished(const Collection& collection, const Visit& visit);
 
 /// The same worker with the same assignment is the same visit, also after a restart.
 /// \pre not arrival.preview  \returns the visit's id
-/// \throws ServiceError kCollectionClosed for a new visit of a closed collection; kConflict if
+/// \throws Refusal 403 (collection-closed) for a new visit of a closed collection; 409 if
 /// another worker has the assignment
 std::int64_t join(store::Database& db, const Collection& collection, const Arrival& arrival);
 /// \pre there is a visit of this id

@@ -51,7 +51,8 @@ std::string Fields::text(std::string_view name, TextCheck check, std::string_vie
   return read_text((*this)[name], path(name), check, allowed, faults_, code);
 }
 
-int Fields::integer(std::string_view name, int least, int most) const {
+int Fields::integer(std::string_view name, int least, int most, int otherwise) const {
+  if (!has(name)) return otherwise;
   const auto value = json::integer((*this)[name], path(name), faults_);
   return static_cast<int>(std::clamp<std::int64_t>(
       within<std::int64_t>(value, least, most, path(name), faults_), least, most));

@@ -38,8 +38,8 @@ class Fields {
   json::Element operator[](std::string_view name) const;
   std::string text(std::string_view name, TextCheck check, std::string_view allowed,
                    const char* code = "bad-text") const;
-  /// Reports "out-of-range".
-  int integer(std::string_view name, int least, int most) const;
+  /// Reports "out-of-range", as number(). `otherwise` if the field is absent.
+  int integer(std::string_view name, int least, int most, int otherwise) const;
   double number(std::string_view name, double least, double most) const;
 
  private:

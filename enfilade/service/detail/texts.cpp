@@ -1,7 +1,9 @@
 #include "enfilade/service/detail/texts.h"
 
+#include <fmt/chrono.h>
 #include <algorithm>
 #include <array>
+#include <ctime>
 #include <span>
 
 #include "enfilade/core/utf8.h"
@@ -11,6 +13,8 @@ namespace {
 
 constexpr std::size_t kLongestName = 40;
 constexpr std::size_t kLongestExternalId = 100;
+constexpr std::string_view kNameCharacters = "abcdefghijklmnopqrstuvwxyz0123456789-_";
+constexpr std::string_view kCapitals = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
 
 /// \pre c is one well-formed character of UTF-8
 char32_t code_point(std::string_view c) {
@@ -56,10 +60,6 @@ bool is_text(std::string_view text, std::size_t most, TextKind kind) {
   return characters > 0 && characters <= most;
 }
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_small(char c) { return c >= 'a' && c <= 'z'; }
-bool is_mark(char c) { return c == '-' || c == '_'; }
-
 }  // namespace
 
 bool is_label(std::string_view text, std::size_t most) {
@@ -72,14 +72,19 @@ bool is_prose(std::string_view text, std::size_t most) {
 
 bool is_name(std::string_view text) {
   return !text.empty() && text.size() <= kLongestName &&
-         std::ranges::all_of(text, [](char c) { return is_small(c) || is_digit(c) || is_mark(c); });
+         text.find_first_not_of(kNameCharacters) == std::string_view::npos;
 }
 
 bool is_external_id(std::string_view text) {
   return !text.empty() && text.size() <= kLongestExternalId &&
          std::ranges::all_of(text, [](char c) {
-           return is_small(c) || (c >= 'A' && c <= 'Z') || is_digit(c) || is_mark(c);
+           return kNameCharacters.find(c) != std::string_view::npos ||
+                  kCapitals.find(c) != std::string_view::npos;
          });
+}
+
+std::string iso_time(std::int64_t seconds) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(seconds)));
 }
 
 std::string sheet_text(const std::string& text) {

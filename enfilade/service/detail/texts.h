@@ -1,6 +1,7 @@
-/// \file  Rules for texts that users send.
+/// \file  Rules for texts that users send, and formats of texts that they get.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,9 @@ bool is_name(std::string_view text);
 
 /// What platforms give as ids: 1 to 100 of A-Z, a-z, 0-9, - and _.
 bool is_external_id(std::string_view text);
+
+/// Of seconds since 1970: "2026-11-21T16:15:09Z"
+std::string iso_time(std::int64_t seconds);
 
 /// For CSV: quoted, and never beginning like a formula, which spreadsheets would run.
 std::string sheet_text(const std::string& text);

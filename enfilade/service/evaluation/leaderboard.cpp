@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "enfilade/service/detail/clock.h"
 #include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
 

@@ -5,8 +5,8 @@
 
 #include "enfilade/r2r/results.h"
 #include "enfilade/r2r/score.h"
-#include "enfilade/service/detail/errors.h"
 #include "enfilade/service/detail/gzip.h"
+#include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/store/database.h"
@@ -14,8 +14,7 @@
 namespace enfilade::service::evaluation {
 namespace {
 
-using detail::ErrorCode;
-using detail::ServiceError;
+using detail::Refusal;
 
 constexpr std::size_t kLongestMethod = 80;
 constexpr std::int64_t kDay = 24L * 3600;
@@ -35,19 +34,12 @@ void check_limit(store::Database& db, std::int64_t team, const Phase& phase) {
       db.find_number("SELECT count(*) FROM submission WHERE team = ? AND phase = ? AND created > ?",
                      team, phase.name, db.now() - kDay);
   if (taken >= phase.per_day) {
-    throw ServiceError(ErrorCode::kRateLimited,
-                       fmt::format("phase {} takes {} submissions of a team in 24 hours",
+    throw Refusal(429, fmt::format("phase {} takes {} submissions of a team in 24 hours",
                                    phase.name, phase.per_day));
   }
 }
 
 }  // namespace
-
-/// Of submissions_where().
-store::Row& operator>>(store::Row& row, Submission& s) {
-  return row >> s.id >> s.team >> s.team_name >> s.phase >> s.method >> s.state >> s.created >>
-         s.score;
-}
 
 Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db)
     : site_(std::move(site)), db_(db), worker_([this] { work(); }) {}
@@ -64,10 +56,9 @@ Submissions::~Submissions() {
 Receipt Submissions::receive(const accounts::Principal& team, std::string_view phase_name,
                              const std::string& method, const std::string& results) {
   const Phase* phase = site_->find_phase(phase_name);
-  if (phase == nullptr) throw ServiceError(ErrorCode::kNotFound, "no phase of this name");
+  if (phase == nullptr) throw Refusal(404, "no phase of this name");
   if (!detail::is_label(method, kLongestMethod)) {
-    throw ServiceError(ErrorCode::kInvalidInput,
-                       fmt::format("method: not 1 to {} printable characters", kLongestMethod));
+    throw Refusal(422, fmt::format("method: not 1 to {} printable characters", kLongestMethod));
   }
   Receipt receipt;
   {
@@ -78,26 +69,23 @@ Receipt Submissions::receive(const accounts::Principal& team, std::string_view p
         r2r::parse_results(results, kFileName, site_->secret_episodes(*phase)).warnings;
   }
   const std::string digest = detail::sha256(results);
-  const std::int64_t now = db_.now();
-  const std::int64_t id = db_.transact([&] {
-    const std::int64_t same = db_.find_number(
+  receipt.submission = db_.transact([&] {
+    std::int64_t id = db_.find_number(
         "SELECT id FROM submission WHERE team = ? AND phase = ? AND method = ? AND digest = ? "
         "AND state <> 'withdrawn'",
         team.team, phase->name, method, digest);
-    receipt.known = same != 0;
-    if (receipt.known) return same;
-    check_limit(db_, team.team, *phase);
-    const std::string content = detail::gzip(results, 1);
-    return db_.insert(
-        "INSERT INTO submission (team, phase, method, created, state, digest, content) "
-        "VALUES (?, ?, ?, ?, ?, ?, ?)",
-        team.team, phase->name, method, now, SubmissionState::kQueued, digest,
-        store::Blob{content});
+    receipt.known = id != 0;
+    if (!receipt.known) {
+      check_limit(db_, team.team, *phase);
+      const std::string content = detail::gzip(results, 1);
+      id = db_.insert(
+          "INSERT INTO submission (team, phase, method, created, state, digest, content) "
+          "VALUES (?, ?, ?, ?, ?, ?, ?)",
+          team.team, phase->name, method, db_.now(), SubmissionState::kQueued, digest,
+          store::Blob{content});
+    }
+    return find(id).value();
   });
-  receipt.submission = receipt.known ? find(id).value()
-                                     : Submission{id,          team.team, team.name,
-                                                  phase->name, method,    SubmissionState::kQueued,
-                                                  now,         ""};
   const std::scoped_lock lock(mutex_);
   asked_ = true;
   wake_.notify_all();
@@ -123,10 +111,10 @@ std::vector<Submission> Submissions::scored(const Phase& phase) const {
 void Submissions::withdraw(std::int64_t team, std::int64_t id) {
   const std::optional<Submission> found = find(id);
   if (!found || found->team != team) {
-    throw ServiceError(ErrorCode::kNotFound, "no such submission");
+    throw Refusal(404, "no such submission");
   }
   if (found->state == SubmissionState::kWithdrawn) {
-    throw ServiceError(ErrorCode::kConflict, "it is withdrawn already");
+    throw Refusal(409, "it is withdrawn already");
   }
   db_.run("UPDATE submission SET state = 'withdrawn' WHERE id = ?", id);
 }

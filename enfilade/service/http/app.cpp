@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ranges>
 #include <utility>
 
-#include "enfilade/service/http/errors.h"
 #include "enfilade/service/http/headers.h"
 #include "enfilade/service/http/routes.h"
 
@@ -14,11 +14,8 @@ namespace {
 constexpr std::size_t kLongestPath = 512;
 
 std::string_view cookie_of(const Request& request, std::string_view name) {
-  std::string_view rest = request.header("cookie");
-  while (!rest.empty()) {
-    const std::size_t end = std::min(rest.find(';'), rest.size());
-    std::string_view pair = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+  for (const auto part : std::views::split(request.header("cookie"), ';')) {
+    std::string_view pair(part.begin(), part.end());
     pair.remove_prefix(std::min(pair.find_first_not_of(' '), pair.size()));
     if (pair.size() > name.size() && pair.starts_with(name) && pair[name.size()] == '=') {
       return pair.substr(name.size() + 1);
@@ -33,18 +30,18 @@ void check_origin(const Request& request) {
   if (request.method == "GET") return;
   const std::string_view site = request.header("sec-fetch-site");  // other clients send none
   if (!site.empty() && site != "same-origin" && site != "none") {
-    throw HttpError(403, "this page is of another site");
+    throw Refusal(403, "this page is of another site");
   }
   const bool by_cookie = request.principal && request.principal->by_cookie;
   if (by_cookie && request.header("x-enfilade").empty()) {
-    throw HttpError(403, "requests with a cookie need the header X-Enfilade: 1");
+    throw Refusal(403, "requests with a cookie need the header X-Enfilade: 1");
   }
 }
 
 }  // namespace
 
 App::App(std::shared_ptr<const Site> site, ServerConfig config)
-    : context_(std::move(site), std::move(config)) {
+    : context_{std::move(site), std::move(config)} {
   const std::size_t most_bytes = context_.config.most_submission_bytes;
   add_browsing_routes(router_);
   add_account_routes(router_);
@@ -64,7 +61,7 @@ void App::identify(Request& request) {
     }
     if (!request.principal) {
       context_.failures.count(request.address, context_.db.now());
-      throw HttpError(401, "the token is unknown, expired or revoked");
+      throw Refusal(401, "the token is unknown, expired or revoked");
     }
     return;
   }
@@ -75,11 +72,11 @@ void App::identify(Request& request) {
 }
 
 Response App::answer(Request& request, const BodyReader& read_body, std::string_view& pattern) {
-  if (request.path.size() > kLongestPath) throw HttpError(414, "the path is too long");
+  if (request.path.size() > kLongestPath) throw Refusal(414, "the path is too long");
   Router::Match match = router_.find(request.method, request.path);
   if (match.route == nullptr) {
-    if (match.other_method) throw HttpError(405, "not with this method");
-    if (request.method != "GET") throw HttpError(404, "there is nothing here");
+    if (match.other_method) throw Refusal(405, "not with this method");
+    if (request.method != "GET") throw Refusal(404, "there is nothing here");
     return page(context_, request);
   }
   pattern = match.route->pattern;

@@ -7,9 +7,7 @@
 
 #include "enfilade/core/rng.h"
 #include "enfilade/draw/floor_plan.h"
-#include "enfilade/service/browsing/episodes.h"
-#include "enfilade/service/browsing/scans.h"
-#include "enfilade/service/http/errors.h"
+#include "enfilade/service/browsing/site_json.h"
 #include "enfilade/service/http/routes.h"
 
 namespace enfilade::service::http {
@@ -17,30 +15,27 @@ namespace {
 
 ScanIndex scan_of(const Context& context, const Request& request) {
   const auto found = context.site->graphs().find(request.parameter("scan"));
-  if (!found) throw HttpError(404, "no scan of this name");
+  if (!found) throw Refusal(404, "no scan of this name");
   return *found;
 }
 
-/// Responses that don't change while the server runs, made when first asked for.
+/// Responses that don't change while the server runs, by the requests' paths; made when first asked
+/// for.
 class Cache {
  public:
   template <class Make>
-  Response get(const std::string& key, const char* type, Make make) {
+  Response get(const Request& request, const char* type, const Make& make) {
     {
       const std::scoped_lock lock(mutex_);
-      if (const auto found = responses_.find(key); found != responses_.end()) return found->second;
+      const auto found = responses_.find(request.path);
+      if (found != responses_.end()) return found->second;
     }
     Response response = text_response(type, make());
     const std::string& body = *response.body;
     response.add_header("ETag", fmt::format("\"{:016x}\"", stream_of(body.data(), body.size())));
     response.add_header("Cache-Control", "no-cache");  // ask, and mostly get a 304
     const std::scoped_lock lock(mutex_);
-    return responses_.emplace(key, std::move(response)).first->second;
-  }
-  /// As JSON; the key is the request's path.
-  template <class Make>
-  Response get_json(const Request& request, Make make) {
-    return get(request.path, "application/json", [&make] { return make().dump(); });
+    return responses_.emplace(request.path, std::move(response)).first->second;
   }
 
  private:
@@ -50,7 +45,7 @@ class Cache {
 
 Response floor_plan(Cache& cache, Context& context, const Request& request) {
   const ScanIndex scan = scan_of(context, request);
-  Response response = cache.get(request.path, "image/svg+xml", [&] {
+  Response response = cache.get(request, "image/svg+xml", [&] {
     return draw::floor_plan_svg(context.site->graphs().graph(scan));
   });
   // A picture with styles of its own, which must not run anything.
@@ -62,7 +57,7 @@ Response floor_plan(Cache& cache, Context& context, const Request& request) {
 std::size_t face_of(const std::string& name, std::string_view suffix) {
   if (name.size() != 1 + suffix.size() || name[0] < '0' || name[0] > '5' ||
       !name.ends_with(suffix)) {
-    throw HttpError(404, fmt::format("a face is 0{} to 5{}", suffix, suffix));
+    throw Refusal(404, fmt::format("a face is 0{} to 5{}", suffix, suffix));
   }
   return static_cast<std::size_t>(name[0] - '0');
 }
@@ -75,7 +70,7 @@ Response face(Context& context, const Request& request, scan::Layer layer) {
   const auto viewpoint =
       source == nullptr ? std::nullopt : source->find(request.parameter("viewpoint"));
   if (!viewpoint || source->face_sizes(*viewpoint)[index(layer)] == 0) {
-    throw HttpError(404, "no such picture of this viewpoint");
+    throw Refusal(404, "no such picture of this viewpoint");
   }
   Response response;
   response.type = colour ? "image/jpeg" : "image/png";
@@ -97,7 +92,7 @@ Response splits(Context& context, const Request& /*request*/) {
 
 Response episodes(Context& context, const Request& request) {
   const PublicSplit* split = context.site->find_split(request.parameter("split"));
-  if (split == nullptr) throw HttpError(404, "no split of this name");
+  if (split == nullptr) throw Refusal(404, "no split of this name");
   return json_response(
       browsing::episodes_json(*split, {request.text("scan"), request.text("q"), request.text("id"),
                                        request.number("offset", 0, 0, 1'000'000'000),
@@ -111,12 +106,13 @@ void add_browsing_routes(Router& router) {
   const std::string one = "/api/v1/scans/{scan}";
   router.add(
       {"GET", "/api/v1/scans", Access::kPublic, [cache](Context& context, const Request& request) {
-         return cache->get_json(request, [&] { return browsing::scan_list_json(*context.site); });
+         return cache->get(request, "application/json",
+                           [&] { return browsing::scan_list_json(*context.site).dump(); });
        }});
   router.add({"GET", one, Access::kPublic, [cache](Context& context, const Request& request) {
                 const ScanIndex scan = scan_of(context, request);
-                return cache->get_json(request,
-                                       [&] { return browsing::scan_json(*context.site, scan); });
+                return cache->get(request, "application/json",
+                                  [&] { return browsing::scan_json(*context.site, scan).dump(); });
               }});
   router.add({"GET", one + "/plan.svg", Access::kPublic,
               [cache](Context& context, const Request& request) {

@@ -6,7 +6,6 @@
 #include "enfilade/service/collecting/collection_json.h"
 #include "enfilade/service/collecting/export.h"
 #include "enfilade/service/detail/json_list.h"
-#include "enfilade/service/http/errors.h"
 #include "enfilade/service/http/routes.h"
 
 namespace enfilade::service::http {
@@ -50,7 +49,7 @@ Response change_state(Context& context, const Request& request) {
   Collection collection = collection_of(context, request);
   const std::string state = text_field(parse_object(request.body), "state");
   if (state != "open" && state != "closed") {
-    throw HttpError(400, "state: not \"open\" or \"closed\"");
+    throw Refusal(400, "state: not \"open\" or \"closed\"");
   }
   collection.open = state == "open";
   collecting::set_open(context.db, collection.id, collection.open);
@@ -68,7 +67,7 @@ std::string split_of(Context& context, const Request& request, const Collection&
   std::string name = request.text("split");
   const auto splits = collecting::splits_of(context.db, collection.id);
   if (std::ranges::find(splits, name, &collecting::SplitSize::split) == splits.end()) {
-    throw HttpError(404, "split: the collection has no such split");
+    throw Refusal(404, "split: the collection has no such split");
   }
   return name;
 }
@@ -80,21 +79,21 @@ Response export_file(Context& context, const Request& request) {
   const std::string what = request.text("what");
   const std::string state = request.text("state");
   if (!state.empty() && state != "accepted" && state != "all") {
-    throw HttpError(400, "state: not \"accepted\" or \"all\"");
+    throw Refusal(400, "state: not \"accepted\" or \"all\"");
   }
   const Reviewed reviewed = state == "all" ? Reviewed::kAcceptedOrWaiting : Reviewed::kAccepted;
   store::Database& db = context.db;
   if (what.empty() || what == "annotations") {
     const auto items = collecting::items_of(db, collection.id, split);
     if (std::ranges::any_of(items, &collecting::Item::secret)) {
-      throw HttpError(403, "the goals of this split are secret");
+      throw Refusal(403, "the goals of this split are secret");
     }
     return file_response(collecting::annotations_json(db, collection, split, reviewed),
                          fmt::format("R2R_{}.json", split));
   }
   if (collection.kind != collecting::Kind::kWalk || (what != "results" && what != "walks")) {
-    throw HttpError(400,
-                    "what: not annotations, nor, where instructions are walked, results or walks");
+    throw Refusal(400,
+                  "what: not annotations, nor, where instructions are walked, results or walks");
   }
   return file_response(what == "results" ? collecting::results_json(db, collection, split, reviewed)
                                          : collecting::walks_json(db, collection, split, reviewed),

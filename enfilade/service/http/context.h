@@ -8,6 +8,7 @@
 
 #include "enfilade/service/browsing/faces.h"
 #include "enfilade/service/evaluation/submissions.h"
+#include "enfilade/service/http/messages.h"
 #include "enfilade/service/http/metrics.h"
 #include "enfilade/service/server.h"
 #include "enfilade/service/site.h"
@@ -19,8 +20,18 @@ namespace enfilade::service::http {
 class RateLimit {
  public:
   explicit RateLimit(int most_a_minute) : most_(most_a_minute) {}
-  /// Counts one. \throws ServiceError kRateLimited past the limit
-  void count(const std::string& address, std::int64_t now);
+  /// Counts one. \throws Refusal 429 past the limit
+  void count(const std::string& address, std::int64_t now) {
+    constexpr std::size_t kMostAddresses = 10'000;
+    const std::int64_t minute = now / 60;
+    const std::scoped_lock lock(mutex_);
+    if (windows_.size() > kMostAddresses) windows_.clear();
+    Window& window = windows_[address];
+    if (window.minute != minute) window = {minute, 0};
+    if (++window.count > most_) {
+      throw Refusal(429, "too many attempts from this address; wait a minute");
+    }
+  }
 
  private:
   struct Window {
@@ -34,17 +45,15 @@ class RateLimit {
 
 /// Shared by all threads.
 struct Context {
-  Context(std::shared_ptr<const Site> its_site, ServerConfig its_config);
-
   std::shared_ptr<const Site> site;
   ServerConfig config;
-  store::Database db;
-  browsing::Faces faces;
-  evaluation::Submissions submissions;
-  Metrics metrics;
-  RateLimit failures;       ///< unknown tokens and keys
-  RateLimit registrations;  ///< new teams
-  RateLimit joins;          ///< workers who join
+  store::Database db{config.database, config.clock};
+  browsing::Faces faces{site->panoramas()};
+  evaluation::Submissions submissions{site, db};
+  Metrics metrics{};
+  RateLimit failures{config.most_attempts};       ///< unknown tokens and keys
+  RateLimit registrations{config.most_attempts};  ///< new teams
+  RateLimit joins{config.most_joins};             ///< workers who join
 };
 
 }  // namespace enfilade::service::http

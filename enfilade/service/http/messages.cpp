@@ -6,13 +6,28 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/check.h"
-#include "enfilade/service/detail/errors.h"
-#include "enfilade/service/http/errors.h"
 
 namespace enfilade::service::http {
 namespace {
 
 using nlohmann::ordered_json;
+
+constexpr std::size_t kMostDiagnostics = 200;
+
+/// The word for a status, which scripts match.
+std::string_view code_of(int status) {
+  static const std::map<int, std::string_view> kCodes{
+      {400, "invalid-request"},    {401, "unauthenticated"},
+      {403, "forbidden"},          {404, "not-found"},
+      {405, "method-not-allowed"}, {408, "request-timeout"},
+      {409, "conflict"},           {413, "payload-too-large"},
+      {414, "uri-too-long"},       {415, "unsupported-media-type"},
+      {422, "invalid-input"},      {429, "rate-limited"},
+      {500, "internal-error"},     {503, "unavailable"}};
+  const auto found = kCodes.find(status);
+  // cpp-httplib has some more for messages that it cannot read.
+  return found == kCodes.end() ? "invalid-request" : found->second;
+}
 
 /// A whole number and nothing else; none if `text` is not one, or out of range.
 std::optional<std::int64_t> parse_number(std::string_view text) {
@@ -37,7 +52,7 @@ const std::string& Request::parameter(std::string_view name) const {
 
 std::int64_t Request::id(std::string_view name, const char* missing) const {
   const auto value = parse_number(parameter(name));
-  if (!value) throw detail::ServiceError(detail::ErrorCode::kNotFound, missing);
+  if (!value) throw Refusal(404, missing);
   return *value;
 }
 
@@ -53,15 +68,15 @@ std::int64_t Request::number(std::string_view name, std::int64_t otherwise, std:
   const std::string& text = found->second;
   const auto value = parse_number(text);
   if (!value || *value < least || *value > most) {
-    throw HttpError(400, fmt::format("{}: {:?}, not a whole number from {} to {}", name,
-                                     text.substr(0, 40), least, most));
+    throw Refusal(400, fmt::format("{}: {:?}, not a whole number from {} to {}", name,
+                                   text.substr(0, 40), least, most));
   }
   return *value;
 }
 
 const accounts::Principal& Request::known_principal() const {
   if (!principal) {
-    throw HttpError(401, "this needs a token: Authorization: Bearer enfilade_...");
+    throw Refusal(401, "this needs a token: Authorization: Bearer enfilade_...");
   }
   return *principal;
 }
@@ -99,9 +114,46 @@ Response file_response(std::string json, const std::string& name) {
   return response;
 }
 
+Response error_response(int status, std::string_view message, std::string_view code,
+                        const std::vector<Diagnostic>& diagnostics) {
+  ordered_json error{{"code", code.empty() ? code_of(status) : code}, {"message", message}};
+  if (!diagnostics.empty()) {
+    auto& list = error["diagnostics"] = ordered_json::array();
+    for (const Diagnostic& d : diagnostics) {
+      if (list.size() == kMostDiagnostics) break;
+      list.push_back({{"severity", to_string(d.severity)},
+                      {"where", d.where},
+                      {"code", d.code},
+                      {"message", d.message}});
+    }
+    error["diagnostic_count"] = diagnostics.size();
+  }
+  // A message may quote bytes of the request, which need not be UTF-8.
+  Response response = text_response(
+      "application/json",
+      ordered_json{{"error", error}}.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
+  response.status = status;
+  return response;
+}
+
+Response error_response(const std::exception_ptr& thrown, std::string& fault) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const Refusal& refusal) {
+    return error_response(refusal.status(), refusal.what(), refusal.code());
+  } catch (const InvalidInput& error) {
+    return error_response(422, "what was sent has faults", {}, error.diagnostics());
+  } catch (const std::exception& error) {
+    fault = error.what();
+  } catch (...) {
+    fault = "an exception of no known type";
+  }
+  return error_response(500, "the server failed; its log says why");
+}
+
 ordered_json parse_object(const std::string& body) {
   ordered_json object = ordered_json::parse(body, nullptr, false);
-  if (!object.is_object()) throw HttpError(400, "the body is not a JSON object");
+  if (!object.is_object()) throw Refusal(400, "the body is not a JSON object");
   return object;
 }
 
@@ -109,7 +161,7 @@ std::string text_field(const ordered_json& object, const char* name, Presence pr
   const auto found = object.find(name);
   if (found == object.end() && presence == Presence::kOptional) return {};
   if (found == object.end() || !found->is_string()) {
-    throw HttpError(400, fmt::format("{}: must be there, and a text", name));
+    throw Refusal(400, fmt::format("{}: must be there, and a text", name));
   }
   return found->get<std::string>();
 }

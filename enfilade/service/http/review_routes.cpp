@@ -7,14 +7,12 @@
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
-#include "enfilade/service/http/errors.h"
 #include "enfilade/service/http/routes.h"
 
 namespace enfilade::service::http {
 namespace {
 
 using collecting::TaskState;
-using collecting::Verdict;
 using nlohmann::ordered_json;
 
 constexpr std::size_t kLongestReason = 500;
@@ -30,7 +28,7 @@ std::optional<TaskState> state_of(const Request& request) {
   if (text == "all") return std::nullopt;
   const auto state = detail::find_named<TaskState>(text);
   if (!state || *state < TaskState::kSubmitted) {
-    throw HttpError(400, "state: not submitted, accepted, rejected or all");
+    throw Refusal(400, "state: not submitted, accepted, rejected or all");
   }
   return state;
 }
@@ -50,12 +48,14 @@ Response list_work(Context& context, const Request& request) {
 
 Response review(Context& context, const Request& request) {
   const ordered_json body = parse_object(request.body);
-  const auto verdict = detail::find_named<Verdict>(text_field(body, "verdict"));
+  const auto verdict = detail::find_named<TaskState>(text_field(body, "verdict"));
   const std::string reason = text_field(body, "reason", Presence::kOptional);
-  if (!verdict) throw HttpError(400, "verdict: not \"accepted\" or \"rejected\"");
-  const bool needs_reason = *verdict == Verdict::kRejected;
+  const bool needs_reason = verdict == TaskState::kRejected;
+  if (!needs_reason && verdict != TaskState::kAccepted) {
+    throw Refusal(400, "verdict: not \"accepted\" or \"rejected\"");
+  }
   if (needs_reason ? !detail::is_prose(reason, kLongestReason) : !reason.empty()) {
-    throw HttpError(400, "reason: of a rejection, 1 to 500 printable characters; else none");
+    throw Refusal(400, "reason: of a rejection, 1 to 500 printable characters; else none");
   }
   const std::int64_t task = task_of(request);
   collecting::review(context.db, task, *verdict, reason, request.principal->name);

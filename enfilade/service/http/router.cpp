@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-
-#include "enfilade/service/http/errors.h"
+#include <ranges>
 
 namespace enfilade::service::http {
 namespace {
@@ -19,28 +18,15 @@ bool is_placeholder(std::string_view part) {
 std::vector<std::string_view> split_path(std::string_view path) {
   std::vector<std::string_view> parts;
   if (path.starts_with('/')) path.remove_prefix(1);
-  while (true) {
-    const std::size_t slash = path.find('/');
-    parts.push_back(path.substr(0, slash));
-    if (slash == std::string_view::npos) return parts;
-    path.remove_prefix(slash + 1);
-  }
+  for (const auto part : std::views::split(path, '/')) parts.emplace_back(part.begin(), part.end());
+  return parts;
 }
 
 bool may_call(Access access, Role role) {
-  switch (access) {
-    case Access::kPublic:
-      return true;
-    case Access::kTeam:
-      return role == Role::kTeam;
-    case Access::kOrganiser:
-      return role == Role::kOrganiser;
-    case Access::kReviewer:
-      return role == Role::kOrganiser || role == Role::kReviewer;
-    case Access::kWorker:
-      return role == Role::kWorker;
-  }
-  return false;
+  return (access == Access::kTeam && role == Role::kTeam) ||
+         (access == Access::kOrganiser && role == Role::kOrganiser) ||
+         (access == Access::kReviewer && (role == Role::kOrganiser || role == Role::kReviewer)) ||
+         (access == Access::kWorker && role == Role::kWorker);
 }
 
 std::string_view audience(Access access) {
@@ -54,7 +40,7 @@ std::string_view audience(Access access) {
 void check_access(const Route& route, const Request& request) {
   if (route.access == Access::kPublic) return;
   if (!may_call(route.access, request.known_principal().role)) {
-    throw HttpError(403, fmt::format("this is for {}", audience(route.access)));
+    throw Refusal(403, fmt::format("this is for {}", audience(route.access)));
   }
 }
 

@@ -11,7 +11,6 @@
 #include <thread>
 #include <utility>
 
-#include "enfilade/service/http/errors.h"
 #include "enfilade/service/http/headers.h"
 
 namespace enfilade::service::http {
@@ -30,8 +29,7 @@ std::string lower(std::string text) {
 
 /// The last address of X-Forwarded-For: the one that the proxy itself saw.
 std::string forwarded_address(std::string_view header) {
-  const std::size_t comma = header.rfind(',');
-  if (comma != std::string_view::npos) header.remove_prefix(comma + 1);
+  header = header.substr(header.rfind(',') + 1);  // without a comma npos + 1 = 0
   header.remove_prefix(std::min(header.find_first_not_of(' '), header.size()));
   return std::string(header);
 }
@@ -119,7 +117,7 @@ class Body {
   Body(const Body&) = delete;
   Body& operator=(const Body&) = delete;
 
-  /// All of it. \throws HttpError 413 if that is more than `most` bytes; 408, 400, 503
+  /// All of it. \throws Refusal 413 if that is more than `most` bytes; 408, 400, 503
   std::string read(std::size_t most) {
     std::string body;
     bool busy = false;
@@ -137,12 +135,12 @@ class Body {
       // 413.
       return !late() && size <= 2 * config_.most_submission_bytes;
     });
-    if (late()) throw HttpError(408, "the body took too long");
+    if (late()) throw Refusal(408, "the body took too long");
     if (size > most) {
-      throw HttpError(413, fmt::format("the body has more than {} bytes", most));
+      throw Refusal(413, fmt::format("the body has more than {} bytes", most));
     }
-    if (!whole_) throw HttpError(400, "the body broke off");
-    if (busy) throw HttpError(503, "too many large files at once; try again");
+    if (!whole_) throw Refusal(400, "the body broke off");
+    if (busy) throw Refusal(503, "too many large files at once; try again");
     return body;
   }
 
@@ -151,7 +149,7 @@ class Body {
     if (!begun_) {
       try {
         read(0);
-      } catch (const HttpError&) {  // of no interest
+      } catch (const Refusal&) {  // of no interest
       }
     }
     return whole_;

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <algorithm>
+#include <ranges>
 #include <system_error>
 
 #include "enfilade/core/errors.h"
@@ -32,15 +32,12 @@ std::string join_lines(const std::vector<std::string>& lines) {
 
 std::vector<std::string> split_lines(std::string_view text) {
   std::vector<std::string> lines;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    lines.emplace_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
+  for (const auto line : std::views::split(text, '\n'))
+    lines.emplace_back(line.begin(), line.end());
   return lines;
 }
 
-Database::Database(const fs::path& file, detail::Clock clock)
+Database::Database(const fs::path& file, std::function<std::int64_t()> clock)
     : file_(file.string()),
       clock_(std::move(clock)),
       db_(open_file(file, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)) {

@@ -2,7 +2,9 @@
 #pragma once
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <cstdint>
+#include <ctime>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -10,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/service/detail/clock.h"
 #include "enfilade/service/store/sql.h"
 
 namespace enfilade::service::store {
@@ -21,11 +22,11 @@ namespace enfilade::service::store {
 class Database {
  public:
   /// Opens or makes the file, and brings its schema up to date, each migration in a transaction.
+  /// \param clock seconds since 1970; empty: the system's clock
   /// \throws FileError if it can't be opened, or was made by a newer Enfilade
-  explicit Database(const std::filesystem::path& file,
-                    detail::Clock clock = detail::system_clock());
+  explicit Database(const std::filesystem::path& file, std::function<std::int64_t()> clock = {});
 
-  std::int64_t now() const { return clock_(); }  ///< seconds since 1970
+  std::int64_t now() const { return clock_ ? clock_() : std::time(nullptr); }
 
   /// Runs a statement; the values take the places of its question marks. \returns how many rows it
   /// inserted, updated or deleted
@@ -42,13 +43,13 @@ class Database {
     run(sql, values...);
     return db_.getLastInsertRowid();
   }
-  /// The rows of a SELECT, each as `row >> value` reads it.
+  /// The rows of a SELECT, as Row::read() reads them.
   template <class T, class... Values>
   std::vector<T> select(const std::string& sql, const Values&... values) {
     const auto held = hold();
     SQLite::Statement statement = prepare(sql, values...);
     std::vector<T> found;
-    while (statement.executeStep()) read(statement, found.emplace_back());
+    while (statement.executeStep()) Row(statement).read(found.emplace_back());
     return found;
   }
   /// As select(), the first row; none if there is no row.
@@ -57,7 +58,7 @@ class Database {
     const auto held = hold();
     SQLite::Statement statement = prepare(sql, values...);
     std::optional<T> found;
-    if (statement.executeStep()) read(statement, found.emplace());
+    if (statement.executeStep()) Row(statement).read(found.emplace());
     return found;
   }
   /// A number; 0 if there is no row.
@@ -85,11 +86,6 @@ class Database {
   std::unique_lock<std::recursive_mutex> hold() { return std::unique_lock(mutex_); }
 
  private:
-  template <class T>
-  static void read(SQLite::Statement& statement, T& value) {
-    Row row(statement);
-    row >> value;
-  }
   template <class... Values>
   SQLite::Statement prepare(const std::string& sql, const Values&... values) {
     SQLite::Statement statement(db_, sql);
@@ -101,7 +97,7 @@ class Database {
 
   std::recursive_mutex mutex_;
   std::string file_;
-  detail::Clock clock_;
+  std::function<std::int64_t()> clock_;
   SQLite::Database db_;
 };
 

@@ -1,4 +1,4 @@
-/// \file  Values of C++ into statements of SQL, and rows back into values.
+/// \file  C++ values as parameters of SQL statements and as columns of their rows.
 #pragma once
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <concepts>
@@ -47,47 +47,39 @@ inline void bind(SQLite::Statement& statement, int k, const Blob& blob) {
   statement.bind(k, blob.bytes.data(), static_cast<int>(blob.bytes.size()));
 }
 
-/// The columns of a row, read from left to right: `row >> id >> name`. A type of several columns
-/// has an operator>> of its own.
+/// The columns of a row, read from left to right. A struct has `auto columns()`, which gives
+/// std::tie() of its fields in the order of the columns.
 class Row {
  public:
   explicit Row(SQLite::Statement& statement) : statement_(statement) {}
 
-  template <std::integral T>
-  Row& operator>>(T& value) {
-    value = static_cast<T>(next().getInt64());
-    return *this;
-  }
-  template <detail::Named T>
-  Row& operator>>(T& value) {
-    const auto found = detail::find_named<T>(next().getString());
-    if (!found) throw Error("the database has a name that this program does not know");
-    value = *found;
-    return *this;
+  template <class T>
+  void read(T& value) {
+    if constexpr (requires { value.columns(); }) {
+      auto fields = value.columns();
+      read(fields);
+    } else if constexpr (std::integral<T>) {
+      value = static_cast<T>(next().getInt64());
+    } else if constexpr (std::floating_point<T>) {
+      value = next().getDouble();
+    } else if constexpr (detail::Named<T>) {
+      const auto found = detail::find_named<T>(next().getString());
+      if (!found) throw Error("the database has a name that this program does not know");
+      value = *found;
+    } else if constexpr (std::same_as<T, std::vector<std::string>>) {
+      value = split_lines(next().getString());
+    } else {
+      value = next().getString();
+    }
   }
   template <class T>
-  Row& operator>>(std::optional<T>& value) {
+  void read(std::optional<T>& value) {
     value.reset();
-    if (!statement_.getColumn(column_).isNull()) return *this >> value.emplace();
-    ++column_;
-    return *this;
+    statement_.isColumnNull(column_) ? void(++column_) : read(value.emplace());
   }
   template <class... T>
-  Row& operator>>(std::tuple<T...>& values) {
-    std::apply([this](T&... value) { (*this >> ... >> value); }, values);
-    return *this;
-  }
-  Row& operator>>(double& value) {
-    value = next().getDouble();
-    return *this;
-  }
-  Row& operator>>(std::string& value) {
-    value = next().getString();
-    return *this;
-  }
-  Row& operator>>(std::vector<std::string>& lines) {
-    lines = split_lines(next().getString());
-    return *this;
+  void read(std::tuple<T...>& values) {
+    std::apply([this](auto&... value) { (read(value), ...); }, values);
   }
 
  private:

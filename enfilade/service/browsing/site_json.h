@@ -1,4 +1,4 @@
-/// \file  Splits and episodes, as everybody may see them.
+/// \file  Scans, splits and episodes as the viewer and the API show them to everybody.
 #pragma once
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
@@ -7,6 +7,11 @@
 #include "enfilade/service/site.h"
 
 namespace enfilade::service::browsing {
+
+/// All scans, with their numbers of viewpoints and edges.
+nlohmann::ordered_json scan_list_json(const Site& site);
+/// Storeys, viewpoints with their neighbours, and which pictures there are of each.
+nlohmann::ordered_json scan_json(const Site& site, ScanIndex scan);
 
 /// Which episodes of a split. An empty text matches all.
 struct EpisodeFilter {
