@@ -69,31 +69,21 @@ PathAnnotation read_entry(Element element, const Path& path, Faults& faults) {
   return entry;
 }
 
-// Path ids name results, so each may stand only once. Entries that could not be read have none.
-class IdCheck {
- public:
-  void add(std::int64_t id, std::size_t entry, Faults& faults) {
-    const auto [at, fresh] = first_.emplace(id, entry);
-    if (fresh) return;
-    faults.error(Path(Path(Path(), entry), "path_id"), "repeated-path-id",
-                 fmt::format("{} stands at $[{}] already", id, at->second));
-  }
-
- private:
-  std::unordered_map<std::int64_t, std::size_t> first_;
-};
-
 Annotations read(const json::Document& document, std::string split) {
   Annotations result{std::move(split), document.name(), {}};
   Faults faults(document.name());
   const Path root;
   if (const auto entries = json::array(document.root(), root, faults)) {
-    IdCheck ids;
+    std::unordered_map<std::int64_t, std::size_t> places;  // of path ids, which name results
     for (const Element element : *entries) {
       const std::size_t i = result.paths.size();
       const std::size_t errors = faults.errors();
       result.paths.push_back(read_entry(element, Path(root, i), faults));
-      if (faults.errors() == errors) ids.add(result.paths.back().path_id, i, faults);
+      if (faults.errors() != errors) continue;  // it has no id
+      const auto [first, fresh] = places.emplace(result.paths.back().path_id, i);
+      if (fresh) continue;
+      faults.error(Path(Path(root, i), "path_id"), "repeated-path-id",
+                   fmt::format("{} stands at $[{}] already", first->first, first->second));
     }
   }
   faults.throw_if_errors();
@@ -192,6 +182,14 @@ std::string to_json(const Annotations& annotations) {
 
 std::string instruction_id(std::int64_t path_id, std::size_t k) {
   return fmt::format("{}_{}", path_id, k);
+}
+
+double length_of(const ReferencePath& path, const graph::NavGraph& graph) {
+  double length = 0;
+  for (std::size_t k = 1; k < path.viewpoints.size(); ++k) {
+    length += graph.edge(path.viewpoints[k - 1], path.viewpoints[k])->length;
+  }
+  return length;
 }
 
 std::vector<ReferencePath> look_up_paths(const Annotations& annotations,

@@ -85,6 +85,9 @@ struct EpisodeSet {
   const graph::NavGraph& graph_of(const Episode& e) const { return graphs->graph(path_of(e).scan); }
 };
 
+/// Metres along the edges of a path. \pre graph is the path's, and look_up_paths() gave the path
+double length_of(const ReferencePath& path, const graph::NavGraph& graph);
+
 /// Looks up scans and viewpoints, in the order of the file.
 /// \throws InvalidInput listing every unknown scan, unknown or excluded viewpoint, and step between
 /// viewpoints that are not adjacent, with JSON paths; errors of graph files

@@ -39,10 +39,7 @@ class Gathering {
   void add(const ReferencePath& path) {
     if (path.viewpoints.size() < 2) return;  // a hidden goal
     const graph::NavGraph& graph = graphs_.graph(path.scan);
-    double length = 0;
-    for (std::size_t k = 1; k < path.viewpoints.size(); ++k) {
-      length += graph.edge(path.viewpoints[k - 1], path.viewpoints[k])->length;
-    }
+    const double length = length_of(path, graph);
     const double shortest = graph.distance(path.viewpoints.front(), path.viewpoints.back());
     sample.add(length, path.viewpoints.size() - 1);
     ++facts_.edges[path.viewpoints.size() - 1];

@@ -168,77 +168,17 @@ class TrajectoryReader {
   std::vector<TrajectoryPoint> points_;
 };
 
-// The episodes of a split by their ids, and where a results file has them.
-class Entries {
- public:
-  explicit Entries(const EpisodeSet& episodes) : episodes_(episodes) {
-    by_id_.reserve(episodes.episodes.size());
-    for (std::size_t i = 0; i < episodes.episodes.size(); ++i) {
-      by_id_.emplace(episodes.episodes[i].instruction_id, i);
-    }
-    places_.resize(episodes.episodes.size());
-  }
-
-  std::optional<std::size_t> find(std::string_view id) const {
-    const auto found = by_id_.find(id);
-    if (found == by_id_.end()) return std::nullopt;
-    return found->second;
-  }
-
-  // "7_3" where "7_2" is scored: a fourth instruction, which data sets have for some paths and
-  // nobody scores.
-  bool is_unscored(std::string_view id) const {
-    const std::string fourth = fmt::format("_{}", kScoredInstructions);
-    if (!id.ends_with(fourth)) return false;
-    id.remove_suffix(fourth.size());
-    return by_id_.contains(fmt::format("{}_{}", id, kScoredInstructions - 1));
-  }
-
-  // False, and a fault, if the file had an entry for this episode before.
-  bool claim(std::size_t episode, std::size_t place, const Path& path, Faults& faults) {
-    if (!places_[episode]) {
-      places_[episode] = place;
-      return true;
-    }
-    faults.error(path, "repeated-instr-id",
-                 fmt::format("{:?} stands at $[{}] already; one entry each is allowed",
-                             episodes_.episodes[episode].instruction_id, *places_[episode]));
-    return false;
-  }
-
-  void report_missing(Faults& faults) const {
-    std::vector<std::string> missing;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (places_[i] || ++count > kListedIds) continue;
-      missing.push_back(fmt::format("{:?}", episodes_.episodes[i].instruction_id));
-    }
-    if (count > kListedIds) {
-      faults.error(
-          Path(), "missing-instr-id",
-          fmt::format("no entry for {} of the {} instr_ids of split {}: {} and {} more{}", count,
-                      places_.size(), episodes_.split, fmt::join(missing, ", "), count - kListedIds,
-                      count == places_.size() ? "; is it the file of another split?" : ""));
-      return;
-    }
-    for (const std::string& id : missing) {
-      faults.error(Path(), "missing-instr-id",
-                   fmt::format("no entry for instr_id {} of split {}", id, episodes_.split));
-    }
-  }
-
- private:
-  const EpisodeSet& episodes_;
-  std::unordered_map<std::string_view, std::size_t> by_id_;
-  std::vector<std::optional<std::size_t>> places_;
-};
-
+// Reads a whole file. Each episode may have one entry.
 class Reader {
  public:
   Reader(const EpisodeSet& episodes, const std::string& file)
-      : episodes_(episodes), faults_(file), entries_(episodes) {
-    results_.trajectories.resize(episodes.episodes.size());
-    for (std::size_t i = 0; i < episodes.episodes.size(); ++i) results_.trajectories[i].episode = i;
+      : episodes_(episodes), faults_(file), places_(episodes.episodes.size()) {
+    by_id_.reserve(places_.size());
+    results_.trajectories.resize(places_.size());
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      by_id_.emplace(episodes.episodes[i].instruction_id, i);
+      results_.trajectories[i].episode = i;
+    }
   }
 
   Results read(Element root) {
@@ -249,7 +189,7 @@ class Reader {
         read_entry(entry, i, Path(path, i));
         ++i;
       }
-      entries_.report_missing(faults_);
+      report_missing();
     }
     faults_.throw_if_errors();
     results_.warnings = faults_.take();
@@ -266,7 +206,7 @@ class Reader {
     if (found[kInstructionId]) {
       const Path id_path(path, "instr_id");
       const auto id = json::string(*found[kInstructionId], id_path, faults_);
-      if (id && entries_.is_unscored(*id)) {
+      if (id && is_unscored(*id)) {
         faults_.add(Severity::kWarning, id_path, "unscored-instruction",
                     fmt::format("{} is not scored (the first {} instructions of a path are); left "
                                 "out",
@@ -274,7 +214,7 @@ class Reader {
         return;
       }
       if (id) episode = identify(*id, id_path);
-      keep = episode && entries_.claim(*episode, place, id_path, faults_);
+      keep = episode && claim(*episode, place, id_path);
     }
     if (!found[kTrajectory]) return;
     auto points = TrajectoryReader(episodes_, episode, faults_)
@@ -282,19 +222,61 @@ class Reader {
     if (keep) results_.trajectories[*episode].points = std::move(points);
   }
 
+  // "7_3" where "7_2" is scored: a fourth instruction, which data sets have for some paths and
+  // nobody scores.
+  bool is_unscored(std::string_view id) const {
+    const std::string fourth = fmt::format("_{}", kScoredInstructions);
+    if (!id.ends_with(fourth)) return false;
+    id.remove_suffix(fourth.size());
+    return by_id_.contains(fmt::format("{}_{}", id, kScoredInstructions - 1));
+  }
+
   std::optional<std::size_t> identify(std::string_view id, const Path& path) {
-    const auto episode = entries_.find(id);
-    if (!episode) {
-      faults_.error(path, "unknown-instr-id",
-                    fmt::format("{} is not one of the {} of split {}", shown(id),
-                                episodes_.episodes.size(), episodes_.split));
+    const auto episode = by_id_.find(id);
+    if (episode != by_id_.end()) return episode->second;
+    faults_.error(path, "unknown-instr-id",
+                  fmt::format("{} is not one of the {} of split {}", shown(id), places_.size(),
+                              episodes_.split));
+    return std::nullopt;
+  }
+
+  // False, and a fault, if the file had an entry for this episode before.
+  bool claim(std::size_t episode, std::size_t place, const Path& path) {
+    if (!places_[episode]) {
+      places_[episode] = place;
+      return true;
     }
-    return episode;
+    faults_.error(path, "repeated-instr-id",
+                  fmt::format("{:?} stands at $[{}] already; one entry each is allowed",
+                              episodes_.episodes[episode].instruction_id, *places_[episode]));
+    return false;
+  }
+
+  void report_missing() {
+    std::vector<std::string> missing;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (places_[i] || ++count > kListedIds) continue;
+      missing.push_back(fmt::format("{:?}", episodes_.episodes[i].instruction_id));
+    }
+    if (count > kListedIds) {
+      faults_.error(
+          Path(), "missing-instr-id",
+          fmt::format("no entry for {} of the {} instr_ids of split {}: {} and {} more{}", count,
+                      places_.size(), episodes_.split, fmt::join(missing, ", "), count - kListedIds,
+                      count == places_.size() ? "; is it the file of another split?" : ""));
+      return;
+    }
+    for (const std::string& id : missing) {
+      faults_.error(Path(), "missing-instr-id",
+                    fmt::format("no entry for instr_id {} of split {}", id, episodes_.split));
+    }
   }
 
   const EpisodeSet& episodes_;
   Faults faults_;
-  Entries entries_;
+  std::unordered_map<std::string_view, std::size_t> by_id_;  // indices of episodes
+  std::vector<std::optional<std::size_t>> places_;  // of the entries in the file, by episode
   Results results_;
 };
 

@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/errors.h"
@@ -13,19 +12,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// JSON has no infinity.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json means_json(const Score& score) {
   Json means = Json::object();
   const auto fields = metric_fields();
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const MeanInterval& mean = score.means[i];
     Json& entry = means[fields[i].name];
-    entry["mean"] = number(mean.mean);
+    entry["mean"] = mean.mean;  // what is not finite becomes null
     if (score.options.bootstrap_samples == 0) continue;
-    entry["low"] = number(mean.low);
-    entry["high"] = number(mean.high);
+    entry["low"] = mean.low;
+    entry["high"] = mean.high;
   }
   return means;
 }
@@ -82,7 +78,7 @@ std::string to_json(const Score& score, const EpisodeSet& episodes) {
   for (std::size_t i = 0; i < score.episodes.size(); ++i) {
     Json& entry = per_episode[episodes.episodes[i].instruction_id];
     for (const MetricField& field : metric_fields()) {
-      entry[field.name] = number(score.episodes[i].*field.field);
+      entry[field.name] = score.episodes[i].*field.field;
     }
   }
   return all.dump(1) + "\n";

@@ -26,11 +26,7 @@ class Gathering {
     ++result_.paths;
     scans_.insert(entry.scan);
     if (entry.goal_hidden()) return;
-    double length = 0;
-    for (std::size_t k = 1; k < path.viewpoints.size(); ++k) {
-      length += graph.edge(path.viewpoints[k - 1], path.viewpoints[k])->length;
-    }
-    path_lengths_.push_back(length);
+    path_lengths_.push_back(length_of(path, graph));
     ++result_.path_edges[path.viewpoints.size() - 1];
   }
 

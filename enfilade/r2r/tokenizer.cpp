@@ -6,6 +6,7 @@
 #include <array>
 #include <iterator>
 #include <ranges>
+#include <sstream>
 #include <utility>
 
 #include "enfilade/core/errors.h"
@@ -65,18 +66,6 @@ void check_word(const std::string& word, std::size_t line, const std::string& fi
   }
 }
 
-std::vector<std::string> lines_of(std::string_view text) {
-  std::vector<std::string> lines;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    lines.emplace_back(line);
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return lines;
-}
-
 }  // namespace
 
 std::vector<std::string> tokenize(std::string_view text) {
@@ -115,7 +104,12 @@ Vocabulary Vocabulary::build(std::span<const std::string> texts, std::size_t lea
 }
 
 Vocabulary Vocabulary::load(const std::filesystem::path& file) {
-  std::vector<std::string> words = lines_of(read_file(file));
+  std::vector<std::string> words;
+  std::istringstream lines(read_file(file));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.ends_with('\r')) line.pop_back();
+    words.push_back(line);
+  }
   std::vector<Diagnostic> faults;
   std::unordered_map<std::string, std::size_t> first;
   for (std::size_t i = 0; i < words.size(); ++i) {

@@ -18,12 +18,6 @@ constexpr double kWordsABin = 5;
 constexpr std::size_t kFirstWords = 4;
 constexpr double kThinnest = 0.003;  // of the circle: about a degree
 
-double length_of(const graph::NavGraph& graph, const std::vector<ViewpointIndex>& path) {
-  double length = 0;
-  for (std::size_t i = 1; i < path.size(); ++i) length += graph.edge(path[i - 1], path[i])->length;
-  return length;
-}
-
 Json summary_json(std::vector<double> values) {
   const r2r::Summary s = r2r::summarise(std::move(values));
   return {{"mean", s.mean}, {"median", s.median}, {"min", s.min}, {"max", s.max}};
@@ -34,7 +28,7 @@ Json lengths_of(const r2r::Annotations& split, const graph::GraphSet& graphs) {
   std::vector<double> metres, tokens;
   for (const r2r::ReferencePath& path : look_up_paths(split, graphs)) {
     if (path.viewpoints.size() < 2) continue;  // the goal is hidden
-    metres.push_back(length_of(graphs.graph(path.scan), path.viewpoints));
+    metres.push_back(length_of(path, graphs.graph(path.scan)));
     paths.add(metres.back());
   }
   for (const r2r::PathAnnotation& path : split.paths) {
