@@ -60,17 +60,13 @@ EpisodeAttention read_episode(Element element, const Path& path, Faults& faults)
   std::array<std::optional<Element>, 2> found;
   EpisodeAttention episode;
   if (!json::fields(element, kWanted, found, path, faults)) return episode;
-  const Path words_path(path, "words"), steps_path(path, "steps");
-  const auto words = json::array(*found[0], words_path, faults);
+  const Path steps_path(path, "steps");
+  episode.words = json::strings(*found[0], Path(path, "words"), faults);
   const auto steps = json::array(*found[1], steps_path, faults);
-  if (!words || !steps) return episode;
-  std::size_t i = 0;
-  for (const Element word : *words) {
-    episode.words.emplace_back(json::string(word, Path(words_path, i++), faults).value_or(""));
-  }
-  i = 0;
+  if (!steps || !found[0]->is_array()) return episode;
   for (const Element step : *steps) {
-    episode.steps.push_back(read_step(step, episode.words.size(), Path(steps_path, i++), faults));
+    const Path step_path(steps_path, episode.steps.size());
+    episode.steps.push_back(read_step(step, episode.words.size(), step_path, faults));
   }
   return episode;
 }

@@ -16,7 +16,7 @@ void append(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-// With its end marked, so that "ab", "c" is not "a", "bc".
+// With its length, so that "ab", "c" differs from "a", "bc".
 void append(std::string& bytes, const std::string& text) {
   append(bytes, text.size());
   bytes += text;

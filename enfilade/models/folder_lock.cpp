@@ -20,7 +20,7 @@ FolderLock::FolderLock(const std::filesystem::path& file)
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
   const int reason = errno;
   ::close(descriptor_);
-  // File systems without locks (some network ones) give other reasons; there it is up to the user.
+  // File systems without locks (some network ones) report other errors: goes on without a lock.
   if (reason == EWOULDBLOCK) {
     throw FileError(fmt::format("{}: another process is training in this folder", file.string()));
   }

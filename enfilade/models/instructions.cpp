@@ -28,9 +28,12 @@ void EncodedInstructions::gather(std::span<const std::size_t> episodes,
   }
 }
 
+std::size_t word_count(std::span<const std::uint32_t> row) {
+  return static_cast<std::size_t>(std::ranges::find(row, r2r::Vocabulary::kPad) - row.begin());
+}
+
 ReadingOrder reading_order(std::span<const std::uint32_t> row, const r2r::Vocabulary& vocabulary) {
-  const auto pad = std::ranges::find(row, r2r::Vocabulary::kPad);
-  std::size_t words = static_cast<std::size_t>(pad - row.begin());
+  std::size_t words = word_count(row);
   const bool whole = words > 0 && row[words - 1] == r2r::Vocabulary::kEnd;
   if (whole) --words;
   ReadingOrder order;

@@ -38,6 +38,9 @@ class EncodedInstructions {
   std::vector<std::uint32_t> ids_;
 };
 
+/// The number of words of an encoded row, "<EOS>" counted: the index of the first "<PAD>", or all.
+std::size_t word_count(std::span<const std::uint32_t> row);
+
 /// The words of an encoded row in reading order ("<UNK>" for those not in the vocabulary), then
 /// "<EOS>" unless it was cut off. words[k] is at places[k] of the row.
 struct ReadingOrder {

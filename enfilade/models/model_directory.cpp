@@ -2,14 +2,10 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <charconv>
-#include <optional>
 #include <system_error>
-#include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
 #include "enfilade/models/detail/config_json.h"
 #include "enfilade/models/detail/hash.h"
 
@@ -17,11 +13,6 @@ namespace enfilade::models {
 namespace {
 
 namespace fs = std::filesystem;
-using json::Path;
-using Json = nlohmann::ordered_json;
-
-constexpr std::string_view kFormat = "enfilade-model";
-constexpr std::int64_t kVersion = 1;
 
 std::string hash_of_arrays(std::span<const features::NamedArray> arrays) {
   std::vector<const features::NamedArray*> by_name;
@@ -46,36 +37,12 @@ fs::path ModelFiles::attention(std::string_view split) const {
   return folder / "results" / fmt::format("{}.attention.json", split);
 }
 
-std::string to_json(const ModelConfig& config) {
-  const Json json{{"format", kFormat},
-                  {"version", kVersion},
-                  {"network", detail::to_json(config.training.network)},
-                  {"training", detail::to_json(config.training)},
-                  {"data", detail::to_json(config.data)}};
-  return json.dump(1) + "\n";
-}
+std::string to_json(const ModelConfig& config) { return detail::to_json(config).dump(1) + "\n"; }
 
 ModelConfig load_model_config(const fs::path& file) {
-  enum { kName, kNetwork, kTraining, kData, kFields };
-  constexpr std::array<json::Field, kFields> kWanted{
-      {{"format"}, {"network"}, {"training"}, {"data"}}};
   const json::Document document = json::Document::load(file);
   json::Faults faults(file.string());
-  const Path path;
-  std::array<std::optional<json::Element>, kFields> found;
-  if (json::object(document.root(), path, faults)) {
-    json::fields(document.root(), kWanted, found, path, faults);
-  }
-  ModelConfig config;
-  const Path format(path, "format"), network(path, "network");
-  if (found[kName] && json::string(*found[kName], format, faults) != kFormat) {
-    faults.error(format, "other-format", fmt::format("not {:?}", kFormat));
-  }
-  if (found[kNetwork]) detail::read(*found[kNetwork], network, faults, config.training.network);
-  if (found[kTraining]) {
-    detail::read(*found[kTraining], Path(path, "training"), faults, config.training);
-  }
-  if (found[kData]) detail::read(*found[kData], Path(path, "data"), faults, config.data);
+  ModelConfig config = detail::read_config(document.root(), faults);
   faults.throw_if_errors();
   return config;
 }
@@ -133,8 +100,8 @@ void write_checkpoint(const ModelFiles& files, std::span<const features::NamedAr
                       std::span<const features::NamedArray> weights, std::uint64_t iteration) {
   std::error_code ignored;
   if (fs::exists(files.checkpoint(), ignored)) {
-    // A second name, so that the old one is whole under one of them whatever happens now. Where the
-    // file system has no links there is no checkpoint before, only this one.
+    // A second link, so that the old checkpoint stays complete whatever happens during the writing
+    // of the new one. On file systems without links no previous checkpoint is kept.
     fs::remove(files.previous_checkpoint(), ignored);
     fs::create_hard_link(files.checkpoint(), files.previous_checkpoint(), ignored);
   }

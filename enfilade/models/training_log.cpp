@@ -23,7 +23,7 @@ using json::Element;
 using json::Path;
 using Json = nlohmann::ordered_json;
 
-// To a tenth of a millisecond: the digits beyond mean nothing.
+// To a tenth of a millisecond: more digits are noise.
 double rounded(double seconds) { return std::round(seconds * 1e4) / 1e4; }
 
 // Seconds since 1970.
@@ -76,10 +76,7 @@ class Line {
 
  private:
   std::optional<Element> field(const char* name, bool required) {
-    const std::array<json::Field, 1> wanted{{{name, required}}};
-    std::array<std::optional<Element>, 1> found;
-    json::fields(document_.root(), wanted, found, root_, faults_);
-    return found[0];
+    return json::field(document_.root(), {name, required}, root_, faults_);
   }
 
   json::Document document_;
@@ -146,16 +143,12 @@ void cut(const fs::path& log, std::uint64_t iteration) {
   if (kept.size() != text.size()) write_file_atomically(log, kept);
 }
 
-void remove_events(const fs::path& folder) {
+detail::EventFile new_events(const fs::path& folder) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     if (!entry.path().filename().string().starts_with(detail::EventFile::kPrefix)) continue;
     fs::remove(entry.path(), ignored);
   }
-}
-
-detail::EventFile new_events(const fs::path& folder) {
-  remove_events(folder);
   return {folder, now()};
 }
 

@@ -31,18 +31,6 @@ constexpr std::array<json::Field, kFields> kWanted{
     {{"path_id"}, {"scan"}, {"heading"}, {"path"}, {"instructions"}, {"distance", false}}};
 using Found = std::array<std::optional<Element>, kFields>;
 
-std::vector<std::string> read_strings(Element element, const Path& path, Faults& faults) {
-  std::vector<std::string> strings;
-  const auto elements = json::array(element, path, faults);
-  if (!elements) return strings;
-  std::size_t i = 0;
-  for (const Element text : *elements) {
-    strings.emplace_back(json::string(text, Path(path, i), faults).value_or(""));
-    ++i;
-  }
-  return strings;
-}
-
 PathAnnotation read_entry(Element element, const Path& path, Faults& faults) {
   PathAnnotation entry;
   Found found;
@@ -53,11 +41,11 @@ PathAnnotation read_entry(Element element, const Path& path, Faults& faults) {
       Radians(json::number(*found[kHeading], Path(path, "heading"), faults).value_or(0));
   const Path viewpoints(path, "path");
   const std::size_t errors = faults.errors();
-  entry.path = read_strings(*found[kPath], viewpoints, faults);
+  entry.path = json::strings(*found[kPath], viewpoints, faults);
   if (entry.path.empty() && faults.errors() == errors) {
     faults.error(viewpoints, "empty-path", "no viewpoint; the start at least is expected");
   }
-  entry.instructions = read_strings(*found[kInstructions], Path(path, "instructions"), faults);
+  entry.instructions = json::strings(*found[kInstructions], Path(path, "instructions"), faults);
   if (found[kDistance]) {
     const Path distance(path, "distance");
     entry.distance = json::number(*found[kDistance], distance, faults);

@@ -223,4 +223,20 @@ bool fields(Element element, std::span<const Field> wanted, std::span<std::optio
   return good;
 }
 
+std::optional<Element> field(Element element, Field wanted, const Path& path, Faults& faults) {
+  std::optional<Element> found;
+  fields(element, {&wanted, 1}, {&found, 1}, path, faults);
+  return found;
+}
+
+std::vector<std::string> strings(Element element, const Path& path, Faults& faults) {
+  std::vector<std::string> texts;
+  const auto elements = array(element, path, faults);
+  if (!elements) return texts;
+  for (const Element one : *elements) {
+    texts.emplace_back(string(one, Path(path, texts.size()), faults).value_or(""));
+  }
+  return texts;
+}
+
 }  // namespace enfilade::json

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -80,6 +81,8 @@ std::optional<bool> boolean(Element element, const Path& path, Faults& faults);
 std::optional<std::string_view> string(Element element, const Path& path, Faults& faults);
 std::optional<simdjson::dom::array> array(Element element, const Path& path, Faults& faults);
 std::optional<simdjson::dom::object> object(Element element, const Path& path, Faults& faults);
+/// An array of strings; "" stands for an element that is none, which is reported.
+std::vector<std::string> strings(Element element, const Path& path, Faults& faults);
 
 /// A field that fields() looks for.
 struct Field {
@@ -91,5 +94,7 @@ struct Field {
 /// required field and a repeated one; ignores fields of other names. False if it reported.
 bool fields(Element element, std::span<const Field> wanted, std::span<std::optional<Element>> found,
             const Path& path, Faults& faults);
+/// The same for one field.
+std::optional<Element> field(Element element, Field wanted, const Path& path, Faults& faults);
 
 }  // namespace enfilade::json

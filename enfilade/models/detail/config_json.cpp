@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 #include <array>
+#include <concepts>
 #include <map>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 namespace enfilade::models::detail {
@@ -14,15 +16,89 @@ using json::Faults;
 using json::Path;
 using Json = nlohmann::ordered_json;
 
+constexpr std::string_view kFormat = "enfilade-model";
+constexpr std::int64_t kVersion = 1;
+
 // As the command line has them.
 constexpr std::array<std::string_view, 2> kFeedbacks{"student", "teacher"};
+
+template <class T, class Object>
+concept ConstOrNot = std::same_as<std::remove_const_t<T>, Object>;
+
+// One function for each object of the file: calls visit(name, field) for each of its fields.
+
+void for_fields(ConstOrNot<NetworkConfig> auto& config, const auto& visit) {
+  visit("vocabulary", config.vocabulary);
+  visit("max_words", config.max_words);
+  visit("word_embedding", config.word_embedding);
+  visit("hidden", config.hidden);
+  visit("action_embedding", config.action_embedding);
+  visit("features", config.features);
+  visit("dropout", config.dropout);
+  visit("inputs", config.inputs);
+}
+
+// Without its network, which is an object beside it.
+void for_fields(ConstOrNot<TrainConfig> auto& config, const auto& visit) {
+  visit("feedback", config.feedback);
+  visit("iterations", config.iterations);
+  visit("batch_size", config.batch_size);
+  visit("max_steps", config.max_steps);
+  visit("after_end", config.after_end);
+  visit("forward", config.forward);
+  visit("seed", config.seed);
+  visit("splits", config.splits);
+  visit("least_count", config.least_count);
+  visit("learning_rate", config.adam.learning_rate);
+  visit("beta1", config.adam.beta1);
+  visit("beta2", config.adam.beta2);
+  visit("epsilon", config.adam.epsilon);
+  visit("weight_decay", config.adam.weight_decay);
+  visit("validation", config.validation);
+  visit("evaluate_every", config.evaluate_every);
+  visit("checkpoint_every", config.checkpoint_every);
+}
+
+void for_fields(ConstOrNot<Camera> auto& camera, const auto& visit) {
+  visit("width", camera.width);
+  visit("height", camera.height);
+  visit("vertical_field_of_view", camera.vertical_field_of_view);
+}
+
+void for_fields(ConstOrNot<features::FeatureInfo> auto& info, const auto& visit) {
+  visit("encoder", info.encoder);
+  visit("preprocessing", info.preprocessing);
+  visit("weights", info.weights);
+  visit("dimensions", info.dimensions);
+  visit("camera", info.camera);
+}
+
+void for_fields(ConstOrNot<DataFingerprint> auto& data, const auto& visit) {
+  visit("annotations", data.annotations);
+  visit("graphs", data.graphs);
+  visit("features", data.features);
+}
+
+void for_fields(ConstOrNot<ModelConfig> auto& config, const auto& visit) {
+  visit("network", config.training.network);
+  visit("training", config.training);
+  visit("data", config.data);
+}
 
 struct Writer {
   Json& out;
 
   template <class T>
   void operator()(const char* name, const T& value) const {
-    out[name] = value;
+    if constexpr (requires { for_fields(value, *this); }) {
+      for_fields(value, Writer{out[name]});
+    } else {
+      out[name] = value;
+    }
+  }
+  template <class T>
+  void operator()(const char* name, const std::optional<T>& value) const {
+    if (value) (*this)(name, *value);
   }
   void operator()(const char* name, Feedback value) const {
     out[name] = kFeedbacks[value == Feedback::kTeacher ? 1 : 0];
@@ -30,147 +106,115 @@ struct Writer {
   void operator()(const char* name, const Inputs& value) const { out[name] = to_string(value); }
   void operator()(const char* name, AfterEnd value) const { out[name] = to_string(value); }
   void operator()(const char* name, ForwardTo value) const { out[name] = to_string(value); }
-  void operator()(const char* name, const Camera& value) const {
-    out[name] = {{"width", value.width},
-                 {"height", value.height},
-                 {"vertical_field_of_view", to_degrees(value.vertical_field_of_view)}};
-  }
+  void operator()(const char* name, Radians value) const { out[name] = to_degrees(value); }
 };
 
 struct Reader {
-  Element root;
+  Element object;
   const Path& path;
   Faults& faults;
 
-  std::optional<Element> find(const char* name, bool required = true) const {
-    const std::array<json::Field, 1> wanted{{{name, required}}};
-    std::array<std::optional<Element>, 1> found;
-    json::fields(root, wanted, found, path, faults);
-    return found[0];
+  template <class T>
+  void operator()(const char* name, T& value) const {
+    if (const auto found = json::field(object, {name}, path, faults)) {
+      read(*found, Path(path, name), value);
+    }
+  }
+  template <class T>
+  void operator()(const char* name, std::optional<T>& value) const {
+    if (const auto found = json::field(object, {name, false}, path, faults)) {
+      read(*found, Path(path, name), value.emplace());
+    }
   }
 
+ private:
+  template <class T>
+  void read(Element element, const Path& at, T& value) const {
+    if (json::object(element, at, faults)) for_fields(value, Reader{element, at, faults});
+  }
   template <std::unsigned_integral T>
-  void operator()(const char* name, T& value) const {
-    const auto found = find(name);
-    const auto number = found ? json::integer(*found, Path(path, name), faults) : std::nullopt;
+  void read(Element element, const Path& at, T& value) const {
+    const auto number = json::integer(element, at, faults);
     if (!number) return;
     if (*number < 0) {
-      faults.error(Path(path, name), "negative", fmt::format("{}, not 0 or more", *number));
+      faults.error(at, "negative", fmt::format("{}, not 0 or more", *number));
     } else if (!std::in_range<T>(*number)) {
-      faults.error(Path(path, name), "out-of-range", fmt::format("{}, too large", *number));
+      faults.error(at, "out-of-range", fmt::format("{}, too large", *number));
     } else {
       value = static_cast<T>(*number);
     }
   }
-
-  void operator()(const char* name, double& value) const {
-    const auto found = find(name);
-    if (!found) return;
-    value = json::number(*found, Path(path, name), faults).value_or(0);
+  void read(Element element, const Path& at, double& value) const {
+    value = json::number(element, at, faults).value_or(0);
+  }
+  void read(Element element, const Path& at, Radians& value) const {
+    value = degrees(json::number(element, at, faults).value_or(0));
+  }
+  void read(Element element, const Path& at, std::string& value) const {
+    value = json::string(element, at, faults).value_or("");
+  }
+  void read(Element element, const Path& at, std::vector<std::string>& value) const {
+    value = json::strings(element, at, faults);
+  }
+  void read(Element element, const Path& at, std::map<std::string, std::string>& value) const {
+    const auto entries = json::object(element, at, faults);
+    if (!entries) return;
+    for (const auto& [key, text] : *entries) read(text, Path(at, key), value[std::string(key)]);
+  }
+  void read(Element element, const Path& at, Feedback& value) const {
+    read_name(element, at, value, parse_feedback);
+  }
+  void read(Element element, const Path& at, Inputs& value) const {
+    read_name(element, at, value, parse_inputs);
+  }
+  void read(Element element, const Path& at, AfterEnd& value) const {
+    read_name(element, at, value, parse_after_end);
+  }
+  void read(Element element, const Path& at, ForwardTo& value) const {
+    read_name(element, at, value, parse_forward_to);
   }
 
-  void operator()(const char* name, std::string& value) const {
-    const auto found = find(name);
-    if (found) value = json::string(*found, Path(path, name), faults).value_or("");
-  }
-
-  void operator()(const char* name, std::map<std::string, std::string>& value) const {
-    const auto found = find(name);
-    const Path map_path(path, name);
-    const auto object = found ? json::object(*found, map_path, faults) : std::nullopt;
-    if (!object) return;
-    for (const auto& [key, text] : *object) {
-      value[std::string(key)] = json::string(text, Path(map_path, key), faults).value_or("");
-    }
-  }
-
-  void operator()(const char* name, Camera& value) const {
-    const auto found = find(name);
-    const Path camera_path(path, name);
-    if (!found || !json::object(*found, camera_path, faults)) return;
-    const Reader reader{*found, camera_path, faults};
-    reader("width", value.width);
-    reader("height", value.height);
-    double angle = 0;
-    reader("vertical_field_of_view", angle);
-    value.vertical_field_of_view = degrees(angle);
-  }
-
-  void operator()(const char* name, std::vector<std::string>& value) const {
-    const auto found = find(name);
-    const Path list_path(path, name);
-    const auto list = found ? json::array(*found, list_path, faults) : std::nullopt;
-    if (!list) return;
-    value.clear();
-    for (const Element one : *list) {
-      const auto text = json::string(one, Path(list_path, value.size()), faults);
-      value.emplace_back(text.value_or(""));
-    }
-  }
-
-  void operator()(const char* name, Feedback& value) const {
-    read_name(name, [&](std::string_view text) { value = parse_feedback(text); });
-  }
-  void operator()(const char* name, Inputs& value) const {
-    read_name(name, [&](std::string_view text) { value = parse_inputs(text); });
-  }
-  void operator()(const char* name, AfterEnd& value) const {
-    read_name(name, [&](std::string_view text) { value = parse_after_end(text); });
-  }
-  void operator()(const char* name, ForwardTo& value) const {
-    read_name(name, [&](std::string_view text) { value = parse_forward_to(text); });
-  }
-
-  template <class Parse>
-  void read_name(const char* name, const Parse& parse) const {
-    const auto found = find(name);
-    const auto text = found ? json::string(*found, Path(path, name), faults) : std::nullopt;
+  template <class T>
+  void read_name(Element element, const Path& at, T& value, T (*parse)(std::string_view)) const {
+    const auto text = json::string(element, at, faults);
     if (!text) return;
     try {
-      parse(*text);
+      value = parse(*text);
     } catch (const ArgumentError& error) {
-      faults.error(Path(path, name), "unknown-name", error.what());
+      faults.error(at, "unknown-name", error.what());
     }
   }
 };
 
+template <class T>
+Json json_of(const T& config) {
+  Json out;
+  for_fields(config, Writer{out});
+  return out;
+}
+
 }  // namespace
 
-Json to_json(const NetworkConfig& config) {
-  Json out;
-  visit_network(config, Writer{out});
+Json to_json(const NetworkConfig& config) { return json_of(config); }
+Json to_json(const TrainConfig& config) { return json_of(config); }
+
+Json to_json(const ModelConfig& config) {
+  Json out{{"format", kFormat}, {"version", kVersion}};
+  for_fields(config, Writer{out});
   return out;
 }
 
-Json to_json(const TrainConfig& config) {
-  Json out;
-  visit_training(config, Writer{out});
-  return out;
-}
-
-Json to_json(const DataFingerprint& data) {
-  Json out{{"annotations", data.annotations}, {"graphs", data.graphs}};
-  if (data.features) visit_features(*data.features, Writer{out["features"]});
-  return out;
-}
-
-void read(Element element, const Path& path, Faults& faults, NetworkConfig& config) {
-  if (json::object(element, path, faults)) visit_network(config, Reader{element, path, faults});
-}
-
-void read(Element element, const Path& path, Faults& faults, TrainConfig& config) {
-  if (json::object(element, path, faults)) visit_training(config, Reader{element, path, faults});
-}
-
-void read(Element element, const Path& path, Faults& faults, DataFingerprint& data) {
-  if (!json::object(element, path, faults)) return;
-  const Reader reader{element, path, faults};
-  reader("annotations", data.annotations);
-  reader("graphs", data.graphs);
-  const auto found = reader.find("features", false);
-  const Path features_path(path, "features");
-  if (!found || !json::object(*found, features_path, faults)) return;
-  visit_features(data.features.emplace(), Reader{*found, features_path, faults});
+ModelConfig read_config(Element root, Faults& faults) {
+  const Path path;
+  ModelConfig config;
+  if (!json::object(root, path, faults)) return config;
+  const Path format(path, "format");
+  const auto found = json::field(root, {"format"}, path, faults);
+  if (found && json::string(*found, format, faults) != kFormat) {
+    faults.error(format, "other-format", fmt::format("not {:?}", kFormat));
+  }
+  for_fields(config, Reader{root, path, faults});
+  return config;
 }
 
 }  // namespace enfilade::models::detail

@@ -8,7 +8,7 @@ namespace enfilade::models::detail {
 namespace {
 
 constexpr std::uint32_t kPolynomial = 0x82f63b78;  // Castagnoli's, bits reversed
-constexpr std::uint32_t kMaskDelta = 0xa282ead8;   // of TFRecords, so that a CRC of CRCs is none
+constexpr std::uint32_t kMaskDelta = 0xa282ead8;   // TFRecords store masked CRCs
 
 constexpr std::array<std::uint32_t, 256> crc_table() {
   std::array<std::uint32_t, 256> table{};
