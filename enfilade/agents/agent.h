@@ -1,7 +1,6 @@
-/// \file  What an agent is: it sees a batch of observations and says what each of its bodies does.
+/// \file  The interface of agents: a batch of observations in, a decision for each out.
 #pragma once
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string_view>
 
@@ -13,7 +12,7 @@
 
 namespace enfilade::agents {
 
-/// One thing that an agent may walk to; entry 0 of a list is where it stands.
+/// The viewpoints that an agent can move to; entry 0 is the one where it stands.
 struct NavigableView {
   std::span<const ViewpointIndex> viewpoint;
   std::span<const double> rel_heading;    ///< radians, right positive
@@ -22,7 +21,7 @@ struct NavigableView {
   std::size_t size() const noexcept { return viewpoint.size(); }
 };
 
-/// What one body of an agent sees in one episode. Valid during the call that it is passed to.
+/// What an agent sees in one episode. Valid during the call that it is passed to.
 struct Observation {
   const r2r::Episode* episode = nullptr;      ///< the instruction
   const graph::NavGraph* graph = nullptr;     ///< of the building; only oracles may look at it
@@ -33,7 +32,7 @@ struct Observation {
   std::uint32_t step = 0;  ///< actions so far
   NavigableView navigable;
   Rng* rng = nullptr;  ///< this episode's own random numbers
-  bool ended = false;  ///< the episode is over; what the agent decides is not looked at
+  bool ended = false;  ///< the episode is over; the decision is ignored
 };
 
 /// What to do: stop for good, or go to an entry of the navigable list (0: stay) and turn.
@@ -53,8 +52,8 @@ struct Decision {
   }
 };
 
-/// Implement this to run an agent with run_agent(), `enfilade run` and the tables. Keep what an
-/// episode needs in arrays by slot; start() begins a new episode in every slot.
+/// Implement this to run an agent with run_agent(), `enfilade run` and the tables. Keep the state
+/// of each episode in arrays by slot; start() begins a new episode in every slot.
 class Agent {
  public:
   virtual ~Agent() = default;

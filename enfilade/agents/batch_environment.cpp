@@ -179,7 +179,7 @@ void BatchEnvironment::judge(std::size_t agent, bool stopped) {
   if ((outcome_.terminated[agent] | outcome_.truncated[agent]) != 0) finish(agent);
 }
 
-// An agent that is cut off is judged by where it is, as it would be if it stopped there.
+// An agent that is cut off is scored as if it had stopped where it is.
 void BatchEnvironment::finish(std::size_t agent) {
   batch_.end(agent);
   const double distance = outcome_.distance[agent], shortest = shortest_[agent];

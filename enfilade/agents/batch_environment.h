@@ -2,7 +2,6 @@
 #pragma once
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,8 +13,8 @@
 
 namespace enfilade::agents {
 
-/// What the numbers that an agent says stand for (the paper, section 3 and its baseline). What is
-/// not possible at the moment leaves the agent where it is.
+/// The meaning of the action numbers (the paper, section 3 and its baseline). An action that is not
+/// possible leaves the agent where it is.
 enum class ActionSpace {
   /// 0: stop; k: walk to entry k of the navigable list, which has all neighbours, and look in the
   /// direction of the walk, elevation 0.
@@ -23,12 +22,12 @@ enum class ActionSpace {
   kSixActions,  ///< SixAction: 0 left, 1 right, 2 up, 3 down, 4 forward, 5 stop
 };
 
-/// What a step is worth.
+/// The reward of a step.
 enum class Reward {
   kNone,      ///< always 0
   kSuccess,   ///< 1 for stopping within the success distance of the goal, else 0
-  kProgress,  ///< metres that the goal has come nearer along the graph, and 2 for a successful
-              ///< stop, -2 for another, as in EnvDrop (Tan et al. 2019)
+  kProgress,  ///< decrease of the distance to the goal along the graph, metres, and 2 for a
+              ///< successful stop, -2 for another, as in EnvDrop (Tan et al. 2019)
 };
 
 /// How many episodes run at once, with which actions and which reward.
@@ -38,7 +37,7 @@ struct EnvironmentConfig {
   Reward reward = Reward::kProgress;
   std::uint32_t max_steps = 40;  ///< actions after which an episode is cut off, >= 1
   double success_distance = 3;   ///< metres
-  /// An agent whose episode has ended gets a new one at its next step, whatever it does then
+  /// An agent whose episode has ended begins a new one at its next step, whatever its action
   /// (Gymnasium's NEXT_STEP). Otherwise reset() has to be called for it.
   bool reset_at_next_step = false;
   std::uint64_t seed = 1;  ///< of the episodes that are drawn: agent k has the stream of seed + k
@@ -46,7 +45,7 @@ struct EnvironmentConfig {
   std::size_t max_navigable = 16;  ///< rows of a list, the present viewpoint included
 };
 
-/// What came of the last step or reset, by agent.
+/// The results of the last step or reset: one value per agent.
 struct Outcome {
   std::vector<double> reward;
   std::vector<std::uint8_t> terminated;  ///< 1: the agent has stopped
@@ -58,7 +57,7 @@ struct Outcome {
   std::vector<double> spl;               ///< likewise; as r2r::EpisodeMetrics has them
 };
 
-/// Allocates nothing in step() but what trajectories grow by. One thread at a time.
+/// step() allocates nothing but memory of growing trajectories. One thread at a time.
 class BatchEnvironment {
  public:
   /// \throws ArgumentError naming the field for values out of range, max_navigable that a graph
@@ -71,7 +70,7 @@ class BatchEnvironment {
   /// \throws ArgumentError for spans of another length, an index out of range, or if agents that
   /// have never begun are left out. Then nothing has happened.
   void reset(std::span<const std::uint8_t> mask = {}, std::span<const std::int64_t> chosen = {});
-  /// Begins an agent's stream of random episodes anew. \pre agent < batch_size
+  /// Restarts an agent's stream of random episodes. \pre agent < batch_size
   void seed(std::size_t agent, std::uint64_t seed);
   /// \throws ArgumentError for another length, a number outside the action space, before reset(),
   /// or if an agent's episode has ended and reset_at_next_step is off. Then nothing has happened.

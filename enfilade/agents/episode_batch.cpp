@@ -1,7 +1,6 @@
 #include "enfilade/agents/episode_batch.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <limits>
 #include <utility>
 

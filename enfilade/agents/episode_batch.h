@@ -1,4 +1,4 @@
-/// \file  A batch of episodes that are walked in one simulator: the one episode walker.
+/// \file  A batch of episodes in one simulator.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -20,8 +20,8 @@ sim::EpisodeStart start_of(const r2r::EpisodeSet& episodes, std::size_t episode)
 /// number and a slot's state to a sim::Action. A new action space needs no change here.
 ///
 /// All slots move at once, since the simulator steps its whole batch: give ended ones the action
-/// {}, which leaves them where they are. step() allocates nothing but what trajectories grow by
-/// beyond `reserved_steps`. One thread at a time.
+/// {}, which leaves them where they are. step() allocates nothing until a trajectory is longer than
+/// `reserved_steps`. One thread at a time.
 class EpisodeBatch {
  public:
   /// `episodes` has to outlive *this. `config.batch_size` is size(). Every slot has ended until
@@ -62,10 +62,10 @@ class EpisodeBatch {
   const graph::NavGraph& graph(std::size_t slot) const { return *graphs_[slot]; }
   /// Along the graph to the last viewpoint of the path, metres; NaN if the goal is hidden.
   double distance_to_goal(std::size_t slot) const;
-  /// What the slot's agent sees and is told, but for `rng`. Valid until the next step() or begin().
+  /// The slot's observation, without `rng`. Valid until the next step() or begin().
   Observation observation(std::size_t slot) const;
 
-  /// The start, then an entry an action until end(), as results files want it.
+  /// The start, then one entry per action until end(), as in results files.
   const r2r::Trajectory& trajectory(std::size_t slot) const { return trajectories_[slot]; }
   std::span<const r2r::Trajectory> trajectories() const noexcept { return trajectories_; }
   /// All of them, moved out; every slot has ended then.

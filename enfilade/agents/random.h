@@ -7,8 +7,8 @@
 
 namespace enfilade::agents {
 
-/// Turns to a random heading, then walks: five moves, each to the nearest thing to the middle of
-/// its view, turning right wherever nothing is ahead (the paper, section 5.3).
+/// Turns to a random heading, then makes five moves, each to the viewpoint nearest to the middle of
+/// its view; turns right where nothing is ahead (the paper, section 5.3).
 class RandomAgent : public Agent {
  public:
   static constexpr int kMoves = 5;  ///< the paper's; R2R's paths have four to six

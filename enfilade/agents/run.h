@@ -14,21 +14,21 @@
 
 namespace enfilade::agents {
 
-/// How agents are run. The batch size changes no trajectory.
+/// How agents are run. The batch size does not change trajectories.
 struct RunOptions {
   std::size_t batch_size = 100;
-  /// Actions after which an episode is ended for the agent. Far above what the agents here need:
-  /// the longest teacher path of R2R takes 35.
+  /// Actions after which an episode is ended. Far above what the agents here need: the longest
+  /// teacher path of R2R takes 35.
   std::size_t max_actions = 200;
   std::uint64_t seed = 1;  ///< an episode's stream is named by its instruction id
   /// Batch size and seed in it are replaced by those above.
   sim::SimulatorConfig simulator = sim::SimulatorConfig::room_to_room();
 };
 
-/// One trajectory an episode, in order: the start pose (heading snapped by the simulator, elevation
-/// 0), then one entry per action. The same at any batch size.
-/// \throws ActionError if the agent goes where it cannot; ArgumentError if it needs goals that the
-/// split hides, or for a batch size of 0; errors of graph files
+/// One trajectory per episode, in order: the start pose (heading snapped by the simulator,
+/// elevation 0), then one entry per action. The same at any batch size. \throws ActionError if the
+/// agent goes where it cannot; ArgumentError if it needs goals that the split hides, or for a batch
+/// size of 0; errors of graph files
 std::vector<r2r::Trajectory> run_agent(Agent& agent, const r2r::EpisodeSet& episodes,
                                        const RunOptions& options = {},
                                        const Progress& progress = {});

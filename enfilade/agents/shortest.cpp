@@ -12,7 +12,7 @@ constexpr Radians kView = degrees(30);  // one step of the discretized camera
 std::uint32_t row(const Observation& seen) { return seen.view_index / 12; }
 
 std::optional<ViewpointIndex> next_on_path(const Observation& seen, ViewpointIndex goal) {
-  // Walks the predecessors from the goal, which ends one before the agent.
+  // Follows the predecessors from the goal back to the agent.
   ViewpointIndex node = goal;
   for (;;) {
     const auto before = seen.graph->before(seen.viewpoint, node);
@@ -32,7 +32,7 @@ Decision towards_navigable(const Observation& seen, std::size_t index) {
   return Decision::go(static_cast<std::uint32_t>(index));
 }
 
-// Level the camera first, then turn the shorter way, to the right if both are as short.
+// Levels the camera first, then turns the shorter way, to the right if both are equal.
 Decision towards_hidden(const Observation& seen, ViewpointIndex next) {
   if (row(seen) == 0) return Decision::turn(0, 1);
   if (row(seen) == 2) return Decision::turn(0, -1);

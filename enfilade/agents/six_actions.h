@@ -17,16 +17,15 @@ inline constexpr std::int32_t kSixActions = 6;
 /// "left", "right", "up", "down", "forward", "end" (the released code's word for stop).
 std::string_view to_string(SixAction action) noexcept;
 
-/// What a simulator with discretized viewing does for it. Forward leads to entry 1 of the navigable
+/// The action of a simulator with discretized viewing. Forward leads to entry 1 of the navigable
 /// list, the viewpoint nearest to the middle of the view; without one, and for kStop, the agent
-/// stays. \param navigable_count of the agent, its own viewpoint counted
+/// stays. \param navigable_count of the agent, its own viewpoint included
 sim::Action to_action(SixAction action, std::uint32_t navigable_count) noexcept;
 
 /// The same as a decision: to_action(), and whether to stop for good.
 Decision to_decision(SixAction action, std::uint32_t navigable_count) noexcept;
 
-/// The one of the six that a decision is: a turn, forward (to whichever entry of the list), or
-/// stop.
+/// The one of the six that a decision is: a turn, forward (to any entry of the list), or stop.
 SixAction six_action_of(const Decision& decision) noexcept;
 
 }  // namespace enfilade::agents

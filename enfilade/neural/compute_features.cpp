@@ -9,6 +9,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/features/feature_set.h"
+#include "enfilade/graph/graph_set.h"
 #include "enfilade/render/renderer.h"
 
 namespace enfilade::neural {
@@ -16,17 +17,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Place {
-  ScanIndex scan;
-  ViewpointIndex viewpoint;
-};
+using Place = graph::Location;
 
 struct Places {
   std::vector<Place> all;
   std::vector<std::string> without;
 };
 
-// A set may name scans whose pictures are elsewhere: on the cluster's next machine, say.
+// A set may name scans whose pictures are not on this machine.
 void add_places(const scan::PanoramaSet& panoramas, ScanIndex scan, Places& places) {
   const scan::PanoramaSource* source = nullptr;
   try {
@@ -69,7 +67,7 @@ Places places_of(const scan::PanoramaSet& panoramas, Shard shard) {
   return places;
 }
 
-// Draws and encodes one viewpoint after the other, in memory that is allocated once.
+// Renders and encodes one viewpoint after the other, in memory that is allocated once.
 class Computation {
  public:
   Computation(const std::shared_ptr<const scan::PanoramaSet>& panoramas, const FeatureJob& job)
@@ -87,16 +85,15 @@ class Computation {
   }
 
   features::FeatureInfo info(const FeatureJob& job) const {
-    features::FeatureInfo info;
-    info.encoder = job.encoder.name;
-    info.preprocessing =
-        job.encoder.name == "home" ? "home" : std::string(to_string(job.encoder.preprocessing));
-    info.weights = encoder_->weights_hash();
-    info.views = render::kDiscreteViews;
-    info.dimensions = encoder_->dimensions();
-    info.camera = camera_;
-    info.type = job.type;
-    return info;
+    const std::string& name = job.encoder.name;
+    return {.encoder = name,
+            .preprocessing =
+                name == "home" ? "home" : std::string(to_string(job.encoder.preprocessing)),
+            .weights = encoder_->weights_hash(),
+            .views = render::kDiscreteViews,
+            .dimensions = encoder_->dimensions(),
+            .camera = camera_,
+            .type = job.type};
   }
 
   // Decoded while the encoder works.
@@ -108,7 +105,7 @@ class Computation {
     faces_->prefetch(keys);
   }
 
-  // (36, dimensions), until the next call.
+  // (36, dimensions), valid until the next call.
   std::span<const float> compute(Place place, FeatureReport& report) {
     const auto views = render::discrete_views(place.scan, place.viewpoint);
     for (std::size_t first = 0; first < views.size(); first += batch_) {

@@ -5,8 +5,7 @@
 #include <algorithm>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/encoders/home_encoder.h"
-#include "enfilade/neural/encoders/resnet.h"
+#include "enfilade/neural/encoders/make_encoders.h"
 
 namespace enfilade::neural {
 

@@ -1,4 +1,4 @@
-/// \file  What the sequence-to-sequence network walks in: six actions, a batch of episodes.
+/// \file  The environment of the sequence-to-sequence network: six actions, a batch of episodes.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -11,14 +11,14 @@ namespace enfilade::neural {
 /// The network's outputs are the six actions, in their order.
 using agents::kSixActions;
 using agents::SixAction;
-/// Inputs that are no actions, so the network has 8 inputs: what comes before the first action, and
-/// what is fed for an episode that is over.
+/// Two inputs that are no actions, so the network has 8 inputs: the one before the first action,
+/// and the one of an episode that is over.
 inline constexpr std::int32_t kStartInput = 6;
 inline constexpr std::int32_t kIgnoreInput = 7;
-/// A teacher's label for an episode that adds no loss any more.
+/// A teacher's label for an episode that no longer adds to the loss.
 inline constexpr std::int32_t kIgnoreLabel = -1;
 
-/// What n episodes show before an action; the memory is the network's.
+/// What the agents of n episodes see before an action. The memory belongs to the network.
 struct EnvironmentView {
   std::span<float> features;             ///< (n, dimensions) of the view each agent has
   std::span<std::uint8_t> forward_open;  ///< (n) 1 if there is a viewpoint to go forward to
@@ -35,8 +35,8 @@ class Environment {
   virtual bool has_teacher() const = 0;        ///< can it fill `labels`
   /// What the network sees of every episode now. \param out its spans are filled
   virtual void observe(const EnvironmentView& out) = 0;
-  /// One action an episode (ended ones' are not looked at unless the quirk of the recipe asks for
-  /// it). False when every episode is over.
+  /// One action per episode; that of an ended episode is ignored, except with AfterEnd::kWalksOn.
+  /// False when every episode is over.
   virtual bool step(std::span<const std::int32_t> actions) = 0;
   /// (n) 1 if the episode is over; valid until the next step().
   virtual std::span<const std::uint8_t> ended() const = 0;

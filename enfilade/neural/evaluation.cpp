@@ -17,50 +17,31 @@ namespace {
 
 constexpr auto kEnd = static_cast<std::int32_t>(SixAction::kStop);
 
-// Walks through a split batch by batch, in its order; the last batch may be smaller.
-class Batches {
- public:
-  Batches(const PreparedSplit& split, const R2rEnvironmentConfig& config)
-      : split_(split), config_(config) {}
-
-  // body(environment, instructions, index of the batch's first episode)
-  template <class Body>
-  void for_each(const Body& body) {
-    const std::size_t total = split_.episodes.episodes.size();
-    std::optional<R2rEnvironment> environment;
-    for (std::size_t first = 0; first < total; first += config_.batch_size) {
-      const std::size_t n = std::min(config_.batch_size, total - first);
-      episodes_.resize(n);
-      std::iota(episodes_.begin(), episodes_.end(), first);
-      tokens_.resize(n * split_.instructions.max_words());
-      split_.instructions.gather(episodes_, tokens_);
-      if (!environment || environment->size() != n) {
-        R2rEnvironmentConfig config = config_;
-        config.batch_size = n;
-        environment.emplace(split_.episodes, split_.view_features(), config);
-      }
-      environment->start(episodes_);
-      body(*environment, InstructionBatch{tokens_, n}, first);
+// Calls body(environment, instructions, index of the batch's first episode) for each batch of a
+// split, in its order; the last batch may be smaller.
+template <class Body>
+void for_each_batch(const PreparedSplit& split, R2rEnvironmentConfig config, const Body& body) {
+  const std::size_t total = split.episodes.episodes.size(), most = config.batch_size;
+  if (most == 0) throw ArgumentError("batch size 0: at least 1 is needed");
+  std::optional<R2rEnvironment> environment;
+  std::vector<std::size_t> episodes;
+  std::vector<std::uint32_t> tokens;
+  for (std::size_t first = 0; first < total; first += most) {
+    config.batch_size = std::min(most, total - first);
+    episodes.resize(config.batch_size);
+    std::iota(episodes.begin(), episodes.end(), first);
+    tokens.resize(config.batch_size * split.instructions.max_words());
+    split.instructions.gather(episodes, tokens);
+    if (!environment || environment->size() != config.batch_size) {
+      environment.emplace(split.episodes, split.view_features(), config);
     }
+    environment->start(episodes);
+    body(*environment, InstructionBatch{tokens, config.batch_size}, first);
   }
-
- private:
-  const PreparedSplit& split_;
-  R2rEnvironmentConfig config_;
-  std::vector<std::size_t> episodes_;
-  std::vector<std::uint32_t> tokens_;
-};
-
-std::size_t length_of(std::span<const std::uint32_t> row) {
-  return static_cast<std::size_t>(std::ranges::find(row, r2r::Vocabulary::kPad) - row.begin());
 }
 
-void check_batch(std::size_t batch_size) {
-  if (batch_size == 0) throw ArgumentError("batch size 0: at least 1 is needed");
-}
-
-// Episodes that write_walk() tells about: the first ones, those that succeeded best (of SPLs that
-// are alike the longest path), and those that ended furthest from their goals.
+// The episodes whose attention write_walk() writes: the first ones, the best by SPL (of equal SPLs
+// those with the longest paths), and the worst by navigation error.
 std::set<std::size_t> shown_episodes(const GreedyWalk& walk, const r2r::EpisodeSet& episodes,
                                      std::size_t count) {
   const std::size_t total = walk.trajectories.size();
@@ -124,17 +105,16 @@ PreparedSplit prepare(r2r::EpisodeSet episodes, const r2r::Vocabulary& vocabular
 
 GreedyWalk walk_greedily(Network& network, const PreparedSplit& split, const WalkOptions& options,
                          const Progress& progress) {
-  check_batch(options.batch_size);
   const std::size_t total = split.episodes.episodes.size();
   GreedyWalk walk;
   walk.trajectories.reserve(total);
   walk.traces.resize(total);
   const auto words_of = [&](const StepRecord& step, std::size_t episode) {
     if (!network.config().inputs.language) return std::size_t{0};
-    return std::min(step.words, length_of(split.instructions.row(episode)));
+    return std::min(step.words, models::word_count(split.instructions.row(episode)));
   };
-  Batches batches(split, {options.batch_size, options.max_steps, models::AfterEnd::kStays});
-  batches.for_each(
+  for_each_batch(
+      split, {options.batch_size, options.max_steps, models::AfterEnd::kStays},
       [&](R2rEnvironment& environment, const InstructionBatch& instructions, std::size_t first) {
         const auto observe = [&](const StepRecord& step) {
           for (std::size_t i = 0; i < step.actions.size(); ++i) {
@@ -147,21 +127,19 @@ GreedyWalk walk_greedily(Network& network, const PreparedSplit& split, const Wal
         };
         network.rollout(instructions, environment, {models::Feedback::kArgmax, options.max_steps},
                         observe);
-        for (const r2r::Trajectory& one : environment.trajectories())
-          walk.trajectories.push_back(one);
+        const auto walked = environment.trajectories();
+        walk.trajectories.insert(walk.trajectories.end(), walked.begin(), walked.end());
         if (progress) progress(walk.trajectories.size(), total);
       });
   return walk;
 }
 
 double compute_loss(Network& network, const PreparedSplit& split, const LossOptions& options) {
-  check_batch(options.walk.batch_size);
-  Batches batches(
-      split, {options.walk.batch_size, options.walk.max_steps, options.after_end, options.forward});
   RolloutOptions rollout = options.rollout;
   rollout.max_steps = options.walk.max_steps;
   double sum = 0;
-  batches.for_each(
+  for_each_batch(
+      split, {options.walk.batch_size, options.walk.max_steps, options.after_end, options.forward},
       [&](R2rEnvironment& environment, const InstructionBatch& instructions, std::size_t) {
         sum += network.rollout(instructions, environment, rollout).loss *
                static_cast<double>(instructions.size);

@@ -8,7 +8,6 @@
 #include <fmt/ranges.h>
 
 #include <atomic>
-#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -44,6 +43,7 @@ void add_array(Network::State& state, std::string name, features::DType type,
 
 void add_arrays(Network::State& state, const std::string& prefix, const Parameters& parameters,
                 const at::Tensor& flat) {
+  const c10::InferenceMode guard;
   const at::Tensor host = flat.to(at::kCPU);
   for (const WeightInfo& info : parameters.infos()) {
     add_array(state, prefix + info.name, features::DType::kFloat32, info.shape,
@@ -52,7 +52,7 @@ void add_arrays(Network::State& state, const std::string& prefix, const Paramete
   }
 }
 
-/// Takes arrays out of a file, and notes all that is wrong with them before anything is changed.
+/// Copies arrays out of a file, after it has found all that is wrong with them.
 class Loader {
  public:
   explicit Loader(const features::TensorFile& file) : file_(file) {}
@@ -120,74 +120,70 @@ void set_threads(int threads) {
   }
 }
 
-struct Network::Impl {
+struct Network::Impl : seq2seq::Seq2Seq {
   Impl(const models::NetworkConfig& config, const at::Device& device)
-      : model(config, at::TensorOptions().dtype(at::kFloat).device(device), kernels_for(device)) {}
-  seq2seq::Seq2Seq model;
+      : Seq2Seq(config, at::TensorOptions().dtype(at::kFloat).device(device), kernels_for(device)) {
+  }
 };
 
 Network::Network(const models::NetworkConfig& config, std::uint64_t seed,
                  const std::string& device) {
   const c10::InferenceMode guard;
   impl_ = std::make_unique<Impl>(config, detail::open_device(device));
-  impl_->model.parameters().initialise(config, seed);
+  impl_->parameters().initialise(config, seed);
 }
 Network::~Network() = default;
 Network::Network(Network&&) noexcept = default;
 Network& Network::operator=(Network&&) noexcept = default;
 
-const models::NetworkConfig& Network::config() const noexcept { return impl_->model.config(); }
+const models::NetworkConfig& Network::config() const noexcept { return impl_->config(); }
 
 RolloutResult Network::rollout(const InstructionBatch& instructions, Environment& environment,
                                const RolloutOptions& options, const StepObserver& observer) {
   const c10::InferenceMode guard;
-  return impl_->model.rollout(instructions, environment, options, seq2seq::WithGradients::kNo,
-                              observer);
+  return impl_->rollout(instructions, environment, options, seq2seq::WithGradients::kNo, observer);
 }
 
 RolloutResult Network::rollout_with_gradients(const InstructionBatch& instructions,
                                               Environment& environment,
                                               const RolloutOptions& options) {
   const c10::InferenceMode guard;
-  return impl_->model.rollout(instructions, environment, options, seq2seq::WithGradients::kYes);
+  return impl_->rollout(instructions, environment, options, seq2seq::WithGradients::kYes);
 }
 
 void Network::begin(const InstructionBatch& instructions, std::size_t max_steps) {
   const c10::InferenceMode guard;
-  impl_->model.begin(instructions, max_steps);
+  impl_->begin(instructions, max_steps);
 }
 
 void Network::act(std::span<const float> features, std::span<const std::uint8_t> forward_open,
                   std::span<std::int32_t> actions) {
   const c10::InferenceMode guard;
-  impl_->model.act(features, forward_open, actions);
+  impl_->act(features, forward_open, actions);
 }
 
 void Network::update(const models::AdamConfig& config) {
   const c10::InferenceMode guard;
-  impl_->model.update(config);
+  impl_->update(config);
 }
 
-std::uint64_t Network::updates() const noexcept { return impl_->model.parameters().updates; }
+std::uint64_t Network::updates() const noexcept { return impl_->parameters().updates; }
 
 Network::State Network::weights() const {
-  const c10::InferenceMode guard;
   State state;
-  add_arrays(state, "", impl_->model.parameters(), impl_->model.parameters().flat_weights);
+  add_arrays(state, "", impl_->parameters(), impl_->parameters().flat_weights);
   return state;
 }
 
 Network::State Network::gradients() const {
-  const c10::InferenceMode guard;
   State state;
-  add_arrays(state, "", impl_->model.parameters(), impl_->model.parameters().flat_gradients);
+  add_arrays(state, "", impl_->parameters(), impl_->parameters().flat_gradients);
   return state;
 }
 
 Network::State Network::training_state() const {
-  const c10::InferenceMode guard;
   State state = weights();
-  const Parameters& parameters = impl_->model.parameters();
+  const Parameters& parameters = impl_->parameters();
   add_arrays(state, kFirst, parameters, parameters.first);
   add_arrays(state, kSecond, parameters, parameters.second);
   add_array(state, kUpdates, features::DType::kUint64, {}, &parameters.updates,
@@ -197,7 +193,7 @@ Network::State Network::training_state() const {
 
 void Network::load_weights(const features::TensorFile& file) {
   const c10::InferenceMode guard;
-  Parameters& parameters = impl_->model.parameters();
+  Parameters& parameters = impl_->parameters();
   Loader loader(file);
   loader.expect_weights("", parameters);
   loader.finish();
@@ -206,7 +202,7 @@ void Network::load_weights(const features::TensorFile& file) {
 
 void Network::load_training_state(const features::TensorFile& file) {
   const c10::InferenceMode guard;
-  Parameters& parameters = impl_->model.parameters();
+  Parameters& parameters = impl_->parameters();
   Loader loader(file);
   for (const char* prefix : {"", kFirst, kSecond}) loader.expect_weights(prefix, parameters);
   loader.expect(kUpdates, features::DType::kUint64, {});

@@ -23,10 +23,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kBatch = 32;
 constexpr std::size_t kHeldOut = 10;       // every tenth viewpoint of a training scan
-constexpr std::size_t kMostViews = 36;     // a viewpoint: more would look alike
-constexpr std::size_t kTrialViews = 12;    // of viewpoints that the network is tried on
-constexpr std::size_t kMostTrials = 200;   // such viewpoints: scores are sharp enough then
-constexpr std::uint64_t kOrderStream = 1;  // of the seed's random numbers
+constexpr std::size_t kMostViews = 36;     // per viewpoint: more would look alike
+constexpr std::size_t kTrialViews = 12;    // per viewpoint that the network is evaluated on
+constexpr std::size_t kMostTrials = 200;   // such viewpoints: enough for precise scores
+constexpr std::uint64_t kOrderStream = 1;  // of random numbers
 
 std::vector<encoders::LabelledPlace> places_of(const scan::PanoramaSet& panoramas,
                                                const std::string& scan,
@@ -78,7 +78,7 @@ Split split_places(const scan::PanoramaSet& panoramas, const PretrainConfig& con
   return split;
 }
 
-// A short climb and then half a cosine down to 0: one pass is enough to settle.
+// A short linear warm-up, then half a cosine down to 0.
 double learning_rate(std::size_t step, std::size_t steps) {
   constexpr double kPeak = 2e-3, kClimb = 0.08;
   const double t = static_cast<double>(step) / static_cast<double>(steps);
@@ -92,7 +92,7 @@ void train(encoders::HomeTraining& network, const encoders::LabelledPictures& pi
   std::iota(order.begin(), order.end(), 0);
   Rng rng(config.seed, kOrderStream);
   const std::size_t batch = std::min(kBatch, order.size());
-  const std::size_t each = order.size() / batch;  // a rest of less than a batch waits for its turn
+  const std::size_t each = order.size() / batch;  // the remainder is left out of this pass
   report.steps = each * config.epochs;
   std::vector<double> losses;
   for (std::size_t step = 0; step < report.steps; ++step) {
@@ -108,11 +108,11 @@ void train(encoders::HomeTraining& network, const encoders::LabelledPictures& pi
       static_cast<double>(last);
 }
 
-// Means and deviations that make features of training pictures standard, and so easy to learn from.
+// Means and deviations that normalise the features of training pictures.
 void add_scales(const encoders::LabelledPictures& pictures, c10::Device device,
                 encoders::Weights& weights) {
   constexpr std::int64_t kEnough = 2048, kAtOnce = 64;  // pictures
-  // What hardly ever changes is not blown up to look as if it did.
+  // Features that hardly vary are not scaled up to a deviation of 1.
   constexpr double kLeastDeviation = 0.02;
   const c10::InferenceMode no_gradients;
   const encoders::HomeNetwork network(weights, device);

@@ -1,7 +1,6 @@
 /// \file  The matrix products of the network, and the time that they take alone: the lower bound of
 /// its time.
 #pragma once
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>

@@ -41,7 +41,7 @@ std::size_t R2rEnvironment::dimensions() const {
 void R2rEnvironment::start(std::span<const std::size_t> episodes) {
   batch_.begin(episodes);
   if (!has_teacher_) return;
-  // Shortest paths are made at their first use, which is not to fall into a step.
+  // The first use computes shortest paths, which would slow down a step.
   for (std::size_t i = 0; i < size(); ++i) (void)batch_.distance_to_goal(i);
 }
 
@@ -85,7 +85,7 @@ std::int32_t R2rEnvironment::label(std::size_t slot) const {
 }
 
 sim::Action R2rEnvironment::action_of(std::size_t slot, std::int32_t action) const {
-  // Numbers that are no action stay, as `end` does.
+  // Numbers that are no action leave the agent where it is, as `end` does.
   const bool known = action >= 0 && action < kSixActions;
   const auto one_of_six = known ? static_cast<SixAction>(action) : SixAction::kStop;
   const sim::Action done = to_action(one_of_six, batch_.state().navigable_count[slot]);

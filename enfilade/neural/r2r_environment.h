@@ -1,9 +1,7 @@
 /// \file  Room-to-Room episodes in the native simulator, as the network walks through them.
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "enfilade/agents/episode_batch.h"
@@ -15,7 +13,7 @@
 
 namespace enfilade::neural {
 
-/// How many episodes run at once, and the released code's two habits.
+/// How many episodes run at once, and where the released code differs from what one expects.
 struct R2rEnvironmentConfig {
   std::size_t batch_size = 100;
   std::size_t max_steps = 20;  ///< that memory is kept for; longer walks allocate
@@ -25,8 +23,8 @@ struct R2rEnvironmentConfig {
 
 /// A batch of episodes of one split, in SimulatorConfig::room_to_room(). Start: the path's first
 /// viewpoint, heading snapped to 30 degrees, elevation 0. `forward` where nothing is ahead, and
-/// inputs that are no action, stay. observe() and step() allocate nothing up to max_steps. One
-/// thread at a time.
+/// numbers that are no action, leave the agent where it is. observe() and step() allocate nothing
+/// up to max_steps. One thread at a time.
 class R2rEnvironment : public Environment {
  public:
   /// `episodes` and `features` (null: none, dimensions() is 0) have to outlive *this.

@@ -7,6 +7,7 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::neural {
+
 Seq2SeqAgent::Seq2SeqAgent(Model model, std::optional<ViewFeatures> features)
     : model_(std::move(model)), features_(std::move(features)) {
   const models::NetworkConfig& network = model_.config.training.network;
@@ -36,7 +37,7 @@ void Seq2SeqAgent::start(std::span<const agents::Observation> batch) {
 
 void Seq2SeqAgent::act(std::span<const agents::Observation> batch,
                        std::span<agents::Decision> decisions) {
-  // Whoever has not said `end` by now is stopped, all at once: they began together.
+  // Stops the agents that have not chosen `end` yet: all episodes began at the same time.
   if (!batch.empty() && batch[0].step >= model_.config.training.max_steps) {
     std::ranges::fill(decisions, agents::Decision::stop_here());
     return;

@@ -3,17 +3,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <chrono>
-#include <system_error>
 #include <utility>
 
 #include "enfilade/core/file.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/models/folder_lock.h"
-#include "enfilade/models/training_log.h"
+#include "enfilade/models/model_directory.h"
 #include "enfilade/neural/detail/episode_order.h"
 #include "enfilade/neural/detail/timed_environment.h"
 #include "enfilade/neural/evaluation.h"
-#include "enfilade/neural/model.h"
 
 namespace enfilade::neural {
 namespace {
@@ -55,21 +53,14 @@ void require_goals(const r2r::EpisodeSet& episodes) {
                   episodes.split));
 }
 
-std::vector<std::string> texts(const std::vector<Diagnostic>& diagnostics) {
-  std::vector<std::string> lines;
-  for (const Diagnostic& one : diagnostics) {
-    lines.push_back(fmt::format("{}: {}", one.where, one.message));
-  }
-  return lines;
-}
-
-// The model that is there has to be of this config and data.
+// Checks that the model in the directory has this config and data.
 void check_same_model(const models::ModelFiles& files, const models::ModelConfig& now,
                       const r2r::Vocabulary& vocabulary) {
   const models::ModelConfig there = models::load_model_config(files.config());
   std::vector<std::string> found = differences(there.training, now.training);
-  const auto data = texts(differences(there.data, now.data, files.config().string()));
-  found.insert(found.end(), data.begin(), data.end());
+  for (const Diagnostic& one : differences(there.data, now.data, files.config().string())) {
+    found.push_back(fmt::format("{}: {}", one.where, one.message));
+  }
   if (found.empty() &&
       models::load_vocabulary(files, there.training.network).words() != vocabulary.words()) {
     found.emplace_back("vocabulary.txt: other words than those of the training instructions");
@@ -101,8 +92,8 @@ class Training {
     } else {
       vocabulary_.save(files_.vocabulary());
     }
-    // After the vocabulary, so that there is no config.json without one; anew, as iterations may
-    // have changed.
+    // After the vocabulary, so that there is no config.json without one. Always written, as the
+    // iterations may have changed.
     write_file_atomically(files_.config(), to_json(model_));
     prepare_data();
     R2rEnvironment environment(
@@ -148,7 +139,7 @@ class Training {
     if (listener_.resumed) listener_.resumed(iteration_);
   }
 
-  // Killed between writing the last checkpoint and its weights, perhaps.
+  // The process may have been killed between the last checkpoint and its weights.
   bool finish() {
     if (!fs::exists(files_.weights()) ||
         models::open_state(files_.weights()).iteration != iteration_) {
@@ -195,7 +186,7 @@ class Training {
     if (checkpoint || iteration_ % kLogEvery == 0) write_stretch(log);
     tell();
     if (is_due(config().evaluate_every)) evaluate(log);
-    // After what the log says of this iteration: what comes after the checkpoint is cut from it.
+    // After the log's lines of this iteration: a continued training cuts off what follows them.
     if (checkpoint) {
       write_checkpoint(files_, network_.training_state().arrays, network_.weights().arrays,
                        iteration_);

@@ -38,8 +38,8 @@ struct TrainingProgress {
   double data_share = 0;    ///< of training's time: environment, features, instructions
 };
 
-/// What training tells its caller, from the thread that trains. Exceptions end the training, at no
-/// harm to the model directory.
+/// Callbacks of train(), called from its thread. An exception ends the training and leaves the
+/// model directory valid.
 struct TrainingListener {
   std::function<void(std::uint64_t iteration)> resumed;  ///< after a checkpoint was loaded
   std::function<void(const TrainingProgress&)> iteration;
@@ -47,8 +47,8 @@ struct TrainingListener {
 };
 
 /// Trains to config.iterations, from the checkpoint in `directory` if there is one, and leaves a
-/// model directory there. The same config, data and device give the same weights to the bit, be it
-/// in one go or killed and begun again any number of times. Returns false if there was nothing to
+/// model directory there. The same config, data and device give the same weights to the bit, also
+/// if training was killed and continued any number of times. Returns false if there was nothing to
 /// do. \throws ArgumentError for a config that is not possible, or not that of the model in
 /// `directory`, or data that is not what it was trained on (each says what differs); FileError if
 /// another process trains there, or a file cannot be written: then the last checkpoint is whole;

@@ -29,16 +29,12 @@ std::vector<std::uint32_t> rows_of(const features::FeatureSet& features,
   return rows;
 }
 
-[[noreturn]] void refuse(std::string code, std::string message) {
-  throw InvalidInput({{Severity::kError, "features", "", std::move(code), std::move(message)}});
-}
-
 }  // namespace
 
 ViewFeatures::ViewFeatures(features::FeatureSet features, const r2r::EpisodeSet& episodes)
     : features_(std::move(features)), graphs_(episodes.graphs), rows_(episodes.graphs->size()) {
   if (features_.info().views != kViews) {
-    refuse("wrong-views",
+    refuse("features", "", "wrong-views",
            fmt::format("{} views a viewpoint, not {}", features_.info().views, kViews));
   }
   std::vector<std::string> missing;
@@ -49,7 +45,7 @@ ViewFeatures::ViewFeatures(features::FeatureSet features, const r2r::EpisodeSet&
   if (missing.empty()) return;
   const std::size_t count = missing.size();
   if (count > kNamed) missing.resize(kNamed);
-  refuse("missing-viewpoints",
+  refuse("features", "", "missing-viewpoints",
          fmt::format("none for {} viewpoints that agents may come to in split {}: {}{}", count,
                      episodes.split, fmt::join(missing, ", "), count > kNamed ? ", ..." : ""));
 }

@@ -36,11 +36,11 @@ c10::Device open_device(const std::string& name) {
   const c10::Device device = parse_device(name);
   if (device.is_cpu()) return device;
   try {
-    // The only question that every version of libtorch, with CUDA or without, answers alike.
+    // Other checks differ between versions of libtorch, with and without CUDA.
     (void)at::zeros({1}, at::TensorOptions(device)).cpu();
   } catch (const std::exception& error) {
     const std::string_view reason = error.what();
-    // What follows the first sentence is pages long, or about where in libtorch it happened.
+    // The rest of the message is a stack trace or names places in libtorch's source.
     throw Error(fmt::format("device {}: libtorch cannot use it: {}", name,
                             reason.substr(0, std::min(reason.find('\n'), reason.find(". ")))));
   }

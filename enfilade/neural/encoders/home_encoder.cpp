@@ -1,5 +1,3 @@
-#include "enfilade/neural/encoders/home_encoder.h"
-
 #include <ATen/ATen.h>
 #include <c10/core/InferenceMode.h>
 #include <fmt/format.h>
@@ -9,12 +7,13 @@
 #include "enfilade/neural/detail/torch_device.h"
 #include "enfilade/neural/encoders/encoder_input.h"
 #include "enfilade/neural/encoders/home_network.h"
+#include "enfilade/neural/encoders/make_encoders.h"
 #include "enfilade/neural/encoders/random_weights.h"
 
 namespace enfilade::neural::encoders {
 namespace {
 
-// A network that was trained on nothing, with words as the model homes' have about as many of.
+// An untrained network with about as many classes and rooms as model homes have.
 HomeFile random_network(std::uint64_t seed) {
   HomeFile home;
   home.words.rooms = "abcdefghij";

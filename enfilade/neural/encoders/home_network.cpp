@@ -3,9 +3,7 @@
 #include <ATen/ATen.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <algorithm>
 #include <charconv>
-#include <map>
 #include <string_view>
 
 #include "enfilade/core/errors.h"
@@ -30,9 +28,8 @@ Convolution prepared(const Weights& weights, const std::string& name, const Home
 
 std::string trunk_name(std::size_t i) { return fmt::format("trunk.{}", i); }
 
-InvalidInput fault(const std::filesystem::path& file, const char* where, std::string message) {
-  return InvalidInput(
-      {{Severity::kError, file.string(), where, "no-home-encoder", std::move(message)}});
+[[noreturn]] void fault(const std::filesystem::path& file, const char* where, std::string message) {
+  refuse(file.string(), where, "no-home-encoder", std::move(message));
 }
 
 std::vector<std::int64_t> parse_classes(const std::filesystem::path& file, std::string_view text) {
@@ -40,7 +37,7 @@ std::vector<std::int64_t> parse_classes(const std::filesystem::path& file, std::
   for (const char* next = text.data(); next != text.data() + text.size();) {
     std::int64_t number = 0;
     const auto [stop, code] = std::from_chars(next, text.data() + text.size(), number);
-    if (code != std::errc()) throw fault(file, kClassesKey, "whole numbers are expected");
+    if (code != std::errc()) fault(file, kClassesKey, "whole numbers are expected");
     classes.push_back(number);
     next = stop + (stop != text.data() + text.size() && *stop == ' ' ? 1 : 0);
   }
@@ -119,17 +116,17 @@ HomeFile read_home_network(const std::filesystem::path& file) {
   const auto value = [&](const char* key) {
     const auto found = metadata.find(key);
     if (found == metadata.end()) {
-      throw fault(file, key, "no such metadata; a file of `enfilade pretrain` is expected");
+      fault(file, key, "no such metadata; a file of `enfilade pretrain` is expected");
     }
     return found->second;
   };
   if (value(kFormatKey) != kFormat) {
-    throw fault(file, kFormatKey,
-                fmt::format("{:?} is expected: run `enfilade pretrain` of this version", kFormat));
+    fault(file, kFormatKey,
+          fmt::format("{:?} is expected: run `enfilade pretrain` of this version", kFormat));
   }
   HomeFile home{{}, {parse_classes(file, value(kClassesKey)), value(kRoomsKey)}};
   if (home.words.classes.empty() || home.words.rooms.empty()) {
-    throw fault(file, kClassesKey, "at least one class and one room are expected");
+    fault(file, kClassesKey, "at least one class and one room are expected");
   }
   home.weights =
       read_weights(arrays, home_arrays(home.words), [](std::string_view) { return false; });

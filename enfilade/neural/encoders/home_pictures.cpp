@@ -1,7 +1,6 @@
 #include "enfilade/neural/encoders/home_pictures.h"
 
 #include <ATen/ATen.h>
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>

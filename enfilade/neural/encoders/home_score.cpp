@@ -3,7 +3,6 @@
 #include <ATen/ATen.h>
 #include <c10/core/InferenceMode.h>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -12,11 +11,11 @@
 namespace enfilade::neural::encoders {
 namespace {
 
-constexpr double kPresent = 0.02;     // share of a third that makes a thing "shown"
-constexpr std::int64_t kFewest = 20;  // times shown, below which a precision says nothing
+constexpr double kPresent = 0.02;     // share of a third from which a class counts as present
+constexpr std::int64_t kFewest = 20;  // occurrences below which a precision is not meaningful
 constexpr std::int64_t kAtOnce = 64;  // pictures
 
-// What the network says of all pictures, on the processor.
+// The network's outputs for all pictures, in the processor's memory.
 HomeOutputs run_all(const HomeNetwork& network, const at::Tensor& colours) {
   std::vector<at::Tensor> classes, distances, rooms;
   for (std::int64_t i = 0; i < colours.size(0); i += kAtOnce) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kWhite = 255;
 
-// Mirrored, a chair on the left is one on the right: columns of everything change places.
+// Reverses the columns of the flagged pictures.
 void mirror(const at::Tensor& flags, at::Tensor& values) {
   values = at::where(flags.view({-1, 1, 1, 1}), values.flip(3), values);
 }
@@ -31,7 +31,7 @@ LabelledPictures select(const LabelledPictures& from, const std::vector<std::int
 }  // namespace
 
 HomeWords words_of(const LabelledPictures& pictures) {
-  // Of all pixels: a door handle's share; what is rarer can't be learnt from so few pictures.
+  // Of all pixels. Rarer classes cannot be learnt from so few pictures.
   constexpr double kLeastShare = 2e-4;
   const at::Tensor counts = pictures.classes.sum({0, 2, 3}, false, at::kLong);
   const double total = counts.sum().item<double>();
@@ -45,7 +45,7 @@ HomeWords words_of(const LabelledPictures& pictures) {
     letters.insert(static_cast<char>(rooms[i]));
   }
   letters.erase('-');
-  if (letters.empty()) letters.insert('-');  // one room, always right
+  if (letters.empty()) letters.insert('-');  // one room, which is always right
   words.rooms.assign(letters.begin(), letters.end());
   return words;
 }
@@ -83,16 +83,11 @@ HomeTraining::HomeTraining(const HomeWords& words, const LabelledPictures& pictu
     layer.variance = at::ones({l.out}).to(device);
     trunk_.push_back(std::move(layer));
   }
-  const auto classes = std::ssize(words.classes), rooms = std::ssize(words.rooms);
-  constexpr double kSmall = 0.01;  // all answers about equally likely at first
-  classes_weight_ = parameter(normal({classes, kHomeChannels, 1, 1}, kSmall, rng_));
-  classes_bias_ = parameter(at::zeros({classes}));
-  distances_weight_ = parameter(normal({1, kHomeChannels, 1, 1}, kSmall, rng_));
-  distances_bias_ = parameter(at::zeros({1}));
-  rooms_weight_ = parameter(normal({rooms, kHomeChannels}, kSmall, rng_));
-  rooms_bias_ = parameter(at::zeros({rooms}));
-  // Walls cover a third of all pictures, lamps a hundredth; the root between equal weights for
-  // pixels and equal weights for classes.
+  classes_ = make_head({std::ssize(words.classes), kHomeChannels, 1, 1});
+  distances_ = make_head({1, kHomeChannels, 1, 1});
+  rooms_ = make_head({std::ssize(words.rooms), kHomeChannels});
+  // Walls cover a third of all pixels, lamps a hundredth. The root is a compromise between equal
+  // weights of pixels and equal weights of classes.
   constexpr double kRarest = 1e-3;
   const at::Tensor counts = pictures.classes.sum({0, 2, 3}, false, at::kLong).to(at::kFloat);
   class_weights_ = (counts / counts.sum()).clamp_min(kRarest).rsqrt().view({-1, 1, 1}).to(device);
@@ -103,6 +98,11 @@ at::Tensor HomeTraining::parameter(at::Tensor values) {
   moments_.push_back({at::zeros_like(values), at::zeros_like(values)});
   values.set_requires_grad(true);
   return parameters_.emplace_back(values);
+}
+
+HomeTraining::Head HomeTraining::make_head(const std::vector<std::int64_t>& shape) {
+  constexpr double kSmall = 0.01;  // all answers about equally likely at first
+  return {parameter(normal(shape, kSmall, rng_)), parameter(at::zeros({shape[0]}))};
 }
 
 HomeOutputs HomeTraining::run(at::Tensor x) {
@@ -116,9 +116,9 @@ HomeOutputs HomeTraining::run(at::Tensor x) {
     x = at::relu(at::batch_norm(x, layer.scale, layer.shift, layer.mean, layer.variance, true,
                                 kMomentum, kBatchNormEpsilon, true));
   }
-  return {at::conv2d(x, classes_weight_, classes_bias_),
-          at::conv2d(x, distances_weight_, distances_bias_),
-          at::linear(x.mean({2, 3}), rooms_weight_, rooms_bias_)};
+  return {at::conv2d(x, classes_.weight, classes_.bias),
+          at::conv2d(x, distances_.weight, distances_.bias),
+          at::linear(x.mean({2, 3}), rooms_.weight, rooms_.bias)};
 }
 
 at::Tensor HomeTraining::loss_of(const HomeOutputs& outputs, const LabelledPictures& truth) const {
@@ -131,7 +131,7 @@ at::Tensor HomeTraining::loss_of(const HomeOutputs& outputs, const LabelledPictu
   const at::Tensor named = truth.rooms.ge(0);
   const at::Tensor chosen = likely.gather(1, truth.rooms.clamp_min(0).unsqueeze(1)).squeeze(1);
   const at::Tensor rooms = -(chosen * named).sum() / named.sum().to(at::kFloat).clamp_min(1);
-  // Rooms are 360 places with few labels: a share that teaches without being learnt by heart.
+  // Few viewpoints have rooms: a small weight avoids overfitting to them.
   constexpr double kDistances = 0.5, kRooms = 0.3;
   return classes + kDistances * distances + kRooms * rooms;
 }
@@ -164,7 +164,7 @@ double HomeTraining::step(const LabelledPictures& pictures, const std::vector<st
   return loss.item<double>();
 }
 
-// Kingma and Ba 2015, with weight decay apart from the gradient (Loshchilov and Hutter 2019).
+// Kingma and Ba 2015, with decoupled weight decay (Loshchilov and Hutter 2019).
 void HomeTraining::adam(double learning_rate) {
   constexpr double kFirst = 0.9, kSecond = 0.999, kEpsilon = 1e-8, kDecay = 1e-2;
   const c10::NoGradGuard no_gradients;
@@ -185,23 +185,20 @@ void HomeTraining::adam(double learning_rate) {
 Weights HomeTraining::folded() const {
   const c10::NoGradGuard no_gradients;
   Weights weights;
-  const auto keep = [&weights](const std::string& name, const at::Tensor& values) {
-    weights[name] = values.detach().cpu().contiguous().clone();
+  const auto keep = [&weights](const std::string& name, const Head& values) {
+    weights[name + ".weight"] = values.weight.detach().cpu().contiguous().clone();
+    weights[name + ".bias"] = values.bias.detach().cpu().contiguous().clone();
   };
   for (std::size_t i = 0; i < trunk_.size(); ++i) {
     const TrunkLayer& layer = trunk_[i];
     Convolution c;
     c.weight = layer.weight;
     fold({layer.scale, layer.shift, layer.mean, layer.variance}, c);
-    keep(fmt::format("trunk.{}.weight", i), c.weight);
-    keep(fmt::format("trunk.{}.bias", i), c.bias);
+    keep(fmt::format("trunk.{}", i), {c.weight, c.bias});
   }
-  keep("classes.weight", classes_weight_);
-  keep("classes.bias", classes_bias_);
-  keep("distances.weight", distances_weight_);
-  keep("distances.bias", distances_bias_);
-  keep("rooms.weight", rooms_weight_);
-  keep("rooms.bias", rooms_bias_);
+  keep("classes", classes_);
+  keep("distances", distances_);
+  keep("rooms", rooms_);
   return weights;
 }
 

@@ -39,11 +39,15 @@ class HomeTraining {
   struct TrunkLayer {
     at::Tensor weight, scale, shift, mean, variance;
   };
+  struct Head {
+    at::Tensor weight, bias;
+  };
   struct Moments {
     at::Tensor first, second;
   };
 
   at::Tensor parameter(at::Tensor values);
+  Head make_head(const std::vector<std::int64_t>& shape);
   HomeOutputs run(at::Tensor x);
   at::Tensor loss_of(const HomeOutputs& outputs, const LabelledPictures& truth) const;
   void adam(double learning_rate);
@@ -51,8 +55,7 @@ class HomeTraining {
   c10::Device device_;
   Rng rng_;
   std::vector<TrunkLayer> trunk_;
-  at::Tensor classes_weight_, classes_bias_, distances_weight_, distances_bias_, rooms_weight_,
-      rooms_bias_;
+  Head classes_, distances_, rooms_;
   at::Tensor class_weights_;  // (c, 1, 1)
   std::vector<at::Tensor> parameters_;
   std::vector<Moments> moments_;

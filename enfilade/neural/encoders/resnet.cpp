@@ -1,18 +1,16 @@
-#include "enfilade/neural/encoders/resnet.h"
-
 #include <ATen/ATen.h>
 #include <c10/core/InferenceMode.h>
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <utility>
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/neural/detail/torch_device.h"
 #include "enfilade/neural/encoders/convolution.h"
 #include "enfilade/neural/encoders/encoder_input.h"
+#include "enfilade/neural/encoders/make_encoders.h"
 #include "enfilade/neural/encoders/random_weights.h"
 #include "enfilade/neural/encoders/weights.h"
 
@@ -39,19 +37,20 @@ const Architecture& architecture(std::string_view name) {
 struct Layer {
   std::string convolution, norm;
   std::int64_t in, out, size, stride;
+  Convolution loaded = {};  // with the normalisation folded in
 };
 
-struct BlockPlan {
+struct Block {
   std::vector<Layer> layers;
   std::optional<Layer> shortcut;
 };
 
 // Of version 1.5, which torchvision has: a bottleneck's stride is in its 3 x 3 convolution.
 // (Caffe's ResNet-152, and so the released R2R features, have it in the first 1 x 1.)
-BlockPlan plan_block(const std::string& name, bool bottleneck, std::int64_t in, std::int64_t width,
-                     std::int64_t stride) {
+Block plan_block(const std::string& name, bool bottleneck, std::int64_t in, std::int64_t width,
+                 std::int64_t stride) {
   const std::int64_t out = bottleneck ? width * kBottleneckExpansion : width;
-  BlockPlan plan;
+  Block plan;
   const auto add = [&](std::int64_t from, std::int64_t to, std::int64_t size, std::int64_t step) {
     const std::size_t number = plan.layers.size() + 1;
     plan.layers.push_back({fmt::format("{}.conv{}", name, number),
@@ -73,14 +72,14 @@ BlockPlan plan_block(const std::string& name, bool bottleneck, std::int64_t in, 
 
 struct Plan {
   Layer stem{"conv1", "bn1", 3, kStemChannels, 7, 2};
-  std::vector<BlockPlan> blocks;
+  std::vector<Block> blocks;
   std::int64_t features = 0;
 
-  std::vector<Layer> layers() const {
-    std::vector<Layer> all{stem};
-    for (const BlockPlan& block : blocks) {
-      all.insert(all.end(), block.layers.begin(), block.layers.end());
-      if (block.shortcut) all.push_back(*block.shortcut);
+  std::vector<Layer*> layers() {
+    std::vector<Layer*> all{&stem};
+    for (Block& block : blocks) {
+      for (Layer& layer : block.layers) all.push_back(&layer);
+      if (block.shortcut) all.push_back(&*block.shortcut);
     }
     return all;
   }
@@ -104,24 +103,23 @@ Plan plan_network(const Architecture& a) {
 constexpr std::array<const char*, 4> kNormArrays{".weight", ".bias", ".running_mean",
                                                  ".running_var"};
 
-std::vector<ArraySpec> arrays_of(const Plan& plan) {
+std::vector<ArraySpec> arrays_of(Plan& plan) {
   std::vector<ArraySpec> arrays;
-  for (const Layer& layer : plan.layers()) {
-    arrays.push_back(
-        {layer.convolution + ".weight", {layer.out, layer.in, layer.size, layer.size}});
-    for (const char* array : kNormArrays) arrays.push_back({layer.norm + array, {layer.out}});
+  for (const Layer* l : plan.layers()) {
+    arrays.push_back({l->convolution + ".weight", {l->out, l->in, l->size, l->size}});
+    for (const char* array : kNormArrays) arrays.push_back({l->norm + array, {l->out}});
   }
   return arrays;
 }
 
-// The classifier and a counter of training that no computation uses.
+// The classifier, and a counter of training steps: not used in inference.
 bool is_unused(std::string_view name) {
   return name.starts_with("fc.") || name.ends_with(".num_batches_tracked");
 }
 
-// Normalisations that do nothing, but for the last of a block: halved, or values would double from
-// block to block.
-Weights random_weights(const Plan& plan, std::uint64_t seed) {
+// Normalisations are the identity, except the last of each block, which halves: otherwise values
+// would double from block to block.
+Weights random_weights(Plan& plan, std::uint64_t seed) {
   Weights weights;
   Rng rng(seed);
   for (const ArraySpec& array : arrays_of(plan)) {
@@ -131,38 +129,28 @@ Weights random_weights(const Plan& plan, std::uint64_t seed) {
                                                  : at::ones(array.shape);
   }
   constexpr double kHalf = 0.5;
-  for (const BlockPlan& block : plan.blocks) {
+  for (const Block& block : plan.blocks) {
     weights.at(block.layers.back().norm + ".weight").mul_(kHalf);
   }
   return weights;
 }
 
-struct Block {
-  std::vector<Convolution> layers;
-  std::optional<Convolution> shortcut;
-};
-
 class ResNet final : public ImageEncoder {
  public:
   explicit ResNet(const EncoderConfig& config)
-      : preprocessing_(config.preprocessing), device_(detail::open_device(config.device)) {
-    const Plan plan = plan_network(architecture(config.name));
+      : preprocessing_(config.preprocessing),
+        device_(detail::open_device(config.device)),
+        plan_(plan_network(architecture(config.name))) {
     const Weights weights =
         config.weights.empty()
-            ? random_weights(plan, config.seed)
-            : read_weights(features::TensorFile::open(config.weights), arrays_of(plan), is_unused);
+            ? random_weights(plan_, config.seed)
+            : read_weights(features::TensorFile::open(config.weights), arrays_of(plan_), is_unused);
     hash_ = hash_of(weights);
-    dimensions_ = static_cast<std::size_t>(plan.features);
     const c10::InferenceMode no_gradients;
-    stem_ = make(plan.stem, weights);
-    for (const BlockPlan& from : plan.blocks) {
-      Block& block = blocks_.emplace_back();
-      for (const Layer& layer : from.layers) block.layers.push_back(make(layer, weights));
-      if (from.shortcut) block.shortcut = make(*from.shortcut, weights);
-    }
+    for (Layer* layer : plan_.layers()) layer->loaded = make(*layer, weights);
   }
 
-  std::size_t dimensions() const override { return dimensions_; }
+  std::size_t dimensions() const override { return static_cast<std::size_t>(plan_.features); }
   Camera camera() const override { return {640, 480, degrees(60)}; }
   std::string weights_hash() const override { return hash_; }
 
@@ -174,7 +162,7 @@ class ResNet final : public ImageEncoder {
 
   void encode(std::span<const float> pictures, std::size_t n, const Camera& camera,
               std::span<float> features) override {
-    check_sizes(pictures.size(), n, camera, dimensions_, features.size());
+    check_sizes(pictures.size(), n, camera, dimensions(), features.size());
     if (n == 0) return;
     const c10::InferenceMode no_gradients;
     const at::Tensor input = picture_tensor(pictures, n, camera);
@@ -199,18 +187,18 @@ class ResNet final : public ImageEncoder {
   static at::Tensor run(const Block& block, const at::Tensor& x) {
     at::Tensor y = x;
     for (std::size_t i = 0; i < block.layers.size(); ++i) {
-      y = apply(block.layers[i], y);
+      y = apply(block.layers[i].loaded, y);
       if (i + 1 < block.layers.size()) y = at::relu_(y);
     }
-    y.add_(block.shortcut ? apply(*block.shortcut, x) : x);
+    y.add_(block.shortcut ? apply(block.shortcut->loaded, x) : x);
     return at::relu_(y);
   }
 
   // (n, dimensions), in memory of the processor, contiguous.
   at::Tensor forward(at::Tensor x) const {
-    x = apply(stem_, x);
+    x = apply(plan_.stem.loaded, x);
     x = at::max_pool2d(at::relu_(x), {3, 3}, {2, 2}, {1, 1});
-    for (const Block& block : blocks_) x = run(block, x);
+    for (const Block& block : plan_.blocks) x = run(block, x);
     if (layout_ == Layout::kOneDnn) x = x.to_dense();
     return x.mean({2, 3}).cpu().contiguous();
   }
@@ -218,10 +206,8 @@ class ResNet final : public ImageEncoder {
   Preprocessing preprocessing_;
   c10::Device device_;
   Layout layout_ = best_layout(device_);
-  std::size_t dimensions_ = 0;
+  Plan plan_;
   std::string hash_;
-  Convolution stem_;
-  std::vector<Block> blocks_;
 };
 
 }  // namespace

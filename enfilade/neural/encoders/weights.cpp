@@ -86,7 +86,7 @@ class Reader {
   }
 
   at::Tensor values(const features::NamedArray& array, at::ScalarType type) {
-    // A copy, aligned, that outlives the file's mapping.
+    // An aligned copy that outlives the file's mapping.
     at::Tensor tensor = at::empty(array.shape, type);
     std::ranges::copy(array.bytes, static_cast<std::byte*>(tensor.data_ptr()));
     tensor = tensor.to(at::kFloat);

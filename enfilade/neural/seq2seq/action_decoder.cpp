@@ -46,7 +46,7 @@ Masks ActionDecoder::masks(Site site, std::int64_t first, std::int64_t count) co
   return {dropout_, site, std::span(rows_).subspan(as_size(first * n_), as_size(count * n_))};
 }
 
-// Without vision the features' columns multiply nothing.
+// Without vision the columns of the features are not used.
 at::Tensor ActionDecoder::input_weight() const {
   return parameters_.weight(Weight::kDecoderInput).narrow(1, 0, inputs_width_);
 }
@@ -129,7 +129,7 @@ ActionDecoder::Gradients ActionDecoder::backward(const Context& context,
   return {context_gradient, from_next, cells};
 }
 
-// No step waits for another here: attention's output goes into no later step.
+// For all steps at once: the output of attention is not an input of later steps.
 void ActionDecoder::attention_backward(const Context& context, std::int64_t steps,
                                        const at::Tensor& hidden_gradient,
                                        const at::Tensor& both_gradient,
@@ -157,7 +157,7 @@ void ActionDecoder::gather_gradients(std::int64_t steps) {
   kernels_.column_sums(gates, parameters_.gradient(Weight::kDecoderInputBias));
   parameters_.gradient(Weight::kDecoderHiddenBias)
       .copy_(parameters_.gradient(Weight::kDecoderInputBias));
-  // The features are given: only the actions' columns have a gradient of use.
+  // The features are not trained: only the gradient of the actions' columns is needed.
   const at::Tensor seen_gradient = embedding_memory_.get({steps * n_, embedding_}, gates.options());
   multiply(gates, input_weight().narrow(1, 0, embedding_), seen_gradient);
   kernels_.move_rows(seen_gradient, {}, seen_gradient, {}, masks(Site::kActions, 0, steps));

@@ -30,7 +30,7 @@ Probabilities softmax(std::span<const double> logits) {
 std::int32_t drawn(std::span<const double> logits, double uniform) {
   const Probabilities probabilities = softmax(logits);
   double sum = 0;
-  std::int32_t possible = 0;  // the last one, should the sum end below 1
+  std::int32_t possible = 0;  // the last one, if rounding leaves the sum below 1
   for (std::size_t a = 0; a < kActions; ++a) {
     if (probabilities[a] > 0) possible = static_cast<std::int32_t>(a);
     if (uniform < (sum += probabilities[a])) break;
@@ -69,7 +69,7 @@ double loss(const Choices& step, std::span<double> gradient) {
     const auto label = static_cast<std::size_t>(step.labels[r]);
     const std::span<const double> logits = step.logits.subspan(r * kActions, kActions);
     const Probabilities probabilities = softmax(logits);
-    // Of a hopeless label the probability may round to 0; its logarithm does not.
+    // The probability of a very unlikely label may round to 0; this logarithm stays finite.
     const double most = *std::max_element(logits.begin(), logits.end());
     double total = 0;
     for (const double logit : logits) total += std::exp(logit - most);

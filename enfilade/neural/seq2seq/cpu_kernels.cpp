@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cmath>
 
-#include "enfilade/core/check.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/neural/seq2seq/kernels.h"
 #include "enfilade/neural/seq2seq/simd_kernels.h"
@@ -11,14 +10,14 @@
 namespace enfilade::neural::seq2seq {
 namespace {
 
-// Work below this many numbers is done before another thread has woken up.
+// Work on fewer numbers is done before another thread has started.
 constexpr std::size_t kWorthAThread = 262144;
 
 std::size_t extent(const at::Tensor& x, std::int64_t dimension) {
   return static_cast<std::size_t>(x.size(dimension));
 }
 
-// The last two dimensions; \pre the one before them, if any, is walked by the caller
+// The last two dimensions; callers loop over those before them.
 Rows rows_of(const at::Tensor& x) {
   return {x.data_ptr<float>(), static_cast<std::size_t>(x.stride(-2))};
 }
@@ -32,12 +31,20 @@ void for_rows(std::size_t rows, std::size_t width, const Body& body) {
   parallel_for(rows, (rows + parts - 1) / parts, threads, body);
 }
 
+// body(row) for each row of a matrix.
+template <class Body>
+void for_each_row(const at::Tensor& x, const Body& body) {
+  for_rows(extent(x, 0), extent(x, 1), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) body(i);
+  });
+}
+
 LstmRows lstm_rows(const at::Tensor& gates, const at::Tensor& previous, const at::Tensor& cells) {
   return {rows_of(gates), rows_of(previous), rows_of(cells), extent(cells, 1)};
 }
 
-// Nothing here runs on libtorch's own threads: those of OpenMP spin when they have nothing to do,
-// on the cores that the BLAS's threads need next.
+// Does not use libtorch's own threads: idle OpenMP threads spin, on the cores that the BLAS's
+// threads need next.
 class CpuKernels final : public Kernels {
  public:
   void lstm_forward(const at::Tensor& gates, const at::Tensor& bias,
@@ -81,7 +88,7 @@ class CpuKernels final : public Kernels {
 
   void add_rows(const at::Tensor& in, const at::Tensor& out, RowList to) const override {
     const Rows source = rows_of(in), target = rows_of(out);
-    // Threads share out columns: every sum has its order then.
+    // Threads divide the columns, so the order of each sum is always the same.
     for_rows(extent(in, 1), to.size(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = 0; i < to.size(); ++i) {
         simd_.add_row(source[i] + begin, target[static_cast<std::size_t>(to[i])] + begin,
@@ -105,9 +112,7 @@ class CpuKernels final : public Kernels {
   void add_bias(const at::Tensor& x, const at::Tensor& bias) const override {
     const Rows rows = rows_of(x);
     const float* in = bias.data_ptr<float>();
-    for_rows(extent(x, 0), extent(x, 1), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) simd_.add_row(in, rows[i], extent(x, 1));
-    });
+    for_each_row(x, [&](std::size_t i) { simd_.add_row(in, rows[i], extent(x, 1)); });
   }
 
   void clear(const at::Tensor& x) const override {
@@ -119,18 +124,13 @@ class CpuKernels final : public Kernels {
 
   void tanh(const at::Tensor& x) const override {
     const Rows rows = rows_of(x);
-    for_rows(extent(x, 0), extent(x, 1), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) simd_.tanh(rows[i], extent(x, 1));
-    });
+    for_each_row(x, [&](std::size_t i) { simd_.tanh(rows[i], extent(x, 1)); });
   }
 
   void tanh_backward(const at::Tensor& y, const at::Tensor& gradient) const override {
     const Rows values = rows_of(y), gradients = rows_of(gradient);
-    for_rows(extent(y, 0), extent(y, 1), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        simd_.tanh_backward(values[i], gradients[i], extent(y, 1));
-      }
-    });
+    for_each_row(
+        y, [&](std::size_t i) { simd_.tanh_backward(values[i], gradients[i], extent(y, 1)); });
   }
 
   void attend(const Context& context, const at::Tensor& query, const at::Tensor& weights,

@@ -5,7 +5,7 @@
 namespace enfilade::neural::seq2seq {
 namespace {
 
-// Steps are below 2^24: a batch of words and steps comes nowhere near.
+// Steps are far below 2^24.
 std::uint64_t substream(Site site, MaskRow at) noexcept {
   return (std::uint64_t{static_cast<std::uint8_t>(site)} << 56U) | (std::uint64_t{at.step} << 32U) |
          at.row;

@@ -3,11 +3,9 @@
 #pragma once
 #include <ATen/ATen.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/seq2seq/dropout.h"

@@ -67,8 +67,8 @@ void SentenceEncoder::backward(const Sentences& sentences, const Dropout& dropou
   gather_gradients(sentences, dropout);
 }
 
-// From the decoder's start to the last words' outputs, and both into the order of lengths: a row
-// waits there until its last word's turn comes.
+// Gradients of the last words' outputs and cells, from those of the decoder's initial state. Rows
+// are sorted by length: steps_backward() takes each row from its last word on.
 void SentenceEncoder::begin_backward(const Sentences& sentences, const at::Tensor& start,
                                      const at::Tensor& start_gradient,
                                      const at::Tensor& cell_gradient) {

@@ -6,12 +6,10 @@
 #include <numeric>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/models/instructions.h"
 
 namespace enfilade::neural::seq2seq {
 namespace {
-
-constexpr std::uint32_t kPad = 0;
-constexpr std::uint32_t kEndOfSentence = 2;
 
 void check(const InstructionBatch& batch, const models::NetworkConfig& config) {
   if (batch.tokens.size() != batch.size * config.max_words) {
@@ -26,23 +24,15 @@ void check(const InstructionBatch& batch, const models::NetworkConfig& config) {
   }
 }
 
-// The index of the first PAD, or all.
-std::int64_t length_of(std::span<const std::uint32_t> ids) {
-  return std::find(ids.begin(), ids.end(), kPad) - ids.begin();
-}
-
 void set_lengths(const InstructionBatch& batch, const models::NetworkConfig& config,
                  Sentences& out) {
   for (std::size_t r = 0; r < batch.size; ++r) {
-    const std::int64_t length =
-        config.inputs.language
-            ? length_of(batch.tokens.subspan(r * config.max_words, config.max_words))
-            : 1;
+    const auto row = batch.tokens.subspan(r * config.max_words, config.max_words);
+    const auto length =
+        static_cast<std::int64_t>(config.inputs.language ? models::word_count(row) : 1);
     if (length == 0) {
-      throw ArgumentError(
-          fmt::format("instructions: instruction {} begins with PAD: at least one "
-                      "word is needed",
-                      r));
+      throw ArgumentError(fmt::format(
+          "instructions: instruction {} begins with PAD: at least one word is needed", r));
     }
     out.lengths.push_back(length);
     out.longest = std::max(out.longest, length);
@@ -68,12 +58,13 @@ Sentences lay_out(const InstructionBatch& batch, const models::NetworkConfig& co
       const auto row = static_cast<std::size_t>(out.order[s]);
       const std::size_t place = row * config.max_words + static_cast<std::size_t>(p);
       out.last[row] = static_cast<std::int64_t>(out.words.size());
-      out.words.push_back(config.inputs.language ? batch.tokens[place] : kEndOfSentence);
+      out.words.push_back(config.inputs.language ? batch.tokens[place] : r2r::Vocabulary::kEnd);
       out.masks.push_back({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(row)});
       out.places.push_back(out.order[s] * out.longest + p);
-      if (p > 0)
-        out.before.push_back(out.begin[static_cast<std::size_t>(p - 1)] +
-                             static_cast<std::int64_t>(s));
+      if (p > 0) {
+        const std::int64_t previous = out.begin[static_cast<std::size_t>(p - 1)];
+        out.before.push_back(previous + static_cast<std::int64_t>(s));
+      }
     }
     out.begin.push_back(static_cast<std::int64_t>(out.words.size()));
   }

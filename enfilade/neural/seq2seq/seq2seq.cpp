@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
 #include <utility>
 
 #include "enfilade/core/errors.h"
@@ -91,7 +90,7 @@ RolloutResult Seq2Seq::rollout(const InstructionBatch& instructions, Environment
     if (gradients) parameters_.flat_gradients.zero_();
     return {};
   }
-  // What the teacher does, the network has no say in: all steps can be walked beforehand.
+  // The teacher's actions do not depend on the network: all steps can be walked beforehand.
   const bool taught = options.feedback == models::Feedback::kTeacher && !observer;
   const Dropout dropout{options.seed, options.stream, options.dropout ? config_.dropout : 0};
   begin_walk(environment, options, with_gradients);
@@ -126,17 +125,21 @@ void Seq2Seq::put_inputs(std::size_t step) {
   decoder_.put_inputs(static_cast<std::int64_t>(step), w.inputs, features);
 }
 
+void Seq2Seq::advance(const Context& context, std::size_t step) {
+  const auto t = static_cast<std::int64_t>(step);
+  decoder_.multiply_inputs(t, 1);
+  decoder_.recur(t);
+  walk_.read(decoder_.attend(context, t, 1));
+}
+
 RolloutResult Seq2Seq::walk(const Context& context, Environment& environment,
                             const RolloutOptions& options, const StepObserver& observer) {
   Walk& w = walk_;
   RolloutResult result;
   for (bool more = true; more && result.steps < w.steps; ++result.steps) {
     const std::size_t step = result.steps;
-    const auto t = static_cast<std::int64_t>(step);
     observe(environment, step);
-    decoder_.multiply_inputs(t, 1);
-    decoder_.recur(t);
-    w.read(decoder_.attend(context, t, 1));
+    advance(context, step);
     result.loss += loss(w.choices(step), w.gradient_of(step));
     choose(w.choices(step), options, step, w.actions);
     if (observer) tell(observer, step);
@@ -206,12 +209,9 @@ void Seq2Seq::act(std::span<const float> features, std::span<const std::uint8_t>
   if (w.n == 0) return;
   std::ranges::copy(features, w.features.begin());
   std::ranges::copy(forward_open, w.forward_open.begin());
-  const auto t = static_cast<std::int64_t>(step);
   put_inputs(step);
-  decoder_.multiply_inputs(t, 1);
-  decoder_.recur(t);
-  w.read(decoder_.attend(begun_->context, t, 1));
-  loss(w.choices(0), {});  // closes what is closed
+  advance(begun_->context, step);
+  loss(w.choices(0), {});  // sets the logits of closed actions
   choose(w.choices(0), RolloutOptions{}, step, w.actions);
   w.inputs = w.actions;
   std::ranges::copy(w.actions, actions.begin());

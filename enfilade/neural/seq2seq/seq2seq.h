@@ -73,6 +73,7 @@ class Seq2Seq {
                   WithGradients with_gradients);
   void observe(Environment& environment, std::size_t step);
   void put_inputs(std::size_t step);
+  void advance(const Context& context, std::size_t step);  ///< from inputs to walk_.logits
   RolloutResult walk(const Context& context, Environment& environment,
                      const RolloutOptions& options, const StepObserver& observer);
   RolloutResult walk_as_taught(const Context& context, Environment& environment,

@@ -1,11 +1,10 @@
-// The loops once for each instruction set that Highway knows, the best one chosen at run time.
+// Compiled once for each instruction set that Highway knows; the best one is chosen at run time.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "enfilade/neural/seq2seq/simd_kernels.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "enfilade/neural/seq2seq/simd_kernels.h"
 
@@ -29,10 +28,10 @@ HWY_INLINE void for_elements(std::size_t begin, std::size_t end, const Body& bod
   for (; i < end; ++i) body(one, i);
 }
 
-// e^x = power (1 + rest), |rest| < 0.42: for the gates, where Highway's own functions, which know
-// no bounds, took most of the time. The power of two nearest, and Taylor's series of what is left,
-// in which the eighth term is below a float's rounding. NaN stays NaN: Min and Max give their
-// second operand then. \pre |x| <= 87 or NaN
+// e^x = power (1 + rest), |rest| < 0.42. Faster than Highway's functions, which handle all x: the
+// gates took most of the time with them. `power` is the nearest power of two, `rest` a Taylor
+// series of what is left, whose eighth term is below a float's rounding. NaN stays NaN, as Min and
+// Max return their second operand then. \pre |x| <= 87 or NaN
 template <class D>
 struct Exponential {
   V<D> power, rest;
@@ -62,8 +61,8 @@ HWY_INLINE V<D> sigmoid(D d, V<D> x) {
   return hn::Div(one, hn::MulAdd(e.power, hn::Add(one, e.rest), one));
 }
 
-// (e^2|x| - 1) / (e^2|x| + 1): the difference is made without e^2|x|, so small ones keep all
-// digits. From 40 on the quotient is 1.
+// (e^2|x| - 1) / (e^2|x| + 1). The numerator is computed without e^2|x|, so small ones keep all
+// digits. The quotient is 1 from 40 on.
 template <class D>
 HWY_INLINE V<D> tanh_of(D d, V<D> x) {
   const auto size = hn::Abs(x);
@@ -131,7 +130,7 @@ void lstm_backward(const LstmBackward& step, std::size_t begin, std::size_t end)
 void drop(const float* in, float* out, std::size_t n, const std::uint64_t* kept, float scale) {
   for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
     const hn::RebindToUnsigned<decltype(d)> du;
-    // Registers hold a power of two of elements, at most 32 of which are looked at in one word.
+    // A register has a power of two of lanes, at most 32; their bits are in one word.
     const auto bits = static_cast<std::uint32_t>(kept[i / 64] >> (i % 64));
     const auto lane = hn::Shl(hn::Set(du, 1U), hn::Iota(du, 0));
     const auto keep = hn::RebindMask(d, hn::TestBit(hn::Set(du, bits), lane));
@@ -279,7 +278,7 @@ void adam(const AdamStep& step, std::size_t begin, std::size_t end) {
   });
 }
 
-// A number times 0 is 0 unless it is infinite or NaN, and a sum that NaN came into stays NaN.
+// x * 0 is NaN for an infinite x or NaN, and a sum with NaN is NaN.
 bool all_finite(const float* x, std::size_t n) {
   const Full d;
   const std::size_t lanes = hn::Lanes(d);
