@@ -1,3 +1,3 @@
 def write_homes(
-    folder: str, preset: str, homes: int, seed: int, face_size: int, threads: int
+    folder: str, preset: str, homes: int, seed: int, face_size: int | None, threads: int
 ) -> tuple[int, int, int]: ...

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Union
+from typing import Optional, Union
 
 from enfilade import _synth
 from enfilade._arguments import whole
@@ -28,27 +28,29 @@ def write_homes(
     preset: str = "small",
     homes: int = 0,
     seed: int = 1,
-    face_size: int = 128,
+    face_size: Optional[int] = None,
     threads: int = 0,
 ) -> HomeReport:
     """Makes, or completes, a data folder of model homes; the same arguments give the same bytes.
 
     Args:
         folder: new, empty, or of an earlier run that goes on.
-        preset: "small" (a few viewpoints a home), "demo" (25 to 40), "full" (117 on average).
+        preset: "small" (a few viewpoints per home), "demo" (25 to 50), "full" (117 on average),
+            "graphs" (homes like those of "demo" without pictures).
         homes: how many; 0: as many as the preset has.
-        face_size: texels of a panorama's faces; 0: no pictures.
+        face_size: texels of a panorama's faces; 0: no pictures; None: as the preset has.
         threads: 0: all cores; never changes a byte.
 
-    A viewpoint takes about a second of one core at 256 texels. Raises ArgumentError for what cannot
-    be, FileError for a folder that cannot be written or holds something else.
+    A viewpoint takes about a second of one core at 256 texels. Raises ArgumentError for a preset or
+    a number that is not allowed, FileError for a folder that cannot be written or that holds
+    something else.
     """
     made = _synth.write_homes(
         os.fspath(folder),
         preset,
         whole("homes", homes),
         whole("seed", seed, 2**64 - 1),
-        whole("face_size", face_size),
+        None if face_size is None else whole("face_size", face_size),
         threads,
     )
     return HomeReport(*made)
@@ -59,10 +61,10 @@ def write_small_dataset(
 ) -> None:
     """Writes a small synthetic data set without pictures: graphs, R2R annotations.
 
-    Short for `write_homes(folder, preset="graphs", homes=buildings, seed=seed, face_size=0)`; the same
-    arguments give the same bytes. Raises ArgumentError for fewer than 3 buildings (train, val_unseen
-    and test need one each).
+    Short for `write_homes(folder, preset="graphs", homes=buildings, seed=seed)`; the same arguments
+    give the same bytes. Raises ArgumentError for fewer than 3 buildings (train, val_unseen and test
+    need one each).
     """
     if whole("buildings", buildings) < 3:
         raise ArgumentError(f"buildings: {buildings}, but splits by building need 3")
-    write_homes(folder, preset="graphs", homes=buildings, seed=seed, face_size=0)
+    write_homes(folder, preset="graphs", homes=buildings, seed=seed)

@@ -5,13 +5,18 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
+#include <type_traits>
+
+#include "enfilade/graph/nav_graph.h"
+#include "enfilade/r2r/metrics.h"
 
 namespace enfilade::python {
 
 namespace nb = nanobind;
 
-/// One value an agent (or view); other types of numbers are converted, others' memory is read as
-/// is.
+/// One value per agent or view. Arrays of another type of numbers are converted; memory of this
+/// type is read where it is.
 template <class T>
 using Row = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
@@ -20,11 +25,30 @@ std::span<const T> span_of(const Row<T>& row) {
   return {row.data(), row.size()};
 }
 
+inline constexpr nb::dlpack::dtype kHalf{static_cast<std::uint8_t>(nb::dlpack::dtype_code::Float),
+                                         16, 1};
+
 /// A view of memory that `owner` keeps, for NumPy; `T` const: read-only.
 template <class T, class... Sizes>
 nb::object array_of(T* data, nb::handle owner, Sizes... sizes) {
   return nb::cast(nb::ndarray<nb::numpy, T>(data, {static_cast<std::size_t>(sizes)...}, owner));
 }
+
+/// A read-only view of a span or vector that `owner` keeps, of numbers or indices.
+template <class Values, class... Sizes>
+nb::object view_of(const Values& values, nb::handle owner, Sizes... sizes) {
+  const auto* data = values.data();
+  if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(*data)>>) {
+    return array_of(data, owner, sizes...);
+  } else {
+    return array_of(reinterpret_cast<const std::uint32_t*>(data), owner, sizes...);
+  }
+}
+
+/// A viewpoint by its id. \throws LookupError
+ViewpointIndex find_viewpoint(const graph::NavGraph& graph, const std::string& id);
+/// {"nav_error": ..., "success": ..., ...}
+nb::dict metrics_dict(const r2r::EpisodeMetrics& metrics);
 
 void bind_features(nb::module_& module);
 void bind_graphs(nb::module_& module);
@@ -33,5 +57,8 @@ void bind_simulator(nb::module_& module);
 void bind_renderer(nb::module_& module);
 void bind_r2r(nb::module_& module);
 void bind_environment(nb::module_& module);
+namespace mattersim {
+void bind(nb::module_& module);  ///< the old simulator's names, in a module of their own
+}
 
 }  // namespace enfilade::python

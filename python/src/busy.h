@@ -1,4 +1,4 @@
-/// \file  Refusing a second thread: the first lets go of the GIL in the middle of a call.
+/// \file  A guard against calls from a second thread while the first has released the GIL.
 #pragma once
 #include <atomic>
 

@@ -11,7 +11,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "python/src/bindings.h"
@@ -24,7 +23,7 @@ using namespace nb::literals;
 
 constexpr std::size_t kCandidateValues = 3;  // rel_heading, rel_elevation, distance
 
-/// An environment, and its candidates as learners want them.
+/// An environment, and its candidates as one array.
 class Environment {
  public:
   Environment(std::shared_ptr<const r2r::EpisodeSet> episodes,
@@ -88,32 +87,28 @@ void Environment::gather() {
   }
 }
 
-// All of it by name; the arrays share the environment's memory.
+// All arrays by name; they share the environment's memory.
 nb::dict Environment::arrays(nb::handle self) const {
   const std::size_t n = native_.config().batch_size, m = native_.config().max_navigable;
   const sim::StateSpans& state = native_.state();
   const agents::Outcome& out = native_.outcome();
-  const auto integers = [](const auto* data) {
-    return reinterpret_cast<const std::uint32_t*>(data);
-  };
-  const auto reals = [](const double* data) { return data; };
   nb::dict d;
-  d["scan"] = array_of(integers(state.scan.data()), self, n);
-  d["viewpoint"] = array_of(integers(state.viewpoint.data()), self, n);
-  d["heading"] = array_of(reals(state.heading.data()), self, n);
-  d["elevation"] = array_of(reals(state.elevation.data()), self, n);
-  d["step"] = array_of(integers(state.step.data()), self, n);
-  d["candidates"] = array_of(candidates_.data(), self, n, m, kCandidateValues);
-  d["candidate_mask"] = array_of(mask_.data(), self, n, m);
-  d["candidate_viewpoint"] = array_of(integers(state.navigable_viewpoint.data()), self, n, m);
-  d["reward"] = array_of(out.reward.data(), self, n);
-  d["terminated"] = array_of(out.terminated.data(), self, n);
-  d["truncated"] = array_of(out.truncated.data(), self, n);
-  d["began"] = array_of(out.began.data(), self, n);
-  d["distance"] = array_of(out.distance.data(), self, n);
-  d["episode"] = array_of(out.episode.data(), self, n);
-  d["success"] = array_of(out.success.data(), self, n);
-  d["spl"] = array_of(out.spl.data(), self, n);
+  d["scan"] = view_of(state.scan, self, n);
+  d["viewpoint"] = view_of(state.viewpoint, self, n);
+  d["heading"] = view_of(state.heading, self, n);
+  d["elevation"] = view_of(state.elevation, self, n);
+  d["step"] = view_of(state.step, self, n);
+  d["candidates"] = view_of(candidates_, self, n, m, kCandidateValues);
+  d["candidate_mask"] = view_of(mask_, self, n, m);
+  d["candidate_viewpoint"] = view_of(state.navigable_viewpoint, self, n, m);
+  d["reward"] = view_of(out.reward, self, n);
+  d["terminated"] = view_of(out.terminated, self, n);
+  d["truncated"] = view_of(out.truncated, self, n);
+  d["began"] = view_of(out.began, self, n);
+  d["distance"] = view_of(out.distance, self, n);
+  d["episode"] = view_of(out.episode, self, n);
+  d["success"] = view_of(out.success, self, n);
+  d["spl"] = view_of(out.spl, self, n);
   return d;
 }
 
@@ -161,12 +156,7 @@ void bind_environment(nb::module_& m) {
       .def(
           "metrics",
           [](const Environment& e, std::size_t agent) {
-            const r2r::EpisodeMetrics found = e.native().compute_metrics(agent);
-            nb::dict d;
-            for (const r2r::MetricField& field : r2r::metric_fields()) {
-              d[field.name] = found.*field.field;
-            }
-            return d;
+            return metrics_dict(e.native().compute_metrics(agent));
           },
           "agent"_a, nb::sig("def metrics(self, agent: int) -> dict[str, float]"));
 }

@@ -3,7 +3,8 @@
 
 namespace enfilade::python {
 
-/// Has what C++ throws raised as the classes of enfilade/_errors.py. \throws nb::python_error
+/// Raises Enfilade's C++ exceptions as the classes of enfilade/_errors.py.
+/// \throws nb::python_error
 void bind_errors();
 
 }  // namespace enfilade::python

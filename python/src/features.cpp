@@ -10,7 +10,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "enfilade/core/errors.h"
@@ -37,9 +36,7 @@ const NamedArray& array_named(const TensorFile& file, const std::string& name) {
 
 std::optional<nb::dlpack::dtype> float_type(DType type) {
   if (type == DType::kFloat32) return nb::dtype<float>();
-  if (type == DType::kFloat16) {
-    return nb::dlpack::dtype{static_cast<std::uint8_t>(nb::dlpack::dtype_code::Float), 16, 1};
-  }
+  if (type == DType::kFloat16) return kHalf;
   return std::nullopt;
 }
 

@@ -26,8 +26,7 @@ struct Graph {
   const NavGraph* graph;
 
   ViewpointIndex at(const std::string& viewpoint) const {
-    if (const auto found = graph->find(viewpoint)) return *found;
-    throw LookupError("viewpoint '" + viewpoint + "' is not in the graph of scan " + graph->scan());
+    return find_viewpoint(*graph, viewpoint);
   }
   std::vector<std::string> names(const std::vector<ViewpointIndex>& indices) const {
     std::vector<std::string> names;
@@ -100,11 +99,15 @@ void bind_graph(nb::module_& m) {
           },
           "point"_a,
           "The included viewpoint nearest to a point, metres, world frame; None if there is none, "
-          "or a "
-          "coordinate is not finite.");
+          "or a coordinate is not finite.");
 }
 
 }  // namespace
+
+ViewpointIndex find_viewpoint(const NavGraph& graph, const std::string& id) {
+  if (const auto found = graph.find(id)) return *found;
+  throw LookupError("viewpoint '" + id + "' is not in the graph of scan " + graph.scan());
+}
 
 void bind_graphs(nb::module_& m) {
   bind_graph(m);

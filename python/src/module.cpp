@@ -3,7 +3,6 @@
 
 #include "python/src/bindings.h"
 #include "python/src/errors.h"
-#include "python/src/mattersim/module.h"
 
 namespace nb = nanobind;
 

@@ -40,9 +40,9 @@ const std::array<Type, 4> kTypes{{{"uint8", nb::dtype<std::uint8_t>()},
 
 }  // namespace
 
-/// What came back, the latest last.
+/// Released memory, the latest last.
 struct PictureMemory::Store {
-  Store() { pieces.reserve(kKept); }  // so that giving back cannot fail
+  Store() { pieces.reserve(kKept); }  // so that give_back() cannot fail
 
   std::mutex mutex;
   std::vector<Piece> pieces;

@@ -1,4 +1,4 @@
-/// \file  Memory of pictures, used again once Python has let go of it.
+/// \file  Memory of pictures, reused when Python has released it.
 #pragma once
 #include <nanobind/nanobind.h>
 
@@ -7,17 +7,16 @@
 #include <mutex>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace enfilade::python {
 
-/// Gives NumPy arrays whose memory comes back when the last view of them is gone, and is then given
-/// again: the system's zeroing of fresh pages would take a fifth of the time of drawing on them.
-/// Keeps the last few that came back. Any thread.
+/// Makes NumPy arrays. Their memory is reused after the last view of them is gone: to zero new
+/// pages, the system would take a fifth of the time of drawing on them. Keeps the memory of the
+/// last few arrays. Any thread.
 class PictureMemory {
  public:
   PictureMemory();
-  /// What it holds is left over. \param type "uint8", "uint16", "uint32" or "float32"
+  /// Its content is undefined. \param type "uint8", "uint16", "uint32" or "float32"
   /// \throws ArgumentError for another type; std::bad_alloc
   nanobind::object array(std::span<const std::size_t> shape, const std::string& type);
 

@@ -1,9 +1,8 @@
 // Room-to-Room: episodes, metrics, scores, tokens.
 #include <nanobind/stl/filesystem.h>
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
 #include <fmt/format.h>
@@ -50,19 +49,8 @@ std::vector<ViewpointIndex> indices(const graph::NavGraph& graph,
                                     const std::vector<std::string>& names) {
   if (names.empty()) throw ArgumentError("a path without viewpoints");
   std::vector<ViewpointIndex> found;
-  for (const std::string& name : names) {
-    const auto v = graph.find(name);
-    if (!v)
-      throw LookupError("viewpoint '" + name + "' is not in the graph of scan " + graph.scan());
-    found.push_back(*v);
-  }
+  for (const std::string& name : names) found.push_back(find_viewpoint(graph, name));
   return found;
-}
-
-nb::dict as_dict(const r2r::EpisodeMetrics& metrics) {
-  nb::dict d;
-  for (const r2r::MetricField& field : r2r::metric_fields()) d[field.name] = metrics.*field.field;
-  return d;
 }
 
 r2r::MetricOptions metric_options(double success_distance) {
@@ -77,8 +65,9 @@ nb::dict metrics(const graph::GraphSet& graphs, const std::string& scan,
                  const std::vector<std::string>& trajectory,
                  const std::vector<std::string>& reference, double success_distance) {
   const graph::NavGraph& graph = graphs.graph(scan);
-  return as_dict(r2r::compute_metrics(graph, indices(graph, trajectory), indices(graph, reference),
-                                      metric_options(success_distance)));
+  return metrics_dict(r2r::compute_metrics(graph, indices(graph, trajectory),
+                                           indices(graph, reference),
+                                           metric_options(success_distance)));
 }
 
 // ({metric: (mean, low, high)}, {instruction_id: {metric: value}}, warnings)
@@ -100,7 +89,7 @@ nb::tuple score_file(const EpisodeSet& episodes, const std::filesystem::path& fi
     means[r2r::metric_fields()[i].name] = nb::make_tuple(mean.mean, mean.low, mean.high);
   }
   for (std::size_t i = 0; i < score.episodes.size(); ++i) {
-    each[episodes.episodes[i].instruction_id.c_str()] = as_dict(score.episodes[i]);
+    each[episodes.episodes[i].instruction_id.c_str()] = metrics_dict(score.episodes[i]);
   }
   nb::list warnings;
   for (const Diagnostic& warning : results.warnings) warnings.append(to_string(warning));
@@ -109,13 +98,10 @@ nb::tuple score_file(const EpisodeSet& episodes, const std::filesystem::path& fi
 
 void bind_tokens(nb::module_& m) {
   using r2r::Vocabulary;
-  m.def(
-      "tokenize", [](const std::string& text) { return r2r::tokenize(text); }, "text"_a,
-      "Words as R2R's released code splits them.");
+  m.def("tokenize", &r2r::tokenize, "text"_a, "Words as R2R's released code splits them.");
   nb::class_<Vocabulary>(m, "Vocabulary", "Words and their ids: 0 <PAD>, 1 <UNK>, 2 <EOS>.")
-      .def_static(
-          "load", [](const std::filesystem::path& file) { return Vocabulary::load(file); },
-          "file"_a, "One word a line, as R2R's train_vocab.txt. Raises FileError, InvalidInput.")
+      .def_static("load", &Vocabulary::load, "file"_a,
+                  "One word a line, as R2R's train_vocab.txt. Raises FileError, InvalidInput.")
       .def_static(
           "build",
           [](const std::vector<std::string>& texts, std::size_t least_count) {
@@ -123,17 +109,11 @@ void bind_tokens(nb::module_& m) {
           },
           "texts"_a, "least_count"_a = 5,
           "The words that come at least so often, most frequent first; ties by alphabet.")
-      .def(
-          "save", [](const Vocabulary& v, const std::filesystem::path& file) { v.save(file); },
-          "file"_a, "For load(). Raises FileError.")
+      .def("save", &Vocabulary::save, "file"_a, "For load(). Raises FileError.")
       .def("__len__", &Vocabulary::size)
       .def_prop_ro("words", &Vocabulary::words, "By id.")
-      .def(
-          "encode",
-          [](const Vocabulary& v, const std::string& text, std::size_t length) {
-            return v.encode(text, length);
-          },
-          "text"_a, "length"_a = 80, "Ids: words reversed, <EOS>, <PAD> up to `length`.")
+      .def("encode", &Vocabulary::encode, "text"_a, "length"_a = 80,
+           "Ids: words reversed, <EOS>, <PAD> up to `length`.")
       .def(
           "decode",
           [](const Vocabulary& v, const std::vector<std::uint32_t>& ids) { return v.decode(ids); },
@@ -143,6 +123,12 @@ void bind_tokens(nb::module_& m) {
 }
 
 }  // namespace
+
+nb::dict metrics_dict(const r2r::EpisodeMetrics& metrics) {
+  nb::dict d;
+  for (const r2r::MetricField& field : r2r::metric_fields()) d[field.name] = metrics.*field.field;
+  return d;
+}
 
 void bind_r2r(nb::module_& m) {
   nb::class_<EpisodeSet>(m, "EpisodeSet", "What enfilade.Episodes is made of.")

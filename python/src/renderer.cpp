@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -15,7 +14,6 @@
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/render/gl_devices.h"
 #include "enfilade/scan/panorama_set.h"
 #include "python/src/bindings.h"
 #include "python/src/busy.h"
@@ -27,7 +25,7 @@ namespace {
 using scan::PanoramaSet;
 using namespace nb::literals;
 
-/// Memory of any library on the CPU: NumPy, torch, whatever speaks DLPack.
+/// Memory on the CPU of any library that supports DLPack: NumPy, torch.
 using Buffer = nb::ndarray<nb::c_contig, nb::device::cpu>;
 
 std::shared_ptr<const PanoramaSet> open_panoramas(const std::vector<std::filesystem::path>& images,
@@ -36,9 +34,9 @@ std::shared_ptr<const PanoramaSet> open_panoramas(const std::vector<std::filesys
   return PanoramaSet::open({images, connectivity}, graphs.scans());
 }
 
-/// Where n views are taken from: arrays, which are read whenever the views are drawn. Taking arrays
-/// from Python costs about as much as everything else in a call, so what is drawn each step is
-/// taken once.
+/// The poses of n views: arrays that are read whenever the views are drawn. Converting arrays from
+/// Python costs about as much as the rest of a call, so arrays that are drawn at each step are
+/// converted once.
 class ViewArrays {
  public:
   ViewArrays(Row<std::uint32_t> scans, Row<std::uint32_t> viewpoints, Row<double> headings,
@@ -114,22 +112,16 @@ bool holds(const Buffer& buffer) {
 
 render::ColourOutput colour_output(const Buffer& buffer, const std::string& format) {
   using enum render::ColourFormat;
-  if (format == "rgb8" && holds<std::uint8_t>(buffer))
-    return {kRgb8, {}, memory_of<std::byte>(buffer)};
-  if (format == "bgr8" && holds<std::uint8_t>(buffer))
-    return {kBgr8, {}, memory_of<std::byte>(buffer)};
-  if (format == "rgba8" && holds<std::uint8_t>(buffer))
-    return {kRgba8, {}, memory_of<std::byte>(buffer)};
-  const bool imagenet = format == "imagenet";
-  const render::Normalisation normalisation =
-      imagenet ? render::kImageNet : render::Normalisation{};
-  if ((imagenet || format == "planar") && holds<float>(buffer)) {
-    return {kPlanarFloat32, normalisation, memory_of<std::byte>(buffer)};
-  }
-  const nb::dlpack::dtype half{static_cast<std::uint8_t>(nb::dlpack::dtype_code::Float), 16, 1};
-  if ((imagenet || format == "planar") && buffer.dtype() == half) {  // not bfloat16, not int16
-    return {kPlanarFloat16, normalisation, memory_of<std::byte>(buffer)};
-  }
+  const std::span<std::byte> memory = memory_of<std::byte>(buffer);
+  const bool bytes = holds<std::uint8_t>(buffer);
+  if (bytes && format == "rgb8") return {kRgb8, {}, memory};
+  if (bytes && format == "bgr8") return {kBgr8, {}, memory};
+  if (bytes && format == "rgba8") return {kRgba8, {}, memory};
+  const bool imagenet = format == "imagenet", planar = imagenet || format == "planar";
+  const auto normalisation = imagenet ? render::kImageNet : render::Normalisation{};
+  if (planar && holds<float>(buffer)) return {kPlanarFloat32, normalisation, memory};
+  // Not bfloat16, not int16.
+  if (planar && buffer.dtype() == kHalf) return {kPlanarFloat16, normalisation, memory};
   throw ArgumentError(
       fmt::format("colour '{}' with {} bits a value: 'rgb8', 'bgr8' and 'rgba8' are "
                   "uint8; 'planar' and 'imagenet' float32 or float16",
@@ -148,8 +140,9 @@ render::DepthOutput depth_output(const Buffer& buffer, bool ray) {
 }
 
 render::ClassOutput class_output(const Buffer& buffer) {
-  if (holds<std::uint8_t>(buffer))
+  if (holds<std::uint8_t>(buffer)) {
     return {render::ClassFormat::kUint8, memory_of<std::byte>(buffer)};
+  }
   if (holds<std::uint16_t>(buffer)) {
     return {render::ClassFormat::kUint16, memory_of<std::byte>(buffer)};
   }

@@ -10,7 +10,6 @@
 
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "enfilade/sim/candidates.h"
@@ -142,20 +141,18 @@ nb::dict state_arrays(nb::handle self) {
   const sim::StateSpans& s = simulator.state();
   const std::size_t n = simulator.native().batch_size();
   const std::size_t m = simulator.native().config().max_navigable;
-  const auto integers = [&](auto* data) { return reinterpret_cast<const std::uint32_t*>(data); };
-  const auto reals = [&](const double* data) { return data; };
   nb::dict d;
-  d["scan"] = array_of(integers(s.scan.data()), self, n);
-  d["viewpoint"] = array_of(integers(s.viewpoint.data()), self, n);
-  d["heading"] = array_of(reals(s.heading.data()), self, n);
-  d["elevation"] = array_of(reals(s.elevation.data()), self, n);
-  d["view_index"] = array_of(integers(s.view_index.data()), self, n);
-  d["step"] = array_of(integers(s.step.data()), self, n);
-  d["navigable_count"] = array_of(integers(s.navigable_count.data()), self, n);
-  d["navigable_viewpoint"] = array_of(integers(s.navigable_viewpoint.data()), self, n, m);
-  d["navigable_rel_heading"] = array_of(reals(s.navigable_rel_heading.data()), self, n, m);
-  d["navigable_rel_elevation"] = array_of(reals(s.navigable_rel_elevation.data()), self, n, m);
-  d["navigable_distance"] = array_of(reals(s.navigable_distance.data()), self, n, m);
+  d["scan"] = view_of(s.scan, self, n);
+  d["viewpoint"] = view_of(s.viewpoint, self, n);
+  d["heading"] = view_of(s.heading, self, n);
+  d["elevation"] = view_of(s.elevation, self, n);
+  d["view_index"] = view_of(s.view_index, self, n);
+  d["step"] = view_of(s.step, self, n);
+  d["navigable_count"] = view_of(s.navigable_count, self, n);
+  d["navigable_viewpoint"] = view_of(s.navigable_viewpoint, self, n, m);
+  d["navigable_rel_heading"] = view_of(s.navigable_rel_heading, self, n, m);
+  d["navigable_rel_elevation"] = view_of(s.navigable_rel_elevation, self, n, m);
+  d["navigable_distance"] = view_of(s.navigable_distance, self, n, m);
   return d;
 }
 

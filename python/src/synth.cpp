@@ -1,7 +1,9 @@
-// The extension module enfilade._synth: model homes. Apart from _core, as it loads a ray tracer.
+// The extension module enfilade._synth: model homes. Separate from _core, as it loads a ray tracer.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include <optional>
 #include <string>
 
 #include "enfilade/homes/home_set.h"
@@ -14,7 +16,7 @@ namespace enfilade::python {
 namespace {
 
 nb::tuple write_homes(const std::string& folder, const std::string& preset, std::size_t homes,
-                      std::uint64_t seed, std::uint32_t face_size, int threads) {
+                      std::uint64_t seed, std::optional<std::uint32_t> face_size, int threads) {
   homes::HomePathReport paths;
   std::size_t made = 0;
   {
@@ -22,7 +24,7 @@ nb::tuple write_homes(const std::string& folder, const std::string& preset, std:
     homes::HomeSetOptions options = homes::home_set_preset(preset);
     if (homes > 0) options.homes = homes;
     options.seed = seed;
-    options.face_size = face_size;
+    if (face_size) options.face_size = *face_size;
     options.threads = threads;
     made = homes::write_homes(folder, options).homes.size();
     homes::HomePathOptions path_options;
@@ -38,7 +40,7 @@ nb::tuple write_homes(const std::string& folder, const std::string& preset, std:
 NB_MODULE(_synth, m) {
   enfilade::python::bind_errors();
   m.def("write_homes", enfilade::python::write_homes, "folder"_a, "preset"_a, "homes"_a, "seed"_a,
-        "face_size"_a, "threads"_a,
+        "face_size"_a.none(), "threads"_a,
         nb::sig("def write_homes(folder: str, preset: str, homes: int, seed: int, "
-                "face_size: int, threads: int) -> tuple[int, int, int]"));
+                "face_size: int | None, threads: int) -> tuple[int, int, int]"));
 }

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import enfilade
 import pytest
+from enfilade import synth
 
 np = pytest.importorskip("numpy")
 
@@ -27,6 +28,17 @@ def test_a_folder_has_everything(homes: str) -> None:
     viewpoint = next(filter(d.graphs[scan].included, d.graphs[scan].viewpoints))
     assert isinstance(d.region(scan, viewpoint), int) and d.region(scan, "nowhere") is None
     assert d.simulator(3).batch_size == 3
+
+
+def test_a_preset_says_whether_there_are_pictures(tmp_path: Path) -> None:
+    graphs, short = tmp_path / "graphs", tmp_path / "short"
+    report = synth.write_homes(graphs, preset="graphs", homes=3)
+    assert report.homes == 3 and report.paths > 0
+    assert not list(graphs.glob("store/*"))
+    enfilade.write_small_dataset(short, buildings=3)
+    assert (graphs / "homes.json").read_bytes() == (short / "homes.json").read_bytes()
+    synth.write_homes(tmp_path / "drawn", preset="small", homes=1, face_size=8)
+    assert list((tmp_path / "drawn").glob("store/*"))
 
 
 def test_a_picture_is_the_renderers(homes: str) -> None:

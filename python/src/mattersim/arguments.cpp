@@ -7,41 +7,33 @@ namespace {
   PyErr_Clear();
   PyErr_Format(PyExc_TypeError, "%s: %R of type %s; %s is wanted", name, o, Py_TYPE(o)->tp_name,
                wanted);
-  throw PythonErrorIsSet();
+  throw nb::python_error();
 }
 
 // Calls use(element) for the first `count` elements; all of them if count is -1.
 template <class Use>
 void for_each(PyObject* o, const char* name, Py_ssize_t count, const Use& use) {
   if (!is_list(o)) wrong_type(o, name, "a list");
-  if (PyList_CheckExact(o) || PyTuple_CheckExact(o)) {
-    const Py_ssize_t size = PySequence_Fast_GET_SIZE(o);
-    if (size < count) {
-      too_short(name, static_cast<std::size_t>(size), static_cast<std::size_t>(count));
-    }
-    for (Py_ssize_t i = 0; i < (count < 0 ? size : count); ++i) {
-      // Held: what the element's methods do may change the list.
-      const Object element = Object::share(PySequence_Fast_GET_ITEM(o, i));
-      use(element.get());
-    }
-    return;
-  }
-  const Py_ssize_t size = PySequence_Size(o);
-  if (size < 0) throw PythonErrorIsSet();
+  const bool fast = PyList_CheckExact(o) || PyTuple_CheckExact(o);
+  const Py_ssize_t size = fast ? PySequence_Fast_GET_SIZE(o) : PySequence_Size(o);
+  if (size < 0) throw nb::python_error();
   if (size < count) {
     too_short(name, static_cast<std::size_t>(size), static_cast<std::size_t>(count));
   }
   for (Py_ssize_t i = 0; i < (count < 0 ? size : count); ++i) {
-    use(Object::own(PySequence_GetItem(o, i)).get());
+    // Held: what the element's methods do may change the list.
+    const nb::object element =
+        fast ? nb::borrow(PySequence_Fast_GET_ITEM(o, i)) : own(PySequence_GetItem(o, i));
+    use(element.ptr());
   }
 }
 
-// What an array of one element holds; nothing for anything else. Clears the Python error.
-Object only_element(PyObject* o) {
+// The element of an array of one; a null object for anything else. Clears the Python error.
+nb::object only_element(PyObject* o) {
   PyErr_Clear();
   if (PyUnicode_Check(o) || !PyObject_HasAttrString(o, "item")) return {};
   PyObject* item = PyObject_CallMethod(o, "item", nullptr);
-  if (item != nullptr) return Object::own(item);
+  if (item != nullptr) return own(item);
   PyErr_Clear();
   return {};
 }
@@ -66,7 +58,7 @@ std::string to_text(PyObject* o, const char* name) {
   if (!PyUnicode_Check(o)) wrong_type(o, name, "a str");
   Py_ssize_t size = 0;
   const char* data = PyUnicode_AsUTF8AndSize(o, &size);
-  if (data == nullptr) throw PythonErrorIsSet();
+  if (data == nullptr) throw nb::python_error();
   return {data, static_cast<std::size_t>(size)};
 }
 
@@ -76,7 +68,7 @@ bool to_flag(PyObject* o, const char* name) {
     wrong_type(o, name, "True or False");
   }
   const int value = PyObject_IsTrue(o);
-  if (value < 0) throw PythonErrorIsSet();
+  if (value < 0) throw nb::python_error();
   return value != 0;
 }
 
@@ -84,8 +76,8 @@ double to_angle(PyObject* o, const char* name) {
   if (PyFloat_CheckExact(o)) return PyFloat_AS_DOUBLE(o);
   double value = PyFloat_AsDouble(o);
   if (value != -1 || PyErr_Occurred() == nullptr) return value;
-  const Object item = only_element(o);
-  if (item) value = PyFloat_AsDouble(item.get());
+  const nb::object item = only_element(o);
+  if (item) value = PyFloat_AsDouble(item.ptr());
   if (!item || PyErr_Occurred() != nullptr) wrong_type(o, name, "an angle in radians");
   return value;
 }
@@ -94,11 +86,11 @@ std::int64_t to_index(PyObject* o, const char* name) {
   if (PyFloat_Check(o)) wrong_type(o, name, "an int");
   PyObject* integer = PyNumber_Index(o);
   if (integer == nullptr) {
-    const Object item = only_element(o);
-    if (item && PyLong_Check(item.get())) integer = PyNumber_Index(item.get());
+    const nb::object item = only_element(o);
+    if (item && PyLong_Check(item.ptr())) integer = PyNumber_Index(item.ptr());
   }
   if (integer == nullptr) wrong_type(o, name, "an int");
-  const Object held = Object::own(integer);
+  const nb::object held = own(integer);
   const std::int64_t value = PyLong_AsLongLong(integer);
   if (value == -1 && PyErr_Occurred() != nullptr) wrong_type(o, name, "an int of 64 bits");
   return value;
@@ -109,7 +101,7 @@ std::int64_t to_integer(PyObject* o, const char* name, std::int64_t least, std::
   if (value >= least && value <= most) return value;
   PyErr_Format(PyExc_TypeError, "%s: %R; an int of %lld to %lld is wanted", name, o,
                static_cast<long long>(least), static_cast<long long>(most));
-  throw PythonErrorIsSet();
+  throw nb::python_error();
 }
 
 std::vector<std::string> to_texts(PyObject* o, const char* name) {
@@ -134,7 +126,7 @@ void to_indices(PyObject* o, const char* name, std::size_t count, std::vector<st
 
 void too_short(const char* name, std::size_t found, std::size_t wanted) {
   PyErr_Format(PyExc_IndexError, "%s: %zu elements for a batch of %zu", name, found, wanted);
-  throw PythonErrorIsSet();
+  throw nb::python_error();
 }
 
 }  // namespace enfilade::python::mattersim

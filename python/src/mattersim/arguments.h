@@ -1,5 +1,5 @@
-/// \file  What old code passes: ints, NumPy scalars, lists, tuples, arrays. Accepts what the old
-/// binding accepted; everything else is a TypeError (thrown as PythonErrorIsSet).
+/// \file  Conversion of arguments of old code: ints, NumPy scalars, lists, tuples, arrays. Accepts
+/// what the old binding accepted; everything else is a TypeError (thrown as nb::python_error).
 #pragma once
 #include <cstdint>
 #include <string>
@@ -14,17 +14,17 @@ bool is_text(PyObject* o);
 bool is_list(PyObject* o);  ///< a sequence that is no text
 
 std::string to_text(PyObject* o, const char* name);
-bool to_flag(PyObject* o, const char* name);  ///< what has a truth value as numbers have it; None
+bool to_flag(PyObject* o, const char* name);  ///< a number or another object with __bool__; None
 double to_angle(PyObject* o, const char* name);
 /// Integers of any type, and arrays of one; no floats.
 std::int64_t to_index(PyObject* o, const char* name);
 std::int64_t to_integer(PyObject* o, const char* name, std::int64_t least, std::int64_t most);
 
 std::vector<std::string> to_texts(PyObject* o, const char* name);
-/// Of the first `count` elements; `out` is used again, so that a step allocates nothing.
+/// The first `count` elements; `out` is reused, so that a step allocates nothing.
 /// IndexError for a list that is shorter.
 void to_angles(PyObject* o, const char* name, std::size_t count, std::vector<double>& out);
-/// Negative ones are TypeErrors, as of the old binding.
+/// A TypeError for negative ones, as in the old binding.
 void to_indices(PyObject* o, const char* name, std::size_t count, std::vector<std::int64_t>& out);
 
 /// IndexError. \pre found < wanted

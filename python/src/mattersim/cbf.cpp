@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <vector>
 
 namespace enfilade::python::mattersim {
@@ -20,9 +19,9 @@ constexpr std::array<Sigmas, 3> kSigmas{{{12.0F, 0.2F}, {5.0F, 0.08F}, {8.0F, 0.
 struct Level {
   int height = 0, width = 0;
   std::vector<float> depth, brightness;
-  std::vector<float> filled;  // 0 where nothing was found
+  std::vector<float> filled;  // 0 where nothing was filled
   std::vector<char> missing;
-  std::vector<char> usable;  // as a neighbour: known, or found at a smaller size
+  std::vector<char> usable;  // as a neighbour: known, or filled at a smaller size
 
   int size() const { return height * width; }
 };
@@ -31,7 +30,7 @@ Level shrink(const Level& full, int height, int width) {
   Level level{height, width, {}, {}, {}, {}, {}};
   for (int x = 0; x < width; ++x) {
     for (int y = 0; y < height; ++y) {
-      // In single precision, as the pictures were shrunk that others have made.
+      // In single precision, as in the original, for the same pixels.
       const auto fx = static_cast<int>(static_cast<float>(x) / static_cast<float>(width) *
                                        static_cast<float>(full.width));
       const auto fy = static_cast<int>(static_cast<float>(y) / static_cast<float>(height) *
@@ -68,7 +67,7 @@ void fill_pixel(Level& level, const std::vector<char>& usable, const std::vector
   const auto at = [](int i) { return static_cast<std::size_t>(i); };
   float weight_sum = 0, value_sum = 0;
   std::size_t place = 0;
-  // Rows outside: the order in which sums are taken decides their last bit.
+  // Rows in the outer loop: the order of summation decides the last bit.
   for (int dy = -kRadius; dy <= kRadius; ++dy) {
     for (int dx = -kRadius; dx <= kRadius; ++dx, ++place) {
       if (x + dx < 0 || x + dx >= level.width || y + dy < 0 || y + dy >= level.height) continue;
@@ -87,7 +86,8 @@ void fill_pixel(Level& level, const std::vector<char>& usable, const std::vector
 
 void fill_level(Level& level, Sigmas sigmas) {
   const std::vector<float> weights = window_weights(sigmas.place);
-  const std::vector<char> usable = level.usable;  // what is found here helps the next size only
+  const std::vector<char> usable =
+      level.usable;  // pixels filled here are used by the next size only
   for (int i = 0; i < level.size(); ++i) {
     if (level.missing[static_cast<std::size_t>(i)] != 0) {
       fill_pixel(level, usable, weights, sigmas.brightness, i);
@@ -95,7 +95,7 @@ void fill_level(Level& level, Sigmas sigmas) {
   }
 }
 
-// Holes of the larger size take what the smaller one has there.
+// Fills holes of the larger size from the smaller one.
 void hand_up(const Level& small, Level& large) {
   for (int i = 0; i < large.size(); ++i) {
     const auto to = static_cast<std::size_t>(i);

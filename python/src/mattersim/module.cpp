@@ -1,29 +1,21 @@
-#include "python/src/mattersim/module.h"
-
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
 #include <limits>
-#include <span>
 #include <type_traits>
 
+#include "python/src/bindings.h"
 #include "python/src/mattersim/arguments.h"
 #include "python/src/mattersim/cbf.h"
 #include "python/src/mattersim/simulator.h"
 
-namespace nb = nanobind;
-
 namespace enfilade::python::mattersim {
 namespace {
 
-// Runs a call with the old binding's types of exceptions.
+// Makes a call and converts exceptions to the types of the old binding.
 template <class F>
 auto as_before(const F& f) {
   try {
     return f();
-  } catch (const PythonErrorIsSet&) {
-    throw nb::python_error();
   } catch (const UnknownScan& error) {
     throw nb::index_error(error.what());
   } catch (const WrongOrder& error) {
@@ -46,7 +38,7 @@ T converted(PyObject* o, const char* name) {
   }
 }
 
-// None comes through too: it is a flag that is not set.
+// An argument of any type. None too: it is a flag that is not set.
 template <class>
 nb::arg anything() {
   return nb::arg().none();
@@ -64,8 +56,8 @@ void def(nb::class_<Simulator>& c, const char* name, R (Simulator::*function)(Ar
       doc, anything<Args>()...);
 }
 
-/// Binds a method that is given the objects as they come. Without anything(): what is called at
-/// every step keeps nanobind's fastest way.
+/// Binds a method that takes the objects unconverted. Without anything(), so that calls at each
+/// step take nanobind's fastest path.
 template <class... Objects>
 void def_of_objects(nb::class_<Simulator>& c, const char* name,
                     void (Simulator::*function)(Objects...), const char* doc) {
@@ -77,7 +69,7 @@ void def_of_objects(nb::class_<Simulator>& c, const char* name,
       doc);
 }
 
-/// Binds a setter of one setting that the next initialize() takes over. \tparam Value as given
+/// Binds a setter of one setting, used at the next initialize(). \tparam Value as Python gives it
 template <class Value, class T>
 void def_setting(nb::class_<Simulator>& c, const char* name, T Settings::*field, const char* doc) {
   c.def(
@@ -89,7 +81,7 @@ void def_setting(nb::class_<Simulator>& c, const char* name, T Settings::*field,
 }
 
 nb::object get_state(Simulator& self) {
-  return nb::steal(as_before([&] { return self.get_state(); }).release());
+  return as_before([&] { return self.get_state(); });
 }
 
 using Picture = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::f_contig, nb::device::cpu>;

@@ -5,6 +5,8 @@
 #include <map>
 #include <mutex>
 #include <new>
+#include <tuple>
+#include <utility>
 
 #include "enfilade/sim/observe.h"
 
@@ -28,24 +30,27 @@ std::size_t cache_bytes(const Settings& settings) {
   return std::max<std::size_t>(settings.cache_panoramas, 1) * panorama;
 }
 
-// One cache for all simulators with the same panoramas and the same wish, as long as one lives.
+// What make() returns: one for all who ask with this key, as long as one of them keeps it.
+template <class Key, class Make>
+auto shared_by(const Key& key, const Make& make) {
+  using Shared = decltype(make());
+  static std::mutex mutex;
+  static std::map<Key, typename Shared::weak_type> kept;
+  const std::scoped_lock lock(mutex);
+  auto& slot = kept[key];
+  Shared found = slot.lock();
+  if (!found) slot = found = make();
+  return found;
+}
+
 std::shared_ptr<render::FaceCache> shared_faces(
     const std::shared_ptr<const scan::PanoramaSet>& panoramas, std::size_t bytes) {
-  static std::mutex mutex;
-  static std::map<std::pair<const scan::PanoramaSet*, std::size_t>,
-                  std::weak_ptr<render::FaceCache>>
-      kept;
-  const std::scoped_lock lock(mutex);
-  auto& slot = kept[{panoramas.get(), bytes}];
-  auto faces = slot.lock();
-  if (!faces) {
+  return shared_by(std::pair(panoramas.get(), bytes), [&] {
     render::FaceCacheConfig config;
     config.bytes = bytes;
     config.prefetch_thread = false;  // would not survive a fork
-    faces = std::make_shared<render::FaceCache>(panoramas, config);
-    slot = faces;
-  }
-  return faces;
+    return std::make_shared<render::FaceCache>(panoramas, config);
+  });
 }
 
 }  // namespace
@@ -107,17 +112,9 @@ Pixels Pictures::depth_of(std::size_t agent) const {
 std::shared_ptr<const scan::PanoramaSet> open_panoramas(const std::string& dataset_path,
                                                         const std::string& nav_graph_path,
                                                         const std::vector<std::string>& scans) {
-  using Key = std::pair<std::pair<std::string, std::string>, std::vector<std::string>>;
-  static std::mutex mutex;
-  static std::map<Key, std::weak_ptr<const scan::PanoramaSet>> kept;
-  const std::scoped_lock lock(mutex);
-  auto& slot = kept[{{dataset_path, nav_graph_path}, scans}];
-  auto set = slot.lock();
-  if (!set) {
-    set = scan::PanoramaSet::open({{dataset_path}, nav_graph_path}, scans);
-    slot = set;
-  }
-  return set;
+  return shared_by(std::tuple(dataset_path, nav_graph_path, scans), [&] {
+    return scan::PanoramaSet::open({{dataset_path}, nav_graph_path}, scans);
+  });
 }
 
 }  // namespace enfilade::python::mattersim

@@ -1,6 +1,5 @@
-/// \file  What the agents of a simulator see, drawn into memory that old code looks into.
+/// \file  Pictures of what the agents of a simulator see, in memory that old code reads.
 #pragma once
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,16 +12,16 @@
 
 namespace enfilade::python::mattersim {
 
-/// Draws each agent's picture into the same memory every time. Needs no GIL.
+/// Draws each agent's picture into the same memory every time. Does not need the GIL.
 class Pictures {
  public:
-  /// Opens no picture yet. \throws ArgumentError for a camera that cannot be
+  /// Opens no picture yet. \throws ArgumentError for an invalid camera
   Pictures(std::shared_ptr<const scan::PanoramaSet> panoramas, const Settings& settings,
            const Options& options);
 
   /// \throws LookupError, FileError, InvalidInput for missing or broken pictures
   void draw(const sim::StateSpans& state);
-  /// Decodes all pictures of these viewpoints; they stay. \throws likewise
+  /// Decodes all pictures of these viewpoints and keeps them. \throws likewise
   void preload(ScanIndex scan, const std::vector<ViewpointIndex>& viewpoints);
 
   const Camera& camera() const noexcept { return camera_; }

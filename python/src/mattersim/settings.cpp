@@ -52,7 +52,7 @@ void Simulator::warn_if_begun(const char* setter) const {
       PyExc_RuntimeWarning, 1,
       "%s after %s is heeded at the next one only, as in the old simulator, which did not say so",
       setter, api_ == Api::kV1 ? "init()" : "initialize()");
-  if (failed != 0) throw PythonErrorIsSet();  // warnings are errors here
+  if (failed != 0) throw nb::python_error();  // warnings are errors here
 }
 
 void Simulator::set_dataset_path(PyObject* path) {
@@ -102,6 +102,7 @@ bool Simulator::set_elevation_limits(double min, double max) {
 
 void Simulator::set_seed(int seed) {
   seed_ = seed;
+  // Negative seeds were converted to 64 bits without sign.
   random_ = sim::MatterSimRandom(static_cast<std::uint64_t>(std::int64_t{seed}));
 }
 
@@ -119,13 +120,13 @@ std::string Simulator::timing_info() const {
       preload_seconds_ / 60, frames_, ms, ms > 0 ? 1e3 / ms : 0, step_seconds_);
 }
 
-Object Simulator::get_state() {
+nb::object Simulator::get_state() {
   const Busy busy(busy_);
   if (api_ != Api::kV1) {  // before initialize(): []
-    if (!states_) return Object::own(PyList_New(0));
-    return Object::own(PyList_GetSlice(states_.get(), 0, PyList_GET_SIZE(states_.get())));
+    if (!states_) return own(PyList_New(0));
+    return own(PyList_GetSlice(states_.ptr(), 0, PyList_GET_SIZE(states_.ptr())));
   }
-  const Object state = Object::share(PyList_GET_ITEM(states_.get(), 0));
+  const nb::object state = nb::borrow(PyList_GET_ITEM(states_.ptr(), 0));
   if (as_state(state).location == Py_None) {
     throw WrongOrder("MatterSim: newEpisode must be called before getState");
   }

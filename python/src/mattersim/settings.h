@@ -1,14 +1,13 @@
-/// \file  What old code sets on a Simulator, and which of the old one's ways are wanted.
+/// \file  Settings of a Simulator by old code, and options for the old simulator's defects.
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "enfilade/sim/simulator.h"
 
 namespace enfilade::python::mattersim {
 
-/// Which of the two interfaces a simulator is called by.
+/// The interface that a simulator is used with.
 enum class Api : std::uint8_t { kUnknown, kV1, kV2 };
 
 struct Settings {
@@ -26,8 +25,8 @@ struct Settings {
   std::size_t cache_panoramas = 200;
 };
 
-/// Where the old simulator and what is right differ, from the words in the environment variable
-/// ENFILADE_MATTERSIM. See docs/python_mattersim.md.
+/// Defects of the old simulator to reproduce, and corrections to switch on: words in the
+/// environment variable ENFILADE_MATTERSIM. See docs/python_mattersim.md.
 struct Options {
   bool eight_bit_depth = false;   ///< "8bit-depth"
   bool smooth_edges = false;      ///< "smooth-edges"

@@ -10,14 +10,14 @@
 namespace enfilade::python::mattersim {
 namespace {
 
-// Never freed: at the process's end Python is gone before static objects are. The GIL guards it.
+// Never freed: Python ends before static objects are destroyed. The GIL guards it.
 using Registry = std::map<std::pair<std::string, std::string>, std::shared_ptr<SharedGraphs>>;
 Registry& registry() {
   static auto* kept = new Registry;
   return *kept;
 }
 
-// Paths are relative to the working directory of this moment, as the old simulator's were.
+// Paths are relative to the current working directory, as in the old simulator.
 std::string absolute(const std::string& folder) {
   std::error_code error;
   const auto path = std::filesystem::canonical(folder, error);
@@ -30,8 +30,8 @@ std::string state_of(const std::filesystem::path& file) {
   return error ? "" : std::to_string(time);
 }
 
-Object text(const std::string& s) {
-  return Object::own(PyUnicode_FromStringAndSize(s.data(), static_cast<Py_ssize_t>(s.size())));
+nb::object text(const std::string& s) {
+  return own(PyUnicode_FromStringAndSize(s.data(), static_cast<Py_ssize_t>(s.size())));
 }
 
 }  // namespace
@@ -68,13 +68,13 @@ const std::vector<ViewpointNames>& SharedGraphs::names(ScanIndex scan) {
   if (!names.empty() || graph.size() == 0) return names;
   names.reserve(graph.size());
   const auto number = [](float value) {
-    return Object::own(PyFloat_FromDouble(static_cast<double>(value)));
+    return own(PyFloat_FromDouble(static_cast<double>(value)));
   };
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const ViewpointIndex v(i);
     const Vec3f p = graph.position(v);
-    names.push_back({text(graph.id(v)), Object::own(PyLong_FromSize_t(i)), number(p.x), number(p.y),
-                     number(p.z)});
+    names.push_back(
+        {text(graph.id(v)), own(PyLong_FromSize_t(i)), number(p.x), number(p.y), number(p.z)});
   }
   return names;
 }

@@ -9,8 +9,8 @@
 
 namespace enfilade::python::mattersim {
 
-/// Both finders keep what they open for the rest of the process, as the old simulator did: a list
-/// of a hundred simulators reads a building once. A scans.txt that has changed is read again.
+/// Graphs stay open for the rest of the process, as in the old simulator: a hundred simulators read
+/// a scan once. A scans.txt that has changed is read again.
 class SharedGraphs {
  public:
   /// The folder's scans, by its scans.txt (v0.2). Reads that list only. \throws FileError,
@@ -24,11 +24,11 @@ class SharedGraphs {
   const std::shared_ptr<const graph::GraphSet>& set() const noexcept { return set_; }
   /// By ViewpointIndex. \pre the graph has been read; the GIL is held
   const std::vector<ViewpointNames>& names(ScanIndex scan);
-  const Object& scan_name(ScanIndex scan) const { return scan_names_[scan.at()]; }
+  const nb::object& scan_name(ScanIndex scan) const { return scan_names_[scan.at()]; }
 
  private:
   std::shared_ptr<const graph::GraphSet> set_;
-  std::vector<Object> scan_names_;
+  std::vector<nb::object> scan_names_;
   std::vector<std::vector<ViewpointNames>> names_;  // empty until they are asked for
 };
 

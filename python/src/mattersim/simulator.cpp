@@ -7,26 +7,14 @@
 #include <ctime>
 #include <utility>
 
-#include "enfilade/scan/connectivity.h"
 #include "python/src/mattersim/arguments.h"
 
 namespace enfilade::python::mattersim {
 namespace {
 
 constexpr std::size_t kNavigable = 32;        // rows of a list; Matterport3D's graphs need 14
-constexpr std::size_t kAgentsWorthAGil = 16;  // below, a step is shorter than handing the GIL over
+constexpr std::size_t kAgentsWorthAGil = 16;  // below, a step is shorter than releasing the GIL
 constexpr double kStep = kPi / 6;
-
-class WithoutGil {
- public:
-  WithoutGil() : state_(PyEval_SaveThread()) {}
-  ~WithoutGil() { PyEval_RestoreThread(state_); }
-  WithoutGil(const WithoutGil&) = delete;
-  WithoutGil& operator=(const WithoutGil&) = delete;
-
- private:
-  PyThreadState* state_;
-};
 
 class Stopwatch {
  public:
@@ -40,9 +28,6 @@ class Stopwatch {
   double& seconds_;
   Clock::time_point begin_;
 };
-
-// Negative seeds were converted to 64 bits without sign.
-std::uint64_t wide(int seed) { return static_cast<std::uint64_t>(std::int64_t{seed}); }
 
 int sign(double x) { return int{x > 0} - int{x < 0}; }
 
@@ -67,7 +52,6 @@ Simulator::Simulator() : options_(Options::from_environment()) {}
 Simulator::~Simulator() = default;
 
 // --- life
-// -----------------------------------------------------------------------------------------
 
 void Simulator::initialize() {
   const Busy busy(busy_);
@@ -93,9 +77,12 @@ void Simulator::begin(Api api) {
   camera_changed_ = path_changed_ = false;
   walk_.reset();
   pictures_.reset();
-  // v0.1 seeds itself with the clock.
-  const auto clock = static_cast<std::uint64_t>(std::time(nullptr));
-  random_ = sim::MatterSimRandom(seed_ ? wide(*seed_) : api == Api::kV1 ? clock : 1);
+  if (seed_) {
+    set_seed(*seed_);
+  } else {  // v0.1 seeds itself with the clock
+    random_ =
+        sim::MatterSimRandom(api == Api::kV1 ? static_cast<std::uint64_t>(std::time(nullptr)) : 1);
+  }
   make_states();
   if (active_.rendering && active_.preloading && active_.batch_size > 0) preload();
 }
@@ -108,15 +95,15 @@ void Simulator::ensure_begun(Api api) {
                "%s was called, so %s are wanted: a Simulator speaks %s from then on",
                one ? "init()" : "initialize()", one ? "scalars" : "lists, one element an agent",
                one ? "v0.1" : "v0.2");
-  throw PythonErrorIsSet();
+  throw nb::python_error();
 }
 
 void Simulator::make_states() {
-  states_ = Object::own(PyList_New(0));
+  states_ = own(PyList_New(0));
   for (std::size_t i = 0; i < active_.batch_size; ++i) {
-    const Object state = make_state(static_cast<std::uint32_t>(active_.width),
-                                    static_cast<std::uint32_t>(active_.height));
-    if (PyList_Append(states_.get(), state.get()) != 0) throw PythonErrorIsSet();
+    const nb::object state = make_state(static_cast<std::uint32_t>(active_.width),
+                                        static_cast<std::uint32_t>(active_.height));
+    if (PyList_Append(states_.ptr(), state.ptr()) != 0) throw nb::python_error();
   }
 }
 
@@ -155,7 +142,6 @@ sim::SimulatorConfig Simulator::native_config(std::size_t max_navigable) const {
 }
 
 // --- pictures
-// -------------------------------------------------------------------------------------
 
 void Simulator::ensure_pictures(const SharedGraphs& graphs) {
   const sim::SimulatorConfig config = native_config(kNavigable);
@@ -170,7 +156,7 @@ void Simulator::ensure_pictures(const SharedGraphs& graphs) {
 void Simulator::preload() {
   const Stopwatch watch(preload_seconds_);
   const auto graphs = open_graphs({});
-  const WithoutGil unlocked;
+  const nb::gil_scoped_release unlocked;
   graphs->set()->load_all();
   ensure_pictures(*graphs);
   for (std::size_t s = 0; s < graphs->set()->size(); ++s) {
@@ -187,7 +173,7 @@ void Simulator::show_pictures() {
   if (!pictures_) return;
   for (std::size_t i = 0; i < active_.batch_size; ++i) {
     SimStateObject& state =
-        as_state(Object::share(PyList_GET_ITEM(states_.get(), static_cast<Py_ssize_t>(i))));
+        as_state(nb::borrow(PyList_GET_ITEM(states_.ptr(), static_cast<Py_ssize_t>(i))));
     const Pixels colour = pictures_->colour_of(i);
     if (state.rgb != nullptr && state.width == colour.width && state.height == colour.height) {
       continue;
@@ -200,36 +186,36 @@ void Simulator::show_pictures() {
 }
 
 // --- episodes
-// -------------------------------------------------------------------------------------
 
 sim::MatterSimRandom& Simulator::stream() {
   if (!options_.one_stream) return random_;
-  static sim::MatterSimRandom shared = random_;  // the process's first simulator decides
+  static sim::MatterSimRandom shared = random_;  // a copy of the first simulator's
   return shared;
 }
 
-sim::EpisodeStart Simulator::locate(const SharedGraphs& graphs, std::size_t agent,
-                                    const std::string& scan, const std::string& viewpoint) const {
-  const auto found = graphs.set()->find(scan);
-  if (!found) {
-    throw UnknownScan(fmt::format("scan '{}' of environment {} of {} is not in {}/scans.txt", scan,
-                                  agent, active_.batch_size, active_.nav_graph_path));
-  }
-  const graph::NavGraph& graph = graphs.set()->graph(*found);
+ScanIndex Simulator::find_scan(const SharedGraphs& graphs, std::size_t agent,
+                               const std::string& scan) const {
+  if (const auto found = graphs.set()->find(scan)) return *found;
+  throw UnknownScan(fmt::format("scan '{}' of environment {} of {} is not in {}/scans.txt", scan,
+                                agent, active_.batch_size, active_.nav_graph_path));
+}
+
+graph::Location Simulator::locate(const SharedGraphs& graphs, std::size_t agent,
+                                  const std::string& scan, const std::string& viewpoint) const {
+  const ScanIndex found = find_scan(graphs, agent, scan);
+  const graph::NavGraph& graph = graphs.set()->graph(found);
   const auto v = graph.find(viewpoint);
   if (!v) {
     throw LookupError(
-        fmt::format("MatterSim: Could not find viewpointId: {} in scan {}, is "
-                    "viewpoint id valid?",
+        fmt::format("MatterSim: Could not find viewpointId: {} in scan {}, is viewpoint id valid?",
                     viewpoint, scan));
   }
   if (!graph.included(*v)) {
-    throw LookupError(
-        fmt::format("MatterSim: ViewpointId: {}, is excluded from the connectivity "
-                    "graph of scan {}.",
-                    viewpoint, scan));
+    throw LookupError(fmt::format(
+        "MatterSim: ViewpointId: {}, is excluded from the connectivity graph of scan {}.",
+        viewpoint, scan));
   }
-  return {{*found, *v}, {}, {}};
+  return {found, *v};
 }
 
 void Simulator::new_episode(PyObject* scans, PyObject* viewpoints, PyObject* headings,
@@ -248,11 +234,10 @@ void Simulator::new_episode(PyObject* scans, PyObject* viewpoints, PyObject* hea
   const auto graphs = walk_ ? walk_->graphs : open_graphs({});
   std::vector<sim::EpisodeStart> starts;
   {
-    const WithoutGil unlocked;  // may read a graph
+    const nb::gil_scoped_release unlocked;  // may read a graph
     for (std::size_t i = 0; i < n; ++i) {
-      starts.push_back(locate(*graphs, i, scan[i], viewpoint[i]));
-      starts.back().heading = Radians(headings_[i]);
-      starts.back().elevation = Radians(elevations_[i]);
+      starts.push_back({locate(*graphs, i, scan[i], viewpoint[i]), Radians(headings_[i]),
+                        Radians(elevations_[i])});
     }
   }
   start(graphs, starts);
@@ -284,15 +269,10 @@ void Simulator::start_scalar(PyObject* scans, PyObject* viewpoints, PyObject* he
   const bool known = walk_ && !path_changed_ && lists(*walk_->graphs, scan);
   const auto graphs = known ? walk_->graphs : open_graphs(scan);
   sim::MatterSimRandom random = stream();
-  sim::EpisodeStart begin;
-  if (viewpoint.empty()) {
-    begin.location = draw_location(*graphs->set(), graphs->set()->at(scan), random);
-  } else {
-    begin = locate(*graphs, 0, scan, viewpoint);
-  }
-  begin.heading = heading;
-  begin.elevation = elevation;
-  start(graphs, {begin});
+  const graph::Location location =
+      viewpoint.empty() ? draw_location(*graphs->set(), graphs->set()->at(scan), random)
+                        : locate(*graphs, 0, scan, viewpoint);
+  start(graphs, {{location, heading, elevation}});
   path_changed_ = false;
   stream() = random;
 }
@@ -306,15 +286,11 @@ void Simulator::new_random_episode(PyObject* scans) {
   if (n == 0) return;
   const auto graphs = walk_ ? walk_->graphs : open_graphs({});
   sim::MatterSimRandom viewpoints = stream();
-  sim::MatterSimRandom fixed;  // made anew at every call: the old one's headings never change
+  sim::MatterSimRandom fixed;  // new at every call: the old simulator's headings never change
   std::vector<sim::EpisodeStart> starts;
   for (std::size_t i = 0; i < n; ++i) {
-    const auto found = graphs->set()->find(scan[i]);
-    if (!found) {
-      throw UnknownScan(fmt::format("scan '{}' of environment {} of {} is not in {}/scans.txt",
-                                    scan[i], i, n, active_.nav_graph_path));
-    }
-    const graph::Location location = draw_location(*graphs->set(), *found, viewpoints);
+    const ScanIndex found = find_scan(*graphs, i, scan[i]);
+    const graph::Location location = draw_location(*graphs->set(), found, viewpoints);
     sim::MatterSimRandom& headings = options_.uniform_starts ? viewpoints : fixed;
     starts.push_back({location, headings.heading(), Radians(0)});
   }
@@ -342,10 +318,10 @@ void Simulator::carry_out(Walk& walk, const Step& step) {
   if (!active_.rendering) {
     const Stopwatch watch(step_seconds_);
     if (active_.batch_size < kAgentsWorthAGil) return step();
-    const WithoutGil unlocked;
+    const nb::gil_scoped_release unlocked;
     return step();
   }
-  const WithoutGil unlocked;
+  const nb::gil_scoped_release unlocked;
   const Stopwatch watch(draw_seconds_);
   ensure_pictures(*walk.graphs);
   const bool may_go_back = started_ && &walk == walk_.get();
@@ -366,7 +342,6 @@ void Simulator::carry_out(Walk& walk, const Step& step) {
 }
 
 // --- actions
-// --------------------------------------------------------------------------------------
 
 void Simulator::check_started(Api api) const {
   if (started_) return;
@@ -407,7 +382,7 @@ void Simulator::read_actions(PyObject* indices, PyObject* headings, PyObject* el
   }
 }
 
-// What the actions lead to, as starts: for the simulator of another camera that takes over.
+// The poses after the actions, as starts of the simulator with the new camera.
 std::vector<sim::EpisodeStart> Simulator::after_action() const {
   std::vector<sim::EpisodeStart> starts;
   const sim::StateSpans& now = walk_->native.state();
@@ -441,7 +416,6 @@ void Simulator::make_action(PyObject* indices, PyObject* headings, PyObject* ele
 }
 
 // --- states
-// ---------------------------------------------------------------------------------------
 
 void Simulator::write_states(bool moved) {
   show_pictures();
@@ -450,38 +424,39 @@ void Simulator::write_states(bool moved) {
 
 void Simulator::write_state(std::size_t agent, bool moved) {
   SimStateObject& state = *reinterpret_cast<SimStateObject*>(
-      PyList_GET_ITEM(states_.get(), static_cast<Py_ssize_t>(agent)));
+      PyList_GET_ITEM(states_.ptr(), static_cast<Py_ssize_t>(agent)));
   const sim::StateSpans& now = walk_->native.state();
   const std::vector<ViewpointNames>& names = walk_->graphs->names(now.scan[agent]);
   const bool live = api_ == Api::kV2;
-  Object here;
-  if (moved && live) {  // the very object that was listed
-    here =
-        Object::share(PyList_GET_ITEM(state.navigable, static_cast<Py_ssize_t>(indices_[agent])));
-    become_here(as_viewpoint(here.get()));
+  nb::object here;
+  if (moved && live) {  // the same object as in the previous list
+    here = nb::borrow(PyList_GET_ITEM(state.navigable, static_cast<Py_ssize_t>(indices_[agent])));
+    become_here(as_viewpoint(here.ptr()));
   } else {
     here = make_viewpoint(names[now.viewpoint[agent].at()], {});
   }
   const std::size_t row = agent * now.max_navigable();
   const std::uint32_t count = now.navigable_count[agent];
-  Object list = Object::own(PyList_New(count));
-  PyList_SET_ITEM(list.get(), 0,
-                  (live ? here : make_viewpoint(names[now.viewpoint[agent].at()], {})).release());
+  nb::object list = own(PyList_New(count));
+  PyList_SET_ITEM(
+      list.ptr(), 0,
+      (live ? here : make_viewpoint(names[now.viewpoint[agent].at()], {})).release().ptr());
   for (std::uint32_t k = 1; k < count; ++k) {
     const std::size_t at = row + k;
-    PyList_SET_ITEM(list.get(), k,
+    PyList_SET_ITEM(list.ptr(), k,
                     make_viewpoint(names[now.navigable_viewpoint[at].at()],
                                    {now.navigable_rel_heading[at], now.navigable_rel_elevation[at],
                                     now.navigable_distance[at]})
-                        .release());
+                        .release()
+                        .ptr());
   }
   const long step = moved ? PyLong_AsLong(state.step) + 1 : 0;
   if (!moved) put(state.scan_id, walk_->graphs->scan_name(now.scan[agent]));
-  put(state.step, Object::own(PyLong_FromLong(step)));
+  put(state.step, own(PyLong_FromLong(step)));
   put(state.location, std::move(here));
-  put(state.heading, Object::own(PyFloat_FromDouble(now.heading[agent])));
-  put(state.elevation, Object::own(PyFloat_FromDouble(now.elevation[agent])));
-  put(state.view_index, Object::own(PyLong_FromUnsignedLong(now.view_index[agent])));
+  put(state.heading, own(PyFloat_FromDouble(now.heading[agent])));
+  put(state.elevation, own(PyFloat_FromDouble(now.elevation[agent])));
+  put(state.view_index, own(PyLong_FromUnsignedLong(now.view_index[agent])));
   put(state.navigable, std::move(list));
 }
 

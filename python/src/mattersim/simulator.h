@@ -22,11 +22,11 @@ class UnknownScan : public LookupError {
  public:
   using LookupError::LookupError;
 };
-/// v0.2 is spoken after initialize() or lists, v0.1 after init() or scalars. Where an episode or an
-/// action fails, nothing has happened. Functions need the GIL, and let go of it while they read
+/// The interface is v0.2 after initialize() or lists, v0.1 after init() or scalars. If an episode
+/// or an action fails, nothing has changed. Functions need the GIL, and release it while they read
 /// files, draw, or move many agents; a second thread that calls meanwhile gets a RuntimeError.
 ///
-/// Where it fails it throws enfilade::Error, or PythonErrorIsSet: IndexError for an unknown scan
+/// Errors are enfilade::Error, or nb::python_error: IndexError for an unknown scan
 /// and for lists that are too short, RuntimeError for calls in a wrong order, TypeError for wrong
 /// types, ValueError for everything else.
 class Simulator {
@@ -36,8 +36,8 @@ class Simulator {
   Simulator(const Simulator&) = delete;
   Simulator& operator=(const Simulator&) = delete;
 
-  // Heeded at once: camera, limits, seed. The others at the next initialize() or init(); set in
-  // between, they warn (RuntimeWarning), as the old simulator left them out in silence.
+  // Take effect at once: camera, limits, seed. The others do at the next initialize() or init();
+  // set in between, they warn (RuntimeWarning), where the old simulator ignored them silently.
   void set_dataset_path(PyObject* path);
   void set_nav_graph_path(PyObject* path);
   void set_camera_resolution(int width, int height);
@@ -58,14 +58,14 @@ class Simulator {
   void new_episode(PyObject* scans, PyObject* viewpoints, PyObject* headings, PyObject* elevations);
   void new_random_episode(PyObject* scans);
   void make_action(PyObject* indices, PyObject* headings, PyObject* elevations);
-  Object get_state();  ///< v0.2: a list of states that go on changing; v0.1: a copy of one
+  nb::object get_state();  ///< v0.2: a list of states that go on changing; v0.1: a copy of one
 
   void reset_timers();
   std::string timing_info() const;
 
  private:
-  /// A native simulator with its graphs; another one takes its place where another configuration or
-  /// other graphs are wanted.
+  /// A native simulator with its graphs; replaced when another configuration or other graphs are
+  /// needed.
   struct Walk {
     Walk(std::shared_ptr<SharedGraphs> shared, const sim::SimulatorConfig& config);
     std::shared_ptr<SharedGraphs> graphs;
@@ -81,8 +81,9 @@ class Simulator {
   void ensure_pictures(const SharedGraphs& graphs);
   void preload();
 
-  sim::EpisodeStart locate(const SharedGraphs& graphs, std::size_t agent, const std::string& scan,
-                           const std::string& viewpoint) const;
+  ScanIndex find_scan(const SharedGraphs& graphs, std::size_t agent, const std::string& scan) const;
+  graph::Location locate(const SharedGraphs& graphs, std::size_t agent, const std::string& scan,
+                         const std::string& viewpoint) const;
   void start_scalar(PyObject* scan, PyObject* viewpoint, PyObject* heading, PyObject* elevation);
   void start(const std::shared_ptr<SharedGraphs>& graphs,
              const std::vector<sim::EpisodeStart>& starts);
@@ -98,7 +99,7 @@ class Simulator {
   void write_state(std::size_t agent, bool moved);
 
   Settings settings_;  ///< as set
-  Settings active_;    ///< as they were at initialize(), but for what is heeded at once
+  Settings active_;    ///< as they were at initialize(), and those that take effect at once
   Options options_;
   std::optional<int> seed_;
   Api api_ = Api::kUnknown;
@@ -112,7 +113,7 @@ class Simulator {
   const SharedGraphs* pictured_ = nullptr;  // whose scans pictures_ draws
   sim::MatterSimRandom random_;
 
-  Object states_;  // list of SimState
+  nb::object states_;  // list of SimState
   std::vector<std::int64_t> indices_;
   std::vector<double> headings_, elevations_;
   std::vector<sim::Action> actions_;

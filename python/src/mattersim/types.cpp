@@ -4,7 +4,8 @@
 
 #include <array>
 #include <cstdlib>
-#include <new>
+#include <initializer_list>
+#include <vector>
 
 namespace enfilade::python::mattersim {
 namespace {
@@ -27,10 +28,16 @@ PyObject* zero_integer() {
   return value;
 }
 
+// A new reference to the same object.
+PyObject* shared(PyObject* o) {
+  Py_XINCREF(o);
+  return o;
+}
+
 template <class T>
 T* allocate(PyTypeObject* type) {
   auto* object = PyObject_New(T, type);
-  if (object == nullptr) throw PythonErrorIsSet();
+  if (object == nullptr) throw nb::python_error();
   return object;
 }
 
@@ -51,12 +58,23 @@ void* slot(Function function) {
   return reinterpret_cast<void*>(function);
 }
 
+// A type that Python code cannot make objects of. `more` are the slots of its attributes.
+PyTypeObject* make_type(const char* name, std::size_t size, const char* doc, destructor free,
+                        std::initializer_list<PyType_Slot> more) {
+  std::vector<PyType_Slot> slots{{Py_tp_dealloc, slot(free)},
+                                 {Py_tp_new, slot(refuse_new)},
+                                 {Py_tp_doc, const_cast<char*>(doc)}};
+  slots.insert(slots.end(), more);
+  slots.push_back({});
+  PyType_Spec spec{name, static_cast<int>(size), 0, Py_TPFLAGS_DEFAULT, slots.data()};
+  return reinterpret_cast<PyTypeObject*>(PyType_FromSpec(&spec));
+}
+
 PyMemberDef member(const char* name, std::size_t offset, const char* doc) {
   return {name, T_OBJECT_EX, static_cast<Py_ssize_t>(offset), READONLY, doc};
 }
 
 // --- ViewPoint
-// ------------------------------------------------------------------------------------
 
 void free_viewpoint(PyObject* self) {
   ViewPointObject& v = as_viewpoint(self);
@@ -70,8 +88,7 @@ void free_viewpoint(PyObject* self) {
 PyObject* get_point(PyObject* self, void*) {
   ViewPointObject& v = as_viewpoint(self);
   if (v.point == nullptr) v.point = Py_BuildValue("[OOO]", v.x, v.y, v.z);
-  Py_XINCREF(v.point);
-  return v.point;
+  return shared(v.point);
 }
 
 PyTypeObject* make_viewpoint_type() {
@@ -91,20 +108,12 @@ PyTypeObject* make_viewpoint_type() {
   static std::array getters{
       PyGetSetDef{"point", get_point, nullptr, "list: [x, y, z], as v0.1 has it.", nullptr},
       PyGetSetDef{}};
-  static std::array slots{
-      PyType_Slot{Py_tp_dealloc, slot(free_viewpoint)},
-      PyType_Slot{Py_tp_new, slot(refuse_new)},
-      PyType_Slot{Py_tp_doc, const_cast<char*>("A viewpoint as an agent sees it.")},
-      PyType_Slot{Py_tp_members, members.data()},
-      PyType_Slot{Py_tp_getset, getters.data()},
-      PyType_Slot{}};
-  static PyType_Spec spec{"MatterSim.ViewPoint", sizeof(ViewPointObject), 0, Py_TPFLAGS_DEFAULT,
-                          slots.data()};
-  return reinterpret_cast<PyTypeObject*>(PyType_FromSpec(&spec));
+  return make_type("MatterSim.ViewPoint", sizeof(ViewPointObject),
+                   "A viewpoint as an agent sees it.", free_viewpoint,
+                   {{Py_tp_members, members.data()}, {Py_tp_getset, getters.data()}});
 }
 
 // --- SimState
-// -------------------------------------------------------------------------------------
 
 SimStateObject& state_of(PyObject* self) { return *reinterpret_cast<SimStateObject*>(self); }
 
@@ -119,10 +128,10 @@ void free_state(PyObject* self) {
 
 PyObject* black_picture(const SimStateObject& s, std::uint32_t channels, std::uint32_t bytes) {
   Pixels pixels{nullptr, 0, s.width, s.height, channels, bytes};
-  // calloc: the system gives pages of zeros when they are touched, and nobody touches these.
+  // calloc: the system allocates pages of zeros when they are first used; these hardly ever are.
   pixels.memory = {static_cast<std::byte*>(std::calloc(pixels.bytes() + 1, 1)), std::free};
   if (!pixels.memory) return PyErr_NoMemory();
-  return make_mat(pixels).release();
+  return make_mat(pixels).release().ptr();
 }
 
 PyObject* get_picture(PyObject*& picture, const SimStateObject& s, std::uint32_t channels,
@@ -133,8 +142,7 @@ PyObject* get_picture(PyObject*& picture, const SimStateObject& s, std::uint32_t
     return nullptr;
   }
   if (picture == nullptr) picture = black_picture(s, channels, bytes);
-  Py_XINCREF(picture);
-  return picture;
+  return shared(picture);
 }
 
 PyObject* get_rgb(PyObject* self, void*) {
@@ -152,12 +160,11 @@ PyObject* get_depth(PyObject* self, void*) {
   return get_picture(s.depth, s, 1, 2);
 }
 
-// v0.2 makes a new list at each access: one that its reader changes is nobody else's.
+// v0.2 makes a new list at each access, so that readers may change theirs.
 PyObject* get_navigable(PyObject* self, void*) {
   const SimStateObject& s = state_of(self);
   if (!s.is_copy) return PyList_GetSlice(s.navigable, 0, PyList_GET_SIZE(s.navigable));
-  Py_INCREF(s.navigable);
-  return s.navigable;
+  return shared(s.navigable);
 }
 
 PyTypeObject* make_state_type() {
@@ -183,21 +190,12 @@ PyTypeObject* make_state_type() {
                   "no reading.",
                   nullptr},
       PyGetSetDef{}};
-  static std::array slots{
-      PyType_Slot{Py_tp_dealloc, slot(free_state)},
-      PyType_Slot{Py_tp_new, slot(refuse_new)},
-      PyType_Slot{Py_tp_doc, const_cast<char*>("What an agent is in. In v0.2 later actions "
-                                               "change it; in v0.1 it is a copy.")},
-      PyType_Slot{Py_tp_members, members.data()},
-      PyType_Slot{Py_tp_getset, getters.data()},
-      PyType_Slot{}};
-  static PyType_Spec spec{"MatterSim.SimState", sizeof(SimStateObject), 0, Py_TPFLAGS_DEFAULT,
-                          slots.data()};
-  return reinterpret_cast<PyTypeObject*>(PyType_FromSpec(&spec));
+  return make_type("MatterSim.SimState", sizeof(SimStateObject),
+                   "What an agent is in. In v0.2 later actions change it; in v0.1 it is a copy.",
+                   free_state, {{Py_tp_members, members.data()}, {Py_tp_getset, getters.data()}});
 }
 
 // --- Mat
-// ------------------------------------------------------------------------------------------
 
 void free_mat(PyObject* self) {
   delete reinterpret_cast<MatObject*>(self)->pixels;
@@ -222,15 +220,10 @@ int get_buffer(PyObject* self, Py_buffer* view, int) {
 }
 
 PyTypeObject* make_mat_type() {
-  static std::array slots{
-      PyType_Slot{Py_tp_dealloc, slot(free_mat)}, PyType_Slot{Py_tp_new, slot(refuse_new)},
-      PyType_Slot{Py_bf_getbuffer, slot(get_buffer)},
-      PyType_Slot{Py_tp_doc,
-                  const_cast<char*>("A picture: np.array(mat, copy=False) sees the simulator's own "
-                                    "memory, shape (height, width, channels), row 0 on top.")},
-      PyType_Slot{}};
-  static PyType_Spec spec{"MatterSim.Mat", sizeof(MatObject), 0, Py_TPFLAGS_DEFAULT, slots.data()};
-  return reinterpret_cast<PyTypeObject*>(PyType_FromSpec(&spec));
+  return make_type("MatterSim.Mat", sizeof(MatObject),
+                   "A picture: np.array(mat, copy=False) sees the simulator's own memory, shape "
+                   "(height, width, channels), row 0 on top.",
+                   free_mat, {{Py_bf_getbuffer, slot(get_buffer)}});
 }
 
 int add_type(PyObject* module, const char* name, PyTypeObject* type) {
@@ -250,66 +243,66 @@ int add_types(PyObject* module) {
   return add_type(module, "Mat", mat_type);
 }
 
-Object make_viewpoint(const ViewpointNames& names, const Relative& relative) {
+nb::object make_viewpoint(const ViewpointNames& names, const Relative& relative) {
   auto* v = allocate<ViewPointObject>(viewpoint_type);
-  v->viewpoint_id = Object(names.viewpoint_id).release();
-  v->ix = Object(names.ix).release();
-  v->x = Object(names.x).release();
-  v->y = Object(names.y).release();
-  v->z = Object(names.z).release();
+  v->viewpoint_id = shared(names.viewpoint_id.ptr());
+  v->ix = shared(names.ix.ptr());
+  v->x = shared(names.x.ptr());
+  v->y = shared(names.y.ptr());
+  v->z = shared(names.z.ptr());
   v->rel_heading = PyFloat_FromDouble(relative.heading);
   v->rel_elevation = PyFloat_FromDouble(relative.elevation);
   v->rel_distance = PyFloat_FromDouble(relative.distance);
   v->point = nullptr;
-  return Object::own(reinterpret_cast<PyObject*>(v));
+  return own(reinterpret_cast<PyObject*>(v));
 }
 
 void become_here(ViewPointObject& viewpoint) {
-  put(viewpoint.rel_heading, Object::share(zero()));
-  put(viewpoint.rel_elevation, Object::share(zero()));
-  put(viewpoint.rel_distance, Object::share(zero()));
+  put(viewpoint.rel_heading, nb::borrow(zero()));
+  put(viewpoint.rel_elevation, nb::borrow(zero()));
+  put(viewpoint.rel_distance, nb::borrow(zero()));
 }
 
-Object make_state(std::uint32_t width, std::uint32_t height) {
+nb::object make_state(std::uint32_t width, std::uint32_t height) {
   auto* s = allocate<SimStateObject>(state_type);
   s->scan_id = PyUnicode_FromString("");
-  s->step = Object::share(zero_integer()).release();
+  s->step = shared(zero_integer());
   s->rgb = s->depth = nullptr;
-  s->location = Object::share(Py_None).release();
-  s->heading = Object::share(zero()).release();
-  s->elevation = Object::share(zero()).release();
-  s->view_index = Object::share(zero_integer()).release();
+  s->location = shared(Py_None);
+  s->heading = shared(zero());
+  s->elevation = shared(zero());
+  s->view_index = shared(zero_integer());
   s->navigable = PyList_New(0);
   s->width = width;
   s->height = height;
   s->is_copy = false;
-  return Object::own(reinterpret_cast<PyObject*>(s));
+  return own(reinterpret_cast<PyObject*>(s));
 }
 
-Object copy_state(const SimStateObject& state, Object rgb) {
+nb::object copy_state(const SimStateObject& state, nb::object rgb) {
   auto* s = allocate<SimStateObject>(state_type);
-  s->scan_id = Object::share(state.scan_id).release();
-  s->step = Object::share(state.step).release();
-  s->rgb = rgb.release();
+  s->scan_id = shared(state.scan_id);
+  s->step = shared(state.step);
+  s->rgb = rgb.release().ptr();
   s->depth = nullptr;
-  s->location = Object::share(state.location).release();
-  s->heading = Object::share(state.heading).release();
-  s->elevation = Object::share(state.elevation).release();
-  s->view_index = Object::share(state.view_index).release();
+  s->location = shared(state.location);
+  s->heading = shared(state.heading);
+  s->elevation = shared(state.elevation);
+  s->view_index = shared(state.view_index);
   s->navigable = PyList_GetSlice(state.navigable, 0, PyList_GET_SIZE(state.navigable));
   s->width = state.width;
   s->height = state.height;
   s->is_copy = true;
-  return Object::own(reinterpret_cast<PyObject*>(s));
+  return own(reinterpret_cast<PyObject*>(s));
 }
 
-Object copy_pixels(PyObject* mat) {
+nb::object copy_pixels(PyObject* mat) {
   if (mat == nullptr) return {};
-  const Object numpy = Object::own(PyImport_ImportModule("numpy"));
-  return Object::own(PyObject_CallMethod(numpy.get(), "array", "O", mat));
+  const nb::object numpy = own(PyImport_ImportModule("numpy"));
+  return own(PyObject_CallMethod(numpy.ptr(), "array", "O", mat));
 }
 
-Object make_mat(const Pixels& pixels) {
+nb::object make_mat(const Pixels& pixels) {
   auto* mat = allocate<MatObject>(mat_type);
   mat->pixels = new Pixels(pixels);
   const auto bytes = static_cast<Py_ssize_t>(pixels.value_bytes);
@@ -317,7 +310,7 @@ Object make_mat(const Pixels& pixels) {
   const auto channels = static_cast<Py_ssize_t>(pixels.channels);
   mat->shape = {static_cast<Py_ssize_t>(pixels.height), width, channels};
   mat->strides = {width * channels * bytes, channels * bytes, bytes};
-  return Object::own(reinterpret_cast<PyObject*>(mat));
+  return own(reinterpret_cast<PyObject*>(mat));
 }
 
 }  // namespace enfilade::python::mattersim

@@ -3,8 +3,6 @@
 /// Written against CPython rather than nanobind because old code reads fifty attributes a step: a
 /// member that holds a Python object is read without a call. All functions need the GIL.
 #pragma once
-#include <Python.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -24,7 +22,7 @@ struct ViewPointObject {
   PyObject* point;                       // list [x, y, z], as v0.1 has it; null until it is read
 };
 
-/// MatterSim.SimState. In v0.2 one that its simulator goes on changing, in v0.1 a copy.
+/// MatterSim.SimState. In v0.2 its simulator changes it at each action; in v0.1 it is a copy.
 struct SimStateObject {
   PyObject_HEAD PyObject* scan_id;
   PyObject* step;
@@ -53,27 +51,27 @@ struct Pixels {
 /// Makes the three types, once a process, and adds them to the module. -1 with a Python error set.
 int add_types(PyObject* module);
 
-/// What does not change of a viewpoint, as Python has it.
+/// The constant attributes of a viewpoint, as Python objects.
 struct ViewpointNames {
-  Object viewpoint_id, ix, x, y, z;
+  nb::object viewpoint_id, ix, x, y, z;
 };
 struct Relative {
   double heading = 0, elevation = 0, distance = 0;
 };
 
-Object make_viewpoint(const ViewpointNames& names, const Relative& relative);
-/// Sets rel_* to 0: what v0.2 does to the place that was walked to, in whoever's hands it is.
+nb::object make_viewpoint(const ViewpointNames& names, const Relative& relative);
+/// Sets rel_* to 0: v0.2 does so to the object of the viewpoint that the agent moved to.
 void become_here(ViewPointObject& viewpoint);
 /// All 0, no location, an empty list; black pictures of that size.
-Object make_state(std::uint32_t width, std::uint32_t height);
-/// A NumPy array with the content of a Mat; nothing for null. Imports NumPy.
-Object copy_pixels(PyObject* mat);
+nb::object make_state(std::uint32_t width, std::uint32_t height);
+/// A NumPy array with the content of a Mat; a null object for null. Imports NumPy.
+nb::object copy_pixels(PyObject* mat);
 /// A copy for v0.1; `rgb` may be null.
-Object copy_state(const SimStateObject& state, Object rgb);
-Object make_mat(const Pixels& pixels);
+nb::object copy_state(const SimStateObject& state, nb::object rgb);
+nb::object make_mat(const Pixels& pixels);
 
-inline SimStateObject& as_state(const Object& o) {
-  return *reinterpret_cast<SimStateObject*>(o.get());
+inline SimStateObject& as_state(const nb::object& o) {
+  return *reinterpret_cast<SimStateObject*>(o.ptr());
 }
 inline ViewPointObject& as_viewpoint(PyObject* o) { return *reinterpret_cast<ViewPointObject*>(o); }
 
