@@ -42,6 +42,19 @@ CLI::Validator whole_number(std::uint64_t least = 0,
 /// Refuses NaN, which CLI11's own ranges let pass, infinities and numbers outside.
 CLI::Validator finite_number(double least = 0, double most = std::numeric_limits<double>::max());
 
+/// An option whose value is a whole number, at least `least`; --help shows the default, what
+/// `value` is now.
+template <class T>
+CLI::Option* add_whole_number(CLI::App& verb, const std::string& name, T& value,
+                              const std::string& help, std::uint64_t least = 1) {
+  return verb.add_option(name, value, help)->check(whole_number(least))->capture_default_str();
+}
+/// Adds `--threads N`.
+inline void add_threads_option(CLI::App& verb, int& threads,
+                               const std::string& help = "0: all cores") {
+  verb.add_option("--threads", threads, help)->check(CLI::Range(0, 1024))->capture_default_str();
+}
+
 /// "Examples:" below a verb's --help; each line a command.
 void set_examples(CLI::App& verb, const std::vector<std::string>& lines);
 

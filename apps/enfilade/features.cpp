@@ -11,7 +11,6 @@
 #include "enfilade/features/feature_set.h"
 #include "enfilade/neural/compute_features.h"
 #include "enfilade/neural/network.h"
-#include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/panorama_set.h"
 
 namespace enfilade::apps {
@@ -123,15 +122,11 @@ void add_options(CLI::App& verb, Options& o) {
   verb.add_option("--images", o.images, "Folder of stores or scans (default: the data set's)")
       ->type_name("DIR");
   verb.add_option("--shard", o.shard, "Do the third of 16 parts: 3/16")->type_name("N/COUNT");
-  verb.add_option("--batch", o.job.batch, "Pictures that the encoder sees at once")
-      ->check(whole_number(1))
-      ->capture_default_str();
+  add_whole_number(verb, "--batch", o.job.batch, "Pictures that the encoder sees at once");
   verb.add_option("--device", o.job.encoder.device, "cpu, cuda or cuda:N")
       ->capture_default_str()
       ->type_name("NAME");
-  verb.add_option("--threads", o.job.threads, "0: all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_threads_option(verb, o.job.threads);
   verb.add_flag("--float16", o.float16, "Half the size; three digits of each number");
   verb.add_option("--merge", o.merge,
                   "Compute nothing: put these feature files together into --output, or change the "
@@ -141,7 +136,7 @@ void add_options(CLI::App& verb, Options& o) {
 
 }  // namespace
 
-void add_features(CLI::App& app, int& status) {
+void add_features(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("features", kFeaturesHelp);
   const auto options = std::make_shared<Options>();
   add_options(verb, *options);
@@ -155,10 +150,7 @@ void add_features(CLI::App& app, int& status) {
        "features.safetensors",
        "enfilade features --merge features.*-of-16.safetensors -o features.safetensors",
        "enfilade features --merge ResNet-152-imagenet.tsv --float16 -o resnet152.safetensors"});
-  verb.callback([options, &status] {
-    run(*options);
-    status = kSuccess;
-  });
+  verb.callback([options] { run(*options); });
 }
 
 }  // namespace enfilade::apps

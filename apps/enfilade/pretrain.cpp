@@ -15,7 +15,6 @@
 #include "enfilade/homes/home_set.h"
 #include "enfilade/mesh/mpcat40.h"
 #include "enfilade/neural/network.h"
-#include "enfilade/r2r/annotations.h"
 
 namespace enfilade::apps {
 namespace {
@@ -27,9 +26,7 @@ struct Options {
 
 std::set<std::string> scans_of(const dataset::Dataset& data, const std::string& split) {
   std::set<std::string> scans;
-  for (const auto& path : data.annotations(split).paths) {
-    scans.insert(path.scan);
-  }
+  for (const auto& path : data.annotations(split).paths) scans.insert(path.scan);
   return scans;
 }
 
@@ -93,16 +90,17 @@ void print_report(const neural::PretrainReport& report) {
   };
   const neural::HomeScore &seen = report.seen, &unseen = report.unseen;
   line("pictures", fmt::format("{}", seen.pictures), fmt::format("{}", unseen.pictures));
-  line("mean average precision", percent(seen.mean_average_precision),
-       percent(unseen.mean_average_precision));
-  line("  guessing", percent(seen.chance), percent(unseen.chance));
-  line("room named right", percent(seen.rooms), percent(unseen.rooms));
-  line("distance off by", percent(std::expm1(seen.distance_error)),
-       percent(std::expm1(unseen.distance_error)));
+  const auto shares = [&](std::string_view name, const auto& of) {
+    line(name, percent(of(seen)), percent(of(unseen)));
+  };
+  shares("mean average precision", [](const auto& score) { return score.mean_average_precision; });
+  shares("  guessing", [](const auto& score) { return score.chance; });
+  shares("room named right", [](const auto& score) { return score.rooms; });
+  shares("distance off by", [](const auto& score) { return std::expm1(score.distance_error); });
   for (std::size_t i = 0; i < report.classes.size(); ++i) {
-    line(fmt::format("  {}", mesh::class_name(static_cast<std::size_t>(report.classes[i]))),
-         percent(at_or_nan(seen.average_precision, i)),
-         percent(at_or_nan(unseen.average_precision, i)));
+    const auto name = mesh::class_name(static_cast<std::size_t>(report.classes[i]));
+    shares(fmt::format("  {}", name),
+           [i](const auto& score) { return at_or_nan(score.average_precision, i); });
   }
 }
 
@@ -121,35 +119,24 @@ void run(Options o) {
 
 }  // namespace
 
-void add_pretrain(CLI::App& app, int& status) {
+void add_pretrain(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("pretrain", kPretrainHelp);
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   verb.add_option("-o,--output", options->output, "For `enfilade features --weights`")
       ->capture_default_str()
       ->type_name("FILE");
-  verb.add_option("--pictures", options->config.pictures, "To train on, about")
-      ->check(whole_number(1))
-      ->capture_default_str();
-  verb.add_option("--epochs", options->config.epochs, "Times that each is seen")
-      ->check(whole_number(1))
-      ->capture_default_str();
-  verb.add_option("--seed", options->config.seed, "The same seed gives the same network")
-      ->check(whole_number())
-      ->capture_default_str();
+  add_whole_number(verb, "--pictures", options->config.pictures, "To train on, about");
+  add_whole_number(verb, "--epochs", options->config.epochs, "Times that each is seen");
+  add_whole_number(verb, "--seed", options->config.seed, "The same seed gives the same network", 0);
   verb.add_option("--device", options->config.device, "cpu, cuda or cuda:N")
       ->capture_default_str()
       ->type_name("NAME");
-  verb.add_option("--threads", options->config.threads,
-                  "0: all cores; part of what the seed stands for")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_threads_option(verb, options->config.threads,
+                     "0: all cores; part of what the seed stands for");
   set_examples(verb, {"enfilade pretrain --data homes",
                       "enfilade pretrain --data homes --epochs 6 -o better.safetensors"});
-  verb.callback([options, &status] {
-    run(*options);
-    status = kSuccess;
-  });
+  verb.callback([options] { run(*options); });
 }
 
 }  // namespace enfilade::apps

@@ -116,23 +116,15 @@ void add_limits(CLI::App& verb, r2r::SamplingOptions& sampling) {
           "viewpoints, of which there are many more")
       ->check(CLI::IsMember({"rooms", "viewpoints"}))
       ->type_name("RULE");
-  verb.add_option("--per-building", sampling.per_building, "Paths in a building, at most")
-      ->check(whole_number(1))
-      ->capture_default_str();
+  add_whole_number(verb, "--per-building", sampling.per_building, "Paths in a building, at most");
   verb.add_option("--paths", sampling.paths, "Paths in all, at most (default: no limit)")
       ->check(whole_number(1));
-  verb.add_option("--min-edges", sampling.min_edges, "Of a path")
-      ->check(whole_number(1))
-      ->capture_default_str();
-  verb.add_option("--max-edges", sampling.max_edges, "Of a path")
-      ->check(whole_number(1))
-      ->capture_default_str();
+  add_whole_number(verb, "--min-edges", sampling.min_edges, "Of a path");
+  add_whole_number(verb, "--max-edges", sampling.max_edges, "Of a path");
   verb.add_option("--min-length", sampling.min_length, "Of a path, in metres")
       ->check(finite_number())
       ->capture_default_str();
-  verb.add_option("--seed", sampling.seed, "One seed, one set of paths")
-      ->check(whole_number())
-      ->capture_default_str();
+  add_whole_number(verb, "--seed", sampling.seed, "One seed, one set of paths", 0);
 }
 
 void add_options(CLI::App& verb, Options& options) {
@@ -164,17 +156,14 @@ void add_options(CLI::App& verb, Options& options) {
 
 }  // namespace
 
-void add_sample(CLI::App& app, int& status) {
+void add_sample(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "sample", "Draw new Room-to-Room paths: shortest paths from room to room, no instructions");
   const auto options = std::make_shared<Options>();
   add_options(verb, *options);
   set_examples(verb, {"enfilade sample --compare", "enfilade sample --splits -o new_r2r",
                       "enfilade sample --pairs viewpoints --per-building 1000 -o many.json"});
-  verb.callback([options, &status] {
-    sample(*options);
-    status = kSuccess;
-  });
+  verb.callback([options] { sample(*options); });
 }
 
 }  // namespace enfilade::apps

@@ -118,7 +118,7 @@ void run(const Options& options) {
 void add_recipe(CLI::App& verb, Options& options) {
   models::TrainConfig& config = options.config;
   const auto number = [&](const char* name, std::size_t& value, const char* what) {
-    verb.add_option(name, value, what)->check(whole_number(1))->capture_default_str();
+    add_whole_number(verb, name, value, what);
   };
   const auto real = [&](const char* name, double& value, const char* what) {
     verb.add_option(name, value, what)->check(finite_number())->capture_default_str();
@@ -128,14 +128,10 @@ void add_recipe(CLI::App& verb, Options& options) {
       ->check(whole_number(1));
   number("--batch", config.batch_size, "Episodes an iteration");
   number("--max-steps", config.max_steps, "Actions an episode");
-  verb.add_option("--evaluate-every", config.evaluate_every,
-                  "Iterations between validations; 0: never")
-      ->check(whole_number())
-      ->capture_default_str();
+  add_whole_number(verb, "--evaluate-every", config.evaluate_every,
+                   "Iterations between validations; 0: never", 0);
   number("--checkpoint-every", config.checkpoint_every, "Iterations between checkpoints");
-  verb.add_option("--seed", config.seed, "Of weights, order, dropout and drawn actions")
-      ->check(whole_number())
-      ->capture_default_str();
+  add_whole_number(verb, "--seed", config.seed, "Of weights, order, dropout and drawn actions", 0);
   number("--hidden", config.network.hidden, "Of both LSTMs");
   number("--word-embedding", config.network.word_embedding, "Numbers a word");
   number("--action-embedding", config.network.action_embedding, "Numbers an action");
@@ -167,40 +163,33 @@ void add_data(CLI::App& verb, Options& options) {
 
 }  // namespace
 
-void add_train(CLI::App& app, int& status) {
+void add_train(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("train", kTrainHelp);
   const auto options = std::make_shared<Options>();
   add_data(verb, *options);
-  verb.add_option("--feedback", options->feedback, "What is done next in training")
-      ->check(CLI::IsMember({"student", "teacher"}))
-      ->capture_default_str();
-  verb.add_option("--inputs", options->inputs, "What the agent may use")
-      ->check(CLI::IsMember({"language+vision", "language", "vision", "none"}))
-      ->capture_default_str();
-  verb.add_option("--after-end", options->after_end,
-                  "An agent that ended away from its goal walks on, labelled, as in the released "
-                  "code, or stays")
-      ->check(CLI::IsMember({"walks-on", "stays"}))
-      ->capture_default_str();
-  verb.add_option(
-          "--forward", options->forward,
-          "In training, forward leads to the nearest neighbour, as in the released code, or "
-          "to the one that the teacher intended")
-      ->check(CLI::IsMember({"nearest", "intended"}))
-      ->capture_default_str();
+  const auto choice = [&](const char* name, std::string& value, const char* what,
+                          const std::vector<std::string>& allowed) {
+    verb.add_option(name, value, what)->check(CLI::IsMember(allowed))->capture_default_str();
+  };
+  choice("--feedback", options->feedback, "What is done next in training", {"student", "teacher"});
+  choice("--inputs", options->inputs, "What the agent may use",
+         {"language+vision", "language", "vision", "none"});
+  choice("--after-end", options->after_end,
+         "An agent that ended away from its goal walks on, labelled, as in the released code, or "
+         "stays",
+         {"walks-on", "stays"});
+  choice("--forward", options->forward,
+         "In training, forward leads to the nearest neighbour, as in the released code, or to the "
+         "one that the teacher intended",
+         {"nearest", "intended"});
   add_recipe(verb, *options);
   verb.add_option("--device", options->device, "cpu, cuda, cuda:1, ...")->capture_default_str();
-  verb.add_option("--threads", options->threads, "0: all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_threads_option(verb, options->threads);
   set_examples(verb, {"enfilade train --data DIR --features resnet.safetensors -o student",
                       "enfilade train --feedback teacher --inputs language -o language-only",
                       "enfilade train --splits train,val_seen,val_unseen --features "
                       "resnet.safetensors -o submission"});
-  verb.callback([options, &status] {
-    run(*options);
-    status = kSuccess;
-  });
+  verb.callback([options] { run(*options); });
 }
 
 }  // namespace enfilade::apps

@@ -4,7 +4,8 @@
 
 namespace enfilade::apps {
 
-// Each adds its verb with options, help and examples; running it sets `status` to an ExitCode.
+// Each adds its verb with options, help and examples; running it sets `status` to an ExitCode
+// other than kSuccess if it has to.
 void add_contact_sheet(CLI::App& app, int& status);  ///< all viewpoints of a scan, or a trajectory
 void add_dataset(CLI::App& app, int& status);        ///< paths and instructions for model homes
 void add_demo(CLI::App& app, int& status);           ///< the paper's table rows beside ours
