@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import operator
 import os
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Iterator, Sequence, Union, overload
+from typing import Union, overload
 
 from enfilade._arguments import whole
 from enfilade._core import EpisodeSet, Graphs

@@ -239,7 +239,7 @@ def _open_hdf5(file: str) -> Features:
         ) from error
     try:
         root = library.File(file, "r")
-        names = {_key(name, file): name for name in root.keys()}
+        names = {_key(name, file): name for name in root}
     except (OSError, RuntimeError) as error:
         raise InvalidInput(f"{file}: no HDF5 file, or a damaged one: {error}") from error
 

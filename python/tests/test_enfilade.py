@@ -39,7 +39,7 @@ def test_every_name_that_is_promised_is_there() -> None:
     for name in enfilade.__all__:
         assert getattr(enfilade, name) is not None and name in dir(enfilade)
     with pytest.raises(AttributeError):
-        enfilade.nonsense
+        _ = enfilade.nonsense
 
 
 # --- graphs ---------------------------------------------------------------------------------------
@@ -259,7 +259,9 @@ def test_pictures_are_ones_own_until_they_are_let_go_of(pictured: Any) -> None:
     _, renderer, (scan, viewpoint, _) = pictured
 
     def draw(heading: float) -> Any:
-        return renderer.render(scan, viewpoint, [heading], width=64, height=48)["colour"]
+        return renderer.render(  # noqa: F821 (deleted below, after the last call)
+            scan, viewpoint, [heading], width=64, height=48
+        )["colour"]
 
     first = draw(0.0)
     kept, row = first.copy(), first[0, 5]
@@ -307,7 +309,7 @@ def test_tensors_of_torch_are_drawn_into(pictured: Any) -> None:
 def test_the_36_views_are_those_of_the_drop_in(pictured: Any, data: Path, reference: Path) -> None:
     import MatterSim
 
-    graphs, renderer, _ = pictured
+    _, renderer, _ = pictured
     scan, viewpoint = "17DRP5sb8fy", "5b9b2794954e4694a45fc424a8643081"
     views = renderer.render_36(scan, viewpoint, width=64, height=48, colour="bgr8")["colour"]
     sim = MatterSim.Simulator()

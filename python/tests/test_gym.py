@@ -201,7 +201,7 @@ def test_make_vec_gives_the_native_one(small: str) -> None:
 
 def test_what_is_returned_is_ones_own(small: str) -> None:
     envs = RoomToRoomVectorEnv(EnvConfig(small), 4)
-    first, info = envs.reset(seed=1)
+    first, _ = envs.reset(seed=1)
     kept = {name: np.array(value) for name, value in first.items()}
     _, rewards, *_ = envs.step([1, 1, 1, 1])
     before = rewards.copy()
@@ -238,7 +238,7 @@ def test_the_teacher_is_paid_for_its_way(small: str) -> None:
 def test_candidates_say_where_one_gets(small: str) -> None:
     env = RoomToRoomEnv(EnvConfig(small))
     seen, info = env.reset(seed=3)
-    right, up, metres = seen["candidates"][1]
+    right, _, metres = seen["candidates"][1]
     graph = env.episodes.graphs[info["scan"]]
     here = graph.positions[graph.index(info["viewpoint"])]
     _, _, _, _, info = env.step(1)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import gzip
 import json
 import struct
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Iterator
+from typing import Any
 
 import MatterSim
 import pytest
@@ -18,7 +19,7 @@ def bits(*reals: float) -> bytes:
 
 
 def read_trace(file: Path) -> tuple[dict[str, Any], Iterator[dict[str, Any]]]:
-    lines = (json.loads(line) for line in gzip.open(file, "rt"))
+    lines = (json.loads(line) for line in gzip.open(file, "rt"))  # noqa: SIM115
     return next(lines), lines
 
 

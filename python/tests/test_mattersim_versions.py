@@ -47,7 +47,7 @@ def test_v01_errors(make: Any, tmp_path: Path) -> None:
     sim.makeAction(np.array([1]), np.array([0.5]), np.float32(0))
     state = sim.getState()
     with pytest.raises(TypeError, match="setRenderingEnabled"):
-        state.rgb
+        _ = state.rgb
     sim.close()
     assert sim.getState().step == 1
     with pytest.raises(ValueError):

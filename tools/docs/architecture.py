@@ -13,7 +13,6 @@ import html
 import re
 import sys
 from collections import defaultdict
-from pathlib import Path
 
 from markdown_tree import ROOT
 

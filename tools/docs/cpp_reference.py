@@ -9,9 +9,10 @@ import shutil
 import subprocess
 import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Iterator, Optional
+from typing import Optional
 
 from markdown_tree import ROOT, Fault
 from pygments.lexers import CppLexer
@@ -87,7 +88,7 @@ def run_doxygen(work: Path) -> list[Fault]:
         raise SystemExit(f"doxygen failed:\n{done.stderr}")
     faults = set()
     for line in done.stderr.splitlines():
-        found = re.match(r"(?:%s/)?(\S+?):(\d+): (.*)" % re.escape(str(ROOT)), line)
+        found = re.match(rf"(?:{re.escape(str(ROOT))}/)?(\S+?):(\d+): (.*)", line)
         if found and _WRONG_COMMENT.search(found[3]):
             faults.add(Fault(found[1], int(found[2]), found[3].replace("warning: ", "")))
     return sorted(faults, key=lambda f: (f.file, f.line))
@@ -324,7 +325,7 @@ def _needs_comment(symbol: Symbol, parent: Optional[Symbol]) -> bool:
         return False
     arguments = symbol.arguments
     special = symbol.name.startswith("~") or re.search(r"=\s*(default|delete)", arguments + symbol.declaration)
-    moves = symbol.name == parent.name and re.match(r"\((const )?%s\s*&" % re.escape(symbol.name), arguments)
+    moves = symbol.name == parent.name and re.match(rf"\((const )?{re.escape(symbol.name)}\s*&", arguments)
     nothing = symbol.name == parent.name and arguments.startswith("()")
     accessor = re.match(r"\(\)\s*const", arguments)
     inherited = re.search(r"\b(override|final)\b", arguments + symbol.declaration)
@@ -385,7 +386,7 @@ class Index:
     def find(self, name: str, scope: str = "") -> Optional[str]:
         """The place of a name as seen from a scope; None where it is none or several."""
         short = name.rpartition("::")[2]
-        places = {full: place for full, place in reversed(self.by_name.get(short, []))}
+        places = dict(reversed(self.by_name.get(short, [])))
         while True:
             full = f"{scope}::{name}" if scope else name
             if full in places:

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import re
 import subprocess
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
-from typing import Callable, Iterator, Optional
+from typing import Callable, Optional
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -86,7 +87,7 @@ def heading_lines(text: str) -> Iterator[tuple[int, str]]:
         yield len(found[1]), found[2]
 
 
-@lru_cache(maxsize=None)
+@cache
 def anchors_of(page: Path) -> frozenset[str]:
     """What `#...` may follow the page's name."""
     text = page.read_text(encoding="utf-8")
@@ -178,9 +179,10 @@ def check_navigation() -> Iterator[Fault]:
     index = ROOT / "docs" / "README.md"
     named = {resolve(index, link.target)[0] for link in links_of(index.read_text(encoding="utf-8"))}
     for page in pages():
-        if page.is_relative_to(ROOT / "docs") and page != index and page not in named:
-            if page.parent not in named:  # a folder's link stands for its pages
-                yield Fault("docs/README.md", 1, f"no link leads to {page.relative_to(ROOT / 'docs')}")
+        # A folder's link stands for its pages.
+        linked = page == index or page in named or page.parent in named
+        if page.is_relative_to(ROOT / "docs") and not linked:
+            yield Fault("docs/README.md", 1, f"no link leads to {page.relative_to(ROOT / 'docs')}")
     for library in sorted({header.parent for header in (ROOT / "enfilade").glob("*/*.h")}):
         if not (ROOT / "docs" / f"{library.name}.md").exists():
             yield Fault(f"docs/{library.name}.md", 1, f"is missing: the page of {library.relative_to(ROOT)}/")

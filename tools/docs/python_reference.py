@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Iterator
+from collections.abc import Iterator
 
 import griffe
 from markdown_tree import ROOT, Fault
@@ -100,7 +100,7 @@ def _bases(thing: griffe.Object | griffe.Alias) -> list[griffe.Class]:
     """Known base classes. A Gymnasium method that is overridden is documented there."""
     try:
         return list(thing.mro())
-    except Exception:  # noqa: BLE001 - griffe's own types of errors differ between versions
+    except Exception:
         return []
 
 

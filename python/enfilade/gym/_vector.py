@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
-from typing import Any, Optional, Sequence, Union
+from typing import Any, Optional, Union
 
 import gymnasium
 import numpy as np
@@ -75,9 +76,8 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         seed s meets the episodes of a single one with seed s + k."""
         if isinstance(seed, (int, np.integer)):
             seed = [int(seed) + k for k in range(self.num_envs)]
-        if seed is not None:
-            if len(seed) != self.num_envs:
-                raise ArgumentError(f"seed: {len(seed)} for {self.num_envs} environments")
+        if seed is not None and len(seed) != self.num_envs:
+            raise ArgumentError(f"seed: {len(seed)} for {self.num_envs} environments")
         mask = None
         if options is not None and "reset_mask" in options:
             mask = self._checked_mask(options["reset_mask"])
