@@ -37,7 +37,9 @@ Diagnostic fault(const FaceName& name, std::string code, std::string message) {
           std::move(code), std::move(message)};
 }
 
-[[noreturn]] void refuse(Diagnostic diagnostic) { throw InvalidInput({std::move(diagnostic)}); }
+[[noreturn]] void refuse_store(Diagnostic diagnostic) {
+  throw InvalidInput({std::move(diagnostic)});
+}
 
 // Memory for a border, one per thread, as large as the largest border so far.
 std::span<std::uint8_t> border_room(std::uint32_t size) {
@@ -65,7 +67,7 @@ struct Store::Impl {
   }
   const FaceEntry& whole_entry(const FaceName& name) const {
     const FaceEntry& found = entry(name);
-    if (!is_whole(found)) refuse(fault(name, "bad-checksum", kChanged));
+    if (!is_whole(found)) refuse_store(fault(name, "bad-checksum", kChanged));
     return found;
   }
 
@@ -99,12 +101,12 @@ void Store::Impl::read_colour_face(const FaceName& name, const image::BorderedFa
       image::decode_jpeg_rgba(picture, face.size, face.size, face.origin, face.stride,
                               name.store.origin());
     } catch (const Error& error) {  // it does not name the viewpoint
-      refuse(fault(name, "damaged-face", error.what()));
+      refuse_store(fault(name, "damaged-face", error.what()));
     }
   }
   const std::span<std::uint8_t> border = border_room(face.size);
   if (!detail::decompress(bytes.subspan(found.bytes), border)) {
-    refuse(fault(name, "damaged-face", "its border cannot be decompressed"));
+    refuse_store(fault(name, "damaged-face", "its border cannot be decompressed"));
   }
   image::write_border(face, border);
 }
@@ -113,8 +115,8 @@ template <class T>
 void Store::Impl::read_face(const FaceName& name, std::uint32_t size, T* buffer) const {
   const FaceEntry& found = whole_entry(name);
   if (!detail::decode_texels(found.coding, bytes_of(found), size, buffer)) {
-    refuse(fault(name, "damaged-face",
-                 fmt::format("cannot be decompressed to {} x {} values", size, size)));
+    refuse_store(fault(name, "damaged-face",
+                       fmt::format("cannot be decompressed to {} x {} values", size, size)));
   }
 }
 
@@ -180,7 +182,7 @@ std::shared_ptr<const Store> Store::open(const std::filesystem::path& file) {
 
 Connectivity Store::connectivity() const {
   const auto refuse_graph = [&](std::string code, std::string message) {
-    refuse({Severity::kError, origin(), "graph", std::move(code), std::move(message)});
+    refuse_store({Severity::kError, origin(), "graph", std::move(code), std::move(message)});
   };
   if (detail::checksum(impl_->catalogue.graph) != impl_->catalogue.header.graph_checksum) {
     refuse_graph("bad-checksum", kChanged);

@@ -96,21 +96,12 @@ class FloorGrid {
   std::vector<std::uint8_t> free_;
 };
 
-/// Where one stands who has just come in through a hole.
+// The point on the floor where a body stands just after it has come in through a hole.
 Vec3d inside_of(const looks::RoomSpace& space, const looks::RoomSpace::WallHole& hole,
                 double deep) {
   const double along = (hole.from + hole.to) / 2;
-  const Rect& f = space.floor;
-  switch (hole.wall) {
-    case 0:
-      return {f.x1 - deep, along, 0};
-    case 1:
-      return {along, f.y1 - deep, 0};
-    case 2:
-      return {f.x0 + deep, along, 0};
-    default:
-      return {along, f.y0 + deep, 0};
-  }
+  const double across = space.floor.at(hole.wall) + (is_high(hole.wall) ? -deep : deep);
+  return faces_x(hole.wall) ? Vec3d{across, along, 0} : Vec3d{along, across, 0};
 }
 
 bool connected(const looks::RoomSpace& space, const FloorGrid& grid, double radius) {
