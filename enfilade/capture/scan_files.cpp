@@ -362,7 +362,7 @@ bool is_there(const fs::path& file) {
   return fs::exists(file, ignored);
 }
 
-[[noreturn]] void refuse(const fs::path& file, const std::string& why) {
+[[noreturn]] void refuse_file(const fs::path& file, const std::string& why) {
   throw FileError(fmt::format(
       "{}: is in the way: {}; remove it or choose another folder or scan id", file.string(), why));
 }
@@ -373,17 +373,17 @@ Manifest joined(std::optional<Manifest> old, const fs::path& folder, const std::
                 const std::vector<PanoramaPose>& poses, const std::vector<fs::path>& files) {
   Manifest manifest = old ? *old : Manifest{state, {}, {}};
   if (manifest.state != state) {
-    refuse(folder, "a scan made of another mesh or with other options");
+    refuse_file(folder, "a scan made of another mesh or with other options");
   }
   for (const PanoramaPose& pose : poses) {
     const auto [place, is_new] = manifest.viewpoints.emplace(pose.viewpoint, state_of(pose));
     if (!is_new && place->second != state_of(pose)) {
-      refuse(folder, fmt::format("its viewpoint {} stands elsewhere", pose.viewpoint));
+      refuse_file(folder, fmt::format("its viewpoint {} stands elsewhere", pose.viewpoint));
     }
   }
   for (const fs::path& file : files) {
     const bool is_new = !old || !old->kinds.contains(kind_of(file));
-    if (is_new && is_there(file)) refuse(file, "not made by Enfilade from a mesh");
+    if (is_new && is_there(file)) refuse_file(file, "not made by Enfilade from a mesh");
     manifest.kinds.insert(kind_of(file));
   }
   return manifest;

@@ -36,14 +36,6 @@ KindOfFiles find_kind(const fs::path& root, const std::string& scan, const std::
 }  // namespace
 
 struct MatterportImages::Impl {
-  /// Calls read() and adds scan and viewpoint to its errors.
-  template <class Read>
-  static auto at(const MatterportImages& source, ViewpointIndex viewpoint, const Read& read);
-  FaceSizes sizes_at(ViewpointIndex viewpoint, const std::string& id) const;
-  /// The map, if it is there and has the size that face_sizes() said.
-  template <class T>
-  static image::CubeMap<T> checked(const MatterportImages& source, Layer layer,
-                                   ViewpointIndex viewpoint, std::optional<image::CubeMap<T>> map);
   FaceSizes read_sizes(const std::string& viewpoint) const;
   std::optional<image::CubeMap<std::uint16_t>> read_depth(const PanoramaPose& pose) const;
 
@@ -64,12 +56,12 @@ MatterportImages::MatterportImages(std::unique_ptr<Impl> impl, std::string origi
 
 MatterportImages::~MatterportImages() = default;
 
+// Calls read() and adds scan and viewpoint to its errors.
 template <class Read>
-auto MatterportImages::Impl::at(const MatterportImages& source, ViewpointIndex viewpoint,
-                                const Read& read) {
-  EN_CHECK_LT(viewpoint.at(), source.size());
-  const std::string place = fmt::format("scan {:?}, viewpoint {:?}", source.scan(),
-                                        source.poses()[viewpoint.at()].viewpoint);
+auto MatterportImages::with_context(ViewpointIndex viewpoint, const Read& read) const {
+  EN_CHECK_LT(viewpoint.at(), size());
+  const std::string place =
+      fmt::format("scan {:?}, viewpoint {:?}", scan(), poses()[viewpoint.at()].viewpoint);
   try {
     return read();
   } catch (const InvalidInput& error) {
@@ -102,31 +94,29 @@ std::optional<image::CubeMap<std::uint16_t>> MatterportImages::Impl::read_depth(
   return undistorted.read(pose, *colour);
 }
 
-FaceSizes MatterportImages::Impl::sizes_at(ViewpointIndex viewpoint, const std::string& id) const {
+FaceSizes MatterportImages::sizes_at(ViewpointIndex viewpoint) const {
   {
-    const std::lock_guard lock(mutex);
-    if (const auto& known = sizes[viewpoint.at()]) return *known;
+    const std::lock_guard lock(impl_->mutex);
+    if (const auto& known = impl_->sizes[viewpoint.at()]) return *known;
   }
-  const FaceSizes read = read_sizes(id);
-  const std::lock_guard lock(mutex);
-  auto& first = sizes[viewpoint.at()];
+  const FaceSizes read = impl_->read_sizes(poses()[viewpoint.at()].viewpoint);
+  const std::lock_guard lock(impl_->mutex);
+  auto& first = impl_->sizes[viewpoint.at()];
   if (!first) first = read;
   return *first;
 }
 
+// The map, if it is there and has the size that face_sizes() gave.
 template <class T>
-image::CubeMap<T> MatterportImages::Impl::checked(const MatterportImages& source, Layer layer,
-                                                  ViewpointIndex viewpoint,
-                                                  std::optional<image::CubeMap<T>> map) {
-  const Impl& impl = *source.impl_;
-  const std::string& id = source.poses()[viewpoint.at()].viewpoint;
-  if (!map) throw source.lacks(layer, viewpoint);
-  const std::uint32_t size = impl.sizes_at(viewpoint, id)[index(layer)];
+image::CubeMap<T> MatterportImages::checked(Layer layer, ViewpointIndex viewpoint,
+                                            std::optional<image::CubeMap<T>> map) const {
+  if (!map) throw lacks(layer, viewpoint);
+  const std::uint32_t size = sizes_at(viewpoint)[index(layer)];
   if ((*map)[0].width != size) {
-    throw InvalidInput({{Severity::kError, source.origin(), "", "changed",
-                         fmt::format("{}: faces of {} texels, but of {} when first looked at: the "
-                                     "files were changed",
-                                     to_string(layer), (*map)[0].width, size)}});
+    refuse(origin(), "", "changed",
+           fmt::format("{}: faces of {} texels, but of {} when first looked at: the files were "
+                       "changed",
+                       to_string(layer), (*map)[0].width, size));
   }
   return *std::move(map);
 }
@@ -161,30 +151,26 @@ Connectivity MatterportImages::connectivity() const {
 }
 
 FaceSizes MatterportImages::face_sizes(ViewpointIndex viewpoint) const {
-  return Impl::at(*this, viewpoint,
-                  [&] { return impl_->sizes_at(viewpoint, poses()[viewpoint.at()].viewpoint); });
+  return with_context(viewpoint, [&] { return sizes_at(viewpoint); });
 }
 
 void MatterportImages::read(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
                             const FaceBuffers& buffers) const {
-  const auto checked = [&](auto map) {
-    return Impl::checked(*this, layer, viewpoint, std::move(map));
-  };
-  Impl::at(*this, viewpoint, [&] {
+  const auto good = [&](auto map) { return checked(layer, viewpoint, std::move(map)); };
+  with_context(viewpoint, [&] {
     const PanoramaPose& pose = poses()[viewpoint.at()];
     const detail::SkyboxFiles& skybox = impl_->skybox;
     switch (layer) {
       case Layer::kColour:
-        return image::write_faces(checked(skybox.colour(pose.viewpoint)), wanted,
+        return image::write_faces(good(skybox.colour(pose.viewpoint)), wanted,
                                   std::get<ColourFaces>(buffers));
       case Layer::kDepth:
-        return image::copy_faces(checked(impl_->read_depth(pose)), wanted,
-                                 std::get<Faces16>(buffers));
+        return image::copy_faces(good(impl_->read_depth(pose)), wanted, std::get<Faces16>(buffers));
       case Layer::kClass:
-        return image::copy_faces(checked(skybox.strip_16(layer, pose.viewpoint)), wanted,
+        return image::copy_faces(good(skybox.strip_16(layer, pose.viewpoint)), wanted,
                                  std::get<Faces16>(buffers));
       case Layer::kInstance:
-        return image::copy_faces(checked(skybox.instances(pose.viewpoint)), wanted,
+        return image::copy_faces(good(skybox.instances(pose.viewpoint)), wanted,
                                  std::get<Faces32>(buffers));
     }
   });
@@ -192,7 +178,7 @@ void MatterportImages::read(Layer layer, ViewpointIndex viewpoint, FaceMask want
 
 std::optional<std::array<std::string, kCubeFaces>> MatterportImages::colour_jpegs(
     ViewpointIndex viewpoint) const {
-  return Impl::at(*this, viewpoint, [&] {
+  return with_context(viewpoint, [&] {
     const std::string& id = poses()[viewpoint.at()].viewpoint;
     auto jpegs = impl_->skybox.colour_jpegs(id);
     if (!jpegs && impl_->skybox.size(Layer::kColour, id) == 0) {

@@ -49,6 +49,12 @@ class MatterportImages final : public PanoramaSource {
   struct Impl;
   void read(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
             const FaceBuffers& buffers) const override;
+  template <class Read>
+  auto with_context(ViewpointIndex viewpoint, const Read& read) const;
+  FaceSizes sizes_at(ViewpointIndex viewpoint) const;
+  template <class T>
+  image::CubeMap<T> checked(Layer layer, ViewpointIndex viewpoint,
+                            std::optional<image::CubeMap<T>> map) const;
   explicit MatterportImages(std::unique_ptr<Impl> impl, std::string origin,
                             std::vector<PanoramaPose> poses, std::string scan);
   std::unique_ptr<Impl> impl_;

@@ -37,8 +37,8 @@ Diagnostic fault(const FaceName& name, std::string code, std::string message) {
           std::move(code), std::move(message)};
 }
 
-[[noreturn]] void refuse_store(Diagnostic diagnostic) {
-  throw InvalidInput({std::move(diagnostic)});
+[[noreturn]] void refuse_face(const FaceName& name, std::string code, std::string message) {
+  throw InvalidInput({fault(name, std::move(code), std::move(message))});
 }
 
 // Memory for a border, one per thread, as large as the largest border so far.
@@ -67,7 +67,7 @@ struct Store::Impl {
   }
   const FaceEntry& whole_entry(const FaceName& name) const {
     const FaceEntry& found = entry(name);
-    if (!is_whole(found)) refuse_store(fault(name, "bad-checksum", kChanged));
+    if (!is_whole(found)) refuse_face(name, "bad-checksum", kChanged);
     return found;
   }
 
@@ -101,12 +101,12 @@ void Store::Impl::read_colour_face(const FaceName& name, const image::BorderedFa
       image::decode_jpeg_rgba(picture, face.size, face.size, face.origin, face.stride,
                               name.store.origin());
     } catch (const Error& error) {  // it does not name the viewpoint
-      refuse_store(fault(name, "damaged-face", error.what()));
+      refuse_face(name, "damaged-face", error.what());
     }
   }
   const std::span<std::uint8_t> border = border_room(face.size);
   if (!detail::decompress(bytes.subspan(found.bytes), border)) {
-    refuse_store(fault(name, "damaged-face", "its border cannot be decompressed"));
+    refuse_face(name, "damaged-face", "its border cannot be decompressed");
   }
   image::write_border(face, border);
 }
@@ -115,8 +115,8 @@ template <class T>
 void Store::Impl::read_face(const FaceName& name, std::uint32_t size, T* buffer) const {
   const FaceEntry& found = whole_entry(name);
   if (!detail::decode_texels(found.coding, bytes_of(found), size, buffer)) {
-    refuse_store(fault(name, "damaged-face",
-                       fmt::format("cannot be decompressed to {} x {} values", size, size)));
+    refuse_face(name, "damaged-face",
+                fmt::format("cannot be decompressed to {} x {} values", size, size));
   }
 }
 
@@ -181,21 +181,19 @@ std::shared_ptr<const Store> Store::open(const std::filesystem::path& file) {
 }
 
 Connectivity Store::connectivity() const {
-  const auto refuse_graph = [&](std::string code, std::string message) {
-    refuse_store({Severity::kError, origin(), "graph", std::move(code), std::move(message)});
-  };
   if (detail::checksum(impl_->catalogue.graph) != impl_->catalogue.header.graph_checksum) {
-    refuse_graph("bad-checksum", kChanged);
+    refuse(origin(), "graph", "bad-checksum", kChanged);
   }
   std::vector<std::uint8_t> json(impl_->catalogue.header.graph_json_bytes);
   if (!detail::decompress(impl_->catalogue.graph, json)) {
-    refuse_graph("bad-index", "cannot be decompressed to the size that the header states");
+    refuse(origin(), "graph", "bad-index",
+           "cannot be decompressed to the size that the header states");
   }
   Connectivity graph = parse_connectivity({reinterpret_cast<const char*>(json.data()), json.size()},
                                           scan(), origin());
   if (!std::ranges::equal(graph.entries, poses(), {}, &ConnectivityEntry::id,
                           &PanoramaPose::viewpoint)) {
-    refuse_graph("bad-index", "its viewpoints are not those of the catalogue");
+    refuse(origin(), "graph", "bad-index", "its viewpoints are not those of the catalogue");
   }
   return graph;
 }

@@ -35,9 +35,7 @@ std::vector<Vec3f> directions(std::size_t count) {
                    {static_cast<float>(radius * std::cos(around)),
                     static_cast<float>(radius * std::sin(around)), static_cast<float>(z)}});
   }
-  std::ranges::sort(all, [](const Keyed& a, const Keyed& b) {
-    return a.band != b.band ? a.band < b.band : a.around < b.around;
-  });
+  std::ranges::sort(all, {}, [](const Keyed& one) { return std::pair(one.band, one.around); });
   std::vector<Vec3f> sorted;
   sorted.reserve(count);
   for (const Keyed& one : all) sorted.push_back(one.direction);

@@ -130,28 +130,26 @@ std::string fault_of(const FaceEntry& entry, Layer layer, std::uint64_t size, st
   return {};
 }
 
-}  // namespace
-
-std::uint64_t checksum(image::Bytes bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
-
-bool are_valid(const FaceSizes& sizes, const FaceEntries& faces, std::uint64_t end,
-               std::string& reason) {
+// What is wrong with a panorama's sizes and faces; empty if they are possible: known codings, faces
+// between the header and `end`.
+std::string fault_of(const FaceSizes& sizes, const FaceEntries& faces, std::uint64_t end) {
   for (std::size_t l = 0; l < kLayers; ++l) {
     const auto layer = static_cast<Layer>(l);
     if (sizes[l] > kLargestFace) {
-      reason = fmt::format("{}: faces of {} texels, more than {}", to_string(layer), sizes[l],
-                           kLargestFace);
-      return false;
+      return fmt::format("{}: faces of {} texels, more than {}", to_string(layer), sizes[l],
+                         kLargestFace);
     }
     for (std::size_t k = 0; k < kCubeFaces; ++k) {
       const std::string fault = fault_of(faces[entry_index(layer, k)], layer, sizes[l], end);
-      if (fault.empty()) continue;
-      reason = fmt::format("{}, face {}: {}", to_string(layer), k, fault);
-      return false;
+      if (!fault.empty()) return fmt::format("{}, face {}: {}", to_string(layer), k, fault);
     }
   }
-  return true;
+  return {};
 }
+
+}  // namespace
+
+std::uint64_t checksum(image::Bytes bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
 Catalogue read_catalogue(image::Bytes bytes, const std::string& file) {
   Catalogue result;
@@ -172,9 +170,8 @@ Catalogue read_catalogue(image::Bytes bytes, const std::string& file) {
     const std::string_view name = name_at(parts.names, row.name_offset, row.name_bytes);
     std::string fault = fault_of(row, name);
     if (fault.empty() && !seen.insert(name).second) fault = fmt::format("{:?} stands twice", name);
-    if (!fault.empty() || !are_valid(row.sizes, faces, result.header.catalogue, fault)) {
-      refuse(file, fmt::format("viewpoint {}", i), "bad-index", fault);
-    }
+    if (fault.empty()) fault = fault_of(row.sizes, faces, result.header.catalogue);
+    if (!fault.empty()) refuse(file, fmt::format("viewpoint {}", i), "bad-index", fault);
     const auto& [x, y, z] = row.position;
     rows.entries.push_back({.id = std::string(name),
                             .pose = pose_matrix({row.world_from_panorama}, {x, y, z}),
@@ -192,8 +189,7 @@ std::optional<RecordHeader> read_record(image::Bytes bytes, std::uint64_t offset
   if (offset > bytes.size() || bytes.size() - offset < sizeof(RecordHeader)) return std::nullopt;
   const auto record = read_at<RecordHeader>(bytes, offset);
   if (record.magic != kRecordMagic || record.checksum != checksum_of(record)) return std::nullopt;
-  std::string ignored;
-  if (!are_valid(record.sizes, record.faces, bytes.size(), ignored)) return std::nullopt;
+  if (!fault_of(record.sizes, record.faces, bytes.size()).empty()) return std::nullopt;
   std::uint64_t next = offset + sizeof(RecordHeader);
   for (const FaceEntry& entry : record.faces) {
     if (entry.coding == Coding::kAbsent) continue;

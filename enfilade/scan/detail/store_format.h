@@ -109,9 +109,4 @@ Catalogue read_catalogue(image::Bytes bytes, const std::string& file);
 /// checksums are not compared) lie in the file and right after one another.
 std::optional<RecordHeader> read_record(image::Bytes bytes, std::uint64_t offset);
 
-/// True if a panorama's sizes and faces are possible: known codings, faces between the header and
-/// `end`. Else `reason` says what is wrong.
-bool are_valid(const FaceSizes& sizes, const FaceEntries& faces, std::uint64_t end,
-               std::string& reason);
-
 }  // namespace enfilade::scan::detail

@@ -10,7 +10,7 @@ namespace enfilade::scan::detail {
 namespace {
 
 template <class T>
-image::Bytes bytes_of(const T& value) {
+image::Bytes object_bytes(const T& value) {
   return {reinterpret_cast<const std::uint8_t*>(&value), sizeof(T)};
 }
 
@@ -49,8 +49,8 @@ std::vector<std::uint8_t> catalogue_of(const Connectivity& graph,
   }
   name_bytes = names.size();
   std::vector<std::uint8_t> bytes;
-  for (const ViewpointRow& row : rows) add(bytes, bytes_of(row));
-  for (const FaceEntries& entries : faces) add(bytes, bytes_of(entries));
+  for (const ViewpointRow& row : rows) add(bytes, object_bytes(row));
+  for (const FaceEntries& entries : faces) add(bytes, object_bytes(entries));
   add(bytes, image::bytes_of(names));
   return bytes;
 }
@@ -66,7 +66,7 @@ StoreWriter::StoreWriter(const std::filesystem::path& file, std::uint64_t finger
     end_ = sizeof(Header);
   }
   // Replaces also the final header of a run that was killed before it renamed the file.
-  write_at(0, bytes_of(unfinished(fingerprint_)));
+  write_at(0, object_bytes(unfinished(fingerprint_)));
   part_.resize(end_);
 }
 
@@ -111,7 +111,7 @@ void StoreWriter::append(EncodedPanorama panorama) {
   }
   header.payload_bytes = panorama.payload.size();
   header.checksum = checksum_of(header);
-  write_at(end_, bytes_of(header));
+  write_at(end_, object_bytes(header));
   write_at(end_ + sizeof(RecordHeader), panorama.payload);
   end_ += sizeof(RecordHeader) + panorama.payload.size();
   records_.push_back(header);
@@ -134,7 +134,7 @@ std::uint64_t StoreWriter::finish(const Connectivity& graph) {
   write_at(end_, catalogue);
   write_at(end_ + catalogue.size(), packed_json);
   part_.synchronise();  // before the header that declares it complete
-  write_at(0, bytes_of(header));
+  write_at(0, object_bytes(header));
   part_.finish();
   return header.file_bytes;
 }
