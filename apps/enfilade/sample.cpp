@@ -17,10 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string data;
-  std::string connectivity;
-  std::string regions;
-  std::string output;
+  std::string data, connectivity, regions, output;
   bool splits = false;
   std::vector<std::size_t> shares;
   bool compare = false;

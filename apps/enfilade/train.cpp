@@ -17,11 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string data;
-  std::string features;
-  std::string output;
-  std::string feedback = "student";
-  std::string inputs = "language+vision";
+  std::string data, features, output;
+  std::string feedback = "student", inputs = "language+vision";
   std::string after_end{to_string(models::AfterEnd::kWalksOn)};
   std::string forward{to_string(models::ForwardTo::kNearest)};
   std::string device = "cpu";

@@ -12,21 +12,15 @@ std::string_view to_string(SixAction action) noexcept {
 
 sim::Action to_action(SixAction action, std::uint32_t navigable_count) noexcept {
   // Only the sign of a change counts.
-  switch (action) {
-    case SixAction::kLeft:
-      return {0, Radians(-1), {}};
-    case SixAction::kRight:
-      return {0, Radians(1), {}};
-    case SixAction::kUp:
-      return {0, {}, Radians(1)};
-    case SixAction::kDown:
-      return {0, {}, Radians(-1)};
-    case SixAction::kForward:
-      return {navigable_count > 1 ? 1U : 0U, {}, {}};
-    case SixAction::kStop:
-      break;
-  }
-  return {};
+  constexpr std::array<sim::Action, kSixActions> kActions{{{0, Radians(-1), {}},
+                                                           {0, Radians(1), {}},
+                                                           {0, {}, Radians(1)},
+                                                           {0, {}, Radians(-1)},
+                                                           {1, {}, {}},
+                                                           {}}};
+  sim::Action done = kActions[static_cast<std::size_t>(action)];
+  if (done.index >= navigable_count) done.index = 0;
+  return done;
 }
 
 Decision to_decision(SixAction action, std::uint32_t navigable_count) noexcept {

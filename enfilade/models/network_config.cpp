@@ -1,6 +1,7 @@
 #include "enfilade/models/network_config.h"
 
 #include <fmt/format.h>
+#include <array>
 
 #include "enfilade/core/errors.h"
 
@@ -14,15 +15,8 @@ void require(bool holds, std::string_view field, double value, std::string_view 
 }  // namespace
 
 std::string_view to_string(Feedback feedback) noexcept {
-  switch (feedback) {
-    case Feedback::kTeacher:
-      return "teacher";
-    case Feedback::kSample:
-      return "sample";
-    case Feedback::kArgmax:
-      break;
-  }
-  return "argmax";
+  constexpr std::array<std::string_view, 3> kNames{"teacher", "sample", "argmax"};
+  return kNames[static_cast<std::size_t>(feedback)];
 }
 
 void validate(const NetworkConfig& config) {

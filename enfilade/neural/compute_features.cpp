@@ -79,9 +79,7 @@ class Computation {
         features_(render::kDiscreteViews * encoder_->dimensions()) {
     faces_ = std::make_shared<render::FaceCache>(panoramas,
                                                  render::FaceCacheConfig{.threads = job.threads});
-    render::RendererConfig config;
-    config.threads = job.threads;
-    renderer_ = render::make_renderer(faces_, config);
+    renderer_ = render::make_renderer(faces_, {render::Backend::kCpu, job.threads, {}, {}});
   }
 
   features::FeatureInfo info(const FeatureJob& job) const {

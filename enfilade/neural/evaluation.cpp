@@ -64,31 +64,24 @@ std::set<std::size_t> shown_episodes(const GreedyWalk& walk, const r2r::EpisodeS
   return shown;
 }
 
-models::AttentionStep attention_step(const AttentionTrace& trace, std::size_t step,
-                                     const models::ReadingOrder& order,
-                                     const r2r::TrajectoryPoint& point,
-                                     const graph::NavGraph& graph) {
-  models::AttentionStep result{std::string(to_string(static_cast<SixAction>(trace.actions[step]))),
-                               {},
-                               graph.id(point.viewpoint),
-                               point.heading.value,
-                               point.elevation.value};
-  const std::vector<float>& row = trace.attention[step];
-  for (const std::size_t place : order.places) {
-    result.attention.push_back(place < row.size() ? row[place] : 0);
-  }
-  return result;
-}
-
 models::EpisodeAttention episode_attention(const GreedyWalk& walk, std::size_t i,
                                            const PreparedSplit& split,
                                            const r2r::Vocabulary& vocabulary) {
   const models::ReadingOrder order = models::reading_order(split.instructions.row(i), vocabulary);
   const graph::NavGraph& graph = split.episodes.graph_of(split.episodes.episodes[i]);
+  const AttentionTrace& trace = walk.traces[i];
   models::EpisodeAttention episode{order.words, {}};
-  for (std::size_t step = 0; step < walk.traces[i].actions.size(); ++step) {
-    episode.steps.push_back(
-        attention_step(walk.traces[i], step, order, walk.trajectories[i].points.at(step), graph));
+  for (std::size_t step = 0; step < trace.actions.size(); ++step) {
+    const r2r::TrajectoryPoint& point = walk.trajectories[i].points.at(step);
+    const std::vector<float>& row = trace.attention[step];
+    std::vector<double> attention;
+    for (const std::size_t place : order.places) {
+      attention.push_back(place < row.size() ? row[place] : 0);
+    }
+    const auto action = static_cast<SixAction>(trace.actions[step]);
+    episode.steps.push_back({std::string(to_string(action)), std::move(attention),
+                             graph.id(point.viewpoint), point.heading.value,
+                             point.elevation.value});
   }
   return episode;
 }

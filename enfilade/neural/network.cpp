@@ -130,7 +130,7 @@ Network::Network(const models::NetworkConfig& config, std::uint64_t seed,
                  const std::string& device) {
   const c10::InferenceMode guard;
   impl_ = std::make_unique<Impl>(config, detail::open_device(device));
-  impl_->parameters().initialise(config, seed);
+  impl_->parameters().initialise(seed);
 }
 Network::~Network() = default;
 Network::Network(Network&&) noexcept = default;

@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "enfilade/neural/seq2seq/matmul.h"
+#include "enfilade/neural/seq2seq/kernels.h"
 
 namespace enfilade::neural {
 namespace {

@@ -10,7 +10,6 @@
 #include "enfilade/models/folder_lock.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/neural/detail/episode_order.h"
-#include "enfilade/neural/detail/timed_environment.h"
 #include "enfilade/neural/evaluation.h"
 
 namespace enfilade::neural {
@@ -22,6 +21,33 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t kLogEvery = 10;  // iterations a line of training loss
 
 double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
+
+// Forwards all calls to an environment and adds up their time.
+class TimedEnvironment : public Environment {
+ public:
+  explicit TimedEnvironment(Environment& inner) : inner_(inner) {}
+  Clock::duration spent() const noexcept { return spent_; }
+
+  std::size_t size() const override { return inner_.size(); }
+  std::size_t dimensions() const override { return inner_.dimensions(); }
+  bool has_teacher() const override { return inner_.has_teacher(); }
+  std::span<const std::uint8_t> ended() const override { return inner_.ended(); }
+  void observe(const EnvironmentView& out) override {
+    const Clock::time_point begin = Clock::now();
+    inner_.observe(out);
+    spent_ += Clock::now() - begin;
+  }
+  bool step(std::span<const std::int32_t> actions) override {
+    const Clock::time_point begin = Clock::now();
+    const bool walking = inner_.step(actions);
+    spent_ += Clock::now() - begin;
+    return walking;
+  }
+
+ private:
+  Environment& inner_;
+  Clock::duration spent_{};
+};
 
 // The episodes of several splits as one.
 r2r::EpisodeSet join(std::vector<r2r::EpisodeSet> sets) {
@@ -166,7 +192,7 @@ class Training {
     training_->instructions.gather(episodes, tokens_);
     environment.start(episodes);
     const Clock::duration before = Clock::now() - begin;
-    detail::TimedEnvironment timed(environment);
+    TimedEnvironment timed(environment);
     RolloutOptions rollout{config().feedback, config().max_steps, true, config().seed, iteration_};
     const InstructionBatch batch{tokens_, config().batch_size};
     last_loss_ = network_.rollout_with_gradients(batch, timed, rollout).loss /

@@ -88,9 +88,7 @@ LabelledPictures draw_labelled(const std::shared_ptr<const scan::PanoramaSet>& p
                             at::empty({n}, at::kLong)};
   const auto faces = std::make_shared<render::FaceCache>(
       panoramas, render::FaceCacheConfig{.threads = threads, .prefetch_thread = false});
-  render::RendererConfig config;
-  config.threads = threads;
-  const auto renderer = render::make_renderer(faces, config);
+  const auto renderer = render::make_renderer(faces, {render::Backend::kCpu, threads, {}, {}});
   Buffers buffers(views);
   auto* colours = pictures.colours.data_ptr<std::uint8_t>();
   auto* classes = pictures.classes.data_ptr<std::uint8_t>();

@@ -16,18 +16,11 @@ namespace {
 constexpr std::string_view kWrapper = "module.";
 
 std::optional<at::ScalarType> floating_type(features::DType type) {
-  switch (type) {
-    case features::DType::kFloat16:
-      return at::kHalf;
-    case features::DType::kBFloat16:
-      return at::kBFloat16;
-    case features::DType::kFloat32:
-      return at::kFloat;
-    case features::DType::kFloat64:
-      return at::kDouble;
-    default:
-      return std::nullopt;
-  }
+  if (type == features::DType::kFloat16) return at::kHalf;
+  if (type == features::DType::kBFloat16) return at::kBFloat16;
+  if (type == features::DType::kFloat32) return at::kFloat;
+  if (type == features::DType::kFloat64) return at::kDouble;
+  return std::nullopt;
 }
 
 class Reader {

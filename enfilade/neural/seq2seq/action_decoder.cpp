@@ -1,7 +1,5 @@
 #include "enfilade/neural/seq2seq/action_decoder.h"
 
-#include "enfilade/neural/seq2seq/matmul.h"
-
 namespace enfilade::neural::seq2seq {
 namespace {
 

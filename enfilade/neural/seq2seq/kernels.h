@@ -1,5 +1,5 @@
-/// \file  The operations between matrix products: fused loops on the CPU; plain ATen elsewhere, and
-/// as the reference of the loops in tests.
+/// \file  Matrix products, and the operations between them: fused loops on the CPU; plain ATen
+/// elsewhere, and as the reference of the loops in tests.
 #pragma once
 #include <ATen/ATen.h>
 
@@ -11,6 +11,12 @@
 #include "enfilade/neural/seq2seq/dropout.h"
 
 namespace enfilade::neural::seq2seq {
+
+/// out = a b, all two-dimensional with one contiguous dimension; nothing is copied. All products of
+/// the network are made here; products.h logs them.
+void multiply(const at::Tensor& a, const at::Tensor& b, const at::Tensor& out);
+/// out += a b
+void multiply_add(const at::Tensor& a, const at::Tensor& b, const at::Tensor& out);
 
 /// A mask for each row of a tensor; `rows` empty: nothing is dropped.
 struct Masks {

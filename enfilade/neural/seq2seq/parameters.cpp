@@ -16,22 +16,6 @@ double normal(Rng& rng) {
   return radius * std::cos(2 * std::numbers::pi * rng.uniform());
 }
 
-// Of the uniform distribution; 0 for embeddings, which are normal.
-double bound(Weight which, const WeightInfo& info, const models::NetworkConfig& config) {
-  switch (which) {
-    case Weight::kWordEmbedding:
-    case Weight::kActionEmbedding:
-      return 0;
-    case Weight::kStart:
-    case Weight::kAttentionIn:
-    case Weight::kAttentionOut:
-    case Weight::kAction:
-      return 1 / std::sqrt(static_cast<double>(info.shape[1]));
-    default:  // the LSTMs', and the biases of linear layers with `hidden` inputs
-      return 1 / std::sqrt(static_cast<double>(config.hidden));
-  }
-}
-
 }  // namespace
 
 std::array<WeightInfo, kWeights> weight_infos(const models::NetworkConfig& config) {
@@ -42,22 +26,22 @@ std::array<WeightInfo, kWeights> weight_infos(const models::NetworkConfig& confi
   const auto input = action + static_cast<std::int64_t>(config.features);
   constexpr std::int64_t kInputs = kIgnoreInput + 1;
   std::array<WeightInfo, kWeights> infos{{
-      {"encoder.embedding.weight", {words, embedding}},
-      {"encoder.lstm.weight_ih_l0", {4 * h, embedding}},
-      {"encoder.lstm.weight_hh_l0", {4 * h, h}},
-      {"encoder.lstm.bias_ih_l0", {4 * h}},
-      {"encoder.lstm.bias_hh_l0", {4 * h}},
-      {"encoder.encoder2decoder.weight", {h, h}},
-      {"encoder.encoder2decoder.bias", {h}},
-      {"decoder.embedding.weight", {kInputs, action}},
-      {"decoder.lstm.weight_ih", {4 * h, input}},
-      {"decoder.lstm.weight_hh", {4 * h, h}},
-      {"decoder.lstm.bias_ih", {4 * h}},
-      {"decoder.lstm.bias_hh", {4 * h}},
-      {"decoder.attention_layer.linear_in.weight", {h, h}},
-      {"decoder.attention_layer.linear_out.weight", {h, 2 * h}},
-      {"decoder.decoder2action.weight", {kSixActions, h}},
-      {"decoder.decoder2action.bias", {kSixActions}},
+      {"encoder.embedding.weight", {words, embedding}, 0},
+      {"encoder.lstm.weight_ih_l0", {4 * h, embedding}, h},
+      {"encoder.lstm.weight_hh_l0", {4 * h, h}, h},
+      {"encoder.lstm.bias_ih_l0", {4 * h}, h},
+      {"encoder.lstm.bias_hh_l0", {4 * h}, h},
+      {"encoder.encoder2decoder.weight", {h, h}, h},
+      {"encoder.encoder2decoder.bias", {h}, h},
+      {"decoder.embedding.weight", {kInputs, action}, 0},
+      {"decoder.lstm.weight_ih", {4 * h, input}, h},
+      {"decoder.lstm.weight_hh", {4 * h, h}, h},
+      {"decoder.lstm.bias_ih", {4 * h}, h},
+      {"decoder.lstm.bias_hh", {4 * h}, h},
+      {"decoder.attention_layer.linear_in.weight", {h, h}, h},
+      {"decoder.attention_layer.linear_out.weight", {h, 2 * h}, 2 * h},
+      {"decoder.decoder2action.weight", {kSixActions, h}, h},
+      {"decoder.decoder2action.bias", {kSixActions}, h},
   }};
   std::int64_t begin = 0;
   for (WeightInfo& info : infos) {
@@ -83,18 +67,17 @@ Parameters::Parameters(const models::NetworkConfig& config, const at::TensorOpti
   }
 }
 
-void Parameters::initialise(const models::NetworkConfig& config, std::uint64_t seed) {
+void Parameters::initialise(std::uint64_t seed) {
   const at::Tensor host = at::zeros(flat_weights.sizes(), at::TensorOptions().dtype(at::kFloat));
   for (std::size_t i = 0; i < kWeights; ++i) {
     const WeightInfo& info = infos_[i];
-    const auto which = static_cast<Weight>(i);
-    const double most = bound(which, info, config);
+    const double most = info.inputs > 0 ? 1 / std::sqrt(static_cast<double>(info.inputs)) : 0;
     Rng rng(seed, i);
     float* out = host.data_ptr<float>() + info.begin;
     for (std::int64_t k = 0; k < info.elements; ++k) {
       out[k] = static_cast<float>(most > 0 ? most * (2 * rng.uniform() - 1) : normal(rng));
     }
-    if (which == Weight::kWordEmbedding) std::fill_n(out, info.shape[1], 0.0F);
+    if (i == index(Weight::kWordEmbedding)) std::fill_n(out, info.shape[1], 0.0F);
   }
   flat_weights.copy_(host);
   for (const at::Tensor& other : {flat_gradients, first, second}) other.zero_();

@@ -34,7 +34,8 @@ inline constexpr std::size_t kWeights = 16;
 struct WeightInfo {
   const char* name = nullptr;  ///< in the released code
   std::vector<std::int64_t> shape;
-  std::int64_t begin = 0;  ///< in the flat arrays
+  std::int64_t inputs = 0;  ///< initialised uniformly up to 1/sqrt(inputs); 0: normally
+  std::int64_t begin = 0;   ///< in the flat arrays
   std::int64_t elements = 0;
 };
 std::array<WeightInfo, kWeights> weight_infos(const models::NetworkConfig& config);
@@ -47,7 +48,7 @@ class Parameters {
   /// Random numbers by `seed`, with PyTorch's distributions: embeddings normal (row 0 of
   /// the words, PAD, is zero), LSTM uniform up to 1/sqrt(hidden), linear uniform up to
   /// 1/sqrt(inputs). The same on every device. Gradients and moments become 0.
-  void initialise(const models::NetworkConfig& config, std::uint64_t seed);
+  void initialise(std::uint64_t seed);
 
   const std::array<WeightInfo, kWeights>& infos() const noexcept { return infos_; }
   const at::Tensor& weight(Weight which) const { return weights_[index(which)]; }

@@ -1,7 +1,5 @@
 #include "enfilade/neural/seq2seq/sentence_encoder.h"
 
-#include "enfilade/neural/seq2seq/matmul.h"
-
 namespace enfilade::neural::seq2seq {
 
 Context SentenceEncoder::forward(const Sentences& sentences, const Dropout& dropout,

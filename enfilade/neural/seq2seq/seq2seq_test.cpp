@@ -67,7 +67,7 @@ struct Trial {
         tokens(made_tokens(kEpisodes, which.config.max_words, which.config.vocabulary)),
         environment(Script{kEpisodes, which.config.features, kSteps, true, which.ends}) {
     options.max_steps = kSteps;
-    model.parameters().initialise(which.config, 3);
+    model.parameters().initialise(3);
   }
   double loss(WithGradients with_gradients) {
     environment.begin();
