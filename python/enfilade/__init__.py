@@ -1,6 +1,6 @@
 """Vision-and-language navigation in C++, for Python.
 
-Three doors lead to the same simulator: this package, `enfilade.gym` (Gymnasium environments) and
+There are three interfaces to the same simulator: this package, `enfilade.gym` (Gymnasium environments) and
 `MatterSim` (a drop-in for Matterport3DSimulator's module).
 
 >>> import enfilade
@@ -12,7 +12,7 @@ Three doors lead to the same simulator: this package, `enfilade.gym` (Gymnasium 
 >>> sim.state.heading                                      # (2,) radians
 
 Frames: metres, +z up; headings in radians clockwise from +y; elevations in radians above the horizon;
-row 0 of a picture on top. Importing this takes milliseconds: NumPy comes with the first class that
+row 0 of a picture on top. Importing this takes milliseconds: NumPy is imported with the first class that
 needs it, Gymnasium with `enfilade.gym`, torch never.
 """
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-# Where the names are that need NumPy, or the ray tracer.
+# The modules of names that need NumPy or the ray tracer.
 _LATER = {
     "Dataset": "_dataset",
     "Part": "_dataset",

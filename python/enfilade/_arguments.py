@@ -1,4 +1,4 @@
-"""Checks of what a caller gives, with words that name it. Needs no NumPy."""
+"""Checks of arguments, with messages that name them. Does not need NumPy."""
 
 from __future__ import annotations
 

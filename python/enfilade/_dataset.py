@@ -1,4 +1,4 @@
-"""A folder of data by one name."""
+"""A data folder."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Part:
 
 
 class Dataset:
-    """A data set: graphs, panoramas, episodes and regions of one folder behind one name.
+    """A data set: graphs, panoramas, episodes and regions of one folder.
 
     >>> d = enfilade.Dataset("data")
     >>> sim = d.simulator(batch_size=2)
@@ -42,7 +42,7 @@ class Dataset:
             Matterport3DSimulator, all files side by side, or stores alone; None: the folder that the
             environment variable ENFILADE_DATA names.
 
-    A part is opened when it is first used. Any thread may use it. Raises FileError for what is no folder.
+    A part is opened when it is first used. Any thread may use it. Raises FileError if it is not a folder.
     """
 
     def __init__(self, folder: Optional[Union[str, os.PathLike[str]]] = None) -> None:
@@ -51,12 +51,12 @@ class Dataset:
 
     @property
     def folder(self) -> Path:
-        """As it was named."""
+        """The folder, as it was given."""
         return Path(self._core.folder)
 
     @property
     def synthetic(self) -> bool:
-        """Whether the buildings are made up: every figure of theirs has to be called synthetic."""
+        """Whether the buildings are model homes: results on them have to be called synthetic."""
         return self._core.synthetic
 
     @property
@@ -71,7 +71,7 @@ class Dataset:
 
     @property
     def splits(self) -> list[str]:
-        """Those of train, val_seen, val_unseen and test that are there."""
+        """The splits that exist, of train, val_seen, val_unseen and test."""
         return self._core.splits
 
     def episodes(self, split: str, *, all_instructions: bool = False) -> Episodes:
@@ -84,7 +84,7 @@ class Dataset:
         return self._core.region(scan, viewpoint)
 
     def examine(self) -> list[Part]:
-        """Every part that a data set can have: what is there, what is missing, how to get it. Reads
+        """Every part that a data set can have: found or missing, and how to get it. Reads
         all annotations: about a second for R2R."""
         return [Part(*row) for row in self._core.examine()]
 
@@ -111,9 +111,9 @@ class Dataset:
         height: int = 480,
         vfov: float = math.radians(60),
     ) -> NDArray[uint8]:
-        """One picture, (height, width, 3) RGB; angles in radians. Whoever draws many makes a
+        """One picture, (height, width, 3) RGB; angles in radians. To draw many, make a
         renderer(). One thread at a time. Raises UnknownNameError, FileError, InvalidInput, and
-        ArgumentError for angles or sizes that cannot be."""
+        ArgumentError for invalid angles or sizes."""
         if self._renderer is None:
             self._renderer = self.renderer()
         drawn = self._renderer.render(

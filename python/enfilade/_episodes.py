@@ -1,4 +1,4 @@
-"""Room-to-Room's episodes, and how well they were followed."""
+"""Room-to-Room's episodes, and scores of results."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Episodes(Sequence[Episode]):
         folder: holds `r2r/R2R_<split>.json` and `connectivity/`, or a checkout of
             Matterport3DSimulator's layout.
         split: "train", "val_seen", "val_unseen", "test".
-        all_instructions: fourth instructions too, which are trained on but not scored.
+        all_instructions: fourth instructions too, which are for training and not scored.
 
     Raises FileError for a folder without such a split, InvalidInput with every fault of its file.
     """
@@ -56,7 +56,7 @@ class Episodes(Sequence[Episode]):
 
     @property
     def graphs(self) -> Graphs:
-        """The buildings."""
+        """The navigation graphs."""
         return self._core.graphs
 
     def __len__(self) -> int:
@@ -84,11 +84,11 @@ class Episodes(Sequence[Episode]):
         success_distance: float = 3.0,
         bootstrap_samples: int = 1000,
     ) -> Score:
-        """Checks and scores a results file, in any of the forms found in the wild.
+        """Checks and scores a results file, in any of the known formats.
 
         Args:
             success_distance: metres along the graph, less than which a stop is a success.
-            bootstrap_samples: that the intervals of the means come from; 0: none.
+            bootstrap_samples: for the intervals of the means; 0: no intervals.
 
         Raises FileError, and InvalidInput with every fault of the file.
         """

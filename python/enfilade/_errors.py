@@ -1,10 +1,10 @@
-"""What Enfilade raises. The extension module takes its exceptions from here."""
+"""Enfilade's exceptions. The extension module raises these classes."""
 
 from __future__ import annotations
 
 
 class Error(Exception):
-    """Base of what Enfilade raises for a caller's or a file's mistake."""
+    """Base of Enfilade's exceptions for wrong arguments and files."""
 
     __module__ = "enfilade"
 

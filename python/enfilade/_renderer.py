@@ -1,4 +1,4 @@
-"""Pictures of what agents see, into fresh arrays or the caller's memory."""
+"""Pictures of what agents see, in new arrays or in the caller's memory."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ _LAYERS = {"depth": "float32", "classes": "uint16", "instances": "uint32"}
 def open_panoramas(folder: Union[str, os.PathLike[str]], graphs: Graphs) -> Panoramas:
     """The pictures of a data folder: its `store`, `scans`, `v1/scans`, `data/v1/scans`, or itself.
 
-    Raises FileError for what is no folder.
+    Raises FileError if it is not a folder.
     """
     images, connectivity = DatasetFolder(folder).panorama_places
     return Panoramas(images, connectivity, graphs)
 
 
 class Renderer:
-    """Draws batches of views. Give each thread its own; the GIL is let go of meanwhile.
+    """Draws batches of views. Give each thread its own; drawing releases the GIL.
 
     Args:
         graphs, panoramas: of the same scans.
         backend: "cpu" (SIMD), "cpu-scalar" (slow, the reference), "gl" (OpenGL without a display).
         threads: that draw; 0: all cores.
         cache_bytes: of decoded faces that are kept; a panorama of 512 texels takes 6.4 MB of colour.
-        clamped_edges, eight_bit_depth: the old simulator's ways, for features made with it.
+        clamped_edges, eight_bit_depth: as the old simulator drew, for features made with it.
         device: an EGL device's index or UUID, for "gl"; empty: the first that works.
 
     Raises ArgumentError for what is not allowed, and for graphs and panoramas of different scans.
@@ -99,9 +99,9 @@ class Renderer:
                 "classes" ((n, h, w) uint16), "instances" ((n, h, w) uint32).
             ray_depth: depth along each pixel's ray instead.
             out: where to draw, by "colour" and the layers' names: contiguous writable arrays of those
-                shapes, of any library that speaks DLPack or the buffer protocol (NumPy, torch on the
+                shapes, of any library with DLPack or the buffer protocol (NumPy, torch on the
                 CPU). Depth may be uint16 (quarter millimetres), classes uint8, planar colour
-                float16. What is not in it is made.
+                float16. Arrays that are not in it are made.
 
         Returns the arrays by name, those of `out` themselves included. Raises ArgumentError for bad
         arguments; UnknownNameError, FileError, InvalidInput for pictures that are missing or broken.
@@ -161,7 +161,7 @@ class Renderer:
 
     def render_agents(self, simulator: Simulator, **options: Any) -> dict[str, Any]:
         """What each agent of a simulator sees now, with its camera; options as of render(). Raises
-        ArgumentError for a simulator of other scans, or with an agent that is nowhere yet."""
+        ArgumentError for a simulator of other scans, or an agent without an episode."""
         if simulator.graphs is not self.graphs and simulator.graphs.scans != self.graphs.scans:
             raise ArgumentError("the simulator and the renderer are of different scans")
         simulator._check_begun()
@@ -201,7 +201,7 @@ def _check_shape(name: str, colour: Optional[str], picture: Any, n: int, h: int,
     wanted = _shape(name, colour, n, h, w)
     if name not in ("colour", *_LAYERS):
         raise ArgumentError(f"out['{name}']: one of colour, {', '.join(_LAYERS)} is wanted")
-    if type(picture).__module__.startswith("jax"):  # it says nowhere that it may not be written
+    if type(picture).__module__.startswith("jax"):  # its arrays do not tell that they are read-only
         raise ArgumentError(f"out['{name}']: JAX's arrays never change, so nothing can be drawn there")
     shape = getattr(picture, "shape", None)
     if shape is None:

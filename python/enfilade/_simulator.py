@@ -1,4 +1,4 @@
-"""The batched simulator, with names where the core has indices."""
+"""The batched simulator, by names; the core has indices."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ Names = Union[Sequence[str], ArrayLike]
 
 @dataclass(frozen=True)
 class State:
-    """What a batch of n agents is in: arrays over the simulator's memory, which later calls write
-    over. Copy what has to stay. Rows of `navigable_*` hold navigable_count[k] entries: entry 0 is
-    the present viewpoint, the others follow by rising angle from the picture's middle; what lies
-    beyond is left over.
+    """The state of n agents: arrays over the simulator's memory, which later calls write
+    over. Copy what you want to keep. Rows of `navigable_*` hold navigable_count[k] entries: entry 0 is
+    the present viewpoint, the others follow by rising angle from the picture's middle; the rest is
+    undefined.
     """
 
     scan: NDArray[np.uint32]  #: (n,) index into Graphs.scans
@@ -43,8 +43,8 @@ class State:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A neighbour of a viewpoint, and which of the 36 views has it nearest to its middle: what
-    `make_candidate` of EnvDrop and its descendants finds by turning round."""
+    """A neighbour of a viewpoint, and which of the 36 views has it nearest to its middle: the
+    result of `make_candidate` of EnvDrop and its descendants."""
 
     viewpoint: str
     ix: int  #: its index in Graph.viewpoints
@@ -79,8 +79,8 @@ class CandidateTable:
 class Simulator:
     """Walks a batch of agents through the buildings of a `Graphs`. Opens no picture.
 
-    First the move, then the turn. A call that fails moves nobody. Give each thread its own; any
-    number of them share a Graphs. All calls let go of the GIL.
+    The move comes first, then the turn. A call that fails moves no agent. Give each thread its own; any
+    number of them share a Graphs. All calls release the GIL.
 
     Args:
         graphs: the buildings.
@@ -151,7 +151,7 @@ class Simulator:
         s = self.state
         self._views = ViewArrays(s.scan, s.viewpoint, s.heading, s.elevation)  # for a Renderer
         self._nothing = np.zeros(self.batch_size)
-        self._begun = False  # all agents, as far as it was asked
+        self._begun = False  # whether all agents have, as far as checked
 
     def new_episodes(
         self,
@@ -167,8 +167,8 @@ class Simulator:
             headings: (n,) radians clockwise from +y, or one number for all.
             elevations: (n,) radians above the horizon, or one number for all.
 
-        Raises UnknownNameError for an unknown name, ArgumentError for what else cannot be; then
-        everybody is where they were.
+        Raises UnknownNameError for an unknown name, ArgumentError for other invalid values; then
+        no agent has moved.
         """
         scan = scan_indices(self.graphs, scans)
         viewpoint = viewpoint_indices(self.graphs, scan, viewpoints)
@@ -210,7 +210,7 @@ class Simulator:
             heading_changes: (n,) radians, right positive; None: no turn.
             elevation_changes: (n,) radians, up positive; None: no turn.
 
-        Raises ArgumentError naming agent, value and range; then nobody has moved.
+        Raises ArgumentError naming agent, value and range; then no agent has moved.
         """
         self._core.step(
             _indices("indices", indices),
@@ -220,7 +220,7 @@ class Simulator:
         return self.state
 
     def viewpoint_ids(self) -> list[str]:
-        """Where the agents are, by name. Raises ArgumentError for one that is nowhere yet."""
+        """The viewpoints of the agents. Raises ArgumentError for an agent without an episode."""
         self._check_begun()
         scans = self.graphs.scans
         places = list(zip(self.state.scan.tolist(), self.state.viewpoint.tolist()))
@@ -259,7 +259,7 @@ class Simulator:
         return CandidateTable(*integers.T, *reals.T)
 
     def _check_begun(self) -> None:
-        """Raises ArgumentError naming an agent that is nowhere yet."""
+        """Raises ArgumentError naming an agent without an episode."""
         if self._begun:
             return
         if not self.state.navigable_count.all():
@@ -312,12 +312,12 @@ def viewpoint_indices(
 
 
 def _are_indices(values: Union[Names, ArrayLike]) -> TypeGuard[NDArray[np.uint32]]:
-    """As State has them: there is nothing to convert, which would take microseconds of every step."""
+    """Whether they are as in State. Then they need no conversion, which would take microseconds."""
     return type(values) is np.ndarray and values.dtype == np.uint32 and values.ndim == 1
 
 
 def _are_texts(array: NDArray[Any]) -> bool:
-    """NumPy's texts, or objects that are texts, as data frames have them."""
+    """Whether they are NumPy's texts, or objects that are texts, as in data frames."""
     objects = array.dtype.kind == "O" and array.size > 0
     return array.dtype.kind == "U" or (objects and all(isinstance(v, str) for v in array.flat))
 

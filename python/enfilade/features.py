@@ -35,7 +35,7 @@ Array = NDArray[np.float32]  #: (views, D)
 
 @dataclass(frozen=True)
 class FeatureInfo:
-    """What is true of a whole file. Texts are empty where it does not say."""
+    """What a file says of all its features. Texts are empty where it says nothing."""
 
     width: int = 640  #: of the camera, pixels
     height: int = 480
@@ -65,7 +65,7 @@ class Features(Mapping[Key, Array]):
     read-only. Any thread may read. Pickled, as spawn does it, it opens the file anew; after a fork,
     open HDF5 in the child.
 
-    Reading raises KeyError for a viewpoint that the file has not, InvalidInput (naming file and
+    Reading raises KeyError for a viewpoint that is not in the file, InvalidInput (naming file and
     viewpoint) for an array that is broken: another shape than the first, numbers that are not finite.
     """
 
@@ -113,9 +113,9 @@ class Features(Mapping[Key, Array]):
 
 
 def open_features(file: Union[str, Path]) -> Features:
-    """Opens a file of features; its suffix says what it is: .safetensors, .tsv, .h5, .hdf5.
+    """Opens a file of features; by its suffix: .safetensors, .tsv, .h5, .hdf5.
 
-    A TSV is taken to have 36 views; read_tsv() reads those of others. Raises ArgumentError for
+    A TSV is assumed to have 36 views; read_tsv() reads others. Raises ArgumentError for
     another suffix, OSError for a file that cannot be read, InvalidInput for one that is broken,
     ImportError naming the library that is missing.
     """
@@ -125,7 +125,7 @@ def open_features(file: Union[str, Path]) -> Features:
     if suffix not in openers:
         raise ArgumentError(f"{file}: one of {', '.join(openers)} is wanted")
     with open(file, "rb"):
-        pass  # Python's own words for a file that is not there
+        pass  # Python's own error for a missing file
     return openers[suffix](str(file))
 
 
@@ -158,9 +158,9 @@ def write_tsv(
 ) -> None:
     """Writes features by (scan, viewpoint), each (views, D), as float32; `vfov` in degrees.
 
-    The file has its name when it is whole, not before. `views` other than 36 are for read_tsv() with
+    The file appears under its name when it is complete. `views` other than 36 are for read_tsv() with
     the same: the format doesn't say how many there are. Raises ArgumentError naming the viewpoint for
-    what could not be read again, OSError for a file that cannot be written.
+    values that could not be read again, OSError for a file that cannot be written.
     """
     shape: tuple[int, ...] = ()
     with _whole_file(file) as part, open(part, "w", encoding="ascii") as out:
@@ -200,7 +200,7 @@ def write_safetensors(
     """Writes features by (scan, viewpoint), each (views, D) float32 or float16, as `enfilade features`
     writes its own: the 36 views in the order of viewIndex.
 
-    The file has its name when it is whole, not before. Raises ArgumentError naming the viewpoint for
+    The file appears under its name when it is complete. Raises ArgumentError naming the viewpoint for
     what the format does not have or could not be read again, OSError for a file that cannot be
     written.
     """
@@ -244,7 +244,7 @@ def _open_hdf5(file: str) -> Features:
         raise InvalidInput(f"{file}: no HDF5 file, or a damaged one: {error}") from error
 
     def dataset(name: str) -> Any:
-        # Links and data in other files could lead where nobody expects to read.
+        # Links and external data could make it read other files.
         linked = not isinstance(root.get(name, getlink=True), library.HardLink)
         found: Any = None if linked else root[name]
         if not isinstance(found, library.Dataset) or found.is_virtual or found.external:
@@ -268,7 +268,7 @@ def _open_hdf5(file: str) -> Features:
 
 @contextlib.contextmanager
 def _whole_file(file: Union[str, Path]) -> Iterator[Path]:
-    """A name beside a file's to write to; it becomes the file's when all went well, else it goes."""
+    """A temporary file beside `file`, renamed to it on success, else removed."""
     part = Path(f"{os.fspath(file)}.{os.getpid()}.part")
     try:
         yield part

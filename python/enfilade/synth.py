@@ -15,7 +15,7 @@ from enfilade._errors import ArgumentError
 
 @dataclass(frozen=True)
 class HomeReport:
-    """What was made."""
+    """What write_homes() has made."""
 
     homes: int
     paths: int  #: 0 for fewer than 3 homes: splits by building take as many
@@ -34,7 +34,7 @@ def write_homes(
     """Makes, or completes, a data folder of model homes; the same arguments give the same bytes.
 
     Args:
-        folder: new, empty, or of an earlier run that goes on.
+        folder: new, empty, or of an earlier run, which is continued.
         preset: "small" (a few viewpoints per home), "demo" (25 to 50), "full" (117 on average),
             "graphs" (homes like those of "demo" without pictures).
         homes: how many; 0: as many as the preset has.

@@ -59,6 +59,7 @@ void bind_r2r(nb::module_& module);
 void bind_environment(nb::module_& module);
 namespace mattersim {
 void bind(nb::module_& module);  ///< the old simulator's names, in a module of their own
-}
+void bind_cbf(nb::module_& module);
+}  // namespace mattersim
 
 }  // namespace enfilade::python

@@ -76,12 +76,11 @@ class ViewRenderer {
       throw ArgumentError(
           fmt::format("backend '{}': 'cpu', 'cpu-scalar' and 'gl' are allowed", backend));
     }
-    render::FaceCacheConfig cache;
-    cache.bytes = cache_bytes;
-    cache.prefetch_thread = false;  // would not survive a fork
-    render::RendererConfig config{*parsed, threads, {clamped_edges, eight_bit_depth}, device};
+    // Without the prefetch thread, which would not survive a fork.
+    const auto faces = std::make_shared<render::FaceCache>(
+        panoramas, render::FaceCacheConfig{.bytes = cache_bytes, .prefetch_thread = false});
     renderer_ =
-        render::make_renderer(std::make_shared<render::FaceCache>(panoramas, cache), config);
+        render::make_renderer(faces, {*parsed, threads, {clamped_edges, eight_bit_depth}, device});
   }
 
   void render(const ViewArrays& views, std::uint32_t width, std::uint32_t height, double vfov,

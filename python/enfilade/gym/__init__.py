@@ -19,7 +19,7 @@ ENV_ID = "RoomToRoom-v0"
 
 
 def register() -> None:
-    """Tells Gymnasium of RoomToRoom-v0; importing this module has done so already."""
+    """Registers RoomToRoom-v0 with Gymnasium; importing this module does so."""
     if ENV_ID not in gymnasium.registry:
         gymnasium.register(
             ENV_ID,

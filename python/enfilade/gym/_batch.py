@@ -18,8 +18,8 @@ from enfilade._renderer import Renderer, open_panoramas
 from enfilade.gym._config import EnvConfig, Transition
 
 RENDER_MODES = ["rgb_array", "ansi"]
-PI = np.float32(np.pi)  # above pi, as every angle that is rounded may be
-MOST_METRES = 1000  # of a candidate or a depth; no building comes near it
+PI = np.float32(np.pi)  # above pi, as a rounded angle may be
+MOST_METRES = 1000  # of a candidate or a depth; far above any building's
 
 # The renderer's names of layers, and what comes out.
 _LAYERS: dict[str, tuple[str, type[Any], float]] = {
@@ -65,7 +65,7 @@ class Batch:
         self.single_action_space = spaces.Discrete(int(self.core.action_count))
 
     def renderer(self) -> Renderer:
-        """Made when first wanted: graphs alone need no pictures."""
+        """Made at its first use, as graphs alone need no pictures."""
         if self._renderer is None:
             graphs = self.episodes.graphs
             panoramas = open_panoramas(os.fspath(self.config.data), graphs)
@@ -122,7 +122,7 @@ class Batch:
         self.read_instructions()
 
     def step(self, chosen: ArrayLike) -> NDArray[np.float64]:
-        """The rewards, (n,). Nobody has moved if it raises TypeError or ArgumentError."""
+        """The rewards, (n,). No agent has moved if it raises TypeError or ArgumentError."""
         actions = np.asarray(chosen)
         if actions.dtype.kind not in "iub":
             raise TypeError(f"actions of type {actions.dtype}: integers are wanted")
@@ -158,7 +158,7 @@ class Batch:
                 self.tokens[agent] = self.vocabulary.encode(text, self.config.tokens)
 
     def chosen_episodes(self, options: Optional[dict[str, Any]]) -> Optional[NDArray[np.int64]]:
-        """What reset(options={"episode": ...}) asks for: indices or instruction ids, one or n."""
+        """The episodes of reset(options={"episode": ...}): indices or instruction ids, one or n."""
         wanted = (options or {}).get("episode")
         if wanted is None:
             return None
@@ -178,11 +178,11 @@ class Batch:
     # --- what is seen -----------------------------------------------------------------------------
 
     def observe(self) -> dict[str, Any]:
-        """Arrays of their own by name, shape (n, ...), and a tuple of n texts."""
+        """Copies by name, shape (n, ...), and a tuple of n texts."""
         return {**self._numbers(), **self.pictures(self.config.observe)}
 
     def observe_again(self, seen: dict[str, Any], agents: NDArray[np.intp]) -> None:
-        """Brings what was observed up to date where only these agents have been reset since: the
+        """Updates an observation where only these agents have been reset since: the
         pictures of the others need not be drawn twice."""
         seen.update(self._numbers())
         for name, redrawn in self.pictures(self.config.observe, agents).items():
@@ -205,7 +205,7 @@ class Batch:
     def pictures(
         self, names: Sequence[str], agents: Optional[NDArray[np.intp]] = None
     ) -> dict[str, NDArray[Any]]:
-        """What the agents see now, or these of them."""
+        """What all agents, or these of them, see now."""
         if not names:
             return {}
         drawn = self.renderer()._draw(
@@ -223,7 +223,7 @@ class Batch:
         return ViewArrays(*(self.arrays[name][agents] for name in poses))
 
     def render(self, mode: Optional[str]) -> Optional[list[Any]]:
-        """What there is to be seen of each agent in a render mode; None for no mode."""
+        """The result of a render mode for each agent; None for no mode."""
         if mode is None:
             return None
         if not self._begun:

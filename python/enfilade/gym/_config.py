@@ -1,4 +1,4 @@
-"""What an environment is made from: plain data, so that it can be pickled to workers."""
+"""The configuration of an environment: plain data, so that it can be pickled to workers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LAYERS = ("rgb", "depth", "class", "instance")
 
 @dataclass(frozen=True)
 class Transition:
-    """What a reward function is told of one step of n agents."""
+    """One step of n agents, for a reward function."""
 
     distance_before: NDArray[np.float64]  #: (n,) to the goal along the graph, metres
     distance: NDArray[np.float64]  #: (n,) after the step
@@ -30,17 +30,17 @@ class Transition:
 
 @dataclass(frozen=True)
 class EnvConfig:
-    """Which episodes, what is seen, what can be done, what is paid for.
+    """Episodes, observations, actions and reward of an environment.
 
     Args:
         data: folder of graphs and annotations, and of pictures where `observe` wants some.
         split: "train", "val_seen", "val_unseen", ...
         actions: "viewpoint": 0 stops, k walks to candidate k and looks along the way; "six": left,
-            right, up, down (30 degrees), forward, stop. What is not possible leaves the agent where
-            it is.
+            right, up, down (30 degrees), forward, stop. An action that is not possible leaves
+            the agent where it is.
         reward: "progress" (metres nearer, 2 for a successful stop, -2 for another), "success" (1 for
             a successful stop), "none", or a function of a Transition that gives (n,) numbers; it has
-            to be importable by its name where the config is to be pickled.
+            to be importable by its name for the config to be pickled.
         max_steps: actions after which an episode is truncated.
         success_distance: metres, along the graph.
         observe: any of "rgb", "depth", "class", "instance".

@@ -65,16 +65,16 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
 
     @property
     def episodes(self) -> Episodes:
-        """Of the split; `arrays["episode"]` says which one is walked."""
+        """Of the split; `arrays["episode"]` says which one runs."""
         return self._batch.episodes
 
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """What the agent is in, by name, as of RoomToRoomVectorEnv.arrays with n = 1."""
+        """The state of the agent, by name, as in RoomToRoomVectorEnv.arrays with n = 1."""
         return self._batch.arrays
 
     def metrics(self) -> dict[str, float]:
-        """All metrics of what was walked in this episode so far (docs/r2r.md)."""
+        """All metrics of the path in this episode so far (docs/r2r.md)."""
         return self._batch.core.metrics(0)
 
     def render(self) -> Union[None, NDArray[np.uint8], str]:

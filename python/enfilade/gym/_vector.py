@@ -73,7 +73,7 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         options: Optional[dict[str, Any]] = None,
     ) -> tuple[Observation, dict[str, Any]]:
         """Begins an episode in every environment, or in those of options["reset_mask"]. Environment k of
-        seed s meets the episodes of a single one with seed s + k."""
+        seed s gets the episodes of a single one with seed s + k."""
         if isinstance(seed, (int, np.integer)):
             seed = [int(seed) + k for k in range(self.num_envs)]
         if seed is not None and len(seed) != self.num_envs:
@@ -108,19 +108,19 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
 
     @property
     def episodes(self) -> Episodes:
-        """Of the split; `arrays["episode"]` says which ones are walked."""
+        """Of the split; `arrays["episode"]` says which ones run."""
         return self._batch.episodes
 
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """What n agents are in, by name: scan, viewpoint (indices), heading, elevation (radians),
+        """The state of n agents, by name: scan, viewpoint (indices), heading, elevation (radians),
         step, episode, distance (metres), reward, terminated, truncated, began, success, spl: (n,);
         candidate_viewpoint (indices), candidate_mask: (n, m); candidates: (n, m, 3). Views of the
-        environment's memory, read-only, written over by the next call: teachers look here."""
+        environment's memory, read-only, written over by the next call: for teachers."""
         return self._batch.arrays
 
     def metrics(self, agent: int) -> dict[str, float]:
-        """All metrics of what an agent has walked in its episode so far (docs/r2r.md); with
+        """All metrics of the path of an agent in its episode so far (docs/r2r.md); with
         SAME_STEP that is the new episode already."""
         return self._batch.core.metrics(agent)
 

@@ -1,8 +1,13 @@
-#include "python/src/mattersim/cbf.h"
-
+// Fills the holes of depth pictures with a cross-bilateral filter on a pyramid of three sizes, as
+// the toolbox of the NYU Depth data set does (Silberman, Hoiem, Kohli, Fergus, ECCV 2012). A
+// missing pixel becomes the mean of the known ones within 5 pixels, weighted by nearness in place
+// and in brightness; where there are none, the value of the next smaller size. All pictures are
+// height x width, column after column; the result may be the depth picture itself.
 #include <array>
 #include <cmath>
 #include <vector>
+
+#include "python/src/bindings.h"
 
 namespace enfilade::python::mattersim {
 namespace {
@@ -111,17 +116,23 @@ void hand_up(const Level& small, Level& large) {
   }
 }
 
-}  // namespace
+using Picture = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::f_contig, nb::device::cpu>;
 
-void fill_holes(std::uint32_t height, std::uint32_t width, std::span<const std::uint8_t> depth,
-                std::span<const std::uint8_t> brightness, std::span<const std::uint8_t> missing,
-                std::span<std::uint8_t> result) {
-  Level full{static_cast<int>(height), static_cast<int>(width), {}, {}, {}, {}, {}};
+void cbf(const Picture& depth, const Picture& intensity, const Picture& mask,
+         const Picture& result) {
+  for (const Picture* other : {&intensity, &mask, &result}) {
+    if (other->shape(0) != depth.shape(0) || other->shape(1) != depth.shape(1)) {
+      throw nb::value_error("cbf: depth, intensity, mask and result must have one shape");
+    }
+  }
+  const nb::gil_scoped_release unlocked;
+  Level full{
+      static_cast<int>(depth.shape(0)), static_cast<int>(depth.shape(1)), {}, {}, {}, {}, {}};
   for (std::size_t i = 0; i < depth.size(); ++i) {
-    full.depth.push_back(static_cast<float>(depth[i] / 255.0));
-    full.brightness.push_back(static_cast<float>(brightness[i] / 255.0));
-    full.missing.push_back(static_cast<char>(missing[i] != 0));
-    full.usable.push_back(static_cast<char>(missing[i] == 0));
+    full.depth.push_back(static_cast<float>(depth.data()[i] / 255.0));
+    full.brightness.push_back(static_cast<float>(intensity.data()[i] / 255.0));
+    full.missing.push_back(static_cast<char>(mask.data()[i] != 0));
+    full.usable.push_back(static_cast<char>(mask.data()[i] == 0));
   }
   full.filled.resize(depth.size());
 
@@ -135,8 +146,19 @@ void fill_holes(std::uint32_t height, std::uint32_t width, std::span<const std::
     if (k > 0 && levels[k].size() > 0) hand_up(levels[k], levels[k - 1]);
   }
   for (std::size_t i = 0; i < depth.size(); ++i) {
-    result[i] = missing[i] != 0 ? static_cast<std::uint8_t>(levels[0].filled[i] * 255) : depth[i];
+    result.data()[i] = mask.data()[i] != 0 ? static_cast<std::uint8_t>(levels[0].filled[i] * 255)
+                                           : depth.data()[i];
   }
+}
+
+}  // namespace
+
+void bind_cbf(nb::module_& m) {
+  // Not converted: `result` has to be the caller's own memory.
+  m.def("cbf", cbf, nb::arg().noconvert(), nb::arg().noconvert(), nb::arg().noconvert(),
+        nb::arg().noconvert(),
+        "cbf(depth, intensity, mask, result): fills holes of depth; (H, W) uint8 in Fortran order, "
+        "`result` is written. mask: not 0 where depth is missing.");
 }
 
 }  // namespace enfilade::python::mattersim

@@ -5,7 +5,6 @@
 
 #include "python/src/bindings.h"
 #include "python/src/mattersim/arguments.h"
-#include "python/src/mattersim/cbf.h"
 #include "python/src/mattersim/simulator.h"
 
 namespace enfilade::python::mattersim {
@@ -84,22 +83,6 @@ nb::object get_state(Simulator& self) {
   return as_before([&] { return self.get_state(); });
 }
 
-using Picture = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::f_contig, nb::device::cpu>;
-
-void cbf(const Picture& depth, const Picture& intensity, const Picture& mask,
-         const Picture& result) {
-  const std::size_t height = depth.shape(0), width = depth.shape(1);
-  for (const Picture* other : {&intensity, &mask, &result}) {
-    if (other->shape(0) != height || other->shape(1) != width) {
-      throw nb::value_error("cbf: depth, intensity, mask and result must have one shape");
-    }
-  }
-  const std::size_t n = height * width;
-  const nb::gil_scoped_release unlocked;
-  fill_holes(static_cast<std::uint32_t>(height), static_cast<std::uint32_t>(width),
-             {depth.data(), n}, {intensity.data(), n}, {mask.data(), n}, {result.data(), n});
-}
-
 void bind_setters(nb::class_<Simulator>& c) {
   def_of_objects(c, "setDatasetPath", &Simulator::set_dataset_path,
                  "Folder of the scans' pictures. Default ./data/v1/scans/ (v0.1: ./data).");
@@ -155,11 +138,7 @@ void bind(nb::module_& m) {
   c.def(
       "timingInfo", [](const Simulator& self) { return self.timing_info(); },
       "How long what took, as text.");
-  // Not converted: `result` has to be the caller's own memory.
-  m.def("cbf", cbf, nb::arg().noconvert(), nb::arg().noconvert(), nb::arg().noconvert(),
-        nb::arg().noconvert(),
-        "cbf(depth, intensity, mask, result): fills holes of depth; (H, W) uint8 in Fortran order, "
-        "`result` is written. mask: not 0 where depth is missing.");
+  bind_cbf(m);
 }
 
 }  // namespace enfilade::python::mattersim

@@ -46,10 +46,9 @@ auto shared_by(const Key& key, const Make& make) {
 std::shared_ptr<render::FaceCache> shared_faces(
     const std::shared_ptr<const scan::PanoramaSet>& panoramas, std::size_t bytes) {
   return shared_by(std::pair(panoramas.get(), bytes), [&] {
-    render::FaceCacheConfig config;
-    config.bytes = bytes;
-    config.prefetch_thread = false;  // would not survive a fork
-    return std::make_shared<render::FaceCache>(panoramas, config);
+    // Without the prefetch thread, which would not survive a fork.
+    return std::make_shared<render::FaceCache>(
+        panoramas, render::FaceCacheConfig{.bytes = bytes, .prefetch_thread = false});
   });
 }
 
