@@ -13,7 +13,6 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/demo_learning.h"
 #include "apps/enfilade/home_pictures.h"
-#include "apps/enfilade/home_plan.h"
 #include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <system_error>
 #include <utility>
 
 #include "apps/enfilade/picture_files.h"
 #include "enfilade/dataset/views.h"
 #include "enfilade/draw/contact_sheet.h"
+#include "enfilade/draw/floor_plan.h"
 #include "enfilade/homes/home_set.h"
-#include "enfilade/homes/plan.h"
 #include "enfilade/render/pictures.h"
 
 namespace enfilade::apps {
@@ -24,24 +25,25 @@ constexpr double kVfov = 65;            // degrees
 constexpr Radians kDown = degrees(-8);  // as people look across a room
 
 struct Pose {
+  std::string scan;
   ViewpointIndex viewpoint;
   Radians heading;
 };
 
 struct Look {
+  std::string room;
   Pose pose;
   double worth = 0;
 };
 
 Camera camera_of(Size size) { return {size.width, size.height, degrees(kVfov)}; }
 
-render::View view_of(const dataset::Dataset& data, const std::string& scan, Pose pose,
-                     Radians elevation = kDown) {
-  return {data.graphs()->at(scan), pose.viewpoint, pose.heading, elevation};
+render::View view_of(const dataset::Dataset& data, const Pose& pose) {
+  return {data.graphs()->at(pose.scan), pose.viewpoint, pose.heading, kDown};
 }
 
-image::Image8 picture_of(const dataset::Dataset& data, const std::string& scan, Pose pose) {
-  return render_colour(data, view_of(data, scan, pose), camera_of(kThumb));
+image::Image8 picture_of(const dataset::Dataset& data, const Pose& pose) {
+  return render_colour(data, view_of(data, pose), camera_of(kThumb));
 }
 
 // Is what a pixel shows above this floor, or in the walls around it?
@@ -87,7 +89,7 @@ double interest(render::Renderer& renderer, const render::View& view, Vec3f eye,
 
 // Where one sees most of a room, from the viewpoints in it.
 std::optional<Look> best_look(const dataset::Dataset& data, const std::string& scan,
-                              const homes::RoomEntry& room, const Rect& floor) {
+                              const homes::RoomEntry& room) {
   const graph::NavGraph& graph = data.graphs()->graph(scan);
   const auto renderer =
       render::make_renderer(data.faces());  // hundreds of small views: one for all
@@ -97,10 +99,9 @@ std::optional<Look> best_look(const dataset::Dataset& data, const std::string& s
     const auto v = graph.find(id);
     if (!v) continue;
     for (std::size_t k = 0; k < kHeadings; ++k) {
-      const Pose pose{*v, degrees(360.0 * static_cast<double>(k) / kHeadings)};
-      const double worth =
-          interest(*renderer, view_of(data, scan, pose), graph.position(*v), floor);
-      if (worth > (best ? best->worth : 0)) best = Look{pose, worth};
+      const Pose pose{scan, *v, degrees(360.0 * static_cast<double>(k) / kHeadings)};
+      const double worth = interest(*renderer, view_of(data, pose), graph.position(*v), room.floor);
+      if (worth > (best ? best->worth : 0)) best = Look{room.name, pose, worth};
     }
   }
   return best;
@@ -114,55 +115,42 @@ void write_sheet(const fs::path& file, const std::vector<draw::SheetPicture>& pi
   write_output(file.string(), encode(draw::contact_sheet(pictures, options), file.string()));
 }
 
-// The place of the room that people spend their days in, else of that with most viewpoints.
-std::optional<std::size_t> main_room(const homes::HomeEntry& home) {
-  const auto& rooms = home.rooms;
+// The room that people spend their days in, else that with most viewpoints; null if there is none.
+const homes::RoomEntry* main_room(const homes::HomeEntry& home) {
   for (const char type : {'l', 'f', 'n', 'm', 'o', 'b'}) {
-    for (std::size_t r = 0; r < rooms.size(); ++r) {
-      if (rooms[r].type == type && !rooms[r].viewpoints.empty()) return r;
+    for (const homes::RoomEntry& room : home.rooms) {
+      if (room.type == type && !room.viewpoints.empty()) return &room;
     }
   }
-  if (rooms.empty()) return std::nullopt;
-  const auto most = std::ranges::max_element(
-      rooms, {}, [](const homes::RoomEntry& room) { return room.viewpoints.size(); });
-  return static_cast<std::size_t>(most - rooms.begin());
+  if (home.rooms.empty()) return nullptr;
+  return &*std::ranges::max_element(
+      home.rooms, {}, [](const homes::RoomEntry& room) { return room.viewpoints.size(); });
 }
 
 std::vector<draw::SheetPicture> views_of_homes(const dataset::Dataset& data,
                                                const std::vector<homes::HomeEntry>& homes) {
   std::vector<draw::SheetPicture> pictures;
   for (const homes::HomeEntry& home : homes) {
-    const auto room = main_room(home);
-    if (!room) continue;
-    const homes::Plan plan = homes::make_plan(home.plan);
-    const auto look = best_look(data, home.scan, home.rooms[*room], plan.rooms.at(*room).floor);
+    const homes::RoomEntry* room = main_room(home);
+    const auto look = room != nullptr ? best_look(data, home.scan, *room) : std::nullopt;
     if (!look) continue;
-    pictures.push_back({picture_of(data, home.scan, look->pose),
-                        fmt::format("{}, {}\n{}", home.scan, home.kind, home.rooms[*room].name)});
+    pictures.push_back({picture_of(data, look->pose),
+                        fmt::format("{}, {}\n{}", home.scan, home.kind, look->room)});
   }
   return pictures;
 }
 
-struct RoomLook {
-  std::string scan, name;
-  Look look;
-};
-
 // Of each type of room the one, in any home, of which one sees most.
-std::map<char, RoomLook> best_rooms(const dataset::Dataset& data,
-                                    const std::vector<homes::HomeEntry>& homes) {
-  std::map<char, RoomLook> best;
+std::map<char, Look> best_rooms(const dataset::Dataset& data,
+                                const std::vector<homes::HomeEntry>& homes) {
+  std::map<char, Look> best;
   for (const homes::HomeEntry& home : homes) {
-    const homes::Plan plan = homes::make_plan(home.plan);
-    for (std::size_t r = 0; r < home.rooms.size(); ++r) {
-      const homes::RoomEntry& room = home.rooms[r];
-      const auto look = best_look(data, home.scan, room, plan.rooms.at(r).floor);
-      if (!look) continue;
-      const auto known = best.find(room.type);
-      if (known != best.end() && known->second.look.worth >= look->worth) continue;
-      best[room.type] = {home.scan, room.name, *look};
+    for (const homes::RoomEntry& room : home.rooms) {
+      const auto look = best_look(data, home.scan, room);
+      if (look && look->worth > best[room.type].worth) best[room.type] = *look;
     }
   }
+  std::erase_if(best, [](const auto& entry) { return entry.second.worth == 0; });
   return best;
 }
 
@@ -177,7 +165,7 @@ bool draw_walk(const dataset::Dataset& data, const fs::path& file) {
     if (&episodes.path_of(episode) == &path) title += "  *  " + episode.text;
   }
   std::vector<draw::SheetPicture> pictures{
-      {picture_of(data, graph.scan(), {path.viewpoints.front(), path.heading}), "start"}};
+      {picture_of(data, {graph.scan(), path.viewpoints.front(), path.heading}), "start"}};
   Radians heading = path.heading;
   for (std::size_t i = 0; i < path.viewpoints.size(); ++i) {
     const bool last = i + 1 == path.viewpoints.size();
@@ -186,7 +174,7 @@ bool draw_walk(const dataset::Dataset& data, const fs::path& file) {
         heading = edge->heading;
       }
     }
-    pictures.push_back({picture_of(data, graph.scan(), {path.viewpoints[i], heading}),
+    pictures.push_back({picture_of(data, {graph.scan(), path.viewpoints[i], heading}),
                         last ? "goal" : fmt::format("{}", i)});
   }
   write_sheet(file, pictures, title, 4);
@@ -196,7 +184,8 @@ bool draw_walk(const dataset::Dataset& data, const fs::path& file) {
 }  // namespace
 
 std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& output) {
-  const auto homes = homes::read_home_list(folder);
+  std::vector<homes::HomeEntry> homes = homes::read_home_list(folder);
+  for (homes::HomeEntry& home : homes) home = homes::completed(std::move(home), folder);
   const dataset::Dataset data(folder);
   std::vector<std::string> files;
   const auto sheet = [&](const char* name, const std::vector<draw::SheetPicture>& pictures,
@@ -208,11 +197,10 @@ std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& outp
   sheet("homes.png", views_of_homes(data, homes),
         fmt::format("{} model homes (synthetic)", homes.size()));
   std::vector<draw::SheetPicture> views, panoramas;
-  for (const auto& [type, room] : best_rooms(data, homes)) {
-    const std::string caption = room.name + "\n" + room.scan;
-    views.push_back({picture_of(data, room.scan, room.look.pose), caption});
-    panoramas.push_back(
-        {render_panorama(data, view_of(data, room.scan, room.look.pose), kPanoramaWidth), caption});
+  for (const auto& [type, look] : best_rooms(data, homes)) {
+    const std::string caption = look.room + "\n" + look.pose.scan;
+    views.push_back({picture_of(data, look.pose), caption});
+    panoramas.push_back({render_panorama(data, view_of(data, look.pose), kPanoramaWidth), caption});
   }
   sheet("rooms.png", views, "Rooms of model homes (synthetic)");
   sheet("panoramas.png", panoramas, "A panorama of each type of room (synthetic)");
@@ -220,6 +208,24 @@ std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& outp
     files.emplace_back((output / "walk.png").string());
   }
   return files;
+}
+
+std::optional<draw::PlanUnderlay> home_underlay(const fs::path& folder,
+                                                const graph::NavGraph& graph) {
+  std::error_code code;
+  if (!fs::exists(folder / "homes.json", code)) return std::nullopt;
+  auto homes = homes::read_home_list(folder);
+  const auto entry = std::ranges::find(homes, graph.scan(), &homes::HomeEntry::scan);
+  if (entry == homes.end()) return std::nullopt;
+  // Lines of another number of storeys were made before the graph was changed.
+  if (entry->lines.storeys.size() != draw::find_storeys(graph).size()) entry->lines = {};
+  homes::HomeEntry home = homes::completed(std::move(*entry), folder);
+  for (const homes::RoomEntry& room : home.rooms) {
+    const Vec3d middle{(room.floor.x0 + room.floor.x1) / 2, (room.floor.y0 + room.floor.y1) / 2,
+                       room.elevation};
+    draw::add_text(home.lines, graph, to_float(middle), room.name);
+  }
+  return std::move(home.lines);
 }
 
 }  // namespace enfilade::apps

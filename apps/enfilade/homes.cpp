@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -28,20 +27,11 @@ struct Options {
   int threads = 0;
 };
 
-const std::map<std::string, homes::HomeKind>& kinds() {
-  static const std::map<std::string, homes::HomeKind> kKinds{
-      {"house", homes::HomeKind::kHouse},
-      {"flat", homes::HomeKind::kFlat},
-      {"office", homes::HomeKind::kOffice},
-      {"hotel", homes::HomeKind::kHotelFloor}};
-  return kKinds;
-}
-
 homes::HomeSetOptions set_of(const Options& o) {
   homes::HomeSetOptions set = homes::home_set_preset(o.preset);
   if (o.homes) set.homes = *o.homes;
   if (o.seed) set.seed = *o.seed;
-  if (!o.kind.empty()) set.kind = kinds().at(o.kind);
+  if (!o.kind.empty()) set.kind = homes::parse_home_kind(o.kind);
   if (o.area) {
     set.least_area = set.most_area = *o.area;
     set.stairs_every = 0;
@@ -115,7 +105,7 @@ void add_options(CLI::App& verb, Options& o) {
       ->check(whole_number(1, 10000))
       ->type_name("N");
   verb.add_option("--kind", o.kind, "house, flat, office or hotel; else a mixture")
-      ->check(CLI::IsMember(std::vector<std::string>{"house", "flat", "office", "hotel"}));
+      ->check(CLI::IsMember(homes::home_kinds()));
   verb.add_option("--area", o.area, "Of all storeys of a home, square metres, 60 to 3000")
       ->check(finite_number(homes::kLeastArea, homes::kMostArea));
   verb.add_option("--size", o.size, "Texels of a panorama's faces; 0: no pictures")

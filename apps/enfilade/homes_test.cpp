@@ -1,14 +1,22 @@
-// The real program, killed at many moments of its work: `enfilade homes` goes on where it was.
+// The real program: `enfilade homes` goes on where it was when it is killed, and writes files of
+// Matterport3D's kinds that our readers read.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <algorithm>
 #include <filesystem>
 #include <map>
+#include <regex>
 #include <string>
 #include <vector>
 
 #include "enfilade/homes/home_set.h"
+#include "enfilade/image/codecs.h"
+#include "enfilade/mesh/house.h"
+#include "enfilade/mesh/read_mesh.h"
 #include "enfilade/scan/connectivity.h"
+#include "enfilade/scan/matterport_images.h"
 #include "enfilade/scan/store.h"
+#include "enfilade/scan/undistorted_cameras.h"
 #include "tests/support/folder_content.h"
 #include "tests/support/process.h"
 #include "tests/support/temporary_folder.h"
@@ -144,6 +152,80 @@ TEST(KilledHomes, GoOnWherePathsWereAndGetTheSameBytes) {
                {"homes.json", "r2r/R2R_train.json", "r2r/R2R_test.json", "hidden/R2R_test.json"});
   EXPECT_EQ(Process(paths_in(folder.path())).wait(), 0);
   expect_same(folder.path(), reference);
+}
+
+std::string plan_of(const fs::path& folder, const fs::path& file) {
+  Process run(
+      {EN_PROGRAM, "graph", "draw", "home_0001", "--data", folder.string(), "-o", file.string()});
+  EXPECT_EQ(run.wait(), 0);
+  return read_file(file);
+}
+
+TEST(DrawnHomes, LookTheSameByAListOfAnEarlierVersion) {
+  const TemporaryFolder folder("homes"), drawn("drawn");
+  EXPECT_EQ(Process(paths_in(folder.path())).wait(), 0);
+  const std::string plan = plan_of(folder.path(), drawn.path() / "new.svg");
+  EXPECT_THAT(plan, testing::HasSubstr("furniture"));
+  EXPECT_THAT(plan, testing::HasSubstr("living room"));
+  const fs::path list = folder.path() / "homes.json";
+  const std::regex lines(R"("lines":\[.*?\}\],?)"), floor(R"("floor":\[[^\]]*\],)"),
+      elevation(R"("elevation":[^,]*,)");
+  std::string old = read_file(list);
+  for (const std::regex& later : {lines, floor, elevation}) {
+    const std::string shorter = std::regex_replace(old, later, "");
+    EXPECT_LT(shorter.size(), old.size());
+    old = shorter;
+  }
+  write_file_atomically(list, std::regex_replace(old, std::regex(",\\}"), "}"));
+  EXPECT_EQ(plan_of(folder.path(), drawn.path() / "old.svg"), plan);
+}
+
+TEST(HomeParts, AreReadByOurReaders) {
+  const TemporaryFolder folder("homes");
+  Process run({EN_PROGRAM, "homes", "-o", folder.path().string(), "--preset", "small", "--homes",
+               "1", "--size", "8", "--image-width", "20", "--parts", "all", "--paths", "0"});
+  ASSERT_EQ(run.wait(), 0);
+  const homes::HomeEntry home = homes::read_home_list(folder.path()).at(0);
+  const fs::path scan = folder.path() / "v1" / "scans" / home.scan;
+
+  const fs::path house_file = scan / "house_segmentations" / (home.scan + ".house");
+  const mesh::House house = mesh::parse_house(read_file(house_file), house_file.string());
+  ASSERT_EQ(house.regions.size(), home.rooms.size());
+  for (std::size_t r = 0; r < home.rooms.size(); ++r) {
+    EXPECT_EQ(house.regions[r].label, home.rooms[r].type);
+    EXPECT_NEAR(house.regions[r].box.low.x, home.rooms[r].floor.x0, 0.001);
+    EXPECT_NEAR(house.regions[r].box.high.y, home.rooms[r].floor.y1, 0.001);
+  }
+  EXPECT_EQ(house.panoramas.size(), home.viewpoints);
+
+  const auto triangles = [](const fs::path& file) {
+    return mesh::read_mesh(file).mesh.triangles.size();
+  };
+  EXPECT_EQ(triangles(scan / "house_segmentations" / (home.scan + ".ply")), home.triangles);
+  const fs::path meshes = fs::directory_iterator(scan / "matterport_mesh")->path();
+  const std::string name = (meshes / meshes.filename()).string();
+  EXPECT_EQ(triangles(name + ".glb"), home.triangles);
+  EXPECT_EQ(triangles(name + ".obj"), home.triangles);
+
+  const auto graph = scan::load_connectivity(folder.path() / "connectivity", home.scan);
+  const auto faces =
+      scan::MatterportImages::open(folder.path(), folder.path() / "connectivity", home.scan);
+  ASSERT_EQ(faces->size(), graph.entries.size());
+  for (std::size_t v = 0; v < graph.entries.size(); ++v) {
+    EXPECT_EQ(faces->poses()[v].viewpoint, graph.entries[v].id);
+    EXPECT_EQ(faces->face_sizes(ViewpointIndex(v)), (scan::FaceSizes{8, 8, 8, 8}));
+  }
+
+  const fs::path camera_file = scan / "undistorted_camera_parameters" / (home.scan + ".conf");
+  const auto cameras =
+      scan::parse_undistorted_cameras(read_file(camera_file), camera_file.string()).cameras;
+  EXPECT_EQ(cameras.size(), 18 * home.viewpoints);
+  for (const scan::UndistortedCamera& camera : cameras) {
+    const std::string jpeg = read_file(scan / "undistorted_color_images" / camera.colour_file);
+    const std::string png = read_file(scan / "undistorted_depth_images" / camera.depth_file);
+    EXPECT_EQ(image::decode_jpeg(image::bytes_of(jpeg), camera.colour_file).width, 20U);
+    EXPECT_EQ(image::decode_png16(image::bytes_of(png), camera.depth_file).height, 16U);
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "enfilade/homes/home.h"
+#include "enfilade/homes/home_set.h"
 #include "enfilade/mesh/ray_tracer.h"
 #include "enfilade/scan/connectivity.h"
 
@@ -20,5 +21,9 @@ BuiltHome build_home(const PlanOptions& options, Surfaces surfaces = Surfaces::k
 /// Viewpoints on the floors of all rooms, and edges, from the mesh alone. What lies outside the
 /// rooms (grass, roofs) is no floor.
 scan::Connectivity build_graph(const BuiltHome& built, const std::string& scan, int threads);
+
+/// The list's entry of a home with this graph. \param plan what the home was made with
+HomeEntry describe(const Home& home, const PlanOptions& plan,
+                   const scan::Connectivity& connectivity);
 
 }  // namespace enfilade::homes

@@ -15,7 +15,6 @@
 #include "enfilade/graph/corrections.h"
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/homes/built_home.h"
-#include "enfilade/homes/sets/home_corrections.h"
 #include "enfilade/homes/sets/home_list.h"
 #include "enfilade/mesh/lighting.h"
 #include "enfilade/scan/connectivity.h"
@@ -26,7 +25,6 @@ namespace enfilade::homes {
 namespace {
 
 namespace fs = std::filesystem;
-using sets::HomeCorrections;
 using sets::HomeList;
 
 constexpr std::string_view kMarker = "# Model homes: a SYNTHETIC data set made by Enfilade\n";
@@ -40,52 +38,19 @@ constexpr const char* kShards = "shards";
 // In an entry's place for a checksum: its graph is just being corrected anew.
 constexpr const char* kUnfinished = "unfinished";
 
-struct Preset {
-  std::string_view name;
-  HomeSetOptions options;
-};
-
-const std::array<Preset, 4>& presets() {
-  static const std::array<Preset, 4> kPresets = [] {
-    HomeSetOptions small;
-    small.homes = 2;
-    small.kind = HomeKind::kFlat;
-    small.least_area = small.most_area = 60;
-    small.face_size = 64;
-    small.samples = 1;
-    HomeSetOptions demo;
-    demo.least_area = 85;
-    demo.most_area = 100;
-    demo.stairs_every = 8;
-    HomeSetOptions full;
-    full.homes = 90;
-    full.least_area = 350;
-    full.most_area = 850;
-    full.face_size = 512;
-    HomeSetOptions graphs = demo;
-    graphs.homes = 6;
-    graphs.face_size = 0;
-    return std::array<Preset, 4>{
-        {{"small", small}, {"demo", demo}, {"full", full}, {"graphs", graphs}}};
-  }();
-  return kPresets;
-}
-
 void validate(const HomeSetOptions& o) {
   const auto check = [](bool good, const std::string& message) {
     if (!good) throw ArgumentError(message);
   };
-  check(o.homes >= 1 && o.homes <= kMostHomes,
-        fmt::format("homes: {}, not from 1 to {}", o.homes, kMostHomes));
+  check_range("homes", static_cast<double>(o.homes), 1, kMostHomes);
   check((o.least_area == 0 && o.most_area == 0) ||
             (o.least_area >= kLeastArea && o.most_area <= kMostArea && o.least_area <= o.most_area),
         fmt::format("area: {} to {} m2, not a range within {} to {}, or 0", o.least_area,
                     o.most_area, kLeastArea, kMostArea));
-  check(o.face_size <= 4096, fmt::format("face_size: {}, not from 0 to 4096", o.face_size));
+  check_range("face_size", o.face_size, 0, 4096);
   check(o.samples == 1 || o.samples == 4 || o.samples == 9 || o.samples == 16,
         fmt::format("samples: {}, not 1, 4, 9 or 16", o.samples));
-  check(o.jpeg_quality >= 1 && o.jpeg_quality <= 100,
-        fmt::format("jpeg_quality: {}, not from 1 to 100", o.jpeg_quality));
+  check_range("jpeg_quality", o.jpeg_quality, 1, 100);
   check(o.shard.index < o.shard.count && o.shard.count <= kMostHomes,
         fmt::format("shard: index {} of {}, not below it or not from 1 to {}", o.shard.index,
                     o.shard.count, kMostHomes));
@@ -93,10 +58,15 @@ void validate(const HomeSetOptions& o) {
 
 std::string scan_name(std::size_t home) { return fmt::format("home_{:04}", home + 1); }
 
-std::vector<std::string> scan_names(std::size_t homes) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < homes; ++i) names.push_back(scan_name(i));
-  return names;
+// The place of a home in the set. Refuses another name, at `where` of `file`.
+std::size_t place_of(const std::string& scan, std::size_t homes, const fs::path& file,
+                     const std::string& where) {
+  for (std::size_t i = 0; i < homes; ++i) {
+    if (scan_name(i) == scan) return i;
+  }
+  refuse(file.string(), where, "unknown-scan",
+         fmt::format("{:?} is none of the {} homes of this set: {} to {}", scan, homes,
+                     scan_name(0), scan_name(homes - 1)));
 }
 
 bool has_stairs(const HomeSetOptions& options, std::size_t home) {
@@ -141,6 +111,52 @@ std::string readme(const HomeSetOptions& o) {
       kMarker, o.homes, o.seed, o.face_size);
 }
 
+// People's corrections to the graph of one home.
+struct HomeCorrections {
+  fs::path file;
+  graph::Corrections corrections;
+  std::string checksum;  // of what they say, however it is laid out; 16 hex digits
+};
+
+constexpr std::string_view kSuffix = "_corrections.json";
+
+// In the order of their names, so that the same fault is reported first everywhere.
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::error_code code;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder, code)) {
+    if (entry.path().filename().string().ends_with(kSuffix)) files.push_back(entry.path());
+  }
+  if (code) throw FileError(fmt::format("{}: cannot open: {}", folder.string(), code.message()));
+  if (files.empty()) {
+    throw FileError(
+        fmt::format("{}: holds no corrections: SCAN{} is expected", folder.string(), kSuffix));
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+// All of a folder by the homes' places in the set; none for an empty path.
+std::map<std::size_t, HomeCorrections> load_home_corrections(const fs::path& folder,
+                                                             std::size_t homes) {
+  std::map<std::size_t, HomeCorrections> all;
+  if (folder.empty()) return all;
+  for (const fs::path& file : files_in(folder)) {
+    std::string scan = file.filename().string();
+    scan.resize(scan.size() - kSuffix.size());
+    const std::size_t home = place_of(scan, homes, file, "");
+    graph::Corrections corrections = graph::load_corrections(file);
+    if (corrections.scan != scan) {
+      refuse(file.string(), "$.scan", "other-scan",
+             fmt::format("{:?}, and the file is named after {:?}", corrections.scan, scan));
+    }
+    const std::string text = to_json(corrections);
+    const std::string checksum = fmt::format("{:016x}", stream_of(text.data(), text.size()));
+    all[home] = {file, std::move(corrections), checksum};
+  }
+  return all;
+}
+
 // Homes by their places in the set.
 using Homes = std::map<std::size_t, HomeEntry>;
 
@@ -153,24 +169,24 @@ void add_list(const fs::path& file, const fs::path& folder, const HomeSetOptions
     throw FileError(fmt::format("{}: holds homes made with other options ({}); name another folder",
                                 folder.string(), differs));
   }
-  const std::vector<std::string> names = scan_names(options.homes);
   for (std::size_t i = 0; i < list.homes.size(); ++i) {
-    HomeEntry& home = list.homes[i];
-    const auto name = std::ranges::find(names, home.scan);
-    if (name == names.end()) {
-      throw InvalidInput(
-          {{Severity::kError, file.string(), fmt::format("$.homes[{}].scan", i), "unknown-scan",
-            fmt::format("{:?} is none of the {} homes of this set: {} to {}", home.scan,
-                        names.size(), names.front(), names.back())}});
-    }
-    homes[static_cast<std::size_t>(name - names.begin())] = std::move(home);
+    const std::string where = fmt::format("$.homes[{}].scan", i);
+    const std::size_t place = place_of(list.homes[i].scan, options.homes, file, where);
+    homes[place] = std::move(list.homes[i]);
   }
+}
+
+// Unless it has this content: demos make anew what is older than the list of its homes.
+void write_changed(const fs::path& file, const std::string& content) {
+  std::error_code code;
+  if (fs::exists(file, code) && read_file(file) == content) return;
+  write_file_atomically(file, content);
 }
 
 void write_list(const fs::path& file, const HomeSetOptions& options, const Homes& homes) {
   HomeList list{options, {}};
   for (const auto& [place, home] : homes) list.homes.push_back(home);
-  write_file_atomically(file, sets::to_json(list));
+  write_changed(file, sets::to_json(list));
 }
 
 // The homes of earlier runs with the same options, or none in a folder that is claimed.
@@ -201,30 +217,6 @@ Homes claim(const fs::path& folder, const HomeSetOptions& options) {
   // Before any home: what a killed run leaves must not pass for that of other options.
   write_list(list_file, options, homes);
   return homes;
-}
-
-HomeEntry describe(const BuiltHome& built, const PlanOptions& plan,
-                   const scan::Connectivity& connectivity) {
-  const graph::NavGraph graph(connectivity);
-  HomeEntry entry;
-  entry.scan = connectivity.scan;
-  entry.plan = plan;
-  entry.kind = to_string(built.home.plan.kind);
-  entry.viewpoints = graph.included_count();
-  entry.edges = graph.edge_count() / 2;
-  entry.triangles = built.home.mesh.triangles.size();
-  for (const PlanRoom& room : built.home.plan.rooms) {
-    entry.rooms.push_back({room.type, room.name, room.storey, {}});
-  }
-  for (std::size_t v = 0; v < connectivity.entries.size(); ++v) {
-    const scan::ConnectivityEntry& viewpoint = connectivity.entries[v];
-    Vec3d foot = viewpoint.position();
-    foot.z -= viewpoint.height;
-    if (const auto room = room_at(built.home.plan, foot)) {
-      entry.rooms[*room].viewpoints.push_back(viewpoint.id);
-    }
-  }
-  return entry;
 }
 
 void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivity,
@@ -272,7 +264,7 @@ class HomeWriter {
       : folder_(folder), options_(options), progress_(progress) {}
 
   HomeSetReport run() {
-    corrections_ = sets::load_home_corrections(options_.corrections, scan_names(options_.homes));
+    corrections_ = load_home_corrections(options_.corrections, options_.homes);
     homes_ = claim(folder_, options_);
     for (const char* part : {"connectivity", "regions"}) make_folder(folder_ / part);
     if (whole()) gather();
@@ -282,6 +274,8 @@ class HomeWriter {
         make(i);
       } else if (found->second.corrections != wanted(i)) {
         correct_again(i);
+      } else if (found->second.lines.storeys.empty()) {
+        save(i, completed(found->second, folder_), wanted(i));
       }
       if (options_.parts.any()) write_parts(i);
       report_.homes.push_back(homes_.at(i));
@@ -293,7 +287,7 @@ class HomeWriter {
   bool whole() const { return options_.shard.count == 1; }
 
   const HomeCorrections* corrections_of(std::size_t home) const {
-    const auto found = corrections_.find(scan_name(home));
+    const auto found = corrections_.find(home);
     return found == corrections_.end() ? nullptr : &found->second;
   }
   std::string wanted(std::size_t home) const {
@@ -334,7 +328,7 @@ class HomeWriter {
                     [&](std::size_t done, std::size_t) { tell(kBuilt + done); });
     }
     tell(kUnits);
-    save(home, describe(built, plan, corrected), wanted(home));
+    save(home, describe(built.home, plan, corrected), wanted(home));
   }
 
   // Of the graph as it was found, as in make(). What is there is kept.
@@ -365,7 +359,7 @@ class HomeWriter {
     save(home, old, kUnfinished);
     const BuiltHome built = build(home, old.plan, Surfaces::kPlain);
     const scan::Connectivity found = build_graph(built, old.scan, options_.threads);
-    save(home, describe(built, old.plan, write_graph(home, found)), wanted(home));
+    save(home, describe(built.home, old.plan, write_graph(home, found)), wanted(home));
   }
 
   BuiltHome build(std::size_t home, const PlanOptions& plan, Surfaces surfaces) const {
@@ -413,7 +407,7 @@ class HomeWriter {
   const fs::path& folder_;
   const HomeSetOptions& options_;
   const SetProgress& progress_;
-  std::map<std::string, HomeCorrections> corrections_;
+  std::map<std::size_t, HomeCorrections> corrections_;
   Homes homes_;
   HomeSetReport report_;
 };
@@ -421,17 +415,33 @@ class HomeWriter {
 }  // namespace
 
 HomeSetOptions home_set_preset(std::string_view name) {
-  for (const Preset& preset : presets()) {
-    if (preset.name == name) return preset.options;
+  HomeSetOptions o;
+  if (name == "small") {
+    o.homes = 2;
+    o.kind = HomeKind::kFlat;
+    o.least_area = o.most_area = kLeastArea;
+    o.face_size = 64;
+    o.samples = 1;
+  } else if (name == "full") {
+    o.homes = 90;
+    o.least_area = 350;
+    o.most_area = 850;
+    o.face_size = 512;
+  } else if (name == "demo" || name == "graphs") {
+    o.least_area = 85;
+    o.most_area = 100;
+    o.stairs_every = 8;
+  } else {
+    throw ArgumentError(fmt::format("preset: {:?} is none of small, demo, full, graphs", name));
   }
-  throw ArgumentError(fmt::format("preset: {:?} is none of small, demo, full, graphs", name));
+  if (name == "graphs") {
+    o.homes = 6;
+    o.face_size = 0;
+  }
+  return o;
 }
 
-std::vector<std::string> home_set_presets() {
-  std::vector<std::string> names;
-  for (const Preset& preset : presets()) names.emplace_back(preset.name);
-  return names;
-}
+std::vector<std::string> home_set_presets() { return {"small", "demo", "full", "graphs"}; }
 
 HomeSetReport write_homes(const fs::path& folder, const HomeSetOptions& options,
                           const SetProgress& progress) {

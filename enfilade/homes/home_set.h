@@ -11,6 +11,7 @@
 #include "enfilade/capture/scan_files.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/shard.h"
+#include "enfilade/draw/plan_underlay.h"
 #include "enfilade/homes/plan.h"
 
 namespace enfilade::homes {
@@ -51,6 +52,8 @@ struct RoomEntry {
   char type = '-';  ///< Matterport3D's region letter
   std::string name;
   unsigned storey = 0;
+  Rect floor;                           ///< inner faces of its walls; world, metres
+  double elevation = 0;                 ///< z of its floor; world, metres
   std::vector<std::string> viewpoints;  ///< ids of those in the room
 };
 
@@ -61,7 +64,10 @@ struct HomeEntry {
   std::string kind;
   std::size_t viewpoints = 0, edges = 0, triangles = 0;
   std::vector<RoomEntry> rooms;  ///< in the plan's order: a room's index is its region
-  std::string corrections;       ///< checksum of the corrections in its graph; empty: none
+  /// Walls, doors, windows, stairs and furniture of each storey of its graph, to the millimetre;
+  /// without z and texts. No storeys: not kept, see completed().
+  draw::PlanUnderlay lines;
+  std::string corrections;  ///< checksum of the corrections in its graph; empty: none
 };
 
 /// What write_homes() has done.
@@ -90,6 +96,11 @@ HomeSetReport write_homes(const std::filesystem::path& folder, const HomeSetOpti
 
 /// The list of a folder. \throws FileError, InvalidInput
 std::vector<HomeEntry> read_home_list(const std::filesystem::path& folder);
+
+/// An entry of the folder's list with its lines and its rooms' floors. Lists that Enfilade wrote
+/// before it kept these lack them; then the home is made again, in less than a second. \throws as
+/// make_home(), scan::load_connectivity()
+HomeEntry completed(HomeEntry home, const std::filesystem::path& folder);
 
 inline constexpr std::size_t kLeastHomes = 3;  ///< fewer cannot be split by building
 

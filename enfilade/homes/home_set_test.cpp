@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -122,6 +123,56 @@ TEST(HomeSet, KeepsHomesMadeBeforeAFailure) {
   EXPECT_THAT(made, testing::ElementsAre("home_0003"));
   write_homes(whole.path(), tiny(3, 0));
   EXPECT_EQ(content_of(folder.path()), content_of(whole.path()));
+}
+
+// Takes what earlier versions did not write out of a folder's list.
+void make_old(const fs::path& folder) {
+  auto list = nlohmann::ordered_json::parse(read_file(folder / "homes.json"));
+  for (auto& home : list["homes"]) {
+    home.erase("lines");
+    for (auto& room : home["rooms"]) {
+      room.erase("floor");
+      room.erase("elevation");
+    }
+  }
+  write_file_atomically(folder / "homes.json", list.dump(1));
+}
+
+TEST(HomeSet, ListsHavePlansAndThoseOfEarlierVersionsAreCompleted) {
+  const TemporaryFolder folder("homes");
+  HomeSetOptions options = tiny(2, 0);
+  options.kind = HomeKind::kHouse;
+  options.least_area = options.most_area = 0;
+  options.stairs_every = 2;
+  const HomeEntry made = write_homes(folder.path(), options).homes[1];
+  const Plan plan = make_plan(made.plan);
+  ASSERT_EQ(made.rooms.size(), plan.rooms.size());
+  for (std::size_t r = 0; r < plan.rooms.size(); ++r) {
+    EXPECT_NEAR(made.rooms[r].floor.x0, plan.rooms[r].floor.x0, 0.0005);
+    EXPECT_NEAR(made.rooms[r].floor.y1, plan.rooms[r].floor.y1, 0.0005);
+    EXPECT_NEAR(made.rooms[r].elevation, plan.storeys[plan.rooms[r].storey].floor, 0.0005);
+  }
+  ASSERT_EQ(made.lines.storeys.size(), 2U);
+  using Kind = draw::UnderlayLine::Kind;
+  for (const Kind kind : {Kind::kThing, Kind::kStairs, Kind::kWindow, Kind::kDoor, Kind::kWall}) {
+    EXPECT_TRUE(std::ranges::count(made.lines.storeys[0].lines, kind, &draw::UnderlayLine::kind));
+  }
+
+  const auto whole = content_of(folder.path());
+  make_old(folder.path());
+  const HomeEntry old = read_home_list(folder.path())[1];
+  EXPECT_TRUE(old.lines.storeys.empty());
+  EXPECT_EQ(old.rooms[0].floor.area(), 0);
+  const HomeEntry again = completed(old, folder.path());
+  EXPECT_EQ(again.rooms[0].floor.x0, made.rooms[0].floor.x0);
+  EXPECT_EQ(again.lines.storeys[0].lines.size(), made.lines.storeys[0].lines.size());
+  write_homes(folder.path(), options, [](const std::string& home, std::size_t, std::size_t) {
+    ADD_FAILURE() << home << " is made again";
+  });
+  EXPECT_EQ(content_of(folder.path()), whole);
+  const auto time = fs::last_write_time(folder.path() / "homes.json");
+  write_homes(folder.path(), options);
+  EXPECT_EQ(fs::last_write_time(folder.path() / "homes.json"), time) << "nothing is new in it";
 }
 
 TEST(HomeSet, SharesMakeTheSameSetInAnyOrder) {

@@ -1,24 +1,31 @@
 #include "enfilade/homes/plan.h"
 
 #include <fmt/format.h>
+#include <algorithm>
+#include <array>
 
 #include "enfilade/homes/plan/draws.h"
 
 namespace enfilade::homes {
 
+namespace {
+
+// In the order of HomeKind.
+constexpr std::array<std::string_view, 4> kKinds{"house", "flat", "office", "hotel"};
+
+}  // namespace
+
 std::string to_string(HomeKind kind) {
-  switch (kind) {
-    case HomeKind::kHouse:
-      return "house";
-    case HomeKind::kFlat:
-      return "flat";
-    case HomeKind::kOffice:
-      return "office";
-    case HomeKind::kHotelFloor:
-      return "hotel";
-  }
-  return "house";
+  return std::string(kKinds.at(static_cast<std::size_t>(kind)));
 }
+
+std::optional<HomeKind> parse_home_kind(std::string_view name) {
+  const auto found = std::ranges::find(kKinds, name);
+  if (found == kKinds.end()) return std::nullopt;
+  return static_cast<HomeKind>(found - kKinds.begin());
+}
+
+std::vector<std::string> home_kinds() { return {kKinds.begin(), kKinds.end()}; }
 
 void check_options(const PlanOptions& o) {
   const auto check = [](bool good, const std::string& message) {
@@ -27,8 +34,7 @@ void check_options(const PlanOptions& o) {
   check(o.area == 0 || (o.area >= kLeastArea && o.area <= kMostArea),
         fmt::format("area: {} m2, not from {} to {}, or 0", o.area, kLeastArea, kMostArea));
   if (!o.storeys) return;
-  check(*o.storeys >= 1 && *o.storeys <= 3,
-        fmt::format("storeys: {}, not from 1 to 3", *o.storeys));
+  check_range("storeys", *o.storeys, 1, 3);
   const bool one = o.kind == HomeKind::kFlat || o.kind == HomeKind::kHotelFloor;
   check(!one || *o.storeys == 1,
         fmt::format("storeys: {}, but flats and hotel floors have 1", *o.storeys));

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "enfilade/core/errors.h"
@@ -13,14 +14,17 @@ namespace enfilade::homes {
 /// What kind of building it is.
 enum class HomeKind : std::uint8_t { kHouse, kFlat, kOffice, kHotelFloor };
 std::string to_string(HomeKind kind);  ///< "house", "flat", "office", "hotel"
+/// The kind of this name, if there is one.
+std::optional<HomeKind> parse_home_kind(std::string_view name);
+std::vector<std::string> home_kinds();  ///< all names
 
 /// What is asked of a plan; the rest is drawn from the seed.
 struct PlanOptions {
   std::uint64_t seed = 1;
   std::optional<HomeKind> kind;     ///< none: drawn
   std::optional<unsigned> storeys;  ///< 1 .. 3 (flats and hotel floors have 1); none: drawn
-  double area =
-      0;  ///< m2 of all storeys, 60 .. 3000 and, with stairs, 85 or more a storey; 0: drawn
+  /// m2 of all storeys, 60 .. 3000 and, with stairs, 85 or more a storey; 0: drawn
+  double area = 0;
 };
 
 /// Limits of PlanOptions::area, m2 of all storeys.

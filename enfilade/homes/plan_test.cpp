@@ -7,7 +7,6 @@
 #include <string>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/homes/plan/check.h"
 #include "enfilade/homes/plan/draws.h"
 #include "tests/support/refusal.h"
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::mesh {
 namespace {
@@ -111,7 +112,7 @@ TEST(MeshBuilder, SolidsAreClosedAndFaceOutwards) {
   for (const Solid& solid : solids()) {
     SCOPED_TRACE(solid.name);
     Built built;
-    built.builder.begin_object("thing", 39, 0, {{1, -2, 0.5}, 0.7});
+    built.builder.begin_object("thing", Mpcat40::kObjects, 0, {{1, -2, 0.5}, 0.7});
     solid.add(built.builder, built.paint);
     expect_sound(built.mesh);
     EXPECT_TRUE(closed(built.mesh));
@@ -151,9 +152,9 @@ TEST(MeshBuilder, TurnsAndMovesObjects) {
   Built built;
   const Placement placement{{10, 20, 0}, std::numbers::pi / 2};
   EXPECT_EQ(placement.to_world({1, 0, 2}), (Vec3d{10, 21, 2}));  // quarter turns are exact
-  const auto first = built.builder.begin_object("table", 5, 3, placement);
+  const auto first = built.builder.begin_object("table", Mpcat40::kTable, 3, placement);
   built.builder.box(built.paint, {0, 0, 0}, {2, 1, 1});
-  const auto second = built.builder.begin_object("chair", 3, 3);
+  const auto second = built.builder.begin_object("chair", Mpcat40::kChair, 3);
   EXPECT_EQ(first, 0U);
   EXPECT_EQ(second, 1U);
   const Box box = bounds(built.mesh);

@@ -6,6 +6,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/mesh/mpcat40.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::mesh {
@@ -138,12 +139,12 @@ TEST_F(HouseMesh, JoinsTheFourFiles) {
   EXPECT_THAT(mesh.triangle_object, ElementsAre(1, 1, 2));
   ASSERT_EQ(mesh.objects.size(), 3U);
   EXPECT_EQ(mesh.objects[0].name, "door");
-  EXPECT_EQ(mesh.objects[0].category, 4);
+  EXPECT_EQ(mesh.objects[0].category, Mpcat40::kDoor);
   EXPECT_EQ(mesh.objects[1].name, "red rug") << "the raw label, not \"floor mat\"";
-  EXPECT_EQ(mesh.objects[1].category, 2);
+  EXPECT_EQ(mesh.objects[1].category, Mpcat40::kFloor);
   EXPECT_EQ(mesh.objects[1].region, 0);
   EXPECT_EQ(mesh.objects[2].name, "door") << "of semseg alone; category as of its name in C";
-  EXPECT_EQ(mesh.objects[2].category, 4);
+  EXPECT_EQ(mesh.objects[2].category, Mpcat40::kDoor);
   EXPECT_EQ(mesh.objects[2].region, -1);
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "enfilade/mesh/mesh_builder.h"
+#include "enfilade/mesh/mpcat40.h"
 #include "enfilade/mesh/read_mesh.h"
 #include "tests/support/temporary_folder.h"
 
@@ -37,12 +38,12 @@ Mesh still_life() {
   light.emission = {3, 1.5F, .75F};
   const MaterialId bulb = b.add_material(light);
   b.sphere(tiles, {3, 2, 1}, .3);
-  b.begin_object("table", 5, 0, {{1, 2, 0}, .4});
+  b.begin_object("table", Mpcat40::kTable, 0, {{1, 2, 0}, .4});
   b.box(tiles, {-.5, -.3, 0}, {.5, .3, .8});
-  b.begin_object("lamp", 28, 0, {{1, 2, .8}, 0});
+  b.begin_object("lamp", Mpcat40::kLighting, 0, {{1, 2, .8}, 0});
   b.box(tiles, {-.1, -.1, 0}, {.1, .1, .05});
   b.sphere(bulb, {0, 0, .3}, .1);
-  b.begin_object("plant", 14, 1);
+  b.begin_object("plant", Mpcat40::kPlant, 1);
   b.quad(leaves, {2, 2, 0}, {2.5, 2, 0}, {2.5, 2, 1}, {2, 2, 1});
   return mesh;
 }

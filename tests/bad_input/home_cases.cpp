@@ -67,10 +67,11 @@ constexpr const char* kList = R"({"format": "enfilade-homes", "version": 1, "syn
   "face_size": 0, "samples": 1, "jpeg_quality": 92},
  "homes": [
   {"scan": "home_0001", "kind": "flat", "seed": 5, "storeys": null, "area": 60, "viewpoints": 9,
-   "edges": 9, "triangles": 9, "rooms": [
-    {"type": "b", "name": "bedroom", "storey": 0, "viewpoints": []}]},
+   "edges": 9, "triangles": 9, "lines": [{"walls": [0, 0, 4, 0]}], "rooms": [
+    {"type": "b", "name": "bedroom", "storey": 0, "floor": [0, 0, 4, 3], "elevation": 0,
+     "viewpoints": []}]},
   {"scan": "home_0002", "kind": "flat", "seed": 6, "storeys": null, "area": 60, "viewpoints": 9,
-   "edges": 9, "triangles": 9, "rooms": []}]}
+   "edges": 9, "triangles": 9, "lines": [{}], "rooms": []}]}
 )";
 constexpr const char* kListFile = "homes/homes.json";
 
@@ -130,6 +131,15 @@ std::vector<Case> lists() {
       listed("a room's type that is a word", 3,
              "$.homes[0].rooms[0]: type \"bedroom\", not one letter [bad-type]",
              edited("\"type\": \"b\"", "\"type\": \"bedroom\"")),
+      listed("a room's floor with three corners", 3,
+             "$.homes[0].rooms[0].floor: 3 numbers, not 4 [bad-rectangle]",
+             edited("[0, 0, 4, 3]", "[0, 0, 4]")),
+      listed("a line of a plan that ends nowhere", 3,
+             "$.homes[0].lines[0].walls: 3 numbers, not 4 for each line [bad-lines]",
+             edited("[0, 0, 4, 0]", "[0, 0, 4]")),
+      listed("a list of before lines were kept, without the graph", 3,
+             "{}/homes/connectivity/home_0001_connectivity.json: cannot open",
+             edited("\"lines\": [{\"walls\": [0, 0, 4, 0]}], ", "")),
       listed("a share's list that is broken", 3, "{}/homes/shards/home_0002.json: $",
              [](Files& f) { f.write("homes/shards/home_0002.json", "{"); }),
   };

@@ -268,7 +268,7 @@ const Arrows& direct_arrows() {
       {"dataset", {"r2r", "render", "sim"}},
       {"draw", {"graph", "render", "r2r"}},
       {"features", {"scan"}},
-      {"homes", {"capture", "r2r"}},
+      {"homes", {"capture", "draw", "r2r"}},
       {"agents", {"sim", "render", "r2r"}},
       {"models", {"features", "r2r"}},
       {"neural", {"agents", "dataset", "models"}},

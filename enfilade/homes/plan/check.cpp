@@ -1,11 +1,10 @@
-#include "enfilade/homes/plan/check.h"
+#include "enfilade/homes/plan/draws.h"
 
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 
 #include "enfilade/homes/plan/openings.h"
-#include "enfilade/homes/plan/program.h"
 
 namespace enfilade::homes::plan {
 namespace {

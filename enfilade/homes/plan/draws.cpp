@@ -5,9 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "enfilade/homes/plan/check.h"
-#include "enfilade/homes/plan/fill.h"
-#include "enfilade/homes/plan/frame.h"
 #include "enfilade/homes/plan/openings.h"
 
 namespace enfilade::homes::plan {
@@ -25,6 +22,10 @@ struct Brief {
   std::vector<Storey> levels;
   unsigned most_steps = 16;
 };
+
+unsigned steps_of(const Storey& storey) {
+  return static_cast<unsigned>(std::ceil(storey.height / kHighestRise));
+}
 
 HomeKind draw_kind(const PlanOptions& o, Rng& rng) {
   if (o.kind) return *o.kind;
@@ -73,8 +74,7 @@ void draw_heights(Brief& brief, Rng& rng) {
   }
   brief.most_steps = 0;
   for (unsigned s = 0; s + 1 < brief.storeys; ++s) {
-    const auto steps = static_cast<unsigned>(std::ceil(brief.levels[s].height / kHighestRise));
-    brief.most_steps = std::max(brief.most_steps, steps);
+    brief.most_steps = std::max(brief.most_steps, steps_of(brief.levels[s]));
   }
 }
 
@@ -148,9 +148,8 @@ void add_stairs(const Sketch& sketch, const Brief& brief, Plan& plan) {
     return r;
   };
   for (unsigned s = 0; s + 1 < brief.storeys; ++s) {
-    const auto steps = static_cast<unsigned>(std::ceil(brief.levels[s].height / kHighestRise));
-    plan.stairs.push_back(
-        {s, stair_room(s), stair_room(s + 1), sketch.flight->box, sketch.flight->towards, steps});
+    plan.stairs.push_back({s, stair_room(s), stair_room(s + 1), sketch.flight->box,
+                           sketch.flight->towards, steps_of(brief.levels[s])});
   }
 }
 

@@ -1,4 +1,4 @@
-#include "enfilade/homes/plan/fill.h"
+#include "enfilade/homes/plan/draws.h"
 
 #include <algorithm>
 #include <numeric>
@@ -67,18 +67,10 @@ struct Strip {
 
 // Piece of a strip: along it, and from the corridor's side (0) away from it.
 Rect piece(const Block& block, double a0, double a1, double n0, double n1) {
-  const Rect& b = block.box;
-  switch (block.faces) {
-    case Side::kPlusX:
-      return {snap(b.x1 - n1), snap(b.y0 + a0), snap(b.x1 - n0), snap(b.y0 + a1)};
-    case Side::kPlusY:
-      return {snap(b.x0 + a0), snap(b.y1 - n1), snap(b.x0 + a1), snap(b.y1 - n0)};
-    case Side::kMinusX:
-      return {snap(b.x0 + n0), snap(b.y0 + a0), snap(b.x0 + n1), snap(b.y0 + a1)};
-    case Side::kMinusY:
-      break;
-  }
-  return {snap(b.x0 + a0), snap(b.y0 + n0), snap(b.x0 + a1), snap(b.y0 + n1)};
+  const bool along_x = runs_along_x(block.faces), high = is_high(block.faces);
+  const double start = block.box.range(along_x).first, edge = block.box.at(block.faces);
+  return laid_rect(along_x, snap(start + a0), snap(start + a1), snap(high ? edge - n1 : edge + n0),
+                   snap(high ? edge - n0 : edge + n1));
 }
 
 // Widths between their limits that fill the strip: wanted widths times one factor, found by
@@ -112,7 +104,7 @@ bool set_widths(Strip& strip) {
 
 void add_cell(std::vector<Cell>& cells, const Rect& box, char type, std::string name, double wanted,
               std::optional<std::size_t> host = {}) {
-  cells.push_back({box, type, std::move(name), false, false, wanted, host});
+  cells.push_back({box, type, std::move(name), false, false, wanted, host, {}});
 }
 
 void add_suite(std::vector<Cell>& cells, const Strip& strip, const Placed& p) {
@@ -148,12 +140,11 @@ void add_hotel_room(std::vector<Cell>& cells, const Strip& strip, const Placed& 
   add_cell(cells, part(false, 0, kBathDepth), 'a', "bathroom", 0, hall);
 }
 
-std::vector<Cell> make_cells(const Frame& frame, const std::vector<Strip>& strips,
-                             std::vector<std::pair<std::size_t, const Item*>>& loose) {
+std::vector<Cell> make_cells(const Frame& frame, const std::vector<Strip>& strips) {
   std::vector<Cell> cells;
   for (const Piece& p : frame.spine) {
     const char* name = p.type == 'e' ? "entrance hall" : p.type == 's' ? "stairs" : "hallway";
-    cells.push_back({p.box, p.type, name, true, false, 0, {}});
+    cells.push_back({p.box, p.type, name, true, false, 0, {}, {}});
   }
   for (const Strip& strip : strips) {
     for (const Placed& p : strip.placed) {
@@ -169,8 +160,8 @@ std::vector<Cell> make_cells(const Frame& frame, const std::vector<Strip>& strip
         case Item::Shape::kPair: {
           const double half = snap(strip.depth / 2);
           add_cell(cells, box(0, half), item.near, item.near_name, item.area / 2);
-          loose.emplace_back(cells.size(), &item);
           add_cell(cells, box(half, strip.depth), item.far, item.far_name, item.area / 2);
+          cells.back().hosts = item.far_hosts;
           break;
         }
         case Item::Shape::kSuite:
@@ -254,19 +245,19 @@ bool has_corner(const Building& b, const Rect& box) {
 }
 
 // Finds through which room each far room of a pair is reached. False if one has none.
-bool host_far_rooms(std::vector<Cell>& cells,
-                    const std::vector<std::pair<std::size_t, const Item*>>& loose) {
-  for (const auto& [far, item] : loose) {
+bool host_far_rooms(std::vector<Cell>& cells) {
+  for (Cell& far : cells) {
+    if (far.hosts.empty()) continue;
     double best = 0;
     for (std::size_t c = 0; c < cells.size(); ++c) {
-      if (cells[c].spine || item->far_hosts.find(cells[c].type) == std::string::npos) continue;
-      const double room = door_room(cells[far].box, cells[c].box, std::nullopt);
+      if (cells[c].spine || !is_one_of(cells[c].type, far.hosts)) continue;
+      const double room = door_room(far.box, cells[c].box, std::nullopt);
       if (room > best && room >= kDoorWall) {
         best = room;
-        cells[far].host = c;
+        far.host = c;
       }
     }
-    if (!cells[far].host) return false;
+    if (!far.host) return false;
   }
   return true;
 }
@@ -364,10 +355,9 @@ std::optional<Layout> fill(const Building& building, unsigned storey,
     }
     if (!place_items(strips, program, rng)) continue;
     if (!std::all_of(strips.begin(), strips.end(), set_widths)) continue;
-    std::vector<std::pair<std::size_t, const Item*>> loose;
-    std::vector<Cell> cells = make_cells(frame, strips, loose);
+    std::vector<Cell> cells = make_cells(frame, strips);
     if (!placed_well(building, storey, cells)) continue;
-    if (!host_far_rooms(cells, loose) || !host_rest(cells, building.flight)) continue;
+    if (!host_far_rooms(cells) || !host_rest(cells, building.flight)) continue;
     const double value = score(building, cells);
     if (!best || value > best->score) best = Layout{std::move(cells), value};
   }

@@ -1,10 +1,12 @@
-#include "enfilade/homes/plan/frame.h"
+#include "enfilade/homes/plan/draws.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace enfilade::homes::plan {
 namespace {
+
+using Span = std::pair<double, double>;
 
 constexpr double kShortestPiece = 1.7;  // of a corridor, between middle lines
 constexpr double kNarrowSpine = 1.65;   // 1.5 m clear: arches in it are 1.2 m wide
@@ -43,8 +45,7 @@ double spine_width(const FrameNeeds& needs, Rng& rng, bool stairs) {
 
 // Cuts a corridor that runs from a0 to a1 where its stairs begin and end; `stairs` = {from, to} or
 // empty. Ends too short to be rooms become part of the stairs' piece.
-void add_spine(Frame& frame, bool along_x, std::pair<double, double> along,
-               std::pair<double, double> across, std::optional<std::pair<double, double>> stairs) {
+void add_spine(Frame& frame, bool along_x, Span along, Span across, std::optional<Span> stairs) {
   const auto add = [&](double from, double to, char type) {
     frame.spine.push_back({laid_rect(along_x, from, to, across.first, across.second), type});
   };
@@ -58,8 +59,8 @@ void add_spine(Frame& frame, bool along_x, std::pair<double, double> along,
 }
 
 // A flight in a corridor, along its low or high side.
-Flight make_flight(bool along_x, double from, std::pair<double, double> across, bool high_side,
-                   bool reversed, const FrameNeeds& needs) {
+Flight make_flight(bool along_x, double from, Span across, bool high_side, bool reversed,
+                   const FrameNeeds& needs) {
   const double a0 = from + kInnerWall / 2 + kLanding - 0.05, a1 = a0 + needs.run;
   const double low = across.first + kInnerWall / 2, high = across.second - kInnerWall / 2;
   Flight flight;
@@ -68,6 +69,17 @@ Flight make_flight(bool along_x, double from, std::pair<double, double> across, 
   const Side rising = along_x ? Side::kPlusX : Side::kPlusY;
   flight.towards = reversed ? opposite(rising) : rising;
   return flight;
+}
+
+// The strip along the front, up to x = `end`; on the ground floor with the front door's hall.
+void add_front(Frame& frame, bool ground, double end, double depth, Span hall) {
+  if (ground) {
+    frame.spine.push_back({{hall.first, 0, hall.second, depth}, 'e'});
+    frame.blocks.push_back({{0, 0, hall.first, depth}, Side::kPlusY});
+    frame.blocks.push_back({{hall.second, 0, end, depth}, Side::kPlusY});
+  } else {
+    frame.blocks.push_back({{0, 0, end, depth}, Side::kPlusY});
+  }
 }
 
 // A hall from the front to the back, rooms on either side; at the ground sometimes rooms across
@@ -86,24 +98,22 @@ std::optional<Building> central_hall(const FrameNeeds& needs, Rng& rng) {
   const bool has_back = b.depth - back >= std::max(least, 5.0) && b.width > 8.5 && b.width < 15 &&
                         needs.kind != HomeKind::kHotelFloor && chance(rng, 0.6);
   if (!has_back) back = 0;
-  const std::pair across{left, left + spine};
+  const Span across{left, left + spine};
+  std::optional<Span> at;
   if (stairs) {
-    b.flight = make_flight(false, entry, across, chance(rng, 0.5), chance(rng, 0.25), needs);
+    at = {entry, entry + stair_length(needs)};
+    const bool reversed = chance(rng, 0.25), high = chance(rng, 0.5);
+    b.flight = make_flight(false, entry, across, high, reversed, needs);
   }
   for (unsigned s = 0; s < needs.storeys; ++s) {
     const double end = s == 0 ? b.depth - back : b.depth;
-    Frame f;
+    Frame& f = b.storeys.emplace_back();
     const bool whole = end - entry < kShortestPiece;
     f.spine.push_back({{left, 0, left + spine, whole ? end : entry}, s == 0 ? 'e' : 'h'});
-    if (stairs) {
-      add_spine(f, false, {entry, end}, across, std::pair{entry, entry + stair_length(needs)});
-    } else if (!whole) {
-      add_spine(f, false, {entry, end}, across, std::nullopt);
-    }
+    if (stairs || !whole) add_spine(f, false, {entry, end}, across, at);
     f.blocks.push_back({{0, 0, left, end}, Side::kPlusX});
     f.blocks.push_back({{left + spine, 0, b.width, end}, Side::kMinusX});
     if (end < b.depth) f.blocks.push_back({{0, end, b.width, b.depth}, Side::kMinusY});
-    b.storeys.push_back(std::move(f));
   }
   return b;
 }
@@ -124,8 +134,8 @@ std::optional<Building> corridor_across(const FrameNeeds& needs, Rng& rng) {
   const double least = 3.0;
   if (end - hall < 2 * least) return std::nullopt;
   const double door = snap(draw(rng, least, end - hall - least));
-  const std::pair across{front, front + spine};
-  std::optional<std::pair<double, double>> at;
+  const Span across{front, front + spine};
+  std::optional<Span> at;
   if (stairs) {
     const double from = snap(draw(rng, 0, end - stair_length(needs)));
     const double shifted = from < kShortestPiece ? 0 : from;
@@ -133,18 +143,11 @@ std::optional<Building> corridor_across(const FrameNeeds& needs, Rng& rng) {
     b.flight = make_flight(true, shifted, across, true, chance(rng, 0.5), needs);
   }
   for (unsigned s = 0; s < needs.storeys; ++s) {
-    Frame f;
+    Frame& f = b.storeys.emplace_back();
     add_spine(f, true, {0, end}, across, at);
-    if (s == 0) {
-      f.spine.push_back({{door, 0, door + hall, front}, 'e'});
-      f.blocks.push_back({{0, 0, door, front}, Side::kPlusY});
-      f.blocks.push_back({{door + hall, 0, end, front}, Side::kPlusY});
-    } else {
-      f.blocks.push_back({{0, 0, end, front}, Side::kPlusY});
-    }
+    add_front(f, s == 0, end, front, {door, door + hall});
     f.blocks.push_back({{0, front + spine, end, b.depth}, Side::kMinusY});
     if (side > 0) f.blocks.push_back({{end, 0, b.width, b.depth}, Side::kMinusX});
-    b.storeys.push_back(std::move(f));
   }
   return b;
 }
@@ -163,22 +166,22 @@ std::optional<Building> ell(const FrameNeeds& needs, Rng& rng) {
   if (b.width - x1 < (stairs ? stair_length(needs) : 4.5) || b.width > 2.6 * b.depth) {
     return std::nullopt;
   }
-  const std::pair across{front, front + spine};
-  std::optional<std::pair<double, double>> at;
+  const Span across{front, front + spine};
+  std::optional<Span> at;
   if (stairs) {
     double from = snap(draw(rng, x1, b.width - stair_length(needs)));
     if (from - x1 < kShortestPiece) from = x1;
     at = {from, from + stair_length(needs)};
-    b.flight = make_flight(true, from, across, chance(rng, 0.5), chance(rng, 0.5), needs);
+    const bool reversed = chance(rng, 0.5), high = chance(rng, 0.5);
+    b.flight = make_flight(true, from, across, high, reversed, needs);
   }
   for (unsigned s = 0; s < needs.storeys; ++s) {
-    Frame f;
+    Frame& f = b.storeys.emplace_back();
     f.spine.push_back({{x0, 0, x1, front + spine}, s == 0 ? 'e' : 'h'});
     add_spine(f, true, {x1, b.width}, across, at);
     f.blocks.push_back({{0, 0, left, b.depth}, Side::kPlusX});
     f.blocks.push_back({{x1, 0, b.width, front}, Side::kPlusY});
     f.blocks.push_back({{left, front + spine, b.width, b.depth}, Side::kMinusY});
-    b.storeys.push_back(std::move(f));
   }
   return b;
 }
@@ -198,29 +201,23 @@ std::optional<Building> horseshoe(const FrameNeeds& needs, Rng& rng) {
   }
   const double hall = snap(draw(rng, 2.0, 2.8));
   const double door = snap(draw(rng, 4, b.width - hall - 4));
-  std::optional<std::pair<double, double>> at;
-  const std::pair across{left, left + arm};
+  std::optional<Span> at;
+  const Span across{left, left + arm};
   if (stairs) {
     at = {y1, y1 + stair_length(needs)};
-    b.flight = make_flight(false, y1, across, chance(rng, 0.5), chance(rng, 0.3), needs);
+    const bool reversed = chance(rng, 0.3), high = chance(rng, 0.5);
+    b.flight = make_flight(false, y1, across, high, reversed, needs);
   }
   for (unsigned s = 0; s < needs.storeys; ++s) {
-    Frame f;
+    Frame& f = b.storeys.emplace_back();
     add_spine(f, true, {0, b.width}, {front, y1}, std::nullopt);
     add_spine(f, false, {y1, b.depth}, across, at);
     const double x2 = left + arm + core;
     add_spine(f, false, {y1, b.depth}, {x2, x2 + spine}, std::nullopt);
-    if (s == 0) {
-      f.spine.push_back({{door, 0, door + hall, front}, 'e'});
-      f.blocks.push_back({{0, 0, door, front}, Side::kPlusY});
-      f.blocks.push_back({{door + hall, 0, b.width, front}, Side::kPlusY});
-    } else {
-      f.blocks.push_back({{0, 0, b.width, front}, Side::kPlusY});
-    }
+    add_front(f, s == 0, b.width, front, {door, door + hall});
     f.blocks.push_back({{0, y1, left, b.depth}, Side::kPlusX});
     f.blocks.push_back({{left + arm, y1, x2, b.depth}, Side::kMinusX, true});
     f.blocks.push_back({{x2 + spine, y1, b.width, b.depth}, Side::kMinusX});
-    b.storeys.push_back(std::move(f));
   }
   return b;
 }
@@ -238,18 +235,20 @@ std::optional<Building> comb(const FrameNeeds& needs, Rng& rng) {
   b.width = snap(needs.area / b.depth);
   if (b.width < 2 * stair_length(needs) + hall || b.depth > 1.6 * b.width) return std::nullopt;
   const double door = snap(draw(rng, 0.3, 0.6) * b.width);
-  const std::optional at = stairs ? std::optional(std::pair{0.0, stair_length(needs)})
-                                  : std::optional<std::pair<double, double>>();
-  if (stairs) b.flight = make_flight(true, 0, {depth, depth + spine}, true, true, needs);
+  std::optional<Span> at;
+  if (stairs) {
+    at = {0, stair_length(needs)};
+    b.flight = make_flight(true, 0, {depth, depth + spine}, true, true, needs);
+  }
   for (unsigned s = 0; s < needs.storeys; ++s) {
-    Frame f;
+    Frame& f = b.storeys.emplace_back();
     double y = 0;
     f.spine.push_back({{door, 0, door + hall, depth}, s == 0 ? 'e' : 'h'});
     for (unsigned i = 0; i <= corridors; ++i) {
       const bool last = i == corridors;
-      const std::pair strip{snap(y), last ? b.depth : snap(y + depth)};
+      const Span strip{snap(y), last ? b.depth : snap(y + depth)};
       if (!last) {
-        const std::pair across{strip.second, snap(strip.second + spine)};
+        const Span across{strip.second, snap(strip.second + spine)};
         add_spine(f, true, {0, b.width}, across, i == 0 ? at : std::nullopt);
         if (i > 0) f.spine.push_back({{door, strip.first, door + hall, strip.second}, 'h'});
         f.blocks.push_back({{0, strip.first, door, strip.second}, Side::kPlusY, i > 0});
@@ -260,7 +259,6 @@ std::optional<Building> comb(const FrameNeeds& needs, Rng& rng) {
       }
       y += depth + spine;
     }
-    b.storeys.push_back(std::move(f));
   }
   return b;
 }

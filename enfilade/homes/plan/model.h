@@ -60,6 +60,7 @@ struct Cell {
   bool inner = false;               // meant to have no window
   double wanted = 0;                // m2
   std::optional<std::size_t> host;  // the cell that it is reached through; none: the corridor
+  std::string hosts;                // types of cells that may be its host, if it needs one
 };
 
 /// The wall that two cells, or a cell and the outside, have in common.

@@ -1,4 +1,4 @@
-#include "enfilade/homes/plan/program.h"
+#include "enfilade/homes/plan/draws.h"
 
 #include <algorithm>
 #include <span>
@@ -20,48 +20,33 @@ constexpr std::array<RoomSize, 25> kSizes{{
 }};
 
 Item room(char type, std::string name) {
-  Item item;
-  item.type = type;
-  item.name = std::move(name);
-  item.area = room_size(type).usual;
-  return item;
+  return {.type = type, .name = std::move(name), .area = room_size(type).usual};
 }
-Item open_plan() {
-  Item item = room('o', "open-plan office");
-  item.area = 34;
-  return item;
-}
+Item open_plan() { return {.type = 'o', .name = "open-plan office", .area = 34}; }
 Item pair(char near, std::string near_name, char far, std::string far_name, std::string hosts) {
-  Item item;
-  item.shape = Item::Shape::kPair;
-  item.near = near;
-  item.far = far;
-  item.near_name = std::move(near_name);
-  item.far_name = std::move(far_name);
-  item.far_hosts = std::move(hosts);
-  item.area = 2 * std::max({room_size(near).usual, room_size(far).usual, 4.0});
-  return item;
+  return {.shape = Item::Shape::kPair,
+          .near = near,
+          .far = far,
+          .near_name = std::move(near_name),
+          .far_name = std::move(far_name),
+          .far_hosts = std::move(hosts),
+          .area = 2 * std::max({room_size(near).usual, room_size(far).usual, 4.0})};
 }
 Item suite(std::string name, bool bath_far = true) {
-  Item item;
+  Item item = bath_far ? pair('c', "closet", 'a', "bathroom", "")
+                       : pair('a', "bathroom", 'c', "closet", "");
   item.shape = Item::Shape::kSuite;
   item.type = 'b';
   item.name = std::move(name);
-  item.near = bath_far ? 'c' : 'a';
-  item.far = bath_far ? 'a' : 'c';
-  item.near_name = bath_far ? "closet" : "bathroom";
-  item.far_name = bath_far ? "bathroom" : "closet";
   item.area = 16 + 9.5;
   return item;
 }
 Item hotel_room(double depth, bool large) {
   if (depth < 6) return suite("hotel room", large);
-  Item item;
-  item.shape = Item::Shape::kHotelRoom;
-  item.type = 'b';
-  item.name = large ? "hotel suite" : "hotel room";
-  item.area = (large ? 4.9 : 4.1) * depth;
-  return item;
+  return {.shape = Item::Shape::kHotelRoom,
+          .type = 'b',
+          .name = large ? "hotel suite" : "hotel room",
+          .area = (large ? 4.9 : 4.1) * depth};
 }
 
 /// Rooms that a storey may have beyond those that it must have: in this order, each if its turn
@@ -93,35 +78,34 @@ Chain kitchen_group(Rng& rng, bool with_living) {
 }
 
 std::vector<Option> house_options(unsigned storey, bool private_rooms, bool public_rooms) {
-  std::vector<Option> o;
+  std::vector<Option> options;
   if (public_rooms) {
-    o.push_back(option(0.55, {room('o', "study")}));
-    o.push_back(
-        option(0.45, {room('g', "garage"), pair('c', "coat closet", 'u', "utility room", "gk")}));
-    o.push_back(option(0.4, {room('v', "TV room")}));
-    o.push_back(option(0.45, {room('f', "family room")}));
-    o.push_back(option(0.3, {room('p', "porch")}));
-    o.push_back(option(0.3, {room('i', "library")}));
-    o.push_back(option(0.25, {room('w', "home gym")}));
-    o.push_back(option(0.25, {room('r', "playroom")}));
-    o.push_back(
-        option(0.3, {room('b', "guest bedroom"), pair('t', "toilet", 'a', "guest bathroom", "b")}));
+    options = {
+        option(0.55, {room('o', "study")}),
+        option(0.45, {room('g', "garage"), pair('c', "coat closet", 'u', "utility room", "gk")}),
+        option(0.4, {room('v', "TV room")}),
+        option(0.45, {room('f', "family room")}),
+        option(0.3, {room('p', "porch")}),
+        option(0.3, {room('i', "library")}),
+        option(0.25, {room('w', "home gym")}),
+        option(0.25, {room('r', "playroom")}),
+        option(0.3, {room('b', "guest bedroom"), pair('t', "toilet", 'a', "guest bathroom", "b")})};
   }
-  if (private_rooms) {
-    o.push_back(
-        option(0.8, {room('b', "bedroom"), pair('c', "linen closet", 'a', "small bathroom", "b")}));
-    o.push_back(option(0.9, {room('b', "child's bedroom")}));
-    o.push_back(option(0.5, {room('b', "bedroom")}));
-    o.push_back(option(0.35, {room('y', storey > 0 ? "balcony" : "terrace")}));
-    o.push_back(option(0.4, {room('o', "study")}));
-    o.push_back(option(0.25, {room('f', "family room")}));
-    o.push_back(option(0.25, {room('r', "playroom")}));
-    o.push_back(option(0.3, {pair('u', "utility room", 'c', "walk-in closet", "b")}));
-    o.push_back(option(0.25, {room('i', "reading room")}));
-    o.push_back(option(0.25, {room('w', "home gym")}));
-    o.push_back(option(0.5, {suite("guest bedroom", false)}));
-  }
-  return o;
+  if (!private_rooms) return options;
+  const std::vector<Option> more{
+      option(0.8, {room('b', "bedroom"), pair('c', "linen closet", 'a', "small bathroom", "b")}),
+      option(0.9, {room('b', "child's bedroom")}),
+      option(0.5, {room('b', "bedroom")}),
+      option(0.35, {room('y', storey > 0 ? "balcony" : "terrace")}),
+      option(0.4, {room('o', "study")}),
+      option(0.25, {room('f', "family room")}),
+      option(0.25, {room('r', "playroom")}),
+      option(0.3, {pair('u', "utility room", 'c', "walk-in closet", "b")}),
+      option(0.25, {room('i', "reading room")}),
+      option(0.25, {room('w', "home gym")}),
+      option(0.5, {suite("guest bedroom", false)})};
+  options.insert(options.end(), more.begin(), more.end());
+  return options;
 }
 
 std::vector<Option> office_options() {
@@ -210,19 +194,17 @@ std::vector<Chain> hotel_musts(const ProgramNeeds& needs) {
 }
 
 std::vector<Option> inner_options(HomeKind kind) {
-  std::vector<Option> o;
-  o.push_back(option(0.8, {room('n', "lounge")}, true));
-  o.push_back(option(0.5, {room('w', "gym")}, true));
-  o.push_back(option(0.5, {room('r', "games room")}, true));
-  o.push_back(option(0.4, {room('z', "storage room")}, true));
-  o.push_back(option(0.4, {room('i', "library")}, true));
+  std::vector<Option> options{
+      option(0.8, {room('n', "lounge")}, true), option(0.5, {room('w', "gym")}, true),
+      option(0.5, {room('r', "games room")}, true), option(0.4, {room('z', "storage room")}, true),
+      option(0.4, {room('i', "library")}, true)};
   if (kind == HomeKind::kHouse || kind == HomeKind::kFlat) {
-    o.push_back(option(0.6, {room('v', "home theatre")}, true));
+    options.push_back(option(0.6, {room('v', "home theatre")}, true));
   } else {
-    o.push_back(option(0.9, {room('m', "meeting room")}, true));
-    o.push_back(option(0.6, {room('m', "conference room")}, true));
+    options.push_back(option(0.9, {room('m', "meeting room")}, true));
+    options.push_back(option(0.6, {room('m', "conference room")}, true));
   }
-  return o;
+  return options;
 }
 
 // Wanted sizes follow the space that there is, larger where it is plenty.

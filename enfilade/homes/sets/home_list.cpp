@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 #include <array>
+#include <cmath>
+#include <concepts>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <type_traits>
+#include <utility>
 
 #include "enfilade/core/detail/json.h"
 
@@ -14,207 +18,255 @@ using json::Element;
 using json::Faults;
 using json::Path;
 using Json = nlohmann::ordered_json;
+using Kind = draw::UnderlayLine::Kind;
 
 constexpr std::string_view kFormat = "enfilade-homes";
 constexpr std::int64_t kVersion = 1;
-constexpr std::array kKinds{HomeKind::kHouse, HomeKind::kFlat, HomeKind::kOffice,
-                            HomeKind::kHotelFloor};
 
-Json to_json(const HomeSetOptions& o) {
-  return {{"homes", o.homes},
-          {"seed", o.seed},
-          {"kind", o.kind ? Json(to_string(*o.kind)) : Json()},
-          {"least_area", o.least_area},
-          {"most_area", o.most_area},
-          {"stairs_every", o.stairs_every},
-          {"face_size", o.face_size},
-          {"samples", o.samples},
-          {"jpeg_quality", o.jpeg_quality}};
+struct LineName {
+  const char* name;
+  Kind kind;
+};
+constexpr std::array<LineName, 5> kLines{{{"walls", Kind::kWall},
+                                          {"doors", Kind::kDoor},
+                                          {"windows", Kind::kWindow},
+                                          {"stairs", Kind::kStairs},
+                                          {"furniture", Kind::kThing}}};
+
+template <class T, class Object>
+concept ConstOrNot = std::same_as<std::remove_const_t<T>, Object>;
+
+// For each kind of object its fields, to be written and read: visit(name, field), or
+// visit.optional(name, field) for those that earlier lists lack.
+
+void for_fields(ConstOrNot<HomeSetOptions> auto& o, auto& visit) {
+  visit("homes", o.homes);
+  visit("seed", o.seed);
+  visit("kind", o.kind);
+  visit("least_area", o.least_area);
+  visit("most_area", o.most_area);
+  visit.optional("stairs_every", o.stairs_every);
+  visit("face_size", o.face_size);
+  visit("samples", o.samples);
+  visit("jpeg_quality", o.jpeg_quality);
 }
 
-Json to_json(const HomeEntry& home) {
-  Json rooms = Json::array();
-  for (const RoomEntry& room : home.rooms) {
-    rooms.push_back({{"type", std::string(1, room.type)},
-                     {"name", room.name},
-                     {"storey", room.storey},
-                     {"viewpoints", room.viewpoints}});
-  }
-  Json json{{"scan", home.scan},
-            {"kind", home.kind},
-            {"seed", home.plan.seed},
-            {"storeys", home.plan.storeys ? Json(*home.plan.storeys) : Json()},
-            {"area", home.plan.area},
-            {"viewpoints", home.viewpoints},
-            {"edges", home.edges},
-            {"triangles", home.triangles},
-            {"rooms", std::move(rooms)}};
-  if (!home.corrections.empty()) json["corrections"] = home.corrections;
-  return json;
+void for_fields(ConstOrNot<RoomEntry> auto& room, auto& visit) {
+  visit("type", room.type);
+  visit("name", room.name);
+  visit("storey", room.storey);
+  visit.optional("floor", room.floor);
+  visit.optional("elevation", room.elevation);
+  visit("viewpoints", room.viewpoints);
 }
 
-// Reads fields of one object into values of many types, reporting what is wrong.
-class Reader {
+void for_fields(ConstOrNot<draw::UnderlayStorey> auto& storey, auto& visit) {
+  for (const LineName& line : kLines) visit.lines(line, storey.lines);
+}
+
+void for_fields(ConstOrNot<HomeEntry> auto& home, auto& visit) {
+  visit("scan", home.scan);
+  visit("kind", home.plan.kind);
+  visit("seed", home.plan.seed);
+  visit("storeys", home.plan.storeys);
+  visit("area", home.plan.area);
+  visit("viewpoints", home.viewpoints);
+  visit("edges", home.edges);
+  visit("triangles", home.triangles);
+  visit("rooms", home.rooms);
+  visit.optional("lines", home.lines.storeys);
+  visit.optional("corrections", home.corrections);
+}
+
+class Writer {
  public:
-  Reader(Element element, const Path& path, Faults& faults) : path_(path), faults_(faults) {
-    object_ = json::object(element, path, faults);
+  template <class T>
+  static Json object(const T& value) {
+    Writer writer;
+    for_fields(value, writer);
+    return std::move(writer.out_);
   }
 
   template <class T>
-  void whole(std::string_view name, T& value) {
-    const auto element = find(name);
-    if (!element) return;
-    if (const auto number = json::integer(*element, Path(path_, name), faults_)) {
-      if (*number < 0) {
-        faults_.error(Path(path_, name), "bad-number", fmt::format("{}, below 0", *number));
-      } else {
-        value = static_cast<T>(*number);
+  void operator()(const char* name, const T& value) {
+    out_[name] = json_of(value);
+  }
+  template <class T>
+  void optional(const char* name, const T& value) {
+    if constexpr (requires { value.empty(); }) {
+      if (value.empty()) return;
+    }
+    out_[name] = json_of(value);
+  }
+  // As x, y of both ends of each line.
+  void lines(const LineName& which, const std::vector<draw::UnderlayLine>& lines) {
+    Json& numbers = out_[which.name] = Json::array();
+    for (const draw::UnderlayLine& line : lines) {
+      if (line.kind != which.kind) continue;
+      for (const float metres : {line.from.x, line.from.y, line.to.x, line.to.y}) {
+        numbers.push_back(std::round(1000.0 * metres) / 1000);
       }
     }
   }
-  // Seeds use all 64 bits.
-  void seed(std::string_view name, std::uint64_t& value) {
-    const auto element = find(name);
-    if (element && element->is<std::uint64_t>()) {
-      value = element->get_uint64().value();
-    } else if (element) {
-      std::int64_t negative = 0;  // or no number at all
-      whole(name, negative);
+
+ private:
+  template <class T>
+  static Json json_of(const T& value) {
+    if constexpr (requires(Writer& writer) { for_fields(value, writer); }) {
+      return object(value);
+    } else {
+      return value;
     }
   }
-  void real(std::string_view name, double& value) {
-    if (const auto element = find(name)) {
-      value = json::number(*element, Path(path_, name), faults_).value_or(0);
+  template <class T>
+  static Json json_of(const std::optional<T>& value) {
+    return value ? json_of(*value) : Json();
+  }
+  template <class T>
+  static Json json_of(const std::vector<T>& values) {
+    Json list = Json::array();
+    for (const T& value : values) list.push_back(json_of(value));
+    return list;
+  }
+  static Json json_of(HomeKind kind) { return to_string(kind); }
+  static Json json_of(char letter) { return std::string(1, letter); }
+  static Json json_of(const Rect& r) { return {r.x0, r.y0, r.x1, r.y1}; }
+
+  Json out_;
+};
+
+class Reader {
+ public:
+  Reader(Element element, const Path& path, Faults& faults)
+      : object_(json::object(element, path, faults)), path_(path), faults_(faults) {}
+
+  template <class T>
+  void operator()(const char* name, T& value) {
+    if (!object_) return;
+    if (has(name)) {
+      read(object_->at_key(name).value(), Path(path_, name), value);
+    } else {
+      faults_.error(path_, "missing-field", fmt::format("no field {:?}", name));
     }
   }
-  void text(std::string_view name, std::string& value) {
-    if (const auto element = find(name)) {
-      value = json::string(*element, Path(path_, name), faults_).value_or("");
+  template <class T>
+  void optional(const char* name, T& value) {
+    if (has(name)) (*this)(name, value);
+  }
+  void lines(const LineName& which, std::vector<draw::UnderlayLine>& lines) {
+    std::vector<double> numbers;
+    optional(which.name, numbers);
+    if (numbers.size() % 4 != 0) {
+      faults_.error(Path(path_, which.name), "bad-lines",
+                    fmt::format("{} numbers, not 4 for each line", numbers.size()));
+      return;
     }
-  }
-  // Nothing for null.
-  std::optional<Element> optional(std::string_view name) {
-    const auto element = find(name);
-    return element && !element->is_null() ? element : std::nullopt;
-  }
-  bool has(std::string_view name) const {
-    return object_ && object_->at_key(name).error() == simdjson::SUCCESS;
-  }
-  // Calls body(element, path) for each item.
-  template <class Body>
-  void each(std::string_view name, const Body& body) {
-    const auto element = find(name);
-    if (!element) return;
-    const Path here(path_, name);
-    const auto items = json::array(*element, here, faults_);
-    if (!items) return;
-    std::size_t i = 0;
-    for (const Element item : *items) body(item, Path(here, i++));
-  }
-  std::optional<HomeKind> kind(std::string_view name) {
-    const auto element = optional(name);
-    if (!element) return std::nullopt;
-    const auto word = json::string(*element, Path(path_, name), faults_);
-    for (const HomeKind kind : kKinds) {
-      if (word && *word == to_string(kind)) return kind;
+    for (std::size_t i = 0; i < numbers.size(); i += 4) {
+      lines.push_back({which.kind, to_float({numbers[i], numbers[i + 1], 0}),
+                       to_float({numbers[i + 2], numbers[i + 3], 0})});
     }
-    if (word) faults_.error(Path(path_, name), "bad-kind", fmt::format("{:?} is no kind", *word));
-    return std::nullopt;
   }
 
  private:
-  std::optional<Element> find(std::string_view name) {
-    if (!object_) return std::nullopt;
-    auto found = object_->at_key(name);
-    if (found.error() == simdjson::SUCCESS) return found.value();
-    faults_.error(path_, "missing-field", fmt::format("no field {:?}", name));
-    return std::nullopt;
+  bool has(const char* name) const {
+    return object_ && object_->at_key(name).error() == simdjson::SUCCESS;
   }
 
+  template <class T>
+  void read(Element element, const Path& at, T& value) {
+    Reader reader(element, at, faults_);
+    for_fields(value, reader);
+  }
+  template <std::integral T>
+  void read(Element element, const Path& at, T& value) {
+    std::uint64_t number = 0;  // seeds use all 64 bits
+    if (element.get(number) == simdjson::SUCCESS) {
+      value = static_cast<T>(number);
+    } else if (const auto negative = json::integer(element, at, faults_)) {
+      faults_.error(at, "bad-number", fmt::format("{}, below 0", *negative));
+    }
+  }
+  void read(Element element, const Path& at, double& value) {
+    value = json::number(element, at, faults_).value_or(0);
+  }
+  void read(Element element, const Path& at, std::string& value) {
+    value = json::string(element, at, faults_).value_or("");
+  }
+  void read(Element element, const Path& at, char& value) {
+    const auto text = json::string(element, at, faults_);
+    if (text && text->size() == 1) {
+      value = text->front();
+    } else if (text) {
+      faults_.error(path_, "bad-type", fmt::format("type {:?}, not one letter", *text));
+    }
+  }
+  void read(Element element, const Path& at, HomeKind& value) {
+    const auto word = json::string(element, at, faults_);
+    if (!word) return;
+    if (const auto kind = parse_home_kind(*word)) {
+      value = *kind;
+    } else {
+      faults_.error(at, "bad-kind", fmt::format("{:?} is no kind", *word));
+    }
+  }
+  void read(Element element, const Path& at, Rect& value) {
+    std::vector<double> ends;
+    read(element, at, ends);
+    if (ends.size() == 4) {
+      value = {ends[0], ends[1], ends[2], ends[3]};
+    } else {
+      faults_.error(at, "bad-rectangle", fmt::format("{} numbers, not 4", ends.size()));
+    }
+  }
+  template <class T>
+  void read(Element element, const Path& at, std::optional<T>& value) {
+    if (!element.is_null()) read(element, at, value.emplace());
+  }
+  template <class T>
+  void read(Element element, const Path& at, std::vector<T>& values) {
+    const auto items = json::array(element, at, faults_);
+    if (!items) return;
+    for (const Element item : *items) {
+      const Path here(at, values.size());
+      read(item, here, values.emplace_back());
+    }
+  }
+
+  std::optional<simdjson::dom::object> object_;
   const Path& path_;
   Faults& faults_;
-  std::optional<simdjson::dom::object> object_;
 };
 
-HomeSetOptions read_options(Element element, const Path& path, Faults& faults) {
-  HomeSetOptions o;
-  Reader reader(element, path, faults);
-  reader.whole("homes", o.homes);
-  reader.seed("seed", o.seed);
-  o.kind = reader.kind("kind");
-  reader.real("least_area", o.least_area);
-  reader.real("most_area", o.most_area);
-  if (reader.has("stairs_every")) reader.whole("stairs_every", o.stairs_every);
-  reader.whole("face_size", o.face_size);
-  reader.whole("samples", o.samples);
-  reader.whole("jpeg_quality", o.jpeg_quality);
-  return o;
-}
-
-RoomEntry read_room(Element element, const Path& path, Faults& faults) {
-  RoomEntry room;
-  Reader reader(element, path, faults);
-  std::string type;
-  reader.text("type", type);
-  if (type.size() == 1) {
-    room.type = type[0];
-  } else {
-    faults.error(path, "bad-type", fmt::format("type {:?}, not one letter", type));
-  }
-  reader.text("name", room.name);
-  reader.whole("storey", room.storey);
-  reader.each("viewpoints", [&](Element id, const Path& here) {
-    if (const auto text = json::string(id, here, faults)) room.viewpoints.emplace_back(*text);
-  });
-  return room;
-}
-
-HomeEntry read_home(Element element, const Path& path, Faults& faults) {
-  HomeEntry home;
-  Reader reader(element, path, faults);
-  reader.text("scan", home.scan);
-  home.plan.kind = reader.kind("kind");
+void check_home(HomeEntry& home, const Path& path, Faults& faults) {
   if (home.plan.kind) home.kind = to_string(*home.plan.kind);
-  reader.seed("seed", home.plan.seed);
-  if (reader.optional("storeys")) reader.whole("storeys", home.plan.storeys.emplace());
-  reader.real("area", home.plan.area);
   try {
     check_options(home.plan);
   } catch (const ArgumentError& error) {
     faults.error(path, "bad-plan", error.what());
   }
-  reader.whole("viewpoints", home.viewpoints);
-  reader.whole("edges", home.edges);
-  reader.whole("triangles", home.triangles);
-  reader.each("rooms", [&](Element room, const Path& here) {
-    home.rooms.push_back(read_room(room, here, faults));
-  });
-  if (reader.has("corrections")) reader.text("corrections", home.corrections);
-  return home;
 }
 
 }  // namespace
 
 std::string to_json(const HomeList& list) {
-  Json homes = Json::array();
-  for (const HomeEntry& home : list.homes) homes.push_back(to_json(home));
-  const Json all{{"format", kFormat},
-                 {"version", kVersion},
-                 {"synthetic", true},
-                 {"options", to_json(list.options)},
-                 {"homes", std::move(homes)}};
-  return all.dump(1) + "\n";
+  // A home a line: the lines of its plan are thousands of numbers.
+  std::vector<std::string> homes;
+  for (const HomeEntry& home : list.homes) homes.push_back("  " + Writer::object(home).dump());
+  return fmt::format(
+      "{{\n \"format\": \"{}\",\n \"version\": {},\n \"synthetic\": true,\n"
+      " \"options\": {},\n \"homes\": [\n{}\n ]\n}}\n",
+      kFormat, kVersion, Writer::object(list.options).dump(), fmt::join(homes, ",\n"));
 }
 
 HomeList parse_home_list(std::string_view text, const std::string& file) {
   const json::Document document = json::Document::parse(text, file);
   Faults faults(file);
-  const Path root;
+  const Path root, homes(root, "homes");
   Reader reader(document.root(), root, faults);
   std::string format;
-  std::int64_t version = 0;
-  reader.text("format", format);
-  reader.whole("version", version);
+  std::uint32_t version = 0;
+  reader("format", format);
+  reader("version", version);
   if (faults.errors() == 0 && (format != kFormat || version != kVersion)) {
     faults.error(root, "bad-format",
                  fmt::format("format {:?}, version {}; only {:?}, version {}, can be read", format,
@@ -222,18 +274,17 @@ HomeList parse_home_list(std::string_view text, const std::string& file) {
   }
   faults.throw_if_errors();
   HomeList list;
-  if (const auto options = reader.optional("options")) {
-    list.options = read_options(*options, Path(root, "options"), faults);
+  reader("options", list.options);
+  reader("homes", list.homes);
+  for (std::size_t i = 0; i < list.homes.size(); ++i) {
+    check_home(list.homes[i], Path(homes, i), faults);
   }
-  reader.each("homes", [&](Element home, const Path& here) {
-    list.homes.push_back(read_home(home, here, faults));
-  });
   faults.throw_if_errors();
   return list;
 }
 
 std::string difference(const HomeSetOptions& a, const HomeSetOptions& b) {
-  const Json ours = to_json(a), theirs = to_json(b);
+  const Json ours = Writer::object(a), theirs = Writer::object(b);
   for (const auto& [name, value] : ours.items()) {
     if (value != theirs[name]) {
       return fmt::format("{}: {} there, {} asked for", name, value.dump(), theirs[name].dump());
