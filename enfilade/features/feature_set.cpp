@@ -10,7 +10,6 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/features/formats/feature_rows.h"
-#include "enfilade/features/formats/stored_arrays.h"
 
 namespace enfilade::features {
 namespace {

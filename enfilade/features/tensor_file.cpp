@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/mapped_file.h"
 #include "enfilade/core/part_file.h"
-#include "enfilade/features/formats/safetensors.h"
 #include "enfilade/features/formats/stored_arrays.h"
 
 namespace enfilade::features {

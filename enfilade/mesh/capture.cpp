@@ -9,11 +9,8 @@
 
 #include "enfilade/core/threads.h"
 #include "enfilade/image/tone.h"
-#include "enfilade/mesh/detail/vector.h"
 
 namespace enfilade::mesh {
-
-using namespace detail;
 
 namespace {
 
@@ -44,9 +41,9 @@ std::uint8_t srgb_byte(float x) {
 
 // --- pixels ---------------------------------------------------------------------------------
 
-// Where a pixel's rays go through it, from its top left corner, in pixels. Each has a row and a
-// column of the n x n grid of finer parts to itself, so that nearly upright and nearly level edges
-// get all steps between two colours.
+// Where a pixel's rays pass through it, from its top left corner, in pixels. No two share a row or
+// a column of the pixel's finer grid, so that nearly vertical and nearly horizontal edges get all
+// steps between two colours.
 using Pattern = std::vector<std::array<double, 2>>;
 Pattern pattern_of(std::uint32_t samples) {
   const auto n = static_cast<std::uint32_t>(std::lround(std::sqrt(samples)));
@@ -168,7 +165,7 @@ class Photographer {
       mesh_.look(std::span(rays).first(n), std::span(radiance).first(n), spread(view));
       n = 0;
       for (std::size_t i = first; i < last; ++i) {
-        // Averaged as shown, not as it shines: one ray to a bright window is not a white pixel.
+        // Averaged after the tone curve: one ray to a bright window must not make a white pixel.
         Vec3f sum;
         for (std::size_t k = 0; k < samples; ++k) sum += shoulder(scale_ * radiance[n++]);
         write_colour(view, pixels.at[i], (1 / static_cast<float>(samples)) * sum);

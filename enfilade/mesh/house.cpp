@@ -74,7 +74,7 @@ class RecordReader {
     vec("bounding box", out.low);
     vec("bounding box", out.high);
   }
-  /// Words that mean nothing here.
+  /// Unused words.
   void zeros(std::size_t n) { next_ += n; }
   /// A number that follows from other records.
   template <class Count>
@@ -116,7 +116,7 @@ class RecordWriter {
   void count(const char*, std::uint32_t value) { word(value); }
   void index(const char*, std::int32_t value, std::size_t) { word(value); }
   void place(std::size_t value) { word(value); }
-  /// A word that splits where it should not, or none at all, would break the record.
+  /// Blanks in a name, or an empty name, would break the record.
   void name(std::string_view value) {
     text_ += ' ';
     if (value.empty()) text_ += '-';

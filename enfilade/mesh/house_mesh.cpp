@@ -13,26 +13,23 @@ using namespace readers;
 
 namespace {
 
-/// Which object each segment is of; no segment may be of two.
-class SegmentObjects {
- public:
-  void add(std::int32_t segment, std::uint32_t object, const std::string& where,
-           FaultList& faults) {
-    const auto [at, fresh] = objects_.emplace(segment, object);
-    if (!fresh && at->second != object) {
-      faults.error(
-          where, "repeated-segment",
-          fmt::format("segment {} is of object {}, but of {} before", segment, object, at->second));
-    }
-  }
-  std::uint32_t find(std::int32_t segment) const {
-    const auto at = objects_.find(segment);
-    return at == objects_.end() ? kNoObject : at->second;
-  }
+/// The object of each segment.
+using SegmentObjects = std::unordered_map<std::int32_t, std::uint32_t>;
 
- private:
-  std::unordered_map<std::int32_t, std::uint32_t> objects_;
-};
+/// Reports a segment that is of another object already.
+void add(SegmentObjects& objects, std::int32_t segment, std::uint32_t object,
+         const std::string& where, FaultList& faults) {
+  const auto [at, fresh] = objects.emplace(segment, object);
+  if (fresh || at->second == object) return;
+  faults.error(
+      where, "repeated-segment",
+      fmt::format("segment {} is of object {}, but of {} before", segment, object, at->second));
+}
+
+std::uint32_t find(const SegmentObjects& objects, std::int32_t segment) {
+  const auto at = objects.find(segment);
+  return at == objects.end() ? kNoObject : at->second;
+}
 
 Object object_of(const House& house, const HouseObject& from) {
   Object out;
@@ -66,7 +63,8 @@ SegmentObjects house_objects(const House& house, const std::string& file, Mesh& 
   for (std::size_t i = 0; i < house.segments.size(); ++i) {
     const HouseSegment& segment = house.segments[i];
     if (segment.object < 0) continue;
-    out.add(segment.id, static_cast<std::uint32_t>(segment.object), fmt::format("E {}", i), faults);
+    add(out, segment.id, static_cast<std::uint32_t>(segment.object), fmt::format("E {}", i),
+        faults);
   }
   faults.throw_if_any();
   return out;
@@ -82,8 +80,8 @@ void add_groups(const std::vector<SegmentGroup>& groups, const House& house,
     const std::string where = fmt::format("$.segGroups[{}]", g);
     std::uint32_t added = kNoObject;
     for (const std::int32_t segment : group.segments) {
-      group_of.add(segment, static_cast<std::uint32_t>(g), where, faults);
-      const std::uint32_t object = objects.find(segment);
+      add(group_of, segment, static_cast<std::uint32_t>(g), where, faults);
+      const std::uint32_t object = find(objects, segment);
       if (object != kNoObject) {
         if (object != added && !group.label.empty()) mesh.objects[object].name = group.label;
         continue;
@@ -92,7 +90,7 @@ void add_groups(const std::vector<SegmentGroup>& groups, const House& house,
         added = static_cast<std::uint32_t>(mesh.objects.size());
         mesh.objects.push_back(object_of(house, group));
       }
-      objects.add(segment, added, where, faults);
+      add(objects, segment, added, where, faults);
     }
   }
   faults.throw_if_any();
@@ -118,7 +116,7 @@ Mesh read_house_mesh(const std::filesystem::path& folder, const std::string& sca
   add_groups(groups, house, groups_file.string(), objects, mesh);
   mesh.triangle_object.reserve(mesh.triangles.size());
   for (const std::uint32_t face : labelled.face) {
-    mesh.triangle_object.push_back(objects.find(segments[face]));
+    mesh.triangle_object.push_back(find(objects, segments[face]));
   }
   return mesh;
 }

@@ -47,7 +47,7 @@ void check_lights(const Lights& lights) {
   }
 }
 
-// Rays that go on from where others ended, and whose they are.
+// Secondary rays, each with the number of the ray that it continues.
 struct Onward {
   std::array<Ray, kBlock> rays;
   std::array<std::uint32_t, kBlock> of;
@@ -62,7 +62,7 @@ struct Onward {
   std::span<const Ray> all() const { return std::span(rays).first(count); }
 };
 
-// Off a surface, on the side that `direction` comes from.
+// The point moved off its surface, along the normal.
 Vec3f lifted(Vec3f at, Vec3f normal) {
   const float far = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
   return at + (3e-4F + 1e-6F * far) * normal;
@@ -117,7 +117,7 @@ void LitMesh::Impl::look(std::span<const Ray> rays, std::span<const Hit> hits,
     const Vec3f geometric = surfaces.normal(hit.triangle);
     const float across = dot(way, geometric), size = length(way);
     const LightPoint side = across > 0 ? 1 : 0;
-    // Seen at a slant, a texel covers less of the picture one way: the mean of both ways.
+    // Seen at a slant, a texel covers fewer pixels along one axis: the mean of both axes.
     const float slant = std::sqrt(std::max(std::abs(across) / size, 0.05F));
     const Vec3f colour =
         (1 - material.mirror) *

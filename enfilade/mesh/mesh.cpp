@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "enfilade/mesh/detail/vector.h"
+
 namespace enfilade::mesh {
 namespace {
 
@@ -19,11 +21,7 @@ Vec3d twice_area(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle)
 }
 
 Vec3f normal_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
-  const Vec3d n = twice_area(mesh, triangle);
-  const double size = length(n);
-  if (!(size > 0)) return {0, 0, 1};
-  return {static_cast<float>(n.x / size), static_cast<float>(n.y / size),
-          static_cast<float>(n.z / size)};
+  return detail::unit(twice_area(mesh, triangle), {0, 0, 1});
 }
 
 std::vector<std::array<Vec3f, 3>> normals_or_flat(const Mesh& mesh) {
@@ -47,7 +45,7 @@ void append_list(std::vector<T>& list, std::size_t size, const std::vector<T>& p
   list.resize(size + part_size, neutral);
 }
 
-/// One fault a kind, with how many there are: a broken mesh can have millions.
+/// Reports one fault of each kind, with their number: a broken mesh can have millions.
 class Checker {
  public:
   Checker(const Mesh& mesh, const std::string& file) : mesh_(mesh), file_(file) {}
@@ -55,7 +53,7 @@ class Checker {
   std::vector<Diagnostic> check() {
     if (mesh_.triangles.empty()) error("", "no-triangles", "no triangles, at least 1 is needed");
     check_lengths();
-    const bool lists = found_.empty();  // else nothing below may be looked up
+    const bool lists = found_.empty();  // else indices cannot be looked up
     check_materials();
     check_values();
     if (lists && check_indices() && check_positions()) check_size();
@@ -113,7 +111,7 @@ class Checker {
                              [&](std::uint32_t o) { return o >= objects && o != kNoObject; });
     return corners && material && object;
   }
-  /// Positions that no triangle has do no harm.
+  /// Positions that no triangle uses are not checked.
   bool check_positions() {
     return none("triangles", "not-finite", "have corners that are not finite", mesh_.triangles,
                 [&](const auto& t) {

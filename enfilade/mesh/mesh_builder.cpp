@@ -15,8 +15,8 @@ Vec3d unit(Vec3d a) {
   return size > 0 ? 1 / size * a : Vec3d{0, 0, 1};
 }
 
-/// cos and sin, exact for quarter turns: most furniture stands along the axes, and its sides shall
-/// lie there exactly.
+/// cos and sin, exact for quarter turns: most furniture is aligned with the axes, and its sides
+/// must be so exactly.
 std::array<double, 2> cos_sin(double angle) {
   const auto clean = [](double x) {
     if (std::abs(x) < 1e-12) return 0.0;
@@ -59,7 +59,7 @@ std::uint32_t MeshBuilder::begin_object(std::string name, std::uint16_t category
 
 std::uint32_t MeshBuilder::vertex(Vec3d local) {
   Vec3f p = to_float(placement_.to_world(local));
-  // Circles' last and first corners, and -0: one place, one key.
+  // -0 becomes 0, so that equal positions have equal keys.
   const std::array<float, 3> key{p.x + 0.0F, p.y + 0.0F, p.z + 0.0F};
   const auto [at, fresh] =
       vertices_.try_emplace(key, static_cast<std::uint32_t>(mesh_.positions.size()));
@@ -93,7 +93,7 @@ void MeshBuilder::patch(MaterialId material, const std::array<Corner, 4>& corner
   face(material, corners[0], corners[2], corners[3]);
 }
 
-/// Texture points of a flat face: u level, to the right of somebody who looks at it; v down.
+/// Texture points of a flat face: u horizontal, to the right as seen from the front; v down.
 void MeshBuilder::project(MaterialId material, std::span<Corner> corners, Vec3d normal) const {
   if (texture_size(material) > 0) {
     const bool level = std::abs(normal.z) > 0.9;

@@ -9,7 +9,6 @@
 #include "enfilade/core/check.h"
 #include "enfilade/mesh/detail/embree.h"
 #include "enfilade/mesh/detail/textures.h"
-#include "enfilade/mesh/detail/vector.h"
 
 namespace enfilade::mesh {
 
@@ -21,7 +20,7 @@ constexpr unsigned kPacket = 16;
 // Spatial splits make rays through rooms of large walls faster, but the tree takes twice as long.
 constexpr std::size_t kSplitBelow = 1'000'000;
 
-// Triangles that rays treat alike, each a geometry of the scene.
+// Groups of triangles that rays treat alike; each is a geometry of the scene.
 enum Group : unsigned { kSolid, kCutOut, kGlowing, kGroups };
 constexpr unsigned kMaskOfGlowing = 2, kMaskOfOthers = 1;
 
@@ -38,7 +37,7 @@ struct Release {
 template <class T>
 using Owned = std::unique_ptr<std::remove_pointer_t<T>, Release>;
 
-// The first thing that Embree complained of; C code calls this, so nothing may be thrown.
+// Keeps Embree's first error. C code calls this, so nothing may be thrown.
 void note_failure(void* text, RTCError code, const char* words) noexcept {
   auto& failure = *static_cast<std::string*>(text);
   if (!failure.empty()) return;
@@ -215,7 +214,7 @@ void RayTracer::blocked(std::span<const Ray> rays, std::span<std::uint8_t> out,
     const std::size_t n = std::min<std::size_t>(kPacket, rays.size() - first);
     write_rays(packet, rays.subspan(first, n), mask, valid.data());
     embree::occluded(valid.data(), impl_->scene.get(), packet);
-    // Embree marks a ray that something lies on by far = -infinity.
+    // Embree marks a blocked ray by far = -infinity.
     for (std::size_t i = 0; i < n; ++i) out[first + i] = packet.tfar[i] < 0 ? 1 : 0;
   }
 }

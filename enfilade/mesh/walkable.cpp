@@ -9,7 +9,6 @@
 #include <numeric>
 #include <utility>
 
-#include "enfilade/core/check.h"
 #include "enfilade/mesh/detail/exact_heights.h"
 
 namespace enfilade::mesh {
@@ -62,22 +61,15 @@ Lattice make_lattice(const Mesh& mesh, double cell) {
   return lattice;
 }
 
-template <auto Free>
-struct Freeing {
-  template <class T>
-  void operator()(T* field) const {
-    Free(field);
-  }
-};
-using Heightfield = std::unique_ptr<rcHeightfield, Freeing<rcFreeHeightField>>;
-using CompactField = std::unique_ptr<rcCompactHeightfield, Freeing<rcFreeCompactHeightfield>>;
+using Heightfield = std::unique_ptr<rcHeightfield, void (*)(rcHeightfield*)>;
+using CompactField = std::unique_ptr<rcCompactHeightfield, void (*)(rcCompactHeightfield*)>;
 
 void require(bool done, const char* what) {
   if (!done) throw Error(fmt::format("walkable floor: {}: out of memory", what));
 }
 
-// Recast wants y up. Steep is told by the normal's direction alone: which side of a triangle is
-// its front, people's meshes do not agree about.
+// Recast has y up. The sign of a normal does not count: meshes do not agree on which side of a
+// triangle is its front.
 struct RecastTriangles {
   std::vector<float> corners;
   std::vector<int> places;
@@ -112,7 +104,7 @@ Heightfield rasterise(const Mesh& mesh, const WalkableOptions& options, const La
                       rcContext& context) {
   const auto [low, high] = lattice.box;
   const std::array bottom{low.x, low.z, low.y}, top{high.x, high.z, high.y};
-  Heightfield solid(rcAllocHeightfield());
+  Heightfield solid(rcAllocHeightfield(), rcFreeHeightField);
   require(solid && rcCreateHeightfield(&context, *solid, lattice.width, lattice.depth,
                                        bottom.data(), top.data(), static_cast<float>(lattice.cell),
                                        static_cast<float>(lattice.level)),
@@ -135,13 +127,6 @@ std::size_t count_walkable(const rcCompactHeightfield& field) {
       std::count_if(field.areas, field.areas + field.spanCount, [](auto a) { return a != 0; }));
 }
 
-// Where the body's middle may be, with distances to where it may not; and which spans of it have
-// something above them.
-struct Field {
-  CompactField spans;
-  std::vector<bool> covered;
-};
-
 // In the order that Recast gives the spans of the compact field.
 std::vector<bool> find_covered(const rcHeightfield& solid) {
   std::vector<bool> covered;
@@ -152,6 +137,72 @@ std::vector<bool> find_covered(const rcHeightfield& solid) {
   }
   return covered;
 }
+
+constexpr std::uint32_t kNoSpan = std::numeric_limits<std::uint32_t>::max();
+
+// Spans with their columns, and the steps between them. Walkable are those where the body's centre
+// may be.
+class Field {
+ public:
+  /// \param covered which spans have something above them
+  Field(CompactField spans, std::vector<bool> covered, const Lattice& lattice)
+      : field_(std::move(spans)), covered_(std::move(covered)), lattice_(lattice) {
+    column_.resize(static_cast<std::size_t>(field_->spanCount));
+    for (int c = 0; c < field_->width * field_->height; ++c) {
+      const std::uint32_t first = field_->cells[c].index, count = field_->cells[c].count;
+      std::fill_n(column_.begin() + first, count, c);
+    }
+  }
+
+  std::uint32_t spans() const { return static_cast<std::uint32_t>(field_->spanCount); }
+  bool walkable(std::uint32_t span) const { return field_->areas[span] != RC_NULL_AREA; }
+  int column(std::uint32_t span) const { return column_[span]; }
+  bool covered(std::uint32_t span) const { return covered_[span]; }
+
+  // The span that one step in a direction leads to, if the body may be there.
+  std::uint32_t step(std::uint32_t span, int direction) const {
+    const int layer = rcGetCon(field_->spans[span], direction);
+    if (layer == RC_NOT_CONNECTED) return kNoSpan;
+    const int column =
+        column_[span] + rcGetDirOffsetX(direction) + rcGetDirOffsetY(direction) * field_->width;
+    const std::uint32_t next = field_->cells[column].index + static_cast<std::uint32_t>(layer);
+    return walkable(next) ? next : kNoSpan;
+  }
+
+  // Visits up to 8: straight ones, and diagonal ones that two straight ones lead to in any order.
+  template <class Visit>
+  void each_neighbour(std::uint32_t span, const Visit& visit) const {
+    for (int d = 0; d < 4; ++d) {
+      const std::uint32_t straight = step(span, d);
+      if (straight == kNoSpan) continue;
+      visit(straight);
+      const std::uint32_t corner = step(straight, (d + 1) & 3);
+      const std::uint32_t other = step(span, (d + 1) & 3);
+      if (corner != kNoSpan && other != kNoSpan && step(other, d) == corner) visit(corner);
+    }
+  }
+
+  FloorCell cell(std::uint32_t span) const {
+    const int x = column_[span] % field_->width, y = column_[span] / field_->width;
+    const auto middle = [this](float low, int place) {
+      return static_cast<float>(low + (place + 0.5) * lattice_.cell);
+    };
+    FloorCell cell;
+    cell.position = {
+        middle(lattice_.box.low.x, x), middle(lattice_.box.low.y, y),
+        static_cast<float>(lattice_.box.low.z + field_->spans[span].y * lattice_.level)};
+    // Recast's distances are in half cells from the rim's middle, which is half a cell inside.
+    cell.covered = covered_[span];
+    cell.clearance = static_cast<float>(0.5 * (field_->dist[span] + 1) * lattice_.cell);
+    return cell;
+  }
+
+ private:
+  CompactField field_;
+  std::vector<bool> covered_;
+  const Lattice& lattice_;
+  std::vector<int> column_;
+};
 
 Field make_field(const Mesh& mesh, const WalkableOptions& options, const Lattice& lattice) {
   rcContext context(false);
@@ -170,7 +221,7 @@ Field make_field(const Mesh& mesh, const WalkableOptions& options, const Lattice
                     "cells, or check the mesh's scale",
                     options.cell, 1 << 24));
   }
-  CompactField field(rcAllocCompactHeightfield());
+  CompactField field(rcAllocCompactHeightfield(), rcFreeCompactHeightfield);
   require(field && rcBuildCompactHeightfield(&context, height, climb, *solid, *field), "field");
   if (count_walkable(*field) == 0) {
     no_floor(fmt::format("no level surface with head-room of {} m is more than a ledge",
@@ -183,74 +234,10 @@ Field make_field(const Mesh& mesh, const WalkableOptions& options, const Lattice
     no_floor(fmt::format("no surface has room for a body of radius {} m", options.body.radius));
   }
   require(rcBuildDistanceField(&context, *field), "distances");
-  return {std::move(field), find_covered(*solid)};
+  return {std::move(field), find_covered(*solid), lattice};
 }
 
-constexpr std::uint32_t kNoSpan = std::numeric_limits<std::uint32_t>::max();
-
-// Spans with their columns, and the steps between them.
-class FieldReader {
- public:
-  FieldReader(const Field& field, const Lattice& lattice)
-      : field_(*field.spans), covered_(field.covered), lattice_(lattice) {
-    column_.resize(static_cast<std::size_t>(field_.spanCount));
-    for (int c = 0; c < field_.width * field_.height; ++c) {
-      const std::uint32_t first = field_.cells[c].index, count = field_.cells[c].count;
-      std::fill_n(column_.begin() + first, count, c);
-    }
-  }
-
-  std::uint32_t spans() const { return static_cast<std::uint32_t>(field_.spanCount); }
-  bool walkable(std::uint32_t span) const { return field_.areas[span] != RC_NULL_AREA; }
-  int column(std::uint32_t span) const { return column_[span]; }
-  bool covered(std::uint32_t span) const { return covered_[span]; }
-
-  // The span that one step in a direction leads to, if the body may be there.
-  std::uint32_t step(std::uint32_t span, int direction) const {
-    const int layer = rcGetCon(field_.spans[span], direction);
-    if (layer == RC_NOT_CONNECTED) return kNoSpan;
-    const int column =
-        column_[span] + rcGetDirOffsetX(direction) + rcGetDirOffsetY(direction) * field_.width;
-    const std::uint32_t next = field_.cells[column].index + static_cast<std::uint32_t>(layer);
-    return walkable(next) ? next : kNoSpan;
-  }
-
-  // Up to 8: straight ones, and those that two of them lead to, whichever comes first.
-  template <class Visit>
-  void each_neighbour(std::uint32_t span, const Visit& visit) const {
-    for (int d = 0; d < 4; ++d) {
-      const std::uint32_t straight = step(span, d);
-      if (straight == kNoSpan) continue;
-      visit(straight);
-      const std::uint32_t corner = step(straight, (d + 1) & 3);
-      const std::uint32_t other = step(span, (d + 1) & 3);
-      if (corner != kNoSpan && other != kNoSpan && step(other, d) == corner) visit(corner);
-    }
-  }
-
-  FloorCell cell(std::uint32_t span) const {
-    const int x = column_[span] % field_.width, y = column_[span] / field_.width;
-    const auto middle = [this](float low, int place) {
-      return static_cast<float>(low + (place + 0.5) * lattice_.cell);
-    };
-    FloorCell cell;
-    cell.position = {
-        middle(lattice_.box.low.x, x), middle(lattice_.box.low.y, y),
-        static_cast<float>(lattice_.box.low.z + field_.spans[span].y * lattice_.level)};
-    // Recast's distances are in half cells from the rim's middle, which is half a cell inside.
-    cell.covered = covered_[span];
-    cell.clearance = static_cast<float>(0.5 * (field_.dist[span] + 1) * lattice_.cell);
-    return cell;
-  }
-
- private:
-  const rcCompactHeightfield& field_;
-  const std::vector<bool>& covered_;
-  const Lattice& lattice_;
-  std::vector<int> column_;
-};
-
-// What decides on a connected part.
+// What a connected part is ranked by.
 struct Part {
   std::uint32_t cells = 0, covered = 0;
   std::uint32_t above_others = 0;  // cells that have some other part below them
@@ -263,7 +250,7 @@ struct Parts {
   std::vector<Part> list;
 };
 
-void fill_part(const FieldReader& field, std::uint32_t first, Parts& parts) {
+void fill_part(const Field& field, std::uint32_t first, Parts& parts) {
   const auto number = static_cast<std::uint32_t>(parts.list.size());
   Part& part = parts.list.emplace_back();
   std::vector<std::uint32_t> open{first};
@@ -282,13 +269,13 @@ void fill_part(const FieldReader& field, std::uint32_t first, Parts& parts) {
   }
 }
 
-Parts find_parts(const FieldReader& field) {
+Parts find_parts(const Field& field) {
   Parts parts;
   parts.of.assign(field.spans(), kNoSpan);
   for (std::uint32_t s = 0; s < field.spans(); ++s) {
     if (field.walkable(s) && parts.of[s] == kNoSpan) fill_part(field, s, parts);
   }
-  std::uint32_t lower = kNoSpan;  // spans of a column come from below
+  std::uint32_t lower = kNoSpan;  // spans of a column are in ascending order
   for (std::uint32_t s = 0; s < field.spans(); ++s) {
     if (parts.of[s] == kNoSpan) continue;
     const bool above = lower != kNoSpan && field.column(lower) == field.column(s);
@@ -298,7 +285,7 @@ Parts find_parts(const FieldReader& field) {
   return parts;
 }
 
-// New number of each part, by weight; kNoSpan for those that are left out.
+// The rank of each part; kNoSpan for those that are left out.
 std::vector<std::uint32_t> rank(const Parts& parts, const WalkableOptions& options) {
   std::vector<std::uint32_t> order(parts.list.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -322,7 +309,7 @@ std::vector<std::uint32_t> rank(const Parts& parts, const WalkableOptions& optio
   return ranks;
 }
 
-Cells gather(const FieldReader& field, const Lattice& lattice, const WalkableOptions& options) {
+Cells gather(const Field& field, const Lattice& lattice, const WalkableOptions& options) {
   const Parts parts = find_parts(field);
   const std::vector<std::uint32_t> ranks = rank(parts, options);
   Cells out;
@@ -363,8 +350,7 @@ WalkableFloor::WalkableFloor(const Mesh& mesh, const WalkableOptions& options)
   impl_->options = options;
   impl_->lattice = make_lattice(mesh, options.cell);
   const Lattice& lattice = impl_->lattice;
-  const Field field = make_field(mesh, options, lattice);
-  impl_->floor = gather(FieldReader(field, lattice), lattice, options);
+  impl_->floor = gather(make_field(mesh, options, lattice), lattice, options);
   set_exact_heights(mesh, lattice, options.body.step, impl_->floor);
   for (const FloorCell& cell : impl_->floor.cells) {
     impl_->areas = std::max<std::size_t>(impl_->areas, cell.area + 1);

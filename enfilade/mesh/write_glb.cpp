@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -28,7 +27,6 @@ constexpr int kFloat = 5126, kUnsignedInt = 5125, kArrayBuffer = 34962, kElement
 
 /// glTF has +y up: (x, y, z) there is (x, z, -y) of ours.
 std::array<float, 3> y_up(Vec3f v) { return {v.x, v.z, -v.y}; }
-Json list(Vec3f v) { return {v.x, v.y, v.z}; }
 
 /// One of the file's arrays: a buffer view that many accessors share.
 class Array {
@@ -184,9 +182,10 @@ class GlbWriter {
       }
       Json material{{"name", m.name}, {"pbrMetallicRoughness", std::move(surface)}};
       const float strength = std::max({m.emission.x, m.emission.y, m.emission.z, 1.0F});
-      if (m.emission != Vec3f{})
-        material["emissiveFactor"] =
-            list({m.emission.x / strength, m.emission.y / strength, m.emission.z / strength});
+      if (m.emission != Vec3f{}) {
+        material["emissiveFactor"] = {m.emission.x / strength, m.emission.y / strength,
+                                      m.emission.z / strength};
+      }
       if (strength > 1) {
         material["extensions"]["KHR_materials_emissive_strength"] = {
             {"emissiveStrength", strength}};

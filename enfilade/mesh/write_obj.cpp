@@ -22,10 +22,6 @@ std::string material_name(const Mesh& mesh, std::size_t place) {
   return fmt::format("{}_{}", place, word(mesh.materials[place].name));
 }
 
-void write_bytes(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
-  write_file_atomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-}
-
 void write_materials(const Mesh& mesh, const std::filesystem::path& folder,
                      const std::string& name) {
   std::string out;
@@ -40,7 +36,8 @@ void write_materials(const Mesh& mesh, const std::filesystem::path& folder,
     if (!m.texture.pixels.empty()) {
       const detail::EncodedTexture texture = detail::encode_texture(m.texture);
       const std::string file = fmt::format("{}_{}.{}", name, i, texture.suffix);
-      write_bytes(folder / file, texture.bytes);
+      write_file_atomically(folder / file, {reinterpret_cast<const char*>(texture.bytes.data()),
+                                            texture.bytes.size()});
       out += fmt::format("map_Kd {}\n", file);
       if (m.cutout > 0) out += fmt::format("map_d {}\n", file);
     }

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <mutex>
 #include <optional>
-#include <string_view>
 #include <utility>
 
 #include "enfilade/core/errors.h"
@@ -124,7 +123,9 @@ class Reader {
     if (names.empty()) refuse(name_, "", "no-features", "holds no viewpoint's features");
     std::vector<FeatureKey> keys;
     for (const std::string& name : names) keys.push_back(key_of(name, name_));
-    read_texts();
+    info_.encoder = text("encoder");
+    info_.preprocessing = text("preprocessing");
+    info_.weights = text("weights");
     info_ = info_of(names[0], open_dataset(names[0]));
     const SafetensorsLayout layout = lay_out_features(info_, keys);
     memory.write_at(0, std::as_bytes(std::span(layout.start)));
@@ -179,12 +180,6 @@ class Reader {
     return std::move(links.names);
   }
 
-  void read_texts() {
-    info_.encoder = text("encoder");
-    info_.preprocessing = text("preprocessing");
-    info_.weights = text("weights");
-  }
-
   // An attribute of the file, if it is a text of fixed length, as ours are.
   std::string text(const char* name) const {
     constexpr std::size_t kLongest = 4096;
@@ -219,7 +214,10 @@ class Reader {
         0) {
       fail_damaged(name);
     }
-    check_finite(name, row.data());
+    std::vector<float> floats(row_elements(info_));
+    if (!copy_numbers(row.data(), info_.type, floats)) {
+      fail(name, "not-finite", "a number that is infinite or none");
+    }
   }
 
   // A dataset without data reads as zeros. The library allocates chunks as large as they claim.
@@ -290,13 +288,6 @@ class Reader {
     }
   }
 
-  void check_finite(const std::string& name, const std::byte* row) const {
-    std::vector<float> floats(row_elements(info_));
-    if (!copy_numbers(row, info_.type, floats)) {
-      fail(name, "not-finite", "a number that is infinite or none");
-    }
-  }
-
   std::string name_;
   Handle file_;
   FeatureInfo info_;
@@ -337,7 +328,11 @@ class Hdf5Rows final : public RowWriter {
                          H5Dclose);
     check(dataset.good());
     check(H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
-    write_attributes(dataset, keys_[row]);
+    write_text(dataset, "scanId", keys_[row].scan, TextLength::kVariable);
+    write_text(dataset, "viewpointId", keys_[row].viewpoint, TextLength::kVariable);
+    write_number(dataset, "image_w", info_.camera.width);
+    write_number(dataset, "image_h", info_.camera.height);
+    write_number(dataset, "vfov", std::stod(degrees_text(info_.camera.vertical_field_of_view)));
   }
 
   void finish() override {
@@ -354,15 +349,6 @@ class Hdf5Rows final : public RowWriter {
     if (!done) {
       throw FileError(fmt::format("{}: cannot be written: {}", path_.string(), Library::reason()));
     }
-  }
-
-  void write_attributes(const Handle& dataset, const FeatureKey& key) {
-    write_text(dataset, "scanId", key.scan, TextLength::kVariable);
-    write_text(dataset, "viewpointId", key.viewpoint, TextLength::kVariable);
-    write_number(dataset, "image_w", info_.camera.width);
-    write_number(dataset, "image_h", info_.camera.height);
-    const double vfov = std::stod(degrees_text(info_.camera.vertical_field_of_view));
-    write_number(dataset, "vfov", vfov);
   }
 
   /// h5py gives texts of variable length as Python's str. Those that we read again are fixed: a

@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cmath>
 #include <system_error>
-#include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/half.h"

@@ -11,7 +11,7 @@
 
 #include "enfilade/core/mapped_file.h"
 #include "enfilade/features/feature_set.h"
-#include "enfilade/features/formats/safetensors.h"
+#include "enfilade/features/formats/stored_arrays.h"
 
 namespace enfilade::features::formats {
 

@@ -40,7 +40,10 @@ class SafetensorsRows final : public RowWriter {
         row_(row_bytes(info)),
         written_(keys.size()),
         part_(file) {
-    if (!resume()) begin();
+    if (resume()) return;
+    part_.resize(0);
+    part_.resize(part_bytes());
+    part_.write_at(0, std::as_bytes(std::span(layout_.start)));
   }
 
   bool written(std::size_t row) const override { return written_[row]; }
@@ -93,12 +96,6 @@ class SafetensorsRows final : public RowWriter {
       written_[row] = kept == found;
     }
     return true;
-  }
-
-  void begin() {
-    part_.resize(0);
-    part_.resize(part_bytes());
-    part_.write_at(0, std::as_bytes(std::span(layout_.start)));
   }
 
   SafetensorsLayout layout_;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cstring>
-#include <string_view>
 #include <unordered_map>
 
 #include "enfilade/core/errors.h"
@@ -16,30 +15,25 @@ constexpr std::size_t kLongestPickle = std::size_t{64} << 20;
 constexpr std::size_t kMostSides = 64;  // of a tensor, as in PyTorch
 constexpr int kLatestProtocol = 5;
 
-/// A class or function that a pickle may name.
-struct NamedGlobal {
-  std::string_view name;
-  Global global;
-};
-constexpr NamedGlobal kGlobals[] = {
-    {"collections.OrderedDict", {Callable::kOrderedDict}},
-    {"torch.Size", {Callable::kSize}},
-    {"torch._utils._rebuild_tensor", {Callable::kRebuildTensor}},
-    {"torch._utils._rebuild_tensor_v2", {Callable::kRebuildTensor}},
-    {"torch._utils._rebuild_parameter", {Callable::kRebuildParameter}},
-    {"torch._utils._rebuild_parameter_with_state", {Callable::kRebuildParameter}},
-    {"torch.nn.parameter.Parameter", {Callable::kParameter}},
+constexpr Global kGlobals[] = {
+    {"collections.OrderedDict", Callable::kOrderedDict},
+    {"torch.Size", Callable::kSize},
+    {"torch._utils._rebuild_tensor", Callable::kRebuildTensor},
+    {"torch._utils._rebuild_tensor_v2", Callable::kRebuildTensor},
+    {"torch._utils._rebuild_parameter", Callable::kParameter},
+    {"torch._utils._rebuild_parameter_with_state", Callable::kParameter},
+    {"torch.nn.parameter.Parameter", Callable::kParameter},
 };
 // Of the modules torch and torch.cuda.
-constexpr NamedGlobal kStorageTypes[] = {
-    {"HalfStorage", {Callable::kStorageType, DType::kFloat16}},
-    {"BFloat16Storage", {Callable::kStorageType, DType::kBFloat16}},
-    {"FloatStorage", {Callable::kStorageType, DType::kFloat32}},
-    {"DoubleStorage", {Callable::kStorageType, DType::kFloat64}},
-    {"IntStorage", {Callable::kStorageType, DType::kInt32}},
-    {"LongStorage", {Callable::kStorageType, DType::kInt64}},
-    {"ByteStorage", {Callable::kStorageType, DType::kUint8}},
-    {"BoolStorage", {Callable::kStorageType, DType::kBool}},
+constexpr Global kStorageTypes[] = {
+    {"HalfStorage", Callable::kStorageType, DType::kFloat16},
+    {"BFloat16Storage", Callable::kStorageType, DType::kBFloat16},
+    {"FloatStorage", Callable::kStorageType, DType::kFloat32},
+    {"DoubleStorage", Callable::kStorageType, DType::kFloat64},
+    {"IntStorage", Callable::kStorageType, DType::kInt32},
+    {"LongStorage", Callable::kStorageType, DType::kInt64},
+    {"ByteStorage", Callable::kStorageType, DType::kUint8},
+    {"BoolStorage", Callable::kStorageType, DType::kBool},
 };
 
 /// Pickle's stack machine. It builds values and calls nothing.
@@ -230,12 +224,12 @@ class Machine {
 
   Global global(const std::string& module, const std::string& name) const {
     const std::string full = module + "." + name;
-    const auto found = std::ranges::find(kGlobals, full, &NamedGlobal::name);
-    if (found != std::end(kGlobals)) return found->global;
+    const auto found = std::ranges::find(kGlobals, full, &Global::name);
+    if (found != std::end(kGlobals)) return *found;
     const bool is_storage =
         (module == "torch" || module == "torch.cuda") && name.ends_with("Storage");
-    const auto type = std::ranges::find(kStorageTypes, name, &NamedGlobal::name);
-    if (is_storage && type != std::end(kStorageTypes)) return type->global;
+    const auto type = std::ranges::find(kStorageTypes, name, &Global::name);
+    if (is_storage && type != std::end(kStorageTypes)) return *type;
     const std::string shown = fmt::format("{:?}", full.substr(0, 100));
     if (is_storage) {
       fail("unsupported-type",
@@ -265,7 +259,6 @@ class Machine {
       case Callable::kRebuildTensor:
         push(tensor(arguments));
         return;
-      case Callable::kRebuildParameter:
       case Callable::kParameter:
         // Very old files give a parameter its tensor only when they set its state.
         push(arguments.items.empty() ? PickledTensor{}
@@ -443,15 +436,6 @@ Pickle read_pickle(std::span<const std::byte> bytes, const std::string& name, st
   Pickle pickle;
   Machine(bytes, name, offset, pickle).run();
   return pickle;
-}
-
-std::vector<const PickledStorage*> storages_of(const Pickle& pickle) {
-  std::vector<const PickledStorage*> storages;
-  for (const Value& value : pickle.values) {
-    const auto* storage = std::get_if<PickledStorage>(&value.is);
-    if (storage != nullptr) storages.push_back(storage);
-  }
-  return storages;
 }
 
 }  // namespace enfilade::features::formats

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -19,13 +20,13 @@ struct Value;
 /// Classes and functions that a pickle may name; all others are refused by their name.
 enum class Callable : std::uint8_t {
   kOrderedDict,
-  kSize,              ///< torch.Size, a tuple
-  kRebuildTensor,     ///< (storage, offset, shape, strides, ...)
-  kRebuildParameter,  ///< (tensor, ...)
-  kParameter,         ///< (tensor, ...), in files from before PyTorch 0.4
-  kStorageType,       ///< torch.FloatStorage and the like: not a function
+  kSize,           ///< torch.Size, a tuple
+  kRebuildTensor,  ///< (storage, offset, shape, strides, ...)
+  kParameter,      ///< (tensor, ...)
+  kStorageType,    ///< torch.FloatStorage and the like: not a function
 };
 struct Global {
+  std::string_view name;  ///< with its module; of a storage type without
   Callable callable = Callable::kSize;
   DType type = DType::kFloat32;  ///< of a storage's elements
 };
@@ -77,8 +78,5 @@ struct Pickle {
 /// \throws InvalidInput
 Pickle read_pickle(std::span<const std::byte> bytes, const std::string& name,
                    std::size_t offset = 0);
-
-/// The storages that the values of a pickle refer to, in the order of first use.
-std::vector<const PickledStorage*> storages_of(const Pickle& pickle);
 
 }  // namespace enfilade::features::formats

@@ -1,10 +1,7 @@
-#include "enfilade/features/formats/safetensors.h"
-
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <utility>
-
-#include "enfilade/core/errors.h"
 
 // Files of weights are little-endian, and so is every machine that this is built for.
 static_assert(std::endian::native == std::endian::little);

@@ -1,6 +1,8 @@
-/// \file  Readers of files of weights, and their result.
+/// \file  Readers of files of weights, their result, and the layout of safetensors
+/// (https://github.com/huggingface/safetensors, "Format").
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -28,6 +30,17 @@ struct StoredArrays {
 /// Safetensors. Arrays point into `file` where they are aligned for their type.
 /// \throws InvalidInput
 StoredArrays read_safetensors(std::span<const std::byte> file, const std::string& name);
+
+/// The layout of a safetensors file, whose arrays' bytes need not be known yet.
+struct SafetensorsLayout {
+  std::string start;                   ///< beginning of the file: length, header, padding
+  std::vector<std::uint64_t> offsets;  ///< of each array, from the start of the file
+  std::uint64_t file_bytes = 0;
+};
+/// Uses names, types and shapes of the arrays only. \throws ArgumentError for equal names, a name
+/// or metadata that is not UTF-8, or too many arrays for a header of 100 MB
+SafetensorsLayout lay_out_safetensors(std::span<const NamedArray> arrays,
+                                      const std::map<std::string, std::string>& metadata);
 
 // Dictionaries of tensors written by PyTorch's torch.save(), detected by the first bytes.
 bool looks_like_zip(std::span<const std::byte> file) noexcept;

@@ -113,76 +113,63 @@ void gather(const PickledTensor& tensor, Bytes from, std::size_t size, std::span
   }
 }
 
-class ArrayBuilder {
- public:
-  ArrayBuilder(const std::string& file, const FindStorage& find_storage, StoredArrays& into)
-      : file_(file), find_storage_(find_storage), into_(into) {}
-
-  void build(const std::string& name, const PickledTensor& tensor) {
-    if (tensor.storage == nullptr) refuse_tensor(file_, name, "bad-pickle", "has no data");
-    const auto& storage = std::get<PickledStorage>(tensor.storage->is);
-    const auto bytes = bytes_of_shape(tensor.shape, storage.type);
-    const auto reach = extent(tensor);
-    const Bytes all = bytes_of(name, storage);
-    const std::uint64_t elements = all.size() / size_of(storage.type);
-    const auto offset = static_cast<std::uint64_t>(tensor.offset);
-    if (!bytes || !reach || offset > elements || *reach > elements - offset) {
-      refuse_tensor(file_, name, "bad-size",
-                    fmt::format("reaches beyond the {} elements of its storage", elements));
-    }
-    NamedArray array{name, storage.type, tensor.shape, {}};
-    const Bytes from = all.subspan(offset * size_of(storage.type));
-    if (*bytes == 0 || is_contiguous(tensor)) {
-      array.bytes = into_.aligned(from.first(*bytes), storage.type);
-    } else {
-      array.bytes = gathered(name, tensor, from, size_of(storage.type), *bytes);
-    }
-    into_.arrays.push_back(std::move(array));
+// The bytes of a tensor's storage, or of the part of it that is its view. \throws InvalidInput
+Bytes viewed_bytes(const std::string& file, const std::string& name, const PickledStorage& storage,
+                   Bytes all) {
+  const std::size_t size = size_of(storage.type);
+  const auto elements = static_cast<std::uint64_t>(storage.elements);
+  if (all.size() % size != 0 || all.size() / size != elements) {
+    refuse_tensor(file, name, "bad-size",
+                  fmt::format("a storage of {} bytes, not of {} elements of {} bytes", all.size(),
+                              elements, size));
   }
-
- private:
-  Bytes bytes_of(const std::string& name, const PickledStorage& storage) const {
-    const Bytes all = find_storage_(storage);
-    const std::size_t size = size_of(storage.type);
-    const auto elements = static_cast<std::uint64_t>(storage.elements);
-    if (all.size() % size != 0 || all.size() / size != elements) {
-      refuse_tensor(file_, name, "bad-size",
-                    fmt::format("a storage of {} bytes, not of {} elements of {} bytes", all.size(),
-                                elements, size));
-    }
-    if (!storage.view) return all;
-    const auto offset = static_cast<std::uint64_t>(storage.view->offset);
-    const auto viewed = static_cast<std::uint64_t>(storage.view->elements);
-    if (offset > elements || viewed > elements - offset) {
-      refuse_tensor(file_, name, "bad-size",
-                    fmt::format("a view beyond the {} elements of its storage", elements));
-    }
-    return all.subspan(offset * size, viewed * size);
+  if (!storage.view) return all;
+  const auto offset = static_cast<std::uint64_t>(storage.view->offset);
+  const auto viewed = static_cast<std::uint64_t>(storage.view->elements);
+  if (offset > elements || viewed > elements - offset) {
+    refuse_tensor(file, name, "bad-size",
+                  fmt::format("a view beyond the {} elements of its storage", elements));
   }
+  return all.subspan(offset * size, viewed * size);
+}
 
-  Bytes gathered(const std::string& name, const PickledTensor& tensor, Bytes from, std::size_t size,
-                 std::size_t bytes) {
-    // Strides of 0 make an array of any size from one number. No trained tensor looks like that,
-    // and a small file could fill the memory.
-    if (bytes > from.size()) {
-      refuse_tensor(
-          file_, name, "expanded",
-          fmt::format("{} bytes out of a storage of {}: repeats its numbers", bytes, from.size()));
-    }
-    const auto to = into_.allocate(bytes);
-    gather(tensor, from, size, to);
-    return to;
+void build_array(const std::string& file, const std::string& name, const PickledTensor& tensor,
+                 const FindStorage& find_storage, StoredArrays& into) {
+  if (tensor.storage == nullptr) refuse_tensor(file, name, "bad-pickle", "has no data");
+  const auto& storage = std::get<PickledStorage>(tensor.storage->is);
+  const std::size_t size = size_of(storage.type);
+  const auto bytes = bytes_of_shape(tensor.shape, storage.type);
+  const auto reach = extent(tensor);
+  const Bytes all = viewed_bytes(file, name, storage, find_storage(storage));
+  const std::uint64_t elements = all.size() / size;
+  const auto offset = static_cast<std::uint64_t>(tensor.offset);
+  if (!bytes || !reach || offset > elements || *reach > elements - offset) {
+    refuse_tensor(file, name, "bad-size",
+                  fmt::format("reaches beyond the {} elements of its storage", elements));
   }
-
-  const std::string& file_;
-  const FindStorage& find_storage_;
-  StoredArrays& into_;
-};
+  NamedArray& array = into.arrays.emplace_back(NamedArray{name, storage.type, tensor.shape, {}});
+  const Bytes from = all.subspan(offset * size);
+  if (*bytes == 0 || is_contiguous(tensor)) {
+    array.bytes = into.aligned(from.first(*bytes), storage.type);
+    return;
+  }
+  // Strides of 0 make an array of any size from one number. No trained tensor looks like that, and
+  // a small file could fill the memory.
+  if (*bytes > from.size()) {
+    refuse_tensor(
+        file, name, "expanded",
+        fmt::format("{} bytes out of a storage of {}: repeats its numbers", *bytes, from.size()));
+  }
+  const auto to = into.allocate(*bytes);
+  gather(tensor, from, size, to);
+  array.bytes = to;
+}
 
 void build_arrays(const Pickle& pickle, const std::string& file, const FindStorage& find_storage,
                   StoredArrays& into) {
-  ArrayBuilder builder(file, find_storage, into);
-  for (const auto& [name, tensor] : find_tensors(pickle.root, file)) builder.build(name, *tensor);
+  for (const auto& [name, tensor] : find_tensors(pickle.root, file)) {
+    build_array(file, name, *tensor, find_storage, into);
+  }
 }
 
 Bytes bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
@@ -317,7 +304,10 @@ StoredArrays read_torch_pickle(Bytes file, const std::string& name) {
   check_byte_order(parts.next(), name);
   const Pickle pickle = parts.next();
   std::unordered_map<std::string_view, const PickledStorage*> announced;
-  for (const PickledStorage* storage : storages_of(pickle)) announced[storage->key] = storage;
+  for (const Value& value : pickle.values) {
+    const auto* storage = std::get_if<PickledStorage>(&value.is);
+    if (storage != nullptr) announced[storage->key] = storage;
+  }
   std::unordered_map<std::string, Bytes> storages;
   for (const std::string& key : strings_of(parts.next(), name)) {
     const auto storage = announced.find(key);

@@ -44,6 +44,8 @@ Between between_texels(float at, std::uint32_t size) {
 
 }  // namespace
 
+float linear_of(std::uint8_t byte) { return kLinear[byte]; }
+
 TexturePoint texture_point(const Mesh& mesh, std::uint32_t triangle, float u, float v) {
   if (mesh.texture_points.empty()) return {};
   const auto& [a, b, c] = mesh.texture_points[triangle];

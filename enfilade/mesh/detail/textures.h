@@ -1,6 +1,5 @@
 /// \file  Texture lookup for rays: coordinates, alpha, filtering.
 #pragma once
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -10,6 +9,9 @@ namespace enfilade::mesh::detail {
 
 /// Texture coordinates of the point (1 - u - v) corner0 + u corner1 + v corner2 of a triangle.
 TexturePoint texture_point(const Mesh& mesh, std::uint32_t triangle, float u, float v);
+
+/// Linear value of an sRGB byte, from a table.
+float linear_of(std::uint8_t byte);
 
 /// Alpha in [0, 1], bilinear. \pre 4 channels
 float alpha_at(const image::Image8& texture, TexturePoint at);

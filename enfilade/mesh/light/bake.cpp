@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <utility>
 
 #include "enfilade/mesh/detail/vector.h"
@@ -85,7 +84,7 @@ void Baker::cut_to_spacing() {
         if (length(mesh_.position(a) - mesh_.position(b)) <= longest) return false;
         if (known == 0) return true;
         if (std::max(a, b) < known && (outside_[a / 2] || outside_[b / 2])) return false;
-        // What is not known yet waits for the next round.
+        // What is not measured yet waits for the next round.
         return std::max(a, b) < known && std::min(room_[a / 2], room_[b / 2]) < kNear * longest;
       });
       if (mesh_.size() == known) break;
@@ -99,15 +98,11 @@ void Baker::cut_to_spacing() {
 void Baker::grow() {
   const std::size_t n = mesh_.size();
   state_.resize(n);
-  direct_.resize(n);
-  indirect_.resize(n);
-  sun_.resize(n);
-  found_.resize(n);
   open_.resize(n);
-  near_.resize(n);
-  far_.resize(n);
   far_share_.resize(n);
-  sends_.resize(n);
+  for (auto* light : {&direct_, &indirect_, &sun_, &found_, &near_, &far_, &sends_}) {
+    light->resize(n);
+  }
 }
 
 void Baker::measure() {
@@ -127,8 +122,8 @@ void Baker::measure() {
       colour_[p / 2] += colour;
     }
   }
-  // Inwards from the rim of a surface, where another one may stand; along the surface, so as not to
-  // dive into a bent one.
+  // Inwards from the rim of a surface, where another one may stand; along the surface, so that the
+  // start does not get inside a bent one.
   constexpr float kInwards = 0.15F;
   for (std::size_t i = 0; i < start_.size(); ++i) {
     const auto p = static_cast<LightPoint>(2 * i);
@@ -139,7 +134,7 @@ void Baker::measure() {
   }
 }
 
-// In meshes with rooms, what stands in none is only seen from afar, through windows.
+// In meshes with rooms, what is outside all of them is only seen from afar, through windows.
 bool Baker::is_outside(std::uint32_t triangle) const {
   if (!has_rooms_) return false;
   const Mesh& mesh = tracer_.mesh();
@@ -328,8 +323,8 @@ void Baker::refine() {
 }
 
 void Baker::fill_buried() {
-  // Inside of solids nothing is seen; a surface on which one stands goes on below it as bright as
-  // around it, or it would look dark along the edge.
+  // Points inside solids are not seen, but light is interpolated up to them. They get the light of
+  // their neighbours, or surfaces would look dark along the edges of solids that stand on them.
   for (int round = 0; round < 2; ++round) {
     std::vector<Vec3f> sum(mesh_.size());
     std::vector<float> count(mesh_.size());

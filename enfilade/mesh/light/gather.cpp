@@ -13,7 +13,7 @@ using namespace detail;
 namespace {
 
 constexpr std::size_t kBlock = 64;  // points that are worked on together, for packets of rays
-constexpr float kLeastIrradiance = 0.015F;     // of a light, to be looked at
+constexpr float kLeastIrradiance = 0.015F;     // less light from a source is ignored
 constexpr std::size_t kMostRays = 48'000'000;  // whose ends are kept, 4 bytes each
 constexpr std::size_t kProbes = 8;
 constexpr float kNear = 2;    // spacings: what a point does not share with its neighbours
@@ -109,14 +109,14 @@ void Baker::make_directions() {
     Directions& made = directions_[k];
     const auto n = static_cast<float>(counts[k]);
     for (std::size_t i = 0; i < counts[k]; ++i) {
-      // A sunflower's seeds: even over the disc, so cosine-distributed over the half-sphere.
+      // A sunflower pattern: even over the disc, so cosine-distributed over the half-sphere.
       constexpr float kGolden = 2.39996323F;
       const float square = (static_cast<float>(i) + 0.5F) / n;
       const float angle = turn + kGolden * static_cast<float>(i);
       const float r = std::sqrt(square);
       made.push_back({r * std::cos(angle), r * std::sin(angle), std::sqrt(1 - square)});
     }
-    // Rays that lie together are traced together.
+    // Neighbouring rays are traced together.
     std::ranges::sort(made, {}, [](Vec3f d) {
       return std::pair((d.x > 0 ? 1 : 0) + (d.y > 0 ? 2 : 0), std::atan2(d.y, d.x));
     });
@@ -191,7 +191,7 @@ void Baker::cast(LightPoint p, const Directions& directions, const Use& use) con
   constexpr std::size_t kRays = 64;
   const Receiver from = receiver(p);
   const Frame frame(from.normal);
-  // Each point has its own turn, so that neighbours' rays complete each other.
+  // Each point turns them by its own angle, so that neighbours' rays complement each other.
   const float turn = static_cast<float>(Rng(options_.seed, p / 2).uniform()) * 2 * kFloatPi;
   const float c = std::cos(turn), s = std::sin(turn);
   const Vec3f x = c * frame.x + s * frame.y, y = c * frame.y - s * frame.x;
@@ -228,7 +228,8 @@ Baker::Found Baker::find(const Receiver& from, Vec3f direction, const Hit& hit) 
   const auto nearest =
       static_cast<std::size_t>(std::ranges::max_element(place.weights) - place.weights.begin());
   found.surface = mesh.pieces()[place.piece].front[nearest] ^ (found.back ? 1U : 0U);
-  // The insides of solids must not be lit by neighbours' means, nor few rays find what is bright.
+  // Far light is averaged over neighbours. That must not light the insides of solids, but is needed
+  // for bright surfaces, which few rays find.
   const bool bright = luminance(sends_[found.surface]) > kBright / kFloatPi * typical_;
   found.near = state_[found.surface].buried || (hit.distance < kNear * spacing_ && !bright);
   return found;
@@ -288,14 +289,14 @@ void Baker::probe() {
         sum += found.radiance;
       });
       state_[p].backs = 2 * backs >= few.size();
-      // Air glows in solids, too, which should stay dark.
+      // Ambient light is in solids, too, which should stay dark.
       const bool solid = backs == few.size() && lights_.ambient != Vec3f{};
       found_[p] = solid ? Vec3f{} : kFloatPi / static_cast<float>(few.size()) * sum;
     }
   });
 }
 
-// Metres above a surface: what stands on it lies in the way, what roughens it does not.
+// Metres above a surface: rays pass over its roughness, but not through what stands on it.
 constexpr float kLow = 0.02F;
 
 Ray Baker::along(LightPoint a, LightPoint b) const {
@@ -303,7 +304,7 @@ Ray Baker::along(LightPoint a, LightPoint b) const {
   return {from, start_[b / 2] + kLow * mesh_.normal(b) - from, 0, 1};
 }
 
-// Of each new point, for each end of the edge that it was put on: is nothing between them?
+// For each new point and each end of the edge that it lies on: 1 if nothing is between them.
 std::vector<std::uint8_t> Baker::sees_ends(std::size_t known) const {
   std::vector<std::uint8_t> seen(2 * (mesh_.size() - known));
   parallel_for(mesh_.size() - known, kBlock, options_.threads, [&](std::size_t a, std::size_t b) {

@@ -37,7 +37,7 @@ class LightMesh {
   std::size_t size() const noexcept { return 2 * positions_.size(); }
   Vec3f position(LightPoint p) const { return positions_[p / 2]; }
   /// Points away from the side's surface; length 1.
-  Vec3f normal(LightPoint p) const { return p % 2 == 0 ? normals_[p / 2] : flipped(p); }
+  Vec3f normal(LightPoint p) const { return p % 2 == 0 ? normals_[p / 2] : -normals_[p / 2]; }
   /// Ends of the edge whose midpoint it is. \pre it is not a triangle's corner
   std::array<LightPoint, 2> ends(LightPoint p) const {
     return {ends_[p / 2][0] ^ (p & 1U), ends_[p / 2][1] ^ (p & 1U)};
@@ -72,10 +72,6 @@ class LightMesh {
   };
   static constexpr std::uint32_t kWhole = 3;
 
-  Vec3f flipped(LightPoint p) const {
-    const Vec3f n = normals_[p / 2];
-    return {-n.x, -n.y, -n.z};
-  }
   template <class Wanted>
   int longest(const Piece& piece, const Wanted& wanted) const {
     int best = -1;

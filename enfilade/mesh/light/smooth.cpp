@@ -3,12 +3,9 @@
 #include <cmath>
 #include <tuple>
 
-#include "enfilade/mesh/detail/vector.h"
 #include "enfilade/mesh/light/baker.h"
 
 namespace enfilade::mesh::light {
-
-using namespace detail;
 
 namespace {
 
@@ -49,7 +46,7 @@ void Baker::smooth(std::size_t rounds) {
   }
 }
 
-// Neighbours on one surface, on either side, that nothing stands between.
+// Neighbours on one surface, on either side, with nothing between them.
 std::vector<Baker::Link> Baker::make_links() const {
   std::vector<Link> links;
   for (const LightMesh::Piece& piece : mesh_.pieces()) {
@@ -74,11 +71,11 @@ std::vector<Baker::Link> Baker::make_links() const {
   return open_links(links);
 }
 
-// A wall around a window is made of several pieces that share no corners: points near each other on
-// two rims in one plane.
+// Links between points near each other on two rims in one plane: a wall around a window, for
+// example, is made of several pieces that share no corners.
 std::vector<Baker::Link> Baker::seams(const std::vector<std::uint8_t>& rim) const {
   constexpr float kReach = 0.75F;      // spacings
-  constexpr float kLeastArea = 0.04F;  // spacings squared; small things have no seams to be seen
+  constexpr float kLeastArea = 0.04F;  // spacings squared; seams of small things are not seen
   constexpr float kOnePlane = 0.005F;  // metres
   const float reach = kReach * spacing_;
   std::vector<InCell> points;

@@ -1,9 +1,7 @@
 #include "enfilade/mesh/light/sources.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
 
 #include "enfilade/mesh/detail/vector.h"
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <system_error>
@@ -73,7 +72,7 @@ bool is_known(std::string_view extension) {
   return std::ranges::find(kKnown, extension) != kKnown.end();
 }
 
-/// Version and extensions, before anything else is looked at. Also keeps JSON of endless nesting
+/// Checks version and extensions before anything else. Also keeps JSON that is nested without end
 /// from tinygltf, which recurses.
 void check_json(std::string_view text, const std::string& file) {
   const json::Document document = json::Document::parse(text, file);
@@ -138,8 +137,8 @@ bool write_nothing(std::string*, const std::string&, const std::vector<unsigned 
   return false;
 }
 
-/// Images are decoded later, and those in buffers are found there: tinygltf has not checked that
-/// they lie inside.
+/// Keeps images encoded: they are decoded later. Those in buffers are looked up there, as tinygltf
+/// has not checked that they lie inside.
 bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, int,
                 const unsigned char* bytes, int size, void*) {
   if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);

@@ -3,8 +3,6 @@
 #include <tiny_gltf.h>
 #include <array>
 #include <cstddef>
-#include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>

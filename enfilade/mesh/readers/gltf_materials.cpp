@@ -3,9 +3,8 @@
 #include <cmath>
 #include <set>
 
-#include "enfilade/image/tone.h"
+#include "enfilade/mesh/detail/textures.h"
 #include "enfilade/mesh/readers/gltf.h"
-#include "enfilade/mesh/readers/text.h"
 
 namespace enfilade::mesh::readers {
 namespace {
@@ -92,7 +91,7 @@ class MaterialReader {
 
  private:
   void complain(std::string where, const char* code, std::string message) {
-    warn(result_, source_, std::move(where), code, std::move(message));
+    warn(result_, source_.name, std::move(where), code, std::move(message));
   }
 
   GltfMaterial read(const tinygltf::Material& from) {
@@ -124,8 +123,8 @@ class MaterialReader {
                  Material& out) {
     const bool has_alpha = picture != nullptr && picture->channels == 4;
     const bool mask = from.alphaMode == "MASK", blend = from.alphaMode == "BLEND";
-    // Nothing here lets light through by half: blended surfaces are there where they are more so
-    // than not.
+    // There is no partial transparency here: a blended surface is opaque where its alpha is above
+    // one half.
     const float limit = mask ? share(from.alphaCutoff) : 0.5F;
     if ((mask || blend) && alpha <= limit && !(has_alpha && alpha > 0)) {
       complain(where_, "transparent", "a transparent material is taken as opaque");
@@ -164,14 +163,10 @@ class MaterialReader {
   }
   static Vec3f mean_linear(const image::Image8& picture) {
     std::array<double, 3> sum{};
-    std::array<double, 256> linear{};
-    for (std::size_t v = 0; v < 256; ++v) {
-      linear[v] = static_cast<double>(image::linear_from_srgb(static_cast<float>(v) / 255));
-    }
     const std::size_t pixels = std::size_t{picture.width} * picture.height;
     for (std::size_t i = 0; i < pixels; ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
-        sum[k] += linear[picture.pixels[i * picture.channels + k]];
+        sum[k] += detail::linear_of(picture.pixels[i * picture.channels + k]);
       }
     }
     const auto n = static_cast<double>(pixels);
@@ -227,7 +222,7 @@ class MaterialReader {
   /// Only the last one is kept: neighbouring materials share pictures, and each owns a copy anyway.
   image::Image8 picture_;
   int decoded_ = -1;
-  std::set<int> told_;  ///< broken images are complained of once
+  std::set<int> told_;  ///< broken images, each of which gives one warning
 };
 
 }  // namespace

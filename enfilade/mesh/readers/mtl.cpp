@@ -9,7 +9,7 @@
 namespace enfilade::mesh::readers {
 namespace {
 
-/// Options of a map come before its file's name, each with so many words of its own.
+/// An option of a map. Options come before the file's name, each followed by words of its own.
 struct MapOption {
   std::string_view name;
   int least, most;  ///< the last ones only if they are numbers
@@ -68,7 +68,7 @@ class MtlParser {
       out_.back().alpha_map = map_file(rest);
     }
   }
-  /// Of one number all three are the same, as the format says.
+  /// One number stands for all three, as the format says.
   std::optional<Vec3f> colour(std::string_view key, std::string_view rest, float most) {
     std::array<float, 3> value{};
     const auto found = words(rest);
@@ -108,7 +108,7 @@ class MtlParser {
     std::ranges::replace(name, '\\', '/');  // as programs for Windows write it
     return name;
   }
-  /// `illum 3` and 5 reflect as mirrors do, as much as Ks says.
+  /// `illum 3` and 5 are mirrors with the reflectance Ks.
   void finish() {
     if (out_.empty() || (illumination_ != 3 && illumination_ != 5)) return;
     out_.back().material.mirror = (specular_.x + specular_.y + specular_.z) / 3;

@@ -113,7 +113,7 @@ class HeaderParser {
   bool has_format_ = false;
 };
 
-/// Gives values one by one; knows how many there can be at most.
+/// Gives values one by one, and the number of bytes left.
 class BinarySource {
  public:
   BinarySource(std::string_view bytes, bool swap) : bytes_(bytes), swap_(swap) {}
@@ -126,24 +126,13 @@ class BinarySource {
   bool row_done() const { return true; }
 
   std::optional<double> value(Type type) {
-    switch (type) {
-      case Type::kInt8:
-        return number<std::int8_t>();
-      case Type::kUint8:
-        return number<std::uint8_t>();
-      case Type::kInt16:
-        return number<std::int16_t>();
-      case Type::kUint16:
-        return number<std::uint16_t>();
-      case Type::kInt32:
-        return number<std::int32_t>();
-      case Type::kUint32:
-        return number<std::uint32_t>();
-      case Type::kFloat:
-        return number<float>();
-      default:
-        return number<double>();
-    }
+    // In the order of Type.
+    constexpr std::array kNumbers{
+        &BinarySource::number<std::int8_t>,  &BinarySource::number<std::uint8_t>,
+        &BinarySource::number<std::int16_t>, &BinarySource::number<std::uint16_t>,
+        &BinarySource::number<std::int32_t>, &BinarySource::number<std::uint32_t>,
+        &BinarySource::number<float>,        &BinarySource::number<double>};
+    return (this->*kNumbers[static_cast<std::size_t>(type)])();
   }
 
  private:
@@ -198,7 +187,7 @@ class AsciiSource {
   }
 
  private:
-  /// C's printf writes these where a binary file would have the bits of them.
+  /// What C's printf writes for numbers that are not finite.
   static std::optional<double> not_finite(std::string_view word) {
     if (word.starts_with('-') || word.starts_with('+')) word.remove_prefix(1);
     if (word == "nan" || word == "NaN" || word == "inf" || word == "Infinity") return std::nan("");
@@ -235,7 +224,7 @@ class RowReader {
   }
 
  private:
-  /// Before memory is asked for.
+  /// Before memory is allocated.
   void check_size(const Element& element) {
     std::size_t row = 0;
     for (const Column& column : element.columns) {

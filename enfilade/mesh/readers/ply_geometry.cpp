@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -12,7 +11,7 @@ namespace enfilade::mesh::readers {
 namespace ply {
 namespace {
 
-/// Three columns that belong together, single numbers all.
+/// Three columns of single numbers that belong together.
 struct Triple {
   const Column *x = nullptr, *y = nullptr, *z = nullptr;
   explicit operator bool() const { return x != nullptr && y != nullptr && z != nullptr; }
@@ -27,7 +26,7 @@ const Column* single(const Element& element, std::initializer_list<std::string_v
   return column != nullptr && !column->list ? column : nullptr;
 }
 
-/// Whole numbers stand for shares of the most that their type holds; int for bytes, as people do.
+/// The value that stands for 1: of whole numbers the largest of their type; int holds bytes here.
 double most(Type type) {
   switch (type) {
     case Type::kFloat:
@@ -57,7 +56,7 @@ void read_colours(const Element& vertices, Mesh& mesh) {
   mesh.materials[0].colour = {1, 1, 1};
 }
 
-/// All of them or none: a normal of no length says that the writer did not know them.
+/// All normals or none: a normal of length 0 means that the writer did not know them.
 std::vector<Vec3f> read_normals(const Element& vertices) {
   const Triple normal{single(vertices, {"nx"}), single(vertices, {"ny"}), single(vertices, {"nz"})};
   std::vector<Vec3f> out;
@@ -157,11 +156,11 @@ ReadResult read_ply(const Source& source) {
   out.mesh = std::move(geometry.mesh);
   for (const ply::Element& element : file.elements) {
     if (element.name == "vertex" || element.name == "face" || element.rows == 0) continue;
-    warn(out, source, "element " + element.name, "left-out",
+    warn(out, source.name, "element " + element.name, "left-out",
          fmt::format("{} rows are not read: only vertex and face are", element.rows));
   }
   if (geometry.short_faces > 0) {
-    warn(out, source, "element face", "left-out",
+    warn(out, source.name, "element face", "left-out",
          fmt::format("{} faces of fewer than 3 corners", geometry.short_faces));
   }
   return out;

@@ -2,11 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 
 #include "enfilade/mesh/readers/gltf.h"
-#include "enfilade/mesh/readers/text.h"
 
 namespace enfilade::mesh::readers {
 namespace {
@@ -24,7 +22,7 @@ struct Affine {
     };
     return {row(0), row(1), row(2)};
   }
-  /// By the inverse transpose, up to its length and sign, which is that of the cofactors.
+  /// Multiplies by the matrix of cofactors, which is the inverse transpose up to a factor.
   Vec3f normal(const double* n) const {
     const auto cofactor = [&](std::size_t r, std::size_t c) {
       const std::size_t r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
@@ -60,7 +58,7 @@ Affine affine_of(const tinygltf::Node& node) {
   std::array<double, 4> q{0, 0, 0, 1};
   if (node.rotation.size() == 4) std::copy_n(node.rotation.begin(), 4, q.begin());
   const double size = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  for (double& v : q) v /= size;  // not a number if it has no length: found by the caller
+  for (double& v : q) v /= size;  // not a number for length 0; the caller checks that
   const auto [x, y, z, w] = q;
   out.m = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),     0,
            2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),     0,
@@ -91,7 +89,7 @@ class SceneReader {
     }
     read_nodes();
     const auto tell = [&](const char* what, std::size_t n) {
-      if (n > 0) warn(out_, source_, "", "left-out", fmt::format("{} {}", n, what));
+      if (n > 0) warn(out_, source_.name, "", "left-out", fmt::format("{} {}", n, what));
     };
     tell("animations", model_.animations.size());
     tell("skins: meshes are as bound", model_.skins.size());
@@ -268,7 +266,8 @@ class SceneReader {
       fail(where, "bad-mode", fmt::format("mode {}, not 0 to 6", mode));
     }
     if (primitive.extensions.contains("KHR_draco_mesh_compression")) {
-      warn(out_, source_, where, "left-out", "Draco's compression: only what is not compressed");
+      warn(out_, source_.name, where, "left-out",
+           "Draco's compression: only what is not compressed");
     }
     if (!primitive.targets.empty()) ++morphed_;
     const std::uint32_t material = material_of(primitive, where);
@@ -287,14 +286,14 @@ class SceneReader {
       for (std::size_t i = 0; i + 3 <= indices.size(); i += 3) add(i, i + 1, i + 2);
     } else if (mode == TINYGLTF_MODE_TRIANGLE_FAN) {
       for (std::size_t i = 2; i < indices.size(); ++i) add(0, i - 1, i);
-    } else {  // of a strip, every second triangle runs the other way round
+    } else {  // every second triangle of a strip has the other orientation
       for (std::size_t i = 2; i < indices.size(); ++i) {
         add(i - 2, i - 1 + i % 2, i - i % 2);
       }
     }
   }
 
-  /// The vertex in our lists; put there the first time that a triangle has it.
+  /// The vertex in our lists; added when the first triangle uses it.
   const Corner& corner(std::uint32_t index, const Vertices& vertices, const GltfTexturePlace& place,
                        const Affine& world) {
     std::optional<Corner>& out = used_[index];

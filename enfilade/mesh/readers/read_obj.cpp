@@ -38,7 +38,7 @@ class ObjReader {
     faults_.throw_if_any();
     name_missing_materials();
     for (const auto& [what, times] : left_out_) {
-      warn(out_, source_, "", "left-out", fmt::format("{} {} lines", times, what));
+      warn(out_, source_.name, "", "left-out", fmt::format("{} {} lines", times, what));
     }
     out_.mesh = mesh_.finish();
     return std::move(out_);
@@ -72,7 +72,7 @@ class ObjReader {
     return std::ranges::find(kKnown, key) != kKnown.end();
   }
 
-  /// As many numbers as there are, at least `least`; 0 of them after a fault.
+  /// Reads up to 8 numbers. Gives how many there are, at least `least`; 0 after a fault.
   std::size_t numbers(std::string_view rest, std::size_t least, std::array<float, 8>& out) {
     std::size_t n = 0;
     for (std::string_view word = cut_word(rest); !word.empty() && n < out.size();
@@ -93,7 +93,7 @@ class ObjReader {
     std::array<float, 8> v{};
     const std::size_t n = numbers(rest, 3, v);
     mesh_.mesh.positions.push_back({v[0], v[1], v[2]});
-    // Colours follow the position in files of many programs, though the format knows none.
+    // Many programs write a colour after the position, which the format does not specify.
     const bool coloured = n >= 6;
     mesh_.coloured = mesh_.coloured || coloured;
     const auto linear = [](float c) { return image::linear_from_srgb(std::clamp(c, 0.0F, 1.0F)); };
@@ -111,7 +111,7 @@ class ObjReader {
     mesh_.normals.push_back({v[0], v[1], v[2]});
   }
 
-  /// From 1 on, or counted back from the last one before this line.
+  /// Counts from 1, or backwards from the last one before this line.
   bool read_index(std::string_view word, const char* what, std::size_t size, std::uint32_t& out) {
     const auto value = to_integer(word);
     const auto n = static_cast<std::int64_t>(size);
@@ -159,7 +159,7 @@ class ObjReader {
 
   void start_object(std::string_view rest) {
     name_ = trim(rest);
-    object_.reset();  // it is made by its first face: many groups have none
+    object_.reset();  // its first face adds it: many groups have none
   }
   std::uint32_t object_named() {
     if (name_.empty()) return kNoObject;
@@ -181,7 +181,7 @@ class ObjReader {
   void name_missing_materials() {
     for (std::size_t m = 0; m < known_.size(); ++m) {
       if (known_[m]) continue;
-      warn(out_, source_, "", "missing-material",
+      warn(out_, source_.name, "", "missing-material",
            fmt::format("material {} is in no .mtl", in_quotes(mesh_.mesh.materials[m].name)));
     }
   }
@@ -193,7 +193,7 @@ class ObjReader {
     } catch (const FileError& e) {
       const auto single = words(names);
       if (single.size() < 2) {
-        warn(out_, source_, lines_.where(), "missing-material", e.what());
+        warn(out_, source_.name, lines_.where(), "missing-material", e.what());
         return;
       }
       for (const std::string_view name : single) read_library(name);
@@ -212,20 +212,19 @@ class ObjReader {
   void read_texture(MtlMaterial& m, const std::string& file) {
     Material& material = m.material;
     try {
-      // Names are of the .mtl's folder, which is nearly always the .obj's.
+      // Names are relative to the .mtl's folder, which is nearly always the .obj's.
       material.texture_file = (source_.folder / m.colour_map).string();
       material.texture = textures_.decode(source_.part(m.colour_map), material.texture_file);
     } catch (const Error& e) {
       material.texture_file.clear();
-      out_.warnings.push_back(
-          {Severity::kWarning, file, material.name, "missing-texture", e.what()});
+      warn(out_, file, material.name, "missing-texture", e.what());
       return;
     }
     if (material.texture.channels == 4 && m.alpha_map == m.colour_map) material.cutout = 0.5F;
     if (material.colour == Vec3f{}) {
       material.colour = {1, 1, 1};
-      out_.warnings.push_back({Severity::kWarning, file, material.name, "black-material",
-                               "Kd is 0 and would hide the texture; taken as 1"});
+      warn(out_, file, material.name, "black-material",
+           "Kd is 0 and would hide the texture; taken as 1");
     }
   }
 

@@ -2,17 +2,17 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <cmath>
 #include <system_error>
 
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
+#include "enfilade/mesh/detail/vector.h"
 #include "enfilade/mesh/readers/text.h"
 
 namespace enfilade::mesh::readers {
 namespace {
 
-/// Any number of channels as three, or four where there is an alpha.
+/// Grey becomes RGB, and grey with alpha RGBA.
 image::Image8 as_colour(image::Image8 picture) {
   if (picture.channels >= 3) return picture;
   const bool alpha = picture.channels == 2;
@@ -26,30 +26,23 @@ image::Image8 as_colour(image::Image8 picture) {
   return out;
 }
 
-Vec3f normal_of(Vec3f v) {
-  const double size = length(to_double(v));
-  if (!(size > 0)) return {};
-  return {static_cast<float>(v.x / size), static_cast<float>(v.y / size),
-          static_cast<float>(v.z / size)};
-}
-
 }  // namespace
 
 std::string Source::part(std::string_view relative) const {
   if (!on_disk) throw FileError(fmt::format("{}: {} is not inside it", name, in_quotes(relative)));
   const std::filesystem::path path = folder / std::filesystem::path(relative);
   std::error_code code;
-  // A pipe or a device named by a stranger's file could keep us waiting for ever.
+  // Reading a pipe or a device that an untrusted file names could block for ever.
   if (std::filesystem::exists(path, code) && !std::filesystem::is_regular_file(path, code)) {
     throw FileError(path.string() + ": cannot read: not a plain file");
   }
   return read_file(path);
 }
 
-void warn(ReadResult& result, const Source& source, std::string where, std::string code,
+void warn(ReadResult& result, const std::string& file, std::string where, std::string code,
           std::string message) {
   result.warnings.push_back(
-      {Severity::kWarning, source.name, std::move(where), std::move(code), std::move(message)});
+      {Severity::kWarning, file, std::move(where), std::move(code), std::move(message)});
 }
 
 image::Image8 TextureDecoder::decode(std::string_view bytes, const std::string& file) {
@@ -84,7 +77,7 @@ void MeshCollector::add(const std::array<Corner, 3>& corners, std::uint32_t mate
     }
     if (corners[k].normal != kNone) {
       any_normal_ = true;
-      directions[k] = normal_of(normals[corners[k].normal]);
+      directions[k] = detail::unit(to_double(normals[corners[k].normal]), {});
     }
   }
   mesh.triangles.push_back(triangle);

@@ -39,7 +39,8 @@ struct MtlMaterial {
 std::vector<MtlMaterial> parse_mtl(std::string_view text, const std::string& file,
                                    std::vector<Diagnostic>& warnings);
 
-void warn(ReadResult& result, const Source& source, std::string where, std::string code,
+/// \param file its name in the message
+void warn(ReadResult& result, const std::string& file, std::string where, std::string code,
           std::string message);
 
 /// Decodes textures, within a limit of pixels for the whole file.
