@@ -17,8 +17,8 @@ namespace {
 using SegmentObjects = std::unordered_map<std::int32_t, std::uint32_t>;
 
 /// Reports a segment that is of another object already.
-void add(SegmentObjects& objects, std::int32_t segment, std::uint32_t object,
-         const std::string& where, FaultList& faults) {
+void add_segment(SegmentObjects& objects, std::int32_t segment, std::uint32_t object,
+                 const std::string& where, FaultList& faults) {
   const auto [at, fresh] = objects.emplace(segment, object);
   if (fresh || at->second == object) return;
   faults.error(
@@ -26,7 +26,7 @@ void add(SegmentObjects& objects, std::int32_t segment, std::uint32_t object,
       fmt::format("segment {} is of object {}, but of {} before", segment, object, at->second));
 }
 
-std::uint32_t find(const SegmentObjects& objects, std::int32_t segment) {
+std::uint32_t find_object(const SegmentObjects& objects, std::int32_t segment) {
   const auto at = objects.find(segment);
   return at == objects.end() ? kNoObject : at->second;
 }
@@ -63,8 +63,8 @@ SegmentObjects house_objects(const House& house, const std::string& file, Mesh& 
   for (std::size_t i = 0; i < house.segments.size(); ++i) {
     const HouseSegment& segment = house.segments[i];
     if (segment.object < 0) continue;
-    add(out, segment.id, static_cast<std::uint32_t>(segment.object), fmt::format("E {}", i),
-        faults);
+    add_segment(out, segment.id, static_cast<std::uint32_t>(segment.object), fmt::format("E {}", i),
+                faults);
   }
   faults.throw_if_any();
   return out;
@@ -80,8 +80,8 @@ void add_groups(const std::vector<SegmentGroup>& groups, const House& house,
     const std::string where = fmt::format("$.segGroups[{}]", g);
     std::uint32_t added = kNoObject;
     for (const std::int32_t segment : group.segments) {
-      add(group_of, segment, static_cast<std::uint32_t>(g), where, faults);
-      const std::uint32_t object = find(objects, segment);
+      add_segment(group_of, segment, static_cast<std::uint32_t>(g), where, faults);
+      const std::uint32_t object = find_object(objects, segment);
       if (object != kNoObject) {
         if (object != added && !group.label.empty()) mesh.objects[object].name = group.label;
         continue;
@@ -90,7 +90,7 @@ void add_groups(const std::vector<SegmentGroup>& groups, const House& house,
         added = static_cast<std::uint32_t>(mesh.objects.size());
         mesh.objects.push_back(object_of(house, group));
       }
-      add(objects, segment, added, where, faults);
+      add_segment(objects, segment, added, where, faults);
     }
   }
   faults.throw_if_any();
@@ -116,7 +116,7 @@ Mesh read_house_mesh(const std::filesystem::path& folder, const std::string& sca
   add_groups(groups, house, groups_file.string(), objects, mesh);
   mesh.triangle_object.reserve(mesh.triangles.size());
   for (const std::uint32_t face : labelled.face) {
-    mesh.triangle_object.push_back(find(objects, segments[face]));
+    mesh.triangle_object.push_back(find_object(objects, segments[face]));
   }
   return mesh;
 }
