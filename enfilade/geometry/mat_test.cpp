@@ -18,6 +18,12 @@ TEST(Mat3d, MapsVectorsAndProductsOneAfterTheOther) {
   EXPECT_EQ(transpose(kQuarter) * kQuarter, Mat3d{});
 }
 
+TEST(Mat3d, IsTheUpperLeftPartOfAPose) {
+  const std::array<double, 16> pose = pose_matrix(kQuarter, {5, 6, 7});
+  EXPECT_EQ(pose, (std::array<double, 16>{0, -1, 0, 5, 1, 0, 0, 6, 0, 0, 1, 7, 0, 0, 0, 1}));
+  EXPECT_EQ(rotation_of(pose), kQuarter);
+}
+
 TEST(IsRotation, HoldsForTurnsAndNotForMirrorsOrScales) {
   EXPECT_TRUE(is_rotation({}));
   EXPECT_TRUE(is_rotation(kQuarter));

@@ -131,6 +131,22 @@ TEST(ScanList, RefusesWhatIsNoList) {
   EXPECT_THAT(message("../a"), HasSubstr("not a scan id"));
 }
 
+TEST(Connectivity, SavesAGraphAndListsItsScanOnce) {
+  const tests::TemporaryFolder made("saved_graphs");
+  const fs::path folder = made.path() / "connectivity";
+  Connectivity graph = three_in_a_row();
+  save_connectivity(folder, graph);
+  save_connectivity(folder, graph);
+  EXPECT_EQ(read_file(folder / "scans.txt"), "row\n");
+  EXPECT_EQ(load_connectivity(folder, "row").entries.size(), 3U);
+  write_file_atomically(folder / "scans.txt", "a row");
+  graph.scan = "b";
+  save_connectivity(folder, graph);
+  EXPECT_EQ(read_file(folder / "scans.txt"), "a row\nb\n");
+  write_file_atomically(folder / "scans.txt", "a a");
+  EXPECT_THROW(save_connectivity(folder, graph), InvalidInput);
+}
+
 TEST(Connectivity, ReadsAllRealGraphs) {
   const auto data = DataRoot::from_environment();
   if (!data) GTEST_SKIP() << "ENFILADE_DATA is not set: no real graphs";

@@ -127,6 +127,10 @@ TEST(Phrases, ExpandChoicesAndSlots) {
   std::set<std::string> found;
   for (int i = 0; i < 200; ++i) found.insert(expand("a|[b|c [d|e]]", {}, rng));
   EXPECT_EQ(found, (std::set<std::string>{"a", "b", "c d", "c e"}));
+  Rng once(2), weighted(2);
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_EQ(expand("go [a|b|b|b|c] d|e|e", {}, once), expand("go [a|3*b|c] d|2*e", {}, weighted));
+  }
   EXPECT_EQ(with_article("orange sofa"), "an orange sofa");
   EXPECT_EQ(with_article("wardrobe"), "a wardrobe");
   EXPECT_EQ(sentence("turn left"), "Turn left.");
