@@ -22,7 +22,7 @@
 #include "enfilade/r2r/results.h"
 #include "enfilade/r2r/score.h"
 #include "enfilade/r2r/statistics.h"
-#include "enfilade/report/published.h"
+#include "enfilade/report/results_table.h"
 
 namespace enfilade::apps {
 namespace {

@@ -8,7 +8,6 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/learn.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/graph/graph_set.h"
 #include "enfilade/neural/evaluation.h"
 #include "enfilade/neural/model.h"
 #include "enfilade/r2r/score.h"
@@ -43,14 +42,12 @@ void evaluate(const Options& options, neural::Model& model, const neural::Prepar
   const neural::WalkOptions walk_options{options.batch_size, model.config.training.max_steps};
   const neural::GreedyWalk walk = neural::walk_greedily(
       model.network, split, walk_options, progress_bar(fmt::format("{}, {}", options.model, name)));
-  models::ModelFiles files{options.model};
-  if (!options.output.empty()) {
-    const fs::path folder(options.output);
-    write_walk(folder / (name + ".json"), folder / (name + ".attention.json"), walk, split,
-               model.vocabulary);
-  } else {
-    write_walk(files.results(name), files.attention(name), walk, split, model.vocabulary);
-  }
+  const models::ModelFiles files{options.model};
+  const fs::path folder(options.output);
+  const bool named = !options.output.empty();
+  write_walk(named ? folder / (name + ".json") : files.results(name),
+             named ? folder / (name + ".attention.json") : files.attention(name), walk, split,
+             model.vocabulary);
   fmt::print("{} (iteration {}) on {}: {} episodes\n", options.model, model.iteration, name,
              walk.trajectories.size());
   if (goals_hidden(split.episodes)) {

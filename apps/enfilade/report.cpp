@@ -2,7 +2,6 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <ctime>
-#include <filesystem>
 #include <memory>
 #include <string_view>
 #include <vector>

@@ -10,7 +10,6 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <utility>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
@@ -61,12 +60,6 @@ void share_heaps() {
 #endif
 }
 
-/// Returns when the process is asked to end. \pre the signals are blocked in all threads
-void wait_for_end(const sigset_t& signals) {
-  int received = 0;
-  sigwait(&signals, &received);
-}
-
 ExitCode serve(Options options) {
   share_heaps();  // before there are threads
   sigset_t signals;
@@ -87,7 +80,8 @@ ExitCode serve(Options options) {
              site->synthetic() ? " (model homes: synthetic)" : "", config.host, server.port(),
              service::has_web_client() ? "" : "api/v1/ (this build has no web client)");
   std::fflush(stdout);
-  wait_for_end(signals);
+  int received = 0;
+  sigwait(&signals, &received);  // until the process is asked to end
   server.stop();
   return kSuccess;
 }

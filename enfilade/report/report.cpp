@@ -15,9 +15,7 @@
 #include "enfilade/report/parts/gallery.h"
 #include "enfilade/report/parts/page.h"
 #include "enfilade/report/parts/picture_parts.h"
-#include "enfilade/report/parts/pictures.h"
 #include "enfilade/report/parts/result_parts.h"
-#include "enfilade/report/published.h"
 #include "enfilade/report/results_table.h"
 #include "enfilade/report/run_directory.h"
 #include "enfilade/report/scored_runs.h"
@@ -52,7 +50,7 @@ Json config_json(const ModelDirectory& model) {
   }
 }
 
-// Builds the page's data, a part at a time.
+// Builds the page's data, one part after the other.
 class Reporter {
  public:
   Reporter(const ReportConfig& config, const dataset::Dataset& data, const Progress& progress)

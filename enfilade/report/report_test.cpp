@@ -14,7 +14,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/report/parts/page.h"
 #include "enfilade/report/parts/page_texts.h"
-#include "enfilade/report/parts/pictures.h"
+#include "enfilade/report/parts/picture_parts.h"
 #include "enfilade/report/parts/result_parts.h"
 #include "tests/support/made_run.h"
 

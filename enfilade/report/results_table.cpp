@@ -17,12 +17,27 @@ constexpr std::array<TableColumn, kTableColumns> kColumns{{
     {"spl", "SPL (%)", 100, 1},
 }};
 
+constexpr std::array<PublishedRow, 11> kPublished{{
+    {"shortest", "val_seen", 10.19, 0, 1, 1},
+    {"random", "val_seen", 9.58, 9.45, 0.159, 0.214},
+    {"teacher", "val_seen", 10.95, 8.01, 0.271, 0.367},
+    {"student", "val_seen", 11.33, 6.01, 0.386, 0.529},
+    {"shortest", "val_unseen", 9.48, 0, 1, 1},
+    {"random", "val_unseen", 9.77, 9.23, 0.163, 0.220},
+    {"teacher", "val_unseen", 10.67, 8.61, 0.196, 0.291},
+    {"student", "val_unseen", 8.39, 7.81, 0.218, 0.284},
+    {"random", "test", 9.93, 9.77, 0.132, 0.183},
+    {"student", "test", 8.13, 7.85, 0.204, 0.266},
+    {"human", "test", 11.90, 1.61, 0.864, 0.902},
+}};
+
 std::size_t split_rank(const std::string& split) {
   constexpr std::array<std::string_view, 4> kOrder{"train", "val_seen", "val_unseen", "test"};
   return static_cast<std::size_t>(std::ranges::find(kOrder, split) - kOrder.begin());
 }
 
-// Quantile 0.975 of Student's distribution with so many degrees of freedom (any table of it).
+// Quantile 0.975 of Student's distribution with this many degrees of freedom (from a printed
+// table).
 double student_quantile(std::size_t freedom) {
   constexpr std::array<double, 30> kTable{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306,
                                           2.262,  2.228, 2.201, 2.179, 2.160, 2.145, 2.131, 2.120,
@@ -73,7 +88,7 @@ r2r::MeanInterval student_interval(std::span<const double> samples) {
 }
 
 ResultsTable make_table(const ScoredRuns& runs, bool synthetic) {
-  // Runs come by agent, those of one agent after each other; a split's rows keep that order.
+  // Runs are sorted by agent; the rows of a split keep that order.
   std::vector<std::vector<const ScoredRun*>> groups;
   for (const ScoredRun& run : runs.runs) {
     const auto same = std::ranges::find_if(groups, [&run](const auto& group) {
@@ -93,6 +108,21 @@ ResultsTable make_table(const ScoredRuns& runs, bool synthetic) {
   ResultsTable table{synthetic, {}, runs.left_out};
   for (const auto& group : groups) table.rows.push_back(make_row(group, synthetic));
   return table;
+}
+
+std::optional<PublishedRow> published_row(std::string_view agent, std::string_view split) noexcept {
+  constexpr std::string_view kForcing = "-forcing";
+  std::string_view name = without_seed(agent);
+  if (name.ends_with(kForcing)) name.remove_suffix(kForcing.size());
+  const auto row = std::ranges::find_if(
+      kPublished, [&](const PublishedRow& r) { return r.agent == name && r.split == split; });
+  return row == kPublished.end() ? std::nullopt : std::optional(*row);
+}
+
+std::size_t published_episodes(std::string_view split) noexcept {
+  if (split == "val_seen") return 1020;
+  if (split == "val_unseen") return 2349;
+  return split == "test" ? 4173 : 0;
 }
 
 std::optional<double> published_value(const PublishedRow& row, std::string_view metric) noexcept {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "enfilade/r2r/bootstrap.h"
-#include "enfilade/report/published.h"
 #include "enfilade/report/scored_runs.h"
 
 namespace enfilade::report {
@@ -24,6 +23,28 @@ struct TableColumn {
 /// How many metrics the paper's table has.
 inline constexpr std::size_t kTableColumns = 5;
 std::span<const TableColumn, kTableColumns> table_columns() noexcept;  ///< TL NE SR OSR SPL
+
+/// A row of table 1 of Anderson et al., CVPR 2018. The paper has no SPL, which its authors proposed
+/// afterwards.
+struct PublishedRow {
+  std::string_view agent;        ///< "shortest", "random", "teacher", "student", "human"
+  std::string_view split;        ///< "val_seen", "val_unseen", "test"
+  double trajectory_length = 0;  ///< TL, metres
+  double nav_error = 0;          ///< NE, metres
+  double success = 0;            ///< SR, [0, 1]
+  double oracle_success = 0;     ///< OSR, [0, 1]
+};
+
+/// The row of an agent by the name that it has here; "student-forcing" is "student", "-1" at the
+/// end (a seed) is not part of the name. An ablation ("student-language") has no row.
+std::optional<PublishedRow> published_row(std::string_view agent, std::string_view split) noexcept;
+
+/// How many instructions the paper's split has; 0 for one that it does not have. Figures of another
+/// number of episodes are of another data set, and no published row belongs beside them.
+std::size_t published_episodes(std::string_view split) noexcept;
+
+/// What a published row has in a column; none for SPL.
+std::optional<double> published_value(const PublishedRow& row, std::string_view metric) noexcept;
 
 /// One agent on one split.
 struct TableRow {
@@ -48,9 +69,6 @@ struct ResultsTable {
 
 /// Rows of one agent's runs become one, with an interval over runs.
 ResultsTable make_table(const ScoredRuns& runs, bool synthetic);
-
-/// What a published row has in a column; none for SPL.
-std::optional<double> published_value(const PublishedRow& row, std::string_view metric) noexcept;
 
 /// Mean and two-sided 95 % interval of a few independent samples by Student's distribution.
 /// \pre not empty; of one sample the interval is empty (low = high = mean)

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -17,7 +16,7 @@ constexpr const char* kPaper = "paper: Anderson et al., CVPR 2018, table 1.";
 constexpr const char* kIntervals =
     "Intervals are of 95 %: of one run, bootstrap over paths; of several, Student's over runs.";
 
-// Split, agent and runs, wide enough for what stands in them.
+// Widths of the columns of splits and agents.
 struct Widths {
   std::size_t split = 5, agent = 9;
 };
@@ -58,19 +57,17 @@ std::vector<std::string> notes_of(const ResultsTable& table) {
   return notes;
 }
 
-// JSON has no infinity.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json value_json(const TableRow& row, std::size_t k) {
   const r2r::MeanInterval& value = row.values.at(k);
-  Json json{{"mean", number(value.mean)}, {"low", number(value.low)}, {"high", number(value.high)}};
+  // Infinities become null.
+  Json json{{"mean", value.mean}, {"low", value.low}, {"high", value.high}};
   if (!row.published) return json;
   const auto published = published_value(*row.published, table_columns()[k].metric);
   json["published"] = published ? Json(*published) : Json(nullptr);
   return json;
 }
 
-// Quoted where it has to be.
+// Quoted if it has to be (RFC 4180).
 std::string csv_cell(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -85,7 +82,7 @@ std::string csv_number(double value) {
   return std::isfinite(value) ? fmt::format("{}", value) : "";
 }
 
-// A folder's name may have what Markdown takes for the end of a cell.
+// A folder's name may have characters that end a cell in Markdown.
 std::string markdown_cell(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
@@ -95,23 +92,13 @@ std::string markdown_cell(const std::string& text) {
   return escaped;
 }
 
-std::string text_line(const TableRow& row, bool split_is_new, const Widths& widths) {
-  std::string line = fmt::format("{:<{}}  {:<{}}  {:>4}", split_is_new ? row.split : "",
-                                 widths.split, row.agent, widths.agent, row.runs.size());
-  for (std::size_t k = 0; k < kTableColumns; ++k) {
-    const TableColumn& column = table_columns()[k];
-    line += fmt::format("  {:>6}{:<15}", shown(row.values.at(k).mean, column),
-                        shown_interval(row.values.at(k), column));
-  }
-  line.resize(line.find_last_not_of(' ') + 1);
-  return line + "\n";
-}
-
-std::string published_line(const TableRow& row, const Widths& widths) {
-  std::string line = fmt::format("{:<{}}  {:<{}}      ", "", widths.split, "  paper", widths.agent);
-  for (const TableColumn& column : table_columns()) {
-    line += fmt::format("  {:>6}{:<15}", shown_published(row, column), "");
-  }
+// A line of to_text(). \param cell makes the text of a column, as wide as the column
+template <class Cell>
+std::string text_line(const Widths& widths, std::string_view split, std::string_view agent,
+                      std::string_view runs, const Cell& cell) {
+  std::string line =
+      fmt::format("{:<{}}  {:<{}}  {:>4}", split, widths.split, agent, widths.agent, runs);
+  for (std::size_t k = 0; k < kTableColumns; ++k) line += "  " + cell(k, table_columns()[k]);
   line.resize(line.find_last_not_of(' ') + 1);
   return line + "\n";
 }
@@ -121,17 +108,22 @@ std::string published_line(const TableRow& row, const Widths& widths) {
 std::string to_text(const ResultsTable& table) {
   const Widths widths = widths_of(table);
   std::string text =
-      fmt::format("{:<{}}  {:<{}}  runs", "split", widths.split, "agent", widths.agent);
-  for (const TableColumn& column : table_columns()) {
-    text += fmt::format("  {:>7}{:<14}", column.label, "");
-  }
-  text.resize(text.find_last_not_of(' ') + 1);
-  text += '\n';
-  const std::string* split = nullptr;
+      text_line(widths, "split", "agent", "runs", [](std::size_t, const TableColumn& column) {
+        return fmt::format("{:>7}{:<14}", column.label, "");
+      });
+  std::string_view split;
   for (const TableRow& row : table.rows) {
-    text += text_line(row, split == nullptr || *split != row.split, widths);
-    if (row.published) text += published_line(row, widths);
-    split = &row.split;
+    text += text_line(widths, row.split == split ? "" : row.split, row.agent,
+                      std::to_string(row.runs.size()),
+                      [&row](std::size_t k, const TableColumn& column) {
+                        return fmt::format("{:>6}{:<15}", shown(row.values.at(k).mean, column),
+                                           shown_interval(row.values.at(k), column));
+                      });
+    split = row.split;
+    if (!row.published) continue;
+    text += text_line(widths, "", "  paper", "", [&row](std::size_t, const TableColumn& column) {
+      return fmt::format("{:>6}{:<15}", shown_published(row, column), "");
+    });
   }
   text += '\n';
   for (const std::string& note : notes_of(table)) text += note + "\n";

@@ -27,6 +27,12 @@ std::tuple<std::size_t, std::string, std::size_t, std::string> rank(const std::s
   return {static_cast<std::size_t>(known - kFirst.begin()), base, agent.size(), agent};
 }
 
+// Whether the folder is a model directory.
+bool is_model(const fs::path& folder) {
+  std::error_code code;
+  return fs::exists(models::ModelFiles{folder}.config(), code);
+}
+
 class Finder {
  public:
   explicit Finder(const dataset::Dataset& data) : data_(data) {}
@@ -64,21 +70,21 @@ class Finder {
   }
 
   void add_folder(const fs::path& folder) {
-    std::error_code code;
-    if (fs::exists(models::ModelFiles{folder}.config(), code)) {
+    if (is_model(folder)) {
       add_model(folder);
       return;
     }
     add_results_of(folder);
+    std::error_code code;
     if (fs::is_directory(folder / "results", code)) add_results_of(folder / "results");
     if (!fs::is_directory(folder / "models", code)) return;
     for (const fs::path& path : entries(folder / "models")) {
-      if (fs::exists(models::ModelFiles{path}.config(), code)) add_model(path);
+      if (is_model(path)) add_model(path);
     }
   }
 
   void add_model(const fs::path& folder) {
-    // "models/student/" and "." have no last name of their own.
+    // weakly_canonical(): "models/student/" and "." have no filename().
     const fs::path whole = fs::weakly_canonical(folder);
     const std::string agent = whole.filename().string();
     if (!models_.insert(whole).second) return;
@@ -102,9 +108,7 @@ class Finder {
     // "models/student/results/val_seen.json": its agent is the folder's name.
     const fs::path whole = fs::weakly_canonical(file);
     const fs::path owner = whole.parent_path().parent_path();
-    std::error_code code;
-    if (fs::exists(models::ModelFiles{owner}.config(), code) &&
-        data_.has_split(whole.stem().string())) {
+    if (is_model(owner) && data_.has_split(whole.stem().string())) {
       add_results(file, owner.filename().string(), whole.stem().string());
       return;
     }

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/report/published.h"
+#include "enfilade/report/results_table.h"
 #include "tests/support/made_run.h"
 
 namespace enfilade::report {

@@ -4,24 +4,16 @@
 #include <utility>
 
 namespace enfilade::report {
-namespace {
-
-const r2r::EpisodeSet& episodes_of(const std::string& split, const dataset::Dataset& data,
-                                   ScoredRuns& scored) {
-  const auto known = scored.splits.find(split);
-  if (known != scored.splits.end()) return known->second;
-  return scored.splits.emplace(split, data.episodes(split)).first->second;
-}
-
-}  // namespace
-
 ScoredRuns score_runs(const RunDirectory& found, const dataset::Dataset& data,
                       const Progress& progress) {
   ScoredRuns scored;
   scored.graphs = data.graphs();
   std::size_t done = 0;
   for (const ResultsFile& file : found.results) {
-    const r2r::EpisodeSet& episodes = episodes_of(file.split, data, scored);
+    if (!scored.splits.contains(file.split)) {
+      scored.splits.emplace(file.split, data.episodes(file.split));
+    }
+    const r2r::EpisodeSet& episodes = scored.splits.at(file.split);
     if (goals_hidden(episodes)) {
       scored.left_out.push_back(
           fmt::format("{} on {}: the goals of this split are hidden", file.agent, file.split));

@@ -1,8 +1,8 @@
-#include "enfilade/report/training_curve.h"
+#include "enfilade/report/parts/result_parts.h"
 
 #include <gtest/gtest.h>
 
-namespace enfilade::report {
+namespace enfilade::report::parts {
 namespace {
 
 TEST(TrainingCurve, KeepsTheMeanAndTheNumberOfPoints) {
@@ -17,4 +17,4 @@ TEST(TrainingCurve, KeepsTheMeanAndTheNumberOfPoints) {
 }
 
 }  // namespace
-}  // namespace enfilade::report
+}  // namespace enfilade::report::parts

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <set>
 #include <span>
 #include <tuple>
@@ -17,7 +15,6 @@
 #include "enfilade/models/model_directory.h"
 #include "enfilade/r2r/tokenizer.h"
 #include "enfilade/report/parts/dataset_parts.h"
-#include "enfilade/report/parts/pictures.h"
 
 namespace enfilade::report::parts {
 namespace {
@@ -25,11 +22,11 @@ namespace {
 constexpr PictureSize kFrameSize{384, 288};
 constexpr std::uint64_t kRandomSeed = 2018;
 
-// One moment of an episode: where the agent is, and what it does then.
+// One step of an episode: where the agent is, and what it does next.
 struct Moment {
   ViewpointIndex viewpoint;
   Radians heading, elevation;
-  std::string action;  // empty: none; it is over
+  std::string action;  // empty: the episode is over
   const std::vector<double>* attention = nullptr;
 };
 
@@ -40,7 +37,7 @@ std::tuple<bool, bool, std::size_t> run_rank(const ScoredRun& run,
           run.split == "val_unseen" ? 0U : (run.split == "val_seen" ? 1U : 2U)};
 }
 
-// What was done between two poses, of which a results file says nothing.
+// The action between two poses; results files do not contain actions.
 std::string action_between(const r2r::TrajectoryPoint& a, const r2r::TrajectoryPoint& b) {
   constexpr double kStill = 0.01;  // radians: files are written with a few digits
   if (a.viewpoint != b.viewpoint) return "forward";
@@ -62,7 +59,7 @@ std::vector<Moment> moments_of(const r2r::Trajectory& trajectory) {
   return moments;
 }
 
-// As the attention file tells it; where it ran out of steps, the place it came to follows.
+// From the attention file. If the agent ran out of steps, its last pose is added.
 std::vector<Moment> moments_of(const models::EpisodeAttention& attention,
                                const graph::NavGraph& graph, const r2r::Trajectory& trajectory) {
   std::vector<Moment> moments;
@@ -83,8 +80,8 @@ std::vector<Moment> moments_of(const models::EpisodeAttention& attention,
   return moments;
 }
 
-// The words that the agent read, with those in their places that its vocabulary has not; places of
-// these in `unknown`. A long instruction has lost its beginning, and some end in <EOS>.
+// The words that the agent read, with <UNK> replaced by the instruction's words; their places are
+// added to `unknown`. Of a long instruction the beginning is missing, and some end in <EOS>.
 std::vector<std::string> readable_words(const std::vector<std::string>& words,
                                         const std::string& text, Json& unknown) {
   std::vector<std::string> readable = words;
@@ -122,34 +119,26 @@ Json building_json(const graph::NavGraph& graph) {
 }
 
 // The frames of all episodes, each once.
-class Frames {
- public:
-  explicit Frames(const dataset::Dataset& data) : data_(data) {}
+struct Frames {
+  const dataset::Dataset& data;
+  Json by_key = Json::object();
+  std::string why_not{};  // a sentence: why the last missing frame is missing
 
   // The key of the frame; null if there are no pictures.
   Json add(const std::string& scan, const Moment& m) {
     const std::string key = fmt::format("{} {} {:.0f} {:.0f}", scan, m.viewpoint.value,
                                         to_degrees(m.heading), to_degrees(m.elevation));
-    if (!frames_.contains(key)) {
-      const ScanIndex index = data_.graphs()->at(scan);
-      const auto picture =
-          view_uri(data_, {index, m.viewpoint, m.heading, m.elevation}, kFrameSize);
+    if (!by_key.contains(key)) {
+      const ScanIndex index = data.graphs()->at(scan);
+      const auto picture = view_uri(data, {index, m.viewpoint, m.heading, m.elevation}, kFrameSize);
       if (!picture) {
-        why_not_ = no_pictures_of(scan);
+        why_not = no_pictures_of(scan);
         return nullptr;
       }
-      frames_[key] = *picture;
+      by_key[key] = *picture;
     }
     return key;
   }
-  Json take() { return std::move(frames_); }
-  // A sentence: why the last frame that could not be had could not.
-  const std::string& why_not() const { return why_not_; }
-
- private:
-  const dataset::Dataset& data_;
-  std::string why_not_;
-  Json frames_ = Json::object();
 };
 
 Json moment_json(const Moment& m, const Json& frame) {
@@ -266,7 +255,7 @@ std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
 
 Json gallery_part(const GalleryRun& gallery, const r2r::EpisodeSet& episodes,
                   const std::vector<ChosenEpisode>& chosen, const dataset::Dataset& data) {
-  Frames frames(data);
+  Frames frames{data};
   Json all = Json::array(), buildings = Json::object();
   for (const ChosenEpisode& one : chosen) {
     all.push_back(episode_json(gallery, episodes, one, frames));
@@ -278,8 +267,8 @@ Json gallery_part(const GalleryRun& gallery, const r2r::EpisodeSet& episodes,
             {"successDistance", gallery.run->score.options.metrics.success_distance},
             {"buildings", std::move(buildings)},
             {"episodes", std::move(all)}};
-  part["frames"] = frames.take();
-  if (part["frames"].empty()) part["noPictures"] = frames.why_not();
+  part["frames"] = std::move(frames.by_key);
+  if (part["frames"].empty()) part["noPictures"] = frames.why_not;
   if (!gallery.attention) part["noAttention"] = gallery.no_attention;
   if (gallery.attention) part["withAttention"] = gallery.attention->size();
   return part;

@@ -1,6 +1,7 @@
 #include "enfilade/report/parts/page.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -14,7 +15,7 @@
 namespace enfilade::report::parts {
 namespace {
 
-// Names our own scripts: what stands in an instruction cannot know it.
+// Marks our own scripts. Text of the data set cannot know it.
 std::string random_nonce() {
   std::random_device device;
   std::string nonce;
@@ -24,7 +25,7 @@ std::string random_nonce() {
 
 using Values = std::array<std::pair<std::string_view, std::string_view>, 7>;
 
-// Replaces each {{name}} of the template once; what is put in is not looked at again.
+// Replaces each {{name}} of the template. The inserted values are not searched for names.
 std::string fill(std::string_view html, const Values& values) {
   std::string page;
   while (true) {
@@ -34,13 +35,9 @@ std::string fill(std::string_view html, const Values& values) {
     const std::size_t end = html.find("}}", begin);
     EN_CHECK(end != std::string_view::npos);
     const std::string_view name = html.substr(begin + 2, end - begin - 2);
-    bool known = false;
-    for (const auto& [key, value] : values) {
-      if (key != name) continue;
-      page += value;
-      known = true;
-    }
-    EN_CHECK(known);
+    const auto value = std::ranges::find(values, name, &Values::value_type::first);
+    EN_CHECK(value != values.end());
+    page += value->second;
     html.remove_prefix(end + 2);
   }
 }
@@ -55,7 +52,7 @@ std::string script_json(const nlohmann::ordered_json& data) {
   safe.reserve(json.size());
   for (const char c : json) {
     if (c == '<') {
-      safe += "\\u003c";  // JSON has it in strings only
+      safe += "\\u003c";  // in JSON, < occurs in strings only
     } else {
       safe += c;
     }

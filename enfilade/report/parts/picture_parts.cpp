@@ -7,11 +7,12 @@
 #include <span>
 #include <utility>
 
+#include "enfilade/core/base64.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/views.h"
 #include "enfilade/draw/floor_plan.h"
+#include "enfilade/image/codecs.h"
 #include "enfilade/report/parts/dataset_parts.h"
-#include "enfilade/report/parts/pictures.h"
 
 namespace enfilade::report::parts {
 namespace {
@@ -19,6 +20,19 @@ namespace {
 constexpr PictureSize kExampleSize{480, 360};
 constexpr std::uint32_t kPanoramaWidth = 800;
 constexpr std::uint64_t kExampleSeed = 2018;  // any: the same data give the same page
+
+// Pictures are drawn larger and averaged: a pixel of a small picture covers several texels, and
+// without averaging it would show noise.
+constexpr std::uint32_t kOversampling = 3;
+constexpr int kJpegQuality = 78;                 // the frames of a gallery take 10 to 20 kB each
+constexpr Radians kVerticalField = degrees(60);  // what the agents see
+
+std::string encode(const image::Image8& large) {
+  const std::vector<std::uint8_t> jpeg = image::encode_jpeg(
+      image::shrink(large, large.width / kOversampling, large.height / kOversampling),
+      kJpegQuality);
+  return data_uri("image/jpeg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+}
 
 const r2r::Annotations* example_split(const std::vector<r2r::Annotations>& splits) {
   for (const char* wanted : {"val_unseen", "val_seen", "train"}) {
@@ -50,6 +64,29 @@ ViewpointIndex busiest(const graph::NavGraph& graph) {
 int whole_degrees(Radians heading) { return static_cast<int>(to_degrees(heading) + 0.5) % 360; }
 
 }  // namespace
+
+std::string data_uri(std::string_view type, std::string_view bytes) {
+  std::string text = fmt::format("data:{};base64,", type);
+  append_base64(std::as_bytes(std::span(bytes)), text);
+  return text;
+}
+
+std::optional<std::string> view_uri(const dataset::Dataset& data, const render::View& view,
+                                    PictureSize size) {
+  if (!has_colour(data, view.scan, view.viewpoint)) return std::nullopt;
+  return encode(render_colour(
+      data, view, {size.width * kOversampling, size.height * kOversampling, kVerticalField}));
+}
+
+std::optional<std::string> panorama_uri(const dataset::Dataset& data, const render::View& view,
+                                        std::uint32_t width) {
+  if (!has_colour(data, view.scan, view.viewpoint)) return std::nullopt;
+  return encode(render_panorama(data, view, width * kOversampling));
+}
+
+std::string no_pictures_of(std::string_view scan) {
+  return fmt::format("The data set has no pictures of {}.", scan);
+}
 
 Json examples_part(const std::vector<r2r::Annotations>& splits, const dataset::Dataset& data,
                    std::size_t count) {

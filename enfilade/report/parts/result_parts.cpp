@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -10,20 +9,19 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/models/model_directory.h"
-#include "enfilade/models/training_log.h"
 #include "enfilade/report/parts/dataset_parts.h"
-#include "enfilade/report/training_curve.h"
 
 namespace enfilade::report::parts {
 namespace {
 
 constexpr double kMetresABin = 2;     // of path lengths
-constexpr std::size_t kPoints = 400;  // of a curve: more than a chart has pixels to show
-// Bins with fewer paths say nothing.
+constexpr std::size_t kPoints = 400;  // of a curve, at most: charts have few more pixels
+// Bins with fewer paths are left out.
 constexpr std::size_t kFewestPaths = 5;
 
-// Of all agents but "shortest", in their order: [{"agent", "splits": {split: one(runs)}}].
+// All agents but "shortest", in their order: [{"agent", "splits": {split: one(runs)}}].
 template <class One>
 Json by_agent(const ScoredRuns& scored, const One& one) {
   std::vector<std::string> agents;
@@ -80,13 +78,6 @@ Json success_by_length(const std::vector<const ScoredRun*>& runs, const ScoredRu
   return all;
 }
 
-Json evaluation_json(const models::EvaluationRecord& record) {
-  return {{"iteration", static_cast<double>(record.iteration)},
-          {"loss", std::isfinite(record.loss) ? Json(record.loss) : Json(nullptr)},
-          {"error", record.nav_error},
-          {"success", record.success_rate}};
-}
-
 Json run_json(const std::string& name, const models::TrainingHistory& log) {
   Json training = Json::array();
   for (const CurvePoint& point : training_curve(log.training, kPoints)) {
@@ -94,7 +85,10 @@ Json run_json(const std::string& name, const models::TrainingHistory& log) {
   }
   Json splits = Json::object();
   for (const models::EvaluationRecord& record : log.evaluations) {
-    splits[record.split].push_back(evaluation_json(record));
+    splits[record.split].push_back({{"iteration", static_cast<double>(record.iteration)},
+                                    {"loss", record.loss},  // null if it is not finite
+                                    {"error", record.nav_error},
+                                    {"success", record.success_rate}});
   }
   return {{"run", name}, {"train", std::move(training)}, {"evaluations", std::move(splits)}};
 }
@@ -107,6 +101,24 @@ ShareInterval wilson_interval(double share, double n) noexcept {
   const double half =
       z / (1 + z * z / n) * std::sqrt(share * (1 - share) / n + z * z / (4 * n * n));
   return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
+}
+
+std::vector<CurvePoint> training_curve(std::span<const models::TrainRecord> records,
+                                       std::size_t most) {
+  if (most == 0) throw ArgumentError("most: 0, not at least 1");
+  const std::size_t each = std::max<std::size_t>(1, (records.size() + most - 1) / most);
+  std::vector<CurvePoint> curve;
+  for (std::size_t begin = 0; begin < records.size(); begin += each) {
+    const auto part = records.subspan(begin, std::min(each, records.size() - begin));
+    const auto n = static_cast<double>(part.size());
+    CurvePoint mean;
+    for (const models::TrainRecord& record : part) {
+      mean.iteration += static_cast<double>(record.iteration) / n;
+      mean.loss += record.loss / n;
+    }
+    curve.push_back(mean);
+  }
+  return curve;
 }
 
 Json errors_part(const ScoredRuns& scored) {
