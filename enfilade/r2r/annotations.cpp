@@ -18,15 +18,7 @@ using json::Element;
 using json::Faults;
 using json::Path;
 
-enum FieldIndex : std::size_t {
-  kPathId,
-  kScan,
-  kHeading,
-  kPath,
-  kInstructions,
-  kDistance,
-  kFields
-};
+enum Wanted : std::size_t { kPathId, kScan, kHeading, kPath, kInstructions, kDistance, kFields };
 constexpr std::array<json::Field, kFields> kWanted{
     {{"path_id"}, {"scan"}, {"heading"}, {"path"}, {"instructions"}, {"distance", false}}};
 using Found = std::array<std::optional<Element>, kFields>;
@@ -97,7 +89,7 @@ std::string entry_json(const PathAnnotation& entry) {
   }
 }
 
-// The viewpoints of one entry; says what is wrong with them and leaves those out.
+// The viewpoints of one entry, without faulty ones, which are reported.
 std::vector<ViewpointIndex> look_up_viewpoints(const PathAnnotation& entry,
                                                const graph::NavGraph& graph, const Path& path,
                                                Faults& faults) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <cmath>
 #include <unordered_map>
 
 #include "enfilade/core/errors.h"
@@ -29,7 +28,7 @@ void validate(std::size_t values, std::size_t columns, std::size_t rows,
   }
 }
 
-// Groups, reduced to what drawing them needs: the sums of their columns and their sizes.
+// What drawing groups needs: their sizes and the sums of their columns.
 class Groups {
  public:
   Groups(std::span<const double> values, std::size_t columns, std::span<const std::size_t> groups)
@@ -64,7 +63,7 @@ class Groups {
   std::vector<std::size_t> sizes_;
 };
 
-// Between the two nearest ranks. Equal ends are taken as they are: inf - inf is no number.
+// Interpolated between the two nearest ranks; not if these are equal, because inf - inf is NaN.
 double percentile(const std::vector<double>& sorted, double p) {
   const double rank = p * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(rank);

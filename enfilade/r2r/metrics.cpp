@@ -35,15 +35,14 @@ constexpr auto kFields = std::to_array<MetricField>({
     {"cls", &EpisodeMetrics::cls},
 });
 
-// Two lengths, the smaller over the larger: 1 where nothing was to be walked, 0 where one has no
-// end. Never inf / inf.
+// part / whole of two lengths, part <= whole: 1 if both are 0, 0 if whole is infinite.
 double share(double part, double whole) {
   if (!std::isfinite(whole)) return 0;
   return whole > 0 ? part / whole : 1;
 }
 
-// Needs one pass over P: the distances of one of its entries to all of R serve the time warping and
-// the coverage alike, and an entry that repeats the one before needs none anew.
+// Computes time warping and coverage in one pass over P: both use the distances of an entry to all
+// of R, and an entry that repeats the one before reuses them.
 class Pass {
  public:
   Pass(const graph::NavGraph& graph, std::span<const ViewpointIndex> reference)
@@ -75,8 +74,8 @@ class Pass {
     return std::span(rows_).subspan(which * reference_.size(), reference_.size());
   }
 
-  // The next row of the time warping, over the last: costs[j] becomes the least cost of aligning
-  // the entries so far with R up to j.
+  // Replaces the last row of the time warping by the next: costs[j] becomes the least cost of
+  // aligning the entries so far with R up to j.
   void align(std::span<double> costs) {
     const auto distance = row(kDistance);
     double diagonal = first_ ? 0 : kInfinity;
@@ -109,7 +108,7 @@ double coverage(std::span<const double> nearest, double success_distance) {
   return sum / static_cast<double>(nearest.size());
 }
 
-// Jain et al.'s length score times coverage: how near TL is to what covering so much takes.
+// Coverage times the length score of Jain et al.: how near TL is to coverage * reference length.
 double cls(const EpisodeMetrics& m) {
   if (m.coverage == 0 || !std::isfinite(m.reference_length)) return 0;
   const double expected = m.coverage * m.reference_length;

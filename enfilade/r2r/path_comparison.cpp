@@ -5,9 +5,9 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <ranges>
 #include <set>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "enfilade/core/errors.h"
@@ -30,7 +30,7 @@ struct Sample {
   }
 };
 
-// Lengths and edges of a set of paths, and what its rule can be told by.
+// Gathers lengths, numbers of edges and PathFacts of a set of paths.
 class Gathering {
  public:
   Gathering(const graph::GraphSet& graphs, const scan::RegionMap& regions)
@@ -56,9 +56,8 @@ class Gathering {
     for (const auto& [scan, n] : buildings) {
       facts_.most_in_a_building = std::max(facts_.most_in_a_building, n);
     }
-    for (const auto& [scan, n] : buildings) {
-      facts_.buildings_with_most += n == facts_.most_in_a_building ? 1 : 0;
-    }
+    facts_.buildings_with_most = static_cast<std::size_t>(
+        std::ranges::count(std::views::values(buildings), facts_.most_in_a_building));
     return facts_;
   }
 
@@ -67,7 +66,7 @@ class Gathering {
   std::map<ScanIndex, std::size_t> buildings;
 
  private:
-  // Whether the path goes from a room to another.
+  // Whether the path leads from one room to another.
   bool add_rooms(const ReferencePath& path, const graph::NavGraph& graph) {
     const ViewpointIndex start = path.viewpoints.front();
     const ViewpointIndex goal = path.viewpoints.back();
@@ -132,7 +131,7 @@ void add_counts(std::string& text, const Columns& columns) {
   add("start or goal in no room", &PathFacts::outside_map);
 }
 
-// One of the two histograms: `label` makes a row's name of a bin.
+// One of the two histograms. `label` gives the name of a bin's row.
 void add_histogram(std::string& text, const Columns& columns,
                    std::map<std::size_t, std::size_t> PathFacts::*member,
                    const std::function<std::string(std::size_t)>& label) {

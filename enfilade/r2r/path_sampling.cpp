@@ -7,6 +7,7 @@
 #include <limits>
 #include <mutex>
 #include <numeric>
+#include <ranges>
 #include <set>
 #include <span>
 #include <utility>
@@ -31,10 +32,10 @@ struct StartAndGoal {
   ViewpointIndex start;
   ViewpointIndex goal;
 };
-// Starts and goals of which one path at most is drawn.
+// Pairs of which at most one is drawn.
 using Choice = std::vector<StartAndGoal>;
 
-// Finds what may be drawn in one building.
+// Finds the pairs of start and goal that may be drawn in one building.
 class Building {
  public:
   Building(const NavGraph& graph, const scan::RegionMap& regions, const SamplingOptions& options)
@@ -84,7 +85,7 @@ class Building {
     return pairs;
   }
 
-  // For each room; of equally near viewpoints the one of the lower index.
+  // The nearest viewpoint of each room; of equally near ones that with the lowest index.
   std::vector<ViewpointIndex> nearest_of_rooms(ViewpointIndex start) const {
     std::vector<ViewpointIndex> nearest(room_count_, start);
     std::vector<double> distances(room_count_, std::numeric_limits<double>::infinity());
@@ -166,8 +167,8 @@ std::vector<T> random_subset(std::vector<T> items, std::size_t n, Rng rng) {
   return kept;
 }
 
-// `total` in proportion to `shares`, at least 1 where a share is not 0: one after the other goes to
-// whoever is furthest below his due.
+// Divides `total` in proportion to `shares`, at least 1 for each share that is not 0: each unit
+// goes to the share that is furthest below its proportion.
 std::array<std::size_t, 3> apportion(const std::array<std::size_t, 3>& shares, std::size_t total) {
   const std::size_t sum = shares[0] + shares[1] + shares[2];
   std::array<std::size_t, 3> counts{};
@@ -183,11 +184,7 @@ std::array<std::size_t, 3> apportion(const std::array<std::size_t, 3>& shares, s
       return static_cast<double>(shares[k] * total) / static_cast<double>(sum) -
              static_cast<double>(counts[k]);
     };
-    std::size_t neediest = 0;
-    for (std::size_t k = 1; k < 3; ++k) {
-      if (due(k) > due(neediest)) neediest = k;
-    }
-    ++counts[neediest];
+    ++counts[*std::ranges::max_element(std::views::iota(std::size_t{0}, shares.size()), {}, due)];
   }
   return counts;
 }

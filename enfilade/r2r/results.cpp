@@ -20,8 +20,8 @@ using json::Element;
 using json::Faults;
 using json::Path;
 
-constexpr std::size_t kListedIds = 20;   // of missing ones; more and they are counted
-constexpr std::size_t kShownBytes = 40;  // of an id that a message repeats
+constexpr std::size_t kListedIds = 20;   // of missing ones; further ones are only counted
+constexpr std::size_t kShownBytes = 40;  // of an id in a message
 constexpr const char* kEntryForms =
     "a viewpoint id, [viewpoint], [viewpoint, heading, elevation], or a list of those";
 
@@ -34,8 +34,8 @@ std::string shown(std::string_view text) {
 
 bool is_nested(Element element) { return element.is_array() || element.is_object(); }
 
-// [viewpoint] or [viewpoint, heading, elevation], or meant as such: a list with something in it
-// that can be no part of a sub-path.
+// [viewpoint] or [viewpoint, heading, elevation], or meant as one: a list with an element that
+// cannot be part of a sub-path.
 bool is_point(simdjson::dom::array list) {
   std::size_t count = 0;
   bool scalar = false;
@@ -49,7 +49,7 @@ bool is_point(simdjson::dom::array list) {
   return scalar || (count == 1 && text_first);
 }
 
-// Reads one trajectory. Where its episode is unknown only its form is checked.
+// Reads one trajectory. If its episode is unknown, only the form is checked.
 class TrajectoryReader {
  public:
   TrajectoryReader(const EpisodeSet& episodes, std::optional<std::size_t> episode, Faults& faults)
@@ -122,7 +122,7 @@ class TrajectoryReader {
       if (last_) check_step(*viewpoint, path);
       points_.push_back({*viewpoint, heading, elevation});
     }
-    last_ = viewpoint;  // after a bad one, the next step can be from anywhere
+    last_ = viewpoint;  // after a bad one, the next step is not checked
   }
 
   std::optional<ViewpointIndex> find(std::string_view id, const Path& path) {
@@ -240,7 +240,7 @@ class Reader {
     return std::nullopt;
   }
 
-  // False, and a fault, if the file had an entry for this episode before.
+  // Returns false and reports a fault if the file had an entry for this episode before.
   bool claim(std::size_t episode, std::size_t place, const Path& path) {
     if (!places_[episode]) {
       places_[episode] = place;
@@ -288,7 +288,7 @@ std::string quoted(const std::string& text) {
   }
 }
 
-// The shortest text that reads back equal; adding 0 turns -0, which JSON readers take for an
+// The shortest text that is read back equal. Adding 0 turns -0, which JSON readers take for an
 // integer, into 0.
 std::string number_json(double value, const std::string& instruction_id) {
   if (std::isfinite(value)) return fmt::format("{}", value + 0.0);

@@ -1,7 +1,10 @@
 #include "enfilade/r2r/statistics.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <set>
 #include <unordered_map>
 
@@ -11,12 +14,12 @@
 namespace enfilade::r2r {
 namespace {
 
-constexpr std::size_t kOftenEnough = 5;  // uses of a word that make it part of a vocabulary
+constexpr std::size_t kOftenEnough = 5;  // occurrences of a word of the vocabulary
 constexpr std::size_t kFirstWords = 4;
 
 using Counts = std::unordered_map<std::string, std::size_t>;
 
-// What is gathered of a split, or of several.
+// Gathers the numbers of one split, or of several.
 class Gathering {
  public:
   explicit Gathering(std::string name) { result_.split = std::move(name); }
@@ -56,12 +59,9 @@ class Gathering {
 };
 
 void count_first_words(const std::vector<std::string>& tokens, Counts& counts) {
-  std::string first;
-  for (std::size_t i = 0; i < std::min(tokens.size(), kFirstWords); ++i) {
-    if (i > 0) first += ' ';
-    first += tokens[i];
-  }
-  if (!first.empty()) ++counts[first];
+  if (tokens.empty()) return;
+  const auto first = std::views::take(tokens, kFirstWords);
+  ++counts[fmt::format("{}", fmt::join(first, " "))];
 }
 
 std::vector<std::pair<std::string, std::size_t>> most_frequent(const Counts& counts,
@@ -86,7 +86,7 @@ GraphStatistics graph_statistics(const graph::GraphSet& graphs) {
     directed += graph.edge_count();
     for (std::size_t v = 0; v < graph.size(); ++v) {
       for (const graph::Edge& edge : graph.edges(ViewpointIndex(v))) {
-        // Of an edge and its reverse, the one from the lower index.
+        // Of an edge and its reverse, only the one from the lower index counts.
         const bool second = edge.target < ViewpointIndex(v) &&
                             graph.edge(edge.target, ViewpointIndex(v)) != nullptr;
         if (!second) lengths.push_back(edge.length);

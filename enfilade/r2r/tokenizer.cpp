@@ -55,17 +55,6 @@ void add_piece(std::string_view piece, std::vector<std::string>& tokens) {
   for (const char c : piece) tokens.emplace_back(1, c);
 }
 
-void check_word(const std::string& word, std::size_t line, const std::string& file,
-                std::vector<Diagnostic>& faults) {
-  if (line < kSpecials.size() && word != kSpecials[line]) {
-    faults.push_back({Severity::kError, file, fmt::format("line {}", line + 1), "bad-special",
-                      fmt::format("{:?}, not {:?}", word, kSpecials[line])});
-  } else if (word.empty()) {
-    faults.push_back({Severity::kError, file, fmt::format("line {}", line + 1), "empty-word",
-                      "no word; one word a line is expected"});
-  }
-}
-
 }  // namespace
 
 std::vector<std::string> tokenize(std::string_view text) {
@@ -111,20 +100,28 @@ Vocabulary Vocabulary::load(const std::filesystem::path& file) {
     words.push_back(line);
   }
   std::vector<Diagnostic> faults;
+  const auto report = [&](std::string where, const char* code, std::string message) {
+    faults.push_back({Severity::kError, file.string(), std::move(where), code, std::move(message)});
+  };
   std::unordered_map<std::string, std::size_t> first;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    check_word(words[i], i, file.string(), faults);
-    const auto [at, fresh] = first.emplace(words[i], i);
-    if (!fresh && !words[i].empty()) {
-      faults.push_back({Severity::kError, file.string(), fmt::format("line {}", i + 1),
-                        "repeated-word",
-                        fmt::format("{:?} stands in line {} already", words[i], at->second + 1)});
+    const std::string& word = words[i];
+    const std::string where = fmt::format("line {}", i + 1);
+    if (i < kSpecials.size() && word != kSpecials[i]) {
+      report(where, "bad-special", fmt::format("{:?}, not {:?}", word, kSpecials[i]));
+    } else if (word.empty()) {
+      report(where, "empty-word", "no word; one word a line is expected");
+    }
+    const auto [at, fresh] = first.emplace(word, i);
+    if (!fresh && !word.empty()) {
+      report(where, "repeated-word",
+             fmt::format("{:?} stands in line {} already", word, at->second + 1));
     }
   }
   if (words.size() < kSpecials.size()) {
-    faults.push_back({Severity::kError, file.string(), "", "too-short",
-                      fmt::format("{} lines; the first three must be {}", words.size(),
-                                  fmt::join(kSpecials, ", "))});
+    report("", "too-short",
+           fmt::format("{} lines; the first three must be {}", words.size(),
+                       fmt::join(kSpecials, ", ")));
   }
   if (!faults.empty()) throw InvalidInput(std::move(faults));
   return Vocabulary(std::move(words));
