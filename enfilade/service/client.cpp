@@ -10,7 +10,7 @@
 namespace enfilade::service {
 namespace {
 
-constexpr int kAnswerSeconds = 60;  // a large file on a slow line, and its check
+constexpr int kAnswerSeconds = 60;  // enough for a large file on a slow line, and its check
 
 std::string text_of(const nlohmann::json& object, const char* name) {
   const auto found = object.find(name);

@@ -37,9 +37,9 @@ void Site::read_splits(const dataset::Dataset& data) {
     if (std::ranges::find(names, phase.split) == names.end()) names.push_back(phase.split);
   }
   for (const std::string& name : names) {
-    if (!data.has_split(name)) continue;  // a data set need not have all splits, nor any
+    if (!data.has_split(name)) continue;  // a data set may lack any of the splits
     r2r::Annotations annotations = data.annotations(name);
-    r2r::look_up_paths(annotations, *graphs_);  // refuses what could not be shown on a plan
+    r2r::look_up_paths(annotations, *graphs_);  // throws if a path cannot be shown on a plan
     splits_.push_back({std::move(annotations), false});
   }
 }

@@ -1,9 +1,7 @@
 /// \file  The data set of a server, in a public part and a secret one.
 #pragma once
-#include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <string>
 #include <string_view>
 #include <vector>
 

@@ -15,7 +15,7 @@ using detail::Refusal;
 constexpr std::size_t kLongestTeam = 80;
 constexpr std::size_t kLongestContact = 200;
 
-/// Whose a token is, by role.
+/// The owner of a token: a team or a visit, by role.
 struct Owner {
   std::optional<std::int64_t> team = std::nullopt;
   std::optional<std::int64_t> visit = std::nullopt;
@@ -23,7 +23,7 @@ struct Owner {
 
 std::string insert_token(store::Database& db, Role role, Owner owner, const std::string& label,
                          std::optional<std::int64_t> expires) {
-  // The prefix lets people, and scanners of published sources, see what leaked.
+  // By the prefix, people and scanners of published sources recognise a leaked token.
   std::string token = detail::new_secret("enfilade_");
   db.run(
       "INSERT INTO token (hash, role, team, label, created, expires, visit) "
@@ -32,7 +32,7 @@ std::string insert_token(store::Database& db, Role role, Owner owner, const std:
   return token;
 }
 
-/// \param from what is joined to the tokens, and the condition on ?1
+/// \param from joined tables, and the condition on ?1, the hash of `secret`
 std::optional<Principal> find_principal(store::Database& db, const std::string& from,
                                         std::string_view secret) {
   return db.find<Principal>(

@@ -17,46 +17,33 @@ std::shared_ptr<const std::string> file_of(const std::vector<std::uint8_t>& byte
                                              bytes.size());
 }
 
-FaceFiles colour_files(const scan::PanoramaSource& source, ViewpointIndex viewpoint) {
-  FaceFiles files;
-  if (auto jpegs = source.colour_jpegs(viewpoint)) {
-    for (std::size_t k = 0; k < kCubeFaces; ++k) {
-      files[k] = std::make_shared<const std::string>(std::move((*jpegs)[k]));
-    }
-    return files;
-  }
-  const scan::Panorama panorama =
-      scan::read_panorama(source, viewpoint, 1 << index(scan::Layer::kColour));
-  for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    files[k] = file_of(image::encode_jpeg(panorama.colour[k], kJpegQuality));
-  }
-  return files;
-}
-
-FaceFiles coloured_files(const scan::PanoramaSource& source, ViewpointIndex viewpoint,
-                         scan::Layer layer) {
-  const auto mask = static_cast<scan::LayerMask>(1U << index(layer));
-  const scan::Panorama panorama = scan::read_panorama(source, viewpoint, mask);
-  const bool depth = layer == scan::Layer::kDepth;
-  double farthest = 0;  // one scale for all six, or the edges of faces would show
-  for (const auto& face : panorama.depth) {
-    farthest = std::max(farthest, draw::farthest_depth(face));
-  }
-  FaceFiles files;
-  for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    files[k] = file_of(image::encode_png(depth ? draw::colour_depth(panorama.depth[k], farthest)
-                                               : draw::colour_ids(panorama.classes[k])));
-  }
-  return files;
-}
-
 FaceFiles make_files(const scan::PanoramaSource& source, ViewpointIndex viewpoint,
                      scan::Layer layer) {
   if (source.face_sizes(viewpoint)[index(layer)] == 0) {
     throw LookupError(fmt::format("this viewpoint has no {} pictures", to_string(layer)));
   }
-  return layer == scan::Layer::kColour ? colour_files(source, viewpoint)
-                                       : coloured_files(source, viewpoint, layer);
+  FaceFiles files;
+  const bool colour = layer == scan::Layer::kColour;
+  if (auto jpegs = colour ? source.colour_jpegs(viewpoint) : std::nullopt) {
+    for (std::size_t k = 0; k < kCubeFaces; ++k) {
+      files[k] = std::make_shared<const std::string>(std::move((*jpegs)[k]));
+    }
+    return files;
+  }
+  const auto mask = static_cast<scan::LayerMask>(1U << index(layer));
+  const scan::Panorama panorama = scan::read_panorama(source, viewpoint, mask);
+  double farthest = 0;  // one scale for all six depth maps, or the edges of faces would show
+  for (const auto& face : panorama.depth) {
+    farthest = std::max(farthest, draw::farthest_depth(face));
+  }
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    files[k] =
+        file_of(colour ? image::encode_jpeg(panorama.colour[k], kJpegQuality)
+                       : image::encode_png(layer == scan::Layer::kDepth
+                                               ? draw::colour_depth(panorama.depth[k], farthest)
+                                               : draw::colour_ids(panorama.classes[k])));
+  }
+  return files;
 }
 
 }  // namespace
@@ -86,7 +73,7 @@ FaceFiles Faces::get(ScanIndex scan, ViewpointIndex viewpoint, scan::Layer layer
   try {
     promise.set_value(make_files(panoramas_.source(scan), viewpoint, layer));
     add_bytes(key, files.get());
-  } catch (...) {  // requests that wait get it too; later ones try again
+  } catch (...) {  // requests that wait get the exception too; later ones try again
     promise.set_exception(std::current_exception());
     const std::scoped_lock lock(mutex_);
     const auto found = entries_.find(key);
@@ -101,7 +88,7 @@ void Faces::add_bytes(const Key& key, const FaceFiles& files) {
   Entry& entry = entries_.find(key)->second;
   for (const auto& file : files) entry.bytes += file->size();
   bytes_ += entry.bytes;
-  // Entries being made count 0 bytes yet, and must stay until their makers have filled them.
+  // Entries that are being made count as 0 bytes, and must stay until they are filled.
   for (auto use = by_use_.end(); bytes_ > most_bytes_ && use != by_use_.begin();) {
     const auto oldest = entries_.find(*--use);
     if (oldest->second.bytes == 0 || oldest->first == key) continue;

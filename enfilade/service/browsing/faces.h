@@ -1,7 +1,6 @@
 /// \file  The faces of panoramas as image files, with a cache.
 #pragma once
 #include <array>
-#include <cstdint>
 #include <future>
 #include <list>
 #include <map>

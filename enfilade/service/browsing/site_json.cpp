@@ -14,7 +14,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// A float's shortest digits: a reader that takes them as a double and rounds has the same float.
+// The shortest digits of a float: a reader that parses them as a double and rounds gets the same
+// float.
 ordered_json number(float value) { return ordered_json::parse(fmt::format("{}", value)); }
 
 ordered_json viewpoint_json(const graph::NavGraph& graph, ViewpointIndex v,

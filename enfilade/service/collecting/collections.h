@@ -41,7 +41,7 @@ struct Collection {
   }
 };
 
-/// What a task is about: a path (kWrite), or one of its instructions (kWalk).
+/// The object of a task: a path (kWrite), or one of its instructions (kWalk).
 struct Item {
   std::int64_t id = 0;
   std::string split;
@@ -87,7 +87,7 @@ struct SplitSize {
   auto columns() { return std::tie(split, items, secret); }
 };
 
-/// A visit, as an organiser pays for it.
+/// A visit with the numbers that an organiser pays by.
 struct VisitSummary {
   std::int64_t visit = 0, worker = 0;
   std::string external, assignment, group;  ///< the platform's ids

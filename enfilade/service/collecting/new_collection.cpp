@@ -1,8 +1,7 @@
-// Reading a new collection. It may be megabytes of paths, so all faults are reported at once.
+// Reads a new collection. It may have megabytes of paths, so all faults are reported at once.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <set>
 
@@ -138,7 +137,7 @@ class Reader {
       r2r::look_up_paths(annotations, site_.graphs());
       add_annotations(annotations, path, false);
     } catch (const InvalidInput& error) {
-      for (Diagnostic fault : error.diagnostics()) {  // their paths begin at the list
+      for (Diagnostic fault : error.diagnostics()) {  // their JSON paths begin at the list of paths
         fault.where =
             path.text() + fault.where.substr(std::min<std::size_t>(1, fault.where.size()));
         more_.push_back(std::move(fault));
@@ -218,7 +217,7 @@ class Reader {
   const Site& site_;
   const Path root_;
   json::Faults faults_{kFileName};
-  std::vector<Diagnostic> more_;  // from readers that have their own
+  std::vector<Diagnostic> more_;  // faults of annotations, which r2r reads
   Kind kind_ = Kind::kWrite;
   std::size_t most_ = kMostItems;
   std::set<std::int64_t> path_ids_;

@@ -14,7 +14,7 @@ using detail::Refusal;
 
 constexpr std::size_t kLongestWorker = 100;
 constexpr std::size_t kLongestOrigin = 200;
-// What MTurk has in the place of an assignment before the worker took it.
+// What MTurk sends as assignment before the worker has accepted it.
 constexpr std::string_view kNoAssignment = "ASSIGNMENT_ID_NOT_AVAILABLE";
 
 std::string parameter(const Parameters& parameters, std::string_view name) {
@@ -47,8 +47,8 @@ Arrival by_mturk(const Platform& platform, const Parameters& parameters) {
   if (assignment.empty() || assignment == kNoAssignment) return {true, "", "", "", ""};
   std::string submit_to = parameter(parameters, "turkSubmitTo");
   while (submit_to.ends_with('/')) submit_to.pop_back();
-  // It is part of the page's address, which anybody can write: an unknown one could send the form,
-  // and the worker, anywhere.
+  // The origin is part of the page's address, which anybody can write: an unknown one could send
+  // the form, and the worker, anywhere.
   if (std::ranges::find(platform.origins, submit_to) == platform.origins.end()) {
     throw Refusal(422, fmt::format("turkSubmitTo: {:?}, not one of the collection's origins",
                                    submit_to.substr(0, 80)));

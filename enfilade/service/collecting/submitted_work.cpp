@@ -67,7 +67,7 @@ class WalkReader {
   WalkReader(const graph::NavGraph& graph, const Item& item, Faults& faults)
       : graph_(graph), item_(item), faults_(faults) {}
 
-  /// All steps, with the fields that are read here and no others.
+  /// All steps; fields that are not read here are dropped.
   ordered_json read(Element element, const Path& path) {
     ordered_json steps = ordered_json::array();
     const auto list = json::array(element, path, faults_);

@@ -14,6 +14,29 @@ using detail::Refusal;
 
 constexpr const char* kIsSubmitted = "task.state IN ('submitted', 'accepted', 'rejected')";
 
+std::int64_t find_or_add_visit(store::Database& db, const Collection& collection,
+                               const Arrival& arrival) {
+  db.run("INSERT OR IGNORE INTO worker (collection, external, created) VALUES (?, ?, ?)",
+         collection.id, arrival.worker, db.now());
+  const std::int64_t worker = db.find_number(
+      "SELECT id FROM worker WHERE collection = ? AND external = ?", collection.id, arrival.worker);
+  const std::int64_t known = db.find_number(
+      "SELECT id FROM visit WHERE worker = ? AND external = ?", worker, arrival.assignment);
+  if (known != 0) return known;
+  if (!collection.open) {
+    throw Refusal(403, "the collection is closed", "collection-closed");
+  }
+  const bool taken = !arrival.assignment.empty() &&
+                     db.find_number(
+                         "SELECT visit.id FROM visit JOIN worker ON worker.id = visit.worker "
+                         "WHERE worker.collection = ? AND visit.external = ?",
+                         collection.id, arrival.assignment) != 0;
+  if (taken) throw Refusal(409, "another worker has this assignment");
+  return db.insert(
+      "INSERT INTO visit (worker, external, grouped, submit_to, created) VALUES (?, ?, ?, ?, ?)",
+      worker, arrival.assignment, arrival.group, arrival.submit_to, db.now());
+}
+
 std::string tasks_where(std::string_view condition) {
   return fmt::format(
       "SELECT {}, item.collection, collection.kind, collection.per_item, "
@@ -24,7 +47,7 @@ std::string tasks_where(std::string_view condition) {
       kItemColumns, condition);
 }
 
-/// Whether the item has a place for this task beside all the others.
+/// Whether the item has a place for this task besides its other tasks.
 bool has_place(store::Database& db, const Task& task) {
   return db.find_number(
              "SELECT count(*) FROM task WHERE item = ? AND id <> ? AND "
@@ -50,7 +73,7 @@ void renew(store::Database& db, Task& task, const Visit& visit) {
          task.expires, task.id);
 }
 
-/// The task that the worker may go on with: this visit's, or one that lapsed.
+/// The task that the worker may continue: this visit's, or one that lapsed.
 std::optional<Task> resume(store::Database& db, const Visit& visit) {
   std::vector<Task> held =
       db.select<Task>(tasks_where("(task.visit = ?2 AND task.state = 'leased') OR "
@@ -133,6 +156,30 @@ void add_event(store::Database& db, const Task& task, const Event& event) {
 
 }  // namespace
 
+bool is_finished(const Collection& collection, const Visit& visit) {
+  return collection.tasks_per_visit > 0 && visit.done >= collection.tasks_per_visit;
+}
+
+std::int64_t join(store::Database& db, const Collection& collection, const Arrival& arrival) {
+  return db.transact([&] { return find_or_add_visit(db, collection, arrival); });
+}
+
+Visit get_visit(store::Database& db, std::int64_t visit) {
+  return db
+      .find<Visit>(
+          "SELECT visit.id, worker.id, worker.collection, consented IS NOT NULL, "
+          "worker.external, visit.external, submit_to, (SELECT count(*) FROM task WHERE "
+          "task.visit = visit.id AND state IN ('submitted', 'accepted', 'rejected')) "
+          "FROM visit JOIN worker ON worker.id = visit.worker WHERE visit.id = ?",
+          visit)
+      .value();
+}
+
+void give_consent(store::Database& db, const Visit& visit) {
+  db.run("UPDATE worker SET consented = ? WHERE id = ? AND consented IS NULL", db.now(),
+         visit.worker);
+}
+
 bool Task::bonus() const { return error && *error < r2r::MetricOptions{}.success_distance; }
 
 Lease lease_task(store::Database& db, const Collection& collection, const Visit& visit) {
@@ -200,12 +247,11 @@ WorkPage list_work(store::Database& db, std::int64_t collection, std::optional<T
                           collection, state, after, limit)};
 }
 
-std::vector<Task> work_of(store::Database& db, std::int64_t collection, const std::string& split,
-                          Reviewed reviewed) {
+std::vector<Task> work_of(store::Database& db, const ExportedSplit& exported) {
   return db.select<Task>(
       tasks_where("item.collection = ? AND item.split = ? AND (task.state = 'accepted' OR "
                   "(? AND task.state = 'submitted')) ORDER BY item.id, task.id"),
-      collection, split, reviewed == Reviewed::kAcceptedOrWaiting);
+      exported.collection.id, exported.split, exported.with_waiting);
 }
 
 Task find_work(store::Database& db, std::int64_t id) {

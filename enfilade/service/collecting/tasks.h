@@ -1,5 +1,5 @@
-/// \file  Tasks: which worker has which item, what the worker submitted, and what reviewers
-/// decided.
+/// \file  Visits of workers to a collection, and their tasks: which worker has which item, what the
+/// worker submitted, and what reviewers decided.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -8,9 +8,36 @@
 #include <string_view>
 #include <vector>
 
-#include "enfilade/service/collecting/visits.h"
+#include "enfilade/service/collecting/collections.h"
 
 namespace enfilade::service::collecting {
+
+/// A worker at work: for one assignment of a platform, or by a link of the server's own.
+struct Visit {
+  std::int64_t id = 0, worker = 0, collection = 0;
+  bool consented = false;
+  std::string worker_name;  ///< the platform's id
+  std::string assignment, submit_to;
+  std::int64_t done = 0;  ///< tasks submitted
+
+  auto columns() {
+    return std::tie(id, worker, collection, consented, worker_name, assignment, submit_to, done);
+  }
+};
+
+/// Whether the visit has submitted as many tasks as the collection gives one; never if it gives any
+/// number.
+bool is_finished(const Collection& collection, const Visit& visit);
+
+/// The same worker with the same assignment is the same visit, also after a restart.
+/// \pre not arrival.preview  \returns the visit's id
+/// \throws Refusal 403 (collection-closed) for a new visit of a closed collection; 409 if
+/// another worker has the assignment
+std::int64_t join(store::Database& db, const Collection& collection, const Arrival& arrival);
+/// \pre there is a visit of this id
+Visit get_visit(store::Database& db, std::int64_t visit);
+/// Stores that the visit's worker agreed to the consent text.
+void give_consent(store::Database& db, const Visit& visit);
 
 enum class TaskState : std::uint8_t {
   kLeased,    ///< with its worker
@@ -128,13 +155,14 @@ struct WorkPage {
 /// Submitted work, by rising number. \param state none: all
 WorkPage list_work(store::Database& db, std::int64_t collection, std::optional<TaskState> state,
                    std::int64_t after, std::int64_t limit);
-enum class Reviewed : std::uint8_t {
-  kAccepted,
-  kAcceptedOrWaiting,  ///< also what waits for review
+/// Which work is exported.
+struct ExportedSplit {
+  Collection collection;
+  std::string split;
+  bool with_waiting = false;  ///< also work that waits for review, not only accepted work
 };
-/// Of a split, by item and number.
-std::vector<Task> work_of(store::Database& db, std::int64_t collection, const std::string& split,
-                          Reviewed reviewed);
+/// Sorted by item and task.
+std::vector<Task> work_of(store::Database& db, const ExportedSplit& exported);
 Task find_work(store::Database& db, std::int64_t task);
 std::vector<Event> events_of(store::Database& db, std::int64_t task);
 /// A rejected task leaves its place to another worker. \pre verdict is kAccepted or kRejected

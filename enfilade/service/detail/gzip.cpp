@@ -8,9 +8,9 @@
 namespace enfilade::service::detail {
 namespace {
 
-constexpr int kGzipWindow = 15 + 16;  // zlib: +16 stands for gzip's header
+constexpr int kGzipWindow = 15 + 16;  // zlib: + 16 selects the gzip format
 
-// zlib wants bytes that it could write to, and only reads them.
+// zlib takes a pointer to mutable bytes, but only reads them.
 Bytef* bytes_of(std::string_view text) {
   return reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
 }

@@ -34,10 +34,10 @@ bool is_in(char32_t code, std::span<const Range> ranges) {
       ranges, [code](const Range& range) { return code >= range.first && code <= range.last; });
 }
 
-// Controls, and marks that change the direction of the text.
+// Control characters, and marks that change the direction of the text.
 constexpr Range kUnprintable[] = {{0x00, 0x1F}, {0x7F, 0x9F}, {0x202A, 0x202E}, {0x2066, 0x2069}};
 // Invisible characters (Unicode 15, Default_Ignorable_Code_Point), and blanks other than the space:
-// two different names must not look the same. In sentences some scripts need them.
+// two different names must not look the same. Some scripts need them within sentences.
 constexpr Range kUnseen[] = {
     {0xA0, 0xA0},     {0xAD, 0xAD},     {0x34F, 0x34F},    {0x61C, 0x61C},   {0x115F, 0x1160},
     {0x1680, 0x1680}, {0x17B4, 0x17B5}, {0x180B, 0x180F},  {0x2000, 0x200F}, {0x2028, 0x202F},

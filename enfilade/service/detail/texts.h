@@ -18,7 +18,7 @@ bool is_prose(std::string_view text, std::size_t most);
 /// 1 to 40 of a-z, 0-9, - and _: a part of URLs.
 bool is_name(std::string_view text);
 
-/// What platforms give as ids: 1 to 100 of A-Z, a-z, 0-9, - and _.
+/// An id of a platform: 1 to 100 of A-Z, a-z, 0-9, - and _.
 bool is_external_id(std::string_view text);
 
 /// Of seconds since 1970: "2026-11-21T16:15:09Z"

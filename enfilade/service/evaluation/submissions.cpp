@@ -18,7 +18,7 @@ using detail::Refusal;
 
 constexpr std::size_t kLongestMethod = 80;
 constexpr std::int64_t kDay = 24L * 3600;
-// Messages that quote bytes of a results file call the file so.
+// The name of a results file in messages.
 constexpr const char* kFileName = "submission";
 
 std::string submissions_where(std::string_view condition) {
@@ -42,16 +42,9 @@ void check_limit(store::Database& db, std::int64_t team, const Phase& phase) {
 }  // namespace
 
 Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db)
-    : site_(std::move(site)), db_(db), worker_([this] { work(); }) {}
-
-Submissions::~Submissions() {
-  {
-    const std::scoped_lock lock(mutex_);
-    stopping_ = true;
-  }
-  wake_.notify_all();
-  worker_.join();
-}
+    : site_(std::move(site)),
+      db_(db),
+      worker_([this](const std::stop_token& stop) { work(stop); }) {}
 
 Receipt Submissions::receive(const accounts::Principal& team, std::string_view phase_name,
                              const std::string& method, const std::string& results) {
@@ -123,17 +116,14 @@ std::int64_t Submissions::queued() const {
   return db_.find_number("SELECT count(*) FROM submission WHERE state = 'queued'");
 }
 
-void Submissions::work() {
-  while (true) {
+void Submissions::work(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
     {
       std::unique_lock lock(mutex_);
-      wake_.wait(lock, [this] { return stopping_ || asked_; });
-      if (stopping_) return;
+      wake_.wait(lock, stop, [this] { return asked_; });
       asked_ = false;
     }
-    while (score_next()) {
-      const std::scoped_lock lock(mutex_);
-      if (stopping_) return;
+    while (!stop.stop_requested() && score_next()) {
     }
   }
 }
@@ -146,8 +136,8 @@ std::string Submissions::score(const std::string& phase_name, const std::string&
   return r2r::to_json(r2r::compute_score(checked.trajectories, episodes));
 }
 
-// The oldest that is queued. A failure is stored as one: it must neither end the thread nor be
-// tried again.
+// Scores the oldest queued submission. A failure is stored in its row: it must neither end the
+// thread nor be tried again.
 bool Submissions::score_next() {
   const auto next = db_.find<std::tuple<std::int64_t, std::string, std::string>>(
       "SELECT id, phase, content FROM submission WHERE state = 'queued' ORDER BY id LIMIT 1");

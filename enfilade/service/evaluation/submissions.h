@@ -47,12 +47,9 @@ struct Receipt {
 /// queued there is scored after a restart.
 class Submissions {
  public:
-  /// Starts the thread that scores. \pre the database outlives *this
+  /// Starts the thread that scores. The destructor waits for the submission that is being scored;
+  /// the others stay queued. \pre the database outlives *this
   Submissions(std::shared_ptr<const Site> site, store::Database& db);
-  /// Waits for the submission that is being scored; the others stay queued.
-  ~Submissions();
-  Submissions(const Submissions&) = delete;
-  Submissions& operator=(const Submissions&) = delete;
 
   /// Checks a whole results file and queues it. The same file of the same team for the same phase
   /// and method is one submission, so that a client may repeat a request that got no answer.
@@ -71,7 +68,7 @@ class Submissions {
   std::int64_t queued() const;
 
  private:
-  void work();
+  void work(const std::stop_token& stop);
   bool score_next();
   std::string score(const std::string& phase, const std::string& results) const;
 
@@ -79,10 +76,9 @@ class Submissions {
   store::Database& db_;
   std::mutex checking_;
   std::mutex mutex_;
-  std::condition_variable wake_;
-  bool stopping_ = false;
-  bool asked_ = true;  // something may be queued
-  std::thread worker_;
+  std::condition_variable_any wake_;
+  bool asked_ = true;    // something may be queued
+  std::jthread worker_;  // last: it uses the others
 };
 
 }  // namespace enfilade::service::evaluation

@@ -40,8 +40,8 @@ Response log_in(Context& context, const Request& request) {
     context.failures.count(request.address, context.db.now());
     throw Refusal(401, "the token is unknown, expired or revoked");
   }
-  // Workers come by a link, and their pages hold the token themselves: inside a frame of another
-  // site there are no cookies.
+  // Workers come by a link, and their pages keep the token: a frame inside another site has no
+  // cookies.
   if (principal->role == accounts::Role::kWorker) throw Refusal(403, "not for workers");
   Response response = json_response(principal_json(*principal));
   const bool tls = context.config.behind_proxy && request.header("x-forwarded-proto") == "https";

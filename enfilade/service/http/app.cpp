@@ -84,7 +84,7 @@ Response App::answer(Request& request, const BodyReader& read_body, std::string_
   identify(request);
   check_access(*match.route, request);
   check_origin(request);
-  // Only now: what a stranger sends to a team's route need not be kept in memory.
+  // Only now: the body of a client that may not call the route is never kept in memory.
   if (read_body) request.body = read_body(match.route->most_bytes);
   return match.route->handle(context_, request);
 }

@@ -1,4 +1,4 @@
-/// \file  Answers requests, without the sockets that bring them.
+/// \file  Answers requests, whatever transport they come by.
 #pragma once
 #include <functional>
 #include <memory>
@@ -13,15 +13,15 @@ namespace enfilade::service::http {
 /// Reads a request's body. \throws Refusal 413 if it has more than `most` bytes; 400, 408, 503
 using BodyReader = std::function<std::string(std::size_t most)>;
 
-/// The routes, and what holds for all of them: who may call, errors as JSON, headers, compression,
+/// The routes, and what they share: who may call them, errors as JSON, headers, compression,
 /// counting. All functions may be called from any thread.
 class App {
  public:
   App(std::shared_ptr<const Site> site, ServerConfig config);
 
   const Router& router() const noexcept { return router_; }
-  /// Never throws: whatever goes wrong is a response. \param read_body called at most once, when it
-  /// is known that the client may send one; none: there is no body
+  /// Never throws: errors become responses. \param read_body called at most once, after the client
+  /// is known to be allowed to send a body; empty: there is no body
   Response handle(Request request, const BodyReader& read_body = {});
 
  private:

@@ -19,8 +19,7 @@ ScanIndex scan_of(const Context& context, const Request& request) {
   return *found;
 }
 
-/// Responses that don't change while the server runs, by the requests' paths; made when first asked
-/// for.
+/// Responses that don't change while the server runs, by path. Made at the first request.
 class Cache {
  public:
   template <class Make>
@@ -33,7 +32,8 @@ class Cache {
     Response response = text_response(type, make());
     const std::string& body = *response.body;
     response.add_header("ETag", fmt::format("\"{:016x}\"", stream_of(body.data(), body.size())));
-    response.add_header("Cache-Control", "no-cache");  // ask, and mostly get a 304
+    response.add_header("Cache-Control",
+                        "no-cache");  // browsers ask each time, and mostly get a 304
     const std::scoped_lock lock(mutex_);
     return responses_.emplace(request.path, std::move(response)).first->second;
   }
@@ -48,7 +48,7 @@ Response floor_plan(Cache& cache, Context& context, const Request& request) {
   Response response = cache.get(request, "image/svg+xml", [&] {
     return draw::floor_plan_svg(context.site->graphs().graph(scan));
   });
-  // A picture with styles of its own, which must not run anything.
+  // An SVG has its own styles, and must not run scripts.
   response.add_header("Content-Security-Policy", "default-src 'none'; style-src 'unsafe-inline'");
   return response;
 }

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/service/collecting/collection_json.h"
-#include "enfilade/service/collecting/export.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/http/routes.h"
 
@@ -15,7 +14,7 @@ using accounts::Role;
 using collecting::Collection;
 using nlohmann::ordered_json;
 
-/// As much of it as the client may see.
+/// The part of a collection that the client may see.
 ordered_json view_of(Context& context, const Request& request, const Collection& collection) {
   ordered_json out = collecting::collection_json(collection, context.site->synthetic());
   const bool organiser = request.is_from(Role::kOrganiser);
@@ -62,7 +61,7 @@ Response list_visits(Context& context, const Request& request) {
   return json_response({{"visits", detail::json_list(visits, collecting::visit_summary_json)}});
 }
 
-/// One of the collection's splits: their names can be part of a file's.
+/// The query's split, checked to be one of the collection's: it becomes part of a file name.
 std::string split_of(Context& context, const Request& request, const Collection& collection) {
   std::string name = request.text("split");
   const auto splits = collecting::splits_of(context.db, collection.id);
@@ -73,7 +72,6 @@ std::string split_of(Context& context, const Request& request, const Collection&
 }
 
 Response export_file(Context& context, const Request& request) {
-  using collecting::Reviewed;
   const Collection collection = collection_of(context, request);
   const std::string split = split_of(context, request, collection);
   const std::string what = request.text("what");
@@ -81,22 +79,21 @@ Response export_file(Context& context, const Request& request) {
   if (!state.empty() && state != "accepted" && state != "all") {
     throw Refusal(400, "state: not \"accepted\" or \"all\"");
   }
-  const Reviewed reviewed = state == "all" ? Reviewed::kAcceptedOrWaiting : Reviewed::kAccepted;
-  store::Database& db = context.db;
+  const collecting::ExportedSplit exported{collection, split, state == "all"};
   if (what.empty() || what == "annotations") {
-    const auto items = collecting::items_of(db, collection.id, split);
+    const auto items = collecting::items_of(context.db, collection.id, split);
     if (std::ranges::any_of(items, &collecting::Item::secret)) {
       throw Refusal(403, "the goals of this split are secret");
     }
-    return file_response(collecting::annotations_json(db, collection, split, reviewed),
+    return file_response(collecting::annotations_json(context.db, exported),
                          fmt::format("R2R_{}.json", split));
   }
   if (collection.kind != collecting::Kind::kWalk || (what != "results" && what != "walks")) {
     throw Refusal(400,
                   "what: not annotations, nor, where instructions are walked, results or walks");
   }
-  return file_response(what == "results" ? collecting::results_json(db, collection, split, reviewed)
-                                         : collecting::walks_json(db, collection, split, reviewed),
+  return file_response(what == "results" ? collecting::results_json(context.db, exported)
+                                         : collecting::walks_json(context.db, exported),
                        fmt::format("human_{}_{}.json", what, split));
 }
 

@@ -1,4 +1,4 @@
-/// \file  What routes work with.
+/// \file  The state that all routes share.
 #pragma once
 #include <cstdint>
 #include <map>

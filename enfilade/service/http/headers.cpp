@@ -7,7 +7,7 @@
 namespace enfilade::service::http {
 namespace {
 
-constexpr std::size_t kWorthCompressing = 1024;  // below, the headers are most of it
+constexpr std::size_t kWorthCompressing = 1024;  // bytes; of less, the headers are the larger part
 
 bool is_text(std::string_view type) {
   return type.starts_with("text/") || type.starts_with("application/json") ||
@@ -58,7 +58,7 @@ void add_security_headers(Response& response) {
   add("Cross-Origin-Opener-Policy", "same-origin");
   add("Cross-Origin-Resource-Policy", "same-origin");
   add("Permissions-Policy", "camera=(), microphone=(), geolocation=(), payment=()");
-  // Responses may depend on who asks: none is cached unless it says so itself.
+  // Responses may depend on the client: none is cached unless its route says so.
   add("Cache-Control", "no-store");
 }
 

@@ -1,4 +1,4 @@
-/// \file  Headers of responses: what protects browsers, what saves bytes.
+/// \file  Headers of responses: security, compression, caching.
 #pragma once
 #include <string>
 #include <string_view>
@@ -17,7 +17,7 @@ void compare_with_cached(const Request& request, Response& response);
 /// and from memory.
 std::string content_policy(std::string_view form_action, std::string_view frame_ancestors);
 
-/// Adds those that the response does not have yet.
+/// Adds the security headers that the response does not have yet.
 void add_security_headers(Response& response);
 
 }  // namespace enfilade::service::http

@@ -25,11 +25,11 @@ std::string_view code_of(int status) {
       {422, "invalid-input"},      {429, "rate-limited"},
       {500, "internal-error"},     {503, "unavailable"}};
   const auto found = kCodes.find(status);
-  // cpp-httplib has some more for messages that it cannot read.
+  // cpp-httplib has more statuses, for messages that it cannot parse.
   return found == kCodes.end() ? "invalid-request" : found->second;
 }
 
-/// A whole number and nothing else; none if `text` is not one, or out of range.
+/// The whole number that `text` is; none if it is anything else, or out of range.
 std::optional<std::int64_t> parse_number(std::string_view text) {
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

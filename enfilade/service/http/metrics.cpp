@@ -11,9 +11,7 @@ namespace enfilade::service::http {
 void Metrics::count(std::string_view route, int status, double seconds) {
   const std::scoped_lock lock(mutex_);
   ++counts_[{std::string(route), status}];
-  auto found = times_.find(route);
-  if (found == times_.end()) found = times_.emplace(route, Times{}).first;
-  Times& times = found->second;
+  Times& times = times_[std::string(route)];
   const auto bound = std::ranges::lower_bound(kBounds, seconds);
   ++times.buckets[static_cast<std::size_t>(bound - kBounds.begin())];
   times.sum += seconds;

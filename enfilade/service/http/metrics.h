@@ -31,7 +31,7 @@ class Metrics {
   };
   mutable std::mutex mutex_;
   std::map<std::pair<std::string, int>, std::uint64_t> counts_;
-  std::map<std::string, Times, std::less<>> times_;
+  std::map<std::string, Times> times_;
   std::atomic<int> in_flight_{0};
 };
 

@@ -1,4 +1,4 @@
-// For those who run the server.
+// For administrators: health, metrics, the API's description.
 #include <nlohmann/json.hpp>
 
 #include "enfilade/service/collecting/tasks.h"

@@ -12,7 +12,7 @@
 namespace enfilade::service::http {
 namespace {
 
-/// Mechanical Turk shows a collection's page in a frame of its own, and receives its form.
+/// Mechanical Turk shows a collection's page in a frame and receives its form.
 void allow_platform(Context& context, const Request& request, Response& response) {
   const auto collection = collecting::find_collection(context.db, request.text("collection"));
   if (!collection || collection->platform.kind != collecting::PlatformKind::kMturk) return;

@@ -1,4 +1,4 @@
-/// \file  Which handler answers which request.
+/// \file  Finds the handler of a request.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-/// \file  The routes, by product.
+/// \file  The routes of the API, a function for each group.
 #pragma once
 #include "enfilade/service/collecting/collections.h"
 #include "enfilade/service/http/context.h"

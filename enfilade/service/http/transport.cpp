@@ -49,8 +49,8 @@ Request convert(const httplib::Request& from, bool behind_proxy) {
 
 enum class Connection { kStays, kCloses };
 
-// Sends the body by a provider of known length, which cpp-httplib does not compress itself: the App
-// has compressed it already. A provider that fails closes the connection.
+// Sends the body by a provider of known length, because cpp-httplib does not compress those: the
+// App has compressed it already. A provider that returns false closes the connection.
 void convert(Response from, httplib::Response& to, Connection connection = Connection::kStays) {
   to.status = from.status;
   for (auto& [name, value] : from.headers) to.set_header(name, value);
@@ -70,8 +70,8 @@ void convert(Response from, httplib::Response& to, Connection connection = Conne
   to.set_content_provider(size, from.type, send);
 }
 
-/// Refuses what does not reach the App, and closes the connection: it is not known where the next
-/// request begins on it.
+/// Refuses a request that does not reach the App, and closes the connection: it is not known where
+/// the next request on it begins.
 void refuse(int status, std::string_view message, httplib::Response& to) {
   Response response = error_response(status, message);
   add_security_headers(response);
@@ -214,11 +214,11 @@ struct Transport::Impl {
 
   void route() {
     server.set_pre_routing_handler([](const httplib::Request& from, httplib::Response& to) {
-      auto& own = const_cast<httplib::Request&>(from);  // cpp-httplib's variable, lent as const
-      // The pages need no parts of answers, and cpp-httplib 0.11 sends wrong ones.
+      auto& own = const_cast<httplib::Request&>(from);  // cpp-httplib's own object, passed as const
+      // The pages request no byte ranges, and cpp-httplib 0.11 answers them wrongly.
       own.ranges.clear();
       if (end_is_unclear(from)) {
-        own.method = "GET";  // what answers HEAD has no end that could close the connection
+        own.method = "GET";  // an answer to HEAD has no provider that could close the connection
         refuse(400, "it is not clear where this request ends", to);
       } else if (from.path.size() > kLongestTarget) {
         // cpp-httplib matches targets with std::regex, which crashes on a long one.
@@ -249,11 +249,11 @@ struct Transport::Impl {
 
   void answer_with_body(const httplib::Request& from, httplib::Response& to,
                         const httplib::ContentReader& reader) {
-    if (!has_body(from)) {  // cpp-httplib would wait for one
+    if (!has_body(from)) {  // cpp-httplib would wait for a body
       convert(app.handle(convert(from, config.behind_proxy)), to);
       return;
     }
-    if (from.is_multipart_form_data()) {  // it would take the parts apart
+    if (from.is_multipart_form_data()) {  // cpp-httplib would parse the parts
       refuse(415, "no route takes a form in parts", to);
       return;
     }

@@ -102,7 +102,7 @@ Response show_task(Context& context, const Request& request) {
   return json_response(collecting::task_json(own_task(context, request)));
 }
 
-/// \throws Refusal 400 for a body that would take long, or much of the stack, to write again
+/// \throws Refusal 400 for a deep body: writing it again would take much time and stack
 nlohmann::json parse_draft(const std::string& text) {
   static constexpr int kDeepest = 16;
   const auto check_depth = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {

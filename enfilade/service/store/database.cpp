@@ -43,7 +43,7 @@ Database::Database(const fs::path& file, std::function<std::int64_t()> clock)
       db_(open_file(file, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)) {
   try {
     db_.exec("PRAGMA journal_mode = WAL");
-    // What was acknowledged survives a power failure too, not only a crash of the process.
+    // Acknowledged changes survive a power failure, not only a crash of the process.
     db_.exec("PRAGMA synchronous = FULL");
     db_.exec("PRAGMA foreign_keys = ON");
     migrate();

@@ -23,6 +23,7 @@ struct Blob {
 std::string join_lines(const std::vector<std::string>& lines);
 std::vector<std::string> split_lines(std::string_view text);
 
+/// Binds a value to question mark k.
 template <class T>
 void bind(SQLite::Statement& statement, int k, const T& value) {
   if constexpr (std::integral<T>) {
@@ -31,6 +32,10 @@ void bind(SQLite::Statement& statement, int k, const T& value) {
     statement.bind(k, static_cast<double>(value));
   } else if constexpr (detail::Named<T>) {
     statement.bind(k, std::string(detail::name_of(value)));
+  } else if constexpr (std::same_as<T, std::vector<std::string>>) {
+    statement.bind(k, join_lines(value));
+  } else if constexpr (std::same_as<T, Blob>) {
+    statement.bind(k, value.bytes.data(), static_cast<int>(value.bytes.size()));
   } else {
     statement.bind(k, std::string(value));
   }
@@ -39,12 +44,6 @@ void bind(SQLite::Statement& statement, int k, const T& value) {
 template <class T>
 void bind(SQLite::Statement& statement, int k, const std::optional<T>& value) {
   value ? bind(statement, k, *value) : statement.bind(k);
-}
-inline void bind(SQLite::Statement& statement, int k, const std::vector<std::string>& lines) {
-  statement.bind(k, join_lines(lines));
-}
-inline void bind(SQLite::Statement& statement, int k, const Blob& blob) {
-  statement.bind(k, blob.bytes.data(), static_cast<int>(blob.bytes.size()));
 }
 
 /// The columns of a row, read from left to right. A struct has `auto columns()`, which gives
