@@ -14,7 +14,13 @@ namespace {
 constexpr std::size_t kLongestName = 40;
 constexpr std::size_t kLongestExternalId = 100;
 constexpr std::string_view kNameCharacters = "abcdefghijklmnopqrstuvwxyz0123456789-_";
-constexpr std::string_view kCapitals = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+constexpr std::string_view kIdCharacters =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+
+bool is_made_of(std::string_view text, std::string_view characters, std::size_t most) {
+  return !text.empty() && text.size() <= most &&
+         text.find_first_not_of(characters) == std::string_view::npos;
+}
 
 /// \pre c is one well-formed character of UTF-8
 char32_t code_point(std::string_view c) {
@@ -70,17 +76,10 @@ bool is_prose(std::string_view text, std::size_t most) {
   return is_text(text, most, TextKind::kProse);
 }
 
-bool is_name(std::string_view text) {
-  return !text.empty() && text.size() <= kLongestName &&
-         text.find_first_not_of(kNameCharacters) == std::string_view::npos;
-}
+bool is_name(std::string_view text) { return is_made_of(text, kNameCharacters, kLongestName); }
 
 bool is_external_id(std::string_view text) {
-  return !text.empty() && text.size() <= kLongestExternalId &&
-         std::ranges::all_of(text, [](char c) {
-           return kNameCharacters.find(c) != std::string_view::npos ||
-                  kCapitals.find(c) != std::string_view::npos;
-         });
+  return is_made_of(text, kIdCharacters, kLongestExternalId);
 }
 
 std::string iso_time(std::int64_t seconds) {

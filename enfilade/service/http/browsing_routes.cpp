@@ -32,8 +32,7 @@ class Cache {
     Response response = text_response(type, make());
     const std::string& body = *response.body;
     response.add_header("ETag", fmt::format("\"{:016x}\"", stream_of(body.data(), body.size())));
-    response.add_header("Cache-Control",
-                        "no-cache");  // browsers ask each time, and mostly get a 304
+    response.add_header("Cache-Control", "no-cache");  // ask each time, and mostly get a 304
     const std::scoped_lock lock(mutex_);
     return responses_.emplace(request.path, std::move(response)).first->second;
   }
