@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <set>
 #include <type_traits>
-#include <utility>
 
 #include "enfilade/models/detail/hash.h"
 
@@ -37,45 +36,10 @@ std::string hash_of_graph(const graph::NavGraph& graph) {
   return detail::hash_of(bytes);
 }
 
-class Comparison {
- public:
-  explicit Comparison(const std::string& file) : file_(file) {}
-
-  void compare(const std::string& where, const char* code, const std::string& trained,
-               const std::string& now) {
-    if (trained == now) return;
-    found.push_back({Severity::kWarning, file_, where, code,
-                     fmt::format("trained on {}, here it is {}", trained, now)});
-  }
-
-  void compare(const std::string& kind, const char* code,
-               const std::map<std::string, std::string>& trained,
-               const std::map<std::string, std::string>& now) {
-    for (const auto& [name, hash] : trained) {
-      const auto here = now.find(name);
-      if (here != now.end())
-        compare(fmt::format("$.data.{}.{}", kind, name), code, hash, here->second);
-    }
-  }
-
-  void compare(const features::FeatureInfo& trained, const features::FeatureInfo& now) {
-    constexpr const char* kCode = "other-features";
-    compare("$.data.features.encoder", kCode, trained.encoder, now.encoder);
-    compare("$.data.features.preprocessing", kCode, trained.preprocessing, now.preprocessing);
-    compare("$.data.features.weights", kCode, trained.weights, now.weights);
-    compare("$.data.features.camera", kCode, text(trained.camera), text(now.camera));
-  }
-
-  std::vector<Diagnostic> found;
-
- private:
-  static std::string text(const Camera& camera) {
-    return fmt::format("{}x{}, {:g} degrees", camera.width, camera.height,
-                       to_degrees(camera.vertical_field_of_view));
-  }
-
-  const std::string& file_;
-};
+std::string text_of(const Camera& camera) {
+  return fmt::format("{}x{}, {:g} degrees", camera.width, camera.height,
+                     to_degrees(camera.vertical_field_of_view));
+}
 
 }  // namespace
 
@@ -94,11 +58,30 @@ void DataFingerprint::add_graphs(const r2r::EpisodeSet& episodes) {
 
 std::vector<Diagnostic> differences(const DataFingerprint& trained, const DataFingerprint& now,
                                     const std::string& file) {
-  Comparison comparison(file);
-  comparison.compare("annotations", "other-annotations", trained.annotations, now.annotations);
-  comparison.compare("graphs", "other-graph", trained.graphs, now.graphs);
-  if (trained.features && now.features) comparison.compare(*trained.features, *now.features);
-  return std::move(comparison.found);
+  std::vector<Diagnostic> found;
+  const auto compare = [&](const std::string& where, const char* code, const std::string& before,
+                           const std::string& here) {
+    if (before == here) return;
+    found.push_back({Severity::kWarning, file, "$.data." + where, code,
+                     fmt::format("trained on {}, here it is {}", before, here)});
+  };
+  const auto compare_hashes = [&](const std::string& kind, const char* code, const auto& before,
+                                  const auto& here) {
+    for (const auto& [name, hash] : before) {
+      const auto other = here.find(name);
+      if (other != here.end()) compare(kind + "." + name, code, hash, other->second);
+    }
+  };
+  compare_hashes("annotations", "other-annotations", trained.annotations, now.annotations);
+  compare_hashes("graphs", "other-graph", trained.graphs, now.graphs);
+  if (!trained.features || !now.features) return found;
+  const features::FeatureInfo &before = *trained.features, &here = *now.features;
+  constexpr const char* kCode = "other-features";
+  compare("features.encoder", kCode, before.encoder, here.encoder);
+  compare("features.preprocessing", kCode, before.preprocessing, here.preprocessing);
+  compare("features.weights", kCode, before.weights, here.weights);
+  compare("features.camera", kCode, text_of(before.camera), text_of(here.camera));
+  return found;
 }
 
 }  // namespace enfilade::models

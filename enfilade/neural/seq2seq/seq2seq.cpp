@@ -232,13 +232,8 @@ void Seq2Seq::tell(const StepObserver& observer, std::size_t step) const {
   const at::Tensor attention =
       decoder_.attention(static_cast<std::int64_t>(step)).to(host).contiguous();
   const std::vector<float> logits(walk_.logits.begin(), walk_.logits.end());
-  StepRecord record;
-  record.step = step;
-  record.words = static_cast<std::size_t>(attention.size(1));
-  record.attention = {attention.data_ptr<float>(), walk_.n * record.words};
-  record.logits = logits;
-  record.actions = walk_.actions;
-  observer(record);
+  const auto words = static_cast<std::size_t>(attention.size(1));
+  observer({step, {attention.data_ptr<float>(), walk_.n * words}, words, logits, walk_.actions});
 }
 
 void Seq2Seq::update(const models::AdamConfig& config) {
