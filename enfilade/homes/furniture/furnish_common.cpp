@@ -8,22 +8,18 @@
 namespace enfilade::homes::furniture {
 namespace {
 
-/// Things that lie about, by where.
+/// Small things that stand on furniture, by the kind of place.
 std::span<const std::string_view> things_for(std::string_view kind) {
-  static constexpr std::array<std::string_view, 7> kLiving{
-      "vase", "books", "bowl", "candles", "small plant", "sculpture", "flowers"};
-  static constexpr std::array<std::string_view, 4> kTable{"fruit bowl", "flowers", "books", "cups"};
-  static constexpr std::array<std::string_view, 7> kKitchen{
+  static constexpr std::string_view kLiving[] = {"vase",        "books",     "bowl",   "candles",
+                                                 "small plant", "sculpture", "flowers"};
+  static constexpr std::string_view kTable[] = {"fruit bowl", "flowers", "books", "cups"};
+  static constexpr std::string_view kKitchen[] = {
       "fruit bowl", "bottles", "coffee maker", "toaster", "cups", "microwave", "small plant"};
-  static constexpr std::array<std::string_view, 4> kBath{"bottles", "towels", "small plant",
-                                                         "candles"};
-  static constexpr std::array<std::string_view, 5> kOffice{"books", "small plant", "cups", "box",
-                                                           "globe"};
-  static constexpr std::array<std::string_view, 4> kStore{"box", "bottles", "basket", "toy box"};
+  static constexpr std::string_view kBath[] = {"bottles", "towels", "small plant", "candles"};
+  static constexpr std::string_view kStore[] = {"box", "bottles", "basket", "toy box"};
   if (kind == "table") return kTable;
   if (kind == "kitchen") return kKitchen;
   if (kind == "bath") return kBath;
-  if (kind == "office") return kOffice;
   if (kind == "store") return kStore;
   return kLiving;
 }
@@ -53,9 +49,8 @@ void hang_lights(FurnishedRoom& room, Light kind) {
   const Frame centre = room.middle();
   for (int i = 0; i < nx; ++i) {
     for (int k = 0; k < ny; ++k) {
-      Item lamp =
-          FurnishedRoom::item(shape, room.width() * ((i + 0.5) / nx - 0.5),
-                              room.depth() * ((k + 0.5) / ny - 0.5), room.height() - shape.size.h);
+      Item lamp(shape, room.width() * ((i + 0.5) / nx - 0.5), room.depth() * ((k + 0.5) / ny - 0.5),
+                room.height() - shape.size.h);
       if (room.depth() > room.width() && shape.size.w > 1.5 * shape.size.d) lamp.turned = kPi / 2;
       lamp.power = (2.6 + 0.17 * each) * tall * tall;
       room.put(lamp, centre);
@@ -67,7 +62,7 @@ void hang_pendant(FurnishedRoom& room, Vec3d above) {
   const Shape& shape = room.pick("hanging lamp");
   const double low = 1.62;
   if (room.height() < low + 0.45) return;
-  Item lamp = FurnishedRoom::item(shape, 0, 0, low);
+  Item lamp(shape, 0, 0, low);
   lamp.size.h = room.height() - low;
   lamp.power = 1.6;
   room.put(lamp, {{above.x, above.y, room.space().floor_z}, 0});
@@ -76,27 +71,21 @@ void hang_pendant(FurnishedRoom& room, Vec3d above) {
 void dress_windows(FurnishedRoom& room, bool curtains) {
   const Shape& curtain = room.pick("curtain");
   const Shape& blind = room.pick("blinds");
-  for (const auto& hole : room.windows()) {
-    const double wide = hole.to - hole.from, middle = (hole.from + hole.to) / 2;
+  for (const auto& hole : room.space().holes) {
+    if (hole.is_door()) continue;
+    const double wide = hole.to - hole.from, middle = hole.middle();
+    const Frame frame = room.wall_frame(hole.wall, middle);
     const auto [from, to] = room.wall_ends(hole.wall);
     const double w = std::min(wide + 0.6, 2 * std::min(middle - from, to - middle) - 0.02);
     if (curtains && w > wide + 0.1) {
       const double h = std::min(hole.head + 0.16, room.height() - 0.03);
-      Group group{w, 0.15, 0, {}};
-      group.items.push_back({&curtain, {w, 0.12, h}, 0, 0.075, 0, 0, 1});
-      if (room.place(group, room.wall_frame(hole.wall, middle))) continue;
+      if (room.place({w, 0.15, 0, {{curtain, {w, 0.12, h}, 0, 0.075}}}, frame)) continue;
     }
     if (curtains || room.chance(0.6)) {
       const double h = std::min(blind.size.h, 0.4 * (hole.head - hole.sill));
       if (hole.head + 0.05 > room.height()) continue;
-      room.put_if_clear({&blind,
-                         {wide + 0.06, blind.size.d, h},
-                         0,
-                         blind.size.d / 2 + 0.012,
-                         hole.head + 0.04 - h,
-                         0,
-                         1},
-                        room.wall_frame(hole.wall, middle));
+      const Size size{wide + 0.06, blind.size.d, h};
+      room.put_if_clear({blind, size, 0, size.d / 2 + 0.012, hole.head + 0.04 - h}, frame);
     }
   }
 }
@@ -106,6 +95,13 @@ void hang_pictures(FurnishedRoom& room, unsigned at_most) {
     const Shape& shape = room.pick(room.chance(0.6) ? "picture" : "painting");
     if (!room.hang_anywhere(shape, 1.55 - shape.size.h / 2 + room.between(-0.05, 0.1))) return;
   }
+}
+
+void finish(FurnishedRoom& room, const Finish& what) {
+  plants(room, what.plants);
+  dress_windows(room, what.curtains);
+  hang_pictures(room, what.pictures);
+  hang_lights(room, what.light);
 }
 
 bool put_in_corner(FurnishedRoom& room, const Shape& shape) {
@@ -131,119 +127,106 @@ void clutter(FurnishedRoom& room, const Frame& frame, const Item& below, std::st
     if (shape.size.d < below.size.d * 0.85 && at + shape.size.w < w / 2) {
       const double c = std::cos(below.turned), s = std::sin(below.turned);
       const double x = at + shape.size.w / 2, y = -0.05 * below.size.d;
-      room.put(FurnishedRoom::item(shape, below.x + c * x - s * y, below.y + s * x + c * y,
-                                   below.z + below.size.h, below.turned + turn),
-               frame);
+      const double px = below.x + c * x - s * y, py = below.y + s * x + c * y;
+      room.put({shape, px, py, below.z + below.size.h, below.turned + turn}, frame);
     }
     at += shape.size.w + room.between(0.1, 0.6);
   }
 }
 
-bool dressed_console(FurnishedRoom& room, const Shape& shape, bool mirror) {
+void dressed_console(FurnishedRoom& room, const Shape& shape, bool mirror) {
   const auto spot = room.place_at_wall(shape, near_middle, 0.4);
-  if (!spot) return false;
-  const Item item = FurnishedRoom::item(shape, 0, shape.size.d / 2 + 0.015);
   const double top = shape.size.h;
-  if (top < 1.3) {
-    const Shape& above = mirror && room.chance(0.7) ? room.pick("mirror") : room.pick("picture");
-    room.hang(above, above.size, spot->wall, spot->along, std::max(1.0, top + 0.28), 0.3);
-    if (shape.size.w > 0.9 && room.chance(0.6)) {
-      const double x = (room.chance(0.5) ? 1 : -1) * (shape.size.w / 2 - 0.2);
-      room.put(FurnishedRoom::item(room.pick("table lamp"), x, item.y, top), spot->frame);
-      Item rest = item;
-      rest.size.w -= 0.7;
-      rest.x = x > 0 ? -0.3 : 0.3;
-      clutter(room, spot->frame, rest, "living");
-    } else {
-      clutter(room, spot->frame, item, "living");
-    }
+  if (!spot || top >= 1.3) return;
+  Item item(shape, 0, shape.size.d / 2 + 0.015);
+  const Shape& above = room.pick(mirror && room.chance(0.7) ? "mirror" : "picture");
+  room.hang(above, *spot, std::max(1.0, top + 0.28), 0.3);
+  if (shape.size.w > 0.9 && room.chance(0.6)) {
+    const double x = (room.chance(0.5) ? 1 : -1) * (shape.size.w / 2 - 0.2);
+    room.put({room.pick("table lamp"), x, item.y, top}, spot->frame);
+    item.size.w -= 0.7;
+    item.x = x > 0 ? -0.3 : 0.3;
   }
-  return true;
+  clutter(room, spot->frame, item, "living");
 }
 
-bool reading_corner(FurnishedRoom& room) {
+void reading_corner(FurnishedRoom& room) {
   const Shape& chair = room.pick("armchair");
-  const Shape& lamp = FurnishedRoom::pick("floor lamp", room.rng().below(2));
+  const Shape& lamp = shape_of("floor lamp", room.rng().below(2));
   const Shape& table = room.pick("side table");
   Group group{chair.size.w + lamp.size.w + table.size.w + 0.1, chair.size.d + 0.12, 0.5, {}};
   double x = -group.w / 2;
   const auto add = [&](const Shape& shape, double y) {
-    group.items.push_back(FurnishedRoom::item(shape, x + shape.size.w / 2, y));
+    group.items.emplace_back(shape, x + shape.size.w / 2, y);
     x += shape.size.w + 0.05;
   };
   add(lamp, lamp.size.d / 2 + 0.1);
   add(chair, chair.size.d / 2 + 0.1);
   add(table, table.size.d / 2 + 0.2);
-  const Item top = group.items.back();
-  const auto spot = room.place_at_wall(
-      group, [](const Spot& s) { return in_corner(s) + (s.window ? 0.5 : 0.0); });
-  if (!spot) return false;
-  clutter(room, spot->frame, top, "table");
-  return true;
+  const Score score = [](const Spot& s) { return in_corner(s) + (s.window ? 0.5 : 0.0); };
+  const auto spot = room.place_at_wall(group, score);
+  if (spot) clutter(room, spot->frame, group.items.back(), "table");
 }
 
-bool bookshelves(FurnishedRoom& room, unsigned at_most) {
-  bool any = false;
+void bookshelves(FurnishedRoom& room, unsigned at_most) {
   const Shape& shape = room.pick("bookshelf");
+  if (shape.size.h > room.height() - 0.1) return;
+  const Score score = [](const Spot& s) { return in_corner(s) - (s.window ? 1 : 0); };
   for (unsigned i = 0; i < at_most; ++i) {
-    if (shape.size.h > room.height() - 0.1) break;
-    const auto spot = room.place_at_wall(
-        shape, [](const Spot& s) { return in_corner(s) - (s.window ? 1 : 0); }, 0.55);
-    if (!spot) break;
-    any = true;
-    if (shape.size.h < 1.2) {
-      clutter(room, spot->frame, FurnishedRoom::item(shape, 0, shape.size.d / 2 + 0.015), "living");
-    }
+    const auto spot = room.place_at_wall(shape, score, 0.55);
+    if (!spot) return;
+    if (shape.size.h >= 1.2) continue;
+    clutter(room, spot->frame, {shape, 0, shape.size.d / 2 + 0.015}, "living");
   }
-  return any;
 }
 
 std::optional<Frame> table_with_chairs(FurnishedRoom& room, const Shape& table, Size size,
-                                       std::string_view chair_name, double x, double y) {
+                                       std::string_view chair_name, double off) {
   const Shape& chair = room.pick(chair_name);
   const double reach = chair.size.d / 2 + 0.03;
   const bool round = std::abs(size.w - size.d) < 0.01;
   Group group{size.w + 2 * chair.size.d + 0.1, size.d + 2 * chair.size.d + 0.1, 0, {}};
   const double middle = group.d / 2;
-  Item top{&table, size, 0, middle, 0, 0, 1};
+  const Item top(table, size, 0, middle);
   group.items.push_back(top);
   const auto along = static_cast<int>(size.w / 0.62);
   for (int i = 0; i < std::max(1, along); ++i) {
     const double at = round ? 0 : size.w * ((i + 0.5) / along - 0.5);
     for (const double side : {-1.0, 1.0}) {
-      group.items.push_back(FurnishedRoom::item(chair, at, middle + side * (size.d / 2 + reach), 0,
-                                                side > 0 ? kPi : 0));
+      const double y = middle + side * (size.d / 2 + reach);
+      group.items.emplace_back(chair, at, y, 0, side > 0 ? kPi : 0);
     }
     if (round) break;
   }
   if (round || size.w > 1.5) {
     for (const double side : {-1.0, 1.0}) {
-      group.items.push_back(
-          FurnishedRoom::item(chair, side * (size.w / 2 + reach), middle, 0, side * kPi / 2));
+      group.items.emplace_back(chair, side * (size.w / 2 + reach), middle, 0, side * kPi / 2);
     }
   } else {
     group.w = size.w + 0.1;
   }
-  auto frame = room.place_free(group, x, y);
+  Vec3d towards = room.middle().origin;
+  towards.x += off;
+  auto frame = room.place_free(group, towards);
   while (!frame && group.items.size() > 3) {  // fewer chairs, the last first
     group.items.pop_back();
     if (group.items.size() <= 5) group.w = std::min(group.w, size.w + 0.1);
-    frame = room.place_free(group, x, y);
+    frame = room.place_free(group, towards);
   }
   if (frame) clutter(room, *frame, top, "table");
   return frame;
 }
 
 void coat_hooks(FurnishedRoom& room) {
-  const Shape& rack = FurnishedRoom::pick("coat rack", 0);
-  const Shape& coat = FurnishedRoom::pick("coat", 0);
+  const Shape& rack = shape_of("coat rack");
+  const Shape& coat = shape_of("coat");
   Group group{rack.size.w, 0.2, 0, {}};
-  group.items.push_back(FurnishedRoom::item(rack, 0, rack.size.d / 2 + 0.002, 1.62));
+  group.items.emplace_back(rack, 0, rack.size.d / 2 + 0.002, 1.62);
   const int coats = 1 + static_cast<int>(room.rng().below(2));
   for (int i = 0; i < coats; ++i) {
     const double tall = room.between(0.75, 0.95);
-    group.items.push_back(
-        {&coat, {0.42, 0.14, tall}, i == 0 ? -0.22 : 0.24, 0.10, 1.70 - tall, 0, 1});
+    const Size size{0.42, 0.14, tall};
+    group.items.emplace_back(coat, size, i == 0 ? -0.22 : 0.24, 0.10, 1.70 - tall);
   }
   room.place_at_wall(group, [](const Spot& s) { return 1 - 0.1 * s.door; });
 }

@@ -8,21 +8,14 @@
 namespace enfilade::homes::furniture {
 namespace {
 
-struct BedPlan {
-  const Shape* bed;
-  const Shape* night;
-  int nights;
-};
-
-Group bed_group(const BedPlan& plan) {
-  const Size b = plan.bed->size;
-  const double side = plan.night->size.w + 0.06;
-  Group group{b.w + side * plan.nights, b.d + 0.02, 0.45, {}};
-  const double shift = plan.nights == 1 ? side / 2 : 0;
-  group.items.push_back(FurnishedRoom::item(*plan.bed, shift, b.d / 2 + 0.015));
-  const double y = plan.night->size.d / 2 + 0.03, x = b.w / 2 + side / 2 + 0.01;
-  if (plan.nights > 0) group.items.push_back(FurnishedRoom::item(*plan.night, shift - x, y));
-  if (plan.nights > 1) group.items.push_back(FurnishedRoom::item(*plan.night, shift + x, y));
+/// A bed with 0 to 2 nightstands.
+Group bed_group(const Shape& bed, const Shape& night, int nights) {
+  const Size b = bed.size;
+  const double side = night.size.w + 0.06, shift = nights == 1 ? side / 2 : 0;
+  Group group{b.w + side * nights, b.d + 0.02, 0.45, {{bed, shift, b.d / 2 + 0.015}}};
+  const double y = night.size.d / 2 + 0.03, x = b.w / 2 + side / 2 + 0.01;
+  if (nights > 0) group.items.emplace_back(night, shift - x, y);
+  if (nights > 1) group.items.emplace_back(night, shift + x, y);
   return group;
 }
 
@@ -33,7 +26,7 @@ std::optional<Spot> place_bed(FurnishedRoom& room, const Shape& bed, Group& grou
     return 0.35 * std::min(s.door, 4.0) - 0.7 * s.off_centre - (s.window ? 0.5 : 0);
   };
   for (const int nights : {2, 1, 0}) {
-    group = bed_group({&bed, &night, nights});
+    group = bed_group(bed, night, nights);
     if (nights < 2) group.front = 0;
     if (const auto spot = room.place_at_wall(group, score)) return spot;
   }
@@ -45,25 +38,22 @@ void dress_bed(FurnishedRoom& room, const Spot& spot, const Group& group) {
   const Shape& lamp = room.pick("table lamp");
   for (std::size_t i = 1; i < group.items.size(); ++i) {
     const Item& night = group.items[i];
-    room.put(FurnishedRoom::item(lamp, night.x, night.y, night.size.h), spot.frame);
+    room.put({lamp, night.x, night.y, night.size.h}, spot.frame);
   }
   if (room.chance(0.8)) {
-    const Shape& rug =
-        room.chance(0.75) ? FurnishedRoom::pick("rug", 0) : FurnishedRoom::pick("rug", 1);
+    const Shape& rug = shape_of("rug", room.chance(0.75) ? 0 : 1);
     room.lay(rug, {bed.size.w + 1.1, 1.5, rug.size.h}, spot.frame, bed.x,
              bed.y + bed.size.d / 2 - 0.3);
   }
   if (bed.size.h < 1.5) {
     const Shape& picture = room.pick(room.chance(0.5) ? "painting" : "picture");
-    const double along = spot.along;
-    room.hang(picture, picture.size, spot.wall, along, std::max(1.25, bed.size.h + 0.2), 0.4);
+    room.hang(picture, spot, std::max(1.25, bed.size.h + 0.2), 0.4);
   }
-  const Shape& cushion = FurnishedRoom::pick("cushion", 0);
+  const Shape& cushion = shape_of("cushion");
   for (const double side : {-0.22, 0.22}) {
     if (bed.size.w < 1.2 && side > 0) break;
-    room.put({&cushion, cushion.size, bed.x + (bed.size.w < 1.2 ? 0 : side * 1.2), 0.62, 0.56,
-              room.between(-0.2, 0.2), 1},
-             spot.frame);
+    const double x = bed.x + (bed.size.w < 1.2 ? 0 : side * 1.2);
+    room.put({cushion, x, 0.62, 0.56, room.between(-0.2, 0.2)}, spot.frame);
   }
 }
 
@@ -77,19 +67,14 @@ void bedroom_extras(FurnishedRoom& room) {
   const Score by_wall = [](const Spot& s) { return in_corner(s) - (s.window ? 0.6 : 0); };
   room.place_at_wall(room.pick("wardrobe"), by_wall, 0.6);
   if (room.area() > 10.5) {
-    if (room.chance(0.65)) {
-      dressed_console(room, room.pick("dresser"), true);
-    } else {
-      dressed_console(room, room.pick("chest of drawers"), false);
-    }
+    const bool wide = room.chance(0.65);
+    dressed_console(room, room.pick(wide ? "dresser" : "chest of drawers"), wide);
   }
-  if (room.area() > 13 && room.chance(0.5)) {
-    reading_corner(room);
-  }
+  if (room.area() > 13 && room.chance(0.5)) reading_corner(room);
   if (room.area() > 15 && room.chance(0.5)) {
     room.place_at_wall(room.pick("tv stand"), near_middle, 0.4);
   }
-  if (room.chance(0.35)) put_in_corner(room, FurnishedRoom::pick("standing mirror", 0));
+  if (room.chance(0.35)) put_in_corner(room, shape_of("standing mirror"));
   if (room.area() > 18) bookshelves(room, 1);
   plants(room, room.area() > 12 ? 2 : 1);
   if (room.chance(0.4)) put_in_corner(room, room.pick("basket"));
@@ -107,10 +92,7 @@ void furnish_bedroom(FurnishedRoom& room) {
                           : room.pick("bed");
   Group group;
   auto spot = place_bed(room, bed, group);
-  if (!spot) {
-    const Shape& narrow = FurnishedRoom::pick("single bed", 0);
-    spot = place_bed(room, narrow, group);
-  }
+  if (!spot) spot = place_bed(room, shape_of("single bed"), group);
   if (spot) dress_bed(room, *spot, group);
   if (spot && kids && room.area() > 11) {  // a second one
     Group second;
@@ -126,7 +108,7 @@ void furnish_bedroom(FurnishedRoom& room) {
 
 namespace {
 
-/// Seats around a table before something to look at, in the frame of the wall that that stands at.
+/// Seats around a table before something to look at, in the frame of the wall that it stands at.
 struct Seating {
   const Shape *focal, *sofa, *table, *chair;
   int chairs = 2;
@@ -141,22 +123,18 @@ void arrange(Seating& s, double depth) {
   const double back = depth - least < 1.05 ? depth - 0.02 : std::min(least + 0.6, depth - 1.0);
   s.sofa_y = back - sofa.d / 2;
   s.table_y = back - sofa.d - 0.4 - t.d / 2;
-  s.group = {};
-  s.group.d = f.d;
-  s.group.items.push_back(FurnishedRoom::item(*s.focal, 0, f.d / 2 + 0.015));
-  s.group.items.push_back(FurnishedRoom::item(*s.sofa, 0, s.sofa_y, 0, kPi));
+  const double w = std::max(f.w, sofa.w);
+  s.group = {w, f.d, 0, {{*s.focal, 0, f.d / 2 + 0.015}, {*s.sofa, 0, s.sofa_y, 0, kPi}}};
   if (s.table_y - t.d / 2 > f.d + 0.5) {
-    s.group.items.push_back(FurnishedRoom::item(*s.table, 0, s.table_y));
+    s.group.items.emplace_back(*s.table, 0, s.table_y);
   } else {
     s.chairs = 0;  // too narrow for more than a sofa
   }
   const double x = std::max(t.w / 2 + 0.42, sofa.w / 2 - 0.2) + s.chair->size.d / 2 + 0.12;
   for (int i = 0; i < s.chairs; ++i) {
     const double side = i == 0 ? 1 : -1;
-    s.group.items.push_back(
-        FurnishedRoom::item(*s.chair, side * x, s.table_y - 0.15, 0, side * kPi / 2));
+    s.group.items.emplace_back(*s.chair, side * x, s.table_y - 0.15, 0, side * kPi / 2);
   }
-  s.group.w = std::max(f.w, sofa.w);
 }
 
 /// A corner sofa's long end comes towards the focal point.
@@ -166,22 +144,17 @@ void arrange_corner(Seating& s, const Shape& corner, double depth) {
   const double back = depth - least < 1.05 ? depth - 0.02 : std::min(least + 0.5, depth - 1.0);
   s.sofa_y = back - sofa.d / 2;
   s.table_y = back - 0.92 - 0.35 - t.d / 2;
-  s.group = {};
-  s.group.d = f.d;
-  s.group.items.push_back(FurnishedRoom::item(*s.focal, 0, f.d / 2 + 0.015));
-  s.group.items.push_back(FurnishedRoom::item(corner, 0.3, s.sofa_y, 0, kPi));
+  s.group = {f.w, f.d, 0, {{*s.focal, 0, f.d / 2 + 0.015}, {corner, 0.3, s.sofa_y, 0, kPi}}};
   if (s.table_y - t.d / 2 > f.d + 0.5) {
-    s.group.items.push_back(FurnishedRoom::item(*s.table, 0.75, s.table_y));
+    s.group.items.emplace_back(*s.table, 0.75, s.table_y);
   }
-  s.group.w = f.w;
 }
 
 /// What lies between the seats. The table is the third thing, where there was room for one.
 void dress_middle(FurnishedRoom& room, const Spot& spot, const Seating& s) {
-  const Shape& rug =
-      room.chance(0.7) ? FurnishedRoom::pick("rug", 0) : FurnishedRoom::pick("rug", 1);
+  const bool round = !room.chance(0.7);
+  const Shape& rug = shape_of("rug", round ? 1 : 0);
   const double wide = room.between(2.2, 2.8);
-  const bool round = rug.build == FurnishedRoom::pick("rug", 1).build;
   const bool has_table = s.group.items.size() > 2;
   room.lay(rug, {round ? 2.0 : wide, round ? 2.0 : 1.8, rug.size.h}, spot.frame,
            has_table ? s.group.items[2].x : 0, s.table_y + 0.1);
@@ -196,8 +169,7 @@ void dress_seating(FurnishedRoom& room, const Spot& spot, const Seating& s, bool
   const Item& sofa = s.group.items[1];
   if (television) {
     if (s.focal->noun == "tv stand") {
-      const Shape& tv = FurnishedRoom::pick("tv", 0);
-      room.put(FurnishedRoom::item(tv, 0, focal.y, focal.size.h), spot.frame);
+      room.put({shape_of("tv"), 0, focal.y, focal.size.h}, spot.frame);
     }
   } else if (s.focal->noun == "fireplace") {
     Item mantel = focal;
@@ -206,39 +178,32 @@ void dress_seating(FurnishedRoom& room, const Spot& spot, const Seating& s, bool
     mantel.y = 0.16;
     clutter(room, spot.frame, mantel, "living");
     const Shape& above = room.pick(room.chance(0.5) ? "mirror" : "painting");
-    room.hang(above, above.size, spot.wall, spot.along, focal.size.h + 0.4, 0.2);
+    room.hang(above, spot, focal.size.h + 0.4, 0.2);
   }
   const bool corner = sofa.shape->noun == "corner sofa";
   dress_middle(room, spot, s);
   const int cushions = 2 + static_cast<int>(room.rng().below(2));
   for (int i = 0; i < cushions && !corner; ++i) {
-    const Shape& cushion = FurnishedRoom::pick("cushion", 0);
     const double x = (sofa.size.w / 2 - 0.42) * (i == 0 ? -1 : i == 1 ? 1 : 0.55);
-    room.put({&cushion,
-              {0.42, 0.15, 0.4},
-              x,
-              sofa.y - 0.02 + (i == 2 ? 0.02 : 0.04),
-              0.45,
-              kPi + room.between(-0.3, 0.3),
-              1},
-             spot.frame);
+    const double y = sofa.y - 0.02 + (i == 2 ? 0.02 : 0.04);
+    const double turned = kPi + room.between(-0.3, 0.3);
+    room.put({shape_of("cushion"), {0.42, 0.15, 0.4}, x, y, 0.45, turned}, spot.frame);
   }
 }
 
 std::optional<Spot> place_seating(FurnishedRoom& room, Seating& s) {
   const bool corner = room.area() > 20 && room.chance(0.3);
-  const Shape& corner_sofa = FurnishedRoom::pick("corner sofa", 0);
   const Shape& loveseat = room.pick("loveseat");
   const Shape& big = *s.sofa;
   for (int attempt = corner ? 0 : 1; attempt < 5; ++attempt) {
     s.sofa = attempt < 3 ? &big : &loveseat;
-    s.chairs = std::max(0, std::array{0, 2, 1, 1, 0}[static_cast<std::size_t>(attempt)]);
+    s.chairs = std::array{0, 2, 1, 1, 0}[static_cast<std::size_t>(attempt)];
     // Rooms are longer one way than the other: the depth decides the spacing.
     const bool along_x_first = room.width() > room.depth();
     for (const bool along_x : {along_x_first, !along_x_first}) {
       const double deep = along_x ? room.width() : room.depth();
       if (attempt == 0) {
-        arrange_corner(s, corner_sofa, deep);
+        arrange_corner(s, shape_of("corner sofa"), deep);
       } else {
         arrange(s, deep);
       }
@@ -258,21 +223,18 @@ void living_extras(FurnishedRoom& room) {
   bookshelves(room, area > 28 ? 2 : 1);
   if (area > 14 && room.chance(0.8)) dressed_console(room, room.pick("sideboard"), true);
   if (area > 17) reading_corner(room);
-  if (area > 24 && room.chance(0.35))
-    room.place_at_wall(FurnishedRoom::pick("piano", 0), near_middle, 0.7);
+  if (area > 24 && room.chance(0.35)) room.place_at_wall(shape_of("piano"), near_middle, 0.7);
   if (area > 30 && room.chance(0.5)) dressed_console(room, room.pick("display cabinet"), false);
   if (area > 36) {
     const Shape& table = room.pick("round table");
-    const Frame m = room.middle();
-    table_with_chairs(room, table, table.size, "chair", m.origin.x + 0.3 * room.width(),
-                      m.origin.y);
+    table_with_chairs(room, table, table.size, "chair", 0.3 * room.width());
   }
   if (area > 40) {
     dressed_console(room, room.pick("console table"), false);
     reading_corner(room);
   }
   if (room.chance(0.5)) put_in_corner(room, room.pick("ottoman"));
-  if (room.chance(0.6)) put_in_corner(room, FurnishedRoom::pick("floor lamp", room.rng().below(2)));
+  if (room.chance(0.6)) put_in_corner(room, shape_of("floor lamp", room.rng().below(2)));
   plants(room, area > 20 ? 3 : 2);
   if (room.chance(0.4)) put_in_corner(room, room.pick("basket"));
 }
@@ -284,21 +246,16 @@ void furnish_living(FurnishedRoom& room, bool television) {
   if (curtains) dress_windows(room, true);
   Seating s;
   const bool fire = room.area() > 14 && room.chance(television ? 0.25 : 0.7);
-  s.focal = fire ? &room.pick("fireplace")
-                 : (television ? &room.pick("tv stand") : &room.pick("bookshelf"));
-  if (s.focal->size.h > 1.6) s.focal = &FurnishedRoom::pick("bookshelf", 1);
+  s.focal = &room.pick(fire ? "fireplace" : (television ? "tv stand" : "bookshelf"));
+  if (s.focal->size.h > 1.6) s.focal = &shape_of("bookshelf", 1);
   s.sofa = &room.pick("sofa");
   s.table = &room.pick("coffee table");
   s.chair = &room.pick("armchair");
   if (const auto spot = place_seating(room, s)) {
     dress_seating(room, *spot, s, television && !fire);
   } else {
-    const Shape& sofa = room.narrow() < 2.4 ? room.pick("loveseat") : room.pick("sofa");
-    room.place_at_wall(sofa, near_middle, 0.6);
-    if (television) {
-      const Shape& tv = FurnishedRoom::pick("wall tv", 0);
-      room.hang_anywhere(tv, 1.15);
-    }
+    room.place_at_wall(room.pick(room.narrow() < 2.4 ? "loveseat" : "sofa"), near_middle, 0.6);
+    if (television) room.hang_anywhere(shape_of("wall tv"), 1.15);
   }
   living_extras(room);
   if (!curtains) dress_windows(room, false);
@@ -307,53 +264,41 @@ void furnish_living(FurnishedRoom& room, bool television) {
 }
 
 void furnish_dining(FurnishedRoom& room) {
-  const Frame m = room.middle();
   const bool round = room.narrow() < 2.9 || room.chance(0.2);
-  const Shape& table = round ? room.pick("round table") : room.pick("dining table");
+  const Shape& table = room.pick(round ? "round table" : "dining table");
   Size size = table.size;
   if (!round && room.area() > 22) size.w += 0.6;
-  auto frame = table_with_chairs(room, table, size, "chair", m.origin.x, m.origin.y);
-  if (!frame) {
-    const Shape& small = FurnishedRoom::pick("kitchen table", 0);
-    frame = table_with_chairs(room, small, small.size, "chair", m.origin.x, m.origin.y);
-  }
+  auto frame = table_with_chairs(room, table, size);
+  const Shape& small = shape_of("kitchen table");
+  if (!frame) frame = table_with_chairs(room, small, small.size);
   if (frame) {
     const double half = size.d / 2 + 0.5;
     hang_pendant(room, frame->to_world(0, half));
     if (room.chance(0.6)) {
-      room.lay(FurnishedRoom::pick("rug", 0), {size.w + 1.5, size.d + 1.5, 0.012}, *frame, 0, half);
+      room.lay(shape_of("rug"), {size.w + 1.5, size.d + 1.5, 0.012}, *frame, 0, half);
     }
   }
   dressed_console(room, room.pick("sideboard"), true);
   if (room.area() > 12) dressed_console(room, room.pick("display cabinet"), false);
   if (room.area() > 22) dressed_console(room, room.pick("console table"), true);
   if (room.area() > 28) reading_corner(room);
-  plants(room, 2);
-  dress_windows(room, true);
-  hang_pictures(room, 3);
-  hang_lights(room, Light::kChandelier);
+  finish(room, {.plants = 2, .curtains = true, .pictures = 3, .light = Light::kChandelier});
 }
 
 void furnish_booth(FurnishedRoom& room) {
-  const Shape& bench = FurnishedRoom::pick("bench", 2);
-  const Shape& table = FurnishedRoom::pick("kitchen table", 0);
+  const Shape& bench = shape_of("bench", 2);
+  const Shape& table = shape_of("kitchen table");
   const double deep = bench.size.d, gap = 0.08, half = table.size.d / 2 + gap + deep / 2;
-  Group group{1.3, table.size.d + 2 * (deep + gap), 0, {}};
-  const double y = group.d / 2;
-  group.items.push_back(FurnishedRoom::item(table, 0, y));
-  group.items.push_back(FurnishedRoom::item(bench, 0, y - half));
-  group.items.push_back(FurnishedRoom::item(bench, 0, y + half, 0, kPi));
+  const double d = table.size.d + 2 * (deep + gap), y = d / 2;
+  const Group group{1.3, d, 0, {{table, 0, y}, {bench, 0, y - half}, {bench, 0, y + half, 0, kPi}}};
   const unsigned most = std::max(1U, static_cast<unsigned>(room.area() / 9));
   for (unsigned i = 0; i < most; ++i) {
     const Rect& f = room.space().floor;
-    const auto frame = room.place_free(group, f.x0 + f.width() * (i + 0.5) / most, f.y1);
+    const auto frame = room.place_free(group, {f.x0 + f.width() * (i + 0.5) / most, f.y1, 0});
     if (!frame) break;
     hang_pendant(room, frame->to_world(0, y));
   }
-  plants(room, 1);
-  dress_windows(room, false);
-  hang_pictures(room, 3);
-  hang_lights(room, Light::kHome);
+  finish(room, {.plants = 1, .pictures = 3});
 }
 
 }  // namespace enfilade::homes::furniture

@@ -8,7 +8,7 @@ namespace enfilade::homes::furniture {
 
 // --- parts of many rooms (furnish_common.cpp) ---
 
-/// Pieces that look best at walls' middles, in corners, anywhere away from doors.
+/// Scores: nearer to the middle of a wall, in a corner, away from doors.
 double near_middle(const Spot& spot);
 double in_corner(const Spot& spot);
 double away_from_doors(const Spot& spot);
@@ -24,16 +24,24 @@ void hang_pictures(FurnishedRoom& room, unsigned at_most);
 /// A plant, a lamp or the like into a free corner.
 bool put_in_corner(FurnishedRoom& room, const Shape& shape);
 void plants(FurnishedRoom& room, unsigned at_most);
+/// The last things in a room, in this order.
+struct Finish {
+  unsigned plants = 0;    ///< at most
+  bool curtains = false;  ///< for dress_windows()
+  unsigned pictures = 0;  ///< at most
+  Light light = Light::kHome;
+};
+void finish(FurnishedRoom& room, const Finish& what);
 /// A table or cabinet at a wall with things on it and a picture or mirror above.
-bool dressed_console(FurnishedRoom& room, const Shape& shape, bool mirror);
+void dressed_console(FurnishedRoom& room, const Shape& shape, bool mirror);
 /// Small things along the top of a piece.
 void clutter(FurnishedRoom& room, const Frame& frame, const Item& below, std::string_view kind);
 /// Armchair, lamp, small table.
-bool reading_corner(FurnishedRoom& room);
-bool bookshelves(FurnishedRoom& room, unsigned at_most);
-/// Table with chairs around it, in the middle of what is free.
+void reading_corner(FurnishedRoom& room);
+void bookshelves(FurnishedRoom& room, unsigned at_most);
+/// Table with chairs around it, near the room's middle or `off` metres from it along x.
 std::optional<Frame> table_with_chairs(FurnishedRoom& room, const Shape& table, Size size,
-                                       std::string_view chair, double x, double y);
+                                       std::string_view chair = "chair", double off = 0);
 /// Along a wall: hooks with coats.
 void coat_hooks(FurnishedRoom& room);
 

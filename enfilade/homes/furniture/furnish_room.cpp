@@ -29,8 +29,6 @@ Rect around(Vec3d a, Vec3d b) {
   return {std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x), std::max(a.y, b.y)};
 }
 
-bool is_door(const looks::RoomSpace::WallHole& hole) { return hole.sill <= 0.05; }
-
 }  // namespace
 
 double Frame::angle() const { return quarters % 4 * (std::numbers::pi / 2); }
@@ -45,32 +43,15 @@ FurnishedRoom::FurnishedRoom(const looks::RoomSpace& space, const looks::RoomSty
                              looks::HomeParts& parts)
     : space_(space), style_(style), rng_(rng), parts_(parts), clear_(space.keep_clear) {
   for (const auto& hole : space.holes) {
-    if (!is_door(hole)) continue;
-    const Frame frame = wall_frame(hole.wall, (hole.from + hole.to) / 2);
+    if (!hole.is_door()) continue;
+    const Frame frame = wall_frame(hole.wall, hole.middle());
     const double half = (hole.to - hole.from) / 2 + 0.05;
     clear_.push_back(around(frame.to_world(-half, 0), frame.to_world(half, kBeforeDoors)));
   }
 }
 
-double FurnishedRoom::narrow() const { return std::min(width(), depth()); }
-
-std::vector<looks::RoomSpace::WallHole> FurnishedRoom::doors() const {
-  std::vector<looks::RoomSpace::WallHole> found;
-  std::copy_if(space_.holes.begin(), space_.holes.end(), std::back_inserter(found), is_door);
-  return found;
-}
-std::vector<looks::RoomSpace::WallHole> FurnishedRoom::windows() const {
-  std::vector<looks::RoomSpace::WallHole> found;
-  std::copy_if(space_.holes.begin(), space_.holes.end(), std::back_inserter(found),
-               [](const auto& hole) { return !is_door(hole); });
-  return found;
-}
-
 std::pair<double, double> FurnishedRoom::wall_ends(Side wall) const {
   return space_.floor.range(runs_along_x(wall));
-}
-double FurnishedRoom::wall_length(Side wall) const {
-  return space_.floor.length(runs_along_x(wall));
 }
 
 Frame FurnishedRoom::wall_frame(Side wall, double along) const {
@@ -87,14 +68,6 @@ Frame FurnishedRoom::middle() const {
 const Shape& FurnishedRoom::pick(std::string_view noun) {
   const auto shapes = shapes_of(noun);
   return *shapes[rng_.below(shapes.size())];
-}
-const Shape& FurnishedRoom::pick(std::string_view noun, std::size_t which) {
-  const auto shapes = shapes_of(noun);
-  return *shapes[which % shapes.size()];
-}
-
-Item FurnishedRoom::item(const Shape& shape, double x, double y, double z, double turned) {
-  return {&shape, shape.size, x, y, z, turned, 1};
 }
 
 Rect FurnishedRoom::footprint(const Item& item, const Frame& frame) const {
@@ -123,17 +96,15 @@ bool FurnishedRoom::fits(const std::vector<Rect>& rects) const {
   });
 }
 
-void FurnishedRoom::build(const Item& item, const Frame& frame) {
+void FurnishedRoom::put(const Item& item, const Frame& frame) {
   built_.push_back(solid(item, frame));
   const mesh::Placement at{frame.to_world(item.x, item.y, item.z), frame.angle() + item.turned};
   build_shape(*item.shape, item.size, at, space_.room, style_, rng_, parts_, item.power);
 }
 
-void FurnishedRoom::put(const Item& item, const Frame& frame) { build(item, frame); }
-
 bool FurnishedRoom::put_if_clear(const Item& item, const Frame& frame) {
   if (meets_any(solid(item, frame), built_)) return false;
-  build(item, frame);
+  put(item, frame);
   return true;
 }
 
@@ -156,7 +127,7 @@ bool FurnishedRoom::commit(const Group& group, const Frame& frame, std::optional
   }
   if (group.front > 0) used_.push_back(front);
   for (const Item& item : group.items) {
-    build(item, frame);
+    put(item, frame);
     if (!wall) continue;
     const Rect r = footprint(item, frame);
     const auto [from, to] = r.range(runs_along_x(*wall));
@@ -190,12 +161,12 @@ Spot FurnishedRoom::describe(const Frame& frame, Side wall, double along, double
   spot.off_centre = std::abs(along - (from + to) / 2) / std::max(0.01, (to - from) / 2);
   spot.corner = std::min(along - w / 2 - from, to - along - w / 2);
   for (const auto& hole : space_.holes) {
-    const double middle = (hole.from + hole.to) / 2;
-    if (is_door(hole)) {
-      const Vec3d d = wall_frame(hole.wall, middle).origin - frame.origin;
+    if (hole.is_door()) {
+      const Vec3d d = wall_frame(hole.wall, hole.middle()).origin - frame.origin;
       spot.door = std::min(spot.door, length(d));
-    } else if (hole.wall == wall && std::abs(middle - along) < (w + hole.to - hole.from) / 2) {
-      spot.window = true;
+    } else if (hole.wall == wall) {
+      const double reach = (w + hole.to - hole.from) / 2;
+      if (std::abs(hole.middle() - along) < reach) spot.window = true;
     }
   }
   return spot;
@@ -255,12 +226,11 @@ std::optional<Spot> FurnishedRoom::place_at_wall(const Group& group, const Score
 
 std::optional<Spot> FurnishedRoom::place_at_wall(const Shape& shape, const Score& score,
                                                  double front) {
-  Group group{shape.size.w, shape.size.d + 0.02, front, {}};
-  group.items.push_back(item(shape, 0, shape.size.d / 2 + 0.015));
-  return place_at_wall(group, score);
+  const auto [w, d, h] = shape.size;
+  return place_at_wall({w, d + 0.02, front, {{shape, 0, d / 2 + 0.015}}}, score);
 }
 
-std::optional<Frame> FurnishedRoom::place_free(const Group& group, double x, double y) {
+std::optional<Frame> FurnishedRoom::place_free(const Group& group, Vec3d towards) {
   constexpr double kStep = 0.2;
   constexpr std::size_t kTries = 16;
   struct Scored {
@@ -276,11 +246,11 @@ std::optional<Frame> FurnishedRoom::place_free(const Group& group, double x, dou
       for (double cy = f.y0 + 0.3; cy < f.y1 - 0.3; cy += kStep) {
         Frame frame{{cx, cy, space_.floor_z}, q};
         frame.origin = frame.to_world(0, -group.d / 2);
-        if (!fits(
-                {around(frame.to_world(-group.w / 2, 0), frame.to_world(group.w / 2, group.d))})) {
-          continue;
-        }
-        const double away = std::sqrt((cx - x) * (cx - x) + (cy - y) * (cy - y));
+        const Rect whole =
+            around(frame.to_world(-group.w / 2, 0), frame.to_world(group.w / 2, group.d));
+        if (!fits({whole})) continue;
+        const double dx = cx - towards.x, dy = cy - towards.y;
+        const double away = std::sqrt(dx * dx + dy * dy);
         all.push_back({away + 0.1 * turn + 0.2 * rng_.uniform(), frame});
       }
     }
@@ -303,14 +273,14 @@ bool FurnishedRoom::hang(const Shape& shape, Size size, Side wall, double along,
       const WallItem item{wall, at - size.w / 2, at + size.w / 2, low, low + size.h};
       if (item.from < from + 0.05 || item.to > to - 0.05 || !wall_is_free(item, apart)) continue;
       const Frame frame = wall_frame(wall, at);
-      const Item hung{&shape, size, 0, size.d / 2 + 0.002, low, 0, 1};
+      const Item hung{shape, size, 0, size.d / 2 + 0.002, low};
       if (meets_any(solid(hung, frame), built_)) continue;
       const Rect below =
           around(frame.to_world(-size.w / 2, 0.01), frame.to_world(size.w / 2, size.d));
       if (size.d > kFlat && overlaps_any(below, clear_)) continue;
       on_walls_.push_back(item);
       hung_.push_back(solid(hung, frame));
-      build(hung, frame);
+      put(hung, frame);
       return true;
     }
   }
@@ -330,7 +300,7 @@ bool FurnishedRoom::hang_anywhere(const Shape& shape, double low) {
 }
 
 bool FurnishedRoom::lay(const Shape& shape, Size size, const Frame& frame, double x, double y) {
-  const Rect r = footprint({&shape, size, x, y, 0, 0, 1}, frame);
+  const Rect r = footprint({shape, size, x, y}, frame);
   const Rect& f = space_.floor;
   const Rect in{std::max(r.x0, f.x0 + 0.06), std::max(r.y0, f.y0 + 0.06),
                 std::min(r.x1, f.x1 - 0.06), std::min(r.y1, f.y1 - 0.06)};
@@ -338,8 +308,8 @@ bool FurnishedRoom::lay(const Shape& shape, Size size, const Frame& frame, doubl
   const bool across = frame.quarters % 2 == 1;
   const Size cut{across ? in.depth() : in.width(), across ? in.width() : in.depth(), size.h};
   const Vec3d middle{(in.x0 + in.x1) / 2, (in.y0 + in.y1) / 2, space_.floor_z};
-  // A hair above the floor, so that the two do not fight for the same pixels.
-  build({&shape, cut, 0, 0, 0.002, 0, 1}, {middle, frame.quarters});
+  // A little above the floor, so that the two surfaces do not lie in one plane.
+  put({shape, cut, 0, 0, 0.002}, {middle, frame.quarters});
   rugs_.push_back(in);
   return true;
 }

@@ -1,6 +1,6 @@
-/// \file  A room that is being furnished: what stands where, what is still free, who can walk
-/// where.
+/// \file  A room that is being furnished: what stands where, what is free, where people can walk.
 #pragma once
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string_view>
@@ -13,15 +13,21 @@ namespace enfilade::homes::furniture {
 /// A piece of a group, in the group's frame: x along the wall, y from the wall (or the group's back
 /// edge) into the room, z from the floor; `turned` 0: it faces the room.
 struct Item {
-  const Shape* shape = nullptr;
+  Item(const Shape& what, Size of, double at_x, double at_y, double at_z = 0, double turn = 0)
+      : shape(&what), size(of), x(at_x), y(at_y), z(at_z), turned(turn) {}
+  /// In the shape's usual size.
+  Item(const Shape& what, double at_x, double at_y, double at_z = 0, double turn = 0)
+      : Item(what, what.size, at_x, at_y, at_z, turn) {}
+
+  const Shape* shape;
   Size size;
-  double x = 0, y = 0, z = 0;  ///< of its middle; z: of its lowest point
-  double turned = 0;           ///< radians, counter-clockwise
-  double power = 1;            ///< of its lamps
+  double x, y, z;    ///< of its middle; z: of its lowest point
+  double turned;     ///< radians, counter-clockwise
+  double power = 1;  ///< of its lamps
 };
 
-/// Pieces that belong together: `w` along the wall, `d` into the room. `front` metres before it
-/// are to be free of others, where people stand who use it.
+/// Pieces that belong together: `w` along the wall, `d` into the room. The `front` metres before
+/// it stay free for the people who use it.
 struct Group {
   double w = 0, d = 0, front = 0;
   std::vector<Item> items;
@@ -35,7 +41,7 @@ struct Frame {
   double angle() const;
 };
 
-/// A place at a wall, and what speaks for it.
+/// A place at a wall, and what a score may depend on.
 struct Spot {
   Frame frame;
   Side wall = Side::kPlusX;
@@ -58,44 +64,44 @@ class FurnishedRoom {
   double width() const { return space_.floor.width(); }
   double depth() const { return space_.floor.depth(); }
   double area() const { return space_.floor.area(); }
-  double narrow() const;
+  double narrow() const { return std::min(width(), depth()); }
+  double longest() const { return std::max(width(), depth()); }
   double height() const { return space_.ceiling_z - space_.floor_z; }
   bool chance(double p) { return rng_.uniform() < p; }
   double between(double a, double b) { return a + (b - a) * rng_.uniform(); }
 
-  /// One of the shapes of that name, drawn, or its `variant`-th.
+  /// One of the shapes of that name, drawn.
   const Shape& pick(std::string_view noun);
-  static const Shape& pick(std::string_view noun, std::size_t which);
-  static Item item(const Shape& shape, double x, double y, double z = 0, double turned = 0);
 
   /// The best place that is free and leaves all ways open; builds the group there. The scores are
   /// jittered, so that rooms differ.
   std::optional<Spot> place_at_wall(const Group& group, const Score& score);
   std::optional<Spot> place_at_wall(const Shape& shape, const Score& score, double front = 0.5);
   /// Anywhere in the room, in any of the four directions; nearer to `towards` is better.
-  std::optional<Frame> place_free(const Group& group, double x, double y);
+  std::optional<Frame> place_free(const Group& group, Vec3d towards);
   /// Exactly there, if it is free.
   bool place(const Group& group, const Frame& frame);
 
-  /// Not looked at for room: things on things, lamps at ceilings.
+  /// Builds it there without looking for free space: things on things, lamps at ceilings.
   void put(const Item& item, const Frame& frame);
-  /// As put(), unless it would meet something; was it?
+  /// As put(), unless it would meet something. Returns whether it was built.
   bool put_if_clear(const Item& item, const Frame& frame);
   /// On a wall, above what stands there: `low` metres above the floor, at most `slide`
   /// from `along`, `apart` from doors, windows and what else hangs there.
   bool hang(const Shape& shape, Size size, Side wall, double along, double low, double slide = 0,
             double apart = 0.06);
+  /// In its usual size, above a place.
+  bool hang(const Shape& shape, const Spot& at, double low, double slide) {
+    return hang(shape, shape.size, at.wall, at.along, low, slide);
+  }
   /// On any wall with room for it, well apart from others. `low` as above.
   bool hang_anywhere(const Shape& shape, double low);
-  /// On the floor, lies under what stands there; cut to the room's size.
+  /// On the floor, below what stands there; cut to the room's size.
   bool lay(const Shape& shape, Size size, const Frame& frame, double x, double y);
 
-  std::vector<looks::RoomSpace::WallHole> doors() const;
-  std::vector<looks::RoomSpace::WallHole> windows() const;
   Frame wall_frame(Side wall, double along) const;
   /// Ends of a wall (x or y).
   std::pair<double, double> wall_ends(Side wall) const;
-  double wall_length(Side wall) const;
   Frame middle() const;
 
  private:
@@ -112,7 +118,6 @@ class FurnishedRoom {
   static bool meets_any(const Solid& solid, const std::vector<Solid>& others);
   bool fits(const std::vector<Rect>& rects) const;
   bool commit(const Group& group, const Frame& frame, std::optional<Side> wall);
-  void build(const Item& item, const Frame& frame);
   std::vector<Spot> spots(const Group& group) const;
   bool wall_is_free(const WallItem& item, double margin) const;
   Spot describe(const Frame& frame, Side wall, double along, double w) const;
@@ -126,8 +131,8 @@ class FurnishedRoom {
   std::vector<Solid> built_, hung_;  // everything but rugs; of it, what hangs on walls
 };
 
-/// Can one walk from each door to each other and to near the room's middle, when `standing` is in
-/// the way? 0.75 m wide; and is no floor larger than half a square metre cut off?
+/// Whether ways 0.75 m wide lead from each door to each other and to near the room's middle around
+/// what is `standing`, and no more than half a square metre of floor is cut off.
 bool ways_are_open(const looks::RoomSpace& space, const std::vector<Rect>& standing);
 
 }  // namespace enfilade::homes::furniture

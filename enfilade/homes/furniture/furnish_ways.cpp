@@ -96,12 +96,13 @@ class FloorGrid {
   std::vector<std::uint8_t> free_;
 };
 
-// The point on the floor where a body stands just after it has come in through a hole.
-Vec3d inside_of(const looks::RoomSpace& space, const looks::RoomSpace::WallHole& hole,
-                double deep) {
-  const double along = (hole.from + hole.to) / 2;
-  const double across = space.floor.at(hole.wall) + (is_high(hole.wall) ? -deep : deep);
-  return faces_x(hole.wall) ? Vec3d{across, along, 0} : Vec3d{along, across, 0};
+/// The free cell nearest to the point `deep` metres inside a door, at most `reach` from it.
+std::optional<std::size_t> cell_inside(const looks::RoomSpace& space, const FloorGrid& grid,
+                                       const looks::RoomSpace::WallHole& door, double deep,
+                                       double reach) {
+  const double n = space.floor.at(door.wall) + (is_high(door.wall) ? -deep : deep);
+  return runs_along_x(door.wall) ? grid.nearest(door.middle(), n, reach)
+                                 : grid.nearest(n, door.middle(), reach);
 }
 
 bool connected(const looks::RoomSpace& space, const FloorGrid& grid, double radius) {
@@ -110,9 +111,8 @@ bool connected(const looks::RoomSpace& space, const FloorGrid& grid, double radi
   std::optional<std::size_t> first;
   std::vector<std::uint8_t> reached;
   for (const auto& hole : space.holes) {
-    if (hole.sill > 0.05) continue;
-    const Vec3d p = inside_of(space, hole, radius + kCell);
-    const auto cell = grid.nearest(p.x, p.y, 2.5 * kCell);
+    if (!hole.is_door()) continue;
+    const auto cell = cell_inside(space, grid, hole, radius + kCell, 2.5 * kCell);
     if (!cell) return false;
     if (!first) {
       first = cell;
@@ -133,9 +133,8 @@ bool connected(const looks::RoomSpace& space, const FloorGrid& grid, double radi
 /// Metres squared of free floor that cannot be reached from the first door.
 double cut_off(const looks::RoomSpace& space, const FloorGrid& grid, double radius) {
   for (const auto& hole : space.holes) {
-    if (hole.sill > 0.05) continue;
-    const Vec3d p = inside_of(space, hole, radius + kCell);
-    const auto cell = grid.nearest(p.x, p.y, 3 * kCell);
+    if (!hole.is_door()) continue;
+    const auto cell = cell_inside(space, grid, hole, radius + kCell, 3 * kCell);
     if (!cell) continue;
     const auto reached = grid.reached_from(*cell);
     std::size_t lost = 0;

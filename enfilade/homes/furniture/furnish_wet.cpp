@@ -7,7 +7,7 @@
 namespace enfilade::homes::furniture {
 namespace {
 
-constexpr double kCounterDeep = 0.62, kCounterTop = 0.92;
+constexpr double kCounterDeep = 0.62, kCounterTop = 0.92, kUnit = 0.6;
 
 /// A run of units along a wall, left to right as one sees them.
 struct Run {
@@ -19,7 +19,7 @@ struct Run {
 };
 
 void add_unit(Run& run, const Shape& shape, Size size) {
-  run.group.items.push_back({&shape, size, run.at + size.w / 2, size.d / 2 + 0.012, 0, 0, 1});
+  run.group.items.emplace_back(shape, size, run.at + size.w / 2, size.d / 2 + 0.012);
   run.at += size.w;
 }
 
@@ -29,14 +29,9 @@ void add_tops(Run& run, double from, double to) {
   const bool sink = run.sink > from && run.sink < to;
   const auto add = [&](double a, double b, std::size_t variant) {
     if (b - a < 0.02) return;
-    const Shape& top = FurnishedRoom::pick("countertop", variant);
-    run.group.items.push_back({&top,
-                               {b - a, kCounterDeep, variant == 0 ? 0.04 : 0.14},
-                               (a + b) / 2,
-                               kCounterDeep / 2 + 0.012,
-                               kCounterTop - 0.04,
-                               0,
-                               1});
+    const Size size{b - a, kCounterDeep, 0.14};
+    run.group.items.emplace_back(shape_of("countertop", variant), size, (a + b) / 2,
+                                 size.d / 2 + 0.012, kCounterTop - 0.04);
   };
   if (!sink) return add(from, to, 1);
   add(from, run.sink - 0.3, 1);
@@ -45,33 +40,43 @@ void add_tops(Run& run, double from, double to) {
 }
 
 void add_units(FurnishedRoom& room, Run& run, int units, double each, int sink, int hot) {
+  const Size usual{each, 0.6, kCounterTop - 0.04};
   for (int i = 0; i < units; ++i) {
     if (i == sink) {
       run.sink = run.at + each / 2;
-      add_unit(run, FurnishedRoom::pick("sink cabinet", 0), {each, 0.6, kCounterTop - 0.04});
+      add_unit(run, shape_of("sink cabinet"), usual);
     } else if (i == hot) {
       run.stove = run.at + each / 2;
       const Shape& shape = room.pick("stove");
       add_unit(run, shape, {each, shape.size.d, shape.size.h});
     } else if (i == sink + 1 && units > 4) {
-      add_unit(run, FurnishedRoom::pick("dishwasher", 0), {each, 0.6, kCounterTop - 0.04});
+      add_unit(run, shape_of("dishwasher"), usual);
     } else {
-      add_unit(run, room.pick("kitchen cabinet"), {each, 0.6, kCounterTop - 0.04});
+      add_unit(run, room.pick("kitchen cabinet"), usual);
     }
   }
+}
+
+/// Moves the origin from the left end to the middle.
+void centre(Run& run, double deep, double front) {
+  for (Item& item : run.group.items) item.x -= run.at / 2;
+  run.sink -= run.at / 2;
+  run.stove -= run.at / 2;
+  run.group.w = run.at;
+  run.group.d = deep;
+  run.group.front = front;
 }
 
 /// `length` metres of kitchen with its sink as near as it can be to `sink_at` (from the left end).
 Run make_run(FurnishedRoom& room, double length, bool fridge, bool stove, double sink_at) {
   Run run;
   if (fridge) {
-    const Shape& shape =
-        length > 3.2 ? room.pick("refrigerator") : FurnishedRoom::pick("refrigerator", 0);
+    const Shape& shape = length > 3.2 ? room.pick("refrigerator") : shape_of("refrigerator");
     add_unit(run, shape, shape.size);
     run.fridge = run.at;
   }
   const double rest = length - run.fridge - 0.02;
-  const int units = std::max(1, static_cast<int>(rest / 0.6));
+  const int units = std::max(1, static_cast<int>(rest / kUnit));
   const double each = std::min(rest / units, 0.8);
   const int sink = std::clamp(static_cast<int>((sink_at - run.fridge) / each), 0, units - 1);
   const int hot = units < 3 || !stove ? -1 : (sink + 2 < units ? sink + 2 : std::max(0, sink - 2));
@@ -83,19 +88,15 @@ Run make_run(FurnishedRoom& room, double length, bool fridge, bool stove, double
   } else {
     add_tops(run, first, run.at);
   }
-  const Shape& basin = FurnishedRoom::pick("kitchen sink", 0);
-  run.group.items.push_back({&basin, basin.size, run.sink, kCounterDeep / 2 + 0.012,
-                             kCounterTop - (basin.size.h - 0.3), 0, 1});
-  for (Item& item : run.group.items) item.x -= run.at / 2;
-  run.sink -= run.at / 2;
-  run.stove -= run.at / 2;
-  run.group.w = run.at;
-  run.group.d = 0.7;
-  run.group.front = 0.75;
+  const Shape& basin = shape_of("kitchen sink");
+  const double low = kCounterTop - (basin.size.h - 0.3);
+  run.group.items.emplace_back(basin, run.sink, kCounterDeep / 2 + 0.012, low);
+  centre(run, 0.7, 0.75);
   return run;
 }
 
-void above_run(FurnishedRoom& room, const Run& run, const Spot& spot, double each) {
+/// A hood above the stove, cabinets beside it.
+void hang_above_run(FurnishedRoom& room, const Run& run, const Spot& spot) {
   const double low = 1.45;
   const Shape& hood = room.pick("range hood");
   const bool has_stove = run.stove > -run.at / 2;
@@ -105,21 +106,22 @@ void above_run(FurnishedRoom& room, const Run& run, const Spot& spot, double eac
     return faces_x(spot.wall) ? p.y : p.x;
   };
   if (has_stove) {
-    room.hang(hood, {0.6, 0.48, std::min(0.75, room.height() - 1.7)}, spot.wall, along(run.stove),
-              1.6);
+    const Size size{0.6, 0.48, std::min(0.75, room.height() - 1.7)};
+    room.hang(hood, size, spot.wall, along(run.stove), 1.6);
   }
-  const Shape& cabinet = FurnishedRoom::pick("wall cabinet", 0);
-  const Shape& open = FurnishedRoom::pick("wall cabinet", 1);
-  for (double x = -run.at / 2 + run.fridge + each / 2; x < run.at / 2 - 0.2; x += each) {
-    if (has_stove && std::abs(x - run.stove) < 0.3 + each / 2 + 0.05) continue;
+  const Shape& cabinet = shape_of("wall cabinet");
+  const Shape& open = shape_of("wall cabinet", 1);
+  for (double x = -run.at / 2 + run.fridge + kUnit / 2; x < run.at / 2 - 0.2; x += kUnit) {
+    if (has_stove && std::abs(x - run.stove) < 0.3 + kUnit / 2 + 0.05) continue;
     const Shape& shape = room.chance(0.25) ? open : cabinet;
     const double h = std::min(0.72, room.height() - low - 0.12);
     // Wall items keep 6 cm apart: cabinets are a little less wide than their place.
-    room.hang(shape, {each - 0.062, shape.size.d, h}, spot.wall, along(x), low);
+    room.hang(shape, {kUnit - 0.062, shape.size.d, h}, spot.wall, along(x), low);
   }
 }
 
 void dress_run(FurnishedRoom& room, const Run& run, const Spot& spot) {
+  hang_above_run(room, run, spot);
   for (const Item& item : run.group.items) {
     if (item.shape->noun != "countertop" || item.size.w < 0.35) continue;
     if (std::abs(item.x - run.sink) < 0.2) continue;
@@ -130,7 +132,7 @@ void dress_run(FurnishedRoom& room, const Run& run, const Spot& spot) {
 }
 
 std::optional<Spot> place_run(FurnishedRoom& room, Run& run) {
-  const double longest = std::max(room.width(), room.depth());
+  const double longest = room.longest();
   const double usual = std::min(longest - 0.1, 2.4 + 0.09 * room.area());
   const Score score = [](const Spot& s) {
     return (s.window ? 0.8 : 0.0) + (s.corner < 0.15 ? 0.4 : 0.0) + 0.1 * std::min(s.door, 4.0);
@@ -151,34 +153,25 @@ std::optional<Spot> place_run(FurnishedRoom& room, Run& run) {
 
 void second_run(FurnishedRoom& room, double length) {
   Run run;
-  const int units = std::max(1, static_cast<int>(length / 0.6));
-  for (int i = 0; i < units; ++i) add_unit(run, room.pick("kitchen cabinet"), {0.6, 0.6, 0.88});
+  const int units = std::max(1, static_cast<int>(length / kUnit));
+  for (int i = 0; i < units; ++i) add_unit(run, room.pick("kitchen cabinet"), {kUnit, 0.6, 0.88});
   run.sink = -9;
   add_tops(run, 0, run.at);
-  for (Item& item : run.group.items) item.x -= run.at / 2;
-  run.group.w = run.at;
-  run.group.d = 0.66;
-  run.group.front = 0.6;
-  if (const auto spot = room.place_at_wall(run.group, in_corner)) {
-    run.stove = -9;
-    above_run(room, run, *spot, 0.6);
-    dress_run(room, run, *spot);
-  }
+  centre(run, 0.66, 0.6);
+  if (const auto spot = room.place_at_wall(run.group, in_corner)) dress_run(room, run, *spot);
 }
 
 bool place_island(FurnishedRoom& room) {
   const Shape& island = room.pick("kitchen island");
   const Shape& stool = room.pick("bar stool");
-  Group group{island.size.w, island.size.d + stool.size.d + 0.05, 0, {}};
-  group.items.push_back(FurnishedRoom::item(island, 0, stool.size.d + 0.05 + island.size.d / 2));
-  for (const double x : {-0.28, 0.28}) {
-    group.items.push_back(FurnishedRoom::item(stool, x * island.size.w, stool.size.d / 2));
-  }
-  const Frame m = room.middle();
-  const auto frame = room.place_free(group, m.origin.x, m.origin.y);
+  const auto [w, d, h] = island.size;
+  const Item top(island, 0, stool.size.d + 0.05 + d / 2);
+  Group group{w, d + stool.size.d + 0.05, 0, {top}};
+  for (const double x : {-0.28, 0.28}) group.items.emplace_back(stool, x * w, stool.size.d / 2);
+  const auto frame = room.place_free(group, room.middle().origin);
   if (!frame) return false;
-  clutter(room, *frame, group.items[0], "kitchen");
-  hang_pendant(room, frame->to_world(0, group.items[0].y));
+  clutter(room, *frame, top, "kitchen");
+  hang_pendant(room, frame->to_world(0, top.y));
   return true;
 }
 
@@ -186,20 +179,15 @@ bool place_island(FurnishedRoom& room) {
 
 void furnish_kitchen(FurnishedRoom& room) {
   Run run;
-  const auto spot = place_run(room, run);
-  if (spot) {
-    above_run(room, run, *spot, 0.6);
-    dress_run(room, run, *spot);
-  }
+  if (const auto spot = place_run(room, run)) dress_run(room, run, *spot);
   if (room.area() > 9) second_run(room, std::min(2.4, 0.12 * room.area()));
-  const Frame m = room.middle();
   const bool island = room.narrow() > 3.4 && room.chance(0.6) && place_island(room);
   if (!island || room.area() > 24) {
     const Shape& table = room.pick("kitchen table");
-    table_with_chairs(room, table, table.size, "chair", m.origin.x, m.origin.y);
+    table_with_chairs(room, table, table.size);
   }
   if (room.area() > 14) dressed_console(room, room.pick("cupboard"), false);
-  put_in_corner(room, FurnishedRoom::pick("trash can", 1));
+  put_in_corner(room, shape_of("trash can", 1));
   if (room.area() > 9) plants(room, 1);
   dress_windows(room, false);
   room.hang_anywhere(room.pick("clock"), 1.75);
@@ -210,17 +198,14 @@ void furnish_kitchen(FurnishedRoom& room) {
 namespace {
 
 void hang_mirror(FurnishedRoom& room, const Spot& spot, double low) {
-  const Shape& mirror =
-      room.chance(0.25) ? FurnishedRoom::pick("medicine cabinet", 0) : room.pick("mirror");
-  if (room.hang(mirror, mirror.size, spot.wall, spot.along, low, 0.15)) {
-    const Shape& lamp = room.pick("wall lamp");
-    const double high = low + mirror.size.h + 0.09;
-    room.hang(lamp, lamp.size, spot.wall, spot.along, std::min(high, room.height() - 0.4), 0.1);
-  }
+  const Shape& mirror = room.chance(0.25) ? shape_of("medicine cabinet") : room.pick("mirror");
+  if (!room.hang(mirror, spot, low, 0.15)) return;
+  const double high = low + mirror.size.h + 0.09;
+  room.hang(room.pick("wall lamp"), spot, std::min(high, room.height() - 0.4), 0.1);
 }
 
 /// Sink, cabinet, mirror, light.
-bool wash_place(FurnishedRoom& room, bool large) {
+void wash_place(FurnishedRoom& room, bool large) {
   const Score score = [](const Spot& s) {
     return -0.3 * s.off_centre + 0.05 * s.door - (s.window ? 0.7 : 0);
   };
@@ -229,25 +214,25 @@ bool wash_place(FurnishedRoom& room, bool large) {
   Group group;
   if (large) {
     const Shape& cabinet = room.pick("bathroom cabinet");
-    const Shape& bowl = FurnishedRoom::pick("washbasin", 0);
+    const Shape& bowl = shape_of("washbasin");
     const bool two = room.area() > 9;
     Size size = cabinet.size;
     if (two) size.w = 1.4;
-    group = {size.w, size.d + 0.02, 0.5, {}};
-    group.items.push_back({&cabinet, size, 0, size.d / 2 + 0.012, 0, 0, 1});
+    const double y = size.d / 2 + 0.012;
+    group = {size.w, size.d + 0.02, 0.5, {{cabinet, size, 0, y}}};
     for (const double x : two ? std::vector{-0.35, 0.35} : std::vector{0.0}) {
-      group.items.push_back(FurnishedRoom::item(bowl, x, size.d / 2 + 0.012, size.h));
+      group.items.emplace_back(bowl, x, y, size.h);
     }
     spot = room.place_at_wall(group, score);
     top = 1.0;
   }
   if (!spot) {
     const Shape& sink = room.pick("sink");
-    group = {sink.size.w, sink.size.d + 0.02, 0.4, {}};
-    group.items.push_back(FurnishedRoom::item(sink, 0, sink.size.d / 2 + 0.012));
+    const auto [w, d, h] = sink.size;
+    group = {w, d + 0.02, 0.4, {{sink, 0, d / 2 + 0.012}}};
     spot = room.place_at_wall(group, score);
   }
-  if (!spot) return false;
+  if (!spot) return;
   hang_mirror(room, *spot, top + 0.2);
   if (large && group.items.size() == 2) {
     Item side = group.items[0];
@@ -255,34 +240,31 @@ bool wash_place(FurnishedRoom& room, bool large) {
     side.x = 0.3;
     clutter(room, spot->frame, side, "bath");
   }
-  return true;
 }
 
 void place_toilet(FurnishedRoom& room) {
   const Shape& toilet = room.pick("toilet");
-  const auto spot = room.place_at_wall(
-      toilet, [](const Spot& s) { return -0.4 * std::min(s.corner, 1.5) + 0.15 * s.door; }, 0.4);
+  const Score score = [](const Spot& s) { return -0.4 * std::min(s.corner, 1.5) + 0.15 * s.door; };
+  const auto spot = room.place_at_wall(toilet, score, 0.4);
   if (!spot) {
-    room.place_at_wall(FurnishedRoom::pick("toilet", 1), away_from_doors, 0.2);
+    room.place_at_wall(shape_of("toilet", 1), away_from_doors, 0.2);
     return;
   }
-  const Shape& paper = FurnishedRoom::pick("toilet paper", 0);
+  const Shape& paper = shape_of("toilet paper");
   room.hang(paper, paper.size, spot->wall, spot->along + 0.36, 0.65, 0.1);
-  put_in_corner(room, FurnishedRoom::pick("toilet brush", 0));
+  put_in_corner(room, shape_of("toilet brush"));
 }
 
 /// Shower or tub, whatever fits, with a mat before it.
 bool place_bathing(FurnishedRoom& room, std::string_view noun) {
   const Shape& shape = room.pick(noun);
   if (shape.size.h > room.height()) return false;
-  const auto spot = room.place_at_wall(
-      shape,
-      [&](const Spot& s) {
-        return in_corner(s) + 0.1 * s.door + (s.window && noun == "bathtub" ? 0.3 : 0);
-      },
-      0.5);
+  const Score score = [&](const Spot& s) {
+    return in_corner(s) + 0.1 * s.door + (s.window && noun == "bathtub" ? 0.3 : 0);
+  };
+  const auto spot = room.place_at_wall(shape, score, 0.5);
   if (!spot) return false;
-  const Shape& mat = FurnishedRoom::pick("bath mat", 0);
+  const Shape& mat = shape_of("bath mat");
   room.lay(mat, mat.size, spot->frame, 0, shape.size.d + 0.32);
   return true;
 }
@@ -290,23 +272,21 @@ bool place_bathing(FurnishedRoom& room, std::string_view noun) {
 void bath_extras(FurnishedRoom& room) {
   const unsigned towels = room.area() > 6 ? 2 : 1;
   for (unsigned i = 0; i < towels; ++i) {
-    const Shape& towel = FurnishedRoom::pick("towel", room.rng().below(3));
-    Group group{towel.size.w, towel.size.d, 0, {}};
-    const double low = towel.size.h > 1 ? 0.5 : 0.75;
-    group.items.push_back(FurnishedRoom::item(towel, 0, towel.size.d / 2 + 0.002, low));
-    room.place_at_wall(group, near_middle);
+    const Shape& towel = shape_of("towel", room.rng().below(3));
+    const auto [w, d, h] = towel.size;
+    const Item item(towel, 0, d / 2 + 0.002, h > 1 ? 0.5 : 0.75);
+    room.place_at_wall({w, d, 0, {item}}, near_middle);
   }
-  if (room.chance(0.6)) put_in_corner(room, FurnishedRoom::pick("trash can", 0));
+  if (room.chance(0.6)) put_in_corner(room, shape_of("trash can"));
   if (room.chance(0.5)) put_in_corner(room, room.pick("basket"));
   if (room.chance(0.4)) {
-    const Shape& robe = FurnishedRoom::pick("bathrobe", 0);
-    Group group{robe.size.w, robe.size.d, 0, {}};
-    group.items.push_back(FurnishedRoom::item(robe, 0, robe.size.d / 2 + 0.01, 0.7));
-    room.place_at_wall(group, near_middle);
+    const Shape& robe = shape_of("bathrobe");
+    const auto [w, d, h] = robe.size;
+    room.place_at_wall({w, d, 0, {{robe, 0, d / 2 + 0.01, 0.7}}}, near_middle);
   }
   if (room.area() > 6) plants(room, 1);
   if (room.area() > 10) room.place_at_wall(room.pick("stool"), in_corner, 0);
-  if (room.chance(0.4)) room.place_at_wall(FurnishedRoom::pick("radiator", 0), near_middle, 0);
+  if (room.chance(0.4)) room.place_at_wall(shape_of("radiator"), near_middle, 0);
 }
 
 }  // namespace
@@ -317,23 +297,19 @@ void furnish_bath(FurnishedRoom& room) {
   wash_place(room, room.area() > 3.6);
   place_toilet(room);
   if (room.area() > 8 && room.chance(0.5)) {
-    room.place_at_wall(FurnishedRoom::pick("bidet", 0), away_from_doors, 0.4);
+    room.place_at_wall(shape_of("bidet"), away_from_doors, 0.4);
   }
   bath_extras(room);
-  dress_windows(room, false);
-  if (room.area() > 7) hang_pictures(room, 1);
-  hang_lights(room, Light::kSpots);
+  finish(room, {.pictures = room.area() > 7 ? 1U : 0U, .light = Light::kSpots});
 }
 
 void furnish_toilet(FurnishedRoom& room) {
   place_toilet(room);
   wash_place(room, false);
-  if (room.area() > 2) put_in_corner(room, FurnishedRoom::pick("trash can", 0));
-  const Shape& towel = FurnishedRoom::pick("towel", 0);
+  if (room.area() > 2) put_in_corner(room, shape_of("trash can"));
+  const Shape& towel = shape_of("towel");
   room.hang(towel, towel.size, kSides[room.rng().below(4)], room.middle().origin.x, 0.8, 0.6);
-  dress_windows(room, false);
-  hang_pictures(room, 1);
-  hang_lights(room, Light::kHome);
+  finish(room, {.pictures = 1});
 }
 
 void furnish_spa(FurnishedRoom& room) {
@@ -342,36 +318,28 @@ void furnish_spa(FurnishedRoom& room) {
   for (int i = 0; i < 3; ++i) room.place_at_wall(room.pick("bench"), near_middle, 0.4);
   wash_place(room, true);
   bath_extras(room);
-  plants(room, 3);
-  dress_windows(room, false);
-  hang_lights(room, Light::kSpots);
+  finish(room, {.plants = 3, .light = Light::kSpots});
 }
 
 void furnish_laundry(FurnishedRoom& room) {
-  const Shape& washer = FurnishedRoom::pick("washing machine", 0);
-  const Shape& dryer = FurnishedRoom::pick("clothes dryer", 0);
-  Group pair{1.24, 0.66, 0.5, {}};
-  pair.items.push_back(FurnishedRoom::item(washer, -0.31, 0.33));
-  pair.items.push_back(FurnishedRoom::item(dryer, 0.31, 0.33));
+  const Shape& washer = shape_of("washing machine");
+  const Shape& dryer = shape_of("clothes dryer");
+  const Group pair{1.24, 0.66, 0.5, {{washer, -0.31, 0.33}, {dryer, 0.31, 0.33}}};
   if (const auto spot = room.place_at_wall(pair, near_middle)) {
     Item top = pair.items[0];
     top.x = 0;
     top.size.w = 1.2;
-    top.size.h = washer.size.h;
     clutter(room, spot->frame, top, "store");
-    const Shape& shelf = room.pick("shelf");
-    room.hang(shelf, shelf.size, spot->wall, spot->along, 1.5, 0.3);
+    room.hang(room.pick("shelf"), *spot, 1.5, 0.3);
   } else {
     room.place_at_wall(washer, away_from_doors, 0.4);
   }
-  const Shape& sink = FurnishedRoom::pick("utility sink", 0);
-  room.place_at_wall(sink, away_from_doors, 0.4);
+  room.place_at_wall(shape_of("utility sink"), away_from_doors, 0.4);
   room.place_at_wall(room.pick("storage shelf"), in_corner, 0.4);
   put_in_corner(room, room.pick("basket"));
   if (room.area() > 6) coat_hooks(room);
   if (room.area() > 8) room.place_at_wall(room.pick("cupboard"), in_corner, 0.5);
-  dress_windows(room, false);
-  hang_lights(room, Light::kHome);
+  finish(room, {});
 }
 
 }  // namespace enfilade::homes::furniture

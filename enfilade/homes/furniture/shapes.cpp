@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -126,20 +127,22 @@ void add_obstacles(const Kit& kit, const mesh::Mesh& mesh, const mesh::Placement
 
 }  // namespace
 
-Kit::Kit(mesh::MeshBuilder& builder, const looks::RoomStyle& room_style, Rng& random, Size size)
-    : style(room_style), rng(random), w(size.w), d(size.d), h(size.h), builder_(builder) {
+Kit::Kit(mesh::MeshBuilder& builder, const Style& room_style, Rng& random, const Shape& shape,
+         Size size)
+    : style(room_style),
+      rng(random),
+      w(size.w),
+      d(size.d),
+      h(size.h),
+      variant(shape.variant),
+      main(shape.main != nullptr ? room_style.*shape.main : NamedMaterial{}),
+      colour(main.colour),
+      material(main.material),
+      builder_(builder) {
   part();
 }
 
-void Kit::part() { parts.push_back(builder_.mesh().triangles.size()); }
-
-void Kit::lamp(Vec3d local, double light) { lamps.push_back({local, light * power}); }
-
-void Kit::leaf(const looks::NamedMaterial& m, Vec3d p, Vec3d q, Vec3d r) {
-  builder_.triangle(m.id, p, q, r);
-}
-
-void Kit::hollow(const looks::NamedMaterial& m, Vec3d low, Vec3d high, double wall, double bottom,
+void Kit::hollow(const NamedMaterial& m, Vec3d low, Vec3d high, double wall, double bottom,
                  double slope) {
   const auto ring = [](double x0, double x1, double y0, double y1, double z) {
     return std::array<Vec3d, 4>{{{x0, y0, z}, {x1, y0, z}, {x1, y1, z}, {x0, y1, z}}};
@@ -159,7 +162,7 @@ void Kit::hollow(const looks::NamedMaterial& m, Vec3d low, Vec3d high, double wa
   quad(m, outer0[3], outer0[2], outer0[1], outer0[0]);
 }
 
-void Kit::legs(const looks::NamedMaterial& m, double z, double half, double inset, bool round) {
+void Kit::legs(const NamedMaterial& m, double z, double half, double inset, bool round) {
   const double x = w / 2 - inset - half, y = d / 2 - inset - half;
   for (const double sx : {-x, x}) {
     for (const double sy : {-y, y}) {
@@ -172,7 +175,27 @@ void Kit::legs(const looks::NamedMaterial& m, double z, double half, double inse
   }
 }
 
-void Kit::fronts(const looks::NamedMaterial& m, Vec3d low, Vec3d high, double y, unsigned columns,
+void Kit::pairs(const NamedMaterial& m, std::initializer_list<Block> blocks, double round) {
+  const auto build = [&](Vec3d low, Vec3d high) {
+    round > 0 ? soft(m, low, high, round) : box(m, low, high);
+  };
+  for (const auto& [low, high] : blocks) {
+    build({-high.x, low.y, low.z}, {-low.x, high.y, high.z});
+  }
+  for (const auto& [low, high] : blocks) build(low, high);
+}
+
+void Kit::splayed_legs(const NamedMaterial& m, int count, double first, std::array<Ring, 2> ends,
+                       double radius, unsigned sides) {
+  const auto [foot, top] = ends;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * std::numbers::pi * (i + first) / count;
+    const double c = std::cos(angle), s = std::sin(angle);
+    bar(m, {foot[0] * c, foot[0] * s, foot[1]}, {top[0] * c, top[0] * s, top[1]}, radius, sides);
+  }
+}
+
+void Kit::fronts(const NamedMaterial& m, Vec3d low, Vec3d high, double y, unsigned columns,
                  unsigned rows, bool knobs) {
   constexpr double kGap = 0.006, kProud = 0.014;
   const double cw = (high.x - low.x) / columns, rh = (high.z - low.z) / rows;
@@ -203,7 +226,7 @@ void Kit::books(double x0, double x1, double y, double z, double tall, double de
   while (x < x1 - 0.05) {
     const double thick = std::min(0.03 + 0.05 * rng.uniform(), x1 - x);
     const double high = tall * (0.66 + 0.3 * rng.uniform());
-    const looks::NamedMaterial& cover = style.paints[rng.below(style.paints.size())];
+    const NamedMaterial& cover = style.paints[rng.below(style.paints.size())];
     box(cover, {x, y, z}, {x + thick - 0.002, y + deep * (0.75 + 0.2 * rng.uniform()), z + high});
     x += thick;
     if (rng.below(9) == 0) x += 0.06 + 0.1 * rng.uniform();
@@ -232,17 +255,21 @@ std::vector<const Shape*> shapes_of(std::string_view noun) {
   return found;
 }
 
+const Shape& shape_of(std::string_view noun, std::size_t which) {
+  return *shapes_of(noun).at(which);
+}
+
 void build_shape(const Shape& shape, Size size, const mesh::Placement& at, std::size_t room,
-                 const looks::RoomStyle& style, Rng& rng, looks::HomeParts& parts, double power) {
+                 const Style& style, Rng& rng, looks::HomeParts& parts, double power) {
   // Thinner than this, whatever hangs on a wall or lies on the floor is in nobody's way.
   constexpr double kThin = 0.065;
   const auto object =
       parts.builder.begin_object(std::string(shape.raw.empty() ? shape.noun : shape.raw),
                                  shape.category, static_cast<std::int32_t>(room), at);
-  Kit kit(parts.builder, style, rng, size);
+  Kit kit(parts.builder, style, rng, shape, size);
   kit.power = power;
   const std::size_t first = kit.parts[0];
-  shape.build(kit, shape.variant);
+  shape.build(kit, size.w / 2, size.d / 2);
   const mesh::Mesh& mesh = parts.builder.mesh();
   if (size.h > kThin && size.d > kThin) add_obstacles(kit, mesh, at, parts.obstacles);
   Bounds box;

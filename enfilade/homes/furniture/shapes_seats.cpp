@@ -1,4 +1,3 @@
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -10,55 +9,48 @@ namespace {
 
 using enum mesh::Mpcat40::Category;
 
-void back_legs(Kit& k, const looks::NamedMaterial& m, double seat, double half) {
+void back_legs(Kit& k, const NamedMaterial& m, double seat, double half) {
   const double x = k.w / 2 - half, y = k.d / 2 - half;
-  for (const double s : {-x, x}) {
-    k.box(m, {s - half, y - half, 0}, {s + half, y + half, seat});
-    k.box(m, {s - half, -y - half, 0}, {s + half, -y + half, k.h});
-  }
+  k.pairs(m, {{{x - half, y - half, 0}, {x + half, y + half, seat}},
+              {{x - half, -y - half, 0}, {x + half, -y + half, k.h}}});
 }
 
 /// Slats, ladder, padded, shell.
-void chair(Kit& k, int variant) {
-  const looks::NamedMaterial& m = k.style.wood;
-  const double seat = 0.46, x = k.w / 2, y = k.d / 2;
-  k.spoken(m);
-  if (variant == 3) {
-    k.spoken(k.style.fabric2);
+void chair(Kit& k, double x, double y) {
+  const NamedMaterial& m = k.style.wood;
+  const double seat = 0.46;
+  if (k.variant == 3) {
     k.legs(k.style.metal, seat - 0.03, 0.015, 0.05, true);
-    k.soft(k.style.fabric2, {-x, -y + 0.02, seat - 0.04}, {x, y, seat + 0.04}, 0.035);
+    k.soft(k.main, {-x, -y + 0.02, seat - 0.04}, {x, y, seat + 0.04}, 0.035);
     for (int i = -2; i <= 2; ++i) {  // a curved back of staves
-      const double bend = 0.02 * i * i;
-      k.soft(k.style.fabric2, {i * x * 0.39 - x * 0.21, -y + bend, seat - 0.02},
-             {i * x * 0.39 + x * 0.21, -y + 0.06 + bend, k.h - 0.012 * i * i}, 0.02);
+      const double at = i * x * 0.39, half = x * 0.21, bend = 0.02 * i * i;
+      const Vec3d high{at + half, -y + 0.06 + bend, k.h - 0.012 * i * i};
+      k.soft(k.main, {at - half, -y + bend, seat - 0.02}, high, 0.02);
     }
     return;
   }
   back_legs(k, m, seat - 0.03, 0.02);
-  if (variant == 2) {
-    k.spoken(k.style.fabric);
-    k.soft(k.style.fabric, {-x, -y + 0.04, seat - 0.06}, {x, y, seat + 0.03}, 0.03);
-    k.soft(k.style.fabric, {-x + 0.01, -y + 0.005, seat + 0.1}, {x - 0.01, -y + 0.075, k.h}, 0.03);
+  if (k.variant == 2) {
+    k.soft(k.main, {-x, -y + 0.04, seat - 0.06}, {x, y, seat + 0.03}, 0.03);
+    k.soft(k.main, {-x + 0.01, -y + 0.005, seat + 0.1}, {x - 0.01, -y + 0.075, k.h}, 0.03);
     return;
   }
   k.box(m, {-x, -y, seat - 0.035}, {x, y, seat});
   k.soft(k.style.fabric2, {-x + 0.04, -y + 0.06, seat}, {x - 0.04, y - 0.03, seat + 0.03}, 0.015);
   k.box(m, {-x + 0.04, -y + 0.005, k.h - 0.09}, {x - 0.04, -y + 0.03, k.h});
-  if (variant == 0) {
+  if (k.variant == 0) {
     for (int i = -2; i <= 2; ++i) {
       const double sx = i * x * 0.36;
       k.box(m, {sx - 0.014, -y + 0.01, seat}, {sx + 0.014, -y + 0.026, k.h - 0.08});
     }
-  } else {
-    for (const double z : {0.58, 0.70}) {
-      k.box(m, {-x + 0.04, -y + 0.008, z}, {x - 0.04, -y + 0.028, z + 0.055});
-    }
+    return;
+  }
+  for (const double z : {0.58, 0.70}) {
+    k.box(m, {-x + 0.04, -y + 0.008, z}, {x - 0.04, -y + 0.028, z + 0.055});
   }
 }
 
-void office_chair(Kit& k, int variant) {
-  const looks::NamedMaterial& cloth = variant == 0 ? k.style.black : k.style.fabric;
-  k.spoken(cloth);
+void office_chair(Kit& k, double, double) {
   const double reach = k.w / 2 - 0.03;
   for (int i = 0; i < 5; ++i) {
     const double angle = 2 * std::numbers::pi * i / 5 + 0.3;
@@ -68,220 +60,191 @@ void office_chair(Kit& k, int variant) {
   }
   k.cylinder(k.style.metal, {0, 0, 0.08}, 0.03, 0.025, 0.36, 8);
   const double x = k.w / 2 - 0.08, y = k.d / 2 - 0.06;
-  k.soft(cloth, {-x, -y, 0.44}, {x, y, 0.52}, 0.04);
-  k.soft(cloth, {-x + 0.02, -y - 0.05, 0.58}, {x - 0.02, -y + 0.03, k.h}, 0.035);
-  k.box(k.style.black, {-0.03, -y - 0.03, 0.46}, {0.03, -y + 0.0, 0.62});
-  if (variant == 1) return;
+  k.soft(k.main, {-x, -y, 0.44}, {x, y, 0.52}, 0.04);
+  k.soft(k.main, {-x + 0.02, -y - 0.05, 0.58}, {x - 0.02, -y + 0.03, k.h}, 0.035);
+  k.box(k.style.black, {-0.03, -y - 0.03, 0.46}, {0.03, -y, 0.62});
+  if (k.variant == 1) return;
   for (const double s : {-1.0, 1.0}) {
-    k.bar(k.style.black, {s * x, 0, 0.47}, {s * (x + 0.03), 0, 0.66}, 0.015, 5);
-    k.soft(k.style.black, {s * (x + 0.03) - 0.03, -0.13, 0.66}, {s * (x + 0.03) + 0.03, 0.14, 0.7},
-           0.015);
+    const double arm = s * (x + 0.03);
+    k.bar(k.style.black, {s * x, 0, 0.47}, {arm, 0, 0.66}, 0.015, 5);
+    k.soft(k.style.black, {arm - 0.03, -0.13, 0.66}, {arm + 0.03, 0.14, 0.7}, 0.015);
   }
 }
 
 /// Boxy, winged, tub.
-void armchair(Kit& k, int variant) {
-  const looks::NamedMaterial& m = k.style.fabric;
-  k.spoken(m);
-  const double x = k.w / 2, y = k.d / 2, arm = variant == 1 ? 0.12 : 0.17;
+void armchair(Kit& k, double x, double y) {
+  const double arm = k.variant == 1 ? 0.12 : 0.17;
   k.legs(k.style.wood, 0.13, 0.025, 0.03, true);
-  if (variant == 2) {
+  if (k.variant == 2) {
     for (int i = 0; i <= 8; ++i) {  // a rounded wall of upholstery
       const double angle = std::numbers::pi * (1.0 + i / 8.0);
       const double cx = (x - 0.09) * std::cos(angle), cy = (y - 0.09) * std::sin(angle) * 0.95;
-      k.soft(m, {cx - 0.09, cy - 0.09, 0.12}, {cx + 0.09, cy + 0.09, k.h - 0.01 * std::abs(i - 4)},
-             0.05);
+      const double top = k.h - 0.01 * std::abs(i - 4);
+      k.soft(k.main, {cx - 0.09, cy - 0.09, 0.12}, {cx + 0.09, cy + 0.09, top}, 0.05);
     }
-    for (const double s : {-1.0, 1.0}) {
-      const double cx = s * (x - 0.09);
-      k.soft(m, {cx - 0.09, 0, 0.12}, {cx + 0.09, y - 0.06, k.h - 0.1}, 0.05);
-    }
-    k.soft(m, {-x + 0.14, -y + 0.14, 0.12}, {x - 0.14, y - 0.02, 0.44}, 0.06);
+    const double arm = x - 0.09;
+    k.pairs(k.main, {{{arm - 0.09, 0, 0.12}, {arm + 0.09, y - 0.06, k.h - 0.1}}}, 0.05);
+    k.soft(k.main, {-x + 0.14, -y + 0.14, 0.12}, {x - 0.14, y - 0.02, 0.44}, 0.06);
     return;
   }
-  k.soft(m, {-x, -y, 0.12}, {x, y - 0.03, 0.30}, 0.03);
-  k.soft(m, {-x + arm, -y + 0.16, 0.29}, {x - arm, y, 0.46}, 0.05);
-  k.soft(m, {-x + 0.03, -y, 0.2}, {x - 0.03, -y + 0.2, k.h}, 0.06);
-  for (const double s : {-1.0, 1.0}) {
-    const double x0 = s < 0 ? -x : x - arm;
-    k.soft(m, {x0, -y + 0.05, 0.12}, {x0 + arm, y - 0.02, 0.62}, 0.05);
-    if (variant == 1) k.soft(m, {x0, -y + 0.05, 0.55}, {x0 + arm, -y + 0.36, k.h - 0.06}, 0.05);
+  k.soft(k.main, {-x, -y, 0.12}, {x, y - 0.03, 0.30}, 0.03);
+  k.soft(k.main, {-x + arm, -y + 0.16, 0.29}, {x - arm, y, 0.46}, 0.05);
+  k.soft(k.main, {-x + 0.03, -y, 0.2}, {x - 0.03, -y + 0.2, k.h}, 0.06);
+  for (const double x0 : {-x, x - arm}) {
+    const double x1 = x0 + arm;
+    k.soft(k.main, {x0, -y + 0.05, 0.12}, {x1, y - 0.02, 0.62}, 0.05);
+    if (k.variant == 1) k.soft(k.main, {x0, -y + 0.05, 0.55}, {x1, -y + 0.36, k.h - 0.06}, 0.05);
   }
 }
 
-void patio_chair(Kit& k, int) {
-  const looks::NamedMaterial& m = k.style.wood2;
-  k.spoken(m);
-  const double x = k.w / 2, y = k.d / 2;
-  back_legs(k, m, 0.62, 0.022);
+void patio_chair(Kit& k, double x, double y) {
+  back_legs(k, k.main, 0.62, 0.022);
   for (int i = 0; i < 5; ++i) {
     const double y0 = -y + 0.05 + i * (k.d - 0.06) / 5;
-    k.box(m, {-x + 0.04, y0, 0.40}, {x - 0.04, y0 + (k.d - 0.06) / 5 - 0.015, 0.425});
+    k.box(k.main, {-x + 0.04, y0, 0.40}, {x - 0.04, y0 + (k.d - 0.06) / 5 - 0.015, 0.425});
     const double z0 = 0.48 + i * 0.09;
-    k.box(m, {-x + 0.04, -y + 0.01, z0}, {x - 0.04, -y + 0.03, z0 + 0.07});
+    k.box(k.main, {-x + 0.04, -y + 0.01, z0}, {x - 0.04, -y + 0.03, z0 + 0.07});
   }
-  for (const double s : {-1.0, 1.0}) {
-    k.box(m, {s * (x - 0.03) - 0.03, -y + 0.04, 0.60}, {s * (x - 0.03) + 0.03, y, 0.625});
-  }
+  k.pairs(k.main, {{{x - 0.03 - 0.03, -y + 0.04, 0.60}, {x - 0.03 + 0.03, y, 0.625}}});
 }
 
-void sofa_body(Kit& k, const looks::NamedMaterial& m, double x0, double x1, double arm, double high,
-               unsigned seats) {
-  const double y = k.d / 2;
-  k.soft(m, {x0, -y, 0.12}, {x1, y - 0.03, 0.30}, 0.03);
-  k.soft(m, {x0, -y, 0.2}, {x1, -y + 0.2, k.h - 0.05}, 0.05);
-  for (const double a : {x0, x1 - arm}) {
-    k.soft(m, {a, -y + 0.03, 0.12}, {a + arm, y - 0.02, high}, 0.06);
-  }
-  const double each = (x1 - x0 - 2 * arm) / seats;
+/// Seat and back cushions from x on; the seats reach forward to `front`.
+void seat_cushions(Kit& k, double x, double each, unsigned seats, double front) {
+  const double back = -k.d / 2;
   for (unsigned i = 0; i < seats; ++i) {
-    const double c0 = x0 + arm + each * i;
-    k.soft(m, {c0 + 0.004, -y + 0.2, 0.29}, {c0 + each - 0.004, y, 0.45}, 0.045);
-    k.soft(m, {c0 + 0.01, -y + 0.14, 0.43}, {c0 + each - 0.01, -y + 0.34, k.h}, 0.07);
+    const double c0 = x + each * i;
+    k.soft(k.main, {c0 + 0.004, back + 0.2, 0.29}, {c0 + each - 0.004, front, 0.45}, 0.045);
+    k.soft(k.main, {c0 + 0.01, back + 0.14, 0.43}, {c0 + each - 0.01, back + 0.34, k.h}, 0.07);
   }
 }
 
-/// Boxy, on turned legs with a frame of wood, corner sofa, chesterfield-like.
-void sofa(Kit& k, int variant) {
-  const looks::NamedMaterial& m = k.style.fabric;
-  k.spoken(m);
-  const double x = k.w / 2, y = k.d / 2;
-  const auto seats = k.w > 1.9 ? 3U : 2U;
-  if (variant == 0) {
-    k.box(k.style.black, {-x + 0.05, -y + 0.05, 0}, {x - 0.05, y - 0.08, 0.13});
-    sofa_body(k, m, -x, x, 0.2, 0.62, seats);
-  } else if (variant == 1) {
+void boxy_sofa(Kit& k, double x, double y) {
+  const double arm = 0.2;
+  const unsigned seats = k.w > 1.9 ? 3 : 2;
+  k.box(k.style.black, {-x + 0.05, -y + 0.05, 0}, {x - 0.05, y - 0.08, 0.13});
+  k.soft(k.main, {-x, -y, 0.12}, {x, y - 0.03, 0.30}, 0.03);
+  k.soft(k.main, {-x, -y, 0.2}, {x, -y + 0.2, k.h - 0.05}, 0.05);
+  for (const double a : {-x, x - arm}) {
+    k.soft(k.main, {a, -y + 0.03, 0.12}, {a + arm, y - 0.02, 0.62}, 0.06);
+  }
+  seat_cushions(k, -x + arm, (k.w - 2 * arm) / seats, seats, y);
+}
+
+/// Boxy, on turned legs with a frame of wood, with rolls along its back and arms.
+void sofa(Kit& k, double x, double y) {
+  if (k.variant == 0) return boxy_sofa(k, x, y);
+  if (k.variant == 1) {
     k.legs(k.style.wood, 0.2, 0.025, 0.04, true);
     k.box(k.style.wood, {-x, -y, 0.18}, {x, y - 0.02, 0.24});
-    k.soft(m, {-x + 0.02, -y, 0.24}, {x - 0.02, -y + 0.18, k.h}, 0.06);
-    k.soft(m, {-x + 0.02, -y + 0.16, 0.24}, {x - 0.02, y, 0.45}, 0.05);
-    for (const double s : {-1.0, 1.0}) {
-      const double a = s * (x - 0.03);
-      k.box(k.style.wood, {a - 0.03, -y + 0.1, 0.56}, {a + 0.03, y - 0.03, 0.60});
-      k.box(k.style.wood, {a - 0.02, y - 0.09, 0.2}, {a + 0.02, y - 0.05, 0.57});
-    }
+    k.soft(k.main, {-x + 0.02, -y, 0.24}, {x - 0.02, -y + 0.18, k.h}, 0.06);
+    k.soft(k.main, {-x + 0.02, -y + 0.16, 0.24}, {x - 0.02, y, 0.45}, 0.05);
+    const double arm = x - 0.03;
+    k.pairs(k.style.wood, {{{arm - 0.03, -y + 0.1, 0.56}, {arm + 0.03, y - 0.03, 0.60}},
+                           {{arm - 0.02, y - 0.09, 0.2}, {arm + 0.02, y - 0.05, 0.57}}});
   } else {
     k.legs(k.style.wood, 0.13, 0.03, 0.05, true);
-    k.soft(m, {-x, -y, 0.12}, {x, y - 0.04, 0.32}, 0.04);
-    k.soft(m, {-x + 0.16, -y + 0.2, 0.3}, {x - 0.16, y, 0.46}, 0.06);
-    k.soft(m, {-x, -y, 0.25}, {x, -y + 0.22, k.h - 0.05}, 0.05);
-    k.bar(m, {-x, -y + 0.12, k.h - 0.1}, {x, -y + 0.12, k.h - 0.1}, 0.1, 10);
+    k.soft(k.main, {-x, -y, 0.12}, {x, y - 0.04, 0.32}, 0.04);
+    k.soft(k.main, {-x + 0.16, -y + 0.2, 0.3}, {x - 0.16, y, 0.46}, 0.06);
+    k.soft(k.main, {-x, -y, 0.25}, {x, -y + 0.22, k.h - 0.05}, 0.05);
+    k.bar(k.main, {-x, -y + 0.12, k.h - 0.1}, {x, -y + 0.12, k.h - 0.1}, 0.1, 10);
     for (const double s : {-1.0, 1.0}) {
       const double a = s * (x - 0.11);
-      k.soft(m, {a - 0.1, -y + 0.04, 0.2}, {a + 0.1, y - 0.04, k.h - 0.14}, 0.04);
-      k.bar(m, {a, -y + 0.1, k.h - 0.14}, {a, y - 0.02, k.h - 0.14}, 0.11, 10);
+      k.soft(k.main, {a - 0.1, -y + 0.04, 0.2}, {a + 0.1, y - 0.04, k.h - 0.14}, 0.04);
+      k.bar(k.main, {a, -y + 0.1, k.h - 0.14}, {a, y - 0.02, k.h - 0.14}, 0.11, 10);
     }
   }
 }
 
 /// Its long end is at +x.
-void corner_sofa(Kit& k, int) {
-  const looks::NamedMaterial& m = k.style.fabric;
-  k.spoken(m);
-  const double x = k.w / 2, y = k.d / 2, deep = 0.92;
-  const double front = -y + deep;
-  k.soft(m, {-x, -y, 0.06}, {x - 0.8, front - 0.03, 0.30}, 0.03);
-  k.soft(m, {-x, -y, 0.2}, {x, -y + 0.2, k.h - 0.05}, 0.05);
-  k.soft(m, {-x, -y + 0.03, 0.06}, {-x + 0.2, front - 0.02, 0.6}, 0.06);
-  const double each = (k.w - 0.2 - 0.8) / 2;
-  for (int i = 0; i < 2; ++i) {
-    const double c0 = -x + 0.2 + each * i;
-    k.soft(m, {c0 + 0.004, -y + 0.2, 0.29}, {c0 + each - 0.004, front, 0.45}, 0.045);
-    k.soft(m, {c0 + 0.01, -y + 0.14, 0.43}, {c0 + each - 0.01, -y + 0.34, k.h}, 0.07);
-  }
-  k.soft(m, {x - 0.8, -y + 0.14, 0.43}, {x - 0.02, -y + 0.34, k.h}, 0.07);
+void corner_sofa(Kit& k, double x, double y) {
+  const double front = -y + 0.92;
+  k.soft(k.main, {-x, -y, 0.06}, {x - 0.8, front - 0.03, 0.30}, 0.03);
+  k.soft(k.main, {-x, -y, 0.2}, {x, -y + 0.2, k.h - 0.05}, 0.05);
+  k.soft(k.main, {-x, -y + 0.03, 0.06}, {-x + 0.2, front - 0.02, 0.6}, 0.06);
+  seat_cushions(k, -x + 0.2, (k.w - 0.2 - 0.8) / 2, 2, front);
+  k.soft(k.main, {x - 0.8, -y + 0.14, 0.43}, {x - 0.02, -y + 0.34, k.h}, 0.07);
   k.part();
-  k.soft(m, {x - 0.8, -y + 0.1, 0.06}, {x, y - 0.03, 0.30}, 0.03);
-  k.soft(m, {x - 0.8, -y + 0.2, 0.29}, {x, y, 0.45}, 0.045);
+  k.soft(k.main, {x - 0.8, -y + 0.1, 0.06}, {x, y - 0.03, 0.30}, 0.03);
+  k.soft(k.main, {x - 0.8, -y + 0.2, 0.29}, {x, y, 0.45}, 0.045);
 }
 
 /// Bar stools: plain, with a back, of three legs.
-void stool(Kit& k, int variant) {
-  const double x = k.w / 2;
-  k.spoken(variant == 1 ? k.style.fabric2 : k.style.wood);
-  if (variant == 1) {
+void stool(Kit& k, double x, double) {
+  if (k.variant == 1) {
     k.cylinder(k.style.metal, {0, 0, 0}, x, x, 0.025, 16);
     k.cylinder(k.style.metal, {0, 0, 0.02}, 0.025, 0.025, k.h - 0.3, 8);
-    k.cylinder(k.style.fabric2, {0, 0, k.h - 0.31}, x * 0.95, x, 0.08, 16);
-    k.soft(k.style.fabric2, {-x * 0.8, -x, k.h - 0.2}, {x * 0.8, -x + 0.05, k.h}, 0.02);
+    k.cylinder(k.main, {0, 0, k.h - 0.31}, x * 0.95, x, 0.08, 16);
+    k.soft(k.main, {-x * 0.8, -x, k.h - 0.2}, {x * 0.8, -x + 0.05, k.h}, 0.02);
     k.box(k.style.metal, {-0.02, -x, k.h - 0.3}, {0.02, -x + 0.02, k.h - 0.15});
     return;
   }
-  const int legs = variant == 0 ? 4 : 3;
-  for (int i = 0; i < legs; ++i) {
-    const double angle = 2 * std::numbers::pi * (i + 0.5) / legs, r = x - 0.02;
-    k.bar(k.style.wood, {r * std::cos(angle), r * std::sin(angle), 0.012},
-          {0.6 * r * std::cos(angle), 0.6 * r * std::sin(angle), k.h - 0.04}, 0.016, 6);
-  }
-  k.cylinder(k.style.wood, {0, 0, k.h - 0.05}, x * 0.92, x, 0.05, 16);
+  const double r = x - 0.02;
+  k.splayed_legs(k.main, k.variant == 0 ? 4 : 3, 0.5, {{{r, 0.012}, {0.6 * r, k.h - 0.04}}}, 0.016);
+  k.cylinder(k.main, {0, 0, k.h - 0.05}, x * 0.92, x, 0.05, 16);
   k.cylinder(k.style.metal, {0, 0, k.h * 0.35}, x * 0.75, x * 0.75, 0.015, 16);
 }
 
 /// Ottomans: a drum, a block on legs.
-void ottoman(Kit& k, int variant) {
-  k.spoken(k.style.fabric2);
-  const double x = k.w / 2, y = k.d / 2;
-  if (variant == 0) {
+void ottoman(Kit& k, double x, double y) {
+  if (k.variant == 0) {
     k.cylinder(k.style.wood, {0, 0, 0}, x * 0.9, x * 0.9, 0.04, 18);
-    const std::array<std::array<double, 2>, 6> drum{
-        {{0, 0.04}, {x * 0.96, 0.05}, {x, 0.1}, {x, k.h - 0.06}, {x * 0.93, k.h - 0.01}, {0, k.h}}};
-    k.lathe(k.style.fabric2, {0, 0, 0}, drum, 18);
+    k.lathe(k.main, {0, 0, 0}, 18, 1, Ring{0, 0.04}, Ring{x * 0.96, 0.05}, Ring{x, 0.1},
+            Ring{x, k.h - 0.06}, Ring{x * 0.93, k.h - 0.01}, Ring{0, k.h});
   } else {
     k.legs(k.style.wood, 0.14, 0.02, 0.03, true);
-    k.soft(k.style.fabric2, {-x, -y, 0.13}, {x, y, k.h}, 0.05);
+    k.soft(k.main, {-x, -y, 0.13}, {x, y, k.h}, 0.05);
   }
 }
 
 /// Planks on trestles, padded, with a back.
-void bench(Kit& k, int variant) {
-  const double x = k.w / 2, y = k.d / 2, seat = variant == 2 ? 0.45 : k.h;
-  k.spoken(variant == 1 ? k.style.fabric2 : k.style.wood);
-  if (variant == 1) {
+void bench(Kit& k, double x, double y) {
+  const double seat = k.variant == 2 ? 0.45 : k.h;
+  if (k.variant == 1) {
     k.legs(k.style.metal, seat - 0.1, 0.018, 0.03);
-    k.soft(k.style.fabric2, {-x, -y, seat - 0.11}, {x, y, seat}, 0.04);
+    k.soft(k.main, {-x, -y, seat - 0.11}, {x, y, seat}, 0.04);
     return;
   }
   for (const double s : {-1.0, 1.0}) {
     const double at = s * (x - 0.12);
-    k.box(k.style.wood, {at - 0.025, -y + 0.03, 0}, {at + 0.025, y - 0.03, seat - 0.04});
-    if (variant == 2) k.box(k.style.wood, {at - 0.025, -y, 0}, {at + 0.025, -y + 0.04, k.h});
+    k.box(k.main, {at - 0.025, -y + 0.03, 0}, {at + 0.025, y - 0.03, seat - 0.04});
+    if (k.variant == 2) k.box(k.main, {at - 0.025, -y, 0}, {at + 0.025, -y + 0.04, k.h});
   }
-  k.box(k.style.wood, {-x, -y, seat - 0.045}, {x, y, seat});
-  if (variant == 0) k.box(k.style.wood, {-x + 0.1, -0.02, 0.15}, {x - 0.1, 0.02, 0.2});
-  if (variant == 2) {
+  k.box(k.main, {-x, -y, seat - 0.045}, {x, y, seat});
+  if (k.variant == 0) k.box(k.main, {-x + 0.1, -0.02, 0.15}, {x - 0.1, 0.02, 0.2});
+  if (k.variant == 2) {
     for (const double z : {0.55, 0.68, 0.81}) {
-      if (z + 0.08 <= k.h) k.box(k.style.wood, {-x, -y + 0.01, z}, {x, -y + 0.035, z + 0.08});
+      if (z + 0.08 <= k.h) k.box(k.main, {-x, -y + 0.01, z}, {x, -y + 0.035, z + 0.08});
     }
   }
 }
 
-constexpr std::array kShapes{
-    Shape{"chair", kChair, chair, 0, {0.44, 0.46, 0.92}},
-    Shape{"chair", kChair, chair, 1, {0.44, 0.46, 0.86}},
-    Shape{"chair", kChair, chair, 2, {0.47, 0.52, 0.96}},
-    Shape{"chair", kChair, chair, 3, {0.50, 0.50, 0.80}},
-    Shape{"office chair", kChair, office_chair, 0, {0.62, 0.62, 1.02}},
-    Shape{"office chair", kChair, office_chair, 1, {0.58, 0.58, 0.88}},
-    Shape{"armchair", kChair, armchair, 0, {0.86, 0.84, 0.80}},
-    Shape{"armchair", kChair, armchair, 1, {0.78, 0.80, 1.04}},
-    Shape{"armchair", kChair, armchair, 2, {0.80, 0.78, 0.76}},
-    Shape{"patio chair", kChair, patio_chair, 0, {0.56, 0.58, 0.92}},
-    Shape{"sofa", kSofa, sofa, 0, {2.10, 0.92, 0.82}},
-    Shape{"sofa", kSofa, sofa, 1, {1.95, 0.82, 0.80}},
-    Shape{"sofa", kSofa, sofa, 2, {2.05, 0.90, 0.78}},
-    Shape{"loveseat", kSofa, sofa, 0, {1.50, 0.88, 0.82}},
-    Shape{"loveseat", kSofa, sofa, 1, {1.40, 0.80, 0.80}},
-    Shape{"corner sofa", kSofa, corner_sofa, 0, {2.60, 1.70, 0.80}, "l shape sofa"},
-    Shape{"bar stool", kStool, stool, 0, {0.36, 0.36, 0.68}, "stool"},
-    Shape{"bar stool", kStool, stool, 1, {0.40, 0.40, 0.92}, "stool"},
-    Shape{"bar stool", kStool, stool, 2, {0.36, 0.36, 0.66}, "stool"},
-    Shape{"stool", kStool, stool, 0, {0.36, 0.36, 0.45}},
-    Shape{"stool", kStool, stool, 2, {0.34, 0.34, 0.44}},
-    Shape{"ottoman", kStool, ottoman, 0, {0.52, 0.52, 0.42}},
-    Shape{"ottoman", kStool, ottoman, 1, {0.66, 0.50, 0.40}},
-    Shape{"bench", kSeating, bench, 0, {1.20, 0.36, 0.45}},
-    Shape{"bench", kSeating, bench, 1, {1.15, 0.40, 0.47}},
-    Shape{"bench", kSeating, bench, 2, {1.25, 0.45, 0.90}},
+constexpr Shape kShapes[] = {
+    {"chair", kChair, chair, 0, {0.44, 0.46, 0.92}, &Style::wood},
+    {"chair", kChair, chair, 1, {0.44, 0.46, 0.86}, &Style::wood},
+    {"chair", kChair, chair, 2, {0.47, 0.52, 0.96}, &Style::fabric},
+    {"chair", kChair, chair, 3, {0.50, 0.50, 0.80}, &Style::fabric2},
+    {"office chair", kChair, office_chair, 0, {0.62, 0.62, 1.02}, &Style::black},
+    {"office chair", kChair, office_chair, 1, {0.58, 0.58, 0.88}, &Style::fabric},
+    {"armchair", kChair, armchair, 0, {0.86, 0.84, 0.80}, &Style::fabric},
+    {"armchair", kChair, armchair, 1, {0.78, 0.80, 1.04}, &Style::fabric},
+    {"armchair", kChair, armchair, 2, {0.80, 0.78, 0.76}, &Style::fabric},
+    {"patio chair", kChair, patio_chair, 0, {0.56, 0.58, 0.92}, &Style::wood2},
+    {"sofa", kSofa, sofa, 0, {2.10, 0.92, 0.82}, &Style::fabric},
+    {"sofa", kSofa, sofa, 1, {1.95, 0.82, 0.80}, &Style::fabric},
+    {"sofa", kSofa, sofa, 2, {2.05, 0.90, 0.78}, &Style::fabric},
+    {"loveseat", kSofa, sofa, 0, {1.50, 0.88, 0.82}, &Style::fabric},
+    {"loveseat", kSofa, sofa, 1, {1.40, 0.80, 0.80}, &Style::fabric},
+    {"corner sofa", kSofa, corner_sofa, 0, {2.60, 1.70, 0.80}, &Style::fabric, "l shape sofa"},
+    {"bar stool", kStool, stool, 0, {0.36, 0.36, 0.68}, &Style::wood, "stool"},
+    {"bar stool", kStool, stool, 1, {0.40, 0.40, 0.92}, &Style::fabric2, "stool"},
+    {"bar stool", kStool, stool, 2, {0.36, 0.36, 0.66}, &Style::wood, "stool"},
+    {"stool", kStool, stool, 0, {0.36, 0.36, 0.45}, &Style::wood},
+    {"stool", kStool, stool, 2, {0.34, 0.34, 0.44}, &Style::wood},
+    {"ottoman", kStool, ottoman, 0, {0.52, 0.52, 0.42}, &Style::fabric2},
+    {"ottoman", kStool, ottoman, 1, {0.66, 0.50, 0.40}, &Style::fabric2},
+    {"bench", kSeating, bench, 0, {1.20, 0.36, 0.45}, &Style::wood},
+    {"bench", kSeating, bench, 1, {1.15, 0.40, 0.47}, &Style::fabric2},
+    {"bench", kSeating, bench, 2, {1.25, 0.45, 0.90}, &Style::wood},
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// \file  What the walls, the furniture and the lamps of a home are added to, room by room.
+/// \file  A room to be furnished, and the parts of a home that walls and furniture are added to.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -15,16 +15,18 @@ struct RoomSpace {
   char type = '-';
   Rect floor;  ///< inner faces of its walls, world
   double floor_z = 0, ceiling_z = 2.6;
-  /// Pieces of its walls with doors, arches or windows: nothing stands in front of doors; below
-  /// windows only what is lower than the sill.
+  /// A piece of a wall with a door, an arch or a window. Nothing stands in front of doors and
+  /// arches; in front of windows only what is lower than the sill.
   struct WallHole {
     Side wall = Side::kPlusX;
     double from = 0, to = 0;      ///< x or y along the wall
     double sill = 0, head = 2.1;  ///< above the floor; a sill of 0 is a door or an arch
+    bool is_door() const { return sill <= 0.05; }
+    double middle() const { return (from + to) / 2; }
   };
   std::vector<WallHole> holes;
-  std::vector<Rect> no_way;      ///< flights and their holes: nobody walks across
-  std::vector<Rect> keep_clear;  ///< where doors swing, stairs begin, people pass: nothing stands
+  std::vector<Rect> no_way;      ///< flights and their holes, which nobody walks across
+  std::vector<Rect> keep_clear;  ///< where doors swing, stairs begin or people pass
 };
 
 /// What furnishing adds to.

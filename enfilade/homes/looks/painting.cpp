@@ -16,22 +16,14 @@ using image::Noise;
 using image::Rgb;
 
 Rgb any_colour(Rng& rng) {
-  constexpr std::array<Rgb, 12> kColours{{{0.78, 0.20, 0.16},
-                                          {0.90, 0.55, 0.18},
-                                          {0.95, 0.80, 0.35},
-                                          {0.25, 0.48, 0.34},
-                                          {0.14, 0.30, 0.52},
-                                          {0.35, 0.62, 0.72},
-                                          {0.45, 0.25, 0.45},
-                                          {0.93, 0.90, 0.82},
-                                          {0.15, 0.15, 0.18},
-                                          {0.80, 0.62, 0.56},
-                                          {0.55, 0.60, 0.42},
-                                          {0.62, 0.42, 0.28}}};
-  return kColours[rng.below(kColours.size())];
+  constexpr Rgb kColours[] = {{0.78, 0.20, 0.16}, {0.90, 0.55, 0.18}, {0.95, 0.80, 0.35},
+                              {0.25, 0.48, 0.34}, {0.14, 0.30, 0.52}, {0.35, 0.62, 0.72},
+                              {0.45, 0.25, 0.45}, {0.93, 0.90, 0.82}, {0.15, 0.15, 0.18},
+                              {0.80, 0.62, 0.56}, {0.55, 0.60, 0.42}, {0.62, 0.42, 0.28}};
+  return kColours[rng.below(std::size(kColours))];
 }
 
-/// With brush strokes all over it.
+/// Paints a picture with brush strokes all over it.
 image::Image8 paint(std::uint32_t width, std::uint32_t height, const Noise& strokes,
                     const std::function<Rgb(double u, double v)>& colour) {
   return image::paint(width, height, [&](double u, double v) {
@@ -39,49 +31,34 @@ image::Image8 paint(std::uint32_t width, std::uint32_t height, const Noise& stro
   });
 }
 
+/// Colours of a landscape: the sky above and at the horizon, far and near hills, the sun.
 struct Scene {
   Rgb high, low, far, near, sun;
-  double horizon = 0.5, sun_x = 0.5;
-  bool sea = false;
 };
-
-constexpr std::array<Scene, 4> kScenes{{
-    {{0.35, 0.55, 0.80},
-     {0.85, 0.88, 0.88},
-     {0.45, 0.58, 0.62},
-     {0.25, 0.42, 0.20},
-     {1.0, 0.96, 0.8}},
-    {{0.30, 0.28, 0.50},
-     {0.96, 0.62, 0.36},
-     {0.45, 0.30, 0.42},
-     {0.16, 0.12, 0.18},
-     {1.0, 0.9, 0.6}},
-    {{0.62, 0.70, 0.74},
-     {0.90, 0.89, 0.84},
-     {0.62, 0.66, 0.66},
-     {0.40, 0.42, 0.34},
-     {0.98, 0.97, 0.92}},
-    {{0.20, 0.42, 0.66},
-     {0.92, 0.85, 0.68},
-     {0.72, 0.55, 0.36},
-     {0.70, 0.52, 0.25},
-     {1.0, 0.98, 0.85}},
-}};
+constexpr Scene kScenes[] = {
+    Scene{Rgb{0.35, 0.55, 0.80}, Rgb{0.85, 0.88, 0.88}, Rgb{0.45, 0.58, 0.62},
+          Rgb{0.25, 0.42, 0.20}, Rgb{1.0, 0.96, 0.8}},
+    Scene{Rgb{0.30, 0.28, 0.50}, Rgb{0.96, 0.62, 0.36}, Rgb{0.45, 0.30, 0.42},
+          Rgb{0.16, 0.12, 0.18}, Rgb{1.0, 0.9, 0.6}},
+    Scene{Rgb{0.62, 0.70, 0.74}, Rgb{0.90, 0.89, 0.84}, Rgb{0.62, 0.66, 0.66},
+          Rgb{0.40, 0.42, 0.34}, Rgb{0.98, 0.97, 0.92}},
+    Scene{Rgb{0.20, 0.42, 0.66}, Rgb{0.92, 0.85, 0.68}, Rgb{0.72, 0.55, 0.36},
+          Rgb{0.70, 0.52, 0.25}, Rgb{1.0, 0.98, 0.85}},
+};
 
 /// Sky over ranges of hills, or over the sea.
 image::Image8 landscape(Rng& rng, std::uint32_t width, std::uint32_t height) {
   const Noise noise(rng.next());
-  Scene s = kScenes[rng.below(kScenes.size())];
-  s.horizon = 0.40 + 0.25 * rng.uniform();
-  s.sun_x = 0.2 + 0.6 * rng.uniform();
-  s.sea = rng.below(3) == 0;
-  return paint(width, height, noise, [&, s](double u, double v) {
-    const double dx = (u - s.sun_x) * width / height, dy = v - s.horizon * 0.6;
-    Rgb c = mix(s.high, s.low, std::min(1.0, v / s.horizon));
+  const Scene& s = kScenes[rng.below(std::size(kScenes))];
+  const double horizon = 0.40 + 0.25 * rng.uniform(), sun_x = 0.2 + 0.6 * rng.uniform();
+  const bool sea = rng.below(3) == 0;
+  return paint(width, height, noise, [&](double u, double v) {
+    const double dx = (u - sun_x) * width / height, dy = v - horizon * 0.6;
+    Rgb c = mix(s.high, s.low, std::min(1.0, v / horizon));
     c = mix(c, {0.97, 0.96, 0.94}, 0.5 * std::max(0.0, noise.cloud(u, v * 2, 3, 4) - 0.45));
     if (dx * dx + dy * dy < 0.004) c = s.sun;
-    if (s.sea) {
-      if (v > s.horizon) {
+    if (sea) {
+      if (v > horizon) {
         const double wave = noise.at(u * 7, v * 46, 64, 64);
         c = mix(image::shade(s.high, 0.75), s.low, 0.15 + 0.5 * wave * wave);
       }
@@ -90,7 +67,7 @@ image::Image8 landscape(Rng& rng, std::uint32_t width, std::uint32_t height) {
     }
     for (unsigned ridge = 0; ridge < 4; ++ridge) {
       const double t = ridge / 3.0;
-      const double top = s.horizon - 0.08 + 0.16 * ridge +
+      const double top = horizon - 0.08 + 0.16 * ridge +
                          (0.22 - 0.04 * ridge) * (noise.cloud(u, 0.1 + 0.2 * ridge, 3, 4) - 0.5);
       if (v > top) c = image::shade(mix(s.far, s.near, t), 0.85 + 0.3 * noise.cloud(u, v, 12, 2));
     }
@@ -137,7 +114,7 @@ image::Image8 fields(Rng& rng, std::uint32_t width, std::uint32_t height) {
   });
 }
 
-/// Somebody who never lived.
+/// Head and shoulders of an invented person.
 image::Image8 portrait(Rng& rng, std::uint32_t width, std::uint32_t height) {
   const Rgb ground = image::shade(any_colour(rng), 0.5), coat = any_colour(rng);
   constexpr std::array<Rgb, 3> kSkins{{{0.88, 0.70, 0.58}, {0.62, 0.43, 0.31}, {0.40, 0.27, 0.20}}};

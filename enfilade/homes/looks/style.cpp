@@ -1,12 +1,12 @@
 #include "enfilade/homes/looks/style.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <span>
 #include <string_view>
 #include <utility>
 
+#include "enfilade/homes/plan/model.h"
 #include "enfilade/image/textures.h"
 #include "enfilade/image/tone.h"
 
@@ -14,6 +14,7 @@ namespace enfilade::homes::looks {
 namespace {
 
 using image::Rgb;
+using plan::is_one_of;
 
 struct NamedColour {
   std::string_view name;
@@ -21,57 +22,47 @@ struct NamedColour {
 };
 
 // What walls are painted with, most usual first; no two of one name.
-constexpr std::array<NamedColour, 12> kWallColours{{{"white", {0.93, 0.92, 0.90}},
-                                                    {"cream", {0.93, 0.88, 0.76}},
-                                                    {"light grey", {0.78, 0.79, 0.80}},
-                                                    {"beige", {0.84, 0.76, 0.64}},
-                                                    {"light blue", {0.68, 0.79, 0.87}},
-                                                    {"light green", {0.74, 0.83, 0.71}},
-                                                    {"yellow", {0.93, 0.84, 0.55}},
-                                                    {"dark blue", {0.22, 0.31, 0.46}},
-                                                    {"olive green", {0.52, 0.53, 0.36}},
-                                                    {"terracotta", {0.76, 0.47, 0.35}},
-                                                    {"pink", {0.90, 0.74, 0.73}},
-                                                    {"lilac", {0.76, 0.70, 0.84}}}};
-constexpr std::array<NamedColour, 8> kAccentColours{{{"red", {0.72, 0.14, 0.13}},
-                                                     {"dark blue", {0.13, 0.20, 0.42}},
-                                                     {"green", {0.23, 0.48, 0.28}},
-                                                     {"orange", {0.86, 0.47, 0.16}},
-                                                     {"grey", {0.50, 0.51, 0.53}},
-                                                     {"turquoise", {0.15, 0.55, 0.56}},
-                                                     {"purple", {0.43, 0.22, 0.49}},
-                                                     {"beige", {0.82, 0.74, 0.60}}}};
-constexpr std::array<NamedColour, 10> kFabricColours{{{"grey", {0.52, 0.53, 0.55}},
-                                                      {"dark blue", {0.17, 0.24, 0.40}},
-                                                      {"beige", {0.80, 0.72, 0.60}},
-                                                      {"green", {0.27, 0.42, 0.30}},
-                                                      {"brown", {0.40, 0.26, 0.17}},
-                                                      {"red", {0.62, 0.17, 0.16}},
-                                                      {"light blue", {0.55, 0.68, 0.80}},
-                                                      {"mustard yellow", {0.80, 0.62, 0.22}},
-                                                      {"black", {0.13, 0.13, 0.14}},
-                                                      {"pink", {0.84, 0.58, 0.60}}}};
-constexpr std::array<NamedColour, 6> kWoods{{{"light brown", {0.75, 0.57, 0.37}},
-                                             {"brown", {0.55, 0.36, 0.21}},
-                                             {"dark brown", {0.34, 0.22, 0.15}},
-                                             {"white", {0.90, 0.89, 0.86}},
-                                             {"reddish brown", {0.52, 0.26, 0.16}},
-                                             {"grey", {0.62, 0.59, 0.55}}}};
-constexpr std::array<NamedColour, 4> kTiles{{{"white", {0.92, 0.93, 0.92}},
-                                             {"light blue", {0.62, 0.77, 0.84}},
-                                             {"green", {0.45, 0.62, 0.52}},
-                                             {"beige", {0.85, 0.78, 0.67}}}};
-constexpr std::array<NamedColour, 8> kPaints{{{"red", {0.70, 0.16, 0.14}},
-                                              {"blue", {0.18, 0.34, 0.62}},
-                                              {"green", {0.22, 0.47, 0.27}},
-                                              {"yellow", {0.92, 0.76, 0.24}},
-                                              {"orange", {0.87, 0.48, 0.18}},
-                                              {"purple", {0.42, 0.25, 0.50}},
-                                              {"cream", {0.91, 0.87, 0.77}},
-                                              {"brown", {0.42, 0.29, 0.19}}}};
+constexpr NamedColour kWallColours[] = {
+    {"white", {0.93, 0.92, 0.90}},       {"cream", {0.93, 0.88, 0.76}},
+    {"light grey", {0.78, 0.79, 0.80}},  {"beige", {0.84, 0.76, 0.64}},
+    {"light blue", {0.68, 0.79, 0.87}},  {"light green", {0.74, 0.83, 0.71}},
+    {"yellow", {0.93, 0.84, 0.55}},      {"dark blue", {0.22, 0.31, 0.46}},
+    {"olive green", {0.52, 0.53, 0.36}}, {"terracotta", {0.76, 0.47, 0.35}},
+    {"pink", {0.90, 0.74, 0.73}},        {"lilac", {0.76, 0.70, 0.84}}};
+constexpr NamedColour kAccentColours[] = {
+    {"red", {0.72, 0.14, 0.13}},    {"dark blue", {0.13, 0.20, 0.42}},
+    {"green", {0.23, 0.48, 0.28}},  {"orange", {0.86, 0.47, 0.16}},
+    {"grey", {0.50, 0.51, 0.53}},   {"turquoise", {0.15, 0.55, 0.56}},
+    {"purple", {0.43, 0.22, 0.49}}, {"beige", {0.82, 0.74, 0.60}}};
+constexpr NamedColour kFabricColours[] = {
+    {"grey", {0.52, 0.53, 0.55}},       {"dark blue", {0.17, 0.24, 0.40}},
+    {"beige", {0.80, 0.72, 0.60}},      {"green", {0.27, 0.42, 0.30}},
+    {"brown", {0.40, 0.26, 0.17}},      {"red", {0.62, 0.17, 0.16}},
+    {"light blue", {0.55, 0.68, 0.80}}, {"mustard yellow", {0.80, 0.62, 0.22}},
+    {"black", {0.13, 0.13, 0.14}},      {"pink", {0.84, 0.58, 0.60}}};
+constexpr NamedColour kWoods[] = {
+    {"light brown", {0.75, 0.57, 0.37}},   {"brown", {0.55, 0.36, 0.21}},
+    {"dark brown", {0.34, 0.22, 0.15}},    {"white", {0.90, 0.89, 0.86}},
+    {"reddish brown", {0.52, 0.26, 0.16}}, {"grey", {0.62, 0.59, 0.55}}};
+constexpr NamedColour kTiles[] = {{"white", {0.92, 0.93, 0.92}},
+                                  {"light blue", {0.62, 0.77, 0.84}},
+                                  {"green", {0.45, 0.62, 0.52}},
+                                  {"beige", {0.85, 0.78, 0.67}}};
+constexpr NamedColour kCarpets[] = {{"beige", {0.75, 0.68, 0.57}},
+                                    {"grey", {0.55, 0.55, 0.56}},
+                                    {"light grey", {0.72, 0.71, 0.69}},
+                                    {"dark blue", {0.25, 0.30, 0.40}}};
+constexpr NamedColour kMetals[] = {
+    {"silver", {0.72, 0.72, 0.73}}, {"golden", {0.80, 0.63, 0.33}}, {"black", {0.12, 0.12, 0.13}}};
+constexpr NamedColour kPaints[] = {{"red", {0.70, 0.16, 0.14}},    {"blue", {0.18, 0.34, 0.62}},
+                                   {"green", {0.22, 0.47, 0.27}},  {"yellow", {0.92, 0.76, 0.24}},
+                                   {"orange", {0.87, 0.48, 0.18}}, {"purple", {0.42, 0.25, 0.50}},
+                                   {"cream", {0.91, 0.87, 0.77}},  {"brown", {0.42, 0.29, 0.19}}};
 
-float linear(double srgb) { return static_cast<float>(image::linear_from_srgb(srgb)); }
-Vec3f linear(Rgb c) { return {linear(c.r), linear(c.g), linear(c.b)}; }
+Vec3f linear(Rgb c) {
+  return to_float(
+      {image::linear_from_srgb(c.r), image::linear_from_srgb(c.g), image::linear_from_srgb(c.b)});
+}
 
 /// Adds materials; what they are made of is drawn from one stream.
 struct Palette {
@@ -79,26 +70,33 @@ struct Palette {
   Rng rng;
   Surfaces surfaces;
 
+  NamedMaterial add(mesh::Material m, double size, std::string_view colour,
+                    std::string_view material) {
+    m.name = std::string(colour) + " " + std::string(material);
+    return {builder.add_material(std::move(m), size), std::string(colour), std::string(material)};
+  }
   NamedMaterial textured(const image::Texture& texture, double size, std::string_view colour,
                          std::string_view material, float mirror = 0) {
     mesh::Material m;
-    m.name = std::string(colour) + " " + std::string(material);
     m.colour = {1, 1, 1};
     if (surfaces == Surfaces::kTextured) m.texture = texture();
     m.mirror = mirror;
-    return {builder.add_material(std::move(m), size), std::string(colour), std::string(material)};
+    return add(std::move(m), size, colour, material);
+  }
+  NamedMaterial tiled(const image::Texture& texture, double size, std::string_view colour) {
+    return textured(texture, size, colour, "tiled", 0.03F);
   }
   NamedMaterial plain(Rgb value, std::string_view colour, std::string_view material,
                       float mirror = 0, Vec3f emission = {}) {
     mesh::Material m;
-    m.name = std::string(colour) + " " + std::string(material);
     m.colour = linear(value);
     m.mirror = mirror;
     m.emission = emission;
-    return {builder.add_material(std::move(m), 1), std::string(colour), std::string(material)};
+    return add(std::move(m), 1, colour, material);
   }
-  template <std::size_t n>
-  std::array<NamedColour, n> shuffled(std::array<NamedColour, n> colours, std::size_t keep = 0) {
+  /// The colours in a random order, the first `keep` in their own.
+  std::vector<NamedColour> shuffled(std::span<const NamedColour> all, std::size_t keep = 0) {
+    std::vector<NamedColour> colours(all.begin(), all.end());
     rng.shuffle(std::span(colours).subspan(keep));
     return colours;
   }
@@ -133,50 +131,43 @@ void make_walls(Palette& palette, HomeMaterials& home, std::size_t rooms) {
   palette.rng.shuffle(std::span(home.walls));
   const auto tiles = palette.shuffled(kTiles);
   for (std::size_t i = 0; i < 3; ++i) {
-    const Rgb c = tiles[i].value, grout = image::mix(c, {0.55, 0.55, 0.55}, 0.45);
-    home.wet_walls.push_back(i % 2 == 0
-                                 ? palette.textured(image::bricks(palette.rng, c, grout, 8, 0.25),
-                                                    0.9, tiles[i].name, "tiled", 0.03F)
-                                 : palette.textured(image::tiles(palette.rng, c, c, grout, 5), 1,
-                                                    tiles[i].name, "tiled", 0.03F));
+    const auto [name, c] = tiles[i];
+    const Rgb grout = image::mix(c, {0.55, 0.55, 0.55}, 0.45);
+    home.wet_walls.push_back(
+        i % 2 == 0 ? palette.tiled(image::bricks(palette.rng, c, grout, 8, 0.25), 0.9, name)
+                   : palette.tiled(image::tiles(palette.rng, c, c, grout, 5), 1, name));
   }
-  home.features.push_back(
-      palette.textured(image::bricks(palette.rng, {0.62, 0.33, 0.24}, {0.74, 0.71, 0.66}, 12, 1), 1,
-                       "red", "brick"));
-  home.features.push_back(palette.textured(
-      image::wallpaper(palette.rng, {0.25, 0.36, 0.33}, {0.62, 0.62, 0.45}, image::Paper::kLeaves),
-      1, "dark green", "papered"));
+  const auto brick = image::bricks(palette.rng, {0.62, 0.33, 0.24}, {0.74, 0.71, 0.66}, 12, 1);
+  home.features.push_back(palette.textured(brick, 1, "red", "brick"));
+  const Rgb green{0.25, 0.36, 0.33}, pale{0.62, 0.62, 0.45};
+  const auto leaves = image::wallpaper(palette.rng, green, pale, image::Paper::kLeaves);
+  home.features.push_back(palette.textured(leaves, 1, "dark green", "papered"));
 }
 
 void make_floors(Palette& palette, HomeMaterials& home) {
   Rng& rng = palette.rng;
-  const std::array<std::size_t, 4> usual{0, 1, 2, 5};
-  const NamedColour tone = kWoods[usual[rng.below(4)]];
+  constexpr std::size_t kUsual[] = {0, 1, 2, 5};
+  const NamedColour& tone = kWoods[kUsual[rng.below(4)]];
   home.planks =
       rng.below(3) != 0
           ? palette.textured(image::planks(rng, tone.value, 8), 1.1, tone.name, "wooden", 0.02F)
           : palette.textured(image::parquet(rng, tone.value, 4), 1.2, tone.name, "parquet", 0.02F);
-  const std::array<NamedColour, 4> carpets{{{"beige", {0.75, 0.68, 0.57}},
-                                            {"grey", {0.55, 0.55, 0.56}},
-                                            {"light grey", {0.72, 0.71, 0.69}},
-                                            {"dark blue", {0.25, 0.30, 0.40}}}};
-  const auto drawn = palette.shuffled(carpets);
-  home.carpet =
-      palette.textured(image::carpet(rng, drawn[0].value), 0.7, drawn[0].name, "carpeted");
-  home.carpet2 =
-      palette.textured(image::carpet(rng, drawn[1].value), 0.7, drawn[1].name, "carpeted");
+  const auto carpets = palette.shuffled(kCarpets);
+  const auto carpet = [&](const NamedColour& c) {
+    return palette.textured(image::carpet(rng, c.value), 0.7, c.name, "carpeted");
+  };
+  home.carpet = carpet(carpets[0]);
+  home.carpet2 = carpet(carpets[1]);
   const Rgb white{0.88, 0.87, 0.85}, dark{0.28, 0.29, 0.31}, sand{0.78, 0.70, 0.58};
   const Rgb grout{0.55, 0.53, 0.50};
   home.kitchen_tiles =
       rng.below(2) == 0
-          ? palette.textured(image::tiles(rng, sand, sand, grout, 3), 1, "beige", "tiled", 0.03F)
-          : palette.textured(image::tiles(rng, white, dark, grout, 4), 1.2, "black and white",
-                             "tiled", 0.03F);
-  home.bath_tiles = palette.textured(
-      image::tiles(rng, {0.62, 0.64, 0.66}, {0.66, 0.68, 0.70}, {0.45, 0.45, 0.45}, 4), 1.2, "grey",
-      "tiled", 0.03F);
-  home.bath_tiles2 = palette.textured(image::marble(rng, {0.88, 0.87, 0.85}, {0.50, 0.48, 0.46}),
-                                      1.4, "white", "marble", 0.05F);
+          ? palette.tiled(image::tiles(rng, sand, sand, grout, 3), 1, "beige")
+          : palette.tiled(image::tiles(rng, white, dark, grout, 4), 1.2, "black and white");
+  const Rgb grey{0.62, 0.64, 0.66}, grey2{0.66, 0.68, 0.70}, dark_grout{0.45, 0.45, 0.45};
+  home.bath_tiles = palette.tiled(image::tiles(rng, grey, grey2, dark_grout, 4), 1.2, "grey");
+  const auto marble = image::marble(rng, {0.88, 0.87, 0.85}, {0.50, 0.48, 0.46});
+  home.bath_tiles2 = palette.textured(marble, 1.4, "white", "marble", 0.05F);
   home.rough = palette.textured(image::concrete(rng, {0.60, 0.59, 0.57}), 1.6, "grey", "concrete");
 }
 
@@ -186,28 +177,27 @@ void make_fabrics(Palette& palette, HomeMaterials& home, std::size_t rooms) {
   const auto colours = palette.shuffled(kFabricColours);
   const std::size_t n = std::clamp<std::size_t>(rooms / 2 + 3, 5, 8);
   for (std::size_t i = 0; i < n; ++i) {
-    const Rgb c = colours[i].value;
-    if (colours[i].name == "brown" || colours[i].name == "black") {
-      home.fabrics.push_back(
-          palette.textured(image::leather(rng, c), 0.4, colours[i].name, "leather", 0.03F));
+    const auto [name, c] = colours[i];
+    if (name == "brown" || name == "black") {
+      home.fabrics.push_back(palette.textured(image::leather(rng, c), 0.4, name, "leather", 0.03F));
       continue;
     }
     const auto weave = static_cast<Weave>(rng.below(5) < 3 ? 0 : 1 + rng.below(2));
     const Rgb second = image::mix(c, {0.95, 0.93, 0.88}, 0.45);
-    home.fabrics.push_back(
-        palette.textured(image::fabric(rng, c, second, weave), 0.35, colours[i].name, "fabric"));
+    const auto fabric = image::fabric(rng, c, second, weave);
+    home.fabrics.push_back(palette.textured(fabric, 0.35, name, "fabric"));
   }
   const auto accents = palette.shuffled(kAccentColours);
   const std::size_t most = std::clamp<std::size_t>(rooms / 2 + 3, 6, accents.size());
   for (std::size_t i = 0; i < most; ++i) {
-    const Rgb c = accents[i].value, pale = image::mix(c, {0.95, 0.92, 0.84}, 0.72);
+    const auto [name, c] = accents[i];
+    const Rgb pale = image::mix(c, {0.95, 0.92, 0.84}, 0.72);
     const Rgb deep = image::shade(image::mix(c, {0.2, 0.12, 0.1}, 0.45), 0.9);
     const auto weave = rng.below(3) == 0 ? Weave::kStriped : Weave::kPlain;
-    home.accents.push_back(palette.textured(image::fabric(rng, c, image::mix(c, pale, 0.35), weave),
-                                            0.4, accents[i].name, "fabric"));
-    const auto pattern = static_cast<image::Rug>(i % 4);
-    home.rugs.push_back(
-        palette.textured(image::rug(rng, c, pale, deep, pattern), 0, accents[i].name, ""));
+    const auto fabric = image::fabric(rng, c, image::mix(c, pale, 0.35), weave);
+    home.accents.push_back(palette.textured(fabric, 0.4, name, "fabric"));
+    const auto rug = image::rug(rng, c, pale, deep, static_cast<image::Rug>(i % 4));
+    home.rugs.push_back(palette.textured(rug, 0, name, ""));
   }
 }
 
@@ -219,21 +209,17 @@ void make_common(Palette& palette, RoomStyle& common) {
   };
   common.wood = wood(woods[0]);
   common.wood2 = wood(woods[1]);
-  const std::array<NamedColour, 3> metals{{{"silver", {0.72, 0.72, 0.73}},
-                                           {"golden", {0.80, 0.63, 0.33}},
-                                           {"black", {0.12, 0.12, 0.13}}}};
-  const NamedColour& metal = metals[rng.below(3)];
-  common.metal =
-      palette.plain(metal.value, metal.name, "metal", metal.name == "black" ? 0.05F : 0.25F);
+  const NamedColour& metal = kMetals[rng.below(3)];
+  const float mirror = metal.name == "black" ? 0.05F : 0.25F;
+  common.metal = palette.plain(metal.value, metal.name, "metal", mirror);
   common.steel = palette.plain({0.70, 0.71, 0.72}, "silver", "metal", 0.2F);
   common.ceiling = palette.plain({0.93, 0.925, 0.91}, "white", "");
   common.trim =
       rng.below(3) != 0 ? palette.plain({0.92, 0.915, 0.90}, "white", "wooden") : common.wood;
   const bool dark = rng.below(2) == 0;
-  common.stone = dark ? palette.textured(image::marble(rng, {0.20, 0.20, 0.21}, {0.62, 0.61, 0.60}),
-                                         1.1, "black", "marble", 0.06F)
-                      : palette.textured(image::marble(rng, {0.87, 0.86, 0.84}, {0.45, 0.44, 0.45}),
-                                         1.1, "white", "marble", 0.06F);
+  const auto marble = dark ? image::marble(rng, {0.20, 0.20, 0.21}, {0.62, 0.61, 0.60})
+                           : image::marble(rng, {0.87, 0.86, 0.84}, {0.45, 0.44, 0.45});
+  common.stone = palette.textured(marble, 1.1, dark ? "black" : "white", "marble", 0.06F);
   common.white = palette.plain({0.93, 0.93, 0.92}, "white", "", 0.03F);
   common.glass = palette.plain({0.72, 0.80, 0.80}, "", "glass", 0.15F);
   common.black = palette.plain({0.10, 0.10, 0.11}, "black", "", 0.03F);
@@ -248,8 +234,6 @@ void make_common(Palette& palette, RoomStyle& common) {
   common.screen = palette.plain({0.08, 0.09, 0.11}, "black", "", 0.10F);
   for (const NamedColour& c : kPaints) common.paints.push_back(palette.plain(c.value, c.name, ""));
 }
-
-bool is_one_of(char type, std::string_view types) { return types.find(type) != types.npos; }
 
 NamedMaterial floor_of(const HomeMaterials& home, HomeKind kind, char type, std::size_t k) {
   if (is_one_of(type, "atS")) return k % 2 == 0 ? home.bath_tiles : home.bath_tiles2;
@@ -302,8 +286,8 @@ std::vector<RoomStyle> make_styles(const Plan& plan, mesh::MeshBuilder& builder,
   make_fabrics(palette, home, rooms);
   make_common(palette, home.common);
   const std::size_t paintings = std::clamp<std::size_t>(rooms, 6, 12);
+  const auto painting = [&] { return paint_picture(palette.rng, 128, 96); };
   for (std::size_t i = 0; i < paintings; ++i) {
-    const auto painting = [&] { return paint_picture(palette.rng, 128, 96); };
     home.pictures.push_back(palette.textured(painting, 0, "", "painted"));
   }
   std::map<char, std::size_t> seen;

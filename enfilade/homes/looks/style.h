@@ -40,7 +40,7 @@ struct RoomStyle {
 std::vector<RoomStyle> make_styles(const Plan& plan, mesh::MeshBuilder& builder,
                                    Surfaces surfaces = Surfaces::kTextured);
 
-/// A made-up painting: abstract, landscape, portrait of nobody. 3 channels.
+/// A made-up painting: abstract, a landscape or a portrait. 3 channels.
 image::Image8 paint_picture(Rng& rng, std::uint32_t width, std::uint32_t height);
 
 }  // namespace enfilade::homes::looks
