@@ -45,22 +45,6 @@ std::vector<Task> whole_walks(store::Database& db, const ExportedSplit& exported
   return walks;
 }
 
-/// One path for consecutive tasks of the same path. \param text the instruction of a task
-template <class Text>
-r2r::Annotations by_path(const std::string& split, const std::vector<Task>& tasks,
-                         const Text& text) {
-  r2r::Annotations annotations{split, "", {}};
-  auto& paths = annotations.paths;
-  for (const Task& task : tasks) {
-    if (paths.empty() || paths.back().path_id != task.item.path_id) {
-      const Item& item = task.item;
-      paths.push_back({item.path_id, item.scan, item.heading, item.path, item.distance, {}});
-    }
-    paths.back().instructions.push_back(text(task));
-  }
-  return annotations;
-}
-
 /// whole_walks() as [a, b, ...], one a line. \param add adds the other fields of a walk
 template <class Add>
 std::string list_walks(store::Database& db, const ExportedSplit& exported, const Add& add) {
@@ -207,12 +191,17 @@ ordered_json event_json(const Event& event) {
 }
 
 std::string annotations_json(store::Database& db, const ExportedSplit& exported) {
-  if (exported.collection.kind == Kind::kWrite) {
-    return r2r::to_json(by_path(exported.split, work_of(db, exported),
-                                [](const Task& task) { return task.content; }));
+  const bool written = exported.collection.kind == Kind::kWrite;
+  r2r::Annotations annotations{exported.split, "", {}};
+  auto& paths = annotations.paths;
+  for (const Task& task : written ? work_of(db, exported) : whole_walks(db, exported)) {
+    const Item& item = task.item;
+    if (paths.empty() || paths.back().path_id != item.path_id) {  // tasks are sorted by item
+      paths.push_back({item.path_id, item.scan, item.heading, item.path, item.distance, {}});
+    }
+    paths.back().instructions.push_back(written ? task.content : item.instruction);
   }
-  return r2r::to_json(by_path(exported.split, whole_walks(db, exported),
-                              [](const Task& task) { return task.item.instruction; }));
+  return r2r::to_json(annotations);
 }
 
 std::string results_json(store::Database& db, const ExportedSplit& exported) {

@@ -74,7 +74,11 @@ class Row {
   template <class T>
   void read(std::optional<T>& value) {
     value.reset();
-    statement_.isColumnNull(column_) ? void(++column_) : read(value.emplace());
+    if (statement_.isColumnNull(column_)) {
+      ++column_;
+    } else {
+      read(value.emplace());
+    }
   }
   template <class... T>
   void read(std::tuple<T...>& values) {
