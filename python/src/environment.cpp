@@ -52,11 +52,54 @@ class Environment {
     native_.seed(agent, seed);
   }
 
-  nb::dict arrays(nb::handle self) const;
+  // All arrays by name; they share the environment's memory.
+  nb::dict arrays(nb::handle self) const {
+    const std::size_t n = native_.config().batch_size, m = native_.config().max_navigable;
+    const sim::StateSpans& state = native_.state();
+    const agents::Outcome& out = native_.outcome();
+    nb::dict d;
+    d["scan"] = view_of(state.scan, self, n);
+    d["viewpoint"] = view_of(state.viewpoint, self, n);
+    d["heading"] = view_of(state.heading, self, n);
+    d["elevation"] = view_of(state.elevation, self, n);
+    d["step"] = view_of(state.step, self, n);
+    d["candidates"] = view_of(candidates_, self, n, m, kCandidateValues);
+    d["candidate_mask"] = view_of(mask_, self, n, m);
+    d["candidate_viewpoint"] = view_of(state.navigable_viewpoint, self, n, m);
+    d["reward"] = view_of(out.reward, self, n);
+    d["terminated"] = view_of(out.terminated, self, n);
+    d["truncated"] = view_of(out.truncated, self, n);
+    d["began"] = view_of(out.began, self, n);
+    d["distance"] = view_of(out.distance, self, n);
+    d["episode"] = view_of(out.episode, self, n);
+    d["success"] = view_of(out.success, self, n);
+    d["spl"] = view_of(out.spl, self, n);
+    return d;
+  }
   const agents::BatchEnvironment& native() const { return native_; }
 
  private:
-  void gather();
+  void gather() {
+    const sim::StateSpans& state = native_.state();
+    const std::size_t m = native_.config().max_navigable;
+    for (std::size_t i = 0; i < native_.config().batch_size; ++i) {
+      const std::uint32_t count = state.navigable_count[i];
+      for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t at = i * m + k;
+        mask_[at] = 1;
+        float* out = &candidates_[at * kCandidateValues];
+        out[0] = static_cast<float>(state.navigable_rel_heading[at]);
+        out[1] = static_cast<float>(state.navigable_rel_elevation[at]);
+        out[2] = static_cast<float>(state.navigable_distance[at]);
+      }
+      for (std::size_t k = count; k < filled_[i]; ++k) {
+        const std::size_t at = i * m + k;
+        mask_[at] = 0;
+        std::fill_n(&candidates_[at * kCandidateValues], kCandidateValues, 0.0F);
+      }
+      filled_[i] = count;
+    }
+  }
 
   agents::BatchEnvironment native_;
   std::vector<float> candidates_;      // (n, m, 3), 0 beyond the list
@@ -64,53 +107,6 @@ class Environment {
   std::vector<std::uint32_t> filled_;  // (n), rows in use
   std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
 };
-
-void Environment::gather() {
-  const sim::StateSpans& state = native_.state();
-  const std::size_t m = native_.config().max_navigable;
-  for (std::size_t i = 0; i < native_.config().batch_size; ++i) {
-    const std::uint32_t count = state.navigable_count[i];
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t at = i * m + k;
-      mask_[at] = 1;
-      float* out = &candidates_[at * kCandidateValues];
-      out[0] = static_cast<float>(state.navigable_rel_heading[at]);
-      out[1] = static_cast<float>(state.navigable_rel_elevation[at]);
-      out[2] = static_cast<float>(state.navigable_distance[at]);
-    }
-    for (std::size_t k = count; k < filled_[i]; ++k) {
-      const std::size_t at = i * m + k;
-      mask_[at] = 0;
-      std::fill_n(&candidates_[at * kCandidateValues], kCandidateValues, 0.0F);
-    }
-    filled_[i] = count;
-  }
-}
-
-// All arrays by name; they share the environment's memory.
-nb::dict Environment::arrays(nb::handle self) const {
-  const std::size_t n = native_.config().batch_size, m = native_.config().max_navigable;
-  const sim::StateSpans& state = native_.state();
-  const agents::Outcome& out = native_.outcome();
-  nb::dict d;
-  d["scan"] = view_of(state.scan, self, n);
-  d["viewpoint"] = view_of(state.viewpoint, self, n);
-  d["heading"] = view_of(state.heading, self, n);
-  d["elevation"] = view_of(state.elevation, self, n);
-  d["step"] = view_of(state.step, self, n);
-  d["candidates"] = view_of(candidates_, self, n, m, kCandidateValues);
-  d["candidate_mask"] = view_of(mask_, self, n, m);
-  d["candidate_viewpoint"] = view_of(state.navigable_viewpoint, self, n, m);
-  d["reward"] = view_of(out.reward, self, n);
-  d["terminated"] = view_of(out.terminated, self, n);
-  d["truncated"] = view_of(out.truncated, self, n);
-  d["began"] = view_of(out.began, self, n);
-  d["distance"] = view_of(out.distance, self, n);
-  d["episode"] = view_of(out.episode, self, n);
-  d["success"] = view_of(out.success, self, n);
-  d["spl"] = view_of(out.spl, self, n);
-  return d;
-}
 
 std::unique_ptr<Environment> make_environment(std::shared_ptr<const r2r::EpisodeSet> episodes,
                                               std::size_t batch_size, bool six_actions,

@@ -65,40 +65,6 @@ class ViewArrays {
   Row<double> elevations_;
 };
 
-/// A renderer with its cache.
-class ViewRenderer {
- public:
-  ViewRenderer(const std::shared_ptr<const PanoramaSet>& panoramas, const std::string& backend,
-               int threads, std::size_t cache_bytes, bool clamped_edges, bool eight_bit_depth,
-               const std::string& device) {
-    const auto parsed = render::parse_backend(backend);
-    if (!parsed) {
-      throw ArgumentError(
-          fmt::format("backend '{}': 'cpu', 'cpu-scalar' and 'gl' are allowed", backend));
-    }
-    // Without the prefetch thread, which would not survive a fork.
-    const auto faces = std::make_shared<render::FaceCache>(
-        panoramas, render::FaceCacheConfig{.bytes = cache_bytes, .prefetch_thread = false});
-    renderer_ =
-        render::make_renderer(faces, {*parsed, threads, {clamped_edges, eight_bit_depth}, device});
-  }
-
-  void render(const ViewArrays& views, std::uint32_t width, std::uint32_t height, double vfov,
-              const std::optional<Buffer>& colour, const std::string& colour_format,
-              const std::optional<Buffer>& depth, bool ray_depth,
-              const std::optional<Buffer>& classes, const std::optional<Buffer>& instances);
-  std::string description() const { return renderer_->description(); }
-  nb::object memory(const std::vector<std::size_t>& shape, const std::string& type) {
-    return memory_.array(shape, type);
-  }
-
- private:
-  std::unique_ptr<render::Renderer> renderer_;
-  std::vector<render::View> views_;
-  PictureMemory memory_;
-  std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
-};
-
 template <class T>
 std::span<T> memory_of(const Buffer& buffer) {
   return {static_cast<T*>(buffer.data()), buffer.nbytes() / sizeof(T)};
@@ -153,22 +119,50 @@ render::InstanceOutput instance_output(const Buffer& buffer) {
   return {memory_of<std::uint32_t>(buffer)};
 }
 
-void ViewRenderer::render(const ViewArrays& views, std::uint32_t width, std::uint32_t height,
-                          double vfov, const std::optional<Buffer>& colour,
-                          const std::string& colour_format, const std::optional<Buffer>& depth,
-                          bool ray_depth, const std::optional<Buffer>& classes,
-                          const std::optional<Buffer>& instances) {
-  const Busy busy(busy_);
-  render::Outputs outputs;
-  if (colour) outputs.colour = colour_output(*colour, colour_format);
-  if (depth) outputs.depth = depth_output(*depth, ray_depth);
-  if (classes) outputs.classes = class_output(*classes);
-  if (instances) outputs.instances = instance_output(*instances);
-  const nb::gil_scoped_release unlocked;
-  views_.clear();
-  for (std::size_t i = 0; i < views.size(); ++i) views_.push_back(views[i]);
-  renderer_->render({width, height, Radians(vfov)}, views_, outputs);
-}
+/// A renderer with its cache.
+class ViewRenderer {
+ public:
+  ViewRenderer(const std::shared_ptr<const PanoramaSet>& panoramas, const std::string& backend,
+               int threads, std::size_t cache_bytes, bool clamped_edges, bool eight_bit_depth,
+               const std::string& device) {
+    const auto parsed = render::parse_backend(backend);
+    if (!parsed) {
+      throw ArgumentError(
+          fmt::format("backend '{}': 'cpu', 'cpu-scalar' and 'gl' are allowed", backend));
+    }
+    // Without the prefetch thread, which would not survive a fork.
+    const auto faces = std::make_shared<render::FaceCache>(
+        panoramas, render::FaceCacheConfig{.bytes = cache_bytes, .prefetch_thread = false});
+    renderer_ =
+        render::make_renderer(faces, {*parsed, threads, {clamped_edges, eight_bit_depth}, device});
+  }
+
+  void render(const ViewArrays& views, std::uint32_t width, std::uint32_t height, double vfov,
+              const std::optional<Buffer>& colour, const std::string& colour_format,
+              const std::optional<Buffer>& depth, bool ray_depth,
+              const std::optional<Buffer>& classes, const std::optional<Buffer>& instances) {
+    const Busy busy(busy_);
+    render::Outputs outputs;
+    if (colour) outputs.colour = colour_output(*colour, colour_format);
+    if (depth) outputs.depth = depth_output(*depth, ray_depth);
+    if (classes) outputs.classes = class_output(*classes);
+    if (instances) outputs.instances = instance_output(*instances);
+    const nb::gil_scoped_release unlocked;
+    views_.clear();
+    for (std::size_t i = 0; i < views.size(); ++i) views_.push_back(views[i]);
+    renderer_->render({width, height, Radians(vfov)}, views_, outputs);
+  }
+  std::string description() const { return renderer_->description(); }
+  nb::object memory(const std::vector<std::size_t>& shape, const std::string& type) {
+    return memory_.array(shape, type);
+  }
+
+ private:
+  std::unique_ptr<render::Renderer> renderer_;
+  std::vector<render::View> views_;
+  PictureMemory memory_;
+  std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
+};
 
 }  // namespace
 

@@ -32,13 +32,54 @@ class BatchSimulator {
         actions_(config.batch_size) {}
 
   void new_episodes(const Row<std::uint32_t>& scans, const Row<std::uint32_t>& viewpoints,
-                    const Row<double>& headings, const Row<double>& elevations);
+                    const Row<double>& headings, const Row<double>& elevations) {
+    const Busy busy(busy_);
+    check("scans", scans.size());
+    check("viewpoints", viewpoints.size());
+    check("headings", headings.size());
+    check("elevations", elevations.size());
+    const nb::gil_scoped_release unlocked;
+    for (std::size_t i = 0; i < starts_.size(); ++i) {
+      starts_[i] = {{ScanIndex(scans.data()[i]), ViewpointIndex(viewpoints.data()[i])},
+                    Radians(headings.data()[i]),
+                    Radians(elevations.data()[i])};
+    }
+    native_.new_episodes(starts_);
+  }
   void new_episode(std::size_t agent, std::uint32_t scan, std::uint32_t viewpoint, double heading,
-                   double elevation);
-  void new_random_episodes(const Row<std::uint32_t>& scans);
+                   double elevation) {
+    const Busy busy(busy_);
+    const nb::gil_scoped_release unlocked;
+    native_.new_episode(
+        agent,
+        {{ScanIndex(scan), ViewpointIndex(viewpoint)}, Radians(heading), Radians(elevation)});
+  }
+  void new_random_episodes(const Row<std::uint32_t>& scans) {
+    const Busy busy(busy_);
+    check("scans", scans.size());
+    const nb::gil_scoped_release unlocked;
+    std::vector<ScanIndex> indices;
+    for (const std::uint32_t scan : span_of(scans)) indices.emplace_back(scan);
+    native_.new_random_episodes(indices);
+  }
   void step(const Row<std::uint32_t>& indices, const Row<double>& headings,
-            const Row<double>& elevations);
-  std::vector<sim::Candidate> candidates(std::uint32_t scan, std::uint32_t viewpoint);
+            const Row<double>& elevations) {
+    const Busy busy(busy_);
+    check("indices", indices.size());
+    check("heading_changes", headings.size());
+    check("elevation_changes", elevations.size());
+    const nb::gil_scoped_release unlocked;
+    for (std::size_t i = 0; i < actions_.size(); ++i) {
+      actions_[i] = {indices.data()[i], Radians(headings.data()[i]), Radians(elevations.data()[i])};
+    }
+    native_.step(actions_);
+  }
+  std::vector<sim::Candidate> candidates(std::uint32_t scan, std::uint32_t viewpoint) {
+    const Busy busy(busy_);
+    const nb::gil_scoped_release unlocked;
+    if (!finder_) finder_.emplace(graphs_, native_.config());
+    return finder_->find({ScanIndex(scan), ViewpointIndex(viewpoint)});
+  }
 
   const sim::Simulator& native() const { return native_; }
   const std::shared_ptr<const GraphSet>& graphs() const { return graphs_; }
@@ -58,61 +99,6 @@ class BatchSimulator {
   std::optional<sim::CandidateFinder> finder_;
   std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
 };
-
-void BatchSimulator::new_episodes(const Row<std::uint32_t>& scans,
-                                  const Row<std::uint32_t>& viewpoints, const Row<double>& headings,
-                                  const Row<double>& elevations) {
-  const Busy busy(busy_);
-  check("scans", scans.size());
-  check("viewpoints", viewpoints.size());
-  check("headings", headings.size());
-  check("elevations", elevations.size());
-  const nb::gil_scoped_release unlocked;
-  for (std::size_t i = 0; i < starts_.size(); ++i) {
-    starts_[i] = {{ScanIndex(scans.data()[i]), ViewpointIndex(viewpoints.data()[i])},
-                  Radians(headings.data()[i]),
-                  Radians(elevations.data()[i])};
-  }
-  native_.new_episodes(starts_);
-}
-
-void BatchSimulator::new_episode(std::size_t agent, std::uint32_t scan, std::uint32_t viewpoint,
-                                 double heading, double elevation) {
-  const Busy busy(busy_);
-  const nb::gil_scoped_release unlocked;
-  native_.new_episode(
-      agent, {{ScanIndex(scan), ViewpointIndex(viewpoint)}, Radians(heading), Radians(elevation)});
-}
-
-void BatchSimulator::new_random_episodes(const Row<std::uint32_t>& scans) {
-  const Busy busy(busy_);
-  check("scans", scans.size());
-  const nb::gil_scoped_release unlocked;
-  std::vector<ScanIndex> indices;
-  for (const std::uint32_t scan : span_of(scans)) indices.emplace_back(scan);
-  native_.new_random_episodes(indices);
-}
-
-void BatchSimulator::step(const Row<std::uint32_t>& indices, const Row<double>& headings,
-                          const Row<double>& elevations) {
-  const Busy busy(busy_);
-  check("indices", indices.size());
-  check("heading_changes", headings.size());
-  check("elevation_changes", elevations.size());
-  const nb::gil_scoped_release unlocked;
-  for (std::size_t i = 0; i < actions_.size(); ++i) {
-    actions_[i] = {indices.data()[i], Radians(headings.data()[i]), Radians(elevations.data()[i])};
-  }
-  native_.step(actions_);
-}
-
-std::vector<sim::Candidate> BatchSimulator::candidates(std::uint32_t scan,
-                                                       std::uint32_t viewpoint) {
-  const Busy busy(busy_);
-  const nb::gil_scoped_release unlocked;
-  if (!finder_) finder_.emplace(graphs_, native_.config());
-  return finder_->find({ScanIndex(scan), ViewpointIndex(viewpoint)});
-}
 
 std::unique_ptr<BatchSimulator> make_simulator(const std::shared_ptr<const GraphSet>& graphs,
                                                std::size_t batch_size, std::uint32_t width,
