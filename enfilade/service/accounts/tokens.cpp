@@ -10,6 +10,7 @@
 namespace enfilade::service::accounts {
 namespace {
 
+using detail::Reason;
 using detail::Refusal;
 
 constexpr std::size_t kLongestTeam = 80;
@@ -46,14 +47,16 @@ std::optional<Principal> find_principal(store::Database& db, const std::string& 
 
 NewTeam add_team(store::Database& db, const std::string& name, const std::string& contact) {
   if (!detail::is_label(name, kLongestTeam)) {
-    throw Refusal(422, fmt::format("name: not 1 to {} printable characters", kLongestTeam));
+    throw Refusal(Reason::kInvalidInput,
+                  fmt::format("name: not 1 to {} printable characters", kLongestTeam));
   }
   if (!contact.empty() && !detail::is_label(contact, kLongestContact)) {
-    throw Refusal(422, fmt::format("contact: not up to {} printable characters", kLongestContact));
+    throw Refusal(Reason::kInvalidInput,
+                  fmt::format("contact: not up to {} printable characters", kLongestContact));
   }
   return db.transact([&] {
     if (db.find_number("SELECT id FROM team WHERE name = ?", name) != 0) {
-      throw Refusal(409, "name: another team has it");
+      throw Refusal(Reason::kConflict, "name: another team has it");
     }
     const std::int64_t id = db.insert("INSERT INTO team (name, contact, created) VALUES (?, ?, ?)",
                                       name, contact, db.now());

@@ -42,7 +42,7 @@ inline constexpr std::int64_t kSessionSeconds = 12L * 3600;
 inline constexpr std::int64_t kWorkerSeconds = 24L * 3600;
 inline constexpr const char* kSessionCookie = "enfilade_session";
 
-/// \throws Refusal 409 if the name is taken, kInvalidInput if it is not 1 to 80
+/// \throws Refusal kConflict if the name is taken, kInvalidInput if it is not 1 to 80
 /// printable characters, or the contact is neither empty nor up to 200 of them
 NewTeam add_team(store::Database& db, const std::string& name, const std::string& contact);
 /// \returns the token, shown once  \param label of a team its name  \param expires seconds since

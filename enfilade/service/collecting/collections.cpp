@@ -10,6 +10,7 @@
 namespace enfilade::service::collecting {
 namespace {
 
+using detail::Reason;
 using detail::Refusal;
 
 constexpr std::size_t kKeySize = 32;  // digits: 128 bits
@@ -48,7 +49,7 @@ Collection add_collection(store::Database& db, const NewCollection& added) {
   collection.key = detail::new_secret("").substr(0, kKeySize);
   db.transact([&] {
     if (find_collection(db, collection.name)) {
-      throw Refusal(409, "name: another collection has it");
+      throw Refusal(Reason::kConflict, "name: another collection has it");
     }
     collection.id = insert_collection(db, collection);
     for (const Item& item : added.items) insert_item(db, collection.id, item);
@@ -62,7 +63,7 @@ std::optional<Collection> find_collection(store::Database& db, std::string_view 
 
 Collection get_collection(store::Database& db, std::string_view name) {
   auto found = find_collection(db, name);
-  if (!found) throw Refusal(404, "no collection of this name");
+  if (!found) throw Refusal(Reason::kNotFound, "no collection of this name");
   return std::move(*found);
 }
 

@@ -100,11 +100,11 @@ struct VisitSummary {
   }
 };
 
-/// \returns it with its id, key and time  \throws Refusal 409 if the name is taken
+/// \returns it with its id, key and time  \throws Refusal kConflict if the name is taken
 Collection add_collection(store::Database& db, const NewCollection& added);
 /// None if no collection has this name.
 std::optional<Collection> find_collection(store::Database& db, std::string_view name);
-/// \throws Refusal 404
+/// \throws Refusal kNotFound
 Collection get_collection(store::Database& db, std::string_view name);
 Collection collection_of_visit(store::Database& db, std::int64_t visit);
 std::vector<Collection> list_collections(store::Database& db);

@@ -10,6 +10,7 @@
 namespace enfilade::service::collecting {
 namespace {
 
+using detail::Reason;
 using detail::Refusal;
 
 constexpr std::size_t kLongestWorker = 100;
@@ -25,8 +26,9 @@ std::string parameter(const Parameters& parameters, std::string_view name) {
 std::string external_id(const Parameters& parameters, std::string_view name) {
   std::string value = parameter(parameters, name);
   if (!detail::is_external_id(value)) {
-    throw Refusal(422, fmt::format("{}: {:?}, not 1 to 100 of A-Z, a-z, 0-9, - and _", name,
-                                   value.substr(0, 40)));
+    throw Refusal(
+        Reason::kInvalidInput,
+        fmt::format("{}: {:?}, not 1 to 100 of A-Z, a-z, 0-9, - and _", name, value.substr(0, 40)));
   }
   return value;
 }
@@ -37,7 +39,8 @@ Arrival by_link(const Parameters& parameters) {
   if (named == parameters.end())
     return {false, detail::new_secret("w-").substr(0, kNameSize), "", "", ""};
   if (!detail::is_label(named->second, kLongestWorker)) {
-    throw Refusal(422, fmt::format("worker: not 1 to {} printable characters", kLongestWorker));
+    throw Refusal(Reason::kInvalidInput,
+                  fmt::format("worker: not 1 to {} printable characters", kLongestWorker));
   }
   return {false, named->second, "", "", ""};
 }
@@ -50,8 +53,9 @@ Arrival by_mturk(const Platform& platform, const Parameters& parameters) {
   // The origin is part of the page's address, which anybody can write: an unknown one could send
   // the form, and the worker, anywhere.
   if (std::ranges::find(platform.origins, submit_to) == platform.origins.end()) {
-    throw Refusal(422, fmt::format("turkSubmitTo: {:?}, not one of the collection's origins",
-                                   submit_to.substr(0, 80)));
+    throw Refusal(Reason::kInvalidInput,
+                  fmt::format("turkSubmitTo: {:?}, not one of the collection's origins",
+                              submit_to.substr(0, 80)));
   }
   return {false, external_id(parameters, "workerId"), external_id(parameters, "assignmentId"),
           external_id(parameters, "hitId"), std::move(submit_to)};

@@ -41,7 +41,7 @@ struct Arrival {
 };
 
 /// Reads the platform's query. A self-hosted worker without a name gets a random one.
-/// \throws Refusal 422 naming the parameter
+/// \throws Refusal kInvalidInput naming the parameter
 Arrival read_arrival(const Platform& platform, const Parameters& parameters);
 
 }  // namespace enfilade::service::collecting

@@ -10,6 +10,7 @@
 namespace enfilade::service::collecting {
 namespace {
 
+using detail::Reason;
 using detail::Refusal;
 
 constexpr const char* kIsSubmitted = "task.state IN ('submitted', 'accepted', 'rejected')";
@@ -24,14 +25,14 @@ std::int64_t find_or_add_visit(store::Database& db, const Collection& collection
       "SELECT id FROM visit WHERE worker = ? AND external = ?", worker, arrival.assignment);
   if (known != 0) return known;
   if (!collection.open) {
-    throw Refusal(403, "the collection is closed", "collection-closed");
+    throw Refusal(Reason::kCollectionClosed, "the collection is closed");
   }
   const bool taken = !arrival.assignment.empty() &&
                      db.find_number(
                          "SELECT visit.id FROM visit JOIN worker ON worker.id = visit.worker "
                          "WHERE worker.collection = ? AND visit.external = ?",
                          collection.id, arrival.assignment) != 0;
-  if (taken) throw Refusal(409, "another worker has this assignment");
+  if (taken) throw Refusal(Reason::kConflict, "another worker has this assignment");
   return db.insert(
       "INSERT INTO visit (worker, external, grouped, submit_to, created) VALUES (?, ?, ?, ?, ?)",
       worker, arrival.assignment, arrival.group, arrival.submit_to, db.now());
@@ -131,13 +132,13 @@ Lease lease_next(store::Database& db, const Collection& collection, const Visit&
 
 void check_held(store::Database& db, const Task& task) {
   if (task.is_submitted()) {
-    throw Refusal(409, "it was handed in already", "already-submitted");
+    throw Refusal(Reason::kAlreadySubmitted, "it was handed in already");
   }
   if (task.state == TaskState::kReturned) {
-    throw Refusal(409, "it was given back", "already-returned");
+    throw Refusal(Reason::kAlreadyReturned, "it was given back");
   }
   if (!is_still_held(db, task)) {
-    throw Refusal(409, "it took too long, and others have it by now", "lease-expired");
+    throw Refusal(Reason::kLeaseExpired, "it took too long, and others have it by now");
   }
 }
 
@@ -184,7 +185,7 @@ bool Task::bonus() const { return error && *error < r2r::MetricOptions{}.success
 
 Lease lease_task(store::Database& db, const Collection& collection, const Visit& visit) {
   if (!visit.consented) {
-    throw Refusal(403, "the consent page comes first", "consent-required");
+    throw Refusal(Reason::kConsentRequired, "the consent page comes first");
   }
   return db.transact([&] { return lease_next(db, collection, visit); });
 }
@@ -196,7 +197,7 @@ std::optional<Task> held_task(store::Database& db, const Visit& visit) {
 
 Task own_task(store::Database& db, const Visit& visit, std::int64_t id) {
   auto task = db.find<Task>(tasks_where("task.id = ? AND task.visit = ?"), id, visit.id);
-  if (!task) throw Refusal(404, "no such task of this worker");
+  if (!task) throw Refusal(Reason::kNotFound, "no such task of this worker");
   return std::move(*task);
 }
 
@@ -256,7 +257,7 @@ std::vector<Task> work_of(store::Database& db, const ExportedSplit& exported) {
 
 Task find_work(store::Database& db, std::int64_t id) {
   auto task = db.find<Task>(tasks_where(fmt::format("task.id = ? AND {}", kIsSubmitted)), id);
-  if (!task) throw Refusal(404, "no work of this number was handed in");
+  if (!task) throw Refusal(Reason::kNotFound, "no work of this number was handed in");
   return std::move(*task);
 }
 
@@ -272,7 +273,7 @@ void review(store::Database& db, std::int64_t id, TaskState verdict, const std::
     const Task task = find_work(db, id);
     if (task.state == verdict && task.reason == reason) return;
     if (accepted && task.state == TaskState::kRejected && !has_place(db, task)) {
-      throw Refusal(409, "it was rejected, and others have its place by now");
+      throw Refusal(Reason::kConflict, "it was rejected, and others have its place by now");
     }
     db.run("UPDATE task SET state = ?, reason = ? WHERE id = ?", verdict, reason, id);
     add_event(db, task,
@@ -286,7 +287,7 @@ void edit(store::Database& db, std::int64_t id, const std::string& instruction,
   db.transact([&] {
     const Task task = find_work(db, id);
     if (task.kind != Kind::kWrite) {
-      throw Refusal(409, "it is a walk, and has no instruction of its own");
+      throw Refusal(Reason::kConflict, "it is a walk, and has no instruction of its own");
     }
     if (task.content == instruction) return;
     db.run("UPDATE task SET content = ? WHERE id = ?", instruction, id);

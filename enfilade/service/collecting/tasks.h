@@ -31,7 +31,7 @@ bool is_finished(const Collection& collection, const Visit& visit);
 
 /// The same worker with the same assignment is the same visit, also after a restart.
 /// \pre not arrival.preview  \returns the visit's id
-/// \throws Refusal 403 (collection-closed) for a new visit of a closed collection; 409 if
+/// \throws Refusal kCollectionClosed for a new visit of a closed collection; kConflict if
 /// another worker has the assignment
 std::int64_t join(store::Database& db, const Collection& collection, const Arrival& arrival);
 /// \pre there is a visit of this id
@@ -112,14 +112,14 @@ struct SubmittedWork {
 
 /// The task that the visit holds, its lease renewed; else one of the worker's that lapsed, if its
 /// place is free; else the next: items that others have begun come first, so that few stay half
-/// done, and no worker gets an item twice. \throws Refusal 403 (consent-required)
+/// done, and no worker gets an item twice. \throws Refusal kConsentRequired
 Lease lease_task(store::Database& db, const Collection& collection, const Visit& visit);
 /// The task that the visit holds, whether or not its lease has ended.
 std::optional<Task> held_task(store::Database& db, const Visit& visit);
-/// \throws Refusal 404 if there is no such task, or it is another visit's
+/// \throws Refusal kNotFound if there is no such task, or it is another visit's
 Task own_task(store::Database& db, const Visit& visit, std::int64_t task);
 
-// These \throw as own_task(); Refusal 409 (already-submitted) or kAlreadyReturned for a task that
+// These \throw as own_task(); Refusal kAlreadySubmitted or kAlreadyReturned for a task that
 // the worker no longer has, kLeaseExpired if another worker has the place.
 
 /// Stores the draft and renews the lease. \returns when it ends
@@ -129,7 +129,7 @@ void return_task(store::Database& db, const Visit& visit, std::int64_t task);
 /// On the disk when it returns. Submitting the same work again changes nothing.
 void submit(store::Database& db, const Visit& visit, std::int64_t task, const SubmittedWork& work);
 
-// For reviewers. Those with a task's number \throw Refusal 404 unless it was submitted.
+// For reviewers. Those with a task's number \throw Refusal kNotFound unless it was submitted.
 
 enum class EventKind : std::uint8_t { kEdited, kAccepted, kRejected };
 constexpr std::array<std::string_view, 3> names_of(EventKind /*enum*/) {
@@ -166,10 +166,10 @@ std::vector<Task> work_of(store::Database& db, const ExportedSplit& exported);
 Task find_work(store::Database& db, std::int64_t task);
 std::vector<Event> events_of(store::Database& db, std::int64_t task);
 /// A rejected task leaves its place to another worker. \pre verdict is kAccepted or kRejected
-/// \throws Refusal 409 if it was rejected before and its place is taken
+/// \throws Refusal kConflict if it was rejected before and its place is taken
 void review(store::Database& db, std::int64_t task, TaskState verdict, const std::string& reason,
             const std::string& who);
-/// Changes an instruction. \throws Refusal 409 if the task is a walk
+/// Changes an instruction. \throws Refusal kConflict if the task is a walk
 void edit(store::Database& db, std::int64_t task, const std::string& instruction,
           const std::string& who);
 /// Tasks that wait for review, of all collections.

@@ -1,27 +1,33 @@
-/// \file  Requests that the service refuses.
+/// \file  Requests that a rule of the service refuses, in the service's own terms.
 #pragma once
+#include <cstdint>
 #include <string>
-#include <string_view>
 
 #include "enfilade/core/errors.h"
 
 namespace enfilade::service::detail {
 
-/// A refused request, with its status of HTTP: 404 also for what this client may not see, 409 if
-/// the present state does not allow it. The message is for the client: it names nothing of this
-/// machine, and no secret.
+enum class Reason : std::uint8_t {
+  kInvalidInput,      ///< a value that is not allowed
+  kConsentRequired,   ///< the worker has not agreed to the consent text yet
+  kCollectionClosed,  ///< the collection takes no new workers
+  kNotFound,          ///< it does not exist, or this client may not see it
+  kConflict,          ///< the current state does not allow it
+  kAlreadySubmitted,  ///< the task was submitted before
+  kAlreadyReturned,   ///< the task was returned before
+  kLeaseExpired,      ///< the task's lease ended, and another worker has its place
+  kRateLimited,       ///< too many requests
+};
+
+/// A refused request; error_response() of http gives each reason its status. The message is for the
+/// client: it names nothing of this machine, and no secret.
 class Refusal : public Error {
  public:
-  /// \param code the word that scripts match, if a client goes on differently than after other
-  /// refusals with this status: "lease-expired"; empty: the word of the status
-  Refusal(int status, const std::string& message, std::string_view code = {})
-      : Error(message), status_(status), code_(code) {}
-  int status() const noexcept { return status_; }
-  std::string_view code() const noexcept { return code_; }
+  Refusal(Reason reason, const std::string& message) : Error(message), reason_(reason) {}
+  Reason reason() const noexcept { return reason_; }
 
  private:
-  int status_;
-  std::string_view code_;
+  Reason reason_;
 };
 
 }  // namespace enfilade::service::detail

@@ -14,6 +14,7 @@
 namespace enfilade::service::evaluation {
 namespace {
 
+using detail::Reason;
 using detail::Refusal;
 
 constexpr std::size_t kLongestMethod = 80;
@@ -34,8 +35,9 @@ void check_limit(store::Database& db, std::int64_t team, const Phase& phase) {
       db.find_number("SELECT count(*) FROM submission WHERE team = ? AND phase = ? AND created > ?",
                      team, phase.name, db.now() - kDay);
   if (taken >= phase.per_day) {
-    throw Refusal(429, fmt::format("phase {} takes {} submissions of a team in 24 hours",
-                                   phase.name, phase.per_day));
+    throw Refusal(Reason::kRateLimited,
+                  fmt::format("phase {} takes {} submissions of a team in 24 hours", phase.name,
+                              phase.per_day));
   }
 }
 
@@ -49,9 +51,10 @@ Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db)
 Receipt Submissions::receive(const accounts::Principal& team, std::string_view phase_name,
                              const std::string& method, const std::string& results) {
   const Phase* phase = site_->find_phase(phase_name);
-  if (phase == nullptr) throw Refusal(404, "no phase of this name");
+  if (phase == nullptr) throw Refusal(Reason::kNotFound, "no phase of this name");
   if (!detail::is_label(method, kLongestMethod)) {
-    throw Refusal(422, fmt::format("method: not 1 to {} printable characters", kLongestMethod));
+    throw Refusal(Reason::kInvalidInput,
+                  fmt::format("method: not 1 to {} printable characters", kLongestMethod));
   }
   Receipt receipt;
   {
@@ -104,10 +107,10 @@ std::vector<Submission> Submissions::scored(const Phase& phase) const {
 void Submissions::withdraw(std::int64_t team, std::int64_t id) {
   const std::optional<Submission> found = find(id);
   if (!found || found->team != team) {
-    throw Refusal(404, "no such submission");
+    throw Refusal(Reason::kNotFound, "no such submission");
   }
   if (found->state == SubmissionState::kWithdrawn) {
-    throw Refusal(409, "it is withdrawn already");
+    throw Refusal(Reason::kConflict, "it is withdrawn already");
   }
   db_.run("UPDATE submission SET state = 'withdrawn' WHERE id = ?", id);
 }

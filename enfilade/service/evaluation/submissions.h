@@ -53,15 +53,15 @@ class Submissions {
 
   /// Checks a whole results file and queues it. The same file of the same team for the same phase
   /// and method is one submission, so that a client may repeat a request that got no answer.
-  /// \throws InvalidInput with every fault of the file; Refusal 404 for an unknown
-  /// phase, 422 for a bad name of the method, 429 past the phase's limit
+  /// \throws InvalidInput with every fault of the file; Refusal kNotFound for an unknown
+  /// phase, kInvalidInput for a bad name of the method, kRateLimited past the phase's limit
   Receipt receive(const accounts::Principal& team, std::string_view phase,
                   const std::string& method, const std::string& results);
   /// A team's, or with team 0 everybody's, newest first: the first 500 whose id is below `before`.
   std::vector<Submission> list(std::int64_t team, std::int64_t before) const;
   std::optional<Submission> find(std::int64_t id) const;
   /// Takes it off the leaderboard, for good; it still counts for the limit of its day.
-  /// \throws Refusal 404 if it isn't the team's, 409 if it was withdrawn before
+  /// \throws Refusal kNotFound if it isn't the team's, kConflict if it was withdrawn before
   void withdraw(std::int64_t team, std::int64_t id);
   /// Scored submissions of a phase, oldest first.
   std::vector<Submission> scored(const Phase& phase) const;

@@ -23,7 +23,7 @@ void set_cookie(Response& response, std::string_view secret, std::int64_t second
 
 Response register_team(Context& context, const Request& request) {
   if (!context.config.open_registration) {
-    throw Refusal(403, "ask the organisers for a team");
+    throw HttpError(403, "ask the organisers for a team");
   }
   context.registrations.count(request.address, context.db.now());
   const ordered_json body = parse_object(request.body);
@@ -38,11 +38,11 @@ Response log_in(Context& context, const Request& request) {
       accounts::find_token(context.db, text_field(parse_object(request.body), "token"));
   if (!principal) {
     context.failures.count(request.address, context.db.now());
-    throw Refusal(401, "the token is unknown, expired or revoked");
+    throw HttpError(401, "the token is unknown, expired or revoked");
   }
   // Workers come by a link, and their pages keep the token: a frame inside another site has no
   // cookies.
-  if (principal->role == accounts::Role::kWorker) throw Refusal(403, "not for workers");
+  if (principal->role == accounts::Role::kWorker) throw HttpError(403, "not for workers");
   Response response = json_response(principal_json(*principal));
   const bool tls = context.config.behind_proxy && request.header("x-forwarded-proto") == "https";
   set_cookie(response, accounts::start_session(context.db, *principal), accounts::kSessionSeconds,

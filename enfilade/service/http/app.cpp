@@ -30,11 +30,11 @@ void check_origin(const Request& request) {
   if (request.method == "GET") return;
   const std::string_view site = request.header("sec-fetch-site");  // other clients send none
   if (!site.empty() && site != "same-origin" && site != "none") {
-    throw Refusal(403, "this page is of another site");
+    throw HttpError(403, "this page is of another site");
   }
   const bool by_cookie = request.principal && request.principal->by_cookie;
   if (by_cookie && request.header("x-enfilade").empty()) {
-    throw Refusal(403, "requests with a cookie need the header X-Enfilade: 1");
+    throw HttpError(403, "requests with a cookie need the header X-Enfilade: 1");
   }
 }
 
@@ -61,7 +61,7 @@ void App::identify(Request& request) {
     }
     if (!request.principal) {
       context_.failures.count(request.address, context_.db.now());
-      throw Refusal(401, "the token is unknown, expired or revoked");
+      throw HttpError(401, "the token is unknown, expired or revoked");
     }
     return;
   }
@@ -72,11 +72,11 @@ void App::identify(Request& request) {
 }
 
 Response App::answer(Request& request, const BodyReader& read_body, std::string_view& pattern) {
-  if (request.path.size() > kLongestPath) throw Refusal(414, "the path is too long");
+  if (request.path.size() > kLongestPath) throw HttpError(414, "the path is too long");
   Router::Match match = router_.find(request.method, request.path);
   if (match.route == nullptr) {
-    if (match.other_method) throw Refusal(405, "not with this method");
-    if (request.method != "GET") throw Refusal(404, "there is nothing here");
+    if (match.other_method) throw HttpError(405, "not with this method");
+    if (request.method != "GET") throw HttpError(404, "there is nothing here");
     return page(context_, request);
   }
   pattern = match.route->pattern;

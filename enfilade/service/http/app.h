@@ -10,7 +10,7 @@
 
 namespace enfilade::service::http {
 
-/// Reads a request's body. \throws Refusal 413 if it has more than `most` bytes; 400, 408, 503
+/// Reads a request's body. \throws HttpError 413 if it has more than `most` bytes; 400, 408, 503
 using BodyReader = std::function<std::string(std::size_t most)>;
 
 /// The routes, and what they share: who may call them, errors as JSON, headers, compression,

@@ -15,7 +15,7 @@ namespace {
 
 ScanIndex scan_of(const Context& context, const Request& request) {
   const auto found = context.site->graphs().find(request.parameter("scan"));
-  if (!found) throw Refusal(404, "no scan of this name");
+  if (!found) throw HttpError(404, "no scan of this name");
   return *found;
 }
 
@@ -56,7 +56,7 @@ Response floor_plan(Cache& cache, Context& context, const Request& request) {
 std::size_t face_of(const std::string& name, std::string_view suffix) {
   if (name.size() != 1 + suffix.size() || name[0] < '0' || name[0] > '5' ||
       !name.ends_with(suffix)) {
-    throw Refusal(404, fmt::format("a face is 0{} to 5{}", suffix, suffix));
+    throw HttpError(404, fmt::format("a face is 0{} to 5{}", suffix, suffix));
   }
   return static_cast<std::size_t>(name[0] - '0');
 }
@@ -69,7 +69,7 @@ Response face(Context& context, const Request& request, scan::Layer layer) {
   const auto viewpoint =
       source == nullptr ? std::nullopt : source->find(request.parameter("viewpoint"));
   if (!viewpoint || source->face_sizes(*viewpoint)[index(layer)] == 0) {
-    throw Refusal(404, "no such picture of this viewpoint");
+    throw HttpError(404, "no such picture of this viewpoint");
   }
   Response response;
   response.type = colour ? "image/jpeg" : "image/png";
@@ -91,7 +91,7 @@ Response splits(Context& context, const Request& /*request*/) {
 
 Response episodes(Context& context, const Request& request) {
   const PublicSplit* split = context.site->find_split(request.parameter("split"));
-  if (split == nullptr) throw Refusal(404, "no split of this name");
+  if (split == nullptr) throw HttpError(404, "no split of this name");
   return json_response(
       browsing::episodes_json(*split, {request.text("scan"), request.text("q"), request.text("id"),
                                        request.number("offset", 0, 0, 1'000'000'000),

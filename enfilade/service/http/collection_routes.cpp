@@ -48,7 +48,7 @@ Response change_state(Context& context, const Request& request) {
   Collection collection = collection_of(context, request);
   const std::string state = text_field(parse_object(request.body), "state");
   if (state != "open" && state != "closed") {
-    throw Refusal(400, "state: not \"open\" or \"closed\"");
+    throw HttpError(400, "state: not \"open\" or \"closed\"");
   }
   collection.open = state == "open";
   collecting::set_open(context.db, collection.id, collection.open);
@@ -66,7 +66,7 @@ std::string split_of(Context& context, const Request& request, const Collection&
   std::string name = request.text("split");
   const auto splits = collecting::splits_of(context.db, collection.id);
   if (std::ranges::find(splits, name, &collecting::SplitSize::split) == splits.end()) {
-    throw Refusal(404, "split: the collection has no such split");
+    throw HttpError(404, "split: the collection has no such split");
   }
   return name;
 }
@@ -77,20 +77,20 @@ Response export_file(Context& context, const Request& request) {
   const std::string what = request.text("what");
   const std::string state = request.text("state");
   if (!state.empty() && state != "accepted" && state != "all") {
-    throw Refusal(400, "state: not \"accepted\" or \"all\"");
+    throw HttpError(400, "state: not \"accepted\" or \"all\"");
   }
   const collecting::ExportedSplit exported{collection, split, state == "all"};
   if (what.empty() || what == "annotations") {
     const auto items = collecting::items_of(context.db, collection.id, split);
     if (std::ranges::any_of(items, &collecting::Item::secret)) {
-      throw Refusal(403, "the goals of this split are secret");
+      throw HttpError(403, "the goals of this split are secret");
     }
     return file_response(collecting::annotations_json(context.db, exported),
                          fmt::format("R2R_{}.json", split));
   }
   if (collection.kind != collecting::Kind::kWalk || (what != "results" && what != "walks")) {
-    throw Refusal(400,
-                  "what: not annotations, nor, where instructions are walked, results or walks");
+    throw HttpError(400,
+                    "what: not annotations, nor, where instructions are walked, results or walks");
   }
   return file_response(what == "results" ? collecting::results_json(context.db, exported)
                                          : collecting::walks_json(context.db, exported),

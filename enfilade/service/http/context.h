@@ -20,7 +20,7 @@ namespace enfilade::service::http {
 class RateLimit {
  public:
   explicit RateLimit(int most_a_minute) : most_(most_a_minute) {}
-  /// Counts one. \throws Refusal 429 past the limit
+  /// Counts one. \throws HttpError 429 past the limit
   void count(const std::string& address, std::int64_t now) {
     constexpr std::size_t kMostAddresses = 10'000;
     const std::int64_t minute = now / 60;
@@ -29,7 +29,7 @@ class RateLimit {
     Window& window = windows_[address];
     if (window.minute != minute) window = {minute, 0};
     if (++window.count > most_) {
-      throw Refusal(429, "too many attempts from this address; wait a minute");
+      throw HttpError(429, "too many attempts from this address; wait a minute");
     }
   }
 

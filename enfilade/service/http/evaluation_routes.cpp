@@ -54,7 +54,7 @@ Submission submission_of(Context& context, const Request& request) {
   const auto found = context.submissions.find(request.id("id", kMissing));
   const accounts::Principal& principal = *request.principal;
   if (!found || (principal.role != Role::kOrganiser && found->team != principal.team)) {
-    throw Refusal(404, kMissing);
+    throw HttpError(404, kMissing);
   }
   return *found;
 }
@@ -62,7 +62,7 @@ Submission submission_of(Context& context, const Request& request) {
 Response list_submissions(Context& context, const Request& request) {
   const accounts::Principal& principal = request.known_principal();
   if (principal.role != Role::kTeam && principal.role != Role::kOrganiser) {
-    throw Refusal(403, "this is for a team or an organiser");
+    throw HttpError(403, "this is for a team or an organiser");
   }
   constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
   const std::int64_t before = request.number("before", kMost, 1, kMost);
@@ -83,10 +83,10 @@ Response withdraw(Context& context, const Request& request) {
 
 Response leaderboard(Context& context, const Request& request) {
   const Phase* phase = context.site->find_phase(request.parameter("phase"));
-  if (phase == nullptr) throw Refusal(404, "no phase of this name");
+  if (phase == nullptr) throw HttpError(404, "no phase of this name");
   const Visibility visibility = visibility_to(context, request, phase->name);
   if (visibility == Visibility::kHidden) {
-    throw Refusal(403, "the scores of this phase are not public");
+    throw HttpError(403, "the scores of this phase are not public");
   }
   const ordered_json rows = evaluation::leaderboard_rows(context.submissions.scored(*phase),
                                                          visibility, request.text("all") == "1");

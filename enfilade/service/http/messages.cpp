@@ -2,32 +2,53 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/check.h"
+#include "enfilade/service/detail/refusal.h"
 
 namespace enfilade::service::http {
 namespace {
 
+using detail::Reason;
 using nlohmann::ordered_json;
 
 constexpr std::size_t kMostDiagnostics = 200;
 
-/// The word for a status, which scripts match.
-std::string_view code_of(int status) {
-  static const std::map<int, std::string_view> kCodes{
-      {400, "invalid-request"},    {401, "unauthenticated"},
-      {403, "forbidden"},          {404, "not-found"},
-      {405, "method-not-allowed"}, {408, "request-timeout"},
-      {409, "conflict"},           {413, "payload-too-large"},
-      {414, "uri-too-long"},       {415, "unsupported-media-type"},
-      {422, "invalid-input"},      {429, "rate-limited"},
-      {500, "internal-error"},     {503, "unavailable"}};
-  const auto found = kCodes.find(status);
-  // cpp-httplib has more statuses, for messages that it cannot parse.
-  return found == kCodes.end() ? "invalid-request" : found->second;
-}
+/// A status and the word for it, which scripts match.
+struct Answer {
+  int status = 0;
+  std::string_view code;
+};
+
+constexpr std::array<Answer, 14> kAnswers{{{400, "invalid-request"},
+                                           {401, "unauthenticated"},
+                                           {403, "forbidden"},
+                                           {404, "not-found"},
+                                           {405, "method-not-allowed"},
+                                           {408, "request-timeout"},
+                                           {409, "conflict"},
+                                           {413, "payload-too-large"},
+                                           {414, "uri-too-long"},
+                                           {415, "unsupported-media-type"},
+                                           {422, "invalid-input"},
+                                           {429, "rate-limited"},
+                                           {500, "internal-error"},
+                                           {503, "unavailable"}}};
+
+/// By Reason. Codes of their own where a client goes on differently.
+constexpr std::array<Answer, 9> kRefusals{{{422, "invalid-input"},
+                                           {403, "consent-required"},
+                                           {403, "collection-closed"},
+                                           {404, "not-found"},
+                                           {409, "conflict"},
+                                           {409, "already-submitted"},
+                                           {409, "already-returned"},
+                                           {409, "lease-expired"},
+                                           {429, "rate-limited"}}};
+static_assert(kRefusals.size() == static_cast<std::size_t>(Reason::kRateLimited) + 1);
 
 /// The whole number that `text` is; none if it is anything else, or out of range.
 std::optional<std::int64_t> parse_number(std::string_view text) {
@@ -35,6 +56,28 @@ std::optional<std::int64_t> parse_number(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return value;
+}
+
+Response respond(const Answer& answer, std::string_view message,
+                 const std::vector<Diagnostic>& diagnostics) {
+  ordered_json error{{"code", answer.code}, {"message", message}};
+  if (!diagnostics.empty()) {
+    auto& list = error["diagnostics"] = ordered_json::array();
+    for (const Diagnostic& d : diagnostics) {
+      if (list.size() == kMostDiagnostics) break;
+      list.push_back({{"severity", to_string(d.severity)},
+                      {"where", d.where},
+                      {"code", d.code},
+                      {"message", d.message}});
+    }
+    error["diagnostic_count"] = diagnostics.size();
+  }
+  // A message may quote bytes of the request, which need not be UTF-8.
+  Response response = text_response(
+      "application/json",
+      ordered_json{{"error", error}}.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
+  response.status = answer.status;
+  return response;
 }
 
 }  // namespace
@@ -52,7 +95,7 @@ const std::string& Request::parameter(std::string_view name) const {
 
 std::int64_t Request::id(std::string_view name, const char* missing) const {
   const auto value = parse_number(parameter(name));
-  if (!value) throw Refusal(404, missing);
+  if (!value) throw HttpError(404, missing);
   return *value;
 }
 
@@ -68,15 +111,15 @@ std::int64_t Request::number(std::string_view name, std::int64_t otherwise, std:
   const std::string& text = found->second;
   const auto value = parse_number(text);
   if (!value || *value < least || *value > most) {
-    throw Refusal(400, fmt::format("{}: {:?}, not a whole number from {} to {}", name,
-                                   text.substr(0, 40), least, most));
+    throw HttpError(400, fmt::format("{}: {:?}, not a whole number from {} to {}", name,
+                                     text.substr(0, 40), least, most));
   }
   return *value;
 }
 
 const accounts::Principal& Request::known_principal() const {
   if (!principal) {
-    throw Refusal(401, "this needs a token: Authorization: Bearer enfilade_...");
+    throw HttpError(401, "this needs a token: Authorization: Bearer enfilade_...");
   }
   return *principal;
 }
@@ -114,35 +157,23 @@ Response file_response(std::string json, const std::string& name) {
   return response;
 }
 
-Response error_response(int status, std::string_view message, std::string_view code,
+Response error_response(int status, std::string_view message,
                         const std::vector<Diagnostic>& diagnostics) {
-  ordered_json error{{"code", code.empty() ? code_of(status) : code}, {"message", message}};
-  if (!diagnostics.empty()) {
-    auto& list = error["diagnostics"] = ordered_json::array();
-    for (const Diagnostic& d : diagnostics) {
-      if (list.size() == kMostDiagnostics) break;
-      list.push_back({{"severity", to_string(d.severity)},
-                      {"where", d.where},
-                      {"code", d.code},
-                      {"message", d.message}});
-    }
-    error["diagnostic_count"] = diagnostics.size();
-  }
-  // A message may quote bytes of the request, which need not be UTF-8.
-  Response response = text_response(
-      "application/json",
-      ordered_json{{"error", error}}.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
-  response.status = status;
-  return response;
+  const auto* found = std::ranges::find(kAnswers, status, &Answer::status);
+  // cpp-httplib has more statuses, for messages that it cannot parse.
+  const auto code = found == kAnswers.end() ? "invalid-request" : found->code;
+  return respond({status, code}, message, diagnostics);
 }
 
 Response error_response(const std::exception_ptr& thrown, std::string& fault) {
   try {
     std::rethrow_exception(thrown);
-  } catch (const Refusal& refusal) {
-    return error_response(refusal.status(), refusal.what(), refusal.code());
+  } catch (const HttpError& error) {
+    return error_response(error.status(), error.what());
+  } catch (const detail::Refusal& refusal) {
+    return respond(kRefusals[static_cast<std::size_t>(refusal.reason())], refusal.what(), {});
   } catch (const InvalidInput& error) {
-    return error_response(422, "what was sent has faults", {}, error.diagnostics());
+    return error_response(422, "what was sent has faults", error.diagnostics());
   } catch (const std::exception& error) {
     fault = error.what();
   } catch (...) {
@@ -153,7 +184,7 @@ Response error_response(const std::exception_ptr& thrown, std::string& fault) {
 
 ordered_json parse_object(const std::string& body) {
   ordered_json object = ordered_json::parse(body, nullptr, false);
-  if (!object.is_object()) throw Refusal(400, "the body is not a JSON object");
+  if (!object.is_object()) throw HttpError(400, "the body is not a JSON object");
   return object;
 }
 
@@ -161,7 +192,7 @@ std::string text_field(const ordered_json& object, const char* name, Presence pr
   const auto found = object.find(name);
   if (found == object.end() && presence == Presence::kOptional) return {};
   if (found == object.end() || !found->is_string()) {
-    throw Refusal(400, fmt::format("{}: must be there, and a text", name));
+    throw HttpError(400, fmt::format("{}: must be there, and a text", name));
   }
   return found->get<std::string>();
 }

@@ -13,12 +13,21 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/service/accounts/tokens.h"
-#include "enfilade/service/detail/refusal.h"
 
 namespace enfilade::service::http {
 
-using detail::Refusal;  // what routes throw
 using Texts = std::map<std::string, std::string, std::less<>>;
+
+/// A request that is wrong as a message of HTTP: its form, its size, its sender. What a rule of the
+/// service refuses is a detail::Refusal.
+class HttpError : public Error {
+ public:
+  HttpError(int status, const std::string& message) : Error(message), status_(status) {}
+  int status() const noexcept { return status_; }
+
+ private:
+  int status_;
+};
 
 struct Request {
   std::string method;  ///< "GET", "POST", "DELETE"; HEAD comes as GET
@@ -33,15 +42,15 @@ struct Request {
   std::string_view header(std::string_view name) const;  ///< "" if absent
   /// \pre the route's pattern has {name}
   const std::string& parameter(std::string_view name) const;
-  /// As parameter(), a whole number. \throws Refusal 404 with `missing` if it is none
+  /// As parameter(), a whole number. \throws HttpError 404 with `missing` if it is none
   std::int64_t id(std::string_view name, const char* missing) const;
-  /// A whole number of the query. \throws Refusal 400 if it is none, or out of range
+  /// A whole number of the query. \throws HttpError 400 if it is none, or out of range
   std::int64_t number(std::string_view name, std::int64_t otherwise, std::int64_t least,
                       std::int64_t most) const;
   std::string text(std::string_view name) const;  ///< of the query; "" if absent
 
   bool is_from(accounts::Role role) const { return principal && principal->role == role; }
-  /// \throws Refusal 401 if the client did not say who it is
+  /// \throws HttpError 401 if the client did not say who it is
   const accounts::Principal& known_principal() const;
 };
 
@@ -63,17 +72,17 @@ Response csv_response(std::string csv);
 Response file_response(std::string json, const std::string& name);
 
 /// {"error": {"code", "message"}}, with "diagnostics" if there are any: at most 200 of them, and
-/// how many there were. \param code empty: the word of the status, as "not-found" of 404
-Response error_response(int status, std::string_view message, std::string_view code = {},
+/// how many there were. The code is the word of the status: "not-found" of 404.
+Response error_response(int status, std::string_view message,
                         const std::vector<Diagnostic>& diagnostics = {});
-/// Of an exception of a route. \param fault what went wrong in the server itself (status 500), for
-/// its log alone: it may name files of this machine
+/// Of an exception of a route: the one place where errors get their status. \param fault what went
+/// wrong in the server itself (status 500), for its log alone: it may name files of this machine
 Response error_response(const std::exception_ptr& thrown, std::string& fault);
 
-/// The body as a JSON object. \throws Refusal 400 if it is none
+/// The body as a JSON object. \throws HttpError 400 if it is none
 nlohmann::ordered_json parse_object(const std::string& body);
 enum class Presence : std::uint8_t { kRequired, kOptional };
-/// A text of an object. \throws Refusal 400 if it is none, or is required and absent
+/// A text of an object. \throws HttpError 400 if it is none, or is required and absent
 std::string text_field(const nlohmann::ordered_json& object, const char* name,
                        Presence presence = Presence::kRequired);
 

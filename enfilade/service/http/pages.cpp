@@ -35,7 +35,7 @@ Response page(Context& context, const Request& request) {
                            "This build of Enfilade has no web client in it: npm was not there. "
                            "The API is at /api/v1/, its description at /api/v1/openapi.json\n");
     }
-    throw Refusal(404, "there is nothing here");
+    throw HttpError(404, "there is nothing here");
   }
   const bool packed = accepts_gzip(request);
   Response response = text_response(

@@ -28,7 +28,7 @@ std::optional<TaskState> state_of(const Request& request) {
   if (text == "all") return std::nullopt;
   const auto state = detail::find_named<TaskState>(text);
   if (!state || *state < TaskState::kSubmitted) {
-    throw Refusal(400, "state: not submitted, accepted, rejected or all");
+    throw HttpError(400, "state: not submitted, accepted, rejected or all");
   }
   return state;
 }
@@ -52,10 +52,10 @@ Response review(Context& context, const Request& request) {
   const std::string reason = text_field(body, "reason", Presence::kOptional);
   const bool needs_reason = verdict == TaskState::kRejected;
   if (!needs_reason && verdict != TaskState::kAccepted) {
-    throw Refusal(400, "verdict: not \"accepted\" or \"rejected\"");
+    throw HttpError(400, "verdict: not \"accepted\" or \"rejected\"");
   }
   if (needs_reason ? !detail::is_prose(reason, kLongestReason) : !reason.empty()) {
-    throw Refusal(400, "reason: of a rejection, 1 to 500 printable characters; else none");
+    throw HttpError(400, "reason: of a rejection, 1 to 500 printable characters; else none");
   }
   const std::int64_t task = task_of(request);
   collecting::review(context.db, task, *verdict, reason, request.principal->name);

@@ -40,7 +40,7 @@ std::string_view audience(Access access) {
 void check_access(const Route& route, const Request& request) {
   if (route.access == Access::kPublic) return;
   if (!may_call(route.access, request.known_principal().role)) {
-    throw Refusal(403, fmt::format("this is for {}", audience(route.access)));
+    throw HttpError(403, fmt::format("this is for {}", audience(route.access)));
   }
 }
 

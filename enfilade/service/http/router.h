@@ -31,7 +31,7 @@ struct Route {
   std::size_t most_bytes = 16U << 10U;  ///< of the body
 };
 
-/// \throws Refusal 401 or 403 if the request's sender may not call the route
+/// \throws HttpError 401 or 403 if the request's sender may not call the route
 void check_access(const Route& route, const Request& request);
 
 /// Finds routes. Filled before the first request; then read by any thread.

@@ -17,16 +17,16 @@ void add_work_routes(Router& router);
 /// Health, metrics and the API's description.
 void add_operation_routes(Router& router);
 
-/// A built page or asset of the web client. \throws Refusal 404
+/// A built page or asset of the web client. \throws HttpError 404
 Response page(Context& context, const Request& request);
 
-/// {collection} of the path. \throws Refusal 404
+/// {collection} of the path. \throws HttpError 404
 collecting::Collection collection_of(Context& context, const Request& request);
-/// {task} of the path. \throws Refusal 404 if it is no number
+/// {task} of the path. \throws HttpError 404 if it is no number
 std::int64_t task_of(const Request& request);
 
 /// Submitted work with its history and steps. \pre a reviewer or an organiser asks
-/// \throws Refusal 404
+/// \throws HttpError 404
 Response work_response(Context& context, const Request& request, std::int64_t task);
 
 }  // namespace enfilade::service::http

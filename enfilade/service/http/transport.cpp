@@ -117,7 +117,7 @@ class Body {
   Body(const Body&) = delete;
   Body& operator=(const Body&) = delete;
 
-  /// All of it. \throws Refusal 413 if that is more than `most` bytes; 408, 400, 503
+  /// All of it. \throws HttpError 413 if that is more than `most` bytes; 408, 400, 503
   std::string read(std::size_t most) {
     std::string body;
     bool busy = false;
@@ -135,12 +135,12 @@ class Body {
       // 413.
       return !late() && size <= 2 * config_.most_submission_bytes;
     });
-    if (late()) throw Refusal(408, "the body took too long");
+    if (late()) throw HttpError(408, "the body took too long");
     if (size > most) {
-      throw Refusal(413, fmt::format("the body has more than {} bytes", most));
+      throw HttpError(413, fmt::format("the body has more than {} bytes", most));
     }
-    if (!whole_) throw Refusal(400, "the body broke off");
-    if (busy) throw Refusal(503, "too many large files at once; try again");
+    if (!whole_) throw HttpError(400, "the body broke off");
+    if (busy) throw HttpError(503, "too many large files at once; try again");
     return body;
   }
 
@@ -149,7 +149,7 @@ class Body {
     if (!begun_) {
       try {
         read(0);
-      } catch (const Refusal&) {  // of no interest
+      } catch (const HttpError&) {  // of no interest
       }
     }
     return whole_;

@@ -30,7 +30,7 @@ collecting::Parameters read_parameters(const std::string& body) {
   const ordered_json object = parse_object(body);
   const auto found = object.find("parameters");
   if (found == object.end() || !found->is_object()) {
-    throw Refusal(400, "parameters: must be there, and an object");
+    throw HttpError(400, "parameters: must be there, and an object");
   }
   collecting::Parameters parameters;
   for (const auto& [name, value] : found->items()) {
@@ -58,7 +58,7 @@ Response join(Context& context, const Request& request) {
   const auto key = parameters.find("key");
   if (key == parameters.end() || key->second != collection.key) {
     context.failures.count(request.address, context.db.now());
-    throw Refusal(403, "the link is not whole: its key is wrong");
+    throw HttpError(403, "the link is not whole: its key is wrong");
   }
   const collecting::Arrival arrival = collecting::read_arrival(collection.platform, parameters);
   ordered_json out{
@@ -97,17 +97,17 @@ Response next_task(Context& context, const Request& request) {
 
 Response show_task(Context& context, const Request& request) {
   const accounts::Role role = request.known_principal().role;
-  if (role == accounts::Role::kTeam) throw Refusal(404, "no such task");
+  if (role == accounts::Role::kTeam) throw HttpError(404, "no such task");
   if (role != accounts::Role::kWorker) return work_response(context, request, task_of(request));
   return json_response(collecting::task_json(own_task(context, request)));
 }
 
-/// \throws Refusal 400 for a deep body: writing it again would take much time and stack
+/// \throws HttpError 400 for a deep body: writing it again would take much time and stack
 nlohmann::json parse_draft(const std::string& text) {
   static constexpr int kDeepest = 16;
   const auto check_depth = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
     if (depth > kDeepest) {
-      throw Refusal(400, fmt::format("the draft is deeper than {}", kDeepest));
+      throw HttpError(400, fmt::format("the draft is deeper than {}", kDeepest));
     }
     return true;
   };
@@ -119,7 +119,7 @@ Response save_draft(Context& context, const Request& request) {
   const nlohmann::json body = parse_draft(request.body);
   const auto draft = body.is_object() ? body.find("draft") : body.end();
   if (draft == body.end() || !draft->is_object()) {
-    throw Refusal(400, "draft: must be there, and an object");
+    throw HttpError(400, "draft: must be there, and an object");
   }
   const std::int64_t expires = collecting::save_draft(context.db, own_visit(context, request),
                                                       task_of(request), draft->dump());
