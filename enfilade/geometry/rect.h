@@ -13,7 +13,9 @@ enum class Side : std::uint8_t { kPlusX, kPlusY, kMinusX, kMinusY };
 /// All sides, counter-clockwise.
 inline constexpr std::array kSides{Side::kPlusX, Side::kPlusY, Side::kMinusX, Side::kMinusY};
 
+/// Its place in kSides.
 constexpr std::size_t index(Side side) { return static_cast<std::size_t>(side); }
+/// The side across the rectangle.
 constexpr Side opposite(Side side) { return kSides[(index(side) + 2) % kSides.size()]; }
 /// Whether the side faces +x or -x.
 constexpr bool faces_x(Side side) { return side == Side::kPlusX || side == Side::kMinusX; }
