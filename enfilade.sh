@@ -135,7 +135,9 @@ build_preset() {
     show_failure "$log"
     die 1 "configuring the preset '$preset' failed (all of its output: $log)"
   }
-  steps=$(ninja -C "$directory" -n | sed -n 's|^\[[0-9]*/\([0-9]*\)\].*|\1|p' | tail -n 1)
+  # Not of build.ninja itself, whose dry run ends at its first step, the check of cmake's globs.
+  steps=$(ninja -C "$directory" -f /dev/stdin -n <<<'include build.ninja' |
+    sed -n 's|^\[[0-9]*/\([0-9]*\)\].*|\1|p' | tail -n 1)
   [[ -n $steps ]] || return 0
   jobs=$(job_count)
   say "building in $directory ($steps steps, $jobs at a time: $(duration_of "$steps" "$jobs"))"
