@@ -13,23 +13,10 @@
 namespace enfilade::draw {
 namespace {
 
-// Viridis at 1, 14/15, ... 0.
-constexpr std::array<Rgb, 16> kDepthColours{{{253, 231, 37},
-                                             {210, 226, 27},
-                                             {165, 219, 54},
-                                             {122, 209, 81},
-                                             {84, 197, 104},
-                                             {53, 183, 121},
-                                             {34, 168, 132},
-                                             {31, 152, 139},
-                                             {35, 136, 142},
-                                             {42, 120, 142},
-                                             {49, 104, 142},
-                                             {57, 86, 140},
-                                             {65, 68, 135},
-                                             {71, 47, 125},
-                                             {72, 26, 108},
-                                             {68, 1, 84}}};
+// Viridis at 1, 14/15, ... 0, as 0xRRGGBB.
+constexpr std::array<std::uint32_t, 16> kDepthColours{
+    0xfde725, 0xd2e21b, 0xa5db36, 0x7ad151, 0x54c568, 0x35b779, 0x22a884, 0x1f988b,
+    0x23888e, 0x2a788e, 0x31688e, 0x39568c, 0x414487, 0x472f7d, 0x481a6c, 0x440154};
 
 std::uint8_t to_level(double value) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
@@ -161,7 +148,8 @@ Rgb depth_colour(double share) {
   const double part = place - static_cast<double>(i);
   Rgb colour;
   for (std::size_t c = 0; c < colour.size(); ++c) {
-    colour[c] = to_level((1 - part) * kDepthColours[i][c] + part * kDepthColours[i + 1][c]);
+    const auto level = [&](std::uint32_t rgb) { return rgb >> (16 - 8 * c) & 0xffU; };
+    colour[c] = to_level((1 - part) * level(kDepthColours[i]) + part * level(kDepthColours[i + 1]));
   }
   return colour;
 }

@@ -160,12 +160,10 @@ class Painter {
 
   std::string draw_success_circle(const Panel& panel, ViewpointIndex goal) const {
     if (plan_.storey_of[goal.at()] != panel.storey || options_.success_distance == 0) return "";
-    const Point p = place(panel, goal);
-    return fmt::format(
-        "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{}\" fill-opacity=\"0.18\" stroke=\"#a89c00\" "
-        "stroke-dasharray=\"3 4\"/>\n",
-        plan::number(p.x), plan::number(p.y), plan::number(options_.success_distance * panel.scale),
-        plan::hex(plan::kYellow));
+    return plan::circle(
+        place(panel, goal), options_.success_distance * panel.scale,
+        fmt::format("fill=\"{}\" fill-opacity=\"0.18\" stroke=\"#a89c00\" stroke-dasharray=\"3 4\"",
+                    plan::hex(plan::kYellow)));
   }
 
   std::string draw_edges(const Panel& panel) const {
@@ -229,11 +227,8 @@ class Painter {
 
   std::vector<LegendItem> legend_items() const {
     std::vector<LegendItem> items{{plan::dot({}), 8, "viewpoint"}};
-    const auto line = [](const char* attributes) {
-      return fmt::format("<path d=\"M-14,0h28\" {}/>", attributes);
-    };
-    items.push_back({line("stroke=\"#a7acb5\""), 28, "edge"});
-    add_graph_items(items, line("stroke=\"#6b7280\" stroke-dasharray=\"4 3\""));
+    items.push_back({plan::line_sample("stroke=\"#a7acb5\""), 28, "edge"});
+    add_graph_items(items);
     for (const Overlay& o : overlays_) {
       if (!o.steps.empty()) items.push_back({sample(o), 34, o.label});
     }
@@ -249,7 +244,7 @@ class Painter {
     return items;
   }
 
-  void add_graph_items(std::vector<LegendItem>& items, const std::string& dashes) const {
+  void add_graph_items(std::vector<LegendItem>& items) const {
     const bool stairs = std::ranges::any_of(
         plan_.edges, [this](auto e) { return plan_.between_storeys(e.a, e.b); });
     bool excluded = false, alone = false;
@@ -260,7 +255,8 @@ class Painter {
       alone = alone || (graph_.included(v) && isolated(v));
     }
     if (stairs) {
-      items.push_back({dashes, 28, "edge to another storey"});
+      items.push_back({plan::line_sample("stroke=\"#6b7280\" stroke-dasharray=\"4 3\""), 28,
+                       "edge to another storey"});
       items.push_back({plan::stairs_mark({-9, 0}, true) + plan::stairs_mark({9, 0}, false), 32,
                        "its other end, above or below"});
     }

@@ -90,13 +90,11 @@ class Painter {
   }
 
   std::vector<plan::LegendItem> legend_items() const {
-    const auto sample = [](const char* style) {
-      return fmt::format("<path d=\"M-14,0h28\" {}/>", style);
-    };
+    using plan::line_sample;
     return {{plan::dot({}), 8, "viewpoint"},
-            {sample(kCommonStyle), 28, "edge in both"},
-            {sample(kExtraStyle), 28, "extra: found, and not in the truth"},
-            {sample(kMissingStyle), 28, "missing: in the truth, and not found"}};
+            {line_sample(kCommonStyle), 28, "edge in both"},
+            {line_sample(kExtraStyle), 28, "extra: found, and not in the truth"},
+            {line_sample(kMissingStyle), 28, "missing: in the truth, and not found"}};
   }
 
   const NavGraph& found_;

@@ -20,7 +20,11 @@ constexpr double kPoseTolerance = 1e-3;
 class Checker {
  public:
   Checker(const Connectivity& connectivity, const CheckOptions& options)
-      : c_(connectivity), options_(options), n_(connectivity.entries.size()), part_(n_) {
+      : c_(connectivity),
+        options_(options),
+        n_(connectivity.entries.size()),
+        part_(n_),
+        touched_(n_, false) {
     std::iota(part_.begin(), part_.end(), std::size_t{0});
   }
 
@@ -39,6 +43,9 @@ class Checker {
     }
     return std::move(diagnostics_);
   }
+
+  // Undirected ones between included viewpoints, counted by run().
+  std::size_t edges() const { return edges_; }
 
  private:
   void report(Severity severity, std::string where, std::string code, std::string message) {
@@ -87,12 +94,14 @@ class Checker {
         ++to_excluded_;
         continue;
       }
+      touched_[i] = touched_[j] = true;
       if (!unobstructed(j, i)) {
         report(Severity::kWarning, where, "one-way-edge",
                fmt::format("true, but $[{}].unobstructed[{}] is false", j, i));
       } else if (j < i) {
         continue;  // reported from the other end
       }
+      ++edges_;
       join(i, j);
       check_lengths(i, j, where);
     }
@@ -116,16 +125,8 @@ class Checker {
   }
 
   void check_isolated() {
-    std::vector<bool> touched(n_, false);
     for (std::size_t i = 0; i < n_; ++i) {
-      if (!c_.entries[i].included) continue;
-      for (const ViewpointIndex j : c_.entries[i].unobstructed) {
-        if (j.at() == i || !c_.entries[j.at()].included) continue;
-        touched[i] = touched[j.at()] = true;
-      }
-    }
-    for (std::size_t i = 0; i < n_; ++i) {
-      if (c_.entries[i].included && !touched[i]) {
+      if (c_.entries[i].included && !touched_[i]) {
         report(Severity::kWarning, fmt::format("$[{}]", i), "isolated-viewpoint",
                fmt::format("{} has no edge", c_.entries[i].id));
         isolated_.insert(i);
@@ -161,23 +162,11 @@ class Checker {
   const CheckOptions& options_;
   std::size_t n_;
   std::vector<std::size_t> part_;  // union-find
+  std::vector<bool> touched_;      // by an edge
   std::set<std::size_t> isolated_;
-  std::size_t to_excluded_ = 0;
+  std::size_t to_excluded_ = 0, edges_ = 0;
   std::vector<Diagnostic> diagnostics_;
 };
-
-std::size_t undirected_edges(const Connectivity& connectivity) {
-  std::set<std::pair<std::size_t, std::size_t>> pairs;
-  for (std::size_t i = 0; i < connectivity.entries.size(); ++i) {
-    if (!connectivity.entries[i].included) continue;
-    for (const ViewpointIndex j : connectivity.entries[i].unobstructed) {
-      if (j.at() != i && connectivity.entries[j.at()].included) {
-        pairs.insert(std::minmax(i, j.at()));
-      }
-    }
-  }
-  return pairs.size();
-}
 
 FileReport check_file(const std::filesystem::path& directory, const std::string& scan,
                       const CheckOptions& options) {
@@ -188,8 +177,9 @@ FileReport check_file(const std::filesystem::path& directory, const std::string&
     report.viewpoints = connectivity.entries.size();
     report.included = static_cast<std::size_t>(
         std::ranges::count(connectivity.entries, true, &ConnectivityEntry::included));
-    report.edges = undirected_edges(connectivity);
-    report.diagnostics = check_graph(connectivity, options);
+    Checker checker(connectivity, options);
+    report.diagnostics = checker.run();
+    report.edges = checker.edges();
   } catch (const InvalidInput& error) {
     report.diagnostics = error.diagnostics();
   } catch (const FileError& error) {

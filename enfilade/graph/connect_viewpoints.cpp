@@ -41,22 +41,6 @@ struct Sight {
   bool visible = false, free = false;
 };
 
-// Counts finished rows and reports progress, one thread at a time.
-class RowCounter {
- public:
-  RowCounter(const Progress& progress, std::size_t total) : progress_(progress), total_(total) {}
-  void add() {
-    const std::lock_guard lock(mutex_);
-    ++done_;
-    if (progress_) progress_(done_, total_);
-  }
-
- private:
-  const Progress& progress_;
-  std::size_t total_, done_ = 0;
-  std::mutex mutex_;
-};
-
 }  // namespace
 
 scan::Connectivity connect_viewpoints(const mesh::RayTracer& tracer,
@@ -67,7 +51,8 @@ scan::Connectivity connect_viewpoints(const mesh::RayTracer& tracer,
   const detail::Passage passage(tracer, floor, options);
   const std::size_t n = viewpoints.size();
   std::vector<std::vector<Sight>> rows(n);
-  RowCounter counter(progress, n);
+  std::mutex mutex;
+  std::size_t done = 0;
   parallel_for(n, 1, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       rows[i].resize(n);
@@ -75,7 +60,9 @@ scan::Connectivity connect_viewpoints(const mesh::RayTracer& tracer,
         rows[i][j].visible = passage.in_sight(viewpoints[i], viewpoints[j]);
         rows[i][j].free = rows[i][j].visible && passage.is_free(viewpoints[i], viewpoints[j]);
       }
-      counter.add();
+      const std::lock_guard lock(mutex);
+      ++done;
+      if (progress) progress(done, n);
     }
   });
   scan::Connectivity out = make_entries(viewpoints, scan);

@@ -83,61 +83,53 @@ Correction read_correction(Element element, const Path& path, Faults& faults) {
 
 std::string where(std::size_t i) { return fmt::format("$.corrections[{}]", i); }
 
-// Applies corrections to one graph.
-class Corrector {
- public:
-  explicit Corrector(scan::Connectivity& connectivity) : c_(connectivity) {}
+std::optional<std::size_t> find(const scan::Connectivity& graph, const std::string& id) {
+  const auto at = std::ranges::find(graph.entries, id, &scan::ConnectivityEntry::id);
+  if (at == graph.entries.end()) return std::nullopt;
+  return static_cast<std::size_t>(at - graph.entries.begin());
+}
 
-  std::optional<std::size_t> find(const std::string& id) const {
-    const auto at = std::ranges::find(c_.entries, id, &scan::ConnectivityEntry::id);
-    if (at == c_.entries.end()) return std::nullopt;
-    return static_cast<std::size_t>(at - c_.entries.begin());
+// Adds or removes one direction of an edge. Returns false if nothing changed.
+bool set_edge(scan::Connectivity& graph, std::size_t from, std::size_t to, bool wanted) {
+  std::vector<ViewpointIndex>& row = graph.entries[from].unobstructed;
+  const ViewpointIndex v(to);
+  const auto at = std::ranges::lower_bound(row, v);
+  const bool is = at != row.end() && *at == v;
+  if (is == wanted) return false;
+  if (wanted) {
+    row.insert(at, v);
+  } else {
+    row.erase(at);
   }
+  return true;
+}
 
-  // Returns false if nothing changed.
-  bool apply(const Correction& correction) {
-    const std::size_t from = find(correction.from).value();
-    if (!is_of_edge(correction.action)) {
-      const bool wanted = correction.action == Action::kInclude;
-      return std::exchange(c_.entries[from].included, wanted) != wanted;
-    }
-    const std::size_t to = find(correction.to).value();
-    const bool wanted = correction.action == Action::kAddEdge;
-    const bool there = set(from, to, wanted), back = set(to, from, wanted);
-    return there || back;
+// Returns false if nothing changed. \pre check_ids()
+bool apply_one(scan::Connectivity& graph, const Correction& correction) {
+  const std::size_t from = find(graph, correction.from).value();
+  if (!is_of_edge(correction.action)) {
+    const bool wanted = correction.action == Action::kInclude;
+    return std::exchange(graph.entries[from].included, wanted) != wanted;
   }
+  const std::size_t to = find(graph, correction.to).value();
+  const bool wanted = correction.action == Action::kAddEdge;
+  const bool there = set_edge(graph, from, to, wanted), back = set_edge(graph, to, from, wanted);
+  return there || back;
+}
 
- private:
-  bool set(std::size_t from, std::size_t to, bool wanted) {
-    std::vector<ViewpointIndex>& row = c_.entries[from].unobstructed;
-    const ViewpointIndex v(to);
-    const auto at = std::ranges::lower_bound(row, v);
-    const bool is = at != row.end() && *at == v;
-    if (is == wanted) return false;
-    if (wanted) {
-      row.insert(at, v);
-    } else {
-      row.erase(at);
-    }
-    return true;
-  }
-
-  scan::Connectivity& c_;
-};
-
-void check_ids(const Corrections& corrections, const std::string& scan, const Corrector& graph,
+void check_ids(const Corrections& corrections, const scan::Connectivity& graph,
                const std::string& file) {
   std::vector<Diagnostic> faults;
-  if (corrections.scan != scan) {
+  if (corrections.scan != graph.scan) {
     faults.push_back({Severity::kError, file, "$.scan", "other-scan",
-                      fmt::format("{:?}, and the graph is of {:?}", corrections.scan, scan)});
+                      fmt::format("{:?}, and the graph is of {:?}", corrections.scan, graph.scan)});
   }
   for (std::size_t i = 0; i < corrections.list.size(); ++i) {
     const Correction& c = corrections.list[i];
     for (const auto& [name, id] : {std::pair("from", &c.from), std::pair("to", &c.to)}) {
-      if (id->empty() || graph.find(*id)) continue;
+      if (id->empty() || find(graph, *id)) continue;
       faults.push_back({Severity::kError, file, where(i) + "." + name, "unknown-viewpoint",
-                        fmt::format("{:?} is no viewpoint of {}", *id, scan)});
+                        fmt::format("{:?} is no viewpoint of {}", *id, graph.scan)});
     }
   }
   if (!faults.empty()) throw InvalidInput(std::move(faults));
@@ -187,11 +179,10 @@ std::string to_json(const Corrections& corrections) {
 Corrected apply(const scan::Connectivity& connectivity, const Corrections& corrections,
                 const std::string& file) {
   Corrected out{connectivity, {}};
-  Corrector corrector(out.connectivity);
-  check_ids(corrections, connectivity.scan, corrector, file);
+  check_ids(corrections, connectivity, file);
   for (std::size_t i = 0; i < corrections.list.size(); ++i) {
     const Correction& c = corrections.list[i];
-    if (corrector.apply(c)) continue;
+    if (apply_one(out.connectivity, c)) continue;
     out.notes.push_back({Severity::kWarning, file, where(i), "no-change",
                          fmt::format("{} {}{}{} changes nothing: it is so already",
                                      name_of(c.action), c.from, c.to.empty() ? "" : " ", c.to)});

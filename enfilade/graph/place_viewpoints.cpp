@@ -202,7 +202,7 @@ std::vector<PlacedViewpoint> place_viewpoints(const RayTracer& tracer, const Wal
   detail::join_parts(floor, passage, placed, cells);
   std::vector<std::uint32_t> others;
   for (const Candidate& c : candidates) others.push_back(c.cell);
-  detail::thin_out(floor, passage, pockets, others, kTooNear * spacing, first, placed, cells);
+  detail::thin_out({floor, passage, pockets, others, kTooNear * spacing, first, placed}, cells);
   std::vector<PlacedViewpoint> viewpoints;
   for (const std::uint32_t cell : cells) viewpoints.push_back(placed(cell));
   return viewpoints;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "enfilade/core/errors.h"
@@ -13,12 +14,7 @@
 namespace enfilade::render {
 namespace {
 
-struct NamedBackend {
-  Backend backend;
-  std::string_view name;
-};
-constexpr std::array<NamedBackend, 3> kBackends{
-    {{Backend::kCpu, "cpu"}, {Backend::kCpuScalar, "cpu-scalar"}, {Backend::kGl, "gl"}}};
+constexpr std::array<std::string_view, 3> kBackends{"cpu", "cpu-scalar", "gl"};  // by Backend
 
 void validate_size(std::string_view name, std::size_t bytes, std::size_t pixels,
                    std::size_t pixel_bytes) {
@@ -112,15 +108,12 @@ std::size_t pixel_bytes(ClassFormat format) noexcept {
   return format == ClassFormat::kUint8 ? 1 : 2;
 }
 
-std::string_view to_string(Backend backend) {
-  return kBackends[static_cast<std::size_t>(backend)].name;
-}
+std::string_view to_string(Backend backend) { return kBackends[static_cast<std::size_t>(backend)]; }
 
 std::optional<Backend> parse_backend(std::string_view name) {
-  for (const NamedBackend& row : kBackends) {
-    if (row.name == name) return row.backend;
-  }
-  return std::nullopt;
+  const auto found = std::ranges::find(kBackends, name);
+  if (found == kBackends.end()) return std::nullopt;
+  return static_cast<Backend>(found - kBackends.begin());
 }
 
 std::vector<Backend> backends() {

@@ -46,17 +46,11 @@ double half_field_of_view(const SimulatorConfig& config) {
 // The simulator's own state: callers get copies.
 struct Agents {
   explicit Agents(const SimulatorConfig& config)
-      : graph(config.batch_size),
-        scan(config.batch_size),
-        viewpoint(config.batch_size),
-        heading(config.batch_size),
-        elevation(config.batch_size),
-        heading_step(config.batch_size),
-        elevation_step(config.batch_size),
-        step(config.batch_size),
-        navigable_count(config.batch_size),
-        target(config.batch_size * config.max_navigable),
-        random_episodes(config.batch_size) {}
+      : target(config.batch_size * config.max_navigable) {
+    const auto resize = [&](auto&... arrays) { (arrays.resize(config.batch_size), ...); };
+    resize(graph, scan, viewpoint, heading, elevation, heading_step, elevation_step, step,
+           navigable_count, random_episodes);
+  }
 
   std::vector<const NavGraph*> graph;
   std::vector<ScanIndex> scan;

@@ -7,14 +7,11 @@
 #include "enfilade/geometry/angle.h"
 
 namespace enfilade::draw::plan {
-namespace {
 
 std::string circle(Point p, double radius, std::string_view attributes) {
   return fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" {}/>\n", number(p.x), number(p.y),
                      number(radius), attributes);
 }
-
-}  // namespace
 
 std::string dot(Point p) {
   return circle(p, 3.4, "fill=\"#4b5563\" stroke=\"#fff\" stroke-width=\"1\"");
@@ -60,6 +57,10 @@ std::string goal_mark(Point p) {
 std::string stop_mark(Point p, Colour colour) {
   return circle(p, 13, "fill=\"none\" stroke=\"#fff\" stroke-width=\"5\"") +
          circle(p, 13, fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"3\"", hex(colour)));
+}
+
+std::string line_sample(std::string_view attributes) {
+  return fmt::format("<path d=\"M-14,0h28\" {}/>", attributes);
 }
 
 std::string text(Point p, std::string_view content, double size, const char* colour, bool bold,

@@ -21,6 +21,8 @@ inline constexpr const char* kEdge = "#a7acb5";
 inline constexpr const char* kFloor = "#f3efe6";
 inline constexpr const char* kFloorRim = "#d8d0be";
 
+/// \param attributes how it is drawn: fill, stroke
+std::string circle(Point p, double radius, std::string_view attributes);
 std::string dot(Point p);
 std::string isolated_mark(Point p);
 std::string excluded_mark(Point p);
@@ -30,6 +32,9 @@ std::string start_mark(Point p);
 std::string goal_mark(Point p);
 /// A ring, which leaves room for the goal in it.
 std::string stop_mark(Point p, Colour colour);
+
+/// A line of the legend.
+std::string line_sample(std::string_view attributes);
 
 enum class Anchor { kStart, kMiddle, kEnd };
 std::string text(Point p, std::string_view content, double size, const char* colour,

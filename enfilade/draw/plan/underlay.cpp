@@ -57,7 +57,7 @@ std::vector<LegendItem> underlay_legend(const PlanUnderlay& underlay) {
       return std::ranges::find(storey.lines, look->kind, &UnderlayLine::kind) != storey.lines.end();
     });
     if (!there) continue;
-    items.push_back({fmt::format("<path d=\"M-14,0h28\" {}/>", look->attributes), 28, look->name});
+    items.push_back({line_sample(look->attributes), 28, look->name});
   }
   return items;
 }

@@ -49,9 +49,9 @@ double at(double low, double high, std::uint32_t i, std::uint32_t count) {
   return count == 1 ? (low + high) / 2 : low + (high - low) * i / (count - 1);
 }
 
-}  // namespace
-
 Vec3d floor_below(const PlacedViewpoint& v) { return v.eye - Vec3d{0, 0, v.height}; }
+
+}  // namespace
 
 Passage::Passage(const mesh::RayTracer& tracer, const mesh::WalkableFloor& floor,
                  const EdgeOptions& options)

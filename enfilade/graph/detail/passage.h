@@ -26,6 +26,4 @@ class Passage {
   EdgeOptions options_;
 };
 
-Vec3d floor_below(const PlacedViewpoint& v);
-
 }  // namespace enfilade::graph::detail

@@ -9,14 +9,21 @@
 
 namespace enfilade::graph::detail {
 
+/// Arguments of thin_out().
+struct ThinningInput {
+  const mesh::WalkableFloor& floor;
+  const Passage& passage;
+  const Pockets& pockets;
+  const std::vector<std::uint32_t>& candidates;
+  double least;  ///< metres
+  std::size_t first;
+  std::function<PlacedViewpoint(std::uint32_t)> placed;  ///< the viewpoint at a cell
+};
 /// Replaces two viewpoints that see each other from less than `least` metres by one, at a cell of
 /// `candidates` (best first) or at one of the two, if nothing is lost: their neighbours stay
 /// connected, and no pocket is left without a viewpoint. The first `first` viewpoints, which were
 /// chosen for their surroundings, move by half of `least` at most, on foot; two of them are never
 /// replaced by one.
-void thin_out(const mesh::WalkableFloor& floor, const Passage& passage, const Pockets& pockets,
-              const std::vector<std::uint32_t>& candidates, double least, std::size_t first,
-              const std::function<PlacedViewpoint(std::uint32_t)>& placed,
-              std::vector<std::uint32_t>& cells);
+void thin_out(const ThinningInput& input, std::vector<std::uint32_t>& cells);
 
 }  // namespace enfilade::graph::detail

@@ -291,35 +291,19 @@ HWY_INLINE VF scaled(const std::uint16_t* units, const float* factor, std::size_
 
 constexpr float kMetresPerUnit = 1.0F / static_cast<float>(scan::kDepthUnitsPerMetre);
 
-// Runs `vector(k)` over whole registers, then the scalar kernel over the rest.
-template <class Vector, class Twin, class T>
+HWY_INLINE void store(VF values, float* out) { hn::StoreU(values, DF(), out); }
+HWY_INLINE void store(VI values, std::uint16_t* out) {
+  const hn::Rebind<std::uint16_t, DF> d16;
+  hn::StoreU(hn::DemoteTo(d16, values), d16, out);
+}
+
+// Stores value(k) for whole registers from the k-th pixel on; the scalar kernel does the rest.
+template <class Value, class Scalar, class T>
 void pack_depth(const std::uint16_t* units, const float* factor, std::size_t count, T* out,
-                Vector vector, Twin twin) {
+                Value value, Scalar scalar) {
   const std::size_t n = hn::Lanes(DF()), whole = count - count % n;
-  for (std::size_t k = 0; k < whole; k += n) vector(k);
-  if (whole < count) twin(units + whole, factor + whole, count - whole, out + whole);
-}
-
-void pack_metres(const std::uint16_t* units, const float* factor, std::size_t count, float* out) {
-  pack_depth(
-      units, factor, count, out,
-      [&](std::size_t k) HWY_ATTR {
-        const DF d;
-        hn::StoreU(hn::Mul(scaled(units, factor, k), hn::Set(d, kMetresPerUnit)), d, out + k);
-      },
-      scalar_kernels().pack_metres);
-}
-
-void pack_units(const std::uint16_t* units, const float* factor, std::size_t count,
-                std::uint16_t* out) {
-  pack_depth(
-      units, factor, count, out,
-      [&](std::size_t k) HWY_ATTR {
-        const hn::Rebind<std::uint16_t, DF> d16;
-        const VF value = hn::Add(scaled(units, factor, k), hn::Set(DF(), 0.5F));
-        hn::StoreU(hn::DemoteTo(d16, hn::ConvertTo(DI(), value)), d16, out + k);
-      },
-      scalar_kernels().pack_units);
+  for (std::size_t k = 0; k < whole; k += n) store(value(k), out + k);
+  if (whole < count) scalar(units + whole, factor + whole, count - whole, out + whole);
 }
 
 HWY_INLINE VI step257(const std::uint16_t* units, const float* factor, std::size_t k) {
@@ -329,27 +313,33 @@ HWY_INLINE VI step257(const std::uint16_t* units, const float* factor, std::size
   return hn::Add(hn::ShiftLeft<8>(whole), whole);
 }
 
+HWY_INLINE VF metres(VF units) { return hn::Mul(units, hn::Set(DF(), kMetresPerUnit)); }
+
+void pack_metres(const std::uint16_t* units, const float* factor, std::size_t count, float* out) {
+  const auto value = [=](std::size_t k) HWY_ATTR { return metres(scaled(units, factor, k)); };
+  pack_depth(units, factor, count, out, value, scalar_kernels().pack_metres);
+}
+
+void pack_units(const std::uint16_t* units, const float* factor, std::size_t count,
+                std::uint16_t* out) {
+  const auto value = [=](std::size_t k) HWY_ATTR {
+    return hn::ConvertTo(DI(), hn::Add(scaled(units, factor, k), hn::Set(DF(), 0.5F)));
+  };
+  pack_depth(units, factor, count, out, value, scalar_kernels().pack_units);
+}
+
 void pack_legacy_units(const std::uint16_t* units, const float* factor, std::size_t count,
                        std::uint16_t* out) {
-  pack_depth(
-      units, factor, count, out,
-      [&](std::size_t k) HWY_ATTR {
-        const hn::Rebind<std::uint16_t, DF> d16;
-        hn::StoreU(hn::DemoteTo(d16, step257(units, factor, k)), d16, out + k);
-      },
-      scalar_kernels().pack_legacy_units);
+  const auto value = [=](std::size_t k) HWY_ATTR { return step257(units, factor, k); };
+  pack_depth(units, factor, count, out, value, scalar_kernels().pack_legacy_units);
 }
 
 void pack_legacy_metres(const std::uint16_t* units, const float* factor, std::size_t count,
                         float* out) {
-  pack_depth(
-      units, factor, count, out,
-      [&](std::size_t k) HWY_ATTR {
-        const DF d;
-        const VF value = hn::ConvertTo(d, step257(units, factor, k));
-        hn::StoreU(hn::Mul(value, hn::Set(d, kMetresPerUnit)), d, out + k);
-      },
-      scalar_kernels().pack_legacy_metres);
+  const auto value = [=](std::size_t k) HWY_ATTR {
+    return metres(hn::ConvertTo(DF(), step257(units, factor, k)));
+  };
+  pack_depth(units, factor, count, out, value, scalar_kernels().pack_legacy_metres);
 }
 
 const Kernels* kernels() {

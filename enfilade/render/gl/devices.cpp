@@ -16,13 +16,8 @@ bool has_client_extension(const char* name) {
 }
 
 bool has_word(const char* list, std::string_view word) {
-  if (list == nullptr) return false;
-  for (std::string_view rest = list; !rest.empty();) {
-    const std::size_t end = std::min(rest.find(' '), rest.size());
-    if (rest.substr(0, end) == word) return true;
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
-  return false;
+  const std::string wanted = fmt::format(" {} ", word);
+  return list != nullptr && fmt::format(" {} ", list).find(wanted) != std::string::npos;
 }
 
 // EGL_EXT_device_persistent_id, which epoxy 1.5 does not know.

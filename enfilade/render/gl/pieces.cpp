@@ -27,6 +27,12 @@ bool meets(const std::array<double, 3>& line, double width, double height) {
   return std::abs(line[0]) <= reach;
 }
 
+// The part along `axis` of a pixel's ray, as in FaceForms.
+std::array<double, 3> form_along(Vec3d axis, const Camera& camera, const PixelRays& rays) {
+  const Vec3d middle = rays.at((camera.height - 1) / 2.0, (camera.width - 1) / 2.0);
+  return {dot(axis, middle), dot(axis, rays.column), dot(axis, rays.row)};
+}
+
 }  // namespace
 
 Piece::Piece(const Camera& camera) : count_(4) {
@@ -53,11 +59,8 @@ void Piece::cut(double c, double a, double b, double margin) {
 }
 
 FaceForms face_forms(const Camera& camera, const PixelRays& rays, CubeFace face) {
-  const Vec3d middle = rays.at((camera.height - 1) / 2.0, (camera.width - 1) / 2.0);
   const FaceAxes& axes = kFaceAxes[index(face)];
-  const auto form = [&](Vec3d axis) -> std::array<double, 3> {
-    return {dot(axis, middle), dot(axis, rays.column), dot(axis, rays.row)};
-  };
+  const auto form = [&](Vec3d axis) { return form_along(axis, camera, rays); };
   return {form(axes.right), form(axes.down), form(axes.forward)};
 }
 
@@ -77,10 +80,8 @@ void find_pixels_at_edges(const Camera& camera, const PixelRays& rays, double di
   constexpr std::array<Vec3d, 6> kDiagonals{
       {{1, 1, 0}, {1, -1, 0}, {1, 0, 1}, {1, 0, -1}, {0, 1, 1}, {0, 1, -1}}};
   const double width = camera.width, height = camera.height;
-  const Vec3d middle = rays.at((height - 1) / 2, (width - 1) / 2);
   for (const Vec3d& diagonal : kDiagonals) {
-    const std::array<double, 3> line{dot(diagonal, middle), dot(diagonal, rays.column),
-                                     dot(diagonal, rays.row)};
+    const std::array<double, 3> line = form_along(diagonal, camera, rays);
     if (!meets(line, width, height)) continue;
     if (std::abs(line[1]) >= std::abs(line[2])) {
       add_along(line[0], line[1], line[2], width, height, distance, false, pixels);
