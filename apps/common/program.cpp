@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 #include <algorithm>
-#include <charconv>
-#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -65,14 +63,18 @@ class Bar {
   bool visible_ = false;
 };
 
-std::string counted(std::size_t n, const char* what) {
-  return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
-}
-
+// \param kind "a whole number"
 template <class T>
-std::string range(T least, T most) {
-  return most == std::numeric_limits<T>::max() ? fmt::format("from {} on", least)
-                                               : fmt::format("from {} to {}", least, most);
+CLI::Validator number_between(const char* kind, T least, T most) {
+  const std::string allowed = most == std::numeric_limits<T>::max()
+                                  ? fmt::format("{} from {} on", kind, least)
+                                  : fmt::format("{} from {} to {}", kind, least, most);
+  return {[=](const std::string& text) {
+            const std::optional<T> value = parse_number<T>(text);
+            const bool good = value && *value >= least && *value <= most;
+            return good ? std::string() : fmt::format("{:?} is not {}", text, allowed);
+          },
+          ""};
 }
 
 int fail(int code, const CLI::App& app, const char* what) {
@@ -80,7 +82,7 @@ int fail(int code, const CLI::App& app, const char* what) {
   return code;
 }
 
-// CLI11 says "a subcommand is required" whatever stands in its place.
+// CLI11 alone would say "a subcommand is required" of an unknown verb.
 void refuse_unknown_verb(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || app.get_require_subcommand_min() == 0) return;
   const std::string verb = argv[1];
@@ -133,33 +135,21 @@ dataset::Dataset open_data(const std::string& data) {
 }
 
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
-  const std::string allowed = "a whole number " + range(least, most);
-  return {[=](const std::string& text) {
-            std::uint64_t value = 0;
-            const char* end = text.data() + text.size();
-            const auto [stop, code] = std::from_chars(text.data(), end, value);
-            const bool good = code == std::errc() && stop == end && value >= least && value <= most;
-            return good ? std::string() : fmt::format("{:?} is not {}", text, allowed);
-          },
-          ""};
+  return number_between("a whole number", least, most);
 }
 
 CLI::Validator finite_number(double least, double most) {
-  const std::string allowed = "a finite number " + range(least, most);
-  return {[=](const std::string& text) {
-            double value = 0;
-            const char* end = text.data() + text.size();
-            const auto [stop, code] = std::from_chars(text.data(), end, value);
-            const bool good = code == std::errc() && stop == end && value >= least && value <= most;
-            return good ? std::string() : fmt::format("{:?} is not {}", text, allowed);
-          },
-          ""};
+  return number_between("a finite number", least, most);
 }
 
 void set_examples(CLI::App& verb, const std::vector<std::string>& lines) {
   std::string text = "Examples:";
   for (const std::string& line : lines) text += "\n  " + line;
   verb.footer(text);
+}
+
+std::string counted(std::size_t n, const char* what) {
+  return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
 Progress progress_bar(std::string what) {
@@ -171,21 +161,15 @@ Progress progress_bar(std::string what) {
 
 Shard parse_shard(const std::string& text) {
   if (text.empty()) return {};
-  Shard shard{0, 0};
-  std::size_t number = 0;
   const std::size_t slash = std::min(text.find('/'), text.size());
-  const auto read = [](std::string_view digits, std::size_t& value) {
-    const auto [stop, code] = std::from_chars(digits.begin(), digits.end(), value);
-    return code == std::errc() && stop == digits.end();
-  };
-  const std::string_view all = text;
-  if (slash == all.size() || !read(all.substr(0, slash), number) ||
-      !read(all.substr(slash + 1), shard.count) || number < 1 || number > shard.count) {
+  const auto number = parse_number<std::size_t>(std::string_view(text).substr(0, slash));
+  const auto count =
+      parse_number<std::size_t>(std::string_view(text).substr(std::min(slash + 1, text.size())));
+  if (!number || !count || *number < 1 || *number > *count) {
     throw UsageError(
         fmt::format("--shard {:?}: K/N is expected, the K-th of N shares, K from 1 to N", text));
   }
-  shard.index = number - 1;
-  return shard;
+  return {*number - 1, *count};
 }
 
 std::filesystem::path own_program() {

@@ -1,11 +1,16 @@
-/// \file  What every program of Enfilade does alike: options, exit codes, error messages, progress.
+/// \file  What all programs of Enfilade share: options, exit codes, error messages, progress.
 #pragma once
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <limits>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "enfilade/core/errors.h"
@@ -24,7 +29,8 @@ enum ExitCode : int {
   kInternal = 4,     ///< Enfilade itself failed; please report it
 };
 
-/// Thrown by verbs for a command line that CLI11 accepts and that makes no sense. Exit code kUsage.
+/// Thrown by verbs for a command line that CLI11 accepts but that is contradictory. Exit code
+/// kUsage.
 class UsageError : public Error {
  public:
   using Error::Error;
@@ -32,11 +38,11 @@ class UsageError : public Error {
 
 /// Adds `--data DIR` (default: the environment variable ENFILADE_DATA) to a verb.
 void add_data_option(CLI::App& verb, std::string& data);
-/// The data set of that option. \throws UsageError that says where the data is had if `data` is
+/// The data set of that option. \throws UsageError that says where to get the data if `data` is
 /// empty and ENFILADE_DATA is unset; FileError if it names no folder.
 dataset::Dataset open_data(const std::string& data);
 
-/// Refuses what CLI11 alone would take for an option of an unsigned type: "-5" as 2^64 - 5.
+/// Refuses values that CLI11 alone would accept for an unsigned type: "-5" as 2^64 - 5.
 CLI::Validator whole_number(std::uint64_t least = 0,
                             std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 /// Refuses NaN, which CLI11's own ranges let pass, infinities and numbers outside.
@@ -55,8 +61,52 @@ inline void add_threads_option(CLI::App& verb, int& threads,
   verb.add_option("--threads", threads, help)->check(CLI::Range(0, 1024))->capture_default_str();
 }
 
+/// An option `name TYPE` without a default to show.
+template <class T>
+CLI::Option* add_value(CLI::App& verb, const std::string& name, T& value, const std::string& type,
+                       const std::string& help) {
+  return verb.add_option(name, value, help)->type_name(type);
+}
+/// An option `name TYPE`; --help shows the default, which is what `value` is now. `type` may be
+/// empty: CLI11's own name of T.
+template <class T>
+CLI::Option* add_setting(CLI::App& verb, const std::string& name, T& value, const std::string& type,
+                         const std::string& help, const CLI::Validator& check = {}) {
+  CLI::Option* option = verb.add_option(name, value, help)->check(check)->capture_default_str();
+  return type.empty() ? option : option->type_name(type);
+}
+
+/// An option whose value is a number of metres, at least 0.
+inline void add_metres_option(CLI::App& verb, const std::string& name, double& value,
+                              const std::string& help) {
+  add_setting(verb, name, value, "M", help, finite_number());
+}
+
 /// "Examples:" below a verb's --help; each line a command.
 void set_examples(CLI::App& verb, const std::vector<std::string>& lines);
+
+/// The number that is all of the text; no value if it is anything else.
+template <class T>
+std::optional<T> parse_number(std::string_view text) {
+  T value{};
+  const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code != std::errc() || stop != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// "1 panorama", "2 panoramas".
+std::string counted(std::size_t n, const char* what);
+
+/// Seconds since it was made.
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 /// A progress bar on stderr, `what` before it, with the time left: drawn only if stderr is a
 /// terminal, after a second, ten times a second at most, and wiped at the end.

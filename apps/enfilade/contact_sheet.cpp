@@ -40,10 +40,7 @@ void validate(const SheetArguments& a) {
                     "draws large pictures",
                     a.thumb, kLargest));
   }
-  if (!(a.vfov > 0 && a.vfov < 180)) {
-    throw UsageError(
-        fmt::format("--vfov {}: more than 0 and less than 180 degrees are allowed", a.vfov));
-  }
+  validate_field_of_view(a.vfov);
 }
 
 Plan plan_of_scan(const SheetArguments& a, const scan::PanoramaSource& source) {
@@ -94,34 +91,21 @@ void draw_sheet(const SheetArguments& a) {
 
 }  // namespace
 
-void add_contact_sheet(CLI::App& app, int& status) {
+void add_contact_sheet(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "contact-sheet", "Draw every viewpoint of a scan, or a trajectory, as small pictures");
   const auto a = std::make_shared<SheetArguments>();
   add_scan_argument(verb, a->scan);
-  verb.add_option("-o,--output", a->output, "PNG or JPEG file; - for standard output")
-      ->capture_default_str()
-      ->type_name("FILE");
-  verb.add_option("--thumb", a->thumb, "Size of a picture, pixels")
-      ->capture_default_str()
-      ->type_name("WxH");
-  verb.add_option("--columns", a->columns, "Pictures in a row (default: chosen to fit)")
-      ->check(whole_number(1))
+  add_setting(verb, "-o,--output", a->output, "FILE", "PNG or JPEG file; - for standard output");
+  add_setting(verb, "--thumb", a->thumb, "WxH", "Size of a picture, pixels");
+  add_value(verb, "--columns", a->columns, "N", "Pictures in a row (default: chosen to fit)")
+      ->check(whole_number(1));
+  add_whole_number(verb, "--headings", a->headings,
+                   "Pictures of each viewpoint, at evenly spaced headings")
       ->type_name("N");
-  verb.add_option("--headings", a->headings,
-                  "Pictures of each viewpoint, at evenly spaced headings")
-      ->check(whole_number(1))
-      ->capture_default_str()
-      ->type_name("N");
-  verb.add_option("--heading", a->heading,
-                  "Heading of the first picture, clockwise from north, degrees")
-      ->check(finite_number(-1e6))
-      ->capture_default_str()
-      ->type_name("DEG");
-  verb.add_option("--vfov", a->vfov, "Vertical field of view, degrees")
-      ->check(finite_number())
-      ->capture_default_str()
-      ->type_name("DEG");
+  add_angle_option(verb, "--heading", a->heading,
+                   "Heading of the first picture, clockwise from north, degrees");
+  add_field_of_view_option(verb, a->vfov);
   add_path_options(verb, a->path, "draw the agent's trajectory for --instr instead");
   add_place_options(verb, a->scene);
   add_renderer_options(verb, a->scene);
@@ -130,10 +114,7 @@ void add_contact_sheet(CLI::App& app, int& status) {
                       "enfilade contact-sheet --split val_seen --path 1683 -o strip.png",
                       "enfilade contact-sheet --split val_seen --instr 1683_0 --results "
                       "results.json -o strip.png"});
-  verb.callback([a, &status] {
-    draw_sheet(*a);
-    status = kSuccess;
-  });
+  verb.callback([a] { draw_sheet(*a); });
 }
 
 }  // namespace enfilade::apps

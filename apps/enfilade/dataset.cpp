@@ -27,32 +27,19 @@ void make(const Options& options) {
 
 }  // namespace
 
-void add_dataset(CLI::App& app, int& status) {
+void add_dataset(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "dataset", "Paths, three instructions each, and splits for a folder of model homes");
   const auto options = std::make_shared<Options>();
-  verb.add_option("folder", options->folder, "Made by enfilade homes")
-      ->required()
-      ->type_name("DIR");
-  verb.add_option("--paths", options->paths.per_home, "A home, at most")
-      ->check(whole_number(1))
-      ->capture_default_str();
-  verb.add_option("--seed", options->paths.seed, "The same seed gives the same bytes")
-      ->check(whole_number())
-      ->capture_default_str();
-  verb.add_option("--val-seen", options->paths.val_seen_share,
-                  "Share of the training homes' paths, 0 to 1")
-      ->check(finite_number(0, 0.99))
-      ->capture_default_str();
-  verb.add_option("--threads", options->paths.threads, "0: all cores")
-      ->check(whole_number(0, 1024))
-      ->capture_default_str();
+  add_value(verb, "folder", options->folder, "DIR", "Made by enfilade homes")->required();
+  add_whole_number(verb, "--paths", options->paths.per_home, "A home, at most");
+  add_whole_number(verb, "--seed", options->paths.seed, "The same seed gives the same bytes", 0);
+  add_setting(verb, "--val-seen", options->paths.val_seen_share, "",
+              "Share of the training homes' paths, 0 to 1", finite_number(0, 0.99));
+  add_setting(verb, "--threads", options->paths.threads, "", "0: all cores", whole_number(0, 1024));
   set_examples(verb, {"enfilade homes -o homes --paths 0", "enfilade dataset homes --paths 100",
                       "enfilade stats --data homes"});
-  verb.callback([options, &status] {
-    make(*options);
-    status = kSuccess;
-  });
+  verb.callback([options] { make(*options); });
 }
 
 }  // namespace enfilade::apps

@@ -21,33 +21,20 @@ namespace {
 
 constexpr const char* kMesaPackages = "libegl1 libegl-mesa0 libgl1-mesa-dri";
 
-enum class State { kFact, kWorks, kMissing };
-
-const char* to_string(State state) {
-  switch (state) {
-    case State::kWorks:
-      return "yes";
-    case State::kMissing:
-      return "no";
-    case State::kFact:
-      break;
-  }
-  return "";
-}
-
 // A line of the report.
 struct Finding {
   std::string section, name;
-  State state = State::kFact;
+  std::optional<bool> works;  // no value: a plain fact
   std::string text;
-  std::string advice = {};  // what to do about it
+  std::string advice;  // what to do about it
 };
 
 class Report {
  public:
   void begin(std::string section) { section_ = std::move(section); }
-  void add(std::string name, State state, std::string text, std::string advice = {}) {
-    findings_.push_back({section_, std::move(name), state, std::move(text), std::move(advice)});
+  void fact(std::string name, std::string text) { add(std::move(name), {}, std::move(text)); }
+  void add(std::string name, std::optional<bool> works, std::string text, std::string advice = {}) {
+    findings_.push_back({section_, std::move(name), works, std::move(text), std::move(advice)});
   }
   const std::vector<Finding>& findings() const { return findings_; }
 
@@ -60,15 +47,15 @@ double gigabytes(double bytes) { return bytes / (1U << 30); }
 
 void examine_machine(Report& report) {
   report.begin("machine");
-  report.add("enfilade", State::kFact, EN_VERSION);
-  report.add("processor", State::kFact, processor_name());
-  report.add("cores", State::kFact, fmt::format("{} for this process", available_threads()));
-  report.add("SIMD", State::kFact, render::cpu_target());
+  report.fact("enfilade", EN_VERSION);
+  report.fact("processor", processor_name());
+  report.fact("cores", fmt::format("{} for this process", available_threads()));
+  report.fact("SIMD", render::cpu_target());
   const double page = static_cast<double>(sysconf(_SC_PAGESIZE));
-  report.add("memory", State::kFact,
-             fmt::format("{:.1f} GiB, {:.1f} GiB free",
-                         gigabytes(page * static_cast<double>(sysconf(_SC_PHYS_PAGES))),
-                         gigabytes(page * static_cast<double>(sysconf(_SC_AVPHYS_PAGES)))));
+  report.fact("memory",
+              fmt::format("{:.1f} GiB, {:.1f} GiB free",
+                          gigabytes(page * static_cast<double>(sysconf(_SC_PHYS_PAGES))),
+                          gigabytes(page * static_cast<double>(sysconf(_SC_AVPHYS_PAGES)))));
 }
 
 // A panorama of one colour, to try back ends on.
@@ -112,11 +99,11 @@ bool examine_backends(Report& report) {
   for (const render::Backend backend : render::backends()) {
     const std::string name(to_string(backend));
     try {
-      report.add(name, State::kWorks, try_backend(backend));
+      report.add(name, true, try_backend(backend));
       works = true;
     } catch (const Error& error) {
       const bool gl = backend == render::Backend::kGl;
-      report.add(name, State::kMissing, error.what(),
+      report.add(name, false, error.what(),
                  gl ? fmt::format("use the cpu back end, which needs no OpenGL, or: apt-get "
                                   "install {}",
                                   kMesaPackages)
@@ -130,13 +117,13 @@ void examine_gl(Report& report) {
   report.begin("OpenGL through EGL");
   const auto backends = render::backends();
   if (std::ranges::find(backends, render::Backend::kGl) == backends.end()) {
-    report.add("EGL", State::kMissing, "this build has none",
+    report.add("EGL", false, "this build has none",
                "for OpenGL, build with -DEN_WITH_GL=ON (needs libepoxy-dev and libegl-dev)");
     return;
   }
   const auto devices = render::gl_devices();
   if (devices.empty()) {
-    report.add("EGL", State::kMissing, "libEGL.so.1 cannot be loaded",
+    report.add("EGL", false, "libEGL.so.1 cannot be loaded",
                fmt::format("for OpenGL: apt-get install {}, or the driver of your graphics card",
                            kMesaPackages));
   }
@@ -147,7 +134,7 @@ void examine_gl(Report& report) {
         device.works ? fmt::format("{}, OpenGL {}", device.renderer, device.version) : device.error;
     if (!device.uuid.empty()) text += ", UUID " + device.uuid;
     // No advice on a way of many that does not work: "default" never does without a display.
-    report.add(name, device.works ? State::kWorks : State::kMissing, std::move(text));
+    report.add(name, device.works, std::move(text));
   }
 }
 
@@ -156,13 +143,11 @@ void examine_cuda(Report& report) {
   void* library = dlopen("libcuda.so.1", RTLD_LAZY | RTLD_LOCAL);
   const bool loads = library != nullptr;
   if (loads) dlclose(library);
-  report.add("driver", loads ? State::kWorks : State::kMissing,
-             loads ? "libcuda.so.1 loads" : "no libcuda.so.1");
+  report.add("driver", loads, loads ? "libcuda.so.1 loads" : "no libcuda.so.1");
   std::error_code ignored;
   const bool device = std::filesystem::exists("/dev/nvidiactl", ignored);
-  report.add("device", device ? State::kWorks : State::kMissing,
-             device ? "/dev/nvidiactl" : "no /dev/nvidiactl");
-  report.add("back end", State::kMissing, "this version of Enfilade has none",
+  report.add("device", device, device ? "/dev/nvidiactl" : "no /dev/nvidiactl");
+  report.add("back end", false, "this version of Enfilade has none",
              loads && device ? "use the gl back end, which runs on this graphics card" : "");
 }
 
@@ -170,47 +155,35 @@ void examine_networks(Report& report) {
   report.begin("networks");
   const auto torch = torch_report();
   if (!torch) {
-    report.add("libtorch", State::kMissing, "this build has none",
+    report.add("libtorch", false, "this build has none",
                "for features and training, build with -DEN_WITH_TORCH=ON (needs libtorch-dev, "
                "libopenblas0-pthread and libhdf5-dev)");
     return;
   }
-  report.add("libtorch", State::kWorks, torch->version);
-  report.add("BLAS", State::kFact, torch->blas.empty() ? "inside libtorch" : torch->blas);
+  report.add("libtorch", true, torch->version);
+  report.fact("BLAS", torch->blas.empty() ? "inside libtorch" : torch->blas);
   const bool slow = torch->product_speed < neural::kSlowBlas;
-  report.add("products", slow ? State::kMissing : State::kWorks,
+  report.add("products", !slow,
              fmt::format("{:.0f} GFLOP/s on {} threads, (100, 2592) x (2592, 2048)",
                          torch->product_speed, torch->threads),
              slow ? "training crawls: apt-get install libopenblas0-pthread; `update-alternatives "
                     "--display libblas.so.3-x86_64-linux-gnu` then tells which BLAS is used"
                   : "");
   const bool cuda = torch->cuda == "works";
-  report.add("cuda", cuda ? State::kWorks : State::kMissing, torch->cuda);
-}
-
-// Adds what `look` tells, or that it is missing and why.
-template <class Look>
-void look_for(Report& report, std::string name, const Look& look, std::string advice) {
-  try {
-    report.add(std::move(name), State::kWorks, look());
-  } catch (const Error& error) {
-    report.add(std::move(name), State::kMissing, error.what(), std::move(advice));
-  }
+  report.add("cuda", cuda, torch->cuda);
 }
 
 void examine_data(Report& report, const std::string& folder) {
   report.begin("data");
-  std::optional<dataset::Dataset> data;
-  look_for(
-      report, "folder",
-      [&] {
-        data.emplace(open_data(folder));
-        return data->folder().string();
-      },
-      "set ENFILADE_DATA to a folder with connectivity/ and r2r/, or name it by --data");
-  if (!data) return;
-  for (const dataset::Part& part : data->examine()) {
-    report.add(part.name, part.present ? State::kWorks : State::kMissing, part.found, part.advice);
+  try {
+    const dataset::Dataset data = open_data(folder);
+    report.add("folder", true, data.folder().string());
+    for (const dataset::Part& part : data.examine()) {
+      report.add(part.name, part.present, part.found, part.advice);
+    }
+  } catch (const Error& error) {
+    report.add("folder", false, error.what(),
+               "set ENFILADE_DATA to a folder with connectivity/ and r2r/, or name it by --data");
   }
 }
 
@@ -226,7 +199,8 @@ std::string to_text(const Report& report) {
     for (std::size_t at = 0; (at = lines.find('\n', at)) != std::string::npos; ++at) {
       lines.insert(at + 1, indent);
     }
-    text += fmt::format("  {:<{}}  {:<3}  {}\n", f.name, width, to_string(f.state), lines);
+    text += fmt::format("  {:<{}}  {:<3}  {}\n", f.name, width,
+                        f.works ? (*f.works ? "yes" : "no") : "", lines);
     if (!f.advice.empty()) advice += fmt::format("  {:<{}}  {}\n", f.name, width, f.advice);
   }
   return advice.empty() ? text : text + "\nwhat to do about what is missing\n" + advice;
@@ -237,7 +211,7 @@ std::string to_json(const Report& report, bool works) {
   Json json{{"renders", works}};
   for (const Finding& f : report.findings()) {
     Json finding{{"text", f.text}};
-    if (f.state != State::kFact) finding["works"] = f.state == State::kWorks;
+    if (f.works) finding["works"] = *f.works;
     if (!f.advice.empty()) finding["advice"] = f.advice;
     json[f.section][f.name] = std::move(finding);
   }

@@ -28,18 +28,16 @@ std::size_t place_of_instruction(const r2r::EpisodeSet& episodes, const std::str
 }  // namespace
 
 void add_scan_argument(CLI::App& verb, std::string& scan) {
-  verb.add_option("scan", scan, "Scan id; optional with --instr or --path")->type_name("SCAN");
+  add_value(verb, "scan", scan, "SCAN", "Scan id; optional with --instr or --path");
 }
 
 void add_path_options(CLI::App& verb, PathOptions& options, const std::string& results_help) {
-  verb.add_option("--split", options.split, "Annotations that --instr or --path is in")
-      ->type_name("NAME");
-  verb.add_option("--instr", options.instruction, "Draw the reference path of this instruction")
-      ->type_name("ID");
-  verb.add_option("--path", options.path, "Draw the reference path of this path_id")
-      ->type_name("PATH_ID");
-  verb.add_option("--results", options.results, "Results file of the split: " + results_help)
-      ->type_name("FILE");
+  add_value(verb, "--split", options.split, "NAME", "Annotations that --instr or --path is in");
+  add_value(verb, "--instr", options.instruction, "ID",
+            "Draw the reference path of this instruction");
+  add_value(verb, "--path", options.path, "PATH_ID", "Draw the reference path of this path_id");
+  add_value(verb, "--results", options.results, "FILE",
+            "Results file of the split: " + results_help);
 }
 
 void validate(const PathOptions& options, const std::string& scan) {

@@ -24,9 +24,7 @@ namespace {
 using draw::PlannedPath;
 
 struct CheckArguments {
-  std::string directory;
-  std::string data;
-  std::string json;
+  std::string directory, data, json;
   bool strict = false;
   graph::CheckOptions options;
 };
@@ -131,29 +129,15 @@ int check(const CheckArguments& arguments) {
 }
 
 struct DrawArguments {
-  std::string scan;
-  std::string output;
-  std::string data;
-  std::string mesh;
+  std::string scan, output, data, mesh;
   PathOptions path;
   bool labels = false;
-};
-
-// What is drawn over the plan.
-struct Overlay {
-  std::string scan, title, note;
-  std::vector<PlannedPath> paths;
 };
 
 double length_of(const graph::NavGraph& graph, const std::vector<ViewpointIndex>& path) {
   double metres = 0;
   for (std::size_t i = 1; i < path.size(); ++i) metres += graph.distance(path[i - 1], path[i]);
   return metres;
-}
-
-PlannedPath reference(const graph::NavGraph& graph, const r2r::ReferencePath& path) {
-  return {PlannedPath::Role::kReference, path.viewpoints,
-          fmt::format("reference path, {:.1f} m", length_of(graph, path.viewpoints))};
 }
 
 std::string quoted(const std::string& text) {
@@ -178,15 +162,14 @@ PlannedPath agent(const graph::NavGraph& graph, const r2r::ReferencePath& path,
   return found;
 }
 
-Overlay overlay_of(const DrawnPath& drawn) {
+std::vector<PlannedPath> paths_of(const DrawnPath& drawn) {
   const graph::NavGraph& graph = drawn.graph();
-  const bool hidden = drawn.path().viewpoints.size() < 2;
-  Overlay overlay{graph.scan(),
-                  drawn.title() + (hidden ? ", goal hidden" : ""),
-                  quoted(drawn.text()),
-                  {reference(graph, drawn.path())}};
-  if (drawn.walk) overlay.paths.push_back(agent(graph, drawn.path(), *drawn.walk));
-  return overlay;
+  const std::vector<ViewpointIndex>& reference = drawn.path().viewpoints;
+  std::vector<PlannedPath> paths{
+      {PlannedPath::Role::kReference, reference,
+       fmt::format("reference path, {:.1f} m", length_of(graph, reference))}};
+  if (drawn.walk) paths.push_back(agent(graph, drawn.path(), *drawn.walk));
+  return paths;
 }
 
 // Of --mesh, else of a model home.
@@ -201,20 +184,26 @@ std::optional<draw::PlanUnderlay> underlay_of(const DrawArguments& a, const data
 void draw_plan(const DrawArguments& a) {
   validate(a.path, a.scan);
   const dataset::Dataset data = open_data(a.data);
-  Overlay overlay{a.scan, "", "", {}};
-  if (!a.path.split.empty()) overlay = overlay_of(find_path(a.path, a.scan, data));
+  std::string scan = a.scan;
+  std::vector<PlannedPath> paths;
   draw::FloorPlanOptions options;
-  options.title = overlay.title;
-  options.note = overlay.note;
   options.label_viewpoints = a.labels;
-  const graph::NavGraph& graph = data.graphs()->graph(overlay.scan);
+  if (!a.path.split.empty()) {
+    const DrawnPath drawn = find_path(a.path, a.scan, data);
+    const bool hidden = drawn.path().viewpoints.size() < 2;
+    scan = drawn.graph().scan();
+    paths = paths_of(drawn);
+    options.title = drawn.title() + (hidden ? ", goal hidden" : "");
+    options.note = quoted(drawn.text());
+  }
+  const graph::NavGraph& graph = data.graphs()->graph(scan);
   const auto underlay = underlay_of(a, data, graph);
   if (underlay) options.underlay = &*underlay;
   if (underlay && a.mesh.empty()) {  // a model home
     options.title = (options.title.empty() ? graph.scan() : options.title) + " (synthetic)";
   }
-  const std::string output = a.output.empty() ? overlay.scan + ".svg" : a.output;
-  write_output(output, floor_plan_svg(graph, overlay.paths, options));
+  const std::string output = a.output.empty() ? scan + ".svg" : a.output;
+  write_output(output, floor_plan_svg(graph, paths, options));
   if (output != "-") fmt::print("{}\n", output);
 }
 
@@ -225,36 +214,30 @@ void add_check(CLI::App& graph, int& status) {
       "steep or one-way, isolated viewpoints, disconnected parts, bad poses (warnings). Changes "
       "nothing. Exit code 1 if there is an error.");
   const auto arguments = std::make_shared<CheckArguments>();
-  verb.add_option("directory", arguments->directory,
-                  "Folder of *_connectivity.json (default: that of the data set)")
-      ->type_name("DIR");
+  add_value(verb, "directory", arguments->directory, "DIR",
+            "Folder of *_connectivity.json (default: that of the data set)");
   add_data_option(verb, arguments->data);
-  verb.add_option("--json", arguments->json,
-                  "Write the report as JSON too; - for standard output instead of the text")
-      ->type_name("FILE");
-  verb.add_option("--longest-edge", arguments->options.longest_edge,
-                  "Longer edges are reported; metres")
-      ->check(finite_number())
-      ->capture_default_str()
-      ->type_name("M");
+  add_value(verb, "--json", arguments->json, "FILE",
+            "Write the report as JSON too; - for standard output instead of the text");
+  add_metres_option(verb, "--longest-edge", arguments->options.longest_edge,
+                    "Longer edges are reported; metres");
   verb.add_flag("--strict", arguments->strict, "Exit code 1 for warnings too");
   set_examples(verb, {"enfilade graph check", "enfilade graph check my-scans --strict",
                       "enfilade graph check --json - | jq .codes"});
   verb.callback([arguments, &status] { status = check(*arguments); });
 }
 
-void add_draw(CLI::App& graph, int& status) {
+void add_draw(CLI::App& graph) {
   CLI::App& verb = *graph.add_subcommand(
       "draw", "Draw a floor plan as SVG, a panel a storey, with paths over it");
   const auto a = std::make_shared<DrawArguments>();
   add_scan_argument(verb, a->scan);
-  verb.add_option("-o,--output", a->output, "SVG file (default: SCAN.svg); - for standard output")
-      ->type_name("FILE");
+  add_value(verb, "-o,--output", a->output, "FILE",
+            "SVG file (default: SCAN.svg); - for standard output");
   add_data_option(verb, a->data);
-  verb.add_option("--mesh", a->mesh,
-                  "The building's mesh, for its walls: GLB, glTF, OBJ, PLY in the graph's frame. "
-                  "Model homes (homes.json in the data folder) need none")
-      ->type_name("FILE");
+  add_value(verb, "--mesh", a->mesh, "FILE",
+            "The building's mesh, for its walls: GLB, glTF, OBJ, PLY in the graph's frame. "
+            "Model homes (homes.json in the data folder) need none");
   add_path_options(verb, a->path, "draw the agent's path of --instr too");
   verb.add_flag("--labels", a->labels, "Write its index beside each viewpoint");
   set_examples(verb,
@@ -263,10 +246,7 @@ void add_draw(CLI::App& graph, int& status) {
                 "enfilade graph draw 17DRP5sb8fy --mesh 17DRP5sb8fy.ply -o plan.svg",
                 "enfilade graph draw --split val_unseen --path 4332",
                 "enfilade graph draw --split val_unseen --instr 4332_0 --results results.json"});
-  verb.callback([a, &status] {
-    draw_plan(*a);
-    status = kSuccess;
-  });
+  verb.callback([a] { draw_plan(*a); });
 }
 
 }  // namespace
@@ -276,7 +256,7 @@ void add_graph(CLI::App& app, int& status) {
       *app.add_subcommand("graph", "Build, check and compare navigation graphs, draw floor plans");
   verb.require_subcommand(1);
   add_check(verb, status);
-  add_draw(verb, status);
+  add_draw(verb);
   add_graph_build(verb, status);
   add_graph_compare(verb, status);
 }

@@ -1,9 +1,7 @@
 // enfilade graph build: viewpoints and edges out of any mesh.
 #include <fmt/format.h>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -11,7 +9,6 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/graph_verbs.h"
 #include "apps/enfilade/mesh_files.h"
-#include "enfilade/core/file.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/graph/build.h"
 #include "enfilade/graph/check.h"
@@ -20,7 +17,6 @@
 namespace enfilade::apps {
 namespace {
 
-namespace fs = std::filesystem;
 using graph::NavGraph;
 
 struct BuildArguments {
@@ -30,16 +26,6 @@ struct BuildArguments {
   graph::ViewpointOptions viewpoints;
   graph::EdgeOptions edges;
   int threads = 0;
-};
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 // What was made, and how long it took.
@@ -109,38 +95,21 @@ std::string table(const Built& built, const NavGraph& graph) {
   if (graph.included_count() > 1) {
     row("nearest viewpoint", fmt::format("{:.2f} m", mean_nearest(graph)));
   }
-  row("walkable floor", fmt::format("{:.0f} m2 in {} {}", built.floor_m2, built.parts,
-                                    built.parts == 1 ? "part" : "parts"));
+  row("walkable floor",
+      fmt::format("{:.0f} m2 in {}", built.floor_m2, counted(built.parts, "part")));
   row("time", fmt::format("{:.2f} s", built.seconds));
   return text;
-}
-
-// Adds the scan to the folder's list.
-void list_scan(const fs::path& folder, const std::string& scan) {
-  const fs::path file = folder / "scans.txt";
-  std::string text;
-  if (fs::exists(file)) {
-    const std::vector<std::string> scans = scan::load_scan_list(folder);
-    if (std::ranges::find(scans, scan) != scans.end()) return;
-    text = read_file(file);
-    if (!text.empty() && text.back() != '\n') text += '\n';
-  }
-  write_file_atomically(file, text + scan + "\n");
 }
 
 void run(const BuildArguments& a) {
   const std::string scan = scan_of(a.mesh);
   const Built built = build(a, scan);
-  const fs::path folder = a.output;
-  make_folder(folder);
-  const fs::path file = scan::connectivity_file(folder, scan);
-  write_file_atomically(file, scan::to_json(built.connectivity));
-  list_scan(folder, scan);
+  scan::save_connectivity(a.output, built.connectivity);
   const NavGraph graph(built.connectivity);
   fmt::print("{}", table(built, graph));
   const auto notes = graph::check_graph(built.connectivity, {a.edges.longest, 0.05});
   if (!notes.empty()) print_diagnostics(notes);
-  fmt::print("{}\n", file.string());
+  fmt::print("{}\n", scan::connectivity_file(a.output, scan).string());
   if (a.plan.empty()) return;
   const draw::PlanUnderlay underlay = draw::plan_underlay(*built.mesh, graph);
   draw::FloorPlanOptions options;
@@ -149,57 +118,40 @@ void run(const BuildArguments& a) {
   if (a.plan != "-") fmt::print("{}\n", a.plan);
 }
 
-template <class T>
-void add_metres(CLI::App& verb, const char* name, T& value, const char* what) {
-  verb.add_option(name, value, what)->check(finite_number())->capture_default_str()->type_name("M");
-}
-
 void add_body(CLI::App& verb, BuildArguments& a) {
-  add_metres(verb, "--body-radius", a.walk.body.radius, "Radius of the walking body");
-  add_metres(verb, "--body-height", a.walk.body.height, "Height of the walking body");
-  add_metres(verb, "--step", a.walk.body.step, "Highest step");
-  verb.add_option("--slope", a.walk.body.slope, "Steepest floor, degrees")
-      ->check(finite_number())
-      ->capture_default_str();
-  add_metres(verb, "--cell", a.walk.cell, "Grid spacing of the floor");
-  add_metres(verb, "--longest-edge", a.edges.longest, "Longest edge");
-  add_metres(verb, "--body-width", a.edges.width, "Width that must be free along an edge");
+  add_metres_option(verb, "--body-radius", a.walk.body.radius, "Radius of the walking body");
+  add_metres_option(verb, "--body-height", a.walk.body.height, "Height of the walking body");
+  add_metres_option(verb, "--step", a.walk.body.step, "Highest step");
+  add_setting(verb, "--slope", a.walk.body.slope, "", "Steepest floor, degrees", finite_number());
+  add_metres_option(verb, "--cell", a.walk.cell, "Grid spacing of the floor");
+  add_metres_option(verb, "--longest-edge", a.edges.longest, "Longest edge");
+  add_metres_option(verb, "--body-width", a.edges.width, "Width that must be free along an edge");
 }
 
 }  // namespace
 
-void add_graph_build(CLI::App& graph, int& status) {
+void add_graph_build(CLI::App& graph, int& /*status*/) {
   CLI::App& verb = *graph.add_subcommand(
       "build",
       "Find where one can walk in a mesh, spread viewpoints over it, trace the edges between them, "
       "and write a connectivity file and scans.txt");
   const auto a = std::make_shared<BuildArguments>();
   add_mesh_options(verb, a->mesh);
-  verb.add_option("-o,--output", a->output, "Output folder; made if missing")
-      ->required()
-      ->type_name("DIR");
-  add_metres(verb, "--separation", a->viewpoints.separation,
-             "Mean length of edges in furnished homes");
-  add_metres(verb, "--eye-height", a->viewpoints.eye_height, "Camera height above the floor");
-  verb.add_option("--seed", a->viewpoints.seed, "Selects among equally good viewpoints")
-      ->check(whole_number())
-      ->capture_default_str();
+  add_value(verb, "-o,--output", a->output, "DIR", "Output folder; made if missing")->required();
+  add_metres_option(verb, "--separation", a->viewpoints.separation,
+                    "Mean length of edges in furnished homes");
+  add_metres_option(verb, "--eye-height", a->viewpoints.eye_height,
+                    "Camera height above the floor");
+  add_whole_number(verb, "--seed", a->viewpoints.seed, "Selects among equally good viewpoints", 0);
   add_body(verb, *a);
-  verb.add_option("--corrections", a->corrections,
-                  "Edges and viewpoints to add or remove: docs/graph.md")
-      ->type_name("FILE");
-  verb.add_option("--plan", a->plan, "Draw a floor plan as SVG; - for standard output")
-      ->type_name("FILE");
-  verb.add_option("--threads", a->threads, "0: all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_value(verb, "--corrections", a->corrections, "FILE",
+            "Edges and viewpoints to add or remove: docs/graph.md");
+  add_value(verb, "--plan", a->plan, "FILE", "Draw a floor plan as SVG; - for standard output");
+  add_threads_option(verb, a->threads);
   set_examples(verb, {"enfilade graph build house.glb -o my-scans --plan house.svg",
                       "enfilade graph build flat.obj -o my-scans --up y --scale 0.01",
                       "enfilade graph build flat.obj -o my-scans --corrections flat.json"});
-  verb.callback([a, &status] {
-    run(*a);
-    status = kSuccess;
-  });
+  verb.callback([a] { run(*a); });
 }
 
 }  // namespace enfilade::apps

@@ -69,18 +69,14 @@ void add_graph_compare(CLI::App& graph, int& status) {
       "Compare the edges of graph A with those of graph B, the truth: precision, recall, F1, and "
       "the edges that differ. Viewpoints are matched by id or, if they share none, by place.");
   const auto a = std::make_shared<CompareArguments>();
-  verb.add_option("A", a->found, "Connectivity file")->required()->type_name("FILE");
-  verb.add_option("B", a->truth, "Connectivity file to compare with")
-      ->required()
-      ->type_name("FILE");
-  verb.add_option("--plan", a->plan,
-                  "Draw the difference as SVG: extra edges red, missing ones dashed blue; - for "
-                  "standard output instead of the report")
-      ->type_name("FILE");
+  add_value(verb, "A", a->found, "FILE", "Connectivity file")->required();
+  add_value(verb, "B", a->truth, "FILE", "Connectivity file to compare with")->required();
+  add_value(verb, "--plan", a->plan, "FILE",
+            "Draw the difference as SVG: extra edges red, missing ones dashed blue; - for "
+            "standard output instead of the report");
   verb.add_flag("--labels", a->labels, "Write its index beside each viewpoint on the plan");
-  verb.add_option("--least-f1", a->least_f1, "Exit code 1 if F1 is below")
-      ->check(finite_number(0, 1))
-      ->type_name("X");
+  add_value(verb, "--least-f1", a->least_f1, "X", "Exit code 1 if F1 is below")
+      ->check(finite_number(0, 1));
   set_examples(verb, {"enfilade graph compare built/x_connectivity.json x_connectivity.json",
                       "enfilade graph compare A.json B.json --plan difference.svg",
                       "enfilade graph compare A.json B.json --least-f1 0.98"});

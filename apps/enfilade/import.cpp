@@ -64,15 +64,11 @@ void import_scan(const Arguments& a) {
   capture::ImportOptions options = a.options;
   options.positions = a.positions;
   using capture::ImportEdges;
-  if (a.edges.empty()) {
-    options.edges = !options.pairs.empty() ? ImportEdges::kNone
-                    : a.positions.empty()  ? ImportEdges::kLine
-                                           : ImportEdges::kNear;
-  } else {
-    options.edges = a.edges == "near"   ? ImportEdges::kNear
-                    : a.edges == "line" ? ImportEdges::kLine
-                                        : ImportEdges::kNone;
-  }
+  const std::string usual = !options.pairs.empty() ? "none" : a.positions.empty() ? "line" : "near";
+  const std::string& edges = a.edges.empty() ? usual : a.edges;
+  options.edges = edges == "near"   ? ImportEdges::kNear
+                  : edges == "line" ? ImportEdges::kLine
+                                    : ImportEdges::kNone;
   const capture::ImportReport report = capture::import_panoramas(
       a.output, a.scan, list_panoramas(a), options, progress_bar("importing"));
   for (const capture::ImportedPanorama& one : report.panoramas) {
@@ -90,70 +86,52 @@ void import_scan(const Arguments& a) {
 }
 
 void add_picture_options(CLI::App& verb, Arguments& a) {
-  verb.add_option("pictures", a.pictures,
-                  "Equirectangular panoramas: JPEG, PNG or Radiance HDR. A file's name without its "
-                  "suffix becomes the viewpoint's id")
-      ->required()
-      ->type_name("PICTURE");
-  verb.add_option("--scan", a.scan, "Name of the building; a new one, or one to add to")
-      ->required()
-      ->type_name("NAME");
-  verb.add_option("-o,--output", a.output, "Folder that the scan is written to")
-      ->required()
-      ->type_name("DIR");
-  verb.add_option("--name", a.name, "Id of the viewpoint, if there is one panorama")
-      ->type_name("ID");
-  verb.add_option(
-          "--faces", a.faces,
-          "The pictures are the six faces of one panorama, in this order: letters of front, "
-          "right, back, left, up, down, such as frblud. Up and down as seen when one turns "
-          "up or down from the front")
-      ->type_name("ORDER");
-  verb.add_option("--size", a.options.face_size,
-                  "Edge of a face, pixels (default: the picture's resolution, at most 1024)")
-      ->check(whole_number(1, capture::kLargestImportedFace))
-      ->type_name("N");
-  verb.add_option("--exposure", a.options.exposure,
-                  "Of HDR pictures, stops: light is multiplied by 2^EV (default: for each picture "
-                  "so that its median is mid-grey)")
-      ->check(finite_number(-64))
-      ->type_name("EV");
+  add_value(verb, "pictures", a.pictures, "PICTURE",
+            "Equirectangular panoramas: JPEG, PNG or Radiance HDR. A file's name without its "
+            "suffix becomes the viewpoint's id")
+      ->required();
+  add_value(verb, "--scan", a.scan, "NAME", "Name of the building; a new one, or one to add to")
+      ->required();
+  add_value(verb, "-o,--output", a.output, "DIR", "Folder that the scan is written to")->required();
+  add_value(verb, "--name", a.name, "ID", "Id of the viewpoint, if there is one panorama");
+  add_value(verb, "--faces", a.faces, "ORDER",
+            "The pictures are the six faces of one panorama, in this order: letters of front, "
+            "right, back, left, up, down, such as frblud. Up and down as seen when one turns "
+            "up or down from the front");
+  add_value(verb, "--size", a.options.face_size, "N",
+            "Edge of a face, pixels (default: the picture's resolution, at most 1024)")
+      ->check(whole_number(1, capture::kLargestImportedFace));
+  add_value(verb, "--exposure", a.options.exposure, "EV",
+            "Of HDR pictures, stops: light is multiplied by 2^EV (default: for each picture "
+            "so that its median is mid-grey)")
+      ->check(finite_number(-64));
   verb.add_flag("--force", a.options.force, "Replace viewpoints that are there already");
 }
 
 void add_graph_options(CLI::App& verb, Arguments& a) {
-  verb.add_option("--heading", a.options.heading,
-                  "Heading of the pictures' middles (front faces), degrees clockwise from north "
-                  "(default: 0)")
-      ->check(finite_number(-360))
-      ->type_name("DEG");
-  verb.add_option(
-          "--positions", a.positions,
-          "Text or CSV file of lines \"name x y z [heading]\": the eye in metres, x east, y "
-          "north, z up, and degrees (default: a line of viewpoints 2.25 m apart)")
-      ->type_name("FILE");
-  verb.add_option("--eye-height", a.options.eye_height, "Height of the eye above the floor, metres")
-      ->check(finite_number())
-      ->capture_default_str()
-      ->type_name("M");
+  add_value(verb, "--heading", a.options.heading, "DEG",
+            "Heading of the pictures' middles (front faces), degrees clockwise from north "
+            "(default: 0)")
+      ->check(finite_number(-360));
+  add_value(verb, "--positions", a.positions, "FILE",
+            "Text or CSV file of lines \"name x y z [heading]\": the eye in metres, x east, y "
+            "north, z up, and degrees (default: a line of viewpoints 2.25 m apart)");
+  add_metres_option(verb, "--eye-height", a.options.eye_height,
+                    "Height of the eye above the floor, metres");
   verb.add_option("--edges", a.edges,
                   "Which viewpoints to connect: near (each two within --reach; default "
                   "with --positions), line (from each to the next; default without), none (default "
                   "with --edge)")
       ->check(CLI::IsMember({"near", "line", "none"}));
-  verb.add_option("--reach", a.options.reach, "Longest edge of --edges near, metres")
-      ->check(finite_number())
-      ->capture_default_str()
-      ->type_name("M");
-  verb.add_option("--edge", a.options.pairs,
-                  "Add an edge between these two viewpoints; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("A B");
+  add_metres_option(verb, "--reach", a.options.reach, "Longest edge of --edges near, metres");
+  add_value(verb, "--edge", a.options.pairs, "A B",
+            "Add an edge between these two viewpoints; may be repeated")
+      ->allow_extra_args(false);
 }
 
 }  // namespace
 
-void add_import(CLI::App& app, int& status) {
+void add_import(CLI::App& app, int& /*status*/) {
   CLI::App& verb =
       *app.add_subcommand("import",
                           "Make a scan from your own panoramas, in Matterport3DSimulator's files: "
@@ -169,10 +147,7 @@ void add_import(CLI::App& app, int& status) {
                 "porch",
                 "enfilade import --scan myhouse -o my-data --name attic --faces frblud "
                 "attic_0.png attic_1.png attic_2.png attic_3.png attic_4.png attic_5.png"});
-  verb.callback([arguments, &status] {
-    import_scan(*arguments);
-    status = kSuccess;
-  });
+  verb.callback([arguments] { import_scan(*arguments); });
 }
 
 }  // namespace enfilade::apps

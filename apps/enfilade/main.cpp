@@ -14,29 +14,12 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done, 1 faults found in what was checked, 2 command line, 3 input or output\n"
       "files, 4 Enfilade's own failure.");
   int status = kSuccess;
-  add_contact_sheet(app, status);
-  add_dataset(app, status);
-  add_demo(app, status);
-  add_doctor(app, status);
-  add_evaluate(app, status);
-  add_features(app, status);
-  add_graph(app, status);
-  add_homes(app, status);
-  add_import(app, status);
-  add_pack(app, status);
-  add_panorama(app, status);
-  add_pretrain(app, status);
-  add_render(app, status);
-  add_report(app, status);
-  add_run(app, status);
-  add_sample(app, status);
-  add_scan_mesh(app, status);
-  add_score(app, status);
-  add_serve(app, status);
-  add_stats(app, status);
-  add_submit(app, status);
-  add_synth(app, status);
-  add_table(app, status);
-  add_train(app, status);
+  for (const auto add :
+       {add_contact_sheet, add_dataset, add_demo,   add_doctor, add_evaluate,  add_features,
+        add_graph,         add_homes,   add_import, add_pack,   add_panorama,  add_pretrain,
+        add_render,        add_report,  add_run,    add_sample, add_scan_mesh, add_score,
+        add_serve,         add_stats,   add_submit, add_synth,  add_table,     add_train}) {
+    add(app, status);
+  }
   return run_program(app, argc, argv, status);
 }

@@ -19,18 +19,13 @@ bool is_plain(unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c ==
 }  // namespace
 
 void add_mesh_options(CLI::App& verb, MeshOptions& options) {
-  verb.add_option("mesh", options.file, "glTF 2.0 (.glb, .gltf), .obj with .mtl, or .ply")
-      ->required()
-      ->type_name("MESH");
-  verb.add_option("--scan", options.scan, "Scan id (default: the mesh's file name)")
-      ->type_name("ID");
-  verb.add_option("--scale", options.scale, "Metres per unit of the mesh")
-      ->check(finite_number())
-      ->capture_default_str();
-  verb.add_option("--up", options.up, "Axis that points up; format: y for glTF, z for OBJ and PLY")
-      ->check(CLI::IsMember({"format", "y", "z"}))
-      ->capture_default_str()
-      ->type_name("AXIS");
+  add_value(verb, "mesh", options.file, "MESH", "glTF 2.0 (.glb, .gltf), .obj with .mtl, or .ply")
+      ->required();
+  add_value(verb, "--scan", options.scan, "ID", "Scan id (default: the mesh's file name)");
+  add_setting(verb, "--scale", options.scale, "", "Metres per unit of the mesh", finite_number());
+  add_setting(verb, "--up", options.up, "AXIS",
+              "Axis that points up; format: y for glTF, z for OBJ and PLY",
+              CLI::IsMember({"format", "y", "z"}));
 }
 
 std::string scan_of(const MeshOptions& options, const std::string& graph) {

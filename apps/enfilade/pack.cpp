@@ -1,7 +1,6 @@
 // enfilade pack: a data set's pictures into stores, one file a scan; and stores checked.
 #include <fmt/format.h>
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -18,12 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::vector<std::string> scans;
-  std::string data;
-  std::vector<std::string> images;
-  std::string connectivity;
-  std::string output;
-  std::vector<std::string> check;
+  std::vector<std::string> scans, images, check;
+  std::string data, connectivity, output;
   std::string colour = "keep";
   bool excluded = false;
   scan::PackOptions options;
@@ -44,7 +39,7 @@ scan::PanoramaPlaces places_of(const Arguments& a) {
   if (!a.images.empty()) places.images.assign(a.images.begin(), a.images.end());
   if (!a.connectivity.empty()) places.connectivity = a.connectivity;
   if (places.connectivity.empty()) places.connectivity = open_data(a.data).connectivity_folder();
-  // What this command wrote is no source of it.
+  // The output folder is not read from.
   std::erase_if(places.images, [&](const fs::path& folder) {
     std::error_code ignored;
     return fs::equivalent(folder, a.output, ignored);
@@ -56,19 +51,17 @@ std::string size_text(std::uint64_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
 }
 
-std::string counted(std::size_t n) { return fmt::format("{} panorama{}", n, n == 1 ? "" : "s"); }
-
 std::string summary(const scan::PackReport& report, double seconds) {
   if (report.was_complete) {
-    return fmt::format("complete already: {}, {}", counted(report.panoramas),
+    return fmt::format("complete already: {}, {}", counted(report.panoramas, "panorama"),
                        size_text(report.bytes));
   }
   const std::string resumed =
       report.resumed == 0
           ? ""
           : fmt::format(" ({} of them kept from a run that was stopped)", report.resumed);
-  return fmt::format("{}{} in {:.1f} s, {}", counted(report.panoramas), resumed, seconds,
-                     size_text(report.bytes));
+  return fmt::format("{}{} in {:.1f} s, {}", counted(report.panoramas, "panorama"), resumed,
+                     seconds, size_text(report.bytes));
 }
 
 void list_without(const scan::PackReport& report) {
@@ -79,16 +72,15 @@ void list_without(const scan::PackReport& report) {
     ids += "\n    " + report.without[i];
   }
   if (report.without.size() > kShown) ids += "\n    ...";
-  fmt::print(stderr, "  {} included viewpoint{} without pictures:{}\n", report.without.size(),
-             report.without.size() == 1 ? "" : "s", ids);
+  fmt::print(stderr, "  {} without pictures:{}\n",
+             counted(report.without.size(), "included viewpoint"), ids);
 }
 
 void pack_scan(const Arguments& a, const scan::PanoramaSource& source) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const scan::PackReport report =
       scan::pack(source, a.output, options_of(a), progress_bar("packing " + source.scan()));
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  fmt::print("{}: {}\n", report.file.string(), summary(report, seconds.count()));
+  fmt::print("{}: {}\n", report.file.string(), summary(report, watch.seconds()));
   std::fflush(stdout);
   list_without(report);
 }
@@ -97,7 +89,7 @@ struct Outcome {
   std::size_t packed = 0, without = 0, failed = 0;
 };
 
-// One scan; what is wrong with it is printed, and the next one has its turn.
+// Packs one scan. Its faults are printed, so that the other scans are still packed.
 void pack_scan(const Arguments& a, const scan::PanoramaPlaces& places, const std::string& scan,
                Outcome& outcome) {
   std::shared_ptr<const scan::PanoramaSource> source;
@@ -130,8 +122,8 @@ ExitCode pack_all(const Arguments& a) {
   if (outcome.packed + outcome.failed == 0) {
     std::string folders;
     for (const fs::path& folder : places.images) folders += "\n  " + folder.string();
-    throw FileError("no pictures of any of the " + std::to_string(scans.size()) +
-                    " scans were found in:" + folders);
+    throw FileError(
+        fmt::format("no pictures of any of the {} scans were found in:{}", scans.size(), folders));
   }
   if (scans.size() > 1) {
     fmt::print("{} scans packed, {} failed, {} have no pictures\n", outcome.packed, outcome.failed,
@@ -174,8 +166,8 @@ ExitCode run(const Arguments& a) {
 }
 
 void add_options(CLI::App& verb, Arguments& a) {
-  verb.add_option("scans", a.scans, "Scans to pack (default: all of scans.txt that have pictures)")
-      ->type_name("SCAN...");
+  add_value(verb, "scans", a.scans, "SCAN...",
+            "Scans to pack (default: all of scans.txt that have pictures)");
   add_data_option(verb, a.data);
   verb.add_option(
           "--images", a.images,
@@ -183,32 +175,25 @@ void add_options(CLI::App& verb, Arguments& a) {
           "(default: store, scans, v1/scans, data/v1/scans of the data set); may be repeated")
       ->allow_extra_args(false)  // else a SCAN behind it would be taken for another
       ->type_name("DIR");
-  verb.add_option("--connectivity", a.connectivity,
-                  "Folder of <scan>_connectivity.json (default: that of the data set)")
-      ->type_name("DIR");
-  verb.add_option("-o,--output", a.output, "Folder for the stores; made if missing")
-      ->type_name("STORE_DIR");
+  add_value(verb, "--connectivity", a.connectivity, "DIR",
+            "Folder of <scan>_connectivity.json (default: that of the data set)");
+  add_value(verb, "-o,--output", a.output, "STORE_DIR", "Folder for the stores; made if missing");
   verb.add_option("--colour", a.colour,
                   "keep: the files' own JPEGs where they are of the wanted size; jpeg: encoded "
                   "anew; raw: not compressed, decodes fastest")
       ->check(CLI::IsMember({"keep", "jpeg", "raw"}))
       ->capture_default_str()
       ->type_name("");
-  verb.add_option("--face-size", a.options.face_size,
-                  "Shrink larger faces to this many texels along an edge (0: leave as they are)")
-      ->check(whole_number())
-      ->capture_default_str();
-  verb.add_option("--quality", a.options.jpeg_quality,
-                  "JPEG quality, 1 to 100; full chroma from 90 on")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
+  add_whole_number(verb, "--face-size", a.options.face_size,
+                   "Shrink larger faces to this many texels along an edge (0: leave as they are)",
+                   0);
+  add_setting(verb, "--quality", a.options.jpeg_quality, "",
+              "JPEG quality, 1 to 100; full chroma from 90 on", CLI::Range(1, 100));
   verb.add_flag("--excluded", a.excluded,
                 "Take the pictures of viewpoints that the graph excludes too");
-  verb.add_option("--threads", a.options.threads, "0: all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  verb.add_option("--check", a.check, "Read these stores and compare all checksums, nothing else")
-      ->type_name("FILE...");
+  add_threads_option(verb, a.options.threads);
+  add_value(verb, "--check", a.check, "FILE...",
+            "Read these stores and compare all checksums, nothing else");
 }
 
 }  // namespace

@@ -61,29 +61,21 @@ void draw_panorama(const PanoramaArguments& a) {
 
 }  // namespace
 
-void add_panorama(CLI::App& app, int& status) {
+void add_panorama(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "panorama",
       "Draw all directions of a viewpoint in one picture, equirectangular or as the "
       "unfolded cube; depth is the distance along the ray");
   const auto a = std::make_shared<PanoramaArguments>();
   add_viewpoint_arguments(verb, a->scan, a->viewpoint);
-  CLI::Option* width =
-      verb.add_option("--width", a->width, "Width in pixels; the height is half of it")
-          ->check(whole_number(2))
-          ->capture_default_str()
-          ->type_name("N");
-  CLI::Option* heading =
-      verb.add_option("--heading", a->heading,
-                      "Heading of the middle column, clockwise from north, degrees")
-          ->check(finite_number(-1e6))
-          ->capture_default_str()
-          ->type_name("DEG");
+  add_whole_number(verb, "--width", a->width, "Width in pixels; the height is half of it", 2)
+      ->type_name("N");
+  add_angle_option(verb, "--heading", a->heading,
+                   "Heading of the middle column, clockwise from north, degrees");
   verb.add_flag("--cube{cross}", a->cube,
                 "The six faces as they are kept instead: a cross around the front one, or "
                 "--cube=strip in Matterport3D's order")
-      ->excludes(width)
-      ->excludes(heading);
+      ->excludes("--width", "--heading");
   add_output_options(verb, a->output, "panorama.png");
   add_place_options(verb, a->scene);
   set_examples(verb, {"enfilade panorama 17DRP5sb8fy 5 -o panorama.jpg",
@@ -91,10 +83,7 @@ void add_panorama(CLI::App& app, int& status) {
                       "enfilade panorama 17DRP5sb8fy 5b9b --outputs rgb,depth --cube -o cube.png",
                       "enfilade panorama 17DRP5sb8fy 5b9b --outputs depth --raw --cube=strip -o "
                       "5b9b_skybox_depth_small.png"});
-  verb.callback([a, &status] {
-    draw_panorama(*a);
-    status = kSuccess;
-  });
+  verb.callback([a] { draw_panorama(*a); });
 }
 
 }  // namespace enfilade::apps

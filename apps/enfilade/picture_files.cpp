@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <span>
@@ -37,13 +36,6 @@ fs::path data_folder(const SceneOptions& options) {
   if (!options.data.empty()) return options.data;
   const auto named = dataset::Dataset::from_environment();
   return named ? named->folder() : fs::path();
-}
-
-std::optional<std::uint32_t> whole(std::string_view text) {
-  std::uint32_t value = 0;
-  const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (code != std::errc() || stop != text.data() + text.size() || text.empty()) return {};
-  return value;
 }
 
 std::vector<Layer> parse_layers(const std::string& text) {
@@ -79,35 +71,44 @@ std::string as_text(const std::vector<std::uint8_t>& bytes) { return {bytes.begi
 }  // namespace
 
 void add_viewpoint_arguments(CLI::App& verb, std::string& scan, std::string& viewpoint) {
-  verb.add_option("scan", scan, "Scan id")->required()->type_name("SCAN");
-  verb.add_option("viewpoint", viewpoint,
-                  "Its index, id, or the beginning of an id that no other one shares")
-      ->required()
-      ->type_name("VIEWPOINT");
+  add_value(verb, "scan", scan, "SCAN", "Scan id")->required();
+  add_value(verb, "viewpoint", viewpoint, "VIEWPOINT",
+            "Its index, id, or the beginning of an id that no other one shares")
+      ->required();
 }
 
 void add_place_options(CLI::App& verb, SceneOptions& options) {
-  verb.add_option("--images", options.images,
-                  "Folder of stores (SCAN.enfilade) or of Matterport3D's scans, folders or zips; "
-                  "may be given more than once (default: those of the data set)")
-      ->type_name("DIR")
+  add_value(verb, "--images", options.images, "DIR",
+            "Folder of stores (SCAN.enfilade) or of Matterport3D's scans, folders or zips; "
+            "may be given more than once (default: those of the data set)")
       ->allow_extra_args(false);
-  verb.add_option("--connectivity", options.connectivity,
-                  "Folder of SCAN_connectivity.json, for loose files (default: that of the data "
-                  "set)")
-      ->type_name("DIR");
+  add_value(verb, "--connectivity", options.connectivity, "DIR",
+            "Folder of SCAN_connectivity.json, for loose files (default: that of the data "
+            "set)");
   add_data_option(verb, options.data);
 }
 
+void add_angle_option(CLI::App& verb, const char* name, double& degrees, const char* help) {
+  add_setting(verb, name, degrees, "DEG", help, finite_number(-1e6));
+}
+
+void add_field_of_view_option(CLI::App& verb, double& degrees) {
+  add_setting(verb, "--vfov", degrees, "DEG", "Vertical field of view, degrees", finite_number());
+}
+
+void validate_field_of_view(double degrees) {
+  if (degrees > 0 && degrees < 180) return;
+  throw UsageError(
+      fmt::format("--vfov {}: more than 0 and less than 180 degrees are allowed", degrees));
+}
+
 void add_renderer_options(CLI::App& verb, SceneOptions& options) {
-  verb.add_option("--backend", options.backend, "Back end: cpu, cpu-scalar (slow reference), gl")
-      ->check(CLI::IsMember({"cpu", "cpu-scalar", "gl"}))
-      ->capture_default_str()
-      ->type_name("NAME");
-  verb.add_option("--gl-device", options.gl_device,
-                  "Index or UUID of an EGL device, as enfilade doctor lists them (default: the "
-                  "first that works)")
-      ->type_name("NAME");
+  add_setting(verb, "--backend", options.backend, "NAME",
+              "Back end: cpu, cpu-scalar (slow reference), gl",
+              CLI::IsMember({"cpu", "cpu-scalar", "gl"}));
+  add_value(verb, "--gl-device", options.gl_device, "NAME",
+            "Index or UUID of an EGL device, as enfilade doctor lists them (default: the "
+            "first that works)");
   verb.add_flag("--legacy", options.legacy,
                 "As the old simulator drew: seams between faces, depth in steps of 64 mm");
 }
@@ -141,14 +142,14 @@ std::unique_ptr<render::Renderer> make_renderer(const dataset::Dataset& scene,
                                                 const SceneOptions& options) {
   const std::optional<render::Backend> backend = render::parse_backend(options.backend);
   if (!backend) throw UsageError(fmt::format("--backend {}: there is none", options.backend));
-  render::RendererConfig config{.backend = *backend, .legacy = {}, .gl_device = options.gl_device};
-  config.legacy = {options.legacy, options.legacy};
-  return render::make_renderer(scene.faces(), config);
+  return render::make_renderer(scene.faces(), {.backend = *backend,
+                                               .legacy = {options.legacy, options.legacy},
+                                               .gl_device = options.gl_device});
 }
 
 ViewpointIndex find_viewpoint(const scan::PanoramaSource& source, const std::string& text) {
   if (const auto v = source.find(text)) return *v;
-  if (const auto number = whole(text); number && *number < source.size()) {
+  if (const auto number = parse_number<std::uint32_t>(text); number && *number < source.size()) {
     return ViewpointIndex(*number);
   }
   std::vector<std::size_t> found;
@@ -170,8 +171,9 @@ ViewpointIndex find_viewpoint(const scan::PanoramaSource& source, const std::str
 
 Size parse_size(const std::string& option, const std::string& text) {
   const std::size_t x = std::min(text.find('x'), text.size());
-  const auto width = whole(std::string_view(text).substr(0, x));
-  const auto height = whole(std::string_view(text).substr(std::min(x + 1, text.size())));
+  const std::string_view all = text;
+  const auto width = parse_number<std::uint32_t>(all.substr(0, x));
+  const auto height = parse_number<std::uint32_t>(all.substr(std::min(x + 1, all.size())));
   constexpr std::uint32_t kMost = 16384;  // a gigabyte of colour and depth
   if (!width || !height || *width == 0 || *height == 0 || *width > kMost || *height > kMost) {
     throw UsageError(
@@ -184,15 +186,11 @@ Size parse_size(const std::string& option, const std::string& text) {
 
 void add_output_options(CLI::App& verb, OutputOptions& options, const std::string& default_file) {
   options.file = default_file;
-  verb.add_option("--outputs", options.outputs,
-                  "What is drawn, commas between: rgb, depth, class, instance")
-      ->capture_default_str()
-      ->type_name("LIST");
-  verb.add_option("-o,--output", options.file,
-                  "PNG or JPEG file; with several outputs the others go beside it, as "
-                  "NAME-depth.png; - for standard output")
-      ->capture_default_str()
-      ->type_name("FILE");
+  add_setting(verb, "--outputs", options.outputs, "LIST",
+              "What is drawn, commas between: rgb, depth, class, instance");
+  add_setting(verb, "-o,--output", options.file, "FILE",
+              "PNG or JPEG file; with several outputs the others go beside it, as NAME-depth.png; "
+              "- for standard output");
   verb.add_flag("--raw", options.raw,
                 "Values instead of colours: depth as 16-bit PNG, 4000 a metre, 0 for no reading; "
                 "classes and instances as 16-bit PNG (instances above 65535: RGBA, R + 256 G + "

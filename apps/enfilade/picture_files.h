@@ -28,6 +28,12 @@ struct SceneOptions {
 void add_viewpoint_arguments(CLI::App& verb, std::string& scan, std::string& viewpoint);
 /// --images, --connectivity, --data
 void add_place_options(CLI::App& verb, SceneOptions& options);
+/// An option NAME of any finite number of degrees.
+void add_angle_option(CLI::App& verb, const char* name, double& degrees, const char* help);
+/// --vfov
+void add_field_of_view_option(CLI::App& verb, double& degrees);
+/// \throws UsageError unless it is in (0, 180)
+void validate_field_of_view(double degrees);
 /// --backend, --gl-device, --legacy
 void add_renderer_options(CLI::App& verb, SceneOptions& options);
 

@@ -24,10 +24,7 @@ void validate(const RenderArguments& a) {
   if (a.elevation < -90 || a.elevation > 90) {
     throw UsageError(fmt::format("--elevation {}: -90 to 90 degrees are allowed", a.elevation));
   }
-  if (!(a.vfov > 0 && a.vfov < 180)) {
-    throw UsageError(
-        fmt::format("--vfov {}: more than 0 and less than 180 degrees are allowed", a.vfov));
-  }
+  validate_field_of_view(a.vfov);
   if (a.discrete && (a.heading != 0 || a.elevation != 0)) {
     throw UsageError(
         "--discrete has headings and elevations of its own: leave out --heading and "
@@ -88,26 +85,15 @@ void render(const RenderArguments& a) {
 
 }  // namespace
 
-void add_render(CLI::App& app, int& status) {
+void add_render(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "render", "Draw what an agent sees at a viewpoint: colour, depth, classes, instances");
   const auto a = std::make_shared<RenderArguments>();
   add_viewpoint_arguments(verb, a->scan, a->viewpoint);
-  verb.add_option("--heading", a->heading, "Clockwise from north (+y), degrees")
-      ->check(finite_number(-1e6))
-      ->capture_default_str()
-      ->type_name("DEG");
-  verb.add_option("--elevation", a->elevation, "Above the horizon, degrees, -90 to 90")
-      ->check(finite_number(-1e6))
-      ->capture_default_str()
-      ->type_name("DEG");
-  verb.add_option("--size", a->size, "Size of the picture, pixels")
-      ->capture_default_str()
-      ->type_name("WxH");
-  verb.add_option("--vfov", a->vfov, "Vertical field of view, degrees")
-      ->check(finite_number())
-      ->capture_default_str()
-      ->type_name("DEG");
+  add_angle_option(verb, "--heading", a->heading, "Clockwise from north (+y), degrees");
+  add_angle_option(verb, "--elevation", a->elevation, "Above the horizon, degrees, -90 to 90");
+  add_setting(verb, "--size", a->size, "WxH", "Size of the picture, pixels");
+  add_field_of_view_option(verb, a->vfov);
   verb.add_flag("--discrete", a->discrete,
                 "All 36 views of the discretized viewpoint on one sheet, each of --size");
   add_output_options(verb, a->output, "out.png");
@@ -118,10 +104,7 @@ void add_render(CLI::App& app, int& status) {
                       "enfilade render 17DRP5sb8fy 5b9b --outputs depth --raw -o depth.png",
                       "enfilade render 17DRP5sb8fy 5b9b --discrete --size 160x120 -o sheet.png",
                       "enfilade render 17DRP5sb8fy 5 --images stores -o - | display"});
-  verb.callback([a, &status] {
-    render(*a);
-    status = kSuccess;
-  });
+  verb.callback([a] { render(*a); });
 }
 
 }  // namespace enfilade::apps

@@ -15,11 +15,8 @@ namespace enfilade::apps {
 namespace {
 
 struct Options {
-  std::string data;
-  std::string agent = "random";
-  std::string split = "val_unseen";
-  std::string features;
-  std::string output;
+  std::string data, features, output;
+  std::string agent = "random", split = "val_unseen";
   agents::RunOptions run;
 };
 
@@ -45,36 +42,24 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_run(CLI::App& app, int& status) {
+void add_run(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("run", "Run an agent over a split and write its results");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
-  verb.add_option("--agent", options->agent,
-                  fmt::format("One of {}, or the directory of a trained model",
-                              fmt::join(agents::agent_names(), ", ")))
-      ->capture_default_str()
-      ->type_name("NAME");
-  verb.add_option("--split", options->split, "train, val_seen, val_unseen, test, ...")
-      ->capture_default_str()
-      ->type_name("NAME");
-  verb.add_option("--features", options->features, "Image features, for a model with vision")
-      ->type_name("FILE");
-  verb.add_option("-o,--output", options->output,
-                  "Results file, in the format of R2R's leaderboard; - for standard output")
-      ->type_name("FILE");
-  verb.add_option("--seed", options->run.seed, "Seed of the agent's random numbers")
-      ->check(whole_number())
-      ->capture_default_str();
-  verb.add_option("--batch", options->run.batch_size, "Episodes at once; changes no result")
-      ->check(whole_number(1))
-      ->capture_default_str();
+  add_setting(verb, "--agent", options->agent, "NAME",
+              fmt::format("One of {}, or the directory of a trained model",
+                          fmt::join(agents::agent_names(), ", ")));
+  add_setting(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, test, ...");
+  add_value(verb, "--features", options->features, "FILE",
+            "Image features, for a model with vision");
+  add_value(verb, "-o,--output", options->output, "FILE",
+            "Results file, in the format of R2R's leaderboard; - for standard output");
+  add_whole_number(verb, "--seed", options->run.seed, "Seed of the agent's random numbers", 0);
+  add_whole_number(verb, "--batch", options->run.batch_size, "Episodes at once; changes no result");
   set_examples(verb, {"enfilade run --agent random --split val_unseen -o results.json",
                       "enfilade run --agent shortest --split val_seen",
                       "enfilade run --agent MODELDIR --features FILE --split test -o test.json"});
-  verb.callback([options, &status] {
-    run(*options);
-    status = kSuccess;
-  });
+  verb.callback([options] { run(*options); });
 }
 
 }  // namespace enfilade::apps

@@ -1,7 +1,6 @@
 // enfilade scan-mesh: a walkable scan in Matterport3D's files, out of any mesh.
 #include <fmt/format.h>
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -15,6 +14,7 @@
 #include "enfilade/capture/scan_files.h"
 #include "enfilade/core/file.h"
 #include "enfilade/graph/build.h"
+#include "enfilade/graph/nav_graph.h"
 #include "enfilade/mesh/lighting.h"
 #include "enfilade/scan/connectivity.h"
 
@@ -83,20 +83,11 @@ void warn_of_emptiness(const mesh::RayTracer& tracer, const scan::Connectivity& 
              100 * empty);
 }
 
-std::size_t edges(const scan::Connectivity& graph) {
-  std::size_t directed = 0;
-  for (const scan::ConnectivityEntry& entry : graph.entries) {
-    if (!entry.included) continue;
-    directed += static_cast<std::size_t>(std::ranges::count_if(
-        entry.unobstructed, [&](ViewpointIndex to) { return graph.entries[to.at()].included; }));
-  }
-  return directed / 2;
-}
-
 void report(const Arguments& a, const scan::Connectivity& graph,
             const capture::ScanFilesReport& report, double seconds) {
   fmt::print("{}: {} viewpoints, {} edges; {} pictures{} in {:.1f} s, {:.1f} MB\n",
-             report.folder.string(), report.viewpoints, edges(graph), report.written,
+             report.folder.string(), report.viewpoints, graph::NavGraph(graph).edge_count() / 2,
+             report.written,
              report.kept == 0 ? "" : fmt::format(" ({} more were there)", report.kept), seconds,
              static_cast<double>(report.bytes) / 1e6);
   fmt::print(
@@ -109,7 +100,7 @@ void report(const Arguments& a, const scan::Connectivity& graph,
 }
 
 void run(Arguments a) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   a.files.parts = parts_of(a);
   const std::string scan = scan_of(a.mesh, a.graph);
   const auto tracer =
@@ -123,70 +114,52 @@ void run(Arguments a) {
   if (!a.labels.empty()) labels = capture::read_label_mesh(a.labels, scan);
   a.files.label_mesh = labels.get();
   const auto files = write_scan(lit, graph, a.output, a.files, progress_bar("pictures"));
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  report(a, graph, files, seconds.count());
+  report(a, graph, files, watch.seconds());
 }
 
 void add_source_options(CLI::App& verb, Arguments& a) {
   add_mesh_options(verb, a.mesh);
-  verb.add_option("-o,--output", a.output,
-                  "Data set to write into; made if it is not there. Other scans in it stay")
-      ->required()
-      ->type_name("ROOT");
+  add_value(verb, "-o,--output", a.output, "ROOT",
+            "Data set to write into; made if it is not there. Other scans in it stay")
+      ->required();
   verb.add_flag("--room", a.room,
                 "Put the mesh into a plain room with floor, walls and ceiling: for things that "
                 "were modelled without");
-  verb.add_option("--graph", a.graph,
-                  "Viewpoints and edges (default: placed on the mesh's walkable floor)")
-      ->check(CLI::ExistingFile)
-      ->type_name("CONNECTIVITY.json");
-  verb.add_option("--limit", a.limit, "Take the first N viewpoints only (0: all)")
-      ->check(whole_number())
-      ->capture_default_str()
+  add_value(verb, "--graph", a.graph, "CONNECTIVITY.json",
+            "Viewpoints and edges (default: placed on the mesh's walkable floor)")
+      ->check(CLI::ExistingFile);
+  add_whole_number(verb, "--limit", a.limit, "Take the first N viewpoints only (0: all)", 0)
       ->type_name("N");
-  verb.add_option("--labels", a.labels,
-                  "Matterport3D's house_segmentations of this scan: classes and instances are "
-                  "those of its .house, .ply and .json files")
-      ->check(CLI::ExistingDirectory)
-      ->type_name("DIR");
+  add_value(verb, "--labels", a.labels, "DIR",
+            "Matterport3D's house_segmentations of this scan: classes and instances are "
+            "those of its .house, .ply and .json files")
+      ->check(CLI::ExistingDirectory);
 }
 
 void add_picture_options(CLI::App& verb, Arguments& a) {
-  verb.add_option(
-          "--parts", a.parts,
-          "What to write, with commas between: skybox (six JPEGs a viewpoint), strips "
-          "(colour, depth, classes, instances), depth, labels (those strips alone), "
-          "undistorted (18 colour and depth images a viewpoint with cameras: takes ten "
-          "times as long), house (.house and its files), mesh (.obj and .glb), all (default: "
-          "skybox,strips,house,mesh)")
-      ->delimiter(',')
-      ->check(CLI::IsMember(capture::scan_part_names()))
-      ->type_name("PART,...");
-  verb.add_option("--size", a.files.face_size, "Texels along the edge of a sky-box's face")
-      ->check(CLI::Range(16, 4096))
-      ->capture_default_str();
-  verb.add_option("--image-width", a.files.image_width,
-                  "Of undistorted images, pixels; heights are 4/5 of it")
-      ->check(CLI::Range(10, 4096))
-      ->capture_default_str();
-  verb.add_option("--samples", a.files.samples, "Colour rays a pixel")
-      ->check(CLI::IsMember({1, 4, 9, 16}))
-      ->capture_default_str()
-      ->type_name("1|4|9|16");
-  verb.add_option("--exposure", a.files.exposure, "Stops brighter (or darker) than by itself")
-      ->check(finite_number(-10))
-      ->capture_default_str();
-  verb.add_option("--quality", a.files.jpeg_quality, "Of JPEGs, 1 to 100")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  verb.add_option("--threads", a.files.threads, "0: all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_value(verb, "--parts", a.parts, "PART,...",
+            "What to write, with commas between: skybox (six JPEGs a viewpoint), strips "
+            "(colour, depth, classes, instances), depth, labels (those strips alone), "
+            "undistorted (18 colour and depth images a viewpoint with cameras: takes ten "
+            "times as long), house (.house and its files), mesh (.obj and .glb), all (default: "
+            "skybox,strips,house,mesh)")
+      ->delimiter(',');
+  add_setting(verb, "--size", a.files.face_size, "", "Texels along the edge of a sky-box's face",
+              CLI::Range(16, 4096));
+  add_setting(verb, "--image-width", a.files.image_width, "",
+              "Of undistorted images, pixels; heights are 4/5 of it", CLI::Range(10, 4096));
+  add_setting(verb, "--samples", a.files.samples, "1|4|9|16", "Colour rays a pixel",
+              CLI::IsMember({1, 4, 9, 16}));
+  add_setting(verb, "--exposure", a.files.exposure, "", "Stops brighter (or darker) than by itself",
+              finite_number(-10));
+  add_setting(verb, "--quality", a.files.jpeg_quality, "", "Of JPEGs, 1 to 100",
+              CLI::Range(1, 100));
+  add_threads_option(verb, a.files.threads);
 }
 
 }  // namespace
 
-void add_scan_mesh(CLI::App& app, int& status) {
+void add_scan_mesh(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "scan-mesh",
       "Make a walkable scan of any mesh, in Matterport3D's files: viewpoints over its floor and "
@@ -202,10 +175,7 @@ void add_scan_mesh(CLI::App& app, int& status) {
              "enfilade scan-mesh house.glb -o my-scans --parts all",
              "enfilade scan-mesh S/house_segmentations/S.ply --scan S --labels "
              "S/house_segmentations --graph S_connectivity.json --parts labels,depth -o labels"});
-  verb.callback([arguments, &status] {
-    run(*arguments);
-    status = kSuccess;
-  });
+  verb.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace enfilade::apps

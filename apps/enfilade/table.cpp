@@ -39,21 +39,18 @@ void table(const Options& options) {
 
 }  // namespace
 
-void add_table(CLI::App& app, int& status) {
+void add_table(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "table",
       "The paper's table: agents by splits with 95 % intervals, beside the published figures where "
       "the data are the paper's");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
-  verb.add_option("runs", options->named,
-                  "Results files AGENT_SPLIT.json, model directories, or folders with these; runs "
-                  "whose names differ in a number at the end (student-1, student-2) are one row")
-      ->required()
-      ->type_name("PATH");
-  verb.add_option("-o,--output", options->output, "File; - for standard output")
-      ->capture_default_str()
-      ->type_name("FILE");
+  add_value(verb, "runs", options->named, "PATH",
+            "Results files AGENT_SPLIT.json, model directories, or folders with these; runs "
+            "whose names differ in a number at the end (student-1, student-2) are one row")
+      ->required();
+  add_setting(verb, "-o,--output", options->output, "FILE", "File; - for standard output");
   CLI::Option* json = verb.add_flag("--json", options->json, "As JSON");
   CLI::Option* csv = verb.add_flag("--csv", options->csv, "As CSV")->excludes(json);
   verb.add_flag("--markdown", options->markdown, "As a Markdown table")
@@ -62,10 +59,7 @@ void add_table(CLI::App& app, int& status) {
   set_examples(verb, {"enfilade table enfilade-demo --data enfilade-demo/homes",
                       "enfilade table random_val_seen.json models/student-1 models/student-2",
                       "enfilade table enfilade-demo --csv -o table.csv"});
-  verb.callback([options, &status] {
-    table(*options);
-    status = kSuccess;
-  });
+  verb.callback([options] { table(*options); });
 }
 
 }  // namespace enfilade::apps
