@@ -1,8 +1,13 @@
 #include "enfilade/homes/built_home.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "enfilade/graph/build.h"
+#include "enfilade/graph/nav_graph.h"
 #include "enfilade/mesh/walkable.h"
 
 namespace enfilade::homes {
@@ -19,6 +24,55 @@ mesh::Mesh inside_of(const mesh::Mesh& whole) {
     inside.triangle_material.push_back(0);
   }
   return inside;
+}
+
+// Kind and ends (x, y, x, y) of a line, in millimetres.
+using Line = std::array<long, 5>;
+
+Line to_line(const draw::UnderlayLine& line) {
+  const auto mm = [](float metres) { return std::lround(1000.0 * metres); };
+  return {static_cast<long>(line.kind), mm(line.from.x), mm(line.from.y), mm(line.to.x),
+          mm(line.to.y)};
+}
+
+draw::UnderlayLine from_line(const Line& line) {
+  const auto end = [](long x, long y) {
+    return to_float({static_cast<double>(x) / 1000, static_cast<double>(y) / 1000, 0});
+  };
+  return {static_cast<draw::UnderlayLine::Kind>(line[0]), end(line[1], line[2]),
+          end(line[3], line[4])};
+}
+
+// Whether `b` begins where `a` ends and has its direction.
+bool goes_on(const Line& a, const Line& b) {
+  if (a[0] != b[0] || a[3] != b[1] || a[4] != b[2]) return false;
+  const long ax = a[3] - a[1], ay = a[4] - a[2], bx = b[3] - b[1], by = b[4] - b[2];
+  return ax * by == ay * bx && ax * bx + ay * by > 0;
+}
+
+// The same drawing in fewer lines: the two triangles of a face give two pieces of one line, and
+// stairs are cut at many heights.
+void simplify(std::vector<draw::UnderlayLine>& lines) {
+  std::vector<Line> kept;
+  for (const draw::UnderlayLine& line : lines) {
+    const Line next = to_line(line);
+    if (!kept.empty() && goes_on(kept.back(), next)) {
+      std::copy(next.begin() + 3, next.end(), kept.back().begin() + 3);
+    } else {
+      kept.push_back(next);
+    }
+  }
+  std::ranges::sort(kept);
+  const auto repeated = std::ranges::unique(kept);
+  kept.erase(repeated.begin(), repeated.end());
+  lines.clear();
+  std::ranges::transform(kept, std::back_inserter(lines), from_line);
+}
+
+double to_millimetre(double metres) { return std::round(1000 * metres) / 1000; }
+
+Rect to_millimetre(const Rect& r) {
+  return {to_millimetre(r.x0), to_millimetre(r.y0), to_millimetre(r.x1), to_millimetre(r.y1)};
 }
 
 }  // namespace
@@ -39,6 +93,41 @@ scan::Connectivity build_graph(const BuiltHome& built, const std::string& scan, 
     return !cell || floor.cells()[*cell].area != 0;
   });
   return graph::connect_viewpoints(*built.tracer, floor, viewpoints, scan, {}, threads);
+}
+
+HomeEntry describe(const Home& home, const PlanOptions& plan,
+                   const scan::Connectivity& connectivity) {
+  const graph::NavGraph graph(connectivity);
+  HomeEntry entry;
+  entry.scan = connectivity.scan;
+  entry.plan = plan;
+  entry.kind = to_string(home.plan.kind);
+  entry.viewpoints = graph.included_count();
+  entry.edges = graph.edge_count() / 2;
+  entry.triangles = home.mesh.triangles.size();
+  for (const PlanRoom& room : home.plan.rooms) {
+    const double elevation = to_millimetre(home.plan.storeys[room.storey].floor);
+    entry.rooms.push_back(
+        {room.type, room.name, room.storey, to_millimetre(room.floor), elevation, {}});
+  }
+  for (const scan::ConnectivityEntry& viewpoint : connectivity.entries) {
+    Vec3d foot = viewpoint.position();
+    foot.z -= viewpoint.height;
+    if (const auto room = room_at(home.plan, foot)) {
+      entry.rooms[*room].viewpoints.push_back(viewpoint.id);
+    }
+  }
+  entry.lines = draw::plan_underlay(home.mesh, graph);
+  for (draw::UnderlayStorey& storey : entry.lines.storeys) simplify(storey.lines);
+  return entry;
+}
+
+HomeEntry completed(HomeEntry home, const std::filesystem::path& folder) {
+  if (!home.lines.storeys.empty()) return home;
+  const auto graph = scan::load_connectivity(folder / "connectivity", home.scan);
+  HomeEntry found = describe(make_home(home.plan, Surfaces::kPlain), home.plan, graph);
+  found.corrections = std::move(home.corrections);
+  return found;
 }
 
 }  // namespace enfilade::homes

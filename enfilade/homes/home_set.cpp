@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
+#include <functional>
 #include <map>
 #include <memory>
 #include <system_error>
@@ -206,10 +206,8 @@ Homes claim(const fs::path& folder, const HomeSetOptions& options) {
   if (fs::is_directory(folder, code) && !fs::is_empty(folder, code)) {
     const fs::path marker = folder / "README.md";
     if (!fs::exists(marker, code) || !read_file(marker).starts_with(kMarker)) {
-      throw FileError(
-          fmt::format("{}: holds files that are not model homes; name a new or an "
-                      "empty folder",
-                      folder.string()));
+      throw FileError(folder.string() +
+                      ": holds files that are not model homes; name a new or an empty folder");
     }
   }
   make_folder(folder);
@@ -219,16 +217,17 @@ Homes claim(const fs::path& folder, const HomeSetOptions& options) {
   return homes;
 }
 
+// \param tell is told how many of kUnits are done
 void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivity,
                    const HomeSetOptions& options, const fs::path& folder,
-                   const Progress& progress) {
+                   const std::function<void(std::size_t units)>& tell) {
   mesh::BakeOptions bake;
   bake.threads = options.threads;
   // A third of the time that the finest takes, and hard to tell from it in rooms.
   bake.detail = 0.5F;
   bake.rays = 48;
   const auto lit = std::make_shared<mesh::LitMesh>(built.tracer, built.home.lights, bake);
-  if (progress) progress(kLit - kBuilt, kUnits - kBuilt);
+  tell(kLit);
   mesh::CaptureOptions capture;
   capture.samples = options.samples;
   const std::string state =
@@ -240,10 +239,7 @@ void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivit
   pack.jpeg_quality = options.jpeg_quality;
   pack.threads = options.threads;
   scan::pack(panoramas, folder / "store", pack, [&](std::size_t done, std::size_t total) {
-    if (progress) {
-      progress(kLit - kBuilt + (kUnits - kLit) * done / std::max<std::size_t>(total, 1),
-               kUnits - kBuilt);
-    }
+    tell(kLit + (kUnits - kLit) * done / std::max<std::size_t>(total, 1));
   });
 }
 
@@ -324,8 +320,7 @@ class HomeWriter {
     tell(kBuilt);
     if (options_.face_size > 0) {
       // Of the graph as it was found: people correct it when they have seen the pictures.
-      take_pictures(built, found, options_, folder_,
-                    [&](std::size_t done, std::size_t) { tell(kBuilt + done); });
+      take_pictures(built, found, options_, folder_, tell);
     }
     tell(kUnits);
     save(home, describe(built.home, plan, corrected), wanted(home));
