@@ -46,7 +46,7 @@ void validate(const SheetArguments& a) {
 Plan plan_of_scan(const SheetArguments& a, const scan::PanoramaSource& source) {
   Plan plan{a.scan, a.scan, draw::shots_of_scan(source, a.headings, degrees(a.heading)), a.columns};
   if (plan.columns == 0 && a.headings > 1) {
-    // A viewpoint's headings beside each other, and as many viewpoints a row as make 4 : 3.
+    // A viewpoint's headings beside each other, and as many viewpoints a row as give about 4 : 3.
     const Size thumb = parse_size("--thumb", a.thumb);
     const double across =
         std::sqrt(static_cast<double>(plan.shots.size()) * 4 / 3 * thumb.height / thumb.width);
@@ -71,7 +71,7 @@ Plan plan_of_path(const SheetArguments& a) {
 
 void draw_sheet(const SheetArguments& a) {
   validate(a);
-  (void)picture_files({.file = a.output});  // refuses a name that is no picture's
+  (void)picture_files({.file = a.output});  // throws if the file name is not that of a picture
   const bool trajectory = !a.path.split.empty();
   Plan plan = trajectory ? plan_of_path(a) : Plan{};
   const dataset::Dataset scene = open_scene(a.scene, trajectory ? plan.scan : a.scan);

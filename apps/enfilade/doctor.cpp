@@ -74,7 +74,7 @@ std::shared_ptr<render::FaceCache> sample_faces() {
       {std::make_shared<scan::MemoryPanoramas>(connectivity, std::vector{panorama})}));
 }
 
-// Draws a picture; says with what. \throws Error
+// Draws a picture. Returns the renderer's description. \throws Error
 std::string try_backend(render::Backend backend) {
   render::RendererConfig config;
   config.backend = backend;
@@ -133,7 +133,7 @@ void examine_gl(Report& report) {
     std::string text =
         device.works ? fmt::format("{}, OpenGL {}", device.renderer, device.version) : device.error;
     if (!device.uuid.empty()) text += ", UUID " + device.uuid;
-    // No advice on a way of many that does not work: "default" never does without a display.
+    // No advice if one of several does not work: "default" never works without a display.
     report.add(name, device.works, std::move(text));
   }
 }
@@ -249,7 +249,7 @@ void add_doctor(CLI::App& app, int& status) {
   verb.add_flag("--json", arguments->json, "Print it as JSON");
   set_examples(verb, {"enfilade doctor", "enfilade doctor --json | jq .rendering"});
   verb.callback([arguments, &status] {
-    if (can_learn()) hand_over_to_learn();  // it knows about libtorch too
+    if (can_learn()) hand_over_to_learn();  // it reports on libtorch too
     status = examine(*arguments);
   });
 }

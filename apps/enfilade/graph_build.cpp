@@ -1,4 +1,4 @@
-// enfilade graph build: viewpoints and edges out of any mesh.
+// enfilade graph build: viewpoints and edges from any mesh.
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// enfilade import: people's own panoramas into a scan.
+// enfilade import: a scan from the user's own panoramas.
 #include <fmt/format.h>
 #include <algorithm>
 #include <filesystem>

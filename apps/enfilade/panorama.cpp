@@ -51,7 +51,7 @@ void draw_panorama(const PanoramaArguments& a) {
   } else {
     const Size size{a.width, a.width / 2};
     render::Outputs outputs = outputs_into(drawn, files, size);
-    // There is no optical axis to measure along.
+    // A panorama has no optical axis to measure along.
     if (outputs.depth) outputs.depth->measure = render::DepthMeasure::kRay;
     const render::View view{ScanIndex(), viewpoint, degrees(a.heading), {}};
     render::render_equirectangular(scene.faces(), view, size.width, size.height, outputs);

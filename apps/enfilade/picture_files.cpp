@@ -256,7 +256,7 @@ draw::LayerColours colours_of(const Drawn& drawn, const SceneOptions& options) {
 }
 
 std::string encode(const image::Image8& picture, const std::string& path) {
-  // Quality at which a picture of a sheet and its original look alike side by side.
+  // At this quality a picture and its JPEG look the same side by side.
   constexpr int kQuality = 92;
   return as_text(is_jpeg(path) ? image::encode_jpeg(picture, kQuality, true)
                                : image::encode_png(picture));

@@ -33,7 +33,7 @@ void validate(const RenderArguments& a) {
   if (a.discrete && a.output.raw) throw UsageError("--discrete and --raw exclude each other");
 }
 
-// The 36 views as people look at them: up on top, heading 0 on the left.
+// The 36 views in the order of a sheet: upward views on top, heading 0 on the left.
 std::vector<draw::SheetPicture> discrete_pictures(const image::Image8& views,
                                                   std::uint32_t height) {
   constexpr std::size_t kHeadings = 12;

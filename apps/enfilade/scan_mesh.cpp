@@ -1,4 +1,4 @@
-// enfilade scan-mesh: a walkable scan in Matterport3D's files, out of any mesh.
+// enfilade scan-mesh: a walkable scan in Matterport3D's files, from any mesh.
 #include <fmt/format.h>
 #include <algorithm>
 #include <cstdio>

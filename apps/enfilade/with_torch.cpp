@@ -1,4 +1,4 @@
-// What `enfilade-learn` has in place of without_torch.cpp.
+// Replaces without_torch.cpp in `enfilade-learn`.
 #include <optional>
 #include <utility>
 

@@ -1,4 +1,4 @@
-// What `enfilade` has of the verbs that need libtorch: the way to `enfilade-learn`.
+// The verbs that need libtorch in `enfilade`: they start `enfilade-learn`.
 #include <fmt/format.h>
 #include <unistd.h>
 #include <cstring>
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 fs::path learn_program() { return own_program().parent_path() / "enfilade-learn"; }
 
-// This process's own command line: CLI11 has taken the one of main() apart.
+// The process's own command line, as CLI11 changes the one of main().
 std::vector<std::string> own_arguments() {
   const std::string all = read_file("/proc/self/cmdline");
   std::vector<std::string> arguments;
@@ -29,7 +29,7 @@ std::vector<std::string> own_arguments() {
 
 void add_elsewhere(CLI::App& app, const char* name, const char* what) {
   CLI::App& verb = *app.add_subcommand(name, what);
-  // Every word is the other program's, --help too.
+  // All arguments are passed on, --help too.
   verb.set_help_flag();
   verb.prefix_command();
   verb.callback([] { hand_over_to_learn(); });

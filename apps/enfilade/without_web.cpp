@@ -1,4 +1,4 @@
-// The verbs that need a server, in a build without it: they are there, and say what is missing.
+// The verbs that need a server, in a build without it: they report what is missing.
 #include <string>
 
 #include "apps/common/program.h"
