@@ -82,8 +82,8 @@ void armchair(Kit& k, double x, double y) {
       const double top = k.h - 0.01 * std::abs(i - 4);
       k.soft(k.main, {cx - 0.09, cy - 0.09, 0.12}, {cx + 0.09, cy + 0.09, top}, 0.05);
     }
-    const double arm = x - 0.09;
-    k.pairs(k.main, {{{arm - 0.09, 0, 0.12}, {arm + 0.09, y - 0.06, k.h - 0.1}}}, 0.05);
+    const double side = x - 0.09;
+    k.pairs(k.main, {{{side - 0.09, 0, 0.12}, {side + 0.09, y - 0.06, k.h - 0.1}}}, 0.05);
     k.soft(k.main, {-x + 0.14, -y + 0.14, 0.12}, {x - 0.14, y - 0.02, 0.44}, 0.06);
     return;
   }
