@@ -19,7 +19,7 @@ Group bed_group(const Shape& bed, const Shape& night, int nights) {
   return group;
 }
 
-/// With the bed's place, if one was found; fewer and smaller pieces where rooms are small.
+/// The bed's place, if one was found; with fewer nightstands where the room is small.
 std::optional<Spot> place_bed(FurnishedRoom& room, const Shape& bed, Group& group) {
   const Shape& night = room.pick("nightstand");
   const Score score = [&](const Spot& s) {
@@ -84,7 +84,7 @@ void bedroom_extras(FurnishedRoom& room) {
 
 void furnish_bedroom(FurnishedRoom& room) {
   const bool curtains = room.chance(0.7);
-  if (curtains) dress_windows(room, true);  // first, or something will stand below the window
+  if (curtains) dress_windows(room, true);  // first, while nothing stands below the window
   const bool small = room.area() < 8.5 || room.narrow() < 2.6;
   const bool kids = small || (room.area() < 13 && room.chance(0.3));
   const Shape& bed = kids ? (room.height() > 2.4 && room.chance(0.25) ? room.pick("bunk bed")
@@ -137,7 +137,7 @@ void arrange(Seating& s, double depth) {
   }
 }
 
-/// A corner sofa's long end comes towards the focal point.
+/// The same with a corner sofa, whose long end points towards the focal point.
 void arrange_corner(Seating& s, const Shape& corner, double depth) {
   const Size f = s.focal->size, sofa = corner.size, t = s.table->size;
   const double least = f.d + 0.8 + sofa.d;
@@ -150,7 +150,7 @@ void arrange_corner(Seating& s, const Shape& corner, double depth) {
   }
 }
 
-/// What lies between the seats. The table is the third thing, where there was room for one.
+/// The rug and the things on the table, which is the third item where there was room for one.
 void dress_middle(FurnishedRoom& room, const Spot& spot, const Seating& s) {
   const bool round = !room.chance(0.7);
   const Shape& rug = shape_of("rug", round ? 1 : 0);
@@ -198,15 +198,11 @@ std::optional<Spot> place_seating(FurnishedRoom& room, Seating& s) {
   for (int attempt = corner ? 0 : 1; attempt < 5; ++attempt) {
     s.sofa = attempt < 3 ? &big : &loveseat;
     s.chairs = std::array{0, 2, 1, 1, 0}[static_cast<std::size_t>(attempt)];
-    // Rooms are longer one way than the other: the depth decides the spacing.
+    // The room's depth from the focal wall decides the spacing: the longer way is tried first.
     const bool along_x_first = room.width() > room.depth();
     for (const bool along_x : {along_x_first, !along_x_first}) {
       const double deep = along_x ? room.width() : room.depth();
-      if (attempt == 0) {
-        arrange_corner(s, shape_of("corner sofa"), deep);
-      } else {
-        arrange(s, deep);
-      }
+      attempt == 0 ? arrange_corner(s, shape_of("corner sofa"), deep) : arrange(s, deep);
       const Score score = [&](const Spot& spot) {
         const bool fits = faces_x(spot.wall) == along_x;
         return (fits ? 0 : -50) - 0.8 * spot.off_centre + 0.1 * std::min(spot.door, 4.0) -

@@ -1,4 +1,4 @@
-/// \file  What stands in which kind of room.
+/// \file  What furniture each kind of room gets.
 #pragma once
 #include <string_view>
 
@@ -14,11 +14,11 @@ double in_corner(const Spot& spot);
 double away_from_doors(const Spot& spot);
 
 enum class Light : std::uint8_t { kHome, kSpots, kPanels, kChandelier };
-/// Over the whole ceiling, as many as it is large.
+/// Lamps all over the ceiling, more in larger rooms.
 void hang_lights(FurnishedRoom& room, Light kind);
 /// One pendant above a place.
 void hang_pendant(FurnishedRoom& room, Vec3d above);
-/// Curtains where they hang free, else blinds; now and then neither.
+/// Curtains where there is room for them, else blinds; some windows get neither.
 void dress_windows(FurnishedRoom& room, bool curtains);
 void hang_pictures(FurnishedRoom& room, unsigned at_most);
 /// A plant, a lamp or the like into a free corner.

@@ -8,7 +8,7 @@
 namespace enfilade::homes::furniture {
 namespace {
 
-constexpr double kFlat = 0.07;         // lower things lie on the floor and are walked over
+constexpr double kFlat = 0.07;         // lower things lie on the floor; people walk over them
 constexpr double kBeforeDoors = 0.85;  // metres
 
 bool overlap(const Rect& a, const Rect& b) {
@@ -210,7 +210,7 @@ std::optional<Spot> FurnishedRoom::place_at_wall(const Group& group, const Score
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const Scored& a, const Scored& b) { return a.value > b.value; });
-  // Neighbours of a place that failed fail too: look at some that lie apart.
+  // Places next to one that failed mostly fail too, so only places that lie apart are tried.
   std::vector<Spot> tried;
   for (const Scored& s : all) {
     const bool apart = std::all_of(tried.begin(), tried.end(), [&](const Spot& t) {

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kCell = 0.08;
 
-/// The floor as a grid: where the middle of a body of some radius can be.
+/// The floor as a grid of cells: those where the middle of a body with some radius can be.
 class FloorGrid {
  public:
   FloorGrid(const Rect& floor, double radius)
@@ -122,7 +122,7 @@ bool connected(const looks::RoomSpace& space, const FloorGrid& grid, double radi
     }
   }
   if (!first) return true;
-  // The middle itself may be a table's: its side will do.
+  // A table may stand in the middle itself: a place beside it is enough.
   const double near = std::max(0.9, 0.55 * std::min(f.width(), f.depth()));
   for (std::size_t i = 0; i < reached.size(); ++i) {
     if (reached[i] != 0 && grid.distance(i, mx, my) <= near) return true;
@@ -130,7 +130,7 @@ bool connected(const looks::RoomSpace& space, const FloorGrid& grid, double radi
   return false;
 }
 
-/// Metres squared of free floor that cannot be reached from the first door.
+/// The area of free floor, m2, that cannot be reached from the first door.
 double cut_off(const looks::RoomSpace& space, const FloorGrid& grid, double radius) {
   for (const auto& hole : space.holes) {
     if (!hole.is_door()) continue;

@@ -9,13 +9,13 @@ namespace {
 
 constexpr double kCounterDeep = 0.62, kCounterTop = 0.92, kUnit = 0.6;
 
-/// A run of units along a wall, left to right as one sees them.
+/// A run of kitchen units along a wall, from left to right as seen from the room.
 struct Run {
   Group group;
   double at = 0;      ///< where the next unit begins
   double sink = 0;    ///< middle of the sink's cabinet
   double stove = -9;  ///< middle of the stove; -9: none
-  double fridge = 0;  ///< width of what is tall at the left end
+  double fridge = 0;  ///< width of the tall unit at the left end
 };
 
 void add_unit(Run& run, const Shape& shape, Size size) {
@@ -67,7 +67,7 @@ void centre(Run& run, double deep, double front) {
   run.group.front = front;
 }
 
-/// `length` metres of kitchen with its sink as near as it can be to `sink_at` (from the left end).
+/// A run of `length` metres with its sink as near as possible to `sink_at` (from the left end).
 Run make_run(FurnishedRoom& room, double length, bool fridge, bool stove, double sink_at) {
   Run run;
   if (fridge) {
@@ -140,7 +140,7 @@ std::optional<Spot> place_run(FurnishedRoom& room, Run& run) {
   for (const double length : {usual, 0.85 * usual, 0.7 * usual, 2.4, 1.8, 1.2}) {
     if (length > longest) continue;
     run = make_run(room, length, length > 1.75, length > 2.2, 0.55 * length);
-    // Walls with windows are no place for the tall one; the run without it may fit there.
+    // The refrigerator would cover a window; without it the run may fit below one.
     if (const auto spot = room.place_at_wall(run.group, score)) return spot;
     run = make_run(room, length - 0.6, false, length > 2.2, 0.5 * (length - 0.6));
     if (const auto spot = room.place_at_wall(run.group, score)) {
@@ -204,7 +204,7 @@ void hang_mirror(FurnishedRoom& room, const Spot& spot, double low) {
   room.hang(room.pick("wall lamp"), spot, std::min(high, room.height() - 0.4), 0.1);
 }
 
-/// Sink, cabinet, mirror, light.
+/// A sink, on a cabinet if `large`, with a mirror and a lamp above.
 void wash_place(FurnishedRoom& room, bool large) {
   const Score score = [](const Spot& s) {
     return -0.3 * s.off_centre + 0.05 * s.door - (s.window ? 0.7 : 0);
@@ -255,7 +255,7 @@ void place_toilet(FurnishedRoom& room) {
   put_in_corner(room, shape_of("toilet brush"));
 }
 
-/// Shower or tub, whatever fits, with a mat before it.
+/// A shower or a bathtub with a mat in front of it. False if it does not fit.
 bool place_bathing(FurnishedRoom& room, std::string_view noun) {
   const Shape& shape = room.pick(noun);
   if (shape.size.h > room.height()) return false;

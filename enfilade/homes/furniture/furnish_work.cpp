@@ -38,7 +38,7 @@ void cabinets_of_office(FurnishedRoom& room, unsigned shelves) {
   plants(room, room.area() > 18 ? 3 : 1);
 }
 
-/// On that wall, or on any other where it does not fit there.
+/// Hangs it in the middle of the wall, or anywhere if it does not fit there.
 void hang_on(FurnishedRoom& room, Side wall, const Shape& shape, Size size, double low,
              double slide, double low_elsewhere) {
   const auto [from, to] = room.wall_ends(wall);
@@ -71,7 +71,7 @@ void desk_islands(FurnishedRoom& room, unsigned at_most) {
         dress_desk(room, *frame, item);
         continue;
       }
-      // The other side of the pair: the same, seen from there.
+      // The desk on the other side of the pair, in a frame that looks from there.
       Frame back = *frame;
       back.origin = frame->to_world(item.x, item.y);
       back.quarters += 2;
@@ -121,7 +121,7 @@ void furnish_meeting(FurnishedRoom& room) {
   }
   const Shape& round = shape_of("round table");
   if (!frame) table_with_chairs(room, round, round.size);
-  // What people look at hangs behind the table's ends, if it can.
+  // The screen and the board hang behind the table's ends if they fit there.
   const Side wall = room.width() > room.depth() ? Side::kPlusX : Side::kPlusY;
   hang_on(room, wall, shape_of("wall tv"), {1.5, 0.06, 0.86}, 1.1, 0.6, 1.1);
   const Shape& board = shape_of("whiteboard");

@@ -40,15 +40,15 @@ void clip(std::vector<Vec3d>& polygon, double Vec3d::*axis, double limit, double
   polygon = std::move(out);
 }
 
-/// Of strips beside each other: from the same y to the same y, at the same heights.
+/// Whether two strips beside each other have the same extent in y and z.
 bool alike_across(const Bounds& a, const Bounds& b) {
   constexpr double kSame = 0.02;
   return std::abs(a.low.y - b.low.y) < kSame && std::abs(a.high.y - b.high.y) < kSame &&
          std::abs(a.low.z - b.low.z) < kSame && std::abs(a.high.z - b.high.z) < kSame;
 }
 
-/// Boxes around the polygons, one for each strip of 8 cm along x, so that round things are not
-/// taken for square ones; strips that are alike are joined.
+/// Boxes around the polygons, one for each strip of 8 cm along x, so that the boxes follow round
+/// things; strips that are alike are joined.
 void add_strips(const std::vector<std::vector<Vec3d>>& layer, const Bounds& all,
                 std::vector<Bounds>& boxes) {
   constexpr double kStrip = 0.08;
@@ -236,9 +236,8 @@ void Kit::books(double x0, double x1, double y, double z, double tall, double de
 const std::vector<Shape>& all_shapes() {
   static const std::vector<Shape> shapes = [] {
     std::vector<Shape> all;
-    for (const auto table :
-         {seat_shapes(), rest_shapes(), table_shapes(), storage_shapes(), kitchen_shapes(),
-          bath_shapes(), wall_shapes(), lamp_shapes(), decor_shapes(), sport_shapes()}) {
+    for (const auto table : {seat_shapes(), table_shapes(), storage_shapes(), wet_shapes(),
+                             wall_shapes(), decor_shapes(), sport_shapes()}) {
       all.insert(all.end(), table.begin(), table.end());
     }
     return all;
@@ -261,7 +260,7 @@ const Shape& shape_of(std::string_view noun, std::size_t which) {
 
 void build_shape(const Shape& shape, Size size, const mesh::Placement& at, std::size_t room,
                  const Style& style, Rng& rng, looks::HomeParts& parts, double power) {
-  // Thinner than this, whatever hangs on a wall or lies on the floor is in nobody's way.
+  // Thinner things on walls or on the floor are no obstacles.
   constexpr double kThin = 0.065;
   const auto object =
       parts.builder.begin_object(std::string(shape.raw.empty() ? shape.noun : shape.raw),

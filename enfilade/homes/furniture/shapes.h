@@ -117,14 +117,11 @@ struct Shape {
 };
 
 // The shapes of each file.
-std::span<const Shape> seat_shapes();
-std::span<const Shape> rest_shapes();
+std::span<const Shape> seat_shapes();  ///< and beds, with what stands beside them
 std::span<const Shape> table_shapes();
 std::span<const Shape> storage_shapes();
-std::span<const Shape> kitchen_shapes();
-std::span<const Shape> bath_shapes();
-std::span<const Shape> wall_shapes();
-std::span<const Shape> lamp_shapes();
+std::span<const Shape> wet_shapes();   ///< of kitchens and bathrooms
+std::span<const Shape> wall_shapes();  ///< and lamps
 std::span<const Shape> decor_shapes();
 std::span<const Shape> sport_shapes();
 

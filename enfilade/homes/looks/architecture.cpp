@@ -32,7 +32,7 @@ void upright(Site& site, mesh::MaterialId material, Side facing, double n, doubl
              double z0, double z1) {
   if (u1 - u0 < 1e-9 || z1 - z0 < 1e-9) return;
   const bool along_x = runs_along_x(facing);
-  // The right hand of somebody who looks at the face points up the axis for +x and -y.
+  // Seen from the front, u grows to the right for +x and -y.
   const bool rising = facing == Side::kPlusX || facing == Side::kMinusY;
   const double a = rising ? u0 : u1, b = rising ? u1 : u0;
   site.parts.builder.quad(material, wall_point(along_x, a, n, z0), wall_point(along_x, b, n, z0),
@@ -59,7 +59,9 @@ std::vector<Rect> around(const Rect& r, const Rect* hole) {
 }
 
 void add_thing(Site& site, std::uint32_t object, const char* noun, const NamedMaterial& material,
-               std::size_t room, Vec3d low, Vec3d high) {
+               std::size_t room, Vec3d a, Vec3d b, double margin) {
+  const Vec3d low{std::min(a.x, b.x) - margin, std::min(a.y, b.y) - margin, a.z};
+  const Vec3d high{std::max(a.x, b.x) + margin, std::max(a.y, b.y) + margin, b.z};
   site.parts.things.push_back({object, noun, material.colour, material.material, room, low, high});
 }
 

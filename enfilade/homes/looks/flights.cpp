@@ -44,10 +44,9 @@ Run make_run(const Site& site, const Stairs& s) {
 
 void build_steps(Site& site, const Stairs& s, const Run& run) {
   const RoomStyle& style = site.style(s.room_below);
-  // Sides and the last riser keep a millimetre from walls and the slab, which lie there already.
+  // Sides and the last riser end 1 mm before walls and the slab, so that no two faces coincide.
   constexpr double kTread = 0.035, kNosing = 0.02, kApart = 0.001, kUnder = 0.14;
-  const std::uint32_t object = site.parts.builder.begin_object(
-      "stairs", mesh::Mpcat40::kStairs, static_cast<std::int32_t>(s.room_below));
+  const std::uint32_t object = site.begin("stairs", Mpcat40::kStairs, s.room_below);
   const double c0 = run.c0 + kApart, c1 = run.c1 - kApart;
   for (unsigned k = 0; k < run.steps; ++k) {
     const double a0 = k * run.going(),
@@ -61,13 +60,11 @@ void build_steps(Site& site, const Stairs& s, const Run& run) {
              run.box(a0 - kNosing, a1, c0, c1, top - kTread, top));
     add_obstacle(site, run.along_x, run.box(a0 - kNosing, a1, run.c0, run.c1, low, top));
   }
-  const Vec3d a = run.point(0, run.c0, 0), b = run.point(run.length, run.c1, run.height);
-  add_thing(site, object, "stairs", style.wood, s.room_below,
-            {std::min(a.x, b.x), std::min(a.y, b.y), a.z},
-            {std::max(a.x, b.x), std::max(a.y, b.y), b.z});
+  add_thing(site, object, "stairs", style.wood, s.room_below, run.point(0, run.c0, 0),
+            run.point(run.length, run.c1, run.height));
 }
 
-// Does a side of the flight stand free, away from walls?
+// Whether a side of the flight is away from walls.
 bool is_free(const Site& site, const Stairs& s, const Run& run, bool high) {
   constexpr double kAtWall = 0.3;
   const auto [lo, hi] = site.plan.rooms[s.room_below].floor.range(!run.along_x);
@@ -84,8 +81,7 @@ void add_post(Site& site, bool along_x, mesh::MaterialId wood, double u, double 
 void build_banister(Site& site, const Stairs& s, const Run& run, double c) {
   const RoomStyle& style = site.style(s.room_below);
   mesh::MeshBuilder& b = site.parts.builder;
-  const std::uint32_t object =
-      b.begin_object("banister", mesh::Mpcat40::kRailing, static_cast<std::int32_t>(s.room_below));
+  const std::uint32_t object = site.begin("banister", Mpcat40::kRailing, s.room_below);
   const double g = run.going(), r = run.rise();
   for (unsigned k = 0; k < run.steps; ++k) {
     const double a = (k + 0.5) * g, top = (k + 1) * r;
@@ -99,10 +95,8 @@ void build_banister(Site& site, const Stairs& s, const Run& run, double c) {
         run.point(run.length, c, run.height + r / 2 + kGuard - r), kHalfRail);
   const double z1 = run.z + r + kGuard + 0.05;
   add_post(site, run.along_x, style.wood.id, run.at(0.04), c, run.z + r - 0.01, z1);
-  const Vec3d p = run.point(0, c, 0), q = run.point(run.length, c, run.height + kGuard);
-  add_thing(site, object, "banister", style.wood, s.room_below,
-            {std::min(p.x, q.x) - kHalfRail, std::min(p.y, q.y) - kHalfRail, p.z},
-            {std::max(p.x, q.x) + kHalfRail, std::max(p.y, q.y) + kHalfRail, q.z});
+  add_thing(site, object, "banister", style.wood, s.room_below, run.point(0, c, 0),
+            run.point(run.length, c, run.height + kGuard), kHalfRail);
 }
 
 // A level railing on the floor above, from one point to another along an axis.
@@ -110,8 +104,7 @@ void build_guard(Site& site, std::size_t room, bool along_x, double u0, double u
   const RoomStyle& style = site.style(room);
   mesh::MeshBuilder& b = site.parts.builder;
   const double z = site.floor_z(room);
-  const std::uint32_t object =
-      b.begin_object("railing", mesh::Mpcat40::kRailing, static_cast<std::int32_t>(room));
+  const std::uint32_t object = site.begin("railing", Mpcat40::kRailing, room);
   const int gaps = std::max(1, static_cast<int>(std::ceil((u1 - u0) / 0.13)));
   for (int i = 1; i < gaps; ++i) {
     const double u = u0 + (u1 - u0) * i / gaps;

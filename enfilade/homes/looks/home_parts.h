@@ -29,7 +29,7 @@ struct RoomSpace {
   std::vector<Rect> keep_clear;  ///< where doors swing, stairs begin or people pass
 };
 
-/// What furnishing adds to.
+/// The parts of a home that furniture is added to.
 struct HomeParts {
   mesh::MeshBuilder& builder;
   std::vector<Obstacle>& obstacles;  ///< one or more boxes for each thing that a body could touch

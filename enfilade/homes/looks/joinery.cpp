@@ -72,28 +72,25 @@ void build_open_leaf(Site& site, const Opening& o, double z) {
   const double angle = o.leaf * std::numbers::pi / 180;
   const double du = closed * std::cos(angle), dn = into * std::sin(angle);
   const Vec3d direction = wall_point(o.along_x, du, dn, 0);
-  const Vec3d away = wall_point(o.along_x, -closed, 0, 0);  // from the way through
+  const Vec3d away = wall_point(o.along_x, -closed, 0, 0);  // from the passage
   const mesh::Placement at{wall_point(o.along_x, hinge, o.wall + into * (half + kProud + 0.006), z),
                            std::atan2(direction.y, direction.x)};
   const double left = -direction.y * away.x + direction.x * away.y;
   const double y0 = left > 0 ? 0 : -kLeafThick;
   const double width = o.to - o.from - 2 * kLining - 0.004, height = o.head - kLining - 0.004;
-  const std::uint32_t leaf = site.parts.builder.begin_object("door", mesh::Mpcat40::kDoor,
-                                                             static_cast<std::int32_t>(room), at);
+  const std::uint32_t leaf = site.begin("door", Mpcat40::kDoor, room, at);
   build_leaf(site, width, height, y0, style.trim.id, style.metal.id);
   add_leaf_obstacles(site, at, width, height, y0);
-  const Vec3d a = at.position, b = at.to_world({width, 0, height});
-  add_thing(site, leaf, "door", style.trim, room,
-            {std::min(a.x, b.x) - kLeafThick, std::min(a.y, b.y) - kLeafThick, z},
-            {std::max(a.x, b.x) + kLeafThick, std::max(a.y, b.y) + kLeafThick, z + height});
+  const Vec3d end = at.to_world({width, 0, height});
+  add_thing(site, leaf, "door", style.trim, room, at.position, end, kLeafThick);
 }
 
 void build_doorway(Site& site, const Opening& o) {
   const bool arch = o.kind == Opening::Kind::kArch;
   const RoomStyle& style = site.style(o.room0);
   const double z = site.floor_z(o.room0), half = plan::wall_thickness(site.plan, o) / 2;
-  const std::uint32_t object = site.parts.builder.begin_object(
-      arch ? "archway" : "door frame", mesh::Mpcat40::kDoor, static_cast<std::int32_t>(o.room0));
+  const char* name = arch ? "archway" : "door frame";
+  const std::uint32_t object = site.begin(name, Mpcat40::kDoor, o.room0);
   build_frame(site, o, style.trim.id, z);
   if (arch || o.leaf <= 0) {
     add_thing(site, object, arch ? "archway" : "doorway", style.trim, o.room0,
@@ -107,15 +104,14 @@ void build_entrance(Site& site, const Opening& o) {
   const bool garage = site.plan.rooms[o.room0].type == 'g';
   const RoomStyle& style = site.style(o.room0);
   const double z = site.floor_z(o.room0);
-  const auto region = static_cast<std::int32_t>(o.room0);
   const NamedMaterial& face = garage ? style.white : style.wood;
-  site.parts.builder.begin_object("door frame", mesh::Mpcat40::kDoor, region);
+  const char* name = garage ? "garage door" : "front door";
+  site.begin("door frame", Mpcat40::kDoor, o.room0);
   build_frame(site, o, style.trim.id, z);
   const double u0 = o.from + kLining, u1 = o.to - kLining, top = o.head - kLining;
   const mesh::Placement at{wall_point(o.along_x, o.along_x ? u0 : u1, o.wall, z),
                            o.along_x ? 0 : -std::numbers::pi / 2};
-  const std::uint32_t door = site.parts.builder.begin_object(garage ? "garage door" : "front door",
-                                                             mesh::Mpcat40::kDoor, region, at);
+  const std::uint32_t door = site.begin(name, Mpcat40::kDoor, o.room0, at);
   const double width = u1 - u0;
   if (garage) {
     constexpr int kSlats = 4;
@@ -129,8 +125,7 @@ void build_entrance(Site& site, const Opening& o) {
   }
   const double half = plan::wall_thickness(site.plan, o) / 2;
   add_obstacle(site, o.along_x, {o.from, o.to, o.wall - 0.05, o.wall + half, z, z + o.head});
-  add_thing(site, door, garage ? "garage door" : "front door", face, o.room0,
-            wall_point(o.along_x, u0, o.wall - 0.05, z),
+  add_thing(site, door, name, face, o.room0, wall_point(o.along_x, u0, o.wall - 0.05, z),
             wall_point(o.along_x, u1, o.wall + 0.05, z + top));
 }
 
@@ -146,7 +141,7 @@ void build_reveals(Site& site, const Opening& o, mesh::MaterialId paint, double 
   level(site, paint, rect, z1, false);
 }
 
-// Frame, mullions and a transom, without panes: rays and light pass, bodies don't.
+// Frame, mullions and a transom, without panes: rays and light pass, bodies do not.
 void build_sashes(Site& site, const Opening& o, mesh::MaterialId trim, double z) {
   constexpr double kBar = 0.05, kDeep = 0.035, kEach = 0.75;
   const double n0 = o.wall - kDeep, n1 = o.wall + kDeep, z0 = z + o.sill, z1 = z + o.head;
@@ -189,27 +184,27 @@ void build_window(Site& site, const Opening& o) {
   const PlanRoom& room = site.plan.rooms[o.room0];
   const bool open = plan::is_one_of(room.type, "py");
   const double z = site.floor_z(o.room0), half = plan::wall_thickness(site.plan, o) / 2;
-  const auto region = static_cast<std::int32_t>(o.room0);
-  const std::uint32_t object = site.parts.builder.begin_object(
-      open ? "railing" : "window", open ? mesh::Mpcat40::kRailing : mesh::Mpcat40::kWindow, region);
+  const char* name = open ? "railing" : "window";
+  const std::uint32_t object =
+      site.begin(name, open ? Mpcat40::kRailing : Mpcat40::kWindow, o.room0);
   build_reveals(site, o, open ? style.wall.id : style.trim.id, z);
   if (open) {
     build_parapet(site, o, style.metal, z);
   } else {
     build_sashes(site, o, style.trim.id, z);
     // The sill board, on the room's side.
-    const Rect& f = room.floor;
-    const bool high = o.wall > (o.along_x ? (f.y0 + f.y1) / 2 : (f.x0 + f.x1) / 2);
+    const auto [n0, n1] = room.floor.range(!o.along_x);
+    const bool high = o.wall > (n0 + n1) / 2;
     const double a = high ? o.wall - half - 0.04 : o.wall + 0.035;
     const double b = high ? o.wall - 0.035 : o.wall + half + 0.04;
     solid_box(site, o.along_x, style.trim.id,
               {o.from + 0.001, o.to - 0.001, a, b, z + o.sill - 0.008, z + o.sill + 0.022});
   }
-  add_obstacle(site, o.along_x,
-               {o.from, o.to, o.wall - half, o.wall + half, z + o.sill, z + o.head});
-  add_thing(site, object, open ? "railing" : "window", open ? style.metal : style.trim, o.room0,
-            wall_point(o.along_x, o.from, o.wall - half, z + o.sill),
-            wall_point(o.along_x, o.to, o.wall + half, z + o.head));
+  const double z0 = z + o.sill, z1 = z + o.head;
+  add_obstacle(site, o.along_x, {o.from, o.to, o.wall - half, o.wall + half, z0, z1});
+  add_thing(site, object, name, open ? style.metal : style.trim, o.room0,
+            wall_point(o.along_x, o.from, o.wall - half, z0),
+            wall_point(o.along_x, o.to, o.wall + half, z1));
   const Vec3d c = wall_point(o.along_x, o.from, o.wall, z + o.sill);
   const Vec3d e = wall_point(o.along_x, o.to - o.from, 0, 0);
   site.portals.push_back({to_float(c), to_float(e), to_float({0, 0, o.head - o.sill})});

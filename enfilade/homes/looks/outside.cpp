@@ -25,7 +25,7 @@ Vec3f varied(Rng& rng, Vec3f c) {
   return {vary(c.x), vary(c.y), vary(c.z)};
 }
 
-// Houses' ground floors stand on the ground; flats and hotel floors are some storeys up.
+// Height of the ground: houses and offices stand on it; flats and hotel floors are storeys above.
 double ground_height(const Plan& plan, Rng& rng) {
   const bool up = plan.kind == HomeKind::kFlat || plan.kind == HomeKind::kHotelFloor;
   return up ? -plan::snap(plan::draw(rng, 2.9, 8.7)) : -0.15;
@@ -34,7 +34,7 @@ double ground_height(const Plan& plan, Rng& rng) {
 void build_facade(Site& site, mesh::MaterialId material, double ground) {
   const Plan& plan = site.plan;
   const Rect& out = plan.outline;
-  site.parts.builder.begin_object("facade", mesh::Mpcat40::kWall, kOutside);
+  site.parts.builder.begin_object("facade", Mpcat40::kWall, kOutside);
   for (const Side side : kSides) {
     const bool along_x = runs_along_x(side);
     const double n = out.at(side);
@@ -66,7 +66,7 @@ void build_roof(Site& site, mesh::MaterialId material) {
   const Storey& last = site.plan.storeys.back();
   const double z = last.floor + last.height;
   constexpr double kEaves = 0.3, kThick = 0.25;
-  site.parts.builder.begin_object("roof", mesh::Mpcat40::kCeiling, kOutside);
+  site.parts.builder.begin_object("roof", Mpcat40::kCeiling, kOutside);
   site.parts.builder.box(material, {out.x0 - kEaves, out.y0 - kEaves, z},
                          {out.x1 + kEaves, out.y1 + kEaves, z + kThick});
 }
@@ -79,9 +79,9 @@ void build_ground(Site& site, Rng& rng, double ground) {
   constexpr double kPath = 1.2;
   const Rect paved{out.x0 - kPath, out.y0 - kPath, out.x1 + kPath, out.y1 + kPath};
   const Rect lawn{out.x0 - kFar, out.y0 - kFar, out.x1 + kFar, out.y1 + kFar};
-  b.begin_object("lawn", mesh::Mpcat40::kMisc, kOutside);
+  b.begin_object("lawn", Mpcat40::kMisc, kOutside);
   for (const Rect& r : around(lawn, &paved)) level(site, grass, r, ground, true);
-  b.begin_object("paving", mesh::Mpcat40::kMisc, kOutside);
+  b.begin_object("paving", Mpcat40::kMisc, kOutside);
   for (const Rect& r : around(paved, &out)) level(site, paving, r, ground, true);
 }
 
@@ -91,7 +91,7 @@ void build_hedge(Site& site, Rng& rng, double ground) {
   const double away = plan::draw(rng, 5, 9), height = plan::draw(rng, 1.0, 1.7);
   const Rect in{out.x0 - away, out.y0 - away, out.x1 + away, out.y1 + away};
   constexpr double kThick = 0.6;
-  site.parts.builder.begin_object("hedge", mesh::Mpcat40::kPlant, kOutside);
+  site.parts.builder.begin_object("hedge", Mpcat40::kPlant, kOutside);
   for (const Side side : kSides) {
     const bool along_x = runs_along_x(side);
     const double n = in.at(side) - (is_high(side) ? 0 : kThick);
@@ -100,7 +100,7 @@ void build_hedge(Site& site, Rng& rng, double ground) {
   }
 }
 
-// Where something stands around the building, at least so far from it.
+// A point around the building, `least` to `most` metres outside the circle around its outline.
 Vec3d somewhere(const Plan& plan, Rng& rng, double angle, double least, double most) {
   const double rx = plan.outline.width() / 2, ry = plan.outline.depth() / 2;
   const double reach = std::hypot(rx, ry) + plan::draw(rng, least, most);
@@ -119,7 +119,7 @@ void build_trees(Site& site, Rng& rng, double ground) {
     const double angle = 2 * std::numbers::pi * (i + rng.uniform()) / kTrees;
     const Vec3d at = somewhere(site.plan, rng, angle, 4, 16);
     const double trunk = plan::draw(rng, 1.4, 2.4), crown = plan::draw(rng, 1.3, 2.4);
-    b.begin_object("tree", mesh::Mpcat40::kPlant, kOutside, {{at.x, at.y, ground}, 0});
+    b.begin_object("tree", Mpcat40::kPlant, kOutside, {{at.x, at.y, ground}, 0});
     b.cylinder(bark, {0, 0, 0}, 0.17, 0.12, trunk + 0.4 * crown, 6);
     const mesh::MaterialId leaf = leaves[i % 2 == 0 ? 0 : 1];
     if (plan::chance(rng, 0.35)) {
@@ -148,7 +148,7 @@ void build_neighbours(Site& site, Rng& rng, double ground) {
                  h = plan::draw(rng, 3, 8.5);
     const mesh::MaterialId wall =
         plain(site, "neighbour", varied(rng, kWalls[rng.below(kWalls.size())]));
-    b.begin_object("house", mesh::Mpcat40::kMisc, kOutside, {{at.x, at.y, ground}, angle});
+    b.begin_object("house", Mpcat40::kMisc, kOutside, {{at.x, at.y, ground}, angle});
     b.box(wall, {-d, -w, 0}, {d, w, h});
     for (const int side : {-1, 1}) {  // two slopes and two gables
       const double e = side * (d + 0.4);
@@ -159,7 +159,7 @@ void build_neighbours(Site& site, Rng& rng, double ground) {
       side > 0 ? b.triangle(wall, {d, g, h}, {-d, g, h}, {0, g, h + 2.3})
                : b.triangle(wall, {-d, g, h}, {d, g, h}, {0, g, h + 2.3});
     }
-    for (double z = 0.9; z + 1.5 < h; z += 2.8) {  // windows on the side that faces us
+    for (double z = 0.9; z + 1.5 < h; z += 2.8) {  // windows on the side that faces the home
       for (double y = -w + 1; y + 1.2 < w; y += 2.4) {
         b.box(pane, {-d - 0.03, y, z}, {-d + 0.1, y + 1.1, z + 1.3});
       }

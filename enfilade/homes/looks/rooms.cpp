@@ -39,14 +39,14 @@ Wall find_wall(const Site& site, std::size_t room, Side side) {
   return w;
 }
 
-// A piece of a wall without holes: its face, and the body that it is.
+// A piece of a wall without holes: its face and its obstacle.
 void add_piece(Site& site, const Wall& w, mesh::MaterialId material, double u0, double u1,
                double z0, double z1) {
   const double z = site.floor_z(w.room);
   upright(site, material, opposite(w.side), w.n, u0, u1, z + z0, z + z1);
   const double depth = w.outer ? site.plan.outer_wall : site.plan.inner_wall / 2;
   const bool high = is_high(w.side);
-  // Bodies reach round corners; those at holes end there.
+  // Obstacles reach round the room's corners; those at holes end there.
   const double past = site.plan.inner_wall / 2;
   const double a = u0 <= w.u0 ? u0 - past : u0, b = u1 >= w.u1 ? u1 + past : u1;
   add_obstacle(site, w.along_x,
@@ -57,7 +57,7 @@ void add_skirting(Site& site, const Wall& w, double u0, double u1) {
   if (u1 - u0 < 0.03) return;
   const double z = site.floor_z(w.room);
   const bool high = is_high(w.side);
-  // Of two that meet in a corner one ends at the other.
+  // Where two meet in a corner, one ends at the other.
   const double cut = w.along_x ? 0 : kSkirtingDepth;
   const double a = u0 <= w.u0 ? u0 + cut : u0, b = u1 >= w.u1 ? u1 - cut : u1;
   const double n0 = high ? w.n - kSkirtingDepth : w.n - kSkirtingInWall;
@@ -68,7 +68,7 @@ void add_skirting(Site& site, const Wall& w, double u0, double u1) {
 }
 
 void build_wall(Site& site, const Wall& w, mesh::MaterialId material) {
-  site.parts.builder.begin_object("wall", mesh::Mpcat40::kWall, static_cast<std::int32_t>(w.room));
+  site.begin("wall", Mpcat40::kWall, w.room);
   const double top = site.plan.rooms[w.room].ceiling;
   double at = w.u0, skirting = w.u0;
   for (const Opening* o : w.holes) {
@@ -84,7 +84,7 @@ void build_wall(Site& site, const Wall& w, mesh::MaterialId material) {
   add_skirting(site, w, skirting, w.u1);
 }
 
-// One wall of a room may be of its own kind: the longest without doors.
+// The wall that may have a material of its own: the longest without doors.
 Side feature_side(const std::array<Wall, 4>& walls) {
   Side best = Side::kPlusX;
   double most = -1;
@@ -110,7 +110,7 @@ const Rect* flight_hole(const Plan& plan, std::size_t room, bool above) {
 void build_floor(Site& site, std::size_t room) {
   const RoomStyle& style = site.style(room);
   const double z = site.floor_z(room);
-  site.parts.builder.begin_object("floor", mesh::Mpcat40::kFloor, static_cast<std::int32_t>(room));
+  site.begin("floor", Mpcat40::kFloor, room);
   for (const Rect& r : around(site.plan.rooms[room].floor, flight_hole(site.plan, room, false))) {
     level(site, style.floor.id, r, z, true);
   }
@@ -125,19 +125,17 @@ void build_floor(Site& site, std::size_t room) {
 void build_ceiling(Site& site, std::size_t room) {
   const Rect& floor = site.plan.rooms[room].floor;
   const double z = site.floor_z(room) + site.plan.rooms[room].ceiling;
+  const double top = site.floor_z(room) + site.plan.storeys[site.plan.rooms[room].storey].height;
   const Rect* hole = flight_hole(site.plan, room, true);
-  const auto region = static_cast<std::int32_t>(room);
-  site.parts.builder.begin_object("ceiling", mesh::Mpcat40::kCeiling, region);
+  site.begin("ceiling", Mpcat40::kCeiling, room);
   for (const Rect& r : around(floor, hole)) {
     level(site, site.style(room).ceiling.id, r, z, false);
     if (r.width() <= 0 || r.depth() <= 0) continue;
-    const double top = site.floor_z(room) + site.plan.storeys[site.plan.rooms[room].storey].height;
     add_obstacle(site, true, {r.x0, r.x1, r.y0, r.y1, z, top - 0.01});
   }
   if (hole == nullptr) return;
   // The edges of the slab that the stairs lead through.
-  site.parts.builder.begin_object("wall", mesh::Mpcat40::kWall, region);
-  const double top = site.floor_z(room) + site.plan.storeys[site.plan.rooms[room].storey].height;
+  site.begin("wall", Mpcat40::kWall, room);
   const mesh::MaterialId paint = site.style(room).ceiling.id;
   for (const Side side : {Side::kPlusX, Side::kMinusX, Side::kPlusY, Side::kMinusY}) {
     const auto [u0, u1] = hole->range(runs_along_x(side));

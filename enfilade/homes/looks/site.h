@@ -1,4 +1,5 @@
-/// \file  What the parts of architecture.cpp have in common.
+/// \file  The building site: what the sources that build walls, doors, stairs and the outside
+/// share.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -8,9 +9,12 @@
 
 namespace enfilade::homes::looks {
 
-inline constexpr double kCasing =
-    0.05;  ///< metres: width of a door's casing beside the hole; skirting ends there
+using mesh::Mpcat40;
 
+/// Metres: width of a door's casing beside the hole. Skirting ends there.
+inline constexpr double kCasing = 0.05;
+
+/// A plan, and the parts of a home that are built from it.
 struct Site {
   const Plan& plan;
   const std::vector<RoomStyle>& styles;
@@ -19,6 +23,11 @@ struct Site {
 
   const RoomStyle& style(std::size_t room) const { return styles[room]; }
   double floor_z(std::size_t room) const { return plan.storeys[plan.rooms[room].storey].floor; }
+  /// Begins an object of a room.
+  std::uint32_t begin(const char* name, std::uint16_t category, std::size_t room,
+                      const mesh::Placement& at = {}) {
+    return parts.builder.begin_object(name, category, static_cast<std::int32_t>(room), at);
+  }
 };
 
 /// A range along each axis of a wall: u along it, n across it, z up.
@@ -38,8 +47,9 @@ void upright(Site& site, mesh::MaterialId material, Side facing, double n, doubl
 void level(Site& site, mesh::MaterialId material, const Rect& rect, double z, bool up);
 /// What is left of a rectangle around a hole in it (either may be empty).
 std::vector<Rect> around(const Rect& rect, const Rect* hole);
+/// A thing between two opposite corners, `margin` metres wider on all sides.
 void add_thing(Site& site, std::uint32_t object, const char* noun, const NamedMaterial& material,
-               std::size_t room, Vec3d low, Vec3d high);
+               std::size_t room, Vec3d a, Vec3d b, double margin = 0);
 
 /// Walls, skirting, floors with thresholds, ceilings of one room.
 void build_room(Site& site, std::size_t room);

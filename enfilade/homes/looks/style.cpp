@@ -21,7 +21,7 @@ struct NamedColour {
   Rgb value;
 };
 
-// What walls are painted with, most usual first; no two of one name.
+// Colours of walls, the most usual first; all names differ.
 constexpr NamedColour kWallColours[] = {
     {"white", {0.93, 0.92, 0.90}},       {"cream", {0.93, 0.88, 0.76}},
     {"light grey", {0.78, 0.79, 0.80}},  {"beige", {0.84, 0.76, 0.64}},
@@ -64,7 +64,7 @@ Vec3f linear(Rgb c) {
       {image::linear_from_srgb(c.r), image::linear_from_srgb(c.g), image::linear_from_srgb(c.b)});
 }
 
-/// Adds materials; what they are made of is drawn from one stream.
+/// Adds materials, whose textures are drawn from one stream.
 struct Palette {
   mesh::MeshBuilder& builder;
   Rng rng;
@@ -124,7 +124,7 @@ NamedMaterial make_wall(Palette& palette, const NamedColour& colour, std::size_t
 }
 
 void make_walls(Palette& palette, HomeMaterials& home, std::size_t rooms) {
-  // White and cream are common to nearly all homes; what else there is differs.
+  // Nearly all homes have white and cream; their other colours differ.
   const auto colours = palette.shuffled(kWallColours, 2);
   const std::size_t n = std::clamp<std::size_t>(rooms / 2 + 4, 6, 9);
   for (std::size_t i = 0; i < n; ++i) home.walls.push_back(make_wall(palette, colours[i], i));
