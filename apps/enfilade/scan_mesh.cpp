@@ -143,7 +143,8 @@ void add_picture_options(CLI::App& verb, Arguments& a) {
             "undistorted (18 colour and depth images a viewpoint with cameras: takes ten "
             "times as long), house (.house and its files), mesh (.obj and .glb), all (default: "
             "skybox,strips,house,mesh)")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->check(CLI::IsMember(capture::scan_part_names()));
   add_setting(verb, "--size", a.files.face_size, "", "Texels along the edge of a sky-box's face",
               CLI::Range(16, 4096));
   add_setting(verb, "--image-width", a.files.image_width, "",
