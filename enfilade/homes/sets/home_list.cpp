@@ -181,6 +181,9 @@ class Reader {
   void read(Element element, const Path& at, T& value) {
     std::uint64_t number = 0;  // seeds use all 64 bits
     if (element.get(number) == simdjson::SUCCESS) {
+      if (!std::in_range<T>(number)) {
+        faults_.error(at, "bad-number", fmt::format("{}, too large", number));
+      }
       value = static_cast<T>(number);
     } else if (const auto negative = json::integer(element, at, faults_)) {
       faults_.error(at, "bad-number", fmt::format("{}, below 0", *negative));
