@@ -7,9 +7,13 @@
 #include <exception>
 #include <fstream>
 #include <memory>
+#include <optional>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "enfilade/core/file.h"
+#include "enfilade/core/numbers.h"
 
 namespace enfilade::apps {
 namespace {

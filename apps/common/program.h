@@ -1,16 +1,12 @@
 /// \file  What all programs of Enfilade share: options, exit codes, error messages, progress.
 #pragma once
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
-#include <optional>
 #include <string>
-#include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "enfilade/core/errors.h"
@@ -58,7 +54,7 @@ CLI::Option* add_whole_number(CLI::App& verb, const std::string& name, T& value,
 /// Adds `--threads N`.
 inline void add_threads_option(CLI::App& verb, int& threads,
                                const std::string& help = "0: all cores") {
-  verb.add_option("--threads", threads, help)->check(CLI::Range(0, 1024))->capture_default_str();
+  verb.add_option("--threads", threads, help)->check(whole_number(0, 1024))->capture_default_str();
 }
 
 /// An option `name TYPE` without a default to show.
@@ -84,15 +80,6 @@ inline void add_metres_option(CLI::App& verb, const std::string& name, double& v
 
 /// "Examples:" below a verb's --help; each line a command.
 void set_examples(CLI::App& verb, const std::vector<std::string>& lines);
-
-/// The number that is all of the text; no value if it is anything else.
-template <class T>
-std::optional<T> parse_number(std::string_view text) {
-  T value{};
-  const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (code != std::errc() || stop != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 /// "1 panorama", "2 panoramas".
 std::string counted(std::size_t n, const char* what);

@@ -36,7 +36,7 @@ void add_dataset(CLI::App& app, int& /*status*/) {
   add_whole_number(verb, "--seed", options->paths.seed, "The same seed gives the same bytes", 0);
   add_setting(verb, "--val-seen", options->paths.val_seen_share, "",
               "Share of the training homes' paths, 0 to 1", finite_number(0, 0.99));
-  add_setting(verb, "--threads", options->paths.threads, "", "0: all cores", whole_number(0, 1024));
+  add_threads_option(verb, options->paths.threads);
   set_examples(verb, {"enfilade homes -o homes --paths 0", "enfilade dataset homes --paths 100",
                       "enfilade stats --data homes"});
   verb.callback([options] { make(*options); });

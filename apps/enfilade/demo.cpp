@@ -1,14 +1,12 @@
 // enfilade demo: the agents that learn nothing, beside the paper's; then, in model homes, those
 // that do.
 #include <fmt/format.h>
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
+#include <system_error>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/demo_learning.h"
@@ -246,7 +244,7 @@ int demo(const Options& options) {
   const dataset::Dataset data = find_data(options);
   run_unlearned(options, data);
   std::error_code code;
-  const fs::path root = data.folder();
+  const fs::path& root = data.folder();
   const bool homes = fs::exists(root / "homes.json", code) && fs::exists(root / "store", code);
   if (homes) draw_pictures(options, data);
   const bool learns = homes && !options.skip_learning && can_learn();

@@ -4,9 +4,10 @@
 #include <fmt/ranges.h>
 #include <spawn.h>
 #include <sys/wait.h>
-#include <chrono>
 #include <cstring>
 #include <string>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "apps/common/program.h"
@@ -42,7 +43,7 @@ int run_verb(const Words& words) {
   Words copy = words;
   for (std::string& word : copy) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   pid_t child = 0;
   const int error =
       posix_spawn(&child, program.c_str(), nullptr, nullptr, arguments.data(), environ);
@@ -50,8 +51,7 @@ int run_verb(const Words& words) {
     throw FileError(fmt::format("{}: cannot be started: {}", program, std::strerror(error)));
   }
   const int status = wait_for(child);
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-  if (status == 0) fmt::print("({:.0f} s)\n", took.count());
+  if (status == 0) fmt::print("({:.0f} s)\n", clock.seconds());
   return status;
 }
 

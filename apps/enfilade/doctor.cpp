@@ -4,9 +4,11 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <system_error>
 #include <vector>
 
 #include "apps/common/program.h"

@@ -102,9 +102,7 @@ void add_evaluate(CLI::App& app, int& status) {
       ->check(whole_number(1))
       ->capture_default_str();
   verb.add_option("--device", options->device, "cpu, cuda, cuda:1, ...")->capture_default_str();
-  verb.add_option("--threads", options->threads, "0: all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_threads_option(verb, options->threads);
   set_examples(verb, {"enfilade evaluate student --features resnet.safetensors",
                       "enfilade evaluate submission --split test --features resnet.safetensors"});
   verb.callback([options, &status] {

@@ -1,12 +1,12 @@
 // enfilade graph: what is odd about navigation graphs, and floor plans of them.
 #include <fmt/format.h>
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/drawn_path.h"

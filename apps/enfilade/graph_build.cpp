@@ -1,7 +1,6 @@
 // enfilade graph build: viewpoints and edges from any mesh.
 #include <fmt/format.h>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <memory>
 #include <utility>

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "apps/enfilade/picture_files.h"
 #include "enfilade/dataset/views.h"
@@ -22,7 +25,7 @@ namespace fs = std::filesystem;
 constexpr Size kThumb{400, 300};
 constexpr std::uint32_t kPanoramaWidth = 600;
 constexpr double kVfov = 65;            // degrees
-constexpr Radians kDown = degrees(-8);  // as people look across a room
+constexpr Radians kDown = degrees(-8);  // elevation: slightly down
 
 struct Pose {
   std::string scan;
@@ -30,10 +33,11 @@ struct Pose {
   Radians heading;
 };
 
+// The best view of a room.
 struct Look {
-  std::string room;
+  std::string room;  // its name
   Pose pose;
-  double worth = 0;
+  double worth = 0;  // interest()
 };
 
 Camera camera_of(Size size) { return {size.width, size.height, degrees(kVfov)}; }
@@ -46,10 +50,11 @@ image::Image8 picture_of(const dataset::Dataset& data, const Pose& pose) {
   return render_colour(data, view_of(data, pose), camera_of(kThumb));
 }
 
-// Is what a pixel shows above this floor, or in the walls around it?
+// Whether the surface that a pixel shows is above this floor or in the walls around it.
+// \param depth metres along the optical axis
 bool lies_on(const Rect& floor, Vec3f eye, Radians heading, Size size, std::size_t pixel,
              double depth) {
-  constexpr double kWall = 0.15;  // metres: pictures and windows are in or before the walls
+  constexpr double kWall = 0.15;  // metres: pictures hang on walls, windows are in them
   const double tangent = std::tan(degrees(kVfov).value / 2);
   const double height = size.height;
   const double right =
@@ -63,7 +68,8 @@ bool lies_on(const Rect& floor, Vec3f eye, Radians heading, Size size, std::size
          y < floor.y1 + kWall;
 }
 
-// Many things of this room, and little of other rooms or right before one's eyes.
+// How much a view shows of a room: the number of things in it, times the share of pixels that show
+// this room, times the share of pixels that show nothing nearer than a metre.
 double interest(render::Renderer& renderer, const render::View& view, Vec3f eye,
                 const Rect& floor) {
   constexpr Size kSmall{64, 48};
@@ -87,12 +93,10 @@ double interest(render::Renderer& renderer, const render::View& view, Vec3f eye,
   return things * (1 - near / all) * (inside / all);
 }
 
-// Where one sees most of a room, from the viewpoints in it.
-std::optional<Look> best_look(const dataset::Dataset& data, const std::string& scan,
-                              const homes::RoomEntry& room) {
+// The most interesting of twelve views from each viewpoint in a room.
+std::optional<Look> best_look(const dataset::Dataset& data, render::Renderer& renderer,
+                              const std::string& scan, const homes::RoomEntry& room) {
   const graph::NavGraph& graph = data.graphs()->graph(scan);
-  const auto renderer =
-      render::make_renderer(data.faces());  // hundreds of small views: one for all
   constexpr std::size_t kHeadings = 12;
   std::optional<Look> best;
   for (const std::string& id : room.viewpoints) {
@@ -100,7 +104,7 @@ std::optional<Look> best_look(const dataset::Dataset& data, const std::string& s
     if (!v) continue;
     for (std::size_t k = 0; k < kHeadings; ++k) {
       const Pose pose{scan, *v, degrees(360.0 * static_cast<double>(k) / kHeadings)};
-      const double worth = interest(*renderer, view_of(data, pose), graph.position(*v), room.floor);
+      const double worth = interest(renderer, view_of(data, pose), graph.position(*v), room.floor);
       if (worth > (best ? best->worth : 0)) best = Look{room.name, pose, worth};
     }
   }
@@ -115,7 +119,7 @@ void write_sheet(const fs::path& file, const std::vector<draw::SheetPicture>& pi
   write_output(file.string(), encode(draw::contact_sheet(pictures, options), file.string()));
 }
 
-// The room that people spend their days in, else that with most viewpoints; null if there is none.
+// The living room or its like, else the room with most viewpoints; null if there is no room.
 const homes::RoomEntry* main_room(const homes::HomeEntry& home) {
   for (const char type : {'l', 'f', 'n', 'm', 'o', 'b'}) {
     for (const homes::RoomEntry& room : home.rooms) {
@@ -128,11 +132,12 @@ const homes::RoomEntry* main_room(const homes::HomeEntry& home) {
 }
 
 std::vector<draw::SheetPicture> views_of_homes(const dataset::Dataset& data,
+                                               render::Renderer& renderer,
                                                const std::vector<homes::HomeEntry>& homes) {
   std::vector<draw::SheetPicture> pictures;
   for (const homes::HomeEntry& home : homes) {
     const homes::RoomEntry* room = main_room(home);
-    const auto look = room != nullptr ? best_look(data, home.scan, *room) : std::nullopt;
+    const auto look = room != nullptr ? best_look(data, renderer, home.scan, *room) : std::nullopt;
     if (!look) continue;
     pictures.push_back({picture_of(data, look->pose),
                         fmt::format("{}, {}\n{}", home.scan, home.kind, look->room)});
@@ -140,21 +145,20 @@ std::vector<draw::SheetPicture> views_of_homes(const dataset::Dataset& data,
   return pictures;
 }
 
-// Of each type of room the one, in any home, of which one sees most.
-std::map<char, Look> best_rooms(const dataset::Dataset& data,
+// For each type of room, the best view of all rooms of that type.
+std::map<char, Look> best_rooms(const dataset::Dataset& data, render::Renderer& renderer,
                                 const std::vector<homes::HomeEntry>& homes) {
   std::map<char, Look> best;
   for (const homes::HomeEntry& home : homes) {
     for (const homes::RoomEntry& room : home.rooms) {
-      const auto look = best_look(data, home.scan, room);
+      const auto look = best_look(data, renderer, home.scan, room);
       if (look && look->worth > best[room.type].worth) best[room.type] = *look;
     }
   }
-  std::erase_if(best, [](const auto& entry) { return entry.second.worth == 0; });
   return best;
 }
 
-// What one sees along a path.
+// The views along the first path of val_unseen. False if there is none.
 bool draw_walk(const dataset::Dataset& data, const fs::path& file) {
   const r2r::EpisodeSet episodes = data.episodes("val_unseen");
   if (episodes.paths.empty()) return false;
@@ -187,6 +191,7 @@ std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& outp
   std::vector<homes::HomeEntry> homes = homes::read_home_list(folder);
   for (homes::HomeEntry& home : homes) home = homes::completed(std::move(home), folder);
   const dataset::Dataset data(folder);
+  const auto renderer = render::make_renderer(data.faces());  // one for hundreds of small views
   std::vector<std::string> files;
   const auto sheet = [&](const char* name, const std::vector<draw::SheetPicture>& pictures,
                          const std::string& title) {
@@ -194,10 +199,10 @@ std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& outp
     write_sheet(output / name, pictures, title);
     files.emplace_back((output / name).string());
   };
-  sheet("homes.png", views_of_homes(data, homes),
+  sheet("homes.png", views_of_homes(data, *renderer, homes),
         fmt::format("{} model homes (synthetic)", homes.size()));
   std::vector<draw::SheetPicture> views, panoramas;
-  for (const auto& [type, look] : best_rooms(data, homes)) {
+  for (const auto& [type, look] : best_rooms(data, *renderer, homes)) {
     const std::string caption = look.room + "\n" + look.pose.scan;
     views.push_back({picture_of(data, look.pose), caption});
     panoramas.push_back({render_panorama(data, view_of(data, look.pose), kPanoramaWidth), caption});
@@ -217,7 +222,7 @@ std::optional<draw::PlanUnderlay> home_underlay(const fs::path& folder,
   auto homes = homes::read_home_list(folder);
   const auto entry = std::ranges::find(homes, graph.scan(), &homes::HomeEntry::scan);
   if (entry == homes.end()) return std::nullopt;
-  // Lines of another number of storeys were made before the graph was changed.
+  // The graph was changed since and has another number of storeys: the lines are drawn again.
   if (entry->lines.storeys.size() != draw::find_storeys(graph).size()) entry->lines = {};
   homes::HomeEntry home = homes::completed(std::move(*entry), folder);
   for (const homes::RoomEntry& room : home.rooms) {

@@ -1,11 +1,9 @@
 // enfilade homes, and its short form enfilade synth: make a data set of model homes.
 #include <fmt/format.h>
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "apps/common/program.h"
@@ -134,9 +132,7 @@ void add_options(CLI::App& verb, Options& o) {
   verb.add_option("--paths", o.paths, "Room-to-Room paths a home, at most; 0: none")
       ->check(whole_number())
       ->capture_default_str();
-  verb.add_option("--threads", o.threads, "0: all cores")
-      ->check(whole_number(0, 1024))
-      ->capture_default_str();
+  add_threads_option(verb, o.threads);
 }
 
 }  // namespace

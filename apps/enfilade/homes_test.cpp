@@ -2,7 +2,6 @@
 // Matterport3D's kinds that our readers read.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <regex>

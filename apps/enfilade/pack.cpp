@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"

@@ -1,14 +1,12 @@
 // enfilade panorama: all directions of a viewpoint in one picture.
 #include <fmt/format.h>
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <memory>
 #include <vector>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/picture_files.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/image/codecs.h"
 
 namespace enfilade::apps {
 namespace {

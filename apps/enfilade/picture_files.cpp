@@ -4,13 +4,11 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
-#include <span>
+#include <optional>
 #include <string_view>
-#include <utility>
 
-#include "enfilade/core/file.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/image/codecs.h"
 
 namespace enfilade::apps {

@@ -3,13 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/common/program.h"
 #include "enfilade/draw/layer_colours.h"
-#include "enfilade/image/codecs.h"
 #include "enfilade/image/image.h"
 #include "enfilade/render/pictures.h"
 #include "enfilade/render/renderer.h"

@@ -4,8 +4,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <optional>
-#include <utility>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/mesh_files.h"

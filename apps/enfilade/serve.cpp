@@ -94,7 +94,7 @@ void add_serve_options(CLI::App& verb, Options& options) {
       ->type_name("FILE");
   verb.add_option("--phases", options.phases,
                   "What submissions are scored on, with secret goals or without: docs/service.md "
-                  "(default: the data set's val splits)")
+                  "(default: each split but train that has its goals)")
       ->type_name("FILE.json");
   verb.add_option("--host", options.config.host, "Interface to listen on")->capture_default_str();
   verb.add_option("--port", options.config.port, "0: any that is free")

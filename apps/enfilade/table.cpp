@@ -1,5 +1,4 @@
 // enfilade table: the paper's table of everything that was run.
-#include <fmt/format.h>
 #include <filesystem>
 #include <memory>
 #include <vector>

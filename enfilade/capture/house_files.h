@@ -1,8 +1,6 @@
 /// \file  A mesh's rooms, objects and segments as Matterport3D's `house_segmentations` have them.
 #pragma once
-#include <cstddef>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "enfilade/geometry/rect.h"

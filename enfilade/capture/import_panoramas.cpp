@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
@@ -11,6 +10,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/image/equirectangular.h"
@@ -40,11 +40,8 @@ struct Strip {
 // --- where the panoramas were taken ----------------------------------------------------------
 
 std::optional<double> number(const std::string& text) {
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, code] = std::from_chars(text.data(), end, value);
-  if (code != std::errc() || stop != end || !(std::abs(value) < 1e6)) return std::nullopt;
-  return value;
+  const auto value = parse_number<double>(text);
+  return value && std::abs(*value) < 1e6 ? value : std::nullopt;
 }
 
 Place parse_place(const std::vector<std::string>& words, const std::string& file,
@@ -142,7 +139,7 @@ Strip make_strip(const PanoramaFiles& panorama, const ImportOptions& o) {
 // The scan's graph; an empty one for a new scan.
 Connectivity load_or_begin(const fs::path& folder, const std::string& scan) {
   const fs::path file = scan::connectivity_file(folder, scan);
-  if (fs::exists(file)) return scan::load_connectivity(folder, scan);
+  if (file_exists(file)) return scan::load_connectivity(folder, scan);
   return {scan, file.string(), {}};
 }
 
@@ -273,6 +270,7 @@ ImportReport import_panoramas(const fs::path& folder, const std::string& scan,
                               std::span<const PanoramaFiles> panoramas,
                               const ImportOptions& options, const Progress& progress) {
   scan::require_scan_id(scan);
+  scan::check_scan_list(folder / "connectivity");  // now, as the pictures are written first
   Connectivity graph = load_or_begin(folder / "connectivity", scan);
   check(panoramas, options, graph);
   const std::size_t known = graph.entries.size();

@@ -16,7 +16,7 @@ namespace enfilade::capture {
 
 /// The pictures of one viewpoint: JPEG, PNG or Radiance HDR.
 struct PanoramaFiles {
-  std::string viewpoint;  ///< its id, of the characters that scan::is_scan_id() allows
+  std::string viewpoint;  ///< its id; scan::is_scan_id() has to allow it
   /// One equirectangular picture, or six square faces by index(CubeFace), up and down as seen by
   /// turning up or down from the front.
   std::vector<std::string> files;
@@ -37,14 +37,16 @@ inline constexpr double kImportSpacing = 2.25;
 
 /// How panoramas are imported.
 struct ImportOptions {
-  std::uint32_t face_size = 0;     ///< texels; 0: the picture's resolution, at most 1024
-  std::optional<double> exposure;  ///< of HDR pictures, stops; none: the median becomes mid-grey
-  /// Heading of the pictures' middles (front faces), degrees clockwise from north; 0 if neither
-  /// this nor `positions` says.
+  std::uint32_t face_size = 0;  ///< texels; 0: by the picture's resolution, at most 1024
+  /// Of HDR pictures, stops; no value: the median luminance becomes mid-grey.
+  std::optional<double> exposure;
+  /// Direction of the pictures' middles (of front faces), degrees clockwise from north. Without
+  /// this and a heading in `positions`, new viewpoints have 0.
   std::optional<double> heading;
-  /// File of lines `name x y z [heading]`, blanks or commas between: the eye in metres (x east,
-  /// y north, z up), and degrees. `#` begins a comment; a first line that begins with "name" is a
-  /// table's head. Empty: new viewpoints stand in a line, kImportSpacing apart.
+  /// File with a line `name x y z [heading]` for each viewpoint, separated by blanks or commas: the
+  /// eye's position in metres (x east, y north, z up), the heading in degrees. `#` begins a
+  /// comment; a first line that begins with "name" is a header. Empty: new viewpoints stand in a
+  /// line, kImportSpacing apart.
   std::filesystem::path positions;
   double eye_height = 1.5;  ///< above the floor, metres
   ImportEdges edges = ImportEdges::kLine;
@@ -62,18 +64,19 @@ struct ImportedPanorama {
 /// The imported panoramas, and the size of the scan afterwards.
 struct ImportReport {
   std::vector<ImportedPanorama> panoramas;  ///< in the order given
-  std::size_t added = 0;                    ///< of them, new to the scan
-  std::size_t viewpoints = 0, edges = 0;    ///< of the scan now
+  std::size_t added = 0;                    ///< how many of them are new to the scan
+  std::size_t viewpoints = 0, edges = 0;    ///< of the scan after the import
 };
 
 /// Adds panoramas to a scan, or begins one. Writes
 /// `<folder>/<scan>/matterport_skybox_images/<viewpoint>_skybox_small.jpg`,
 /// `<folder>/connectivity/<scan>_connectivity.json` and the scan's line in `scans.txt`. Edges that
-/// are there stay. All pictures are read before the first file is written, so that a broken one
-/// leaves the scan as it was.
-/// \throws ArgumentError or LookupError for ids that are none, repeated or there already (unless
-/// `force`), pairs that name no two viewpoints, viewpoints without a position; FileError;
-/// InvalidInput for pictures and positions that cannot be used
+/// are there stay. All pictures and `scans.txt` are read before the first file is written, so that
+/// a broken one leaves the scan as it was.
+/// \throws ArgumentError or LookupError for ids that are not allowed, repeated, or in the scan
+/// already (unless `force`), pairs that do not name two viewpoints of the scan, and viewpoints that
+/// `positions` lacks; FileError; InvalidInput for pictures, positions, a graph or a `scans.txt`
+/// that cannot be used
 ImportReport import_panoramas(const std::filesystem::path& folder, const std::string& scan,
                               std::span<const PanoramaFiles> panoramas,
                               const ImportOptions& options, const Progress& progress = {});

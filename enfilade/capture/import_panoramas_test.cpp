@@ -84,6 +84,14 @@ TEST_F(ImportPanoramas, LeaveTheScanAsItWasIfAPictureIsBroken) {
   EXPECT_FALSE(fs::exists(folder_.path() / "connectivity"));
 }
 
+TEST_F(ImportPanoramas, WriteNothingIfTheListOfScansIsBroken) {
+  make_folder(folder_.path() / "connectivity");
+  write_file_atomically(folder_.path() / "connectivity" / "scans.txt", "a a");
+  EXPECT_THROW(import("home", {{"hall", {file("hall.jpg")}}}), InvalidInput);
+  EXPECT_FALSE(fs::exists(folder_.path() / "home"));
+  EXPECT_FALSE(fs::exists(scan::connectivity_file(folder_.path() / "connectivity", "home")));
+}
+
 TEST_F(ImportPanoramas, RefuseIdsAndCountsThatCannotBe) {
   EXPECT_THROW(import("../home", {{"hall", {file("hall.jpg")}}}), LookupError);
   EXPECT_THROW(import("home", {{"my hall", {file("hall.jpg")}}}), ArgumentError);

@@ -155,10 +155,10 @@ std::optional<Manifest> read_manifest(const fs::path& file) {
                     json.at("kinds").get<std::set<std::string>>(),
                     json.at("viewpoints").get<std::map<std::string, std::string>>()};
   } catch (const nlohmann::json::exception& error) {
-    throw InvalidInput({{Severity::kError, file.string(), "", "bad-manifest",
-                         fmt::format("not a list that Enfilade wrote ({}); remove the folder if "
-                                     "nothing in it is wanted",
-                                     error.what())}});
+    refuse(file.string(), "", "bad-manifest",
+           fmt::format("not a list that Enfilade wrote ({}); remove the folder if nothing in it is "
+                       "wanted",
+                       error.what()));
   }
 }
 
@@ -494,6 +494,7 @@ ScanFilesReport write_scan(const mesh::LitMesh& mesh, const scan::Connectivity& 
   }
   const Manifest manifest =
       joined(read_manifest(manifest_file), report.folder, state, writer.poses(), files);
+  if (options.parts.connectivity) scan::check_scan_list(root / "connectivity");
   make_folder(report.folder);
   write_file_atomically(manifest_file, text_of(manifest));
   if (options.parts.connectivity) save_connectivity(root / "connectivity", connectivity);

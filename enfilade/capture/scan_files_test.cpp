@@ -13,7 +13,6 @@
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/mesh/capture.h"
-#include "enfilade/mesh/read_mesh.h"
 #include "enfilade/scan/depth_skybox.h"
 #include "enfilade/scan/matterport_images.h"
 #include "enfilade/scan/undistorted_cameras.h"

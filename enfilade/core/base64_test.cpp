@@ -1,6 +1,6 @@
 #include "enfilade/core/base64.h"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <vector>
 
 namespace enfilade {

@@ -41,6 +41,13 @@ void write_whole(const fs::path& path, std::string_view content, const fs::path&
 
 }  // namespace
 
+bool file_exists(const fs::path& path) {
+  std::error_code code;
+  const bool exists = fs::exists(path, code);
+  if (code) fail(path, "open", code.value());
+  return exists;
+}
+
 std::string read_file(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) fail(path, "read", EISDIR);

@@ -10,6 +10,10 @@ namespace enfilade {
 /// \throws FileError naming the path and the system's reason, also for a folder
 std::string read_file(const std::filesystem::path& path);
 
+/// Whether there is a file or folder of that name; links are followed.
+/// \throws FileError naming the path and the system's reason if that cannot be found out
+bool file_exists(const std::filesystem::path& path);
+
 /// Replaces a file's content: writes a temporary file beside it and renames that. Readers see the
 /// old content or the new, never a part, even if the process is killed. Links are followed. Pipes
 /// and devices such as /dev/stdout are written directly.

@@ -36,6 +36,17 @@ TEST_F(FileTest, KeepsALinkAndWritesWhatItPointsTo) {
   EXPECT_EQ(read_file(folder_ / "real"), "new");
 }
 
+TEST_F(FileTest, IsThereOrNotOrCannotBeFoundOut) {
+  EXPECT_FALSE(file_exists(folder_ / "a"));
+  write_file_atomically(folder_ / "a", "");
+  EXPECT_TRUE(file_exists(folder_ / "a"));
+  EXPECT_TRUE(file_exists(folder_));
+  EXPECT_FALSE(file_exists(folder_ / "a" / "below a file"));
+  fs::create_symlink("circle", folder_ / "circle");
+  EXPECT_THAT([&] { file_exists(folder_ / "circle"); },
+              ThrowsMessage<FileError>(HasSubstr((folder_ / "circle").string())));
+}
+
 TEST_F(FileTest, SaysWhichFileAndWhy) {
   EXPECT_THAT([&] { read_file(folder_ / "none"); },
               ThrowsMessage<FileError>(HasSubstr("none: cannot open: No such file")));

@@ -1,6 +1,6 @@
 #include "enfilade/core/half.h"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <cmath>
 #include <cstring>
 #include <limits>

@@ -1,7 +1,6 @@
 /// \file  Contact sheets: many small pictures with captions.
 #pragma once
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <string>
 

@@ -1,6 +1,5 @@
 /// \file  Floor plans of a navigation graph, with paths and trajectories, as SVG.
 #pragma once
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <charconv>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/numbers.h"
 
 namespace enfilade::draw {
 
@@ -59,13 +59,12 @@ IdNames load_class_names(const std::filesystem::path& file) {
     if (++line == 1 || row.empty()) continue;  // the first names the columns
     const std::size_t tab = std::min(row.find('\t'), row.size());
     const std::size_t next = std::min(row.find_first_of("\t\r", tab + 1), row.size());
-    std::uint32_t id = 0;
-    const auto [stop, code] = std::from_chars(row.data(), row.data() + tab, id);
-    if (code != std::errc() || stop != row.data() + tab || next <= tab + 1) {
+    const auto id = parse_number<std::uint32_t>(row.substr(0, tab));
+    if (!id || next <= tab + 1) {
       refuse(file.string(), fmt::format("line {}", line), "bad-label",
              "not a whole number, a tab and a name, as mpcat40.tsv has them");
     }
-    names[id] = row.substr(tab + 1, next - tab - 1);
+    names[*id] = row.substr(tab + 1, next - tab - 1);
   }
   return names;
 }

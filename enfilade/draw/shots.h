@@ -1,7 +1,6 @@
 /// \file  Which views a contact sheet shows: of a scan, of a path, of an agent's trajectory.
 #pragma once
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>

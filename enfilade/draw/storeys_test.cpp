@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/scan/data_root.h"

@@ -2,6 +2,7 @@
 /// in part: readers throw InvalidInput with `file` (its name for messages), what was found and what
 /// is allowed. All functions may be called from any thread.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -21,8 +22,8 @@ inline Bytes bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// The longest edge that a reader accepts, in pixels. Larger than any panorama; keeps a damaged
-/// header from using all memory.
+/// The longest edge that a reader accepts, in pixels. Larger than any panorama's. With kMostPixels
+/// it keeps a reader from allocating all memory for a damaged header.
 inline constexpr std::uint32_t kLongestEdge = 65500;
 /// The largest number of pixels that a reader accepts.
 inline constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 29;
@@ -30,13 +31,13 @@ inline constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 29;
 /// Size and channels of a picture, as its file's header says.
 struct Shape {
   std::uint32_t width = 0, height = 0, channels = 0;
-  std::uint32_t bits = 8;  ///< a channel
+  std::uint32_t bits = 8;  ///< of a channel
   friend bool operator==(const Shape&, const Shape&) = default;
 };
 
 // --- JPEG -----------------------------------------------------------------------------------
 // All damage that libjpeg-turbo reports is an error, also what many programs ignore: a missing end
-// marker, extraneous bytes. A flipped bit may pass: JPEG has no checksums.
+// marker, extraneous bytes. A flipped bit may go unnoticed, as JPEG has no checksums.
 
 /// Reads the header only. \throws InvalidInput
 Shape jpeg_shape(Bytes jpeg, const std::string& file);
@@ -47,43 +48,46 @@ Image8 decode_jpeg(Bytes jpeg, const std::string& file);
 /// \throws InvalidInput; ArgumentError if the picture is not width x height
 void decode_jpeg_rgba(Bytes jpeg, std::uint32_t width, std::uint32_t height, std::uint8_t* rows,
                       std::size_t stride, const std::string& file);
-/// JPEG quality from which writers keep chroma in full: below it, halving is not visible.
+/// From this quality on, writers keep chroma at full resolution (4:4:4). Below it, halving the
+/// resolution (4:2:0) is not visible.
 inline constexpr int kFullChromaQuality = 90;
 /// \param picture 1 or 3 channels  \param quality 1 .. 100  \param full_chroma 4:4:4, else 4:2:0
+/// \throws ArgumentError for other channels or qualities, and edges above kLongestEdge
 std::vector<std::uint8_t> encode_jpeg(const Image8& picture, int quality, bool full_chroma = false);
 /// The six faces of a strip as baseline JPEGs with the coefficients of the strip, without decoding.
 /// No value if it is not a strip or its blocks do not end at the edges of faces. With subsampled
-/// chroma, columns next to a cut decode differently than in the strip, where the decoder
-/// interpolates chroma across faces.
+/// chroma, columns next to a cut do not decode to the same values as in the strip, where the
+/// decoder interpolates chroma across faces.
 /// \throws InvalidInput
 std::optional<std::array<std::vector<std::uint8_t>, kCubeFaces>> cut_jpeg_strip(
     Bytes jpeg, const std::string& file);
 
 // --- PNG ------------------------------------------------------------------------------------
 
-/// From the header alone. \throws InvalidInput
+/// Reads the header only. \throws InvalidInput
 Shape png_shape(Bytes png, const std::string& file);
 /// 8 bits a channel; fewer bits are scaled up; a palette becomes RGB or RGBA. The transparent
-/// colour of a grey or RGB file is ignored. \throws InvalidInput, also for 16
+/// colour of a grey or RGB file is ignored. \throws InvalidInput, also for 16 bits a channel
 Image8 decode_png8(Bytes png, const std::string& file);
 /// Greyscale of up to 16 bits, one channel, values as stored. \throws InvalidInput, also for colour
 Image16 decode_png16(Bytes png, const std::string& file);
 /// \param picture 1, 2 (grey, alpha), 3 or 4 channels
 std::vector<std::uint8_t> encode_png(const Image8& picture);
-/// Of 16 bits. \pre picture.channels == 1
+/// Greyscale of 16 bits. \pre picture.channels == 1
 std::vector<std::uint8_t> encode_png(const Image16& picture);
 
 /// Ids of 32 bits as a PNG: 16-bit greyscale if none is above 65535, else 8-bit RGBA with
 /// id = R + 256 G + 65536 B + 2^24 A. \param ids 1 channel
 std::vector<std::uint8_t> encode_ids(const Image32& ids);
-/// Its inverse; any greyscale is read. \throws InvalidInput, also for other PNGs
+/// The inverse of encode_ids(). Greyscale of any bits is read too. \throws InvalidInput, also for
+/// other PNGs
 Image32 decode_ids(Bytes png, const std::string& file);
 
 // --- Radiance HDR (RGBE) --------------------------------------------------------------------
 
-/// Linear light, RGB, with the file's exposure undone. Run-length coded (new and old style) and
-/// flat files with `-Y h +X w`, and the other seven orientations; at most 2^27 pixels. Source: the
-/// format as Radiance's `color.c` defines it. \throws InvalidInput, also for XYZE
+/// Linear light, RGB, divided by the file's exposure. Reads uncompressed files and both run-length
+/// codings, in all eight orientations (`-Y h +X w`, ...); at most 2^27 pixels. Source: Radiance's
+/// `color.c`, which defines the format. \throws InvalidInput, also for XYZE
 ImageF decode_hdr(Bytes hdr, const std::string& file);
 /// Linear light to sRGB: exposure (in stops, 0 leaves values as they are; default: the median
 /// luminance becomes mid-grey, 18 %), then the tone curve of tone.h.
@@ -98,7 +102,7 @@ Image8 tone_map(const ImageF& linear, std::optional<double> exposure = std::null
 Image8 load_picture(const std::string& path, std::optional<double> exposure = std::nullopt);
 
 /// Writes a picture of 1 or 3 channels as the name says: .png, .jpg or .jpeg. Atomic.
-/// \param jpeg_quality 1 .. 100, 4:4:4 from 90 on; not looked at for PNG
+/// \param jpeg_quality 1 .. 100, 4:4:4 from kFullChromaQuality on; ignored for PNG
 /// \throws FileError; ArgumentError for another name
 void save(const std::string& path, const Image8& picture, int jpeg_quality = 92);
 

@@ -1,7 +1,6 @@
 /// \file  Rendering of a mesh: cube maps and pinhole images, with depth and labels.
 #pragma once
 #include <cstdint>
-#include <optional>
 
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/geometry/mat.h"

@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <unordered_map>
+#include <utility>
 
 #include "enfilade/core/file.h"
+#include "enfilade/mesh/house.h"
 #include "enfilade/mesh/mpcat40.h"
 #include "enfilade/mesh/readers/text.h"
 #include "enfilade/mesh/segmentation.h"

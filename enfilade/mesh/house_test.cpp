@@ -1,6 +1,5 @@
 #include "enfilade/mesh/house.h"
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <algorithm>

@@ -1,6 +1,5 @@
 /// \file  Light sources of a mesh, and the light on its surfaces, computed once for all pictures.
 #pragma once
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>

@@ -5,10 +5,8 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
-#include <vector>
 
 #include "enfilade/mesh/detail/test_room.h"
-#include "enfilade/mesh/detail/vector.h"
 
 namespace enfilade::mesh {
 

@@ -1,6 +1,5 @@
 /// \file  Ray tracing of a mesh (Embree).
 #pragma once
-#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>

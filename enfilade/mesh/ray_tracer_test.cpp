@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -17,8 +16,9 @@ using namespace detail;
 
 namespace {
 
-// Distances are compared within 4 units in the last place (EXPECT_FLOAT_EQ): Embree divides by a
-// reciprocal that it refines from the processor's estimate, and that differs from make to make.
+// Distances are compared with EXPECT_FLOAT_EQ, which allows 4 units in the last place. Embree
+// multiplies by a reciprocal that it refines from the processor's estimate, and estimates differ
+// between processors of Intel and AMD.
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 

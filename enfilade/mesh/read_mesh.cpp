@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "enfilade/core/file.h"
 #include "enfilade/mesh/readers/reader.h"

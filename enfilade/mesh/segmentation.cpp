@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/detail/json.h"
@@ -119,10 +120,8 @@ void read_field(std::string_view text, const std::string& file, std::string_view
                 const Read& read) {
   const json::Document document = json::Document::parse(text, file);
   Faults faults(file);
-  const json::Field field{name};
-  std::optional<Element> found;
   const Path root;
-  if (json::fields(document.root(), {&field, 1}, {&found, 1}, root, faults)) {
+  if (const auto found = json::field(document.root(), {name}, root, faults)) {
     read(*found, Path(root, name), faults);
   }
   faults.throw_if_errors();

@@ -7,37 +7,39 @@
 #include <string_view>
 #include <vector>
 
-#include "enfilade/mesh/house.h"
 #include "enfilade/mesh/mesh.h"
 
 namespace enfilade::mesh {
 
-/// `<scan>.ply` of a segmentation: faces with three numbers each.
+/// `<scan>.ply` of a segmentation: a mesh with three numbers for each face.
 struct LabelledMesh {
-  Mesh mesh;                                ///< one material; colours of vertices; no objects
-  std::vector<std::int32_t> face_segment;   ///< one a triangle; -1: none (here and below)
-  std::vector<std::int32_t> face_object;    ///< "material" in files: the object's place in .house
-  std::vector<std::int32_t> face_category;  ///< row of category_mapping.tsv
-  std::vector<std::uint32_t> face;          ///< the file's face that each triangle was part of
-  std::size_t faces = 0;                    ///< that the file has
+  Mesh mesh;  ///< with vertex colours and one material, without objects
+  std::vector<std::int32_t> face_segment;   ///< of each triangle; -1: none (also in the next two)
+  std::vector<std::int32_t> face_object;    ///< "material" in files: index of the object in .house
+  std::vector<std::int32_t> face_category;  ///< row of category_mapping.tsv, as files have it
+  std::vector<std::uint32_t> face;  ///< index of the face in the file that each triangle is part of
+  std::size_t faces = 0;            ///< number of faces in the file
 };
 /// Property names as shipped (`material_id`, `segment_id`, `category_id`) or as documented
-/// (`face_material`, ...). \throws InvalidInput
+/// (`face_material`, ...). \throws InvalidInput for a broken file, one that lacks a property, and
+/// values that are no whole numbers of 32 bits
 LabelledMesh parse_labelled_ply(std::string_view bytes, const std::string& file);
-/// Binary, little-endian, with normals left out; each triangle is a face. \pre the three lists of
-/// numbers are as long as the triangles
+/// Binary, little-endian, without normals; each triangle becomes a face. \pre the three lists of
+/// numbers have one for each triangle
 std::string to_labelled_ply(const LabelledMesh& mesh);
 
-/// `.fsegs.json`: the segment of each face. Numbers or texts. \throws InvalidInput
+/// `.fsegs.json`: the segment of each face, a whole number from -1 (none) on, or a string that
+/// holds one. \throws InvalidInput
 std::vector<std::int32_t> parse_face_segments(std::string_view json, const std::string& file);
 std::string face_segments_json(const std::vector<std::int32_t>& segments, const std::string& scan);
 
 /// An object of `.semseg.json`: its raw label and segments.
 struct SegmentGroup {
-  std::int32_t id = -1;
+  std::int32_t id = -1;  ///< -1: the file has none
   std::string label;
   std::vector<std::int32_t> segments;
 };
+/// \throws InvalidInput
 std::vector<SegmentGroup> parse_segment_groups(std::string_view json, const std::string& file);
 std::string segment_groups_json(const std::vector<SegmentGroup>& groups, const std::string& scan);
 

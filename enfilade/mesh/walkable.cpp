@@ -2,6 +2,7 @@
 
 #include <Recast.h>
 #include <fmt/format.h>
+#include <functional>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/mesh/detail/exact_heights.h"
 
 namespace enfilade::mesh {
@@ -119,7 +121,7 @@ Heightfield rasterise(const Mesh& mesh, const WalkableOptions& options, const La
 }
 
 [[noreturn]] void no_floor(const std::string& why) {
-  throw InvalidInput({{Severity::kError, "<mesh>", "", "no-floor", "nowhere to stand: " + why}});
+  refuse("<mesh>", "", "no-floor", "nowhere to stand: " + why);
 }
 
 std::size_t count_walkable(const rcCompactHeightfield& field) {

@@ -69,7 +69,7 @@ std::vector<Diagnostic> differences(const DataFingerprint& trained, const DataFi
                                   const auto& here) {
     for (const auto& [name, hash] : before) {
       const auto other = here.find(name);
-      if (other != here.end()) compare(kind + "." + name, code, hash, other->second);
+      if (other != here.end()) compare(fmt::format("{}.{}", kind, name), code, hash, other->second);
     }
   };
   compare_hashes("annotations", "other-annotations", trained.annotations, now.annotations);

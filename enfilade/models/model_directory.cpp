@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <charconv>
 #include <system_error>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/models/detail/config_json.h"
 #include "enfilade/models/detail/hash.h"
 
@@ -85,11 +85,11 @@ StateFile open_state(const fs::path& path) {
     refuse(path, "", "no-state", "no iteration or hash in it; not written by Enfilade's training");
   }
   const std::string& digits = iteration->second;
-  const auto [end, code] =
-      std::from_chars(digits.data(), digits.data() + digits.size(), state.iteration);
-  if (code != std::errc() || end != digits.data() + digits.size()) {
+  const auto number = parse_number<std::uint64_t>(digits);
+  if (!number) {
     refuse(path, "", "bad-iteration", fmt::format("iteration {:?}, not a whole number", digits));
   }
+  state.iteration = *number;
   if (hash->second != hash_of_arrays(state.file.arrays())) {
     refuse(path, "", "broken", "its bytes are not those that were written");
   }

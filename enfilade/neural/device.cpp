@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <system_error>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/neural/detail/torch_device.h"

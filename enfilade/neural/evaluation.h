@@ -12,7 +12,6 @@
 #include "enfilade/neural/view_features.h"
 #include "enfilade/r2r/annotations.h"
 #include "enfilade/r2r/results.h"
-#include "enfilade/r2r/score.h"
 
 namespace enfilade::neural {
 

@@ -20,7 +20,8 @@ class ModelTest : public ::testing::Test {
     config_.training.network = {5, 8, 4, 6, 3, 7, 0.25, {true, true}};
     r2r::Vocabulary::build(std::vector<std::string>{"go left"}, 1).save(files_.vocabulary());
     write_file_atomically(files_.config(), to_json(config_));
-    models::write_state(files_.weights(), Network(config_.training.network, 1).weights().arrays, 40);
+    models::write_state(files_.weights(), Network(config_.training.network, 1).weights().arrays,
+                        40);
   }
 
   tests::TemporaryFolder folder_{"model"};

@@ -428,9 +428,9 @@ TEST(Network, RefusesSizesThatDoNotFit) {
   tokens.pop_back();
   expect_refusal(with_tokens(tokens, 6), "53 ids for 6 instructions of 9 words");
   tokens = fixture.tokens;
-  tokens[2 * 9] = 13;
+  tokens[std::size_t{2} * 9] = 13;
   expect_refusal(with_tokens(tokens, 6), "instruction 2, word 0: id 13");
-  tokens[2 * 9] = 0;
+  tokens[std::size_t{2} * 9] = 0;
   expect_refusal(with_tokens(tokens, 6), "instruction 2 begins with PAD");
   Script script;
   script.episodes = kEpisodes;

@@ -11,6 +11,7 @@
 #include "enfilade/models/model_directory.h"
 #include "enfilade/neural/detail/episode_order.h"
 #include "enfilade/neural/evaluation.h"
+#include "enfilade/r2r/score.h"
 
 namespace enfilade::neural {
 namespace {

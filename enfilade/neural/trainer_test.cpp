@@ -13,7 +13,6 @@
 #include "enfilade/core/file.h"
 #include "enfilade/models/folder_lock.h"
 #include "enfilade/neural/device.h"
-#include "enfilade/neural/evaluation.h"
 #include "enfilade/neural/model.h"
 #include "enfilade/r2r/score.h"
 #include "tests/support/refusal.h"

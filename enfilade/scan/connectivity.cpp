@@ -108,6 +108,45 @@ Connectivity read(const json::Document& document, std::string scan) {
   return result;
 }
 
+std::filesystem::path scan_list_file(const std::filesystem::path& directory) {
+  return directory / "scans.txt";
+}
+
+// Scan ids with white space between them; none in a blank text.
+std::vector<std::string> parse_scan_list(const std::string& text, const std::string& file) {
+  std::istringstream words(text);
+  std::vector<std::string> scans;
+  std::set<std::string> seen;
+  Faults faults(file);
+  const Path root;
+  for (std::string scan; words >> scan; scans.push_back(scan)) {
+    if (!is_scan_id(scan)) {
+      faults.error(root, "bad-scan-id",
+                   fmt::format("{:?} is not a scan id (letters, digits, _ and -)", scan));
+    } else if (!seen.insert(scan).second) {
+      faults.error(root, "repeated-scan", fmt::format("{:?} stands in the list twice", scan));
+    }
+  }
+  faults.throw_if_errors();
+  return scans;
+}
+
+// A list that a scan is to be added to, and its text; both are empty if the file is absent or
+// blank.
+struct ScanList {
+  std::vector<std::string> scans;
+  std::string text;
+};
+
+ScanList read_scan_list(const std::filesystem::path& file) {
+  if (!file_exists(file)) return {};
+  ScanList list;
+  list.text = read_file(file);
+  list.scans = parse_scan_list(list.text, file.string());
+  if (list.scans.empty()) list.text.clear();
+  return list;
+}
+
 }  // namespace
 
 bool is_scan_id(std::string_view scan) {
@@ -157,37 +196,25 @@ std::string to_json(const Connectivity& connectivity) {
 }
 
 void save_connectivity(const std::filesystem::path& directory, const Connectivity& connectivity) {
-  const std::filesystem::path list = directory / "scans.txt";
-  std::vector<std::string> scans;
-  std::string text;
-  if (std::filesystem::exists(list) && !std::filesystem::is_empty(list)) {
-    scans = load_scan_list(directory);
-    text = read_file(list);
-    if (text.back() != '\n') text += '\n';
-  }
+  const std::filesystem::path file = scan_list_file(directory);
+  auto [scans, text] = read_scan_list(file);
   make_folder(directory);
   write_file_atomically(connectivity_file(directory, connectivity.scan), to_json(connectivity));
   if (std::ranges::find(scans, connectivity.scan) != scans.end()) return;
-  write_file_atomically(list, text + connectivity.scan + "\n");
+  if (!text.empty() && !text.ends_with('\n')) text += '\n';
+  write_file_atomically(file, text + connectivity.scan + "\n");
+}
+
+void check_scan_list(const std::filesystem::path& directory) {
+  (void)read_scan_list(scan_list_file(directory));
 }
 
 std::vector<std::string> load_scan_list(const std::filesystem::path& directory) {
-  const std::filesystem::path file = directory / "scans.txt";
-  std::istringstream words(read_file(file));
-  std::vector<std::string> scans;
-  std::set<std::string> seen;
-  Faults faults(file.string());
-  const Path root;
-  for (std::string scan; words >> scan; scans.push_back(scan)) {
-    if (!is_scan_id(scan)) {
-      faults.error(root, "bad-scan-id",
-                   fmt::format("{:?} is not a scan id (letters, digits, _ and -)", scan));
-    } else if (!seen.insert(scan).second) {
-      faults.error(root, "repeated-scan", fmt::format("{:?} stands in the list twice", scan));
-    }
+  const std::filesystem::path file = scan_list_file(directory);
+  std::vector<std::string> scans = parse_scan_list(read_file(file), file.string());
+  if (scans.empty()) {
+    refuse(file.string(), Path().text(), "no-scans", "lists no scan; one id a line is expected");
   }
-  if (scans.empty()) faults.error(root, "no-scans", "lists no scan; one id a line is expected");
-  faults.throw_if_errors();
   return scans;
 }
 

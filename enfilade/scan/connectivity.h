@@ -51,11 +51,17 @@ Connectivity parse_connectivity(std::string_view json, std::string scan, const s
 std::string to_json(const Connectivity& connectivity);
 
 /// Writes `<directory>/<scan>_connectivity.json` and adds the scan to the folder's `scans.txt`, if
-/// it is not there. Creates the folder. \throws FileError; InvalidInput if the list is broken
+/// it is not there. Creates the folder. A blank list is replaced.
+/// \throws FileError; InvalidInput if the list repeats an id or holds one that is no scan id: then
+/// nothing is written
 void save_connectivity(const std::filesystem::path& directory, const Connectivity& connectivity);
 
+/// Throws what save_connectivity() would because of `scans.txt`. For callers that write other files
+/// first. \throws FileError; InvalidInput
+void check_scan_list(const std::filesystem::path& directory);
+
 /// The scans of a connectivity folder: the ids in its `scans.txt` (white space between), in order.
-/// \throws FileError; InvalidInput if the list is empty, repeats an id, or holds one that is no
+/// \throws FileError; InvalidInput if the list is blank, repeats an id, or holds one that is no
 /// scan id
 std::vector<std::string> load_scan_list(const std::filesystem::path& directory);
 

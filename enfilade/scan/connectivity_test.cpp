@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <functional>
 
 #include "enfilade/core/file.h"
 #include "enfilade/scan/data_root.h"
@@ -143,8 +142,29 @@ TEST(Connectivity, SavesAGraphAndListsItsScanOnce) {
   graph.scan = "b";
   save_connectivity(folder, graph);
   EXPECT_EQ(read_file(folder / "scans.txt"), "a row\nb\n");
-  write_file_atomically(folder / "scans.txt", "a a");
-  EXPECT_THROW(save_connectivity(folder, graph), InvalidInput);
+}
+
+TEST(Connectivity, BeginsABlankListOfScansAnew) {
+  const tests::TemporaryFolder made("blank_list");
+  for (const char* blank : {"", " \n\t\n"}) {
+    write_file_atomically(made.path() / "scans.txt", blank);
+    check_scan_list(made.path());
+    save_connectivity(made.path(), three_in_a_row());
+    EXPECT_EQ(read_file(made.path() / "scans.txt"), "row\n");
+  }
+}
+
+TEST(Connectivity, IsNotSavedBesideABrokenListOfScans) {
+  const tests::TemporaryFolder made("broken_list");
+  const fs::path list = made.path() / "scans.txt";
+  write_file_atomically(list, "a a");
+  EXPECT_THROW(check_scan_list(made.path()), InvalidInput);
+  EXPECT_THROW(save_connectivity(made.path(), three_in_a_row()), InvalidInput);
+  fs::remove(list);
+  fs::create_symlink(list, list);
+  EXPECT_THAT([&] { save_connectivity(made.path(), three_in_a_row()); },
+              ::testing::ThrowsMessage<FileError>(HasSubstr(list.string())));
+  EXPECT_FALSE(fs::exists(connectivity_file(made.path(), "row")));
 }
 
 TEST(Connectivity, ReadsAllRealGraphs) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 #include <span>
+#include <system_error>
 #include <utility>
 
 #include "enfilade/core/errors.h"

@@ -5,6 +5,7 @@
 #include <zip.h>
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <mutex>

@@ -10,25 +10,26 @@
 
 namespace enfilade::scan {
 
-/// Read-only. All functions may be called from any thread at once.
+/// Reads files by name. All functions may be called by several threads at once.
 class FileTree {
  public:
   virtual ~FileTree() = default;
-  /// A folder. \throws FileError if it is none
+  /// The files of a folder, not of its subfolders. \throws FileError if `path` is not a folder
   static std::shared_ptr<const FileTree> folder(const std::filesystem::path& path);
-  /// A zip file. Its list of entries is read now (100,000 entries: 0.25 s) and once more for each
-  /// further thread that reads at the same time. \throws FileError; InvalidInput if it is damaged,
-  /// cut off or encrypted
+  /// The files of a zip file. Its list of entries is read now (100,000 entries: 0.25 s) and once
+  /// more for each further thread that reads at the same time. \throws FileError; InvalidInput if
+  /// it is damaged, cut off or encrypted
   static std::shared_ptr<const FileTree> zip(const std::filesystem::path& path);
-  /// A zip file in memory; `name` for messages. \throws InvalidInput
+  /// The same for a zip file in memory; `name` stands for it in messages. \throws InvalidInput
   static std::shared_ptr<const FileTree> zip_in_memory(std::string bytes, const std::string& name);
 
   /// The content of a file by its bare name. In a zip it may lie in any folder: downloads put
-  /// `<scan>/<kind>/` before it. Nothing if there is none, or if the name has a '/' in it.
+  /// `<scan>/<kind>/` before it. No value if there is none, or if the name has a '/' in it.
   /// \throws FileError; InvalidInput for a damaged entry (checksums are compared), one that claims
   /// more than 1 GiB, and a name that lies in two folders of the zip
   std::optional<std::string> read(std::string_view name) const;
-  /// The first `bytes` bytes of the file, or all if it has fewer. The rest is not checked.
+  /// As read(), but only the first `bytes` bytes, or all if the file has fewer. The rest
+  /// is not checked.
   virtual std::optional<std::string> read_start(std::string_view name, std::size_t bytes) const = 0;
   virtual bool contains(std::string_view name) const = 0;
   /// Names of all files, sorted.

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "enfilade/core/errors.h"
@@ -13,19 +12,20 @@
 namespace enfilade::scan {
 namespace {
 
-/// Beyond two sigmas a texel's weight is under a seventh of the nearest one's.
+/// Half the width of a window, in sigmas. Beyond it a weight is less than a seventh of the largest.
 constexpr double kReach = 2;
-/// An estimate of an earlier, coarser pass has a twentieth of a reading's weight: it helps where a
-/// pass does not reach any reading, and readings of similar colour override it.
+/// Weight of an estimate of an earlier, coarser pass; a reading has 1. It decides where no reading
+/// is in the window, and has little influence beside readings of similar colour.
 constexpr float kEstimateWeight = .05F;
-/// Larger windows are sampled: using every texel of a window of sigma 12 does not improve the
-/// result.
+/// In windows with a larger sigma only every second, third, ... texel is used: all texels of a
+/// window of sigma 12 do not give a better result.
 constexpr double kTexelsPerSigma = 6;
 
 std::size_t radius(double sigma) { return static_cast<std::size_t>(std::ceil(kReach * sigma)); }
 
-/// Six faces, each with a margin of `margin` texels that continues it with its neighbours,
-/// projected to the face's plane, so that windows at an edge are complete.
+/// Maps the texels of six faces to framed faces, each with a margin of `margin` texels around it.
+/// The margin holds texels of the neighbouring faces, projected to the face's plane, so that a
+/// window at an edge is complete.
 class Layout {
  public:
   Layout(std::uint32_t size, std::size_t margin)
@@ -42,10 +42,11 @@ class Layout {
   }
 
   std::size_t side() const { return side_; }
-  /// Place, in the framed faces, of texel (x, y) of a face.
+  /// Index, in the framed faces, of texel (x, y) of a face.
   std::size_t place(std::size_t face, std::size_t x, std::size_t y) const {
     return (face * side_ + y + margin_) * side_ + x + margin_;
   }
+  /// Copies the texels of six faces to framed faces.
   template <class T>
   void frame(const std::vector<T>& texels, std::vector<T>& framed) const {
     framed.resize(source_.size());
@@ -78,8 +79,10 @@ struct Known {
   float sum = 0;  ///< weight times depth
 };
 
+/// One pass of the filter.
 class Pass {
  public:
+  /// \param space_sigma texels  \param range_sigma of luminance in [0, 1]
   Pass(double space_sigma, double range_sigma)
       : radius_(radius(space_sigma)),
         stride_(std::max<std::size_t>(1, static_cast<std::size_t>(space_sigma / kTexelsPerSigma))) {
@@ -91,7 +94,7 @@ class Pass {
     }
   }
 
-  /// The weighted mean around a place; weight 0 if nothing is known there.
+  /// The weighted sum of the window around a place; weight 0 if nothing is known in it.
   Known mean(const std::vector<Known>& known, const std::vector<std::uint8_t>& luminance,
              std::size_t place, std::size_t side) const {
     const auto steps = static_cast<std::ptrdiff_t>(space_.size()) - 1;
@@ -120,7 +123,7 @@ class Pass {
  private:
   static float bell(double sigmas) {
     const double weight = std::exp(-.5 * sigmas * sigmas);
-    return weight < 1e-25 ? 0.F : static_cast<float>(weight);  // products of three stay normal
+    return weight < 1e-25 ? 0.F : static_cast<float>(weight);  // a product of three is no denormal
   }
 
   std::size_t radius_, stride_;
@@ -161,7 +164,7 @@ std::vector<Known> readings_of(const image::CubeMap<std::uint16_t>& depth) {
   return known;
 }
 
-/// Luma of Rec. 601, in which perceived edges are visible.
+/// Luma of Rec. 601, which weights the channels as the eye does; of each texel, 0 to 255.
 std::vector<std::uint8_t> luminance_of(const image::CubeMap<std::uint8_t>& colour) {
   std::vector<std::uint8_t> result;
   for (const auto& face : colour) {

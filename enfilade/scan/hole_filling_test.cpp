@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <random>
 
 #include "enfilade/core/errors.h"
@@ -65,7 +64,7 @@ TEST(FillHoles, LeavesReadingsAsTheyAre) {
 
 TEST(FillHoles, TakesTheDepthOfItsOwnColoursSide) {
   // A door frame at 2 m before a wall at 4 m; the camera lost a band across the edge.
-  constexpr std::uint32_t n = 96;
+  const std::uint32_t n = 96;
   Depth depth = depth_of(n, 8000);
   Colour colour = grey(n, 200);
   for (std::size_t y = 0; y < n; ++y) {
@@ -102,7 +101,7 @@ TEST(FillHoles, FillsFromAnotherColourWhereThereIsNoLikeOne) {
 }
 
 TEST(FillHoles, WorksOverFaceEdges) {
-  constexpr std::uint32_t n = 96;
+  const std::uint32_t n = 96;
   Depth depth = depth_of(n, 0);
   depth[kRight].pixels.assign(depth[kRight].pixels.size(), 5000);
   const Depth filled = fill_holes(depth, grey(n, 100));
@@ -122,7 +121,7 @@ TEST(FillHoles, WorksOverFaceEdges) {
 }
 
 TEST(FillHoles, ContinuesASlantedWall) {
-  constexpr std::uint32_t n = 96;
+  const std::uint32_t n = 96;
   Depth depth = depth_of(n, 8000);
   for (std::size_t y = 0; y < n; ++y) {
     for (std::size_t x = 0; x < n; ++x) {

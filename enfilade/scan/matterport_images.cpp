@@ -1,9 +1,9 @@
 #include "enfilade/scan/matterport_images.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <utility>
 #include <vector>
 

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <mutex>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include "enfilade/core/check.h"

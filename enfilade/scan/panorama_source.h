@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,15 +26,15 @@ enum class Layer : std::uint8_t {
   kClass,     ///< object class, 16 bit; 0: none
   kInstance,  ///< object instance, 32 bit; 0: none
 };
-/// How many Layers there are; a layer's place among them.
 inline constexpr std::size_t kLayers = 4;
+/// Index of a layer, from 0 in the order above.
 constexpr std::size_t index(Layer layer) { return static_cast<std::size_t>(layer); }
 std::string_view to_string(Layer layer);  ///< "colour", "depth", "class", "instance"
 
-/// Units of Layer::kDepth in a metre.
+/// Units of Layer::kDepth per metre: 4000.
 using image::kDepthUnitsPerMetre;
 
-/// Edge lengths of a panorama's faces, texels, by index(Layer); 0 where it lacks the layer.
+/// Edge lengths of a panorama's faces in texels, by index(Layer); 0: it lacks the layer.
 using FaceSizes = std::array<std::uint32_t, kLayers>;
 
 /// Layers as bits 1 << index(Layer).
@@ -58,7 +57,7 @@ struct PanoramaPose {
   std::string viewpoint;      ///< id
   Mat3d world_from_panorama;  ///< a rotation
   Vec3d position;             ///< metres, world frame
-  bool included = true;       ///< part of the navigation graph; others may have no pictures
+  bool included = true;       ///< part of the navigation graph; if not, it may have no pictures
 };
 
 /// The panoramas of one scan. Implementations: MatterportImages (files as downloaded), Store (one
@@ -87,7 +86,8 @@ class PanoramaSource {
   /// \throws FileError, InvalidInput
   virtual FaceSizes face_sizes(ViewpointIndex viewpoint) const = 0;
 
-  /// True if one face costs as much as all six (a strip): callers then ask for all at once.
+  /// True if reading one face takes as long as reading all six, as from a strip: callers then ask
+  /// for all at once.
   virtual bool reads_whole_panoramas() const noexcept { return false; }
 
   /// Decodes the faces in `wanted` into buffers[index(face)], borders included; the others are not
@@ -105,15 +105,15 @@ class PanoramaSource {
     read(Layer::kInstance, viewpoint, wanted, buffers);
   }
 
-  /// The places where the layer of a panorama is looked for, to follow "no colour" in messages: "
-  /// in <origin>", or "; tried:" and the files, one a line, whether they exist or not.
+  /// The places where the layer of a panorama is looked for, as messages have it after "no
+  /// colour": " in <origin>", or "; tried:" and the files, one a line, whether they exist or not.
   virtual std::string tried(Layer layer, ViewpointIndex viewpoint) const;
-  /// What the read functions throw if the panorama lacks the layer: names scan, viewpoint, layer
-  /// and what was tried().
+  /// The error that the read functions throw if the panorama lacks the layer: names scan,
+  /// viewpoint, layer and tried().
   LookupError lacks(Layer layer, ViewpointIndex viewpoint) const;
 
-  /// The colour faces as JPEG, by index(CubeFace), if that takes no decoding and encoding; else no
-  /// value. \throws as read_colour()
+  /// The colour faces as JPEG files, by index(CubeFace). No value if the source would have to
+  /// encode them. \throws as read_colour()
   virtual std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
       ViewpointIndex viewpoint) const;
 
@@ -135,8 +135,8 @@ class PanoramaSource {
   std::unordered_map<std::string_view, ViewpointIndex> by_id_;
 };
 
-/// The poses in a connectivity file. \throws InvalidInput if a pose's 3 x 3 part is no rotation
-/// (to 1e-3, as files of 6 digits hold it), naming its JSON path.
+/// The poses in a connectivity file. \throws InvalidInput, naming the JSON path, if a pose's 3 x 3
+/// part is not a rotation. The tolerance is 1e-3, as files round numbers to 6 digits.
 std::vector<PanoramaPose> poses_of(const Connectivity& connectivity);
 
 /// A whole panorama in memory. Missing layers are empty pictures.
@@ -152,7 +152,7 @@ struct Panorama {
   void copy_to(Layer layer, FaceMask wanted, const FaceBuffers& buffers) const;
 };
 
-/// A panorama of all four layers, with size x size texels a face, all 0.
+/// A panorama with all four layers, size x size texels a face, all values 0.
 Panorama make_panorama(std::uint32_t size);
 
 /// Reads the layers in `layers` that the panorama has. \throws as the read functions
@@ -163,8 +163,9 @@ Panorama read_panorama(const PanoramaSource& source, ViewpointIndex viewpoint,
 class MemoryPanoramas final : public PanoramaSource {
  public:
   /// \param panoramas by ViewpointIndex, as connectivity.entries
-  /// \throws ArgumentError for other counts, faces that are not square and alike, wrong channels;
-  /// InvalidInput as poses_of()
+  /// \throws ArgumentError if there are more or fewer panoramas than entries, or if the faces of a
+  /// layer are not square, differ in size, or have other channels than Panorama says; InvalidInput
+  /// as poses_of()
   MemoryPanoramas(Connectivity connectivity, std::vector<Panorama> panoramas);
   Connectivity connectivity() const override { return connectivity_; }
   FaceSizes face_sizes(ViewpointIndex viewpoint) const override;

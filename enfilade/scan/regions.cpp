@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <charconv>
 #include <nlohmann/json.hpp>
 #include <ranges>
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/numbers.h"
 
 namespace enfilade::scan {
 namespace {
@@ -15,13 +15,6 @@ namespace {
 using json::Element;
 using json::Faults;
 using json::Path;
-
-std::optional<std::uint32_t> region_index(std::string_view key) {
-  std::uint32_t value = 0;
-  const auto [end, code] = std::from_chars(key.data(), key.data() + key.size(), value);
-  if (code != std::errc() || end != key.data() + key.size()) return std::nullopt;
-  return value;
-}
 
 using Viewpoints = std::unordered_map<std::string, std::uint32_t>;
 
@@ -62,7 +55,7 @@ RegionMap RegionMap::parse(std::string_view text, const std::string& file) {
     Viewpoints& viewpoints = map.scans_[std::string(scan.key)];
     for (const auto region : *regions) {
       const Path path(scan_path, region.key);
-      const auto index = region_index(region.key);
+      const auto index = parse_number<std::uint32_t>(region.key);
       if (!index) {
         faults.error(path, "bad-region",
                      fmt::format("region {:?}, not a whole number from 0 on", region.key));

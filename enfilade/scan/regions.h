@@ -1,5 +1,6 @@
 /// \file  Regions (rooms) of viewpoints.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>

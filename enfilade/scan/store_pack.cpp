@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/image/cube_border.h"
@@ -210,9 +211,8 @@ image::CubeMap<std::uint8_t> decoded(const Jpegs& jpegs, const PanoramaSource& s
     const std::string where = fmt::format("viewpoint {:?}, colour, face {}", viewpoint, k);
     faces[k] = image::decode_jpeg(jpegs[k], source.origin() + ": " + where);
     if (faces[k].width == size && faces[k].height == size) continue;
-    throw InvalidInput({{Severity::kError, source.origin(), where, "wrong-size",
-                         fmt::format("{} x {} pixels, not {} x {}", faces[k].width, faces[k].height,
-                                     size, size)}});
+    refuse(source.origin(), where, "wrong-size",
+           fmt::format("{} x {} pixels, not {} x {}", faces[k].width, faces[k].height, size, size));
   }
   return faces;
 }

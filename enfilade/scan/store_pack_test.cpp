@@ -1,10 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <chrono>
-#include <fstream>
+#include <csignal>
 #include <functional>
 #include <thread>
 

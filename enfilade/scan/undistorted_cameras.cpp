@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/geometry/mat.h"
 
 namespace enfilade::scan {
@@ -32,17 +33,6 @@ std::string shown(std::string_view value) {
   constexpr std::size_t kLongest = 40;
   if (value.size() <= kLongest) return fmt::format("{:?}", value);
   return fmt::format("{:?}...", value.substr(0, kLongest));
-}
-
-template <class T>
-std::optional<T> number(std::string_view word) {
-  T value{};
-  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (code != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  if constexpr (std::is_floating_point_v<T>) {
-    if (!std::isfinite(value)) return std::nullopt;
-  }
-  return value;
 }
 
 /// A file with so many faults is of another kind; more would only take memory.
@@ -115,7 +105,7 @@ class Parser {
 
   void read_count(const Words& words) {
     if (!has_fields(words, 1)) return;
-    expected_ = number<std::uint64_t>(words[1]);
+    expected_ = parse_number<std::uint64_t>(words[1]);
     if (!expected_) {
       fault("bad-number",
             fmt::format("n_images {}, not a whole number from 0 on", shown(words[1])));
@@ -124,8 +114,8 @@ class Parser {
 
   bool read_numbers(const Words& words, std::size_t first, std::span<double> values) {
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const auto value = number<double>(words[first + i]);
-      if (!value) {
+      const auto value = parse_number<double>(words[first + i]);
+      if (!value || !std::isfinite(*value)) {
         fault("bad-number",
               fmt::format("field {}: {}, not a number", first + i, shown(words[first + i])));
         return false;

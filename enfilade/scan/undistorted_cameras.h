@@ -1,7 +1,5 @@
 /// \file  Reader of `undistorted_camera_parameters/<scan>.conf`.
 #pragma once
-#include <array>
-#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <system_error>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/half.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/features/formats/stored_arrays.h"
 
 namespace enfilade::features::formats {
@@ -67,12 +66,11 @@ void read_metadata(const std::map<std::string, std::string>& metadata, const std
 }
 
 double parse_number(std::string_view text, const std::string& file, const std::string& where) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
+  const auto value = enfilade::parse_number<double>(text);
+  if (!value) {
     refuse(file, where, "bad-number", fmt::format("{:?}, not a number", text.substr(0, 40)));
   }
-  return value;
+  return *value;
 }
 
 Camera make_camera(double width, double height, double degrees_high, const std::string& file,

@@ -11,7 +11,8 @@ namespace {
 
 constexpr float kUnknown = -std::numeric_limits<float>::infinity();
 
-// Where a horizontal line of middles runs through a triangle, seen from above.
+// The x between which a line of constant y is inside a triangle, seen from above. None if
+// from > to.
 struct Crossing {
   double from = std::numeric_limits<double>::infinity(), to = -from;
 };
@@ -29,6 +30,7 @@ Crossing cross(const std::array<Vec3d, 3>& t, double y) {
   return c;
 }
 
+// Finds the highest surface at the middle of each cell, triangle by triangle.
 class Sweep {
  public:
   Sweep(const Lattice& lattice, double step, const Cells& floor)
@@ -38,7 +40,7 @@ class Sweep {
     const double ux = t[1].x - t[0].x, uy = t[1].y - t[0].y;
     const double vx = t[2].x - t[0].x, vy = t[2].y - t[0].y;
     const double area = ux * vy - uy * vx;
-    if (std::abs(area) < 1e-12) return;  // upright, or nothing
+    if (std::abs(area) < 1e-12) return;  // vertical, or a line or point
     const double uz = t[1].z - t[0].z, vz = t[2].z - t[0].z;
     const double dx = (uz * vy - vz * uy) / area, dy = (vz * ux - uz * vx) / area;
     const auto [south, north] = std::minmax({t[0].y, t[1].y, t[2].y});
@@ -60,7 +62,7 @@ class Sweep {
 
  private:
   double middle(double low, int i) const { return low + (i + 0.5) * lattice_.cell; }
-  // 1e-6 is added so that middles on a shared edge are in one triangle at least.
+  // Triangles are widened by 1e-6 cells, so that a middle on a shared edge is in at least one.
   int first_place(double from, double low) const {
     return std::max(0, static_cast<int>(std::ceil((from - low) / lattice_.cell - 0.5 - 1e-6)));
   }
@@ -69,10 +71,11 @@ class Sweep {
                     static_cast<int>(std::floor((to - low) / lattice_.cell - 0.5 + 1e-6)));
   }
 
+  // A surface at height z at a column's middle, which counts for the cells that are close above it.
   void meet(int column, double z) {
     const auto at = static_cast<std::size_t>(column);
     for (std::size_t c = floor_.first_in_column[at]; c < floor_.first_in_column[at + 1]; ++c) {
-      const double above = floor_.cells[c].position.z - z;
+      const double above = floor_.cells[c].position.z - z;  // of the cell, metres
       if (above < -lattice_.level || above > step_ + lattice_.level) continue;
       heights_[c] = std::max(heights_[c], static_cast<float>(z));
     }

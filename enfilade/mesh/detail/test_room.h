@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "enfilade/mesh/detail/vector.h"
-#include "enfilade/mesh/lighting.h"
 #include "enfilade/mesh/mesh.h"
 
 namespace enfilade::mesh::detail {

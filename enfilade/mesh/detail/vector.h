@@ -1,7 +1,5 @@
 /// \file  Arithmetic with directions and colours.
 #pragma once
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "enfilade/geometry/vec.h"

@@ -6,6 +6,7 @@
 #include <limits>
 #include <system_error>
 #include <type_traits>
+#include <utility>
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/mesh/readers/text.h"
@@ -18,7 +19,7 @@ using tinygltf::Model;
 template <class T>
 T value_at(const char* at) {
   T value;
-  std::memcpy(&value, at, sizeof(T));  // as machines of today: little-endian, like the format
+  std::memcpy(&value, at, sizeof(T));  // both the format and the machine are little-endian
   return value;
 }
 std::uint32_t word_at(std::string_view bytes, std::size_t at) {
@@ -49,7 +50,8 @@ std::string_view json_chunk(std::string_view glb, const std::string& file) {
   return json;
 }
 
-/// Extensions that are read, and those that only change looks.
+/// Whether a file may require an extension: it is read here, or can be ignored because no geometry
+/// depends on it.
 bool is_known(std::string_view extension) {
   constexpr std::array<std::string_view, 18> kKnown{"KHR_texture_transform",
                                                     "KHR_mesh_quantization",
@@ -72,8 +74,8 @@ bool is_known(std::string_view extension) {
   return std::ranges::find(kKnown, extension) != kKnown.end();
 }
 
-/// Checks version and extensions before anything else. Also keeps JSON that is nested without end
-/// from tinygltf, which recurses.
+/// Checks the version and the required extensions. To be called before tinygltf, whose parser
+/// recurses: simdjson refuses JSON that is nested too deeply.
 void check_json(std::string_view text, const std::string& file) {
   const json::Document document = json::Document::parse(text, file);
   json::Faults faults(file);
@@ -106,13 +108,14 @@ void check_json(std::string_view text, const std::string& file) {
   faults.throw_if_errors();
 }
 
-/// What the file callbacks of tinygltf need.
+/// The user data of tinygltf's file callbacks.
 struct Files {
   const Source& source;
-  std::optional<std::string> missing;  ///< why the last one could not be read
+  std::optional<std::string> missing;  ///< message of the last file that could not be read
 };
 
-/// tinygltf looks in its folder, which is "" here, then in "./": only the first is wanted.
+/// tinygltf looks for a file in its base folder, which is "" here, then in "./". Both are the
+/// source's folder, so that the second is not searched.
 bool file_exists(const std::string& path, void* user) {
   const Files& files = *static_cast<Files*>(user);
   std::error_code code;
@@ -137,8 +140,8 @@ bool write_nothing(std::string*, const std::string&, const std::vector<unsigned 
   return false;
 }
 
-/// Keeps images encoded: they are decoded later. Those in buffers are looked up there, as tinygltf
-/// has not checked that they lie inside.
+/// Keeps images encoded; read_gltf_materials() decodes those that are used. Images in buffers are
+/// not copied here, as tinygltf does not check that they lie inside the buffer; view_bytes() does.
 bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, int,
                 const unsigned char* bytes, int size, void*) {
   if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
@@ -150,7 +153,7 @@ double number_at(const char* at) {
   return static_cast<double>(value_at<T>(at));
 }
 
-/// A type of numbers in buffers.
+/// A number type of accessors.
 struct ComponentType {
   int code;
   std::size_t bytes;
@@ -274,7 +277,7 @@ class AccessorReader {
 
 Model load_gltf(const Source& source) {
   if (source.bytes.size() > std::numeric_limits<std::uint32_t>::max()) {
-    refuse(source.name, "", "bad-container", "more than 4 GB, which glTF does not have");
+    refuse(source.name, "", "bad-container", "more than 4 GiB, the most that a glTF file can have");
   }
   const bool binary = source.bytes.starts_with("glTF");
   check_json(binary ? json_chunk(source.bytes, source.name) : source.bytes, source.name);
@@ -294,7 +297,7 @@ Model load_gltf(const Source& source) {
                                                "");
   } catch (const std::bad_alloc&) {
     throw;
-  } catch (const std::exception& e) {  // of its JSON library, for values of another type
+  } catch (const std::exception& e) {  // its JSON library throws for values of a wrong type
     error = e.what();
   }
   if (files.missing && !read) throw FileError(*files.missing);

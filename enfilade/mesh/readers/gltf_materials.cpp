@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "enfilade/mesh/detail/textures.h"
 #include "enfilade/mesh/readers/gltf.h"

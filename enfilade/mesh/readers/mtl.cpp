@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "enfilade/mesh/readers/reader.h"
 #include "enfilade/mesh/readers/text.h"

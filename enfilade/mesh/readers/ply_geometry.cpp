@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "enfilade/image/tone.h"
 #include "enfilade/mesh/readers/ply.h"

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <ranges>
+#include <utility>
 
 #include "enfilade/mesh/readers/gltf.h"
 
@@ -133,7 +135,7 @@ class SceneReader {
   void read_nodes() {
     std::vector<Visit> open;
     const auto push = [&](const std::vector<int>& nodes, const Affine& parent) {
-      for (auto n = nodes.rbegin(); n != nodes.rend(); ++n) open.push_back({*n, parent});
+      for (const int node : std::views::reverse(nodes)) open.push_back({node, parent});
     };
     push(roots(), {});
     std::vector<bool> seen(model_.nodes.size());

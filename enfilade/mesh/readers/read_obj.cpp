@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <unordered_map>
+#include <utility>
 
 #include "enfilade/image/tone.h"
 #include "enfilade/mesh/readers/reader.h"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <system_error>
+#include <utility>
 
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"

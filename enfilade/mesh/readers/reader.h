@@ -1,7 +1,6 @@
 /// \file  Shared by the readers of mesh formats: sources, textures, assembly of triangles.
 #pragma once
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>

@@ -1,27 +1,20 @@
 #include "enfilade/mesh/readers/text.h"
 
 #include <fmt/format.h>
-#include <charconv>
 #include <cmath>
+#include <utility>
+
+#include "enfilade/core/numbers.h"
 
 namespace enfilade::mesh::readers {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\v\f";
 
-/// std::from_chars takes no plus sign, which other programs write.
+/// parse_number() takes no plus sign, which other programs write.
 std::string_view without_plus(std::string_view word) {
   const bool plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
   return plus ? word.substr(1) : word;
-}
-
-template <class T>
-std::optional<T> parse(std::string_view word) {
-  word = without_plus(word);
-  T value{};
-  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (code != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
 }
 
 }  // namespace
@@ -65,11 +58,13 @@ std::vector<std::string_view> words(std::string_view line) {
 }
 
 std::optional<double> to_number(std::string_view word) {
-  const auto value = parse<double>(word);
+  const auto value = parse_number<double>(without_plus(word));
   return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-std::optional<std::int64_t> to_integer(std::string_view word) { return parse<std::int64_t>(word); }
+std::optional<std::int64_t> to_integer(std::string_view word) {
+  return parse_number<std::int64_t>(without_plus(word));
+}
 
 std::string in_quotes(std::string_view word) {
   constexpr std::size_t kMost = 40;

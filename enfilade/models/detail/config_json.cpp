@@ -6,7 +6,6 @@
 #include <map>
 #include <optional>
 #include <type_traits>
-#include <utility>
 
 namespace enfilade::models::detail {
 namespace {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <array>
 #include <bit>
+#include <cstddef>
+#include <string>
 
 namespace enfilade::models::detail {
 namespace {

@@ -8,7 +8,7 @@
 namespace enfilade::neural::detail {
 
 EpisodeOrder::EpisodeOrder(std::size_t episodes, std::size_t batch_size, std::uint64_t seed)
-    : seed_(seed), pass_(0), order_(episodes), batch_(batch_size) {
+    : seed_(seed), order_(episodes), batch_(batch_size) {
   EN_CHECK(episodes > 0);
   EN_CHECK(batch_size > 0);
   shuffle(0);

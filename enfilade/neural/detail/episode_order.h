@@ -21,7 +21,7 @@ class EpisodeOrder {
   void shuffle(std::uint64_t pass);
 
   std::uint64_t seed_;
-  std::uint64_t pass_;  // that order_ is of
+  std::uint64_t pass_ = 0;  // that order_ is of
   std::vector<std::size_t> order_, batch_;
 };
 

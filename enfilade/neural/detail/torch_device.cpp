@@ -3,11 +3,10 @@
 #include <ATen/ATen.h>
 #include <fmt/format.h>
 #include <algorithm>
-#include <charconv>
-#include <cstdint>
 #include <string_view>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/numbers.h"
 
 namespace enfilade::neural::detail {
 namespace {
@@ -17,14 +16,9 @@ constexpr std::string_view kCuda = "cuda";
 c10::Device parse_device(const std::string& name) {
   if (name == "cpu") return c10::kCPU;
   if (name == kCuda) return {c10::kCUDA, 0};
-  std::string_view number = name;
-  if (number.starts_with("cuda:")) {
-    number.remove_prefix(kCuda.size() + 1);
-    std::int8_t card = 0;  // c10::DeviceIndex
-    const auto [stop, code] = std::from_chars(number.data(), number.data() + number.size(), card);
-    if (code == std::errc() && stop == number.data() + number.size() && card >= 0) {
-      return {c10::kCUDA, card};
-    }
+  if (name.starts_with("cuda:")) {
+    const auto card = parse_number<c10::DeviceIndex>(name.substr(kCuda.size() + 1));
+    if (card && *card >= 0) return {c10::kCUDA, *card};
   }
   throw ArgumentError(
       fmt::format("device {:?}: \"cpu\", \"cuda\", or \"cuda:N\" for card N is allowed", name));

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <charconv>
+#include <iterator>
 #include <string_view>
+#include <system_error>
+#include <utility>
 
 #include "enfilade/core/errors.h"
 

@@ -4,6 +4,7 @@
 #include <c10/core/GradMode.h>
 #include <fmt/format.h>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -14,7 +15,7 @@ namespace {
 
 constexpr double kWhite = 255;
 
-// Reverses the columns of the flagged pictures.
+// Mirrors the flagged pictures: reverses their columns.
 void mirror(const at::Tensor& flags, at::Tensor& values) {
   values = at::where(flags.view({-1, 1, 1, 1}), values.flip(3), values);
 }
@@ -31,7 +32,7 @@ LabelledPictures select(const LabelledPictures& from, const std::vector<std::int
 }  // namespace
 
 HomeWords words_of(const LabelledPictures& pictures) {
-  // Of all pixels. Rarer classes cannot be learnt from so few pictures.
+  // Share of all pixels. Rarer classes cannot be learnt from so few pictures.
   constexpr double kLeastShare = 2e-4;
   const at::Tensor counts = pictures.classes.sum({0, 2, 3}, false, at::kLong);
   const double total = counts.sum().item<double>();
@@ -45,7 +46,7 @@ HomeWords words_of(const LabelledPictures& pictures) {
     letters.insert(static_cast<char>(rooms[i]));
   }
   letters.erase('-');
-  if (letters.empty()) letters.insert('-');  // one room, which is always right
+  if (letters.empty()) letters.insert('-');  // no room has a label: all are of this one kind
   words.rooms.assign(letters.begin(), letters.end());
   return words;
 }
@@ -74,7 +75,7 @@ HomeTraining::HomeTraining(const HomeWords& words, const LabelledPictures& pictu
     : device_(device), rng_(seed) {
   for (const HomeLayer& l : kHomeLayers) {
     TrunkLayer layer;
-    // Channels last in memory, as the input: a seventh faster than channels first.
+    // Channels last in memory, as in the input: a seventh faster than channels first.
     layer.weight = parameter(
         he_normal({l.out, l.in, l.size, l.size}, rng_).contiguous(at::MemoryFormat::ChannelsLast));
     layer.scale = parameter(at::ones({l.out}));
@@ -86,8 +87,8 @@ HomeTraining::HomeTraining(const HomeWords& words, const LabelledPictures& pictu
   classes_ = make_head({std::ssize(words.classes), kHomeChannels, 1, 1});
   distances_ = make_head({1, kHomeChannels, 1, 1});
   rooms_ = make_head({std::ssize(words.rooms), kHomeChannels});
-  // Walls cover a third of all pixels, lamps a hundredth. The root is a compromise between equal
-  // weights of pixels and equal weights of classes.
+  // Walls cover a third of all pixels, lamps a hundredth. A weight of 1 / sqrt(share) is between
+  // equal weights of all pixels (1) and equal weights of all classes (1 / share).
   constexpr double kRarest = 1e-3;
   const at::Tensor counts = pictures.classes.sum({0, 2, 3}, false, at::kLong).to(at::kFloat);
   class_weights_ = (counts / counts.sum()).clamp_min(kRarest).rsqrt().view({-1, 1, 1}).to(device);
@@ -101,7 +102,7 @@ at::Tensor HomeTraining::parameter(at::Tensor values) {
 }
 
 HomeTraining::Head HomeTraining::make_head(const std::vector<std::int64_t>& shape) {
-  constexpr double kSmall = 0.01;  // all answers about equally likely at first
+  constexpr double kSmall = 0.01;  // at first all answers are about equally likely
   return {parameter(normal(shape, kSmall, rng_)), parameter(at::zeros({shape[0]}))};
 }
 
@@ -131,7 +132,7 @@ at::Tensor HomeTraining::loss_of(const HomeOutputs& outputs, const LabelledPictu
   const at::Tensor named = truth.rooms.ge(0);
   const at::Tensor chosen = likely.gather(1, truth.rooms.clamp_min(0).unsqueeze(1)).squeeze(1);
   const at::Tensor rooms = -(chosen * named).sum() / named.sum().to(at::kFloat).clamp_min(1);
-  // Few viewpoints have rooms: a small weight avoids overfitting to them.
+  // Few viewpoints have a room's label: a small weight avoids overfitting to them.
   constexpr double kDistances = 0.5, kRooms = 0.3;
   return classes + kDistances * distances + kRooms * rooms;
 }
@@ -164,7 +165,7 @@ double HomeTraining::step(const LabelledPictures& pictures, const std::vector<st
   return loss.item<double>();
 }
 
-// Kingma and Ba 2015, with decoupled weight decay (Loshchilov and Hutter 2019).
+// Adam (Kingma and Ba 2015) with decoupled weight decay (Loshchilov and Hutter 2019).
 void HomeTraining::adam(double learning_rate) {
   constexpr double kFirst = 0.9, kSecond = 0.999, kEpsilon = 1e-8, kDecay = 1e-2;
   const c10::NoGradGuard no_gradients;

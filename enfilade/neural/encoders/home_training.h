@@ -10,20 +10,21 @@
 
 namespace enfilade::neural::encoders {
 
-/// The classes and rooms that are frequent enough in the pictures to be learnt.
+/// The classes that cover enough of the pictures to be learnt, and the rooms that occur in them.
 HomeWords words_of(const LabelledPictures& pictures);
 
-/// Converts labels to indices of words: classes (n, c, rows, columns) uint8, rooms (n), -1:
-/// unknown.
+/// Converts labels to indices into `words`: classes become (n, c, rows, columns) uint8, rooms (n),
+/// where -1 is a room that is not in `words`.
 void number_labels(const HomeWords& words, LabelledPictures& pictures);
 
 /// Converts uint8 (n, height, width, 3) to the input of HomeNetwork.
 at::Tensor as_input(const at::Tensor& colours);
 
-/// Parameters with gradients; each convolution of the trunk has a batch normalisation.
+/// The network while it is trained: parameters with gradients, and a batch normalisation after each
+/// convolution of the trunk.
 class HomeTraining {
  public:
-  /// \param pictures numbered; their frequencies of classes weight the loss
+  /// \param pictures with numbered labels; how often each class occurs in them weights the loss
   HomeTraining(const HomeWords& words, const LabelledPictures& pictures, std::uint64_t seed,
                c10::Device device);
 
@@ -31,9 +32,10 @@ class HomeTraining {
   double step(const LabelledPictures& pictures, const std::vector<std::int64_t>& which,
               double learning_rate);
 
-  /// The current network with normalisations folded in. The caller adds the arrays "features.*".
+  /// The current weights, the normalisations folded into the convolutions. The caller adds the
+  /// arrays "features.*".
   Weights folded() const;
-  std::size_t parameters() const;
+  std::size_t parameters() const;  ///< how many numbers are trained
 
  private:
   struct TrunkLayer {

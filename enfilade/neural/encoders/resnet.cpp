@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "enfilade/core/check.h"
-#include "enfilade/core/errors.h"
 #include "enfilade/neural/detail/torch_device.h"
 #include "enfilade/neural/encoders/convolution.h"
 #include "enfilade/neural/encoders/encoder_input.h"

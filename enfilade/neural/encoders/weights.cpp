@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 #include <xxhash.h>
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <utility>
 

@@ -1,5 +1,7 @@
 #include "enfilade/neural/seq2seq/action_decoder.h"
 
+#include <algorithm>
+
 namespace enfilade::neural::seq2seq {
 namespace {
 

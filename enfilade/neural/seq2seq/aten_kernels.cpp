@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "enfilade/neural/seq2seq/kernels.h"

@@ -1,6 +1,7 @@
 /// \file  Memory that is reused from one rollout to the next.
 #pragma once
 #include <ATen/ATen.h>
+#include <cstdint>
 
 namespace enfilade::neural::seq2seq {
 

@@ -1,5 +1,6 @@
 #include "enfilade/neural/seq2seq/parameters.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -32,10 +32,11 @@ enum class Weight : std::uint8_t {
 inline constexpr std::size_t kWeights = 16;
 
 struct WeightInfo {
-  const char* name = nullptr;  ///< in the released code
+  const char* name = nullptr;  ///< of this weight in the released code
   std::vector<std::int64_t> shape;
-  std::int64_t inputs = 0;  ///< initialised uniformly up to 1/sqrt(inputs); 0: normally
-  std::int64_t begin = 0;   ///< in the flat arrays
+  /// Initial values are uniform within 1/sqrt(inputs) of 0; if this is 0, normal.
+  std::int64_t inputs = 0;
+  std::int64_t begin = 0;  ///< index in the flat arrays
   std::int64_t elements = 0;
 };
 std::array<WeightInfo, kWeights> weight_infos(const models::NetworkConfig& config);
@@ -45,9 +46,10 @@ class Parameters {
  public:
   Parameters(const models::NetworkConfig& config, const at::TensorOptions& options);
 
-  /// Random numbers by `seed`, with PyTorch's distributions: embeddings normal (row 0 of
-  /// the words, PAD, is zero), LSTM uniform up to 1/sqrt(hidden), linear uniform up to
-  /// 1/sqrt(inputs). The same on every device. Gradients and moments become 0.
+  /// Sets the weights to random numbers that follow from `seed`, the same on every device, with
+  /// PyTorch's distributions: embeddings are normal (row 0 of the words, PAD, is zero), LSTM
+  /// weights uniform within 1/sqrt(hidden) of 0, linear weights within 1/sqrt(inputs). Gradients
+  /// and moments become 0.
   void initialise(std::uint64_t seed);
 
   const std::array<WeightInfo, kWeights>& infos() const noexcept { return infos_; }

@@ -6,7 +6,6 @@
 /// compressed by zstd as one frame. Source of (1) to (3): what PNG's filters and Blosc's shuffle
 /// do. The choices and figures: docs/design/store.md.
 #pragma once
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

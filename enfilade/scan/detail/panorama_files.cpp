@@ -15,10 +15,12 @@ namespace {
 using image::bytes_of;
 using image::Shape;
 
-/// Larger than the header of any picture without an embedded thumbnail or colour profile.
+/// What is read of a file for its shape, bytes. Larger than the header of any picture without an
+/// embedded thumbnail or colour profile.
 constexpr std::size_t kHeaderBytes = std::size_t{16} << 10;
 
-/// The shape of a picture and its file's path, from the start of the file if possible.
+/// The shape of a picture and its file's path, from the start of the file if that suffices; empty
+/// if there is no such file.
 template <class ShapeOf>
 std::pair<Shape, std::string> shape_of_file(const KindOfFiles& files, const std::string& name,
                                             const ShapeOf& shape_of) {
@@ -26,7 +28,7 @@ std::pair<Shape, std::string> shape_of_file(const KindOfFiles& files, const std:
   if (!file) return {};
   try {
     return {shape_of(bytes_of(file->bytes), file->path), file->path};
-  } catch (const InvalidInput&) {  // a longer header, or a broken one, which the whole file tells
+  } catch (const InvalidInput&) {  // a longer header or a broken file: read all
     file = files.read(name);
     if (!file) return {};
     return {shape_of(bytes_of(file->bytes), file->path), file->path};
@@ -62,7 +64,7 @@ class FaceCheck {
   std::string first_;
 };
 
-/// Checks channels and bits of a strip of a layer that is no colour.
+/// Checks the channels and bits of a strip of depth, classes or instances.
 void check_grey(Layer layer, const Shape& shape, const std::string& file) {
   const bool grey = shape.channels == 1;
   if (layer == Layer::kDepth && !(grey && shape.bits == 16)) {
@@ -75,8 +77,7 @@ void check_grey(Layer layer, const Shape& shape, const std::string& file) {
   }
   if (layer == Layer::kInstance && !grey && !(shape.channels == 4 && shape.bits == 8)) {
     refuse(file, "", "bad-colours",
-           fmt::format("{} channels of {} bits, neither greyscale nor RGBA of "
-                       "8 bits",
+           fmt::format("{} channels of {} bits, neither greyscale nor RGBA of 8 bits",
                        shape.channels, shape.bits));
   }
 }
@@ -130,8 +131,7 @@ bool SkyboxFiles::has_faces(const std::string& viewpoint) const {
   }
   if (found != 0 && found != kCubeFaces) {
     throw FileError(
-        fmt::format("{}: no such file, though {} of the panorama's 6 faces are there; "
-                    "tried:{}",
+        fmt::format("{}: no such file, though {} of the panorama's 6 faces are there; tried:{}",
                     missing, found, files_.tried(missing)));
   }
   return found != 0;

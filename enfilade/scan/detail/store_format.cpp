@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <set>
-#include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/scan/store.h"

@@ -1,7 +1,6 @@
 #include "enfilade/scan/detail/store_writer.h"
 
 #include <cstring>
-#include <utility>
 
 #include "enfilade/core/mapped_file.h"
 #include "enfilade/scan/store.h"

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/check.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/service/detail/refusal.h"
 
 namespace enfilade::service::http {
@@ -50,14 +50,6 @@ constexpr std::array<Answer, 9> kRefusals{{{422, "invalid-input"},
                                            {429, "rate-limited"}}};
 static_assert(kRefusals.size() == static_cast<std::size_t>(Reason::kRateLimited) + 1);
 
-/// The whole number that `text` is; none if it is anything else, or out of range.
-std::optional<std::int64_t> parse_number(std::string_view text) {
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 Response respond(const Answer& answer, std::string_view message,
                  const std::vector<Diagnostic>& diagnostics) {
   ordered_json error{{"code", answer.code}, {"message", message}};
@@ -94,7 +86,7 @@ const std::string& Request::parameter(std::string_view name) const {
 }
 
 std::int64_t Request::id(std::string_view name, const char* missing) const {
-  const auto value = parse_number(parameter(name));
+  const auto value = parse_number<std::int64_t>(parameter(name));
   if (!value) throw HttpError(404, missing);
   return *value;
 }
@@ -109,7 +101,7 @@ std::int64_t Request::number(std::string_view name, std::int64_t otherwise, std:
   const auto found = query.find(name);
   if (found == query.end()) return otherwise;
   const std::string& text = found->second;
-  const auto value = parse_number(text);
+  const auto value = parse_number<std::int64_t>(text);
   if (!value || *value < least || *value > most) {
     throw HttpError(400, fmt::format("{}: {:?}, not a whole number from {} to {}", name,
                                      text.substr(0, 40), least, most));
