@@ -8,7 +8,7 @@
 namespace enfilade {
 
 /// 3 x 3 matrix, row-major. Variables name both frames: `world_from_panorama * v` converts v from
-/// the panorama frame to the world frame. A plain value.
+/// the panorama frame to the world frame. The default is the identity.
 struct Mat3d {
   std::array<double, 9> m{1, 0, 0, 0, 1, 0, 0, 0, 1};
 
@@ -34,8 +34,8 @@ constexpr Mat3d transpose(const Mat3d& a) {
   return {{a.m[0], a.m[3], a.m[6], a.m[1], a.m[4], a.m[7], a.m[2], a.m[5], a.m[8]}};
 }
 
-/// A pose as files have it: a 4 x 4 matrix, row-major, of a rotation, a position in the last column
-/// and the last row 0 0 0 1.
+/// A pose as files have it: a 4 x 4 matrix, row-major, with the rotation, the position (metres) in
+/// the last column and 0 0 0 1 in the last row. Both arguments convert between the same two frames.
 constexpr std::array<double, 16> pose_matrix(const Mat3d& r, Vec3d p) {
   return {r.m[0], r.m[1], r.m[2], p.x, r.m[3], r.m[4], r.m[5], p.y,
           r.m[6], r.m[7], r.m[8], p.z, 0,      0,      0,      1};
@@ -45,8 +45,8 @@ constexpr Mat3d rotation_of(const std::array<double, 16>& pose) {
   return {{pose[0], pose[1], pose[2], pose[4], pose[5], pose[6], pose[8], pose[9], pose[10]}};
 }
 
-/// Largest deviation of R^T R from the identity that counts as a rotation. Poses in files have six
-/// digits, which gives errors of 1e-6; scaled or sheared frames are far above this limit.
+/// Largest deviation of an element of R^T R from the identity's, in a rotation. Poses in files have
+/// six digits, which gives errors of 1e-6; scaled or sheared frames are far above this limit.
 inline constexpr double kRotationTolerance = 1e-3;
 
 /// True if the matrix is orthonormal to kRotationTolerance and right-handed; false if a number is

@@ -1,11 +1,13 @@
 #include "enfilade/homes/built_home.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
 #include <utility>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/graph/build.h"
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/mesh/walkable.h"
@@ -126,6 +128,12 @@ HomeEntry completed(HomeEntry home, const std::filesystem::path& folder) {
   if (!home.lines.storeys.empty()) return home;
   const auto graph = scan::load_connectivity(folder / "connectivity", home.scan);
   HomeEntry found = describe(make_home(home.plan, Surfaces::kPlain), home.plan, graph);
+  if (found.triangles != home.triangles) {
+    throw FileError(fmt::format(
+        "{}: {} has {} triangles, but this version of Enfilade makes it of {}, so its lines would "
+        "not fit; use the version that made the folder, or make the homes anew in another",
+        (folder / "homes.json").string(), home.scan, home.triangles, found.triangles));
+  }
   found.corrections = std::move(home.corrections);
   return found;
 }

@@ -1,7 +1,7 @@
 /// \file  Model homes: made-up, furnished buildings with the truth about everything in them.
 #pragma once
+#include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>

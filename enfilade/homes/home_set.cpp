@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <charconv>
 #include <functional>
 #include <map>
 #include <memory>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -29,13 +31,15 @@ using sets::HomeList;
 
 constexpr std::string_view kMarker = "# Model homes: a SYNTHETIC data set made by Enfilade\n";
 constexpr std::size_t kMostHomes = 10000;
-// Changes whenever the same options give other pictures.
+// Raised when a change of the program makes other pictures from the same options.
 constexpr int kGeneration = 2;
-// Shares of a home's work, for progress: building and graph, light, pictures.
+// Progress of a home: the whole, when its mesh and graph are made, when its light is computed; its
+// pictures take the rest.
 constexpr std::size_t kUnits = 100, kBuilt = 8, kLit = 28;
-// Lists of one home each, of runs of shards, until a run of the whole set gathers them.
+// Folder of the lists that runs of shards write, one for each home, until a run of the whole set
+// adds them to its list.
 constexpr const char* kShards = "shards";
-// In an entry's place for a checksum: its graph is just being corrected anew.
+// Stands for an entry's checksum of corrections while its graph is being corrected again.
 constexpr const char* kUnfinished = "unfinished";
 
 void validate(const HomeSetOptions& o) {
@@ -58,12 +62,17 @@ void validate(const HomeSetOptions& o) {
 
 std::string scan_name(std::size_t home) { return fmt::format("home_{:04}", home + 1); }
 
-// The place of a home in the set. Refuses another name, at `where` of `file`.
+// The place of a home in a set of `homes`, from its name. Refuses a name that is none of the set's,
+// at `where` of `file`.
 std::size_t place_of(const std::string& scan, std::size_t homes, const fs::path& file,
                      const std::string& where) {
-  for (std::size_t i = 0; i < homes; ++i) {
-    if (scan_name(i) == scan) return i;
+  constexpr std::string_view kPrefix = "home_";
+  std::size_t number = 0;  // counted from 1
+  if (scan.starts_with(kPrefix)) {
+    std::from_chars(scan.data() + kPrefix.size(), scan.data() + scan.size(), number);
   }
+  // Compared as a whole: "home_1" and "home_0001b" have numbers too.
+  if (number >= 1 && number <= homes && scan == scan_name(number - 1)) return number - 1;
   refuse(file.string(), where, "unknown-scan",
          fmt::format("{:?} is none of the {} homes of this set: {} to {}", scan, homes,
                      scan_name(0), scan_name(homes - 1)));
@@ -75,8 +84,8 @@ bool has_stairs(const HomeSetOptions& options, std::size_t home) {
   return may && options.stairs_every > 0 && home % options.stairs_every == 1 % options.stairs_every;
 }
 
-// What is drawn for one home of a set depends on the set's seed and its number only, so that a
-// larger set begins with the homes of a smaller one.
+// The random numbers of a home depend on the set's seed and the home's place only, so that a larger
+// set begins with the homes of a smaller one.
 PlanOptions plan_of(const HomeSetOptions& options, std::size_t home) {
   Rng rng(options.seed, stream_of("home", 4), home);
   PlanOptions plan;
@@ -120,7 +129,8 @@ struct HomeCorrections {
 
 constexpr std::string_view kSuffix = "_corrections.json";
 
-// In the order of their names, so that the same fault is reported first everywhere.
+// The files of corrections in a folder, sorted by name, so that the same fault is reported first on
+// every machine.
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::error_code code;
   std::vector<fs::path> files;
@@ -136,7 +146,7 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   return files;
 }
 
-// All of a folder by the homes' places in the set; none for an empty path.
+// The corrections in a folder, by the homes' places in the set; none for an empty path.
 std::map<std::size_t, HomeCorrections> load_home_corrections(const fs::path& folder,
                                                              std::size_t homes) {
   std::map<std::size_t, HomeCorrections> all;
@@ -160,7 +170,7 @@ std::map<std::size_t, HomeCorrections> load_home_corrections(const fs::path& fol
 // Homes by their places in the set.
 using Homes = std::map<std::size_t, HomeEntry>;
 
-// Adds what a list of an earlier run has. \throws FileError if that was of another set
+// Adds the homes of a list that an earlier run wrote. \throws FileError if its options were others
 void add_list(const fs::path& file, const fs::path& folder, const HomeSetOptions& options,
               Homes& homes) {
   HomeList list = sets::parse_home_list(read_file(file), file.string());
@@ -176,10 +186,11 @@ void add_list(const fs::path& file, const fs::path& folder, const HomeSetOptions
   }
 }
 
-// Unless it has this content: demos make anew what is older than the list of its homes.
+// Leaves a file that has this content already as it is, with its time: `enfilade demo` makes again
+// what is older than the list of its homes.
 void write_changed(const fs::path& file, const std::string& content) {
-  std::error_code code;
-  if (fs::exists(file, code) && read_file(file) == content) return;
+  std::error_code code;  // ignored: the size of a missing file is 2^64 - 1, unlike any content's
+  if (fs::file_size(file, code) == content.size() && read_file(file) == content) return;
   write_file_atomically(file, content);
 }
 
@@ -189,7 +200,8 @@ void write_list(const fs::path& file, const HomeSetOptions& options, const Homes
   write_changed(file, sets::to_json(list));
 }
 
-// The homes of earlier runs with the same options, or none in a folder that is claimed.
+// The homes that earlier runs with the same options made. A folder without a list has none; it must
+// be new, empty or left by a killed run, and gets an empty list.
 Homes claim(const fs::path& folder, const HomeSetOptions& options) {
   Homes homes;
   std::error_code code;
@@ -212,18 +224,18 @@ Homes claim(const fs::path& folder, const HomeSetOptions& options) {
   }
   make_folder(folder);
   write_file_atomically(folder / "README.md", readme(options));
-  // Before any home: what a killed run leaves must not pass for that of other options.
+  // Before any home is made: the list says with which options a killed run made its files.
   write_list(list_file, options, homes);
   return homes;
 }
 
-// \param tell is told how many of kUnits are done
+// \param tell is called with how many of the home's kUnits are done
 void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivity,
                    const HomeSetOptions& options, const fs::path& folder,
                    const std::function<void(std::size_t units)>& tell) {
   mesh::BakeOptions bake;
   bake.threads = options.threads;
-  // A third of the time that the finest takes, and hard to tell from it in rooms.
+  // Takes a third of the time of the finest light; in rooms, the difference is hardly visible.
   bake.detail = 0.5F;
   bake.rays = 48;
   const auto lit = std::make_shared<mesh::LitMesh>(built.tracer, built.home.lights, bake);
@@ -253,7 +265,7 @@ std::vector<scan::ScanRegions> regions_of(const Homes& homes) {
   return scans;
 }
 
-// One run over the homes of a shard.
+// A run over the homes of a shard.
 class HomeWriter {
  public:
   HomeWriter(const fs::path& folder, const HomeSetOptions& options, const SetProgress& progress)
@@ -291,7 +303,8 @@ class HomeWriter {
     return corrections == nullptr ? "" : corrections->checksum;
   }
 
-  // Takes the shards' homes into the list, and what killed runs left half written away.
+  // Writes the shards' homes, which claim() has read, into the set's list. Removes the shards'
+  // lists and the unfinished files of killed runs.
   void gather() {
     if (!homes_.empty()) save_list();
     std::error_code code;
@@ -319,14 +332,15 @@ class HomeWriter {
     const scan::Connectivity corrected = write_graph(home, found);
     tell(kBuilt);
     if (options_.face_size > 0) {
-      // Of the graph as it was found: people correct it when they have seen the pictures.
+      // At the viewpoints before corrections: people correct the graph after seeing the pictures.
       take_pictures(built, found, options_, folder_, tell);
     }
     tell(kUnits);
     save(home, describe(built.home, plan, corrected), wanted(home));
   }
 
-  // Of the graph as it was found, as in make(). What is there is kept.
+  // Writes Matterport3D's files, at the viewpoints before corrections, as make() does. Finished
+  // files are kept.
   void write_parts(std::size_t home) const {
     const BuiltHome built = build(home, plan_of(options_, home), Surfaces::kTextured);
     const scan::Connectivity found = build_graph(built, scan_name(home), options_.threads);
@@ -366,7 +380,7 @@ class HomeWriter {
     }
   }
 
-  // With the corrections that there are.
+  // Writes the graph with the home's corrections, if it has any. \returns what was written
   scan::Connectivity write_graph(std::size_t home, scan::Connectivity graph) {
     if (const HomeCorrections* there = corrections_of(home)) {
       graph::Corrected corrected = apply(graph, there->corrections, there->file.string());
@@ -396,7 +410,7 @@ class HomeWriter {
     write_file_atomically(folder_ / "regions" / "region_to_panorama.json",
                           to_json(regions_of(homes_)));
     write_file_atomically(folder_ / "connectivity" / "scans.txt", scans);
-    write_list(folder_ / "homes.json", options_, homes_);  // last: it says what is done
+    write_list(folder_ / "homes.json", options_, homes_);  // last: its homes are complete
   }
 
   const fs::path& folder_;

@@ -37,7 +37,7 @@ struct HomeSetOptions {
   capture::ScanParts parts{.connectivity = false};
   std::uint32_t image_width = 1280;  ///< of undistorted images among them, pixels
   Shard shard;
-  int threads = 0;  ///< 0: all cores; never changes a byte
+  int threads = 0;  ///< 0: all cores; the files are the same for any number
 };
 
 /// Options by name. "small": 2 homes of a few viewpoints, for tests. "demo": 16 homes of 25 to 50
@@ -52,7 +52,8 @@ struct RoomEntry {
   char type = '-';  ///< Matterport3D's region letter
   std::string name;
   unsigned storey = 0;
-  Rect floor;                           ///< inner faces of its walls; world, metres
+  /// Inner faces of its walls; world, metres. Empty where the list has none, see completed().
+  Rect floor;
   double elevation = 0;                 ///< z of its floor; world, metres
   std::vector<std::string> viewpoints;  ///< ids of those in the room
 };
@@ -62,10 +63,11 @@ struct HomeEntry {
   std::string scan;  ///< "home_0001", ...
   PlanOptions plan;  ///< gives make_home() the same home again
   std::string kind;
-  std::size_t viewpoints = 0, edges = 0, triangles = 0;
-  std::vector<RoomEntry> rooms;  ///< in the plan's order: a room's index is its region
-  /// Walls, doors, windows, stairs and furniture of each storey of its graph, to the millimetre;
-  /// without z and texts. No storeys: not kept, see completed().
+  std::size_t viewpoints = 0, edges = 0;  ///< of its graph
+  std::size_t triangles = 0;              ///< of its mesh
+  std::vector<RoomEntry> rooms;           ///< in the plan's order: a room's index is its region
+  /// Walls, doors, windows, stairs and furniture of each storey of its graph; world, metres, to the
+  /// millimetre; z is 0, and there are no texts. No storeys: the list has none, see completed().
   draw::PlanUnderlay lines;
   std::string corrections;  ///< checksum of the corrections in its graph; empty: none
 };
@@ -97,9 +99,10 @@ HomeSetReport write_homes(const std::filesystem::path& folder, const HomeSetOpti
 /// The list of a folder. \throws FileError, InvalidInput
 std::vector<HomeEntry> read_home_list(const std::filesystem::path& folder);
 
-/// An entry of the folder's list with its lines and its rooms' floors. Lists that Enfilade wrote
-/// before it kept these lack them; then the home is made again, in less than a second. \throws as
-/// make_home(), scan::load_connectivity()
+/// An entry of the folder's list with its lines and its rooms' floors. Lists of earlier versions
+/// lack them; then the home is made again, in less than a second. \throws FileError if the home
+/// made now has another number of triangles than the list says: then this version makes another
+/// home, and its lines would not fit the graph; as make_home(), scan::load_connectivity()
 HomeEntry completed(HomeEntry home, const std::filesystem::path& folder);
 
 inline constexpr std::size_t kLeastHomes = 3;  ///< fewer cannot be split by building

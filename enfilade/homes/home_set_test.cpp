@@ -163,6 +163,10 @@ TEST(HomeSet, ListsHavePlansAndThoseOfEarlierVersionsAreCompleted) {
   const HomeEntry old = read_home_list(folder.path())[1];
   EXPECT_TRUE(old.lines.storeys.empty());
   EXPECT_EQ(old.rooms[0].floor.area(), 0);
+  HomeEntry another = old;
+  ++another.triangles;
+  EXPECT_THAT(tests::refusal<FileError>([&] { completed(another, folder.path()); }),
+              HasSubstr("home_0002 has " + std::to_string(another.triangles) + " triangles"));
   const HomeEntry again = completed(old, folder.path());
   EXPECT_EQ(again.rooms[0].floor.x0, made.rooms[0].floor.x0);
   EXPECT_EQ(again.lines.storeys[0].lines.size(), made.lines.storeys[0].lines.size());

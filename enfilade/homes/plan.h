@@ -1,5 +1,6 @@
 /// \file  The plan of a made-up building: storeys, rooms, walls, doors, windows, stairs.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>

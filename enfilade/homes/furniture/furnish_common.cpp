@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <span>
 
 #include "enfilade/geometry/angle.h"
 #include "enfilade/homes/furniture/furnish_recipes.h"
@@ -37,7 +37,7 @@ double away_from_doors(const Spot& spot) { return 0.25 * std::min(spot.door, 6.0
 
 void hang_lights(FurnishedRoom& room, Light kind) {
   const auto count = [](double length) {
-    return std::max(1, static_cast<int>(length / 4.3 + 0.5));
+    return std::max(1, static_cast<int>(std::lround(length / 4.3)));
   };
   const int nx = count(room.width()), ny = count(room.depth());
   const double each = room.area() / (nx * ny), tall = room.height() / 2.6;

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "enfilade/geometry/angle.h"
 #include "enfilade/homes/furniture/furnish_recipes.h"
@@ -111,8 +110,8 @@ namespace {
 /// Seats around a table before something to look at, in the frame of the wall that it stands at.
 struct Seating {
   const Shape *focal, *sofa, *table, *chair;
-  int chairs = 2;
-  double sofa_y = 0, table_y = 0;  ///< from the wall
+  int chairs = 0;
+  double table_y = 0;  ///< of its middle, metres from the wall
   Group group;
 };
 
@@ -121,10 +120,10 @@ void arrange(Seating& s, double depth) {
   const double least = f.d + 0.8 + t.d + 0.4 + sofa.d;
   // Against the opposite wall if too little room is left behind the sofa to walk.
   const double back = depth - least < 1.05 ? depth - 0.02 : std::min(least + 0.6, depth - 1.0);
-  s.sofa_y = back - sofa.d / 2;
+  const double sofa_y = back - sofa.d / 2;
   s.table_y = back - sofa.d - 0.4 - t.d / 2;
   const double w = std::max(f.w, sofa.w);
-  s.group = {w, f.d, 0, {{*s.focal, 0, f.d / 2 + 0.015}, {*s.sofa, 0, s.sofa_y, 0, kPi}}};
+  s.group = {w, f.d, 0, {{*s.focal, 0, f.d / 2 + 0.015}, {*s.sofa, 0, sofa_y, 0, kPi}}};
   if (s.table_y - t.d / 2 > f.d + 0.5) {
     s.group.items.emplace_back(*s.table, 0, s.table_y);
   } else {
@@ -142,9 +141,9 @@ void arrange_corner(Seating& s, const Shape& corner, double depth) {
   const Size f = s.focal->size, sofa = corner.size, t = s.table->size;
   const double least = f.d + 0.8 + sofa.d;
   const double back = depth - least < 1.05 ? depth - 0.02 : std::min(least + 0.5, depth - 1.0);
-  s.sofa_y = back - sofa.d / 2;
+  const double sofa_y = back - sofa.d / 2;
   s.table_y = back - 0.92 - 0.35 - t.d / 2;
-  s.group = {f.w, f.d, 0, {{*s.focal, 0, f.d / 2 + 0.015}, {corner, 0.3, s.sofa_y, 0, kPi}}};
+  s.group = {f.w, f.d, 0, {{*s.focal, 0, f.d / 2 + 0.015}, {corner, 0.3, sofa_y, 0, kPi}}};
   if (s.table_y - t.d / 2 > f.d + 0.5) {
     s.group.items.emplace_back(*s.table, 0.75, s.table_y);
   }

@@ -1,5 +1,7 @@
 /// \file  What furniture each kind of room gets.
 #pragma once
+#include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "enfilade/homes/furniture/furnish_room.h"

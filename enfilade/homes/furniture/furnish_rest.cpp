@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "enfilade/geometry/angle.h"
 #include "enfilade/homes/furniture/furnish_recipes.h"

@@ -182,7 +182,7 @@ void expect_well_placed(const looks::RoomSpace& space, const Workshop& shop) {
     EXPECT_GE(t.low.z, space.floor_z - 0.02) << t.noun;
     EXPECT_LE(t.high.z, space.ceiling_z + 0.02) << t.noun;
     for (const auto& hole : space.holes) {
-      if (hole.sill > 0.05 || t.high.z < space.floor_z + 0.07 || t.low.z > space.floor_z + 1.9)
+      if (!hole.is_door() || t.high.z < space.floor_z + 0.07 || t.low.z > space.floor_z + 1.9)
         continue;
       const Rect& f = space.floor;
       const std::array<Rect, 4> fronts{{{f.x1 - 0.8, hole.from, f.x1, hole.to},
@@ -264,7 +264,7 @@ bool doors_are_joined(const looks::RoomSpace& space, const std::vector<Rect>& st
   const double reach = std::max(1.0, 0.6 * std::min(f.width(), f.depth()));
   std::set<int> common = parts.near((f.x0 + f.x1) / 2, (f.y0 + f.y1) / 2, reach);
   for (const auto& hole : space.holes) {
-    if (hole.sill > 0.05) continue;
+    if (!hole.is_door()) continue;
     const double m = (hole.from + hole.to) / 2, in = FloorParts::kRadius + 0.1;
     const std::array<std::pair<double, double>, 4> entry{
         {{f.x1 - in, m}, {m, f.y1 - in}, {f.x0 + in, m}, {m, f.y0 + in}}};
@@ -337,7 +337,7 @@ Thing hole_of(const looks::RoomSpace& space, const looks::RoomSpace::WallHole& h
                                    {hole.from, f.y0 - deep, hole.to, f.y0 + deep}}};
   const Rect& box = boxes[index(hole.wall)];
   return {0,
-          hole.sill > 0.05 ? "window" : "door",
+          hole.is_door() ? "door" : "window",
           "",
           "",
           0,

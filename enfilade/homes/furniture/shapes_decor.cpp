@@ -12,9 +12,10 @@ namespace {
 using enum mesh::Mpcat40::Category;
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// Its pattern once over its top; a long one, a small one.
+/// With a pattern, stretched once over the top; a runner and a bath mat, of one colour with a
+/// pale stripe near two edges.
 void rug(Kit& k, double x, double y) {
-  // The pattern would be drawn out of shape on a long or small one.
+  // On the proportions of a runner or at the size of a mat, the pattern would look distorted.
   k.box(k.variant == 0 ? k.main : k.style.accent, {-x, -y, 0}, {x, y, k.h});
   for (const double s : {-1.0, 1.0}) {
     const double a = s * (y - 0.07), b = s * (x - 0.1);

@@ -51,8 +51,11 @@ void display_cabinet(Kit& k, double x, double y) {
   for (double z = waist; z < k.h - 0.3; z += 0.38) {
     for (int i = 0; i < 4; ++i) {
       const double at = -x + 0.12 + i * (k.w - 0.24) / 3;
-      k.cylinder(k.rng.below(2) == 0 ? k.style.white : k.style.paints[k.rng.below(4)],
-                 {at, 0, z + 0.01}, 0.035, 0.05, 0.1 + 0.1 * k.rng.uniform(), 8);
+      // Drawn one by one: compilers evaluate arguments in different orders.
+      const double tall = 0.1 + 0.1 * k.rng.uniform();
+      const bool white = k.rng.below(2) == 0;
+      const NamedMaterial& colour = white ? k.style.white : k.style.paints[k.rng.below(4)];
+      k.cylinder(colour, {at, 0, z + 0.01}, 0.035, 0.05, tall, 8);
     }
   }
   for (const double s : {-x + 0.02, 0.0, x - 0.02}) {

@@ -1,7 +1,7 @@
 #include "enfilade/homes/looks/architecture.h"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "enfilade/homes/looks/site.h"
 #include "enfilade/homes/plan/openings.h"

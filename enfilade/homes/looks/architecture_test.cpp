@@ -5,7 +5,6 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
-#include <utility>
 
 #include "enfilade/core/rng.h"
 #include "enfilade/homes/home.h"

@@ -13,15 +13,15 @@ namespace enfilade::homes::looks {
 struct RoomSpace {
   std::size_t room = 0;  ///< place in plan.rooms
   char type = '-';
-  Rect floor;  ///< inner faces of its walls, world
-  double floor_z = 0, ceiling_z = 2.6;
+  Rect floor;                           ///< inner faces of its walls, world
+  double floor_z = 0, ceiling_z = 2.6;  ///< world, metres
   /// A piece of a wall with a door, an arch or a window. Nothing stands in front of doors and
   /// arches; in front of windows only what is lower than the sill.
   struct WallHole {
     Side wall = Side::kPlusX;
-    double from = 0, to = 0;      ///< x or y along the wall
-    double sill = 0, head = 2.1;  ///< above the floor; a sill of 0 is a door or an arch
-    bool is_door() const { return sill <= 0.05; }
+    double from = 0, to = 0;      ///< x or y along the wall; world, metres
+    double sill = 0, head = 2.1;  ///< metres above the floor; a sill of 0 is a door or an arch
+    bool is_door() const { return sill == 0; }
     double middle() const { return (from + to) / 2; }
   };
   std::vector<WallHole> holes;

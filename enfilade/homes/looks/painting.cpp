@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <numbers>
+#include <iterator>
 #include <vector>
 
 #include "enfilade/homes/looks/style.h"

@@ -1,10 +1,12 @@
 /// \file  What rooms of model homes look like: materials with names that people would use.
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "enfilade/core/rng.h"
 #include "enfilade/homes/home.h"
+#include "enfilade/image/image.h"
 #include "enfilade/mesh/mesh_builder.h"
 
 namespace enfilade::homes::looks {

@@ -1,10 +1,11 @@
 #include "enfilade/homes/looks/style.h"
 
 #include <gtest/gtest.h>
-#include <cstdlib>
-#include <map>
+#include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
+#include <tuple>
 
 namespace enfilade::homes::looks {
 namespace {

@@ -1,5 +1,6 @@
 /// \file  The steps in which a plan is drawn: rooms that are wanted, corridors, layout, check.
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>

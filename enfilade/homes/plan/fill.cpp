@@ -1,7 +1,6 @@
 #include "enfilade/homes/plan/draws.h"
 
 #include <algorithm>
-#include <numeric>
 #include <span>
 #include <utility>
 

@@ -1,6 +1,7 @@
 #include "enfilade/homes/plan/draws.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace enfilade::homes::plan {

@@ -1,6 +1,6 @@
 /// \file  What plans are drawn with before they have doors: frames of corridors, strips, cells.
 #pragma once
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>

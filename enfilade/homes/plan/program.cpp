@@ -1,6 +1,8 @@
 #include "enfilade/homes/plan/draws.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <span>
 #include <utility>
 

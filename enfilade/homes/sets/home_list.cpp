@@ -22,6 +22,9 @@ using Kind = draw::UnderlayLine::Kind;
 
 constexpr std::string_view kFormat = "enfilade-homes";
 constexpr std::int64_t kVersion = 1;
+// The largest coordinate (metres) or area (m2) that is read: far beyond any home, and small enough
+// for the lines, whose ends are floats.
+constexpr double kMostNumber = 1e6;
 
 struct LineName {
   const char* name;
@@ -37,7 +40,7 @@ template <class T, class Object>
 concept ConstOrNot = std::same_as<std::remove_const_t<T>, Object>;
 
 // For each kind of object its fields, to be written and read: visit(name, field), or
-// visit.optional(name, field) for those that earlier lists lack.
+// visit.optional(name, field) for those that lists of earlier versions lack.
 
 void for_fields(ConstOrNot<HomeSetOptions> auto& o, auto& visit) {
   visit("homes", o.homes);
@@ -137,21 +140,17 @@ class Writer {
 
 class Reader {
  public:
-  Reader(Element element, const Path& path, Faults& faults)
-      : object_(json::object(element, path, faults)), path_(path), faults_(faults) {}
+  Reader(Element element, const Path& path, Faults& faults) : path_(path), faults_(faults) {
+    if (json::object(element, path, faults)) object_ = element;
+  }
 
   template <class T>
   void operator()(const char* name, T& value) {
-    if (!object_) return;
-    if (has(name)) {
-      read(object_->at_key(name).value(), Path(path_, name), value);
-    } else {
-      faults_.error(path_, "missing-field", fmt::format("no field {:?}", name));
-    }
+    read_field({name}, value);
   }
   template <class T>
   void optional(const char* name, T& value) {
-    if (has(name)) (*this)(name, value);
+    read_field({name, false}, value);
   }
   void lines(const LineName& which, std::vector<draw::UnderlayLine>& lines) {
     std::vector<double> numbers;
@@ -168,8 +167,12 @@ class Reader {
   }
 
  private:
-  bool has(const char* name) const {
-    return object_ && object_->at_key(name).error() == simdjson::SUCCESS;
+  template <class T>
+  void read_field(json::Field wanted, T& value) {
+    if (!object_) return;
+    if (const auto found = json::field(*object_, wanted, path_, faults_)) {
+      read(*found, Path(path_, wanted.name), value);
+    }
   }
 
   template <class T>
@@ -191,6 +194,10 @@ class Reader {
   }
   void read(Element element, const Path& at, double& value) {
     value = json::number(element, at, faults_).value_or(0);
+    if (std::abs(value) <= kMostNumber) return;
+    faults_.error(at, "bad-number",
+                  fmt::format("{}, not from {} to {}", value, -kMostNumber, kMostNumber));
+    value = 0;
   }
   void read(Element element, const Path& at, std::string& value) {
     value = json::string(element, at, faults_).value_or("");
@@ -235,17 +242,28 @@ class Reader {
     }
   }
 
-  std::optional<simdjson::dom::object> object_;
+  std::optional<Element> object_;  // no value if it is none, which was reported
   const Path& path_;
   Faults& faults_;
 };
 
-void check_home(HomeEntry& home, const Path& path, Faults& faults) {
+void check_plan(HomeEntry& home, const Path& path, Faults& faults) {
   if (home.plan.kind) home.kind = to_string(*home.plan.kind);
   try {
     check_options(home.plan);
   } catch (const ArgumentError& error) {
     faults.error(path, "bad-plan", error.what());
+  }
+}
+
+// A list that has a home's lines has the floors of its rooms too.
+void check_floors(const HomeEntry& home, const Path& path, Faults& faults) {
+  if (home.lines.storeys.empty()) return;
+  const Path rooms(path, "rooms");
+  for (std::size_t i = 0; i < home.rooms.size(); ++i) {
+    const Rect& floor = home.rooms[i].floor;
+    if (floor.width() > 0 && floor.depth() > 0) continue;
+    faults.error(Path(rooms, i), "bad-rectangle", "its floor is missing or empty");
   }
 }
 
@@ -279,8 +297,12 @@ HomeList parse_home_list(std::string_view text, const std::string& file) {
   HomeList list;
   reader("options", list.options);
   reader("homes", list.homes);
+  // A floor that could not be read is empty, and is reported already.
+  const bool all_read = faults.errors() == 0;
   for (std::size_t i = 0; i < list.homes.size(); ++i) {
-    check_home(list.homes[i], Path(homes, i), faults);
+    const Path path(homes, i);
+    check_plan(list.homes[i], path, faults);
+    if (all_read) check_floors(list.homes[i], path, faults);
   }
   faults.throw_if_errors();
   return list;

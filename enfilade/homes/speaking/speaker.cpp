@@ -16,8 +16,8 @@
 namespace enfilade::homes::speaking {
 namespace {
 
-// Degrees: a bend from the first on could be mistaken for a turn; unsaid bends may add up to less
-// than the second.
+// Degrees. A turn of kMustBeSaid or more is mentioned; smaller ones are left out until the turns
+// since the last one that was mentioned add up to kMostUnsaid.
 constexpr double kMustBeSaid = 38, kMostUnsaid = 50;
 
 // What a clause ends with; the beginning of the next sentence may refer to it.
@@ -421,8 +421,9 @@ class Describer {
     return words_.say(pattern, slots) + " ";
   }
 
+  // How many of the things near the path's end are tried as the one to stop by.
   static constexpr std::size_t kGoals = 4;
-  // Metres: a crossing sooner after a turn shares its clause.
+  // Metres walked after a turn. A room entered sooner is mentioned in the turn's clause.
   static constexpr double kSameBreath = 2.5;
 
   const PathStory& story_;
@@ -436,7 +437,7 @@ class Describer {
   std::map<std::size_t, std::string> names_;
   std::optional<Neighbour> goal_;
   std::size_t things_said_ = 0;
-  double unsaid_ = 0;  // degrees since the last turn that was said
+  double unsaid_ = 0;  // sum of turns, degrees, since the last turn that was said
 };
 
 }  // namespace
