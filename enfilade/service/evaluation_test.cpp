@@ -144,6 +144,28 @@ TEST(Evaluation, WhatWaitsIsScoredAfterARestart) {
   EXPECT_EQ(served.scored(team, id).at("state"), "scored");
 }
 
+TEST(Evaluation, ScoringGoesOnAfterAFailureOfTheDatabase) {
+  std::atomic<int> failures{0};
+  ServerConfig config;
+  config.log = [&failures](const RequestRecord& record) {
+    if (record.method == "SCORE" && record.fault == "the disk is full") ++failures;
+  };
+  Served served(config);
+  const auto team = served.team("A");
+  SQLite::Database db((served.root() / "service.sqlite").string(), SQLite::OPEN_READWRITE, 10'000);
+  db.exec(
+      "CREATE TRIGGER full BEFORE UPDATE ON submission "
+      "BEGIN SELECT RAISE(ABORT, 'the disk is full'); END");
+  const auto id = id_of(served.submit(team, "open", row_results(3)));
+  for (int k = 0; k < 1000 && failures == 0; ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ASSERT_GT(failures, 0);
+  EXPECT_EQ(served.json("/api/v1/submissions/" + std::to_string(id), team).at("state"), "queued");
+  db.exec("DROP TRIGGER full");
+  EXPECT_EQ(served.scored(team, id).at("state"), "scored");
+}
+
 TEST(Evaluation, TheClientHandsIn) {
   Served served;
   const std::string token = served.team("A").find("Authorization")->second.substr(7);

@@ -17,6 +17,7 @@ namespace {
 /// In the order of TokenRole.
 constexpr std::array<accounts::Role, 3> kRoles{accounts::Role::kOrganiser,
                                                accounts::Role::kReviewer, accounts::Role::kTeam};
+static_assert(kRoles.size() == static_cast<std::size_t>(TokenRole::kTeam) + 1);
 
 accounts::Role stored_role(TokenRole role) { return kRoles.at(static_cast<std::size_t>(role)); }
 

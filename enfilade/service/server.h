@@ -12,7 +12,8 @@
 
 namespace enfilade::service {
 
-/// One answered request, for logs. Valid during the call.
+/// One answered request, for logs. Valid during the call. If the database fails while a submission
+/// is scored, that is a record too: its method is "SCORE", its status 500, and it has a fault.
 struct RequestRecord {
   std::string_view address, method, path;
   int status = 0;
@@ -38,27 +39,32 @@ struct ServerConfig {
   /// Trust X-Forwarded-For and X-Forwarded-Proto: only behind a proxy that sets them.
   bool behind_proxy = false;
   bool open_registration = true;  ///< anybody may make a team
-  /// Called after each request, from many threads at once; may be empty.
+  /// Called after each request and each failure of scoring, from many threads at once. Must not
+  /// throw; may be empty.
   std::function<void(const RequestRecord&)> log;
   /// Seconds since 1970; empty: the system's clock.
   std::function<std::int64_t()> clock;
 };
 
-/// A running server. \warning It speaks plain HTTP: docs/service.md shows nginx and Caddy in front
-/// of it.
+/// A running server, on threads of its own. \warning It speaks plain HTTP: docs/service.md shows
+/// nginx and Caddy in front of it.
 class Server {
  public:
   /// Opens the database, bringing its schema up to date, binds the port and starts serving.
   /// \throws FileError for the database; ArgumentError if the address can't be bound
   Server(std::shared_ptr<const Site> site, const ServerConfig& config);
-  /// As stop().
+  /// Calls stop(), waits until the submission that is being scored is stored, and closes the
+  /// database. Other queued submissions are scored after the next start. The same threads may call
+  /// it as stop().
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  int port() const noexcept;
-  /// Accepts no new connections, finishes the running requests and the submission that is being
-  /// scored, and returns. Queued submissions are scored after the next start.
+  int port() const noexcept;  ///< the port it is bound to; any thread
+  /// Accepts no new connections, and returns when the running requests are answered and the idle
+  /// connections are closed (after 2 s at most). Scoring goes on until the destructor. A second
+  /// call does nothing. Not safe to call from two threads at once, nor from ServerConfig::log,
+  /// whose threads it waits for.
   void stop();
 
  private:

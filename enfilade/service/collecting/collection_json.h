@@ -30,19 +30,4 @@ nlohmann::ordered_json item_json(const Item& item, Kind kind);
 nlohmann::ordered_json work_json(const Task& task, bool secrets);
 nlohmann::ordered_json event_json(const Event& event);
 
-// Files that the rest of Enfilade reads.
-
-/// kWrite: R2R annotations of the paths that have an instruction, their instructions in the order
-/// in which the tasks were given out. kWalk: those of the paths whose every instruction was walked.
-/// Both as `enfilade stats` and `enfilade score` read them.
-std::string annotations_json(store::Database& db, const ExportedSplit& exported);
-
-/// kWalk: results as `enfilade score` takes them, of the first walk of each instruction. Only of
-/// paths whose every instruction was walked: the same episodes as in annotations_json(). \pre
-/// it is a collection of walks
-std::string results_json(store::Database& db, const ExportedSplit& exported);
-
-/// The same walks, an object each: instr_id, worker, submitted, seconds, camera, steps.
-std::string walks_json(store::Database& db, const ExportedSplit& exported);
-
 }  // namespace enfilade::service::collecting

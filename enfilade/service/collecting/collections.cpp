@@ -68,12 +68,10 @@ Collection get_collection(store::Database& db, std::string_view name) {
 }
 
 Collection collection_of_visit(store::Database& db, std::int64_t visit) {
-  return db
-      .find<Collection>(
-          collections_where("JOIN worker ON worker.collection = collection.id "
-                            "JOIN visit ON visit.worker = worker.id WHERE visit.id = ?"),
-          visit)
-      .value();
+  return db.get<Collection>(
+      collections_where("JOIN worker ON worker.collection = collection.id "
+                        "JOIN visit ON visit.worker = worker.id WHERE visit.id = ?"),
+      visit);
 }
 
 std::vector<Collection> list_collections(store::Database& db) {
@@ -85,16 +83,14 @@ void set_open(store::Database& db, std::int64_t collection, bool open) {
 }
 
 Progress progress_of(store::Database& db, std::int64_t collection) {
-  return db
-      .find<Progress>(
-          "SELECT (SELECT count(*) FROM item WHERE collection = ?1), "
-          "(SELECT total(state = 'complete') FROM item WHERE collection = ?1), "
-          "total(task.state = 'leased' AND expires > ?2), total(task.state = 'submitted'), "
-          "total(task.state = 'accepted'), total(task.state = 'rejected'), "
-          "count(DISTINCT worker) "
-          "FROM task JOIN item ON item.id = task.item WHERE item.collection = ?1",
-          collection, db.now())
-      .value();
+  return db.get<Progress>(
+      "SELECT (SELECT count(*) FROM item WHERE collection = ?1), "
+      "(SELECT total(state = 'complete') FROM item WHERE collection = ?1), "
+      "total(task.state = 'leased' AND expires > ?2), total(task.state = 'submitted'), "
+      "total(task.state = 'accepted'), total(task.state = 'rejected'), "
+      "count(DISTINCT worker) "
+      "FROM task JOIN item ON item.id = task.item WHERE item.collection = ?1",
+      collection, db.now());
 }
 
 std::vector<SplitSize> splits_of(store::Database& db, std::int64_t collection) {
@@ -123,11 +119,9 @@ std::vector<Item> items_of(store::Database& db, std::int64_t collection, std::st
 }
 
 Item first_item(store::Database& db, std::int64_t collection) {
-  return db
-      .find<Item>(
-          fmt::format("SELECT {} FROM item WHERE collection = ? ORDER BY id LIMIT 1", kItemColumns),
-          collection)
-      .value();
+  return db.get<Item>(
+      fmt::format("SELECT {} FROM item WHERE collection = ? ORDER BY id LIMIT 1", kItemColumns),
+      collection);
 }
 
 std::string link_of(const Collection& collection) {

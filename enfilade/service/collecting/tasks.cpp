@@ -40,10 +40,10 @@ std::int64_t find_or_add_visit(store::Database& db, const Collection& collection
 
 std::string tasks_where(std::string_view condition) {
   return fmt::format(
-      "SELECT {}, item.collection, collection.kind, collection.per_item, "
-      "collection.lease_seconds, task.id, task.worker, task.visit, task.state, task.expires, "
-      "task.draft, task.content, task.digest, task.seconds, task.flags, task.camera, task.error, "
-      "task.submitted, task.reason FROM task JOIN item ON item.id = task.item "
+      "SELECT {}, collection.kind, collection.per_item, collection.lease_seconds, task.id, "
+      "task.worker, task.state, task.expires, task.draft, task.content, task.digest, "
+      "task.seconds, task.flags, task.camera, task.error, task.submitted, task.reason "
+      "FROM task JOIN item ON item.id = task.item "
       "JOIN collection ON collection.id = item.collection WHERE {}",
       kItemColumns, condition);
 }
@@ -68,9 +68,8 @@ void set_state(store::Database& db, const Task& task, TaskState state) {
 
 void renew(store::Database& db, Task& task, const Visit& visit) {
   task.state = TaskState::kLeased;
-  task.visit = visit.id;
   task.expires = db.now() + task.lease_seconds;
-  db.run("UPDATE task SET state = ?, visit = ?, expires = ? WHERE id = ?", task.state, task.visit,
+  db.run("UPDATE task SET state = ?, visit = ?, expires = ? WHERE id = ?", task.state, visit.id,
          task.expires, task.id);
 }
 
@@ -132,13 +131,13 @@ Lease lease_next(store::Database& db, const Collection& collection, const Visit&
 
 void check_held(store::Database& db, const Task& task) {
   if (task.is_submitted()) {
-    throw Refusal(Reason::kAlreadySubmitted, "it was handed in already");
+    throw Refusal(Reason::kAlreadySubmitted, "the task was submitted before");
   }
   if (task.state == TaskState::kReturned) {
-    throw Refusal(Reason::kAlreadyReturned, "it was given back");
+    throw Refusal(Reason::kAlreadyReturned, "the task was returned before");
   }
   if (!is_still_held(db, task)) {
-    throw Refusal(Reason::kLeaseExpired, "it took too long, and others have it by now");
+    throw Refusal(Reason::kLeaseExpired, "the lease ended, and another worker has the task now");
   }
 }
 
@@ -166,14 +165,12 @@ std::int64_t join(store::Database& db, const Collection& collection, const Arriv
 }
 
 Visit get_visit(store::Database& db, std::int64_t visit) {
-  return db
-      .find<Visit>(
-          "SELECT visit.id, worker.id, worker.collection, consented IS NOT NULL, "
-          "worker.external, visit.external, submit_to, (SELECT count(*) FROM task WHERE "
-          "task.visit = visit.id AND state IN ('submitted', 'accepted', 'rejected')) "
-          "FROM visit JOIN worker ON worker.id = visit.worker WHERE visit.id = ?",
-          visit)
-      .value();
+  return db.get<Visit>(
+      "SELECT visit.id, worker.id, consented IS NOT NULL, visit.external, submit_to, "
+      "(SELECT count(*) FROM task WHERE task.visit = visit.id AND state IN ('submitted', "
+      "'accepted', 'rejected')) "
+      "FROM visit JOIN worker ON worker.id = visit.worker WHERE visit.id = ?",
+      visit);
 }
 
 void give_consent(store::Database& db, const Visit& visit) {
@@ -257,7 +254,7 @@ std::vector<Task> work_of(store::Database& db, const ExportedSplit& exported) {
 
 Task find_work(store::Database& db, std::int64_t id) {
   auto task = db.find<Task>(tasks_where(fmt::format("task.id = ? AND {}", kIsSubmitted)), id);
-  if (!task) throw Refusal(Reason::kNotFound, "no work of this number was handed in");
+  if (!task) throw Refusal(Reason::kNotFound, "no submitted task has this number");
   return std::move(*task);
 }
 
@@ -273,7 +270,8 @@ void review(store::Database& db, std::int64_t id, TaskState verdict, const std::
     const Task task = find_work(db, id);
     if (task.state == verdict && task.reason == reason) return;
     if (accepted && task.state == TaskState::kRejected && !has_place(db, task)) {
-      throw Refusal(Reason::kConflict, "it was rejected, and others have its place by now");
+      throw Refusal(Reason::kConflict,
+                    "the task was rejected, and another worker has its place now");
     }
     db.run("UPDATE task SET state = ?, reason = ? WHERE id = ?", verdict, reason, id);
     add_event(db, task,
@@ -287,7 +285,7 @@ void edit(store::Database& db, std::int64_t id, const std::string& instruction,
   db.transact([&] {
     const Task task = find_work(db, id);
     if (task.kind != Kind::kWrite) {
-      throw Refusal(Reason::kConflict, "it is a walk, and has no instruction of its own");
+      throw Refusal(Reason::kConflict, "the task is a walk, which has no instruction to change");
     }
     if (task.content == instruction) return;
     db.run("UPDATE task SET content = ? WHERE id = ?", instruction, id);

@@ -14,15 +14,12 @@ namespace enfilade::service::collecting {
 
 /// A worker at work: for one assignment of a platform, or by a link of the server's own.
 struct Visit {
-  std::int64_t id = 0, worker = 0, collection = 0;
+  std::int64_t id = 0, worker = 0;
   bool consented = false;
-  std::string worker_name;  ///< the platform's id
   std::string assignment, submit_to;
   std::int64_t done = 0;  ///< tasks submitted
 
-  auto columns() {
-    return std::tie(id, worker, collection, consented, worker_name, assignment, submit_to, done);
-  }
+  auto columns() { return std::tie(id, worker, consented, assignment, submit_to, done); }
 };
 
 /// Whether the visit has submitted as many tasks as the collection gives one; never if it gives any
@@ -55,11 +52,10 @@ constexpr std::array<std::string_view, 6> names_of(TaskState /*enum*/) {
 struct Task {
   std::int64_t id = 0;
   Item item;
-  std::int64_t collection = 0;
   Kind kind = Kind::kWrite;
   int per_item = 0;
   std::int64_t lease_seconds = 0;
-  std::int64_t worker = 0, visit = 0;
+  std::int64_t worker = 0;
   TaskState state = TaskState::kLeased;
   std::int64_t expires = 0;  ///< of the lease
   std::string draft;         ///< the page's JSON; empty if there is none
@@ -76,9 +72,8 @@ struct Task {
   bool bonus() const;  ///< a walk that ended less than 3 m from its goal
 
   auto columns() {
-    return std::tie(item, collection, kind, per_item, lease_seconds, id, worker, visit, state,
-                    expires, draft, content, digest, seconds, flags, camera, error, submitted,
-                    reason);
+    return std::tie(item, kind, per_item, lease_seconds, id, worker, state, expires, draft, content,
+                    digest, seconds, flags, camera, error, submitted, reason);
   }
 };
 

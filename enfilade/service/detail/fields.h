@@ -1,4 +1,5 @@
-/// \file  The fields of JSON objects that people write, read by name and checked.
+/// \file  The fields of JSON objects that people write, read by name and checked. Faults are not
+/// thrown: they are added to a json::Faults, whose owner throws them all at once.
 #pragma once
 #include <initializer_list>
 #include <optional>
@@ -13,33 +14,47 @@ namespace enfilade::service::detail {
 /// How much of a wrong value a message quotes.
 inline constexpr std::size_t kQuoted = 40;
 
+/// Whether a text is allowed.
 using TextCheck = bool (*)(std::string_view);
 
-/// A text; reports `code` unless check(text). \param allowed what check() allows, for the message
+/// Reads a text. Reports an element that is no text ("" is returned then), and with `code` a text
+/// that check() does not allow (which is returned). \param allowed what check() allows, for the
+/// message: "1 to 40 of a-z, 0-9, - and _"
 std::string read_text(json::Element element, const json::Path& path, TextCheck check,
                       std::string_view allowed, json::Faults& faults,
                       const char* code = "bad-text");
 
-/// One object. Faults are reported to the list; what cannot be read is the least value, or "".
+/// The fields of one object. Its functions report faults to the list that the constructor was
+/// given, and return a stand-in for what cannot be read: "", or the least number allowed. An object
+/// of this class belongs to one thread.
 class Fields {
  public:
   using Names = std::initializer_list<std::string_view>;
 
-  /// Reports required fields that are missing, and an element that is no object.
-  /// \pre path and faults outlive *this
+  /// Finds the fields. Reports required ones that are missing, fields that are there twice, and an
+  /// element that is no object; ignores fields of other names.
+  /// \pre path, faults, the names and the document of `element` outlive *this
   Fields(json::Element element, const json::Path& path, json::Faults& faults, Names required,
          Names optional = {});
 
-  bool complete() const { return complete_; }  ///< all required fields are there
+  /// Whether the element is an object that has all required fields, and none of the fields twice.
+  bool complete() const { return complete_; }
+  /// Whether the field is there, with whatever value. \pre, here and below: the name is one of
+  /// those of the constructor
   bool has(std::string_view name) const;
+  /// The field's path, for messages. It refers to the constructor's path and to `name`.
   json::Path path(std::string_view name) const { return {path_, name}; }
 
-  // \pre has(name)
+  /// The field's value. \pre has(name)
   json::Element operator[](std::string_view name) const;
+  /// The field as read_text() reads it. \pre has(name)
   std::string text(std::string_view name, TextCheck check, std::string_view allowed,
                    const char* code = "bad-text") const;
-  /// Reports "out-of-range", as number(). `otherwise` if the field is absent.
+  /// A whole number. Reports "out-of-range" unless it is from `least` to `most`; the nearest
+  /// allowed number is returned then. \returns `otherwise` if the field is absent
   int integer(std::string_view name, int least, int most, int otherwise) const;
+  /// A number. Reports "out-of-range" unless it is from `least` to `most`; it is returned all the
+  /// same. \pre has(name)
   double number(std::string_view name, double least, double most) const;
 
  private:

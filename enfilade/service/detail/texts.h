@@ -1,4 +1,5 @@
-/// \file  Rules for texts that users send, and formats of texts that they get.
+/// \file  Rules for texts that users send, and formats of texts that they get. All functions may be
+/// called from any thread, keep no reference to their arguments, and throw nothing of their own.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -7,24 +8,28 @@
 
 namespace enfilade::service::detail {
 
-/// UTF-8, 1 to `most` characters, no blank at either end; no control characters, none that change
-/// the direction of the text, none that are invisible, and no blanks but the space.
+/// Whether `text` may be a name that people read: of a team, a method, a worker. It is valid UTF-8
+/// of 1 to `most` characters, without a space at either end. It has no control characters, no
+/// characters that change the direction of the text, no invisible ones, and no blank but the space,
+/// so that two different names look different.
 bool is_label(std::string_view text, std::size_t most);
 
-/// As is_label(), but with line breaks, tabs and blanks of all kinds anywhere, and with the
-/// invisible characters that some scripts need.
+/// Whether `text` may be a text of several lines: as is_label(), but line breaks, tabs and blanks
+/// of all kinds are allowed anywhere, and so are the invisible characters that some scripts need.
 bool is_prose(std::string_view text, std::size_t most);
 
-/// 1 to 40 of a-z, 0-9, - and _: a part of URLs.
+/// Whether `text` may be a part of a URL: 1 to 40 of a-z, 0-9, - and _.
 bool is_name(std::string_view text);
 
-/// An id of a platform: 1 to 100 of A-Z, a-z, 0-9, - and _.
+/// Whether `text` may be a platform's id of a worker, an assignment or a study: 1 to 100 of A-Z,
+/// a-z, 0-9, - and _.
 bool is_external_id(std::string_view text);
 
-/// Of seconds since 1970: "2026-11-21T16:15:09Z"
+/// A time in UTC as in ISO 8601: "2026-11-21T16:15:09Z". \param seconds since 1970
 std::string iso_time(std::int64_t seconds);
 
-/// For CSV: quoted, and never beginning like a formula, which spreadsheets would run.
+/// `text` as a field of CSV, in quotes. If it begins with =, +, - or @, an apostrophe is put before
+/// it: spreadsheets would run it as a formula.
 std::string sheet_text(const std::string& text);
 
 }  // namespace enfilade::service::detail

@@ -1,6 +1,7 @@
 #include "enfilade/service/evaluation/submissions.h"
 
 #include <fmt/format.h>
+#include <chrono>
 #include <utility>
 
 #include "enfilade/r2r/results.h"
@@ -19,6 +20,8 @@ using detail::Refusal;
 
 constexpr std::size_t kLongestMethod = 80;
 constexpr std::int64_t kDay = 24L * 3600;
+// From a failure of the database to the next attempt to score.
+constexpr std::chrono::seconds kRetry{2};
 // The name of a results file in messages.
 constexpr const char* kFileName = "submission";
 
@@ -43,9 +46,10 @@ void check_limit(store::Database& db, std::int64_t team, const Phase& phase) {
 
 }  // namespace
 
-Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db)
+Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db, Report report)
     : site_(std::move(site)),
       db_(db),
+      report_(std::move(report)),
       worker_([this](const std::stop_token& stop) { work(stop); }) {}
 
 Receipt Submissions::receive(const accounts::Principal& team, std::string_view phase_name,
@@ -110,7 +114,7 @@ void Submissions::withdraw(std::int64_t team, std::int64_t id) {
     throw Refusal(Reason::kNotFound, "no such submission");
   }
   if (found->state == SubmissionState::kWithdrawn) {
-    throw Refusal(Reason::kConflict, "it is withdrawn already");
+    throw Refusal(Reason::kConflict, "the submission was withdrawn before");
   }
   db_.run("UPDATE submission SET state = 'withdrawn' WHERE id = ?", id);
 }
@@ -121,14 +125,30 @@ std::int64_t Submissions::queued() const {
 
 void Submissions::work(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    {
-      std::unique_lock lock(mutex_);
-      wake_.wait(lock, stop, [this] { return asked_; });
-      asked_ = false;
-    }
-    while (!stop.stop_requested() && score_next()) {
+    wait_until_asked(stop);
+    try {
+      while (!stop.stop_requested() && score_next()) {
+      }
+    } catch (const std::exception& error) {
+      // The disk may be full, or another program may hold the file for long. Submissions stay
+      // queued, and an exception that left the thread would end the process.
+      if (report_) report_(error.what());
+      wait_after_failure(stop);
     }
   }
+}
+
+void Submissions::wait_until_asked(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  wake_.wait(lock, stop, [this] { return asked_; });
+  asked_ = false;
+}
+
+// Waits for kRetry, whatever is received meanwhile; returns at once when asked to stop.
+void Submissions::wait_after_failure(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  wake_.wait_for(lock, stop, kRetry, [] { return false; });
+  asked_ = true;
 }
 
 std::string Submissions::score(const std::string& phase_name, const std::string& results) const {
@@ -139,8 +159,8 @@ std::string Submissions::score(const std::string& phase_name, const std::string&
   return r2r::to_json(r2r::compute_score(checked.trajectories, episodes));
 }
 
-// Scores the oldest queued submission. A failure is stored in its row: it must neither end the
-// thread nor be tried again.
+// Scores the oldest queued submission; false if there is none. A file that cannot be scored is
+// marked as failed in its row, and not tried again. Throws only what the database throws.
 bool Submissions::score_next() {
   const auto next = db_.find<std::tuple<std::int64_t, std::string, std::string>>(
       "SELECT id, phase, content FROM submission WHERE state = 'queued' ORDER BY id LIMIT 1");

@@ -3,6 +3,7 @@
 #include <array>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -47,9 +48,13 @@ struct Receipt {
 /// queued there is scored after a restart.
 class Submissions {
  public:
+  using Report = std::function<void(std::string_view fault)>;
+
   /// Starts the thread that scores. The destructor waits for the submission that is being scored;
   /// the others stay queued. \pre the database outlives *this
-  Submissions(std::shared_ptr<const Site> site, store::Database& db);
+  /// \param report called by that thread when the database fails; it then waits, and tries again.
+  /// Must not throw; may be empty
+  Submissions(std::shared_ptr<const Site> site, store::Database& db, Report report = {});
 
   /// Checks a whole results file and queues it. The same file of the same team for the same phase
   /// and method is one submission, so that a client may repeat a request that got no answer.
@@ -69,11 +74,14 @@ class Submissions {
 
  private:
   void work(const std::stop_token& stop);
+  void wait_until_asked(const std::stop_token& stop);
+  void wait_after_failure(const std::stop_token& stop);
   bool score_next();
   std::string score(const std::string& phase, const std::string& results) const;
 
   std::shared_ptr<const Site> site_;
   store::Database& db_;
+  Report report_;
   std::mutex checking_;
   std::mutex mutex_;
   std::condition_variable_any wake_;

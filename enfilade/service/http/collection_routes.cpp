@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/service/collecting/collection_json.h"
+#include "enfilade/service/collecting/export.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/http/routes.h"
 

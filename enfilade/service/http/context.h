@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 #include "enfilade/service/browsing/faces.h"
 #include "enfilade/service/evaluation/submissions.h"
@@ -16,11 +17,13 @@
 
 namespace enfilade::service::http {
 
-/// A limit to how often something may come from one address in a minute. Any thread.
+/// Limits how often a client address may do something in a minute of the clock. All functions may
+/// be called from any thread.
 class RateLimit {
  public:
   explicit RateLimit(int most_a_minute) : most_(most_a_minute) {}
-  /// Counts one. \throws HttpError 429 past the limit
+  /// Counts one attempt of an address. \param now seconds since 1970
+  /// \throws HttpError 429 if that is more than the limit
   void count(const std::string& address, std::int64_t now) {
     constexpr std::size_t kMostAddresses = 10'000;
     const std::int64_t minute = now / 60;
@@ -43,13 +46,29 @@ class RateLimit {
   std::map<std::string, Window> windows_;
 };
 
-/// Shared by all threads.
+/// Gives failures of the scoring thread to ServerConfig::log; empty without a log.
+inline evaluation::Submissions::Report scoring_log(const ServerConfig& config) {
+  if (!config.log) return {};
+  return [log = config.log](std::string_view fault) {
+    RequestRecord record;
+    record.address = "-";
+    record.method = "SCORE";
+    record.status = 500;
+    record.fault = fault;
+    log(record);
+  };
+}
+
+/// What the handlers of all routes work with. There is one for each App, which owns it: it lives
+/// until the last request is answered. Any thread may use it at any time: the members that change
+/// do their own locking, `site` and `config` never change.
+/// \throws FileError (from its constructor) if the database can't be opened
 struct Context {
   std::shared_ptr<const Site> site;
   ServerConfig config;
   store::Database db{config.database, config.clock};
   browsing::Faces faces{site->panoramas()};
-  evaluation::Submissions submissions{site, db};
+  evaluation::Submissions submissions{site, db, scoring_log(config)};
   Metrics metrics{};
   RateLimit failures{config.most_attempts};       ///< unknown tokens and keys
   RateLimit registrations{config.most_attempts};  ///< new teams

@@ -1,4 +1,5 @@
-/// \file  The routes of the API, a function for each group.
+/// \file  The routes of the API, a function for each group. What handlers throw (HttpError,
+/// detail::Refusal, InvalidInput) becomes a response: see error_response().
 #pragma once
 #include "enfilade/service/collecting/collections.h"
 #include "enfilade/service/http/context.h"
@@ -6,13 +7,17 @@
 
 namespace enfilade::service::http {
 
+/// Scans (graphs, faces, plans), splits and episodes.
 void add_browsing_routes(Router& router);
+/// Teams, and logging in to the pages.
 void add_account_routes(Router& router);
-/// \param most_bytes of a results file
+/// Phases, submissions, leaderboards. \param most_bytes of a results file
 void add_evaluation_routes(Router& router, std::size_t most_bytes);
 /// For organisers. \param most_bytes of a new collection
 void add_collection_routes(Router& router, std::size_t most_bytes);
+/// For reviewers and organisers.
 void add_review_routes(Router& router);
+/// For workers.
 void add_work_routes(Router& router);
 /// Health, metrics and the API's description.
 void add_operation_routes(Router& router);
@@ -20,13 +25,15 @@ void add_operation_routes(Router& router);
 /// A built page or asset of the web client. \throws HttpError 404
 Response page(Context& context, const Request& request);
 
-/// {collection} of the path. \throws HttpError 404
+/// The collection that {collection} of the path names.
+/// \throws Refusal kNotFound if there is none
 collecting::Collection collection_of(Context& context, const Request& request);
-/// {task} of the path. \throws HttpError 404 if it is no number
+/// The number that {task} of the path is. \throws HttpError 404 if it is no number
 std::int64_t task_of(const Request& request);
 
-/// Submitted work with its history and steps. \pre a reviewer or an organiser asks
-/// \throws HttpError 404
+/// A submitted task with its history and, of a walk, its steps.
+/// \pre a reviewer or an organiser asks
+/// \throws Refusal kNotFound if no submitted task has this number
 Response work_response(Context& context, const Request& request, std::int64_t task);
 
 }  // namespace enfilade::service::http

@@ -22,10 +22,6 @@ Visit own_visit(Context& context, const Request& request) {
   return collecting::get_visit(context.db, request.principal->visit);
 }
 
-Task own_task(Context& context, const Request& request) {
-  return collecting::own_task(context.db, own_visit(context, request), task_of(request));
-}
-
 collecting::Parameters read_parameters(const std::string& body) {
   const ordered_json object = parse_object(body);
   const auto found = object.find("parameters");
@@ -58,7 +54,7 @@ Response join(Context& context, const Request& request) {
   const auto key = parameters.find("key");
   if (key == parameters.end() || key->second != collection.key) {
     context.failures.count(request.address, context.db.now());
-    throw HttpError(403, "the link is not whole: its key is wrong");
+    throw HttpError(403, "the link is incomplete: its key is wrong");
   }
   const collecting::Arrival arrival = collecting::read_arrival(collection.platform, parameters);
   ordered_json out{
@@ -99,7 +95,8 @@ Response show_task(Context& context, const Request& request) {
   const accounts::Role role = request.known_principal().role;
   if (role == accounts::Role::kTeam) throw HttpError(404, "no such task");
   if (role != accounts::Role::kWorker) return work_response(context, request, task_of(request));
-  return json_response(collecting::task_json(own_task(context, request)));
+  return json_response(collecting::task_json(
+      collecting::own_task(context.db, own_visit(context, request), task_of(request))));
 }
 
 /// \throws HttpError 400 for a deep body: writing it again would take much time and stack
@@ -132,16 +129,17 @@ Response return_task(Context& context, const Request& request) {
 }
 
 Response submit(Context& context, const Request& request) {
-  const Task task = own_task(context, request);
+  const Visit visit = own_visit(context, request);
+  const Task task = collecting::own_task(context.db, visit, task_of(request));
   const bool walk = task.kind == collecting::Kind::kWalk;
   const collecting::SubmittedWork work =
       walk ? collecting::read_walk(request.body, task.item, context.site->graphs())
            : collecting::read_instruction(request.body);
-  collecting::submit(context.db, own_visit(context, request), task.id, work);
-  ordered_json out = state_of(context, request.principal->visit);
+  collecting::submit(context.db, visit, task.id, work);
+  ordered_json out = state_of(context, visit.id);
   if (walk) {
     out["walked"] = ordered_json::object();
-    const Task done = own_task(context, request);
+    const Task done = collecting::own_task(context.db, visit, task.id);
     if (!done.item.secret) out["walked"]["bonus"] = done.bonus();
   }
   return json_response(out);

@@ -90,6 +90,8 @@ TEST(Database, ValuesComeBackAsTheyWere) {
                           std::optional<std::string>>;
   EXPECT_EQ(database.find<Kept>("SELECT * FROM kept"), Kept(-3, 0.5, lines, bytes, std::nullopt));
   EXPECT_EQ(database.find<Kept>("SELECT * FROM kept WHERE number = ?", 4), std::nullopt);
+  EXPECT_EQ(database.get<double>("SELECT real FROM kept WHERE number = ?", -3), 0.5);
+  EXPECT_THROW(database.get<double>("SELECT real FROM kept WHERE number = ?", 4), LookupError);
   EXPECT_EQ(database.run("DELETE FROM kept"), 1);
 }
 
