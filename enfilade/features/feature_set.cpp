@@ -93,7 +93,7 @@ struct FeatureSet::Impl {
   void copy(std::size_t row, std::size_t first, std::span<float> out) const {
     const std::byte* const from = read.rows[row] + first * size_of(read.info.type);
     if (!formats::copy_numbers(from, read.info.type, out)) {
-      refuse(file, place_of(read.keys[row]), "not-finite", "a number that is infinite or none");
+      refuse(file, place_of(read.keys[row]), "not-finite", "a number that is infinite or NaN");
     }
   }
 

@@ -479,7 +479,7 @@ TEST_F(FeatureSetTest, DamagedHdf5IsHarmless) {
     }
   }
   EXPECT_GT(accepted, 0U) << "other numbers are no damage that can be seen";
-  EXPECT_THAT(refusal_of(write("f.h5", "no HDF5")), HasSubstr("no HDF5 file"));
+  EXPECT_THAT(refusal_of(write("f.h5", "no HDF5")), HasSubstr("not an HDF5 file"));
   EXPECT_THAT(tests::refusal<FileError>([&] { FeatureSet::open(path("none.h5")); }),
               HasSubstr("No such file"));
 }

@@ -46,14 +46,18 @@ class ViewPoint:
         """Metres."""
 
 class SimState:
-    """What an agent is in. In v0.2 later actions change it; in v0.1 it is a copy."""
+    """Where an agent is, and what it sees and can reach. World frame: metres, z up; headings in
+    radians clockwise from +y, elevations above the horizon. In v0.2 the simulator changes the
+    object, and the pixels of its pictures, at each action and episode, until close() or another
+    initialize(); in v0.1 it is a copy. It may be read as long as it is kept, also after the
+    simulator is gone."""
 
     @property
     def scanId(self) -> str:
         """Name of the scan."""
     @property
     def step(self) -> int:
-        """Actions since newEpisode."""
+        """Actions since the episode began."""
     @property
     def rgb(self) -> Mat:
         """(height, width, 3) uint8, B G R. In v0.1 a NumPy array."""
@@ -87,9 +91,9 @@ class Simulator:
     def setRenderingEnabled(self, enabled: bool, /) -> None:
         """False: no picture is opened. Default True."""
     def setCameraResolution(self, width: int, height: int, /) -> None:
-        """Pixels. Default 320, 240."""
+        """Width and height, pixels. Default 320, 240. Takes effect at the next action."""
     def setCameraVFOV(self, vfov: float, /) -> None:
-        """Vertical field of view, radians. Default 0.8."""
+        """Vertical field of view, radians. Default 0.8. Takes effect at the next action."""
     def setElevationLimits(self, min: float, max: float, /) -> bool:
         """Radians, -pi/2 < min < 0 < max < pi/2, else False is returned and nothing changes."""
     def setDiscretizedViewingAngles(self, enabled: bool, /) -> None:

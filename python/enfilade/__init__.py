@@ -1,7 +1,7 @@
 """Vision-and-language navigation in C++, for Python.
 
-There are three interfaces to the same simulator: this package, `enfilade.gym` (Gymnasium environments) and
-`MatterSim` (a drop-in for Matterport3DSimulator's module).
+There are three interfaces to the same simulator: this package, `enfilade.gym` (Gymnasium
+environments) and `MatterSim` (a drop-in for Matterport3DSimulator's module).
 
 >>> import enfilade
 >>> d = enfilade.Dataset("data")
@@ -11,9 +11,9 @@ There are three interfaces to the same simulator: this package, `enfilade.gym` (
 >>> sim.step([0, 0], heading_changes=[0.5, -0.5])
 >>> sim.state.heading                                      # (2,) radians
 
-Frames: metres, +z up; headings in radians clockwise from +y; elevations in radians above the horizon;
-row 0 of a picture on top. Importing this takes milliseconds: NumPy is imported with the first class that
-needs it, Gymnasium with `enfilade.gym`, torch never.
+Frames: metres, +z up; headings in radians clockwise from +y; elevations in radians above the
+horizon; row 0 of a picture on top. Importing this takes milliseconds: NumPy is imported with the
+first class that needs it, Gymnasium with `enfilade.gym`, torch never.
 """
 
 from __future__ import annotations

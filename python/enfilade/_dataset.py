@@ -38,11 +38,12 @@ class Dataset:
     >>> picture = d.render(d.graphs.scans[0], viewpoint, heading=math.pi / 2)     # (480, 640, 3)
 
     Args:
-        folder: in Enfilade's layout (`connectivity/`, `r2r/`, `regions/`, `store/`), as of
-            Matterport3DSimulator, all files side by side, or stores alone; None: the folder that the
-            environment variable ENFILADE_DATA names.
+        folder: in Enfilade's layout (`connectivity/`, `r2r/`, `regions/`, `store/`), in
+            Matterport3DSimulator's, with all files side by side, or with stores alone. None: the
+            folder that the environment variable ENFILADE_DATA names.
 
-    A part is opened when it is first used. Any thread may use it. Raises FileError if it is not a folder.
+    A part is opened when it is first used. Any thread may use it. Raises FileError if it is not a
+    folder.
     """
 
     def __init__(self, folder: Optional[Union[str, os.PathLike[str]]] = None) -> None:

@@ -93,7 +93,7 @@ class Features(Mapping[Key, Array]):
         if values.shape != self.shape:
             raise InvalidInput(f"{self.file}: {key}: shape {values.shape}, not {self.shape} as the first")
         if not np.isfinite(values).all():
-            raise InvalidInput(f"{self.file}: {key}: a number that is infinite or none")
+            raise InvalidInput(f"{self.file}: {key}: a number that is infinite or NaN")
         return values
 
     def __iter__(self) -> Iterator[Key]:
@@ -241,7 +241,7 @@ def _open_hdf5(file: str) -> Features:
         root = library.File(file, "r")
         names = {_key(name, file): name for name in root}
     except (OSError, RuntimeError) as error:
-        raise InvalidInput(f"{file}: no HDF5 file, or a damaged one: {error}") from error
+        raise InvalidInput(f"{file}: not an HDF5 file, or a damaged one: {error}") from error
 
     def dataset(name: str) -> Any:
         # Links and external data could make it read other files.
@@ -289,7 +289,7 @@ def _checked(key: Key, given: Any) -> NDArray[Any]:
             f"features of {key}: {values.dtype} of shape {values.shape}; floats, (views, D), are wanted"
         )
     if not np.isfinite(values).all():
-        raise ArgumentError(f"features of {key}: a number that is infinite or none")
+        raise ArgumentError(f"features of {key}: a number that is infinite or NaN")
     return values
 
 

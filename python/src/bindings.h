@@ -8,6 +8,7 @@
 #include <string>
 #include <type_traits>
 
+#include "enfilade/core/ids.h"
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/r2r/metrics.h"
 
@@ -34,13 +35,17 @@ nb::object array_of(T* data, nb::handle owner, Sizes... sizes) {
   return nb::cast(nb::ndarray<nb::numpy, T>(data, {static_cast<std::size_t>(sizes)...}, owner));
 }
 
-/// A read-only view of a span or vector that `owner` keeps, of numbers or indices.
+/// A read-only view of a span or vector that `owner` keeps, of numbers, or of indices as uint32.
 template <class Values, class... Sizes>
 nb::object view_of(const Values& values, nb::handle owner, Sizes... sizes) {
   const auto* data = values.data();
-  if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(*data)>>) {
+  using Value = std::remove_cvref_t<decltype(*data)>;
+  if constexpr (std::is_arithmetic_v<Value>) {
     return array_of(data, owner, sizes...);
   } else {
+    static_assert(std::is_same_v<Value, ScanIndex> || std::is_same_v<Value, ViewpointIndex>,
+                  "elements must be numbers, ScanIndex or ViewpointIndex");
+    static_assert(std::is_trivially_copyable_v<Value> && sizeof(Value) == sizeof(std::uint32_t));
     return array_of(reinterpret_cast<const std::uint32_t*>(data), owner, sizes...);
   }
 }

@@ -1,6 +1,6 @@
-"""Malformed calls, each as the old simulator answered it (reference: what its two versions were seen
-to do), or better where it aborted, crashed, or went on with half of an action. v0.1's are in
-test_mattersim_versions.py."""
+"""Malformed calls, each as the old simulator answered it (reference: what its two versions were
+seen to do), or better where it aborted, crashed, or went on with half of an action. Those of v0.1
+are in test_mattersim_versions.py."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import pickle
 from pathlib import Path
 from typing import Any
 
+import enfilade
 import MatterSim
 import pytest
-from old_simulator import EXCLUDED, SCAN, START, start, summary
+from old_simulator import EXCLUDED, SCAN, START, make_simulator, start, summary
 
 np = pytest.importorskip("numpy")
 
@@ -90,6 +91,68 @@ def test_longer_lists_are_accepted_and_their_excess_unused(make: Any) -> None:
     start(sim, 2)
     sim.makeAction([0, 5, 9], [0.1, 1, 1], [0, 0, 0])
     assert summary(sim) == [(SCAN, 1, START, 0.1, 0.0, 0, 2)]
+
+
+class Clearing:
+    """A number that empties a list when it is converted."""
+
+    def __init__(self, elements: list[Any]) -> None:
+        self.elements = elements
+
+    def __index__(self) -> int:
+        self.elements.clear()
+        return 0
+
+    def __float__(self) -> float:
+        self.elements.clear()
+        return 0.0
+
+
+class OwnList(list):  # type: ignore[type-arg]
+    pass
+
+
+def started(small: str, batch: int) -> tuple[Any, str, str]:
+    """A simulator of the synthetic graphs with an episode, its scan and its viewpoint."""
+    folder = f"{small}/connectivity"
+    graphs = enfilade.Graphs(folder)
+    scan = graphs.scans[0]
+    viewpoint = next(v for v in graphs[scan].viewpoints if graphs[scan].included(v))
+    sim = make_simulator(folder, batch)
+    sim.newEpisode([scan] * batch, [viewpoint] * batch, [0] * batch, [0] * batch)
+    return sim, scan, viewpoint
+
+
+@pytest.mark.parametrize("kind", [list, OwnList])
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_lists_that_their_elements_shorten_are_index_errors(
+    small: str, kind: Any, place: int
+) -> None:
+    """Reading on behind the end of such a list would crash."""
+    sim, scan, viewpoint = started(small, 3)
+    before = summary(sim)
+    elements = kind()
+    elements.extend([Clearing(elements), 0, 0])
+    arguments: list[Any] = [[0] * 3, [0] * 3, [0] * 3]
+    arguments[place] = elements
+    with pytest.raises(IndexError, match="0 elements for a batch of 3"):
+        sim.makeAction(*arguments)
+    assert len(elements) == 0 and summary(sim) == before
+    if place > 0:
+        elements.extend([Clearing(elements), 0, 0])
+        with pytest.raises(IndexError, match="0 elements for a batch of 3"):
+            sim.newEpisode([scan] * 3, [viewpoint] * 3, *arguments[1:])
+        assert summary(sim) == before
+    sim.makeAction([0] * 3, [0] * 3, [0] * 3)
+    assert [state.step for state in sim.getState()] == [1] * 3
+
+
+def test_a_list_that_its_last_element_empties_was_read_whole(small: str) -> None:
+    sim, _, _ = started(small, 1)
+    angles: list[Any] = []
+    angles.append(Clearing(angles))
+    sim.makeAction([0], angles, [0])
+    assert len(angles) == 0 and sim.getState()[0].step == 1
 
 
 def test_a_batch_of_none_is_a_batch(make: Any) -> None:
@@ -274,13 +337,14 @@ def test_setters_after_initialize_warn_and_wait(make: Any) -> None:
         ("setDepthEnabled", True), ("setPreloadingEnabled", True), ("setCacheSize", 3),
         ("setNavGraphPath", "x"), ("setDatasetPath", "x"),
     ]:  # fmt: skip
-        with pytest.warns(RuntimeWarning, match=setter):
+        text = rf"{setter}\(\) after initialize\(\) takes effect at the next initialize\(\) only"
+        with pytest.warns(RuntimeWarning, match=text):
             getattr(sim, setter)(value)
     start(sim, heading=0.1, elevation=0.2)
     assert summary(sim) == [(SCAN, 0, START, 0.1, 0.2, 0, 2)]
 
 
-def test_camera_and_limits_are_heeded_at_the_next_action(make: Any) -> None:
+def test_camera_and_limits_take_effect_at_the_next_action(make: Any) -> None:
     sim = make()
     start(sim, heading=0.1, elevation=0.2)
     sim.setCameraVFOV(1.5)

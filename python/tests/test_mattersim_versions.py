@@ -135,7 +135,7 @@ def test_v01_angles_that_are_no_numbers_are_refused(make: Any, bad: float) -> No
 
 
 def test_what_is_set_at_once_and_what_is_not_by_v01(make: Any, connectivity: str) -> None:
-    """Paths, camera, limits and seed are heeded after init(); the others are not, and say so."""
+    """Paths, camera, limits and seed take effect after init(); the others give a warning."""
     sim = make(begin="init")
     for setter, value in [("setRenderingEnabled", False), ("setDiscretizedViewingAngles", True)]:
         with pytest.warns(RuntimeWarning, match=setter):

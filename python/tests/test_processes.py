@@ -175,3 +175,47 @@ def test_one_simulator_in_two_threads_is_refused_or_runs(small: str) -> None:
             done.result()
     assert all("another thread" in text for text in refused)
     assert sim.state.step.max() == 40 - len(refused)
+
+
+def drawing_simulator(homes: str, batch: int, vfov: float) -> Any:
+    """MatterSim in the synthetic homes, with pictures of 64 x 48."""
+    scan = enfilade.Graphs(f"{homes}/connectivity").scans[0]
+    sim = MatterSim.Simulator()
+    sim.setNavGraphPath(f"{homes}/connectivity")
+    sim.setDatasetPath(f"{homes}/store")
+    sim.setCameraResolution(64, 48)
+    sim.setCameraVFOV(vfov)
+    sim.setBatchSize(batch)
+    sim.initialize()
+    sim.newRandomEpisode([scan] * batch)
+    return sim
+
+
+def test_states_show_the_pictures_of_a_new_field_of_view(homes: str) -> None:
+    sim, wide = drawing_simulator(homes, 2, 0.8), drawing_simulator(homes, 2, 1.5)
+    narrow = np.array(sim.getState()[0].rgb, copy=True)
+    sim.setCameraVFOV(1.5)
+    sim.makeAction([0, 0], [0, 0], [0, 0])
+    shown = np.array(sim.getState()[0].rgb, copy=True)
+    assert (shown != narrow).any()
+    assert (shown == np.asarray(wide.getState()[0].rgb)).all()
+
+
+def test_setters_are_refused_while_another_thread_draws(homes: str) -> None:
+    sim = drawing_simulator(homes, 50, 1.0)
+    refused = []
+    with concurrent.futures.ThreadPoolExecutor(1) as pool:
+        drawn = 0
+        while not refused and drawn < 1000:  # one call may end before the setter is reached
+            drawing = pool.submit(sim.makeAction, [0] * 50, [0.1] * 50, [0] * 50)
+            drawn += 1
+            while not drawing.done():
+                try:
+                    sim.setCameraVFOV(1.0)
+                except RuntimeError as error:
+                    refused.append(str(error))
+            try:
+                drawing.result()
+            except RuntimeError as error:  # the setter was first
+                assert "another thread" in str(error)
+    assert refused and all("another thread" in text for text in refused)

@@ -44,7 +44,7 @@ class Library {
           return 0;
         },
         &text);
-    return text.empty() ? "for no reason that it gives" : text.substr(0, 300);
+    return text.empty() ? "the HDF5 library gives no reason" : text.substr(0, 300);
   }
 
  private:
@@ -140,7 +140,7 @@ class Reader {
   static Handle open(const std::filesystem::path& path, const std::string& name) {
     Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
     if (!file.good()) {
-      refuse(name, "", "bad-hdf5", "no HDF5 file, or a damaged one: " + Library::reason());
+      refuse(name, "", "bad-hdf5", "not an HDF5 file, or a damaged one: " + Library::reason());
     }
     return file;
   }
@@ -173,7 +173,9 @@ class Reader {
           return found.hard ? 0 : 1;
         },
         &links);
-    if (!links.hard) fail(links.names.back(), "foreign-link", "a link, not a dataset");
+    if (!links.hard) {
+      fail(links.names.back(), "foreign-link", "a soft or external link; only datasets are read");
+    }
     if (result < 0) {
       refuse(name_, "", "bad-hdf5", "its list of datasets cannot be read: " + Library::reason());
     }
@@ -216,7 +218,7 @@ class Reader {
     }
     std::vector<float> floats(row_elements(info_));
     if (!copy_numbers(row.data(), info_.type, floats)) {
-      fail(name, "not-finite", "a number that is infinite or none");
+      fail(name, "not-finite", "a number that is infinite or NaN");
     }
   }
 
@@ -226,7 +228,7 @@ class Reader {
     const Handle made(H5Dget_create_plist(dataset.id()), H5Pclose);
     const H5D_layout_t layout = H5Pget_layout(made.id());
     if (layout == H5D_VIRTUAL || H5Pget_external_count(made.id()) != 0) {
-      fail(name, "foreign-link", "data that is in other files");
+      fail(name, "foreign-link", "its data is in other files; only data in this file is read");
     }
     if (layout != H5D_CHUNKED) return;
     std::array<hsize_t, 2> chunk{};
@@ -284,7 +286,8 @@ class Reader {
   void check_equal(const std::string& name, const FeatureInfo& found) const {
     check_same_size(found.views, found.dimensions, found.type, info_, name_, in_quotes(name));
     if (metadata_of(found) != metadata_of(info_)) {
-      fail(name, "differing-camera", "image_w, image_h or vfov other than the first's");
+      fail(name, "differing-camera",
+           "image_w, image_h or vfov differ from those of the first dataset");
     }
   }
 
@@ -394,7 +397,7 @@ class Hdf5Rows final : public RowWriter {
 
 FeatureRows read_feature_hdf5(const std::filesystem::path& file) {
   const MappedFile readable(file);  // throws the system's reason, which the library does not give
-  SharedMemory memory;
+  SharedMemory memory(file.string());
   {
     const Library library;
     run_isolated(file.string(), "bad-hdf5", [&] { Reader(file).copy_to(memory); });

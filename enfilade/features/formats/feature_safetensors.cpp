@@ -16,7 +16,7 @@ namespace {
 void check_array(const NamedArray& array, const FeatureInfo& info, const std::string& file) {
   const std::string where = fmt::format("{:?}", array.name);
   if (array.shape.size() != 2 || array.shape[0] == 0 || array.shape[1] == 0) {
-    refuse(file, where, "bad-shape", "not an array of views and dimensions");
+    refuse(file, where, "bad-shape", "not an array of shape (views, dimensions)");
   }
   if (array.type != DType::kFloat32 && array.type != DType::kFloat16) {
     refuse(file, where, "unsupported-type",
@@ -28,9 +28,9 @@ void check_array(const NamedArray& array, const FeatureInfo& info, const std::st
 
 // --- writing ---
 
-/// The part is the later file with a journal behind it: 8 bytes for each row, its checksum if it
-/// was written, else 0. The checksum of a row that was torn, or lost by a power cut, does not
-/// match.
+/// The .part file is the finished file followed by a journal of 8 bytes for each row: the row's
+/// checksum once it is written, before that 0. If a row was written only in part, or lost in a
+/// power failure, its checksum does not match.
 class SafetensorsRows final : public RowWriter {
  public:
   SafetensorsRows(const std::filesystem::path& file, const FeatureInfo& info,
@@ -56,7 +56,8 @@ class SafetensorsRows final : public RowWriter {
 
   void finish() override {
     part_.synchronise();
-    // resume() takes a part of this size for a whole file, so data goes to the disk first.
+    // resume() treats a part without the journal as complete, so the rows have to be on the disk
+    // before it is cut off.
     part_.resize(layout_.file_bytes);
     part_.finish();
   }
@@ -80,7 +81,8 @@ class SafetensorsRows final : public RowWriter {
     const MappedFile map(part_.path());
     const auto bytes = std::as_bytes(map.bytes());
     const auto start = std::as_bytes(std::span(layout_.start));
-    const bool whole = bytes.size() == layout_.file_bytes;  // a run was killed before it renamed it
+    // An earlier run was killed between finish()'s cutting the journal off and renaming the file.
+    const bool whole = bytes.size() == layout_.file_bytes;
     if ((!whole && bytes.size() != part_bytes()) ||
         !std::ranges::equal(bytes.first(start.size()), start)) {
       return false;

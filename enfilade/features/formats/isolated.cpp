@@ -11,6 +11,7 @@
 #include <ranges>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "enfilade/core/errors.h"
@@ -23,7 +24,7 @@ namespace {
   throw FileError(fmt::format("{}: {}", what, std::generic_category().message(reason)));
 }
 
-// What the copy tells the first process: a kind, then texts with a 0 behind each.
+// What the copy tells the first process: one of these letters, then texts, each followed by a 0.
 constexpr char kDone = 'd', kInvalid = 'i', kUnreadable = 'u';
 
 std::string outcome_of(const std::function<void()>& work) {
@@ -48,7 +49,8 @@ std::string outcome_of(const std::function<void()>& work) {
 }
 
 [[noreturn]] void be_the_copy(SharedMemory& outcome, const std::function<void()>& work) {
-  // A crash is an answer here: no handler, dump or message of the first process should see it.
+  // A crash only tells that the file is damaged: handlers of the first process must not run, and no
+  // core dump and no message should appear.
   for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
   const rlimit none{0, 0};
   setrlimit(RLIMIT_CORE, &none);
@@ -60,7 +62,7 @@ std::string outcome_of(const std::function<void()>& work) {
     outcome.write_at(0, std::as_bytes(std::span(told)));
   } catch (...) {  // the outcome stays empty, as after a crash
   }
-  _exit(0);  // does nothing that the first process does at its end
+  _exit(0);  // without the first process's atexit handlers and static destructors
 }
 
 void rethrow(std::string_view outcome) {
@@ -78,8 +80,9 @@ void rethrow(std::string_view outcome) {
 
 }  // namespace
 
-SharedMemory::SharedMemory() : descriptor_(memfd_create("enfilade", MFD_CLOEXEC)) {
-  if (descriptor_ < 0) fail("memory for a file's content", errno);
+SharedMemory::SharedMemory(std::string file)
+    : file_(std::move(file)), descriptor_(memfd_create("enfilade", MFD_CLOEXEC)) {
+  if (descriptor_ < 0) fail(file_ + ": shared memory for its content cannot be made", errno);
 }
 
 SharedMemory::~SharedMemory() { close(descriptor_); }
@@ -88,7 +91,9 @@ void SharedMemory::write_at(std::uint64_t offset, std::span<const std::byte> byt
   while (!bytes.empty()) {
     const ssize_t written =
         pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (written < 0 && errno != EINTR) fail("memory for a file's content", errno);
+    if (written < 0 && errno != EINTR) {
+      fail(file_ + ": shared memory for its content cannot be written", errno);
+    }
     if (written <= 0) continue;
     offset += static_cast<std::uint64_t>(written);
     bytes = bytes.subspan(static_cast<std::size_t>(written));
@@ -99,16 +104,16 @@ std::string SharedMemory::path() const { return fmt::format("/proc/self/fd/{}", 
 
 void run_isolated(const std::string& file, const std::string& code,
                   const std::function<void()>& work) {
-  SharedMemory outcome;
+  SharedMemory outcome(file);
   const pid_t copy = fork();
-  if (copy < 0) fail(file + ": cannot be read", errno);
+  if (copy < 0) fail(file + ": no process can be started to read it", errno);
   if (copy == 0) be_the_copy(outcome, work);
   while (waitpid(copy, nullptr, 0) < 0 && errno == EINTR) {
   }
   const std::string told = read_file(outcome.path());
   if (told == std::string(1, kDone)) return;
   if (!told.empty()) rethrow(told);
-  refuse(file, "", code, "so damaged that its library does not come to an end with it");
+  refuse(file, "", code, "damaged: the process that read it crashed or was killed");
 }
 
 }  // namespace enfilade::features::formats

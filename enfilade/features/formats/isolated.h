@@ -11,7 +11,8 @@ namespace enfilade::features::formats {
 /// Memory that a process shares with its forked copies.
 class SharedMemory {
  public:
-  SharedMemory();  ///< 0 bytes. \throws FileError
+  /// 0 bytes. \param file whose content it will hold, for messages \throws FileError
+  explicit SharedMemory(std::string file);
   ~SharedMemory();
   SharedMemory(const SharedMemory&) = delete;
   SharedMemory& operator=(const SharedMemory&) = delete;
@@ -20,13 +21,15 @@ class SharedMemory {
   std::string path() const;  ///< to map it by, while this object exists
 
  private:
+  std::string file_;
   int descriptor_;
 };
 
 /// Runs `work` in a forked copy of this process. The copy has the calling thread only, so `work`
-/// must not wait for another. Its changes of memory are lost, but for SharedMemory, and so is its
-/// output. \param file that it reads, for messages \throws the InvalidInput or FileError that
-/// `work` throws; InvalidInput with `code` if the copy crashes or is killed
+/// must not wait for another. Only what it writes to SharedMemory is kept; its other changes of
+/// memory and its output are lost. \param file that it reads, for messages \throws the InvalidInput
+/// or FileError that `work` throws; InvalidInput with `code` if the copy crashes, is killed, or
+/// throws something else
 void run_isolated(const std::string& file, const std::string& code,
                   const std::function<void()>& work);
 

@@ -10,9 +10,10 @@
 namespace enfilade::features::formats {
 namespace {
 
-// A pickle of 50,000 tensors has about 5 MB; values take a hundred times the size of an opcode.
+// A pickle of 50,000 tensors has about 5 MB. The limit is there because an opcode of one byte can
+// make a value of a hundred.
 constexpr std::size_t kLongestPickle = std::size_t{64} << 20;
-constexpr std::size_t kMostSides = 64;  // of a tensor, as in PyTorch
+constexpr std::size_t kMostDimensions = 64;  // of a tensor, as in PyTorch
 constexpr int kLatestProtocol = 5;
 
 constexpr Global kGlobals[] = {
@@ -58,15 +59,18 @@ class Machine {
   [[noreturn]] void fail(const char* code, std::string message) const {
     refuse(name_, fmt::format("byte {}", offset_ + opcode_at_), code, std::move(message));
   }
+  [[noreturn]] void fail_bad(const std::string& fault) const {
+    fail("bad-pickle", "not a pickle of torch.save(): " + fault);
+  }
 
   // --- bytes ---
 
   std::span<const std::byte> take(std::uint64_t count) {
     if (count > bytes_.size() - at_) {
       fail("truncated",
-           fmt::format(
-               "a pickle that goes on behind byte {}, where {}", offset_ + bytes_.size(),
-               bytes_.size() == kLongestPickle ? "reading stops (64 MiB)" : "the file ends"));
+           bytes_.size() == kLongestPickle
+               ? "the pickle is longer than 64 MiB, the most that is read"
+               : fmt::format("the pickle is cut off: it ends at byte {}", offset_ + bytes_.size()));
     }
     const auto taken = bytes_.subspan(at_, static_cast<std::size_t>(count));
     at_ += taken.size();
@@ -108,12 +112,12 @@ class Machine {
   }
 
   Value* top() const {
-    if (stack_.size() <= bottom()) fail("bad-pickle", "takes a value from an empty stack");
+    if (stack_.size() <= bottom()) fail_bad("an opcode takes a value from an empty stack");
     return stack_.back();
   }
 
   std::vector<Value*> pop_last(std::size_t count) {
-    if (stack_.size() - bottom() < count) fail("bad-pickle", "takes a value from an empty stack");
+    if (stack_.size() - bottom() < count) fail_bad("an opcode takes a value from an empty stack");
     const auto first = stack_.end() - static_cast<std::ptrdiff_t>(count);
     std::vector<Value*> values(first, stack_.end());
     stack_.erase(first, stack_.end());
@@ -121,7 +125,7 @@ class Machine {
   }
 
   std::vector<Value*> pop_to_mark() {
-    if (marks_.empty()) fail("bad-pickle", "goes back to a mark that is not there");
+    if (marks_.empty()) fail_bad("an opcode goes back to a mark that was not set");
     auto values = pop_last(stack_.size() - marks_.back());
     marks_.pop_back();
     return values;
@@ -130,7 +134,7 @@ class Machine {
   template <class T>
   T& as(Value* value, const char* what) const {
     T* const is = std::get_if<T>(&value->is);
-    if (is == nullptr) fail("bad-pickle", fmt::format("another value where {} has to be", what));
+    if (is == nullptr) fail_bad(fmt::format("a value of another type where {} is expected", what));
     return *is;
   }
 
@@ -168,7 +172,7 @@ class Machine {
   }
 
   void add_pairs(std::span<Value* const> values, Dictionary& to) const {
-    if (values.size() % 2 != 0) fail("bad-pickle", "a key without a value");
+    if (values.size() % 2 != 0) fail_bad("a dictionary's key has no value");
     for (std::size_t i = 0; i < values.size(); i += 2) {
       to.items.emplace_back(values[i], values[i + 1]);
     }
@@ -186,7 +190,8 @@ class Machine {
 
   void check_protocol(std::uint64_t protocol) const {
     if (protocol > kLatestProtocol) {
-      fail("bad-pickle", fmt::format("protocol {}, at most {} is read", protocol, kLatestProtocol));
+      fail("bad-pickle", fmt::format("pickle protocol {}; protocols up to {} are read", protocol,
+                                     kLatestProtocol));
     }
   }
 
@@ -203,7 +208,9 @@ class Machine {
   void get(std::size_t key_bytes) {
     const std::uint64_t key = unsigned_of(key_bytes);
     const auto found = memo_.find(key);
-    if (found == memo_.end()) fail("bad-pickle", fmt::format("recalls value {}, not put", key));
+    if (found == memo_.end()) {
+      fail_bad(fmt::format("recalls value {}, which was never stored", key));
+    }
     stack_.push_back(found->second);
   }
 
@@ -233,13 +240,13 @@ class Machine {
     const std::string shown = fmt::format("{:?}", full.substr(0, 100));
     if (is_storage) {
       fail("unsupported-type",
-           fmt::format("tensors of {}, not of 16, 32 or 64 bit floats, 32 or 64 bit integers, "
-                       "bytes or truth values",
+           fmt::format("tensors of {}; floats of 16, 32 or 64 bits, integers of 32 or 64 bits, "
+                       "bytes and booleans are read",
                        shown));
     }
     fail("foreign-code",
-         fmt::format("holds {}; only tensors, in dictionaries, are read. In Python: "
-                     "torch.save(model.state_dict(), file)",
+         fmt::format("names {}, which is not called; only a dictionary of tensors is read. To save "
+                     "one, in Python: torch.save(model.state_dict(), file)",
                      shown));
   }
 
@@ -249,7 +256,9 @@ class Machine {
         push(ordered_dictionary(arguments));
         return;
       case Callable::kSize:
-        if (arguments.items.size() != 1) fail("bad-pickle", "torch.Size of other than 1 argument");
+        if (arguments.items.size() != 1) {
+          fail_bad(fmt::format("torch.Size of {} arguments, not 1", arguments.items.size()));
+        }
         if (std::holds_alternative<Tuple>(arguments.items[0]->is)) {
           stack_.push_back(arguments.items[0]);
         } else {
@@ -265,7 +274,7 @@ class Machine {
                                      : as<PickledTensor>(arguments.items[0], "a tensor"));
         return;
       case Callable::kStorageType:
-        fail("bad-pickle", "calls a storage's type");
+        fail_bad("a storage's type is called like a function");
     }
   }
 
@@ -293,7 +302,7 @@ class Machine {
 
   std::int64_t count(Value* value, const char* what) const {
     const std::int64_t number = as<std::int64_t>(value, what);
-    if (number < 0) fail("bad-pickle", fmt::format("{}: {}, not 0 or more", what, number));
+    if (number < 0) fail_bad(fmt::format("{}: {}, not 0 or more", what, number));
     return number;
   }
 
@@ -305,21 +314,29 @@ class Machine {
 
   PickledTensor tensor(const Tuple& arguments) const {
     const auto& items = arguments.items;
-    if (items.size() < 4) fail("bad-pickle", "a tensor of fewer than 4 arguments");
+    if (items.size() < 4) {
+      fail_bad(fmt::format(
+          "a tensor of {} arguments; storage, offset, shape and strides are needed", items.size()));
+    }
     as<PickledStorage>(items[0], "a storage");
     PickledTensor tensor{items[0], count(items[1], "a tensor's offset"),
                          counts(items[2], "a tensor's shape"),
                          counts(items[3], "a tensor's strides")};
-    if (tensor.shape.size() != tensor.strides.size() || tensor.shape.size() > kMostSides) {
-      fail("bad-pickle", fmt::format("a tensor of {} sides and {} strides, not as many, at most {}",
-                                     tensor.shape.size(), tensor.strides.size(), kMostSides));
+    if (tensor.shape.size() != tensor.strides.size() || tensor.shape.size() > kMostDimensions) {
+      fail_bad(
+          fmt::format("a tensor of {} dimensions and {} strides; the numbers must be equal, at "
+                      "most {}",
+                      tensor.shape.size(), tensor.strides.size(), kMostDimensions));
     }
-    constexpr std::size_t kFlags =
-        6;  // the argument that says whether it is conjugated or negated when read
-    if (items.size() > kFlags) {
-      const auto* flags = std::get_if<Dictionary>(&items[kFlags]->is);
-      if (flags != nullptr && !flags->items.empty()) {
-        fail("unsupported-type", "a tensor that is conjugated or negated when it is read");
+    // Index of the argument `metadata`. It has a key "conj" or "neg" if PyTorch conjugates or
+    // negates the stored numbers whenever the tensor is read; else it is empty, or not there.
+    constexpr std::size_t kMetadata = 6;
+    if (items.size() > kMetadata) {
+      const auto* metadata = std::get_if<Dictionary>(&items[kMetadata]->is);
+      if (metadata != nullptr && !metadata->items.empty()) {
+        fail("unsupported-type",
+             "a tensor whose conjugation or negation is not carried out yet; save "
+             "tensor.resolve_conj().resolve_neg() instead");
       }
     }
     return tensor;
@@ -329,15 +346,20 @@ class Machine {
   void push_storage() {
     const auto& items = as<Tuple>(pop(), "a storage's place").items;
     if (items.size() < 5 || as<std::string>(items[0], "\"storage\"") != "storage") {
-      fail("bad-pickle", "a persistent id that is no storage's");
+      fail_bad("a persistent id that is not of a storage");
     }
     const Global& type = as<Global>(items[1], "a storage's type");
-    if (type.callable != Callable::kStorageType) fail("bad-pickle", "a storage of no type");
+    if (type.callable != Callable::kStorageType) {
+      fail_bad(fmt::format("a storage of type {}, which is not a type of storages", type.name));
+    }
     PickledStorage storage{as<std::string>(items[2], "a storage's key"), type.type,
                            count(items[4], "a storage's size"), std::nullopt};
     if (items.size() > 5 && std::holds_alternative<Tuple>(items[5]->is)) {
       const auto& view = std::get<Tuple>(items[5]->is).items;
-      if (view.size() != 3) fail("bad-pickle", "a view of a storage without 3 parts");
+      if (view.size() != 3) {
+        fail_bad(fmt::format("a view of a storage with {} parts, not key, offset and size",
+                             view.size()));
+      }
       storage.view = {as<std::string>(view[0], "a view's key"), count(view[1], "a view's offset"),
                       count(view[2], "a view's size")};
     }
@@ -355,7 +377,8 @@ class Machine {
   std::unordered_map<std::uint64_t, Value*> memo_;
 };
 
-// Those of protocols 2 to 5 that torch.save() writes, with their names in Python's pickletools.
+// The opcodes of protocols 2 to 5 that torch.save() writes, with their names in Python's
+// pickletools.
 const Machine::Opcode Machine::kOpcodes[] = {
     // Scalars.
     {'N', [](Machine& m) { m.push(Other{}); }},                                      // NONE
@@ -376,7 +399,7 @@ const Machine::Opcode Machine::kOpcodes[] = {
     {'C', [](Machine& m) { m.skip(m.unsigned_of(1)); }},              // SHORT_BINBYTES
     {'B', [](Machine& m) { m.skip(m.unsigned_of(4)); }},              // BINBYTES
     {0x8e, [](Machine& m) { m.skip(m.unsigned_of(8)); }},             // BINBYTES8
-    // Containers. Nobody looks into a set.
+    // Containers. The content of sets is dropped, as no tensor is in one.
     {'(', [](Machine& m) { m.marks_.push_back(m.stack_.size()); }},  // MARK
     {')', [](Machine& m) { m.push(Tuple{}); }},                      // EMPTY_TUPLE
     {0x85, [](Machine& m) { m.push(Tuple{m.pop_last(1)}); }},        // TUPLE1
@@ -394,7 +417,7 @@ const Machine::Opcode Machine::kOpcodes[] = {
     {0x8f, [](Machine& m) { m.push(Other{}); }},                     // EMPTY_SET
     {0x90, [](Machine& m) { m.pop_to_mark(); }},                     // ADDITEMS
     {0x91, [](Machine& m) { m.push_set(); }},                        // FROZENSET
-    // Stack and memo. A frame only says how much to read at once.
+    // Stack and memo. A frame's length only tells how much to read at once, so it is skipped.
     {0x80, [](Machine& m) { m.check_protocol(m.unsigned_of(1)); }},  // PROTO
     {0x95, [](Machine& m) { m.take(8); }},                           // FRAME
     {'0', [](Machine& m) { m.pop(); }},                              // POP
@@ -422,7 +445,7 @@ void Machine::run() {
     if (code == kStop) break;
     const auto opcode = std::ranges::find(kOpcodes, code, &Opcode::code);
     if (opcode == std::end(kOpcodes)) {
-      fail("bad-pickle", fmt::format("opcode {:#04x}, which torch.save() does not write", code));
+      fail_bad(fmt::format("opcode {:#04x}, which torch.save() does not write", code));
     }
     opcode->run(*this);
   }

@@ -1,4 +1,5 @@
-/// \file  The part of Python's pickles that torch.save() needs for a dictionary of tensors.
+/// \file  Reads the pickles that torch.save() writes: the opcodes and classes that a dictionary of
+/// tensors needs. Other ones are refused; nothing that a pickle names is called.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -17,28 +18,29 @@ namespace enfilade::features::formats {
 
 struct Value;
 
-/// Classes and functions that a pickle may name; all others are refused by their name.
+/// The classes and functions that a pickle may name. Any other is an error that gives its name.
 enum class Callable : std::uint8_t {
   kOrderedDict,
-  kSize,           ///< torch.Size, a tuple
+  kSize,           ///< torch.Size(items), a tuple
   kRebuildTensor,  ///< (storage, offset, shape, strides, ...)
   kParameter,      ///< (tensor, ...)
-  kStorageType,    ///< torch.FloatStorage and the like: not a function
+  kStorageType,    ///< torch.FloatStorage and the like; may be named, not called
 };
+/// A class or function that a pickle names.
 struct Global {
-  std::string_view name;  ///< with its module; of a storage type without
+  std::string_view name;  ///< with the module; for a storage type, without it
   Callable callable = Callable::kSize;
-  DType type = DType::kFloat32;  ///< of a storage's elements
+  DType type = DType::kFloat32;  ///< of the elements, if it is a storage type
 };
 
-/// A part of a storage that is a storage of its own; in old files only.
+/// A part of a storage that tensors use as a storage of its own. Only in old files.
 struct StorageView {
   std::string key;
   std::int64_t offset = 0, elements = 0;
 };
-/// A persistent id: bytes elsewhere in the file.
+/// The numbers of tensors, elsewhere in the file; in the pickle, a persistent id.
 struct PickledStorage {
-  std::string key;
+  std::string key;  ///< its name in the file
   DType type = DType::kFloat32;
   std::int64_t elements = 0;
   std::optional<StorageView> view;
@@ -57,7 +59,7 @@ struct Tuple {
   std::vector<Value*> items;
 };
 struct Dictionary {
-  std::vector<std::pair<Value*, Value*>> items;  ///< the last value of a key counts
+  std::vector<std::pair<Value*, Value*>> items;  ///< a key may repeat; its last value is valid
 };
 struct Other {};  ///< None, a float, bytes, a set, an integer of more than 64 bits
 

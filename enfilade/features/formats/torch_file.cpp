@@ -45,7 +45,7 @@ Tensors tensors_in(const Dictionary& dictionary) {
   return tensors;
 }
 
-// Training programs put the dictionary of tensors into one that also has the epoch, the optimiser
+// Training programs put the dictionary of tensors into another one, beside the epoch, the optimiser
 // and so on.
 Tensors find_tensors(const Value* root, const std::string& name) {
   constexpr std::array<std::string_view, 4> kInner{"state_dict", "model_state_dict", "model",
@@ -62,8 +62,8 @@ Tensors find_tensors(const Value* root, const std::string& name) {
     }
   }
   refuse(name, "", "no-tensors",
-         "no dictionary of tensors, nor one below \"state_dict\", \"model_state_dict\", \"model\" "
-         "or \"module\"");
+         "holds no dictionary of tensors, neither as the outermost value nor below \"state_dict\", "
+         "\"model_state_dict\", \"model\" or \"module\"");
 }
 
 // --- from storages to arrays ---
@@ -128,14 +128,17 @@ Bytes viewed_bytes(const std::string& file, const std::string& name, const Pickl
   const auto viewed = static_cast<std::uint64_t>(storage.view->elements);
   if (offset > elements || viewed > elements - offset) {
     refuse_tensor(file, name, "bad-size",
-                  fmt::format("a view beyond the {} elements of its storage", elements));
+                  fmt::format("a view of {} elements from element {} of a storage of {}", viewed,
+                              offset, elements));
   }
   return all.subspan(offset * size, viewed * size);
 }
 
 void build_array(const std::string& file, const std::string& name, const PickledTensor& tensor,
                  const FindStorage& find_storage, StoredArrays& into) {
-  if (tensor.storage == nullptr) refuse_tensor(file, name, "bad-pickle", "has no data");
+  if (tensor.storage == nullptr) {
+    refuse_tensor(file, name, "bad-pickle", "a parameter to which the file gives no tensor");
+  }
   const auto& storage = std::get<PickledStorage>(tensor.storage->is);
   const std::size_t size = size_of(storage.type);
   const auto bytes = bytes_of_shape(tensor.shape, storage.type);
@@ -158,7 +161,9 @@ void build_array(const std::string& file, const std::string& name, const Pickled
   if (*bytes > from.size()) {
     refuse_tensor(
         file, name, "expanded",
-        fmt::format("{} bytes out of a storage of {}: repeats its numbers", *bytes, from.size()));
+        fmt::format("{} bytes from {} bytes of storage: an expanded tensor, which repeats its "
+                    "numbers; save tensor.contiguous() instead",
+                    *bytes, from.size()));
   }
   const auto to = into.allocate(*bytes);
   gather(tensor, from, size, to);
@@ -203,8 +208,8 @@ class PickleSequence {
     at_ += sizeof(elements);
     if (elements != static_cast<std::uint64_t>(storage.elements)) {
       refuse(name_, fmt::format("byte {}", at_ - sizeof(elements)), "bad-size",
-             fmt::format("a storage of {} elements, not of the {} that were announced", elements,
-                         storage.elements));
+             fmt::format("storage {:?} has {} elements, not the {} that its tensors name", key,
+                         elements, storage.elements));
     }
     if (elements > (file_.size() - at_) / size_of(storage.type)) truncated(key);
     const Bytes bytes = file_.subspan(at_, elements * size_of(storage.type));
@@ -226,10 +231,14 @@ class PickleSequence {
 std::vector<std::string> strings_of(const Pickle& pickle, const std::string& name) {
   std::vector<std::string> strings;
   const auto* list = std::get_if<List>(&pickle.root->is);
-  if (list == nullptr) refuse(name, "", "bad-pickle", "no list of storages behind the tensors");
+  if (list == nullptr) {
+    refuse(name, "", "bad-pickle", "no list of the storages' keys follows the tensors");
+  }
   for (const Value* const item : list->items) {
     const auto* text = std::get_if<std::string>(&item->is);
-    if (text == nullptr) refuse(name, "", "bad-pickle", "a storage's key that is no text");
+    if (text == nullptr) {
+      refuse(name, "", "bad-pickle", "a key in the list of the storages' keys is not a string");
+    }
     strings.push_back(*text);
   }
   return strings;
@@ -239,7 +248,9 @@ void check_version(const Pickle& pickle, const std::string& name) {
   constexpr std::int64_t kVersion = 1001;
   const auto* version = std::get_if<std::int64_t>(&pickle.root->is);
   if (version == nullptr || *version != kVersion) {
-    refuse(name, "", "bad-pickle", fmt::format("a version of the format other than {}", kVersion));
+    refuse(name, "", "bad-pickle",
+           fmt::format("the version of the format is {}, not {}",
+                       version == nullptr ? "not an integer" : std::to_string(*version), kVersion));
   }
 }
 
@@ -248,7 +259,7 @@ void check_byte_order(const Pickle& pickle, const std::string& name) {
   const Value* const little = dictionary == nullptr ? nullptr : find(*dictionary, "little_endian");
   const bool* const is_little = little == nullptr ? nullptr : std::get_if<bool>(&little->is);
   if (is_little == nullptr || !*is_little) {
-    refuse(name, "", "big-endian", "written on a big-endian machine, which is not read");
+    refuse(name, "", "big-endian", "not marked as little-endian, the only byte order that is read");
   }
 }
 
@@ -261,7 +272,8 @@ bool looks_like_zip(Bytes file) noexcept {
 }
 
 bool looks_like_pickle(Bytes file) noexcept {
-  // A safetensors file of a header this long may begin likewise, but its ninth byte is a "{".
+  // The length at the start of a safetensors file can have these two bytes, but then the ninth byte
+  // of the file is a "{".
   return file.size() >= 2 && file[0] == std::byte{0x80} && file[1] >= std::byte{2} &&
          file[1] <= std::byte{5} && (file.size() < 9 || file[8] != std::byte{'{'});
 }
@@ -274,7 +286,7 @@ StoredArrays read_torch_zip(const std::filesystem::path& file) {
     refuse(name, "", "no-tensors", "a zip archive without data.pkl: not written by torch.save()");
   }
   if (zip->read("byteorder").value_or("little") != "little") {
-    refuse(name, "byteorder", "big-endian", "written on a big-endian machine, which is not read");
+    refuse(name, "byteorder", "big-endian", "not \"little\", the only byte order that is read");
   }
   const Pickle pickle = read_pickle(bytes_of(*text), zip->path_of("data.pkl"));
   StoredArrays read;
@@ -285,7 +297,7 @@ StoredArrays read_torch_zip(const std::filesystem::path& file) {
         const auto known = storages.find(storage.key);
         if (known != storages.end()) return known->second;
         auto content = zip->read(storage.key);
-        if (!content) refuse(name, "data/" + storage.key, "truncated", "is not in the archive");
+        if (!content) refuse(name, "data/" + storage.key, "truncated", "missing from the archive");
         const auto kept = std::make_shared<const std::string>(*std::move(content));
         read.memory.push_back(kept);
         return storages[storage.key] = bytes_of(*kept);
@@ -312,7 +324,7 @@ StoredArrays read_torch_pickle(Bytes file, const std::string& name) {
   for (const std::string& key : strings_of(parts.next(), name)) {
     const auto storage = announced.find(key);
     if (storage == announced.end()) {
-      refuse(name, "", "bad-pickle", fmt::format("storage {:?}, which no tensor has", key));
+      refuse(name, "", "bad-pickle", fmt::format("lists storage {:?}, which no tensor uses", key));
     }
     storages[key] = parts.next_storage(key, *storage->second);
   }
@@ -322,7 +334,8 @@ StoredArrays read_torch_pickle(Bytes file, const std::string& name) {
       [&](const PickledStorage& storage) {
         const auto found = storages.find(storage.key);
         if (found == storages.end()) {
-          refuse(name, "", "truncated", fmt::format("storage {:?} is not there", storage.key));
+          refuse(name, "", "truncated",
+                 fmt::format("storage {:?} is missing from the list of storages", storage.key));
         }
         return found->second;
       },

@@ -19,7 +19,7 @@ from enfilade.gym._config import EnvConfig, Transition
 
 RENDER_MODES = ["rgb_array", "ansi"]
 PI = np.float32(np.pi)  # above pi, as a rounded angle may be
-MOST_METRES = 1000  # of a candidate or a depth; far above any building's
+MOST_METRES = 1000  # the spaces' bound of distances and depths, larger than any building
 
 # The renderer's names of layers, and what comes out.
 _LAYERS: dict[str, tuple[str, type[Any], float]] = {

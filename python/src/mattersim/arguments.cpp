@@ -10,20 +10,27 @@ namespace {
   throw nb::python_error();
 }
 
+// The length of a sequence. IndexError if it is less than `wanted`.
+Py_ssize_t checked_size(PyObject* o, const char* name, Py_ssize_t wanted) {
+  const Py_ssize_t size = PySequence_Size(o);
+  if (size < 0) throw nb::python_error();
+  if (size < wanted) {
+    too_short(name, static_cast<std::size_t>(size), static_cast<std::size_t>(wanted));
+  }
+  return size;
+}
+
 // Calls use(element) for the first `count` elements; all of them if count is -1.
 template <class Use>
 void for_each(PyObject* o, const char* name, Py_ssize_t count, const Use& use) {
   if (!is_list(o)) wrong_type(o, name, "a list");
-  const bool fast = PyList_CheckExact(o) || PyTuple_CheckExact(o);
-  const Py_ssize_t size = fast ? PySequence_Fast_GET_SIZE(o) : PySequence_Size(o);
-  if (size < 0) throw nb::python_error();
-  if (size < count) {
-    too_short(name, static_cast<std::size_t>(size), static_cast<std::size_t>(count));
-  }
-  for (Py_ssize_t i = 0; i < (count < 0 ? size : count); ++i) {
-    // Held: what the element's methods do may change the list.
-    const nb::object element =
-        fast ? nb::borrow(PySequence_Fast_GET_ITEM(o, i)) : own(PySequence_GetItem(o, i));
+  const Py_ssize_t size = checked_size(o, name, count);
+  const Py_ssize_t wanted = count < 0 ? size : count;
+  for (Py_ssize_t i = 0; i < wanted; ++i) {
+    // use() may call methods of the element, such as __float__, which may change the list: the
+    // element is held, and the next one is read only after the length is checked again.
+    if (i > 0) checked_size(o, name, wanted);
+    const nb::object element = own(PySequence_GetItem(o, i));
     use(element.ptr());
   }
 }

@@ -22,7 +22,7 @@ std::int64_t to_integer(PyObject* o, const char* name, std::int64_t least, std::
 
 std::vector<std::string> to_texts(PyObject* o, const char* name);
 /// The first `count` elements; `out` is reused, so that a step allocates nothing.
-/// IndexError for a list that is shorter.
+/// IndexError for a list that is shorter, or that an element's methods shorten meanwhile.
 void to_angles(PyObject* o, const char* name, std::size_t count, std::vector<double>& out);
 /// A TypeError for negative ones, as in the old binding.
 void to_indices(PyObject* o, const char* name, std::size_t count, std::vector<std::int64_t>& out);

@@ -26,7 +26,7 @@ struct Level {
   std::vector<float> depth, brightness;
   std::vector<float> filled;  // 0 where nothing was filled
   std::vector<char> missing;
-  std::vector<char> usable;  // as a neighbour: known, or filled at a smaller size
+  std::vector<char> usable;  // 1: known, or filled at a smaller size, so means may include it
 
   int size() const { return height * width; }
 };
@@ -91,8 +91,9 @@ void fill_pixel(Level& level, const std::vector<char>& usable, const std::vector
 
 void fill_level(Level& level, Sigmas sigmas) {
   const std::vector<float> weights = window_weights(sigmas.place);
-  const std::vector<char> usable =
-      level.usable;  // pixels filled here are used by the next size only
+  // A copy: pixels that are filled at this size must not enter its other means, only those of the
+  // next larger size.
+  const std::vector<char> usable = level.usable;
   for (int i = 0; i < level.size(); ++i) {
     if (level.missing[static_cast<std::size_t>(i)] != 0) {
       fill_pixel(level, usable, weights, sigmas.brightness, i);
@@ -100,7 +101,7 @@ void fill_level(Level& level, Sigmas sigmas) {
   }
 }
 
-// Fills holes of the larger size from the smaller one.
+// Fills the holes of the larger size with the values of the smaller one.
 void hand_up(const Level& small, Level& large) {
   for (int i = 0; i < large.size(); ++i) {
     const auto to = static_cast<std::size_t>(i);

@@ -91,9 +91,9 @@ void bind_setters(nb::class_<Simulator>& c) {
   def_setting<bool>(c, "setRenderingEnabled", &Settings::rendering,
                     "False: no picture is opened. Default True.");
   def(c, "setCameraResolution", &Simulator::set_camera_resolution,
-      "Width and height, pixels. Default 320, 240. Heeded at the next action.");
+      "Width and height, pixels. Default 320, 240. Takes effect at the next action.");
   def(c, "setCameraVFOV", &Simulator::set_camera_vfov,
-      "Vertical field of view, radians. Default 0.8. Heeded at the next action.");
+      "Vertical field of view, radians. Default 0.8. Takes effect at the next action.");
   def(c, "setElevationLimits", &Simulator::set_elevation_limits,
       "Radians, -pi/2 < min < 0 < max < pi/2, else False is returned and nothing changes.");
   def_setting<bool>(c, "setDiscretizedViewingAngles", &Settings::discretized,

@@ -48,14 +48,16 @@ Options Options::from_environment() {
 
 void Simulator::warn_if_begun(const char* setter) const {
   if (!begun_) return;
-  const int failed = PyErr_WarnFormat(
-      PyExc_RuntimeWarning, 1,
-      "%s after %s is heeded at the next one only, as in the old simulator, which did not say so",
-      setter, api_ == Api::kV1 ? "init()" : "initialize()");
-  if (failed != 0) throw nb::python_error();  // warnings are errors here
+  const char* begin = api_ == Api::kV1 ? "init()" : "initialize()";
+  const int failed = PyErr_WarnFormat(PyExc_RuntimeWarning, 1,
+                                      "%s() after %s takes effect at the next %s only; "
+                                      "Matterport3DSimulator did not warn",
+                                      setter, begin, begin);
+  if (failed != 0) throw nb::python_error();  // Python was told to raise warnings as errors
 }
 
 void Simulator::set_dataset_path(PyObject* path) {
+  const Busy busy(busy_);
   settings_.dataset_path = to_text(path, "setDatasetPath()");
   if (begun_ && api_ == Api::kV1) {
     active_.dataset_path = settings_.dataset_path;
@@ -66,6 +68,7 @@ void Simulator::set_dataset_path(PyObject* path) {
 }
 
 void Simulator::set_nav_graph_path(PyObject* path) {
+  const Busy busy(busy_);
   settings_.nav_graph_path = to_text(path, "setNavGraphPath()");
   if (begun_ && api_ == Api::kV1) {
     active_.nav_graph_path = settings_.nav_graph_path;
@@ -76,9 +79,10 @@ void Simulator::set_nav_graph_path(PyObject* path) {
 }
 
 void Simulator::set_camera_resolution(int width, int height) {
+  const Busy busy(busy_);
   if (begun_ && (width < 1 || height < 1)) {
-    throw ArgumentError(
-        fmt::format("camera resolution {} x {}: at least 1 x 1 is needed", width, height));
+    throw ArgumentError(fmt::format("setCameraResolution: {} x {} pixels; at least 1 x 1 is needed",
+                                    width, height));
   }
   settings_.width = active_.width = width;
   settings_.height = active_.height = height;
@@ -86,14 +90,17 @@ void Simulator::set_camera_resolution(int width, int height) {
 }
 
 void Simulator::set_camera_vfov(double vfov) {
+  const Busy busy(busy_);
   if (begun_ && !(vfov > 0 && vfov < kPi)) {
-    throw ArgumentError(fmt::format("camera vfov {} rad: more than 0, less than pi", vfov));
+    throw ArgumentError(
+        fmt::format("setCameraVFOV: {} radians; more than 0 and less than pi is needed", vfov));
   }
   settings_.vertical_field_of_view = active_.vertical_field_of_view = vfov;
   camera_changed_ = true;
 }
 
 bool Simulator::set_elevation_limits(double min, double max) {
+  const Busy busy(busy_);
   if (!(-kPi / 2 < min && min < 0 && 0 < max && max < kPi / 2)) return false;
   settings_.limits = active_.limits = {Radians(min), Radians(max)};
   camera_changed_ = true;
@@ -101,17 +108,24 @@ bool Simulator::set_elevation_limits(double min, double max) {
 }
 
 void Simulator::set_seed(int seed) {
+  const Busy busy(busy_);
   seed_ = seed;
-  // Negative seeds were converted to 64 bits without sign.
-  random_ = sim::MatterSimRandom(static_cast<std::uint64_t>(std::int64_t{seed}));
+  seed_stream();
+}
+
+// The old simulator converted a negative seed to an unsigned integer of 64 bits.
+void Simulator::seed_stream() {
+  random_ = sim::MatterSimRandom(static_cast<std::uint64_t>(std::int64_t{*seed_}));
 }
 
 void Simulator::reset_timers() {
+  const Busy busy(busy_);
   frames_ = 0;
   step_seconds_ = draw_seconds_ = preload_seconds_ = 0;
 }
 
 std::string Simulator::timing_info() const {
+  const Busy busy(busy_);
   const auto frames = static_cast<double>(frames_);
   const double ms = frames > 0 ? 1e3 * draw_seconds_ / frames : 0;
   return fmt::format(
@@ -127,10 +141,11 @@ nb::object Simulator::get_state() {
     return own(PyList_GetSlice(states_.ptr(), 0, PyList_GET_SIZE(states_.ptr())));
   }
   const nb::object state = nb::borrow(PyList_GET_ITEM(states_.ptr(), 0));
-  if (as_state(state).location == Py_None) {
+  const SimStateObject& fields = as_state(state.ptr());
+  if (fields.location == Py_None) {
     throw WrongOrder("MatterSim: newEpisode must be called before getState");
   }
-  return copy_state(as_state(state), copy_pixels(as_state(state).rgb));
+  return copy_state(fields, copy_pixels(fields.rgb));
 }
 
 }  // namespace enfilade::python::mattersim

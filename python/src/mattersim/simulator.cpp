@@ -78,7 +78,7 @@ void Simulator::begin(Api api) {
   walk_.reset();
   pictures_.reset();
   if (seed_) {
-    set_seed(*seed_);
+    seed_stream();
   } else {  // v0.1 seeds itself with the clock
     random_ =
         sim::MatterSimRandom(api == Api::kV1 ? static_cast<std::uint64_t>(std::time(nullptr)) : 1);
@@ -151,6 +151,7 @@ void Simulator::ensure_pictures(const SharedGraphs& graphs) {
   pictures_.emplace(open_panoramas(path, active_.nav_graph_path, graphs.set()->scans()), active_,
                     options_);
   pictured_ = &graphs;
+  shown_ = false;
 }
 
 void Simulator::preload() {
@@ -170,19 +171,16 @@ void Simulator::preload() {
 }
 
 void Simulator::show_pictures() {
-  if (!pictures_) return;
+  if (!pictures_ || shown_) return;
   for (std::size_t i = 0; i < active_.batch_size; ++i) {
-    SimStateObject& state =
-        as_state(nb::borrow(PyList_GET_ITEM(states_.ptr(), static_cast<Py_ssize_t>(i))));
+    SimStateObject& state = as_state(PyList_GET_ITEM(states_.ptr(), static_cast<Py_ssize_t>(i)));
     const Pixels colour = pictures_->colour_of(i);
-    if (state.rgb != nullptr && state.width == colour.width && state.height == colour.height) {
-      continue;
-    }
     put(state.rgb, make_mat(colour));
     put(state.depth, make_mat(pictures_->depth_of(i)));
     state.width = colour.width;
     state.height = colour.height;
   }
+  shown_ = true;
 }
 
 // --- episodes
@@ -423,8 +421,7 @@ void Simulator::write_states(bool moved) {
 }
 
 void Simulator::write_state(std::size_t agent, bool moved) {
-  SimStateObject& state = *reinterpret_cast<SimStateObject*>(
-      PyList_GET_ITEM(states_.ptr(), static_cast<Py_ssize_t>(agent)));
+  SimStateObject& state = as_state(PyList_GET_ITEM(states_.ptr(), static_cast<Py_ssize_t>(agent)));
   const sim::StateSpans& now = walk_->native.state();
   const std::vector<ViewpointNames>& names = walk_->graphs->names(now.scan[agent]);
   const bool live = api_ == Api::kV2;

@@ -36,8 +36,9 @@ class Simulator {
   Simulator(const Simulator&) = delete;
   Simulator& operator=(const Simulator&) = delete;
 
-  // Take effect at once: camera, limits, seed. The others do at the next initialize() or init();
-  // set in between, they warn (RuntimeWarning), where the old simulator ignored them silently.
+  // Camera, limits and seed take effect at once: at the next episode or action; after init(), so do
+  // the paths. Every other setting takes effect at the next initialize() or init() only, and gives
+  // a RuntimeWarning if it is set in between, where the old simulator was silent.
   void set_dataset_path(PyObject* path);
   void set_nav_graph_path(PyObject* path);
   void set_camera_resolution(int width, int height);
@@ -47,6 +48,7 @@ class Simulator {
   /// Any other setting. \param setter its name, for the warning
   template <class T, class Value>
   void set(T Settings::*field, Value value, const char* setter) {
+    const Busy busy(busy_);
     settings_.*field = value;
     warn_if_begun(setter);
   }
@@ -58,7 +60,8 @@ class Simulator {
   void new_episode(PyObject* scans, PyObject* viewpoints, PyObject* headings, PyObject* elevations);
   void new_random_episode(PyObject* scans);
   void make_action(PyObject* indices, PyObject* headings, PyObject* elevations);
-  nb::object get_state();  ///< v0.2: a list of states that go on changing; v0.1: a copy of one
+  /// v0.2: a list of states that later actions change; v0.1: a copy of one.
+  nb::object get_state();
 
   void reset_timers();
   std::string timing_info() const;
@@ -93,7 +96,9 @@ class Simulator {
   template <class Step>
   void carry_out(Walk& walk, const Step& step);
 
+  void seed_stream();
   void make_states();
+  /// Gives the states the memory that pictures_ draws into, if they have that of earlier ones.
   void show_pictures();
   void write_states(bool moved);
   void write_state(std::size_t agent, bool moved);
@@ -111,6 +116,7 @@ class Simulator {
   std::unique_ptr<Walk> walk_;
   std::optional<Pictures> pictures_;
   const SharedGraphs* pictured_ = nullptr;  // whose scans pictures_ draws
+  bool shown_ = false;                      // the states have the memory of pictures_
   sim::MatterSimRandom random_;
 
   nb::object states_;  // list of SimState
@@ -120,7 +126,7 @@ class Simulator {
 
   std::uint64_t frames_ = 0;
   double step_seconds_ = 0, draw_seconds_ = 0, preload_seconds_ = 0;
-  std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
+  mutable std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
 };
 
 }  // namespace enfilade::python::mattersim

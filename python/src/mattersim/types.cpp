@@ -115,10 +115,8 @@ PyTypeObject* make_viewpoint_type() {
 
 // --- SimState
 
-SimStateObject& state_of(PyObject* self) { return *reinterpret_cast<SimStateObject*>(self); }
-
 void free_state(PyObject* self) {
-  SimStateObject& s = state_of(self);
+  SimStateObject& s = as_state(self);
   for (PyObject* field : {s.scan_id, s.step, s.rgb, s.depth, s.location, s.heading, s.elevation,
                           s.view_index, s.navigable}) {
     Py_XDECREF(field);
@@ -146,12 +144,12 @@ PyObject* get_picture(PyObject*& picture, const SimStateObject& s, std::uint32_t
 }
 
 PyObject* get_rgb(PyObject* self, void*) {
-  SimStateObject& s = state_of(self);
+  SimStateObject& s = as_state(self);
   return get_picture(s.rgb, s, 3, 1);
 }
 
 PyObject* get_depth(PyObject* self, void*) {
-  SimStateObject& s = state_of(self);
+  SimStateObject& s = as_state(self);
   if (s.is_copy) {
     PyErr_SetString(PyExc_AttributeError,
                     "depth: v0.1's states have none; initialize() gives v0.2");
@@ -162,7 +160,7 @@ PyObject* get_depth(PyObject* self, void*) {
 
 // v0.2 makes a new list at each access, so that readers may change theirs.
 PyObject* get_navigable(PyObject* self, void*) {
-  const SimStateObject& s = state_of(self);
+  const SimStateObject& s = as_state(self);
   if (!s.is_copy) return PyList_GetSlice(s.navigable, 0, PyList_GET_SIZE(s.navigable));
   return shared(s.navigable);
 }
@@ -170,8 +168,9 @@ PyObject* get_navigable(PyObject* self, void*) {
 PyTypeObject* make_state_type() {
   static std::array members{
       member("scanId", offsetof(SimStateObject, scan_id), "str: the building."),
-      member("step", offsetof(SimStateObject, step), "int: actions since newEpisode."),
-      member("location", offsetof(SimStateObject, location), "ViewPoint: where the agent is."),
+      member("step", offsetof(SimStateObject, step), "int: actions since the episode began."),
+      member("location", offsetof(SimStateObject, location),
+             "ViewPoint: where the agent is; None before the first episode."),
       member("heading", offsetof(SimStateObject, heading),
              "float: radians clockwise from world +y, [0, 2 pi]."),
       member("elevation", offsetof(SimStateObject, elevation), "float: radians above the horizon."),
@@ -190,9 +189,14 @@ PyTypeObject* make_state_type() {
                   "no reading.",
                   nullptr},
       PyGetSetDef{}};
-  return make_type("MatterSim.SimState", sizeof(SimStateObject),
-                   "What an agent is in. In v0.2 later actions change it; in v0.1 it is a copy.",
-                   free_state, {{Py_tp_members, members.data()}, {Py_tp_getset, getters.data()}});
+  return make_type(
+      "MatterSim.SimState", sizeof(SimStateObject),
+      "Where an agent is, and what it sees and can reach. World frame: metres, z up; "
+      "headings in radians clockwise from +y, elevations above the horizon. In v0.2 the "
+      "simulator changes the object, and the pixels of its pictures, at each action and "
+      "episode, until close() or another initialize(); in v0.1 it is a copy. It may be "
+      "read as long as it is kept, also after the simulator is gone.",
+      free_state, {{Py_tp_members, members.data()}, {Py_tp_getset, getters.data()}});
 }
 
 // --- Mat

@@ -70,9 +70,8 @@ nb::object copy_pixels(PyObject* mat);
 nb::object copy_state(const SimStateObject& state, nb::object rgb);
 nb::object make_mat(const Pixels& pixels);
 
-inline SimStateObject& as_state(const nb::object& o) {
-  return *reinterpret_cast<SimStateObject*>(o.ptr());
-}
+// \pre the object is of that type
+inline SimStateObject& as_state(PyObject* o) { return *reinterpret_cast<SimStateObject*>(o); }
 inline ViewPointObject& as_viewpoint(PyObject* o) { return *reinterpret_cast<ViewPointObject*>(o); }
 
 }  // namespace enfilade::python::mattersim
