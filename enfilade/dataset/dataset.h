@@ -35,7 +35,7 @@ struct Part {
   std::string advice;  ///< how to get it; empty if it is there
 };
 
-/// A folder in one of the layouts found in the wild: Enfilade's and model homes' (`connectivity/`,
+/// A folder in one of the layouts in use: Enfilade's and model homes' (`connectivity/`,
 /// `r2r/`, `regions/`, `store/`), a checkout of Matterport3DSimulator (`connectivity/`,
 /// `tasks/R2R/data/`, `data/v1/scans/`), or all files side by side.
 ///

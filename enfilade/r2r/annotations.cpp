@@ -23,7 +23,7 @@ constexpr std::array<json::Field, kFields> kWanted{
     {{"path_id"}, {"scan"}, {"heading"}, {"path"}, {"instructions"}, {"distance", false}}};
 using Found = std::array<std::optional<Element>, kFields>;
 
-PathAnnotation read_entry(Element element, const Path& path, Faults& faults) {
+PathAnnotation entry_of(Element element, const Path& path, Faults& faults) {
   PathAnnotation entry;
   Found found;
   if (!json::fields(element, kWanted, found, path, faults)) return entry;
@@ -58,7 +58,7 @@ Annotations read(const json::Document& document, std::string split) {
     for (const Element element : *entries) {
       const std::size_t i = result.paths.size();
       const std::size_t errors = faults.errors();
-      result.paths.push_back(read_entry(element, Path(root, i), faults));
+      result.paths.push_back(entry_of(element, Path(root, i), faults));
       if (faults.errors() != errors) continue;  // it has no id
       const auto [first, fresh] = places.emplace(result.paths.back().path_id, i);
       if (fresh) continue;

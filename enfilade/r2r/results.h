@@ -32,7 +32,7 @@ struct Results {
 };
 
 /// Reads [{"instr_id": "1_0", "trajectory": [...]}, ...] and checks all of it. A trajectory's
-/// entries may be, as found in the wild, [viewpoint, heading, elevation] triples, [viewpoint]
+/// entries may be [viewpoint, heading, elevation] triples, [viewpoint]
 /// singles, plain viewpoint ids, or lists of those (sub-paths, as of DUET), in any mixture.
 /// \throws FileError; InvalidInput with *every* problem and its JSON path: not JSON, wrong types,
 /// unknown, missing or repeated instr_id, an empty trajectory, a wrong start, unknown or excluded

@@ -14,7 +14,7 @@
 namespace enfilade::r2r {
 namespace {
 
-constexpr std::size_t kOftenEnough = 5;  // occurrences of a word of the vocabulary
+constexpr std::size_t kLeastOccurrences = 5;  // occurrences of a word of the vocabulary
 constexpr std::size_t kFirstWords = 4;
 
 using Counts = std::unordered_map<std::string, std::size_t>;
@@ -46,7 +46,7 @@ class Gathering {
     result_.path_length = summarise(std::move(path_lengths_));
     result_.instruction_length = summarise(std::move(instruction_lengths_));
     result_.vocabulary = words_.size();
-    for (const auto& [word, n] : words_) result_.vocabulary_5 += n >= kOftenEnough ? 1 : 0;
+    for (const auto& [word, n] : words_) result_.vocabulary_5 += n >= kLeastOccurrences ? 1 : 0;
     return std::move(result_);
   }
 

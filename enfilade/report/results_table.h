@@ -54,8 +54,8 @@ struct TableRow {
   std::size_t episodes = 0;       ///< of the split
   /// By column, in the metric's own unit (metres, shares). Of one run: its mean and the bootstrap
   /// interval over paths. Of several: the mean of their means and Student's interval of it over
-  /// runs, cut where no value can be: what training's chance does, not what the choice of paths
-  /// does.
+  /// runs, clipped to the values that are possible. It shows how much runs differ by their seeds,
+  /// not by the choice of paths.
   std::array<r2r::MeanInterval, kTableColumns> values;
   std::optional<PublishedRow> published;  ///< only where episodes are those of the paper's split
 };

@@ -2,8 +2,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "tests/conformance/trace.h"
 #include "enfilade/core/errors.h"
+#include "tests/conformance/trace.h"
 #include "tests/fuzz/memory_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

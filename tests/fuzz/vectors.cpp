@@ -2,8 +2,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "tests/conformance/vectors.h"
 #include "enfilade/core/errors.h"
+#include "tests/conformance/vectors.h"
 #include "tests/fuzz/fixture.h"
 #include "tests/fuzz/memory_file.h"
 

@@ -37,8 +37,8 @@ inline Panorama panorama(std::uint32_t size, std::uint64_t seed) {
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     Rng rng(seed, k);
     const std::uint64_t base = rng.below(200);
-    for (std::uint32_t y = 0; y < size; ++y) {
-      for (std::uint32_t x = 0; x < size; ++x) {
+    for (std::size_t y = 0; y < size; ++y) {
+      for (std::size_t x = 0; x < size; ++x) {
         std::uint8_t* rgb = p.colour[k].at(x, y);
         rgb[0] = static_cast<std::uint8_t>(base + x * 50 / size);
         rgb[1] = static_cast<std::uint8_t>(base + y * 50 / size);

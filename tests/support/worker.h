@@ -94,7 +94,8 @@ class Worker {
  private:
   static constexpr const char* kJson = "application/json";
 
-  /// Once more on a new connection if the one that was kept open is closed just now, as browsers do.
+  /// Once more on a new connection if the one that was kept open is closed just now, as browsers
+  /// do.
   template <class Call>
   nlohmann::json answered(const Call& call) {
     httplib::Result result = call();

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from collections.abc import Iterator
+from pathlib import Path
 
 import griffe
 from markdown_tree import ROOT, Fault
@@ -100,7 +100,7 @@ def _bases(thing: griffe.Object | griffe.Alias) -> list[griffe.Class]:
     """Known base classes. A Gymnasium method that is overridden is documented there."""
     try:
         return list(thing.mro())
-    except Exception:
+    except Exception:  # griffe raises several kinds where a base is of a package that is not loaded
         return []
 
 
