@@ -373,7 +373,8 @@ TEST_F(FeatureSetTest, ReadsSafetensorsWithoutMetadata) {
     return refusal_of(path("f.safetensors"));
   };
   EXPECT_THAT(refusal({}), HasSubstr("no-features"));
-  EXPECT_THAT(refusal({array("s_a", {4})}), HasSubstr("\"s_a\": not an array of views"));
+  EXPECT_THAT(refusal({array("s_a", {4})}),
+              HasSubstr("\"s_a\": not an array of shape (views, dimensions)"));
   EXPECT_THAT(refusal({array("conv1.weight", {2, 2})}), HasSubstr("not <scan>_<viewpoint>"));
   EXPECT_THAT(refusal({array("s_a", {2, 2}), array("s_b", {4, 1})}),
               HasSubstr("\"s_b\": 4 x 1 of F32, not 2 x 2 of F32 as the first"));

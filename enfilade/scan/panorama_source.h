@@ -26,6 +26,7 @@ enum class Layer : std::uint8_t {
   kClass,     ///< object class, 16 bit; 0: none
   kInstance,  ///< object instance, 32 bit; 0: none
 };
+/// How many layers there are.
 inline constexpr std::size_t kLayers = 4;
 /// Index of a layer, from 0 in the order above.
 constexpr std::size_t index(Layer layer) { return static_cast<std::size_t>(layer); }
