@@ -139,6 +139,27 @@ bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const 
 bool write_nothing(std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
   return false;
 }
+bool find_size(std::size_t* bytes, std::string* error, const std::string& path, void* user) {
+  const Files& files = *static_cast<Files*>(user);
+  std::error_code code;
+  *bytes = std::filesystem::file_size(files.source.folder / path, code);
+  if (code && error != nullptr) *error = code.message();
+  return !code;
+}
+
+template <class Callbacks>  // FsCallbacks: a template, so that a member that it lacks is no error
+Callbacks callbacks_of(Files& files) {
+  Callbacks callbacks{};
+  callbacks.FileExists = file_exists;
+  callbacks.ExpandFilePath = same_path;
+  callbacks.ReadWholeFile = read_whole_file;
+  callbacks.WriteWholeFile = write_nothing;
+  callbacks.user_data = &files;
+  if constexpr (requires { callbacks.GetFileSizeInBytes; }) {  // since tinygltf 2.9
+    callbacks.GetFileSizeInBytes = find_size;
+  }
+  return callbacks;
+}
 
 /// Keeps images encoded; read_gltf_materials() decodes those that are used. Images in buffers are
 /// not copied here, as tinygltf does not check that they lie inside the buffer; view_bytes() does.
@@ -247,8 +268,8 @@ class AccessorReader {
     const auto& sparse = accessor_->sparse;
     const ComponentType* type = find_type(sparse.indices.componentType);
     if (sparse.count < 1 || static_cast<std::size_t>(sparse.count) > out_.count ||
-        sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0 || type == nullptr ||
-        !type->is_unsigned) {
+        std::cmp_less(sparse.indices.byteOffset, 0) ||  // signed until tinygltf 2.9
+        std::cmp_less(sparse.values.byteOffset, 0) || type == nullptr || !type->is_unsigned) {
       fail("its sparse part has a count, an offset or a type that is not allowed");
     }
     const auto count = static_cast<std::size_t>(sparse.count),
@@ -284,7 +305,7 @@ Model load_gltf(const Source& source) {
   Files files{source, std::nullopt};
   tinygltf::TinyGLTF reader;
   reader.SetImageLoader(keep_image, nullptr);
-  reader.SetFsCallbacks({file_exists, same_path, read_whole_file, write_nothing, &files});
+  reader.SetFsCallbacks(callbacks_of<tinygltf::FsCallbacks>(files));
   Model model;
   std::string error, warning;
   bool read = false;
