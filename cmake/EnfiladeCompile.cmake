@@ -20,6 +20,32 @@ if(EN_SANITIZE)
   add_compile_options(-fsanitize=${EN_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${EN_SANITIZE})
 endif()
+
+# What a Python needs in its environment to import modules of this build, a list of NAME=VALUE. It is not
+# instrumented, so that it has to load the sanitizer's library first; and libstdc++, without which that
+# library can't follow exceptions. What leaks at its end is the interpreter's own.
+set(EN_PYTHON_ENVIRONMENT "")
+set(EN_TIMEOUT_FACTOR 1)  # of tests' time limits
+if(EN_SANITIZE)
+  set(EN_TIMEOUT_FACTOR 4)
+  if(EN_SANITIZE MATCHES "thread")
+    set(preloaded tsan stdc++)
+    list(APPEND EN_PYTHON_ENVIRONMENT
+      "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/python/tests/tsan_suppressions.txt")
+  else()
+    set(preloaded asan stdc++)
+    list(APPEND EN_PYTHON_ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
+  endif()
+  list(TRANSFORM preloaded REPLACE "(.+)" "lib\\1.so")
+  set(files "")
+  foreach(library IN LISTS preloaded)
+    execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=${library}
+      OUTPUT_VARIABLE file OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+    string(APPEND files "${file} ")
+  endforeach()
+  list(APPEND EN_PYTHON_ENVIRONMENT "LD_PRELOAD=${files}")
+endif()
+
 if(EN_BUILD_FUZZERS)
   if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
     message(FATAL_ERROR "EN_BUILD_FUZZERS needs clang (libFuzzer); this compiler is "

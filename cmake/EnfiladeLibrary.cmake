@@ -55,7 +55,8 @@ function(enfilade_test name)
   if(arg_SLOW)
     set(label LABELS slow)
   endif()
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 ${label})
+  math(EXPR timeout "300 * ${EN_TIMEOUT_FACTOR}")
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${timeout} ${label})
 endfunction()
 
 # A program in bin/: the command line, its tools, examples and benchmarks.

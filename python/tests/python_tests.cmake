@@ -6,28 +6,13 @@ endif()
 set(pytest -m pytest -q -rs -p no:cacheprovider)
 set(chosen "")
 
-if(EN_SANITIZE)
-  # The interpreter is not instrumented, so that it has to load the sanitizer's library first; and libstdc++,
-  # without which that library can't follow exceptions. What is left at the end is the interpreter's own.
-  if(EN_SANITIZE MATCHES "thread")
-    set(library tsan)
-    set(chosen -k "thread and not torch")
-    list(APPEND environment
-      "TSAN_OPTIONS=suppressions=${CMAKE_CURRENT_LIST_DIR}/tsan_suppressions.txt")
-  else()
-    set(library asan)
-    # Freed memory is kept for a while, so that none is flat; other libraries' examples take too long.
-    set(chosen -k "not hundred_thousand and not test_examples")
-    list(APPEND environment "ASAN_OPTIONS=detect_leaks=0")
-  endif()
-  set(preload "")
-  foreach(name ${library} stdc++)
-    execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=lib${name}.so
-      OUTPUT_VARIABLE file OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
-    string(APPEND preload "${file} ")
-  endforeach()
-  list(APPEND environment "LD_PRELOAD=${preload}")
+if(EN_SANITIZE MATCHES "thread")
+  set(chosen -k "thread and not torch")
+elseif(EN_SANITIZE)
+  # Freed memory is kept for a while, so that none is flat; other libraries' examples take too long.
+  set(chosen -k "not hundred_thousand and not test_examples")
 endif()
+list(APPEND environment ${EN_PYTHON_ENVIRONMENT})
 
 add_test(NAME python.tests
   COMMAND ${Python_EXECUTABLE} ${pytest} ${chosen} ${CMAKE_CURRENT_LIST_DIR})

@@ -28,8 +28,10 @@ if(PYTHON3_PROGRAM)
     file(STRINGS ${page} commands REGEX "^```sh run")
     if(commands AND EN_BUILD_APPS)
       add_test(NAME tutorial.${name} COMMAND ${PYTHON3_PROGRAM} -B ${CMAKE_CURRENT_LIST_DIR}/tutorials.py
-        ${page} --build ${PROJECT_BINARY_DIR} --python ${python})
-      set_tests_properties(tutorial.${name} PROPERTIES TIMEOUT 900 SKIP_RETURN_CODE 77 LABELS slow)
+        ${page} --build ${PROJECT_BINARY_DIR} --python ${python}
+        --python-environment ${EN_PYTHON_ENVIRONMENT})
+      math(EXPR timeout "900 * ${EN_TIMEOUT_FACTOR}")
+      set_tests_properties(tutorial.${name} PROPERTIES TIMEOUT ${timeout} SKIP_RETURN_CODE 77 LABELS slow)
     endif()
   endforeach()
 endif()

@@ -22,6 +22,7 @@ import argparse
 import difflib
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -79,7 +80,8 @@ def _without_numbers(text: str) -> str:
 
 
 class Tutorial:
-    def __init__(self, page: Path, build: Path, python: str) -> None:
+    def __init__(self, page: Path, build: Path, python: list[str]) -> None:
+        """python: the command that starts it, as in ["env", "NAME=VALUE", "/usr/bin/python3"]"""
         self.page, self.build, self.python = page, build.resolve(), python
         self.text = page.read_text(encoding="utf-8")
         self.blocks = blocks_of(self.text)
@@ -105,7 +107,7 @@ class Tutorial:
         (programs / "enfilade").symlink_to(self.build / "bin/enfilade")
         # A link would lose the environment that it belongs to.
         for name in ("python", "python3"):
-            (programs / name).write_text(f'#!/bin/sh\nexec "{self.python}" "$@"\n')
+            (programs / name).write_text(f'#!/bin/sh\nexec {shlex.join(self.python)} "$@"\n')
             (programs / name).chmod(0o755)
         kept = {k: v for k, v in os.environ.items() if not k.startswith("ENFILADE_")}
         return {**kept, "PATH": f"{programs}:{os.environ['PATH']}", "PYTHONPATH": f"{self.build}/python",
@@ -160,10 +162,12 @@ def main() -> int:
     parser.add_argument("page", type=Path)
     parser.add_argument("--build", type=Path, required=True, help="a finished build of Enfilade")
     parser.add_argument("--python", default=sys.executable, help="the Python that its package was built for")
+    parser.add_argument("--python-environment", metavar="NAME=VALUE", nargs="*", default=[], help="for that Python only")
     parser.add_argument("--update", action="store_true", help="write outputs and pictures into the page")
     parser.add_argument("--keep", type=Path, help="work in this new folder, and leave it")
     arguments = parser.parse_args()
-    tutorial = Tutorial(arguments.page.resolve(), arguments.build, os.path.abspath(arguments.python))
+    python = ["env", *arguments.python_environment, os.path.abspath(arguments.python)]
+    tutorial = Tutorial(arguments.page.resolve(), arguments.build, python)
     reason = tutorial.missing()
     if reason:
         print(f"the tutorial is skipped: {reason}")
