@@ -139,7 +139,8 @@ bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const 
 bool write_nothing(std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
   return false;
 }
-bool find_size(std::size_t* bytes, std::string* error, const std::string& path, void* user) {
+[[maybe_unused]] bool find_size(std::size_t* bytes, std::string* error, const std::string& path,
+                                void* user) {
   const Files& files = *static_cast<Files*>(user);
   std::error_code code;
   *bytes = std::filesystem::file_size(files.source.folder / path, code);
