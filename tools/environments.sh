@@ -4,11 +4,9 @@
 # ensure_pages: what the web pages are built with: Node.js and its npm, new enough, in front of the PATH
 # (Debian 12's is too old; PyPI has it too), and the packages of web/. False where they cannot be had.
 ensure_pages() {
-  local fetched=web/node_modules/.package-lock.json
   ensure_node || return 1
-  [[ ! $fetched -nt web/package-lock.json ]] || return 0
   mkdir -p build
-  (cd web && npm ci --no-audit --no-fund --loglevel=error) >build/npm.log 2>&1 || {
+  cmake -DWEB="$root/web" -DNPM=npm -P web/install.cmake >build/npm.log 2>&1 || {
     say "npm could not fetch what the pages are built with (all of its output: build/npm.log)"
     return 1
   }

@@ -10,9 +10,8 @@ if(NPM_PROGRAM)
   file(GLOB_RECURSE web_sources ${web}/src/* ${web}/pages/*)
   set(web_installed ${web}/node_modules/.package-lock.json)
   add_custom_command(OUTPUT ${web_installed}
-    COMMAND ${NPM_PROGRAM} ci --no-audit --no-fund --loglevel=error
-    WORKING_DIRECTORY ${web}
-    DEPENDS ${web}/package-lock.json
+    COMMAND ${CMAKE_COMMAND} -DWEB=${web} -DNPM=${NPM_PROGRAM} -P ${web}/install.cmake
+    DEPENDS ${web}/package-lock.json ${web}/install.cmake
     COMMENT "Fetching what the web client is built with (npm ci)"
     VERBATIM)
   add_custom_command(OUTPUT ${web_files_source}
