@@ -178,9 +178,7 @@ void run_agents(const Options& options, const dataset::Dataset& data, const std:
     const Progress progress = progress_bar(fmt::format("{}, {}", name, split));
     std::vector<Row> rows;
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-      agents::RunOptions run;
-      run.seed = seed;
-      const auto trajectories = agents::run_agent(*agent, episodes, run);
+      const auto trajectories = agents::run_agent(*agent, episodes, {.seed = seed});
       rows.push_back(row_of(r2r::score_trajectories(trajectories, episodes, {}, 0)));
       if (progress) progress(seed, seeds);
       if (seed > 1) continue;
@@ -266,12 +264,8 @@ void add_demo(CLI::App& app, int& status) {
       "was");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
-  verb.add_option("-o,--output", options->output, "Output folder")
-      ->capture_default_str()
-      ->type_name("DIR");
-  verb.add_option("--seeds", options->seeds, "Number of seeds of the random agent")
-      ->capture_default_str()
-      ->check(whole_number(1));
+  add_setting(verb, "-o,--output", options->output, "DIR", "Output folder");
+  add_whole_number(verb, "--seeds", options->seeds, "Number of seeds of the random agent");
   verb.add_flag("--skip-learning", options->skip_learning, "Do not train agents");
   set_examples(verb, {"enfilade demo", "enfilade demo --skip-learning",
                       "enfilade demo --data ~/data --seeds 100"});

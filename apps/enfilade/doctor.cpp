@@ -1,7 +1,6 @@
 // enfilade doctor: what this machine can do, and what to do about what it cannot.
 #include <dlfcn.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 #include <algorithm>
 #include <iterator>

@@ -81,34 +81,24 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_evaluate(CLI::App& app, int& status) {
+void add_evaluate(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("evaluate", kEvaluateHelp);
   const auto options = std::make_shared<Options>();
-  verb.add_option("model", options->model, "What `enfilade train` made")
-      ->required()
-      ->type_name("MODELDIR");
+  add_value(verb, "model", options->model, "MODELDIR", "What `enfilade train` made")->required();
   add_data_option(verb, options->data);
-  verb.add_option("--features", options->features, "Image features, if the agent uses vision")
-      ->type_name("FILE");
-  verb.add_option("--split", options->splits, "train, val_seen, val_unseen, test, ...")
-      ->delimiter(',')
-      ->capture_default_str()
-      ->type_name("NAMES");
-  verb.add_option("-o,--output", options->output,
-                  "Folder for <split>.json, a results file, and <split>.attention.json (default: "
-                  "results/ in the model directory)")
-      ->type_name("DIR");
-  verb.add_option("--batch", options->batch_size, "Episodes at once")
-      ->check(whole_number(1))
-      ->capture_default_str();
-  verb.add_option("--device", options->device, "cpu, cuda, cuda:1, ...")->capture_default_str();
+  add_value(verb, "--features", options->features, "FILE",
+            "Image features, if the agent uses vision");
+  add_setting(verb, "--split", options->splits, "NAMES", "train, val_seen, val_unseen, test, ...")
+      ->delimiter(',');
+  add_value(verb, "-o,--output", options->output, "DIR",
+            "Folder for <split>.json, a results file, and <split>.attention.json (default: "
+            "results/ in the model directory)");
+  add_whole_number(verb, "--batch", options->batch_size, "Episodes at once");
+  add_setting(verb, "--device", options->device, "", "cpu, cuda, cuda:1, ...");
   add_threads_option(verb, options->threads);
   set_examples(verb, {"enfilade evaluate student --features resnet.safetensors",
                       "enfilade evaluate submission --split test --features resnet.safetensors"});
-  verb.callback([options, &status] {
-    run(*options);
-    status = kSuccess;
-  });
+  verb.callback([options] { run(*options); });
 }
 
 }  // namespace enfilade::apps

@@ -98,40 +98,31 @@ void run(Options o) {
 
 void add_options(CLI::App& verb, Options& o) {
   add_data_option(verb, o.data);
-  verb.add_option("-o,--output", o.output,
-                  "A .safetensors (mapped, resumable), .tsv (as R2R's authors published theirs) or "
-                  ".h5 (as HAMT's and DUET's); with --shard, NAME.3-of-16.safetensors")
-      ->required()
-      ->type_name("FILE");
-  verb.add_option("--encoder", o.job.encoder.name,
-                  fmt::format("One of: {}", fmt::join(neural::encoder_names(), ", ")))
-      ->check(CLI::IsMember(neural::encoder_names()))
-      ->capture_default_str()
-      ->type_name("NAME");
-  verb.add_option("--weights", o.weights,
-                  "Torchvision's .pth, torchvision's or timm's .safetensors; of home: what "
-                  "`enfilade pretrain` wrote; or the word random")
-      ->type_name("FILE");
-  verb.add_option("--preprocessing", o.preprocessing,
-                  "What ResNet's weights were trained with: caffe (the released R2R features) or "
-                  "torchvision (all weights of torchvision and timm)")
-      ->check(CLI::IsMember({"caffe", "torchvision"}))
-      ->capture_default_str()
-      ->type_name("NAME");
-  verb.add_option("--scan", o.scans, "Only these (default: all of scans.txt)")->type_name("SCAN");
-  verb.add_option("--images", o.images, "Folder of stores or scans (default: the data set's)")
-      ->type_name("DIR");
-  verb.add_option("--shard", o.shard, "Do the third of 16 parts: 3/16")->type_name("N/COUNT");
+  add_value(verb, "-o,--output", o.output, "FILE",
+            "A .safetensors (mapped, resumable), .tsv (as R2R's authors published theirs) or "
+            ".h5 (as HAMT's and DUET's); with --shard, NAME.3-of-16.safetensors")
+      ->required();
+  add_setting(verb, "--encoder", o.job.encoder.name, "NAME",
+              fmt::format("One of: {}", fmt::join(neural::encoder_names(), ", ")),
+              CLI::IsMember(neural::encoder_names()));
+  add_value(verb, "--weights", o.weights, "FILE",
+            "Torchvision's .pth, torchvision's or timm's .safetensors; of home: what "
+            "`enfilade pretrain` wrote; or the word random");
+  add_setting(verb, "--preprocessing", o.preprocessing, "NAME",
+              "What ResNet's weights were trained with: caffe (the released R2R features) or "
+              "torchvision (all weights of torchvision and timm)",
+              CLI::IsMember({"caffe", "torchvision"}));
+  add_value(verb, "--scan", o.scans, "SCAN", "Only these (default: all of scans.txt)");
+  add_value(verb, "--images", o.images, "DIR",
+            "Folder of stores or scans (default: the data set's)");
+  add_value(verb, "--shard", o.shard, "N/COUNT", "Do the third of 16 parts: 3/16");
   add_whole_number(verb, "--batch", o.job.batch, "Pictures that the encoder sees at once");
-  verb.add_option("--device", o.job.encoder.device, "cpu, cuda or cuda:N")
-      ->capture_default_str()
-      ->type_name("NAME");
+  add_setting(verb, "--device", o.job.encoder.device, "NAME", "cpu, cuda or cuda:N");
   add_threads_option(verb, o.job.threads);
   verb.add_flag("--float16", o.float16, "Half the size; three digits of each number");
-  verb.add_option("--merge", o.merge,
-                  "Compute nothing: put these feature files together into --output, or change the "
-                  "format of one")
-      ->type_name("FILE...");
+  add_value(verb, "--merge", o.merge, "FILE...",
+            "Compute nothing: put these feature files together into --output, or change the "
+            "format of one");
 }
 
 }  // namespace

@@ -4,11 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
-#include <string>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "apps/enfilade/picture_files.h"
 #include "enfilade/dataset/views.h"
@@ -113,10 +110,8 @@ std::optional<Look> best_look(const dataset::Dataset& data, render::Renderer& re
 
 void write_sheet(const fs::path& file, const std::vector<draw::SheetPicture>& pictures,
                  const std::string& title, std::size_t columns = 0) {
-  draw::SheetOptions options;
-  options.title = title;
-  options.columns = columns;
-  write_output(file.string(), encode(draw::contact_sheet(pictures, options), file.string()));
+  const auto sheet = draw::contact_sheet(pictures, {.columns = columns, .title = title});
+  write_output(file.string(), encode(sheet, file.string()));
 }
 
 // The living room or its like, else the room with most viewpoints; null if there is no room.

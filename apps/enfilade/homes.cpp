@@ -82,26 +82,21 @@ void make(const Options& options) {
                homes.size());
     return;
   }
-  homes::HomePathOptions paths;
-  paths.per_home = options.paths;
-  paths.threads = options.threads;
+  homes::HomePathOptions paths{.per_home = options.paths, .threads = options.threads};
   if (options.seed) paths.seed = *options.seed;
   const auto report = homes::write_home_paths(options.output, paths, bar("paths"));
   fmt::print("{} paths, {} instructions, all SYNTHETIC\n", report.paths, report.instructions);
 }
 
 void add_options(CLI::App& verb, Options& o) {
-  verb.add_option("-o,--output", o.output, "A new or empty folder, or one to complete")
-      ->required()
-      ->type_name("DIR");
-  verb.add_option("--preset", o.preset,
-                  "small: 2 flats for tests; demo: 16 homes of 25 to 50 viewpoints; full: 90 homes "
-                  "of 117 viewpoints on average, 512-texel faces; graphs: 6 homes without pictures")
-      ->check(CLI::IsMember(homes::home_set_presets()))
-      ->capture_default_str();
-  verb.add_option("--homes", o.homes, "How many, instead of the preset's")
-      ->check(whole_number(1, 10000))
-      ->type_name("N");
+  add_value(verb, "-o,--output", o.output, "DIR", "A new or empty folder, or one to complete")
+      ->required();
+  add_setting(verb, "--preset", o.preset, "",
+              "small: 2 flats for tests; demo: 16 homes of 25 to 50 viewpoints; full: 90 homes "
+              "of 117 viewpoints on average, 512-texel faces; graphs: 6 homes without pictures",
+              CLI::IsMember(homes::home_set_presets()));
+  add_value(verb, "--homes", o.homes, "N", "How many, instead of the preset's")
+      ->check(whole_number(1, 10000));
   verb.add_option("--kind", o.kind, "house, flat, office or hotel; else a mixture")
       ->check(CLI::IsMember(homes::home_kinds()));
   verb.add_option("--area", o.area, "Of all storeys of a home, square metres, 60 to 3000")
@@ -111,33 +106,27 @@ void add_options(CLI::App& verb, Options& o) {
   verb.add_option("--samples", o.samples, "Colour rays a texel: 1, 4, 9 or 16")
       ->check(whole_number(1));
   verb.add_option("--seed", o.seed, "The same seed gives the same bytes")->check(whole_number());
-  verb.add_option("--parts", o.parts,
-                  "Matterport3D's files of each home too, in v1/scans/, with commas between: as of "
-                  "scan-mesh; mesh is .obj and .glb, for Habitat, Isaac Sim and Blender")
+  add_value(verb, "--parts", o.parts, "PART,...",
+            "Matterport3D's files of each home too, in v1/scans/, with commas between: as of "
+            "scan-mesh; mesh is .obj and .glb, for Habitat, Isaac Sim and Blender")
       ->delimiter(',')
-      ->check(CLI::IsMember(capture::scan_part_names()))
-      ->type_name("PART,...");
-  verb.add_option("--image-width", o.image_width,
-                  "Of the undistorted images among the parts, pixels; heights are 4/5 of it")
-      ->check(whole_number(10, 4096))
-      ->capture_default_str();
-  verb.add_option("--corrections", o.corrections,
-                  "Folder of what people added to graphs and took away, SCAN_corrections.json: "
-                  "docs/graph.md. Also applied to homes that are there; without it none are")
-      ->type_name("DIR");
-  verb.add_option("--shard", o.shard,
-                  "Make the K-th of N shares of the set only, beside other runs; then run once "
-                  "without it")
-      ->type_name("K/N");
-  verb.add_option("--paths", o.paths, "Room-to-Room paths a home, at most; 0: none")
-      ->check(whole_number())
-      ->capture_default_str();
+      ->check(CLI::IsMember(capture::scan_part_names()));
+  add_setting(verb, "--image-width", o.image_width, "",
+              "Of the undistorted images among the parts, pixels; heights are 4/5 of it",
+              whole_number(10, 4096));
+  add_value(verb, "--corrections", o.corrections, "DIR",
+            "Folder of what people added to graphs and took away, SCAN_corrections.json: "
+            "docs/graph.md. Also applied to homes that are there; without it none are");
+  add_value(verb, "--shard", o.shard, "K/N",
+            "Make the K-th of N shares of the set only, beside other runs; then run once "
+            "without it");
+  add_whole_number(verb, "--paths", o.paths, "Room-to-Room paths a home, at most; 0: none", 0);
   add_threads_option(verb, o.threads);
 }
 
 }  // namespace
 
-void add_homes(CLI::App& app, int& status) {
+void add_homes(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "homes", "Make model homes: synthetic buildings with panoramas, graphs and instructions");
   const auto options = std::make_shared<Options>();
@@ -150,37 +139,29 @@ void add_homes(CLI::App& app, int& status) {
   verb.footer(
       verb.get_footer() +
       "\nA run that was stopped goes on where it was. All of it is synthetic, and says so.");
-  verb.callback([options, &status] {
-    make(*options);
-    status = kSuccess;
-  });
+  verb.callback([options] { make(*options); });
 }
 
-void add_synth(CLI::App& app, int& status) {
+void add_synth(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "synth", "Make SYNTHETIC homes without pictures: short for homes --preset graphs");
   const auto options = std::make_shared<Options>();
   options->preset = "graphs";
   options->homes = homes::home_set_preset(options->preset).homes;
   options->seed = homes::HomeSetOptions().seed;
-  verb.add_option("-o,--output", options->output, "A new or empty folder, or one to complete")
-      ->required()
-      ->type_name("DIR");
-  verb.add_option("--buildings", options->homes, "How many homes, at least 3, one a split")
-      ->check(whole_number(homes::kLeastHomes, 10000))
-      ->capture_default_str()
-      ->type_name("N");
-  verb.add_option("--seed", options->seed, "The same seed gives the same bytes")
-      ->check(whole_number())
-      ->capture_default_str();
+  add_value(verb, "-o,--output", options->output, "DIR",
+            "A new or empty folder, or one to complete")
+      ->required();
+  add_setting(verb, "--buildings", options->homes, "N", "How many homes, at least 3, one a split",
+              whole_number(homes::kLeastHomes, 10000));
+  add_whole_number(verb, "--seed", options->seed, "The same seed gives the same bytes", 0);
   set_examples(verb, {"enfilade synth -o my-data", "enfilade stats --data my-data",
                       "enfilade graph draw home_0001 --data my-data -o plan.svg"});
-  verb.callback([options, &status] {
+  verb.callback([options] {
     make(*options);
     fmt::print(
         "Use them with --data {} or ENFILADE_DATA; numbers from them compare with no others.\n",
         options->output);
-    status = kSuccess;
   });
 }
 

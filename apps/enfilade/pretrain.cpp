@@ -123,15 +123,11 @@ void add_pretrain(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("pretrain", kPretrainHelp);
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
-  verb.add_option("-o,--output", options->output, "For `enfilade features --weights`")
-      ->capture_default_str()
-      ->type_name("FILE");
+  add_setting(verb, "-o,--output", options->output, "FILE", "For `enfilade features --weights`");
   add_whole_number(verb, "--pictures", options->config.pictures, "To train on, about");
   add_whole_number(verb, "--epochs", options->config.epochs, "Times that each is seen");
   add_whole_number(verb, "--seed", options->config.seed, "The same seed gives the same network", 0);
-  verb.add_option("--device", options->config.device, "cpu, cuda or cuda:N")
-      ->capture_default_str()
-      ->type_name("NAME");
+  add_setting(verb, "--device", options->config.device, "NAME", "cpu, cuda or cuda:N");
   add_threads_option(verb, options->config.threads,
                      "0: all cores; part of what the seed stands for");
   set_examples(verb, {"enfilade pretrain --data homes",

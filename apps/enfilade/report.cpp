@@ -43,38 +43,27 @@ void make(const Options& options) {
 
 }  // namespace
 
-void add_report(CLI::App& app, int& status) {
+void add_report(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "report",
       "One HTML page of a run: results, training curves, episodes step by step, the data; it needs "
       "no other file and no network");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
-  verb.add_option("runs", options->named,
-                  "Folder of a run, model directories, results files AGENT_SPLIT.json")
-      ->required()
-      ->type_name("PATH");
-  verb.add_option("-o,--output", options->output, "File; - for standard output")
-      ->capture_default_str()
-      ->type_name("FILE");
-  verb.add_option("--title", options->config.title, "Title of the page")
-      ->capture_default_str()
-      ->type_name("TEXT");
-  verb.add_option("--episodes", options->config.episodes_of_a_kind,
-                  "Episodes of each kind: best, worst, at random")
-      ->check(whole_number())
-      ->capture_default_str()
+  add_value(verb, "runs", options->named, "PATH",
+            "Folder of a run, model directories, results files AGENT_SPLIT.json")
+      ->required();
+  add_setting(verb, "-o,--output", options->output, "FILE", "File; - for standard output");
+  add_setting(verb, "--title", options->config.title, "TEXT", "Title of the page");
+  add_whole_number(verb, "--episodes", options->config.episodes_of_a_kind,
+                   "Episodes of each kind: best, worst, at random", 0)
       ->type_name("N");
-  verb.add_option("--panoramas", options->config.panoramas, "Largest number of buildings shown")
-      ->check(whole_number())
-      ->capture_default_str()
+  add_whole_number(verb, "--panoramas", options->config.panoramas,
+                   "Largest number of buildings shown", 0)
       ->type_name("N");
   set_examples(verb, {"enfilade report enfilade-demo --data enfilade-demo/homes -o report.html",
                       "enfilade report models/student-1 random_val_unseen.json --episodes 5"});
-  verb.callback([options, &status] {
-    make(*options);
-    status = kSuccess;
-  });
+  verb.callback([options] { make(*options); });
 }
 
 }  // namespace enfilade::apps

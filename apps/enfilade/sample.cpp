@@ -53,8 +53,7 @@ std::size_t count_buildings(const std::vector<r2r::PathAnnotation>& paths) {
 }
 
 void write_splits(const Options& options, const std::vector<r2r::PathAnnotation>& paths) {
-  r2r::SplitOptions split_options;
-  split_options.seed = options.sampling.seed;
+  r2r::SplitOptions split_options{.seed = options.sampling.seed};
   if (!options.shares.empty()) {
     split_options.train_scans = options.shares[0];
     split_options.val_unseen_scans = options.shares[1];
@@ -118,35 +117,30 @@ void add_limits(CLI::App& verb, r2r::SamplingOptions& sampling) {
       ->check(whole_number(1));
   add_whole_number(verb, "--min-edges", sampling.min_edges, "Of a path");
   add_whole_number(verb, "--max-edges", sampling.max_edges, "Of a path");
-  verb.add_option("--min-length", sampling.min_length, "Of a path, in metres")
-      ->check(finite_number())
-      ->capture_default_str();
+  add_setting(verb, "--min-length", sampling.min_length, "", "Of a path, in metres",
+              finite_number());
   add_whole_number(verb, "--seed", sampling.seed, "One seed, one set of paths", 0);
 }
 
 void add_options(CLI::App& verb, Options& options) {
   add_data_option(verb, options.data);
-  verb.add_option("--connectivity", options.connectivity,
-                  "Navigation graphs, instead of the data set's")
-      ->type_name("DIR");
-  verb.add_option("--regions", options.regions,
-                  "Which room each viewpoint is in: {scan: {region: [viewpoints]}}, instead of the "
-                  "data set's regions/region_to_panorama.json")
-      ->type_name("FILE");
+  add_value(verb, "--connectivity", options.connectivity, "DIR",
+            "Navigation graphs, instead of the data set's");
+  add_value(verb, "--regions", options.regions, "FILE",
+            "Which room each viewpoint is in: {scan: {region: [viewpoints]}}, instead of the "
+            "data set's regions/region_to_panorama.json");
   add_limits(verb, options.sampling);
-  verb.add_option("-o,--output", options.output,
-                  "File to write, - for standard output; with --splits a folder")
-      ->type_name("FILE|DIR");
+  add_value(verb, "-o,--output", options.output, "FILE|DIR",
+            "File to write, - for standard output; with --splits a folder");
   CLI::Option* splits =
       verb.add_flag("--splits", options.splits,
                     "Split by building into R2R_{train,val_seen,val_unseen,test,test_hidden}.json");
-  verb.add_option("--shares", options.shares,
-                  "Buildings for train, val_unseen and test, scaled to those there are (default: "
-                  "61 11 18)")
+  add_value(verb, "--shares", options.shares, "N",
+            "Buildings for train, val_unseen and test, scaled to those there are (default: "
+            "61 11 18)")
       ->expected(3)
       ->needs(splits)
-      ->check(whole_number())
-      ->type_name("N");
+      ->check(whole_number());
   verb.add_flag("--compare", options.compare,
                 "Print lengths and numbers of edges beside those of the data set's own paths");
 }

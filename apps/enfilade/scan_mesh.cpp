@@ -19,8 +19,6 @@
 namespace enfilade::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct Arguments {
   MeshOptions mesh;
   std::string output, graph, labels;

@@ -75,26 +75,21 @@ ExitCode score(const Options& options) {
 }
 
 void add_options(CLI::App& verb, Options& options) {
-  verb.add_option("results", options.results, "Results file, in any of the usual forms")
-      ->required()
-      ->type_name("RESULTS.json");
-  verb.add_option("--split", options.split, "train, val_seen, val_unseen, ...")->type_name("NAME");
+  add_value(verb, "results", options.results, "RESULTS.json",
+            "Results file, in any of the usual forms")
+      ->required();
+  add_value(verb, "--split", options.split, "NAME", "train, val_seen, val_unseen, ...");
   add_data_option(verb, options.data);
-  verb.add_option("--annotations", options.annotations,
-                  "Annotations to score against, instead of the data set's R2R_<split>.json")
-      ->type_name("FILE");
-  verb.add_option("--connectivity", options.connectivity,
-                  "Navigation graphs, instead of the data set's")
-      ->type_name("DIR");
-  verb.add_option("--spl", options.spl,
-                  "What SPL in the table compares with: the shortest path, or the reference path, "
-                  "as DUET does. The JSON has both")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"shortest", "reference"}))
-      ->type_name("PATH");
-  CLI::Option* json = verb.add_option("--json", options.json,
-                                      "Write all metrics; - for standard output, without the table")
-                          ->type_name("FILE");
+  add_value(verb, "--annotations", options.annotations, "FILE",
+            "Annotations to score against, instead of the data set's R2R_<split>.json");
+  add_value(verb, "--connectivity", options.connectivity, "DIR",
+            "Navigation graphs, instead of the data set's");
+  add_setting(verb, "--spl", options.spl, "PATH",
+              "What SPL in the table compares with: the shortest path, or the reference path, "
+              "as DUET does. The JSON has both",
+              CLI::IsMember({"shortest", "reference"}));
+  CLI::Option* json = add_value(verb, "--json", options.json, "FILE",
+                                "Write all metrics; - for standard output, without the table");
   verb.add_flag("--per-episode", options.per_episode, "Metrics of each episode in the JSON too")
       ->needs(json);
 }

@@ -48,27 +48,21 @@ void stats(const Options& options) {
 
 }  // namespace
 
-void add_stats(CLI::App& app, int& status) {
+void add_stats(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "stats", "What a data set is like: paths, instructions, vocabulary, graphs");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
-  verb.add_option("--split", options->splits,
-                  "Splits to count, one or more (default: those of train, val_seen, val_unseen and "
-                  "test that are there)")
-      ->type_name("NAME");
-  verb.add_option("--json", options->json,
-                  "Write the numbers as JSON; - for standard output, without the table")
-      ->type_name("FILE");
-  verb.add_option("--top", options->top, "How many of the most frequent first four words to list")
-      ->check(whole_number())
-      ->capture_default_str();
+  add_value(verb, "--split", options->splits, "NAME",
+            "Splits to count, one or more (default: those of train, val_seen, val_unseen and "
+            "test that are there)");
+  add_value(verb, "--json", options->json, "FILE",
+            "Write the numbers as JSON; - for standard output, without the table");
+  add_whole_number(verb, "--top", options->top,
+                   "How many of the most frequent first four words to list", 0);
   set_examples(verb, {"enfilade stats", "enfilade stats --split train val_seen --json stats.json",
                       "enfilade stats --json - | jq .all.vocabulary"});
-  verb.callback([options, &status] {
-    stats(*options);
-    status = kSuccess;
-  });
+  verb.callback([options] { stats(*options); });
 }
 
 }  // namespace enfilade::apps

@@ -118,7 +118,7 @@ void add_recipe(CLI::App& verb, Options& options) {
     add_whole_number(verb, name, value, what);
   };
   const auto real = [&](const char* name, double& value, const char* what) {
-    verb.add_option(name, value, what)->check(finite_number())->capture_default_str();
+    add_setting(verb, name, value, "", what, finite_number());
   };
   verb.add_option("--iterations", options.iterations,
                   "Updates; by default the paper's: 20000 for student, 5000 for teacher")
@@ -141,21 +141,17 @@ void add_recipe(CLI::App& verb, Options& options) {
 
 void add_data(CLI::App& verb, Options& options) {
   add_data_option(verb, options.data);
-  verb.add_option("--features", options.features,
-                  "Of the views, as `enfilade features` writes them")
-      ->type_name("FILE");
-  verb.add_option("-o,--output", options.output,
-                  "Model directory; one that is there is trained on from its last checkpoint")
-      ->required()
-      ->type_name("MODELDIR");
-  verb.add_option("--splits", options.config.splits,
-                  "Trained on, and the vocabulary's; for the test submission "
-                  "train,val_seen,val_unseen")
-      ->delimiter(',')
-      ->capture_default_str();
-  verb.add_option("--validation", options.config.validation, "Splits to validate with")
-      ->delimiter(',')
-      ->capture_default_str();
+  add_value(verb, "--features", options.features, "FILE",
+            "Of the views, as `enfilade features` writes them");
+  add_value(verb, "-o,--output", options.output, "MODELDIR",
+            "Model directory; one that is there is trained on from its last checkpoint")
+      ->required();
+  add_setting(verb, "--splits", options.config.splits, "",
+              "Trained on, and the vocabulary's; for the test submission "
+              "train,val_seen,val_unseen")
+      ->delimiter(',');
+  add_setting(verb, "--validation", options.config.validation, "", "Splits to validate with")
+      ->delimiter(',');
 }
 
 }  // namespace
@@ -166,7 +162,7 @@ void add_train(CLI::App& app, int& /*status*/) {
   add_data(verb, *options);
   const auto choice = [&](const char* name, std::string& value, const char* what,
                           const std::vector<std::string>& allowed) {
-    verb.add_option(name, value, what)->check(CLI::IsMember(allowed))->capture_default_str();
+    add_setting(verb, name, value, "", what, CLI::IsMember(allowed));
   };
   choice("--feedback", options->feedback, "What is done next in training", {"student", "teacher"});
   choice("--inputs", options->inputs, "What the agent may use",
@@ -180,7 +176,7 @@ void add_train(CLI::App& app, int& /*status*/) {
          "one that the teacher intended",
          {"nearest", "intended"});
   add_recipe(verb, *options);
-  verb.add_option("--device", options->device, "cpu, cuda, cuda:1, ...")->capture_default_str();
+  add_setting(verb, "--device", options->device, "", "cpu, cuda, cuda:1, ...");
   add_threads_option(verb, options->threads);
   set_examples(verb, {"enfilade train --data DIR --features resnet.safetensors -o student",
                       "enfilade train --feedback teacher --inputs language -o language-only",

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <functional>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -462,13 +461,7 @@ ScanParts scan_parts(const std::vector<std::string>& names) {
   return parts;
 }
 
-mesh::BakeOptions least_light() {
-  mesh::BakeOptions bake;
-  bake.spacing = 100;
-  bake.rays = 1;
-  bake.bounces = 1;
-  return bake;
-}
+mesh::BakeOptions least_light() { return {.spacing = 100, .rays = 1, .bounces = 1}; }
 
 std::unique_ptr<const mesh::LitMesh> read_label_mesh(const fs::path& house_segmentations,
                                                      const std::string& scan) {

@@ -3,9 +3,7 @@
 #include <unistd.h>
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <memory>
-#include <string>
 #include <system_error>
 #include <vector>
 

@@ -1,7 +1,6 @@
 #include "enfilade/core/half.h"
 
 #include <array>
-#include <bit>
 #include <cstring>
 
 namespace enfilade {

@@ -1,7 +1,6 @@
 #include "enfilade/geometry/cube_map.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "enfilade/core/check.h"
 

@@ -6,7 +6,6 @@
 #include <limits>
 #include <mutex>
 #include <unordered_map>
-#include <utility>
 
 #define NANOFLANN_FIRST_MATCH  // equally near points: the one of the lower index
 #include <fmt/format.h>

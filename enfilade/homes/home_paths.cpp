@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <map>
-#include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
@@ -68,10 +66,8 @@ HomePathReport write_home_paths(const fs::path& folder, const HomePathOptions& o
                                 folder.string(), homes.size(), kLeastHomes));
   }
   const auto graphs = graph::GraphSet::open(folder / "connectivity");
-  r2r::SamplingOptions sampling;
-  sampling.per_building = options.per_home;
-  sampling.seed = options.seed;
-  sampling.threads = options.threads;
+  const r2r::SamplingOptions sampling{
+      .per_building = options.per_home, .seed = options.seed, .threads = options.threads};
   const auto regions = scan::RegionMap::load(folder / "regions" / "region_to_panorama.json");
   std::vector<r2r::PathAnnotation> paths = r2r::sample_paths(*graphs, regions, sampling);
   for (std::size_t i = 0; i < homes.size(); ++i) {
@@ -79,9 +75,7 @@ HomePathReport write_home_paths(const fs::path& folder, const HomePathOptions& o
     speak_in(homes[i], *graphs, options, paths);
   }
   if (progress) progress("", homes.size(), homes.size());
-  r2r::SplitOptions split;
-  split.val_seen_share = options.val_seen_share;
-  split.seed = options.seed;
+  const r2r::SplitOptions split{.val_seen_share = options.val_seen_share, .seed = options.seed};
   write_splits(folder, r2r::split_by_building(paths, split));
   return {paths.size(), paths.size() * speaking::kSpeakers.size()};
 }

@@ -3,15 +3,12 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
-#include <functional>
 #include <map>
 #include <memory>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "enfilade/capture/mesh_panoramas.h"
-#include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/corrections.h"
@@ -233,23 +230,18 @@ Homes claim(const fs::path& folder, const HomeSetOptions& options) {
 void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivity,
                    const HomeSetOptions& options, const fs::path& folder,
                    const std::function<void(std::size_t units)>& tell) {
-  mesh::BakeOptions bake;
-  bake.threads = options.threads;
   // Takes a third of the time of the finest light; in rooms, the difference is hardly visible.
-  bake.detail = 0.5F;
-  bake.rays = 48;
+  const mesh::BakeOptions bake{.detail = 0.5F, .rays = 48, .threads = options.threads};
   const auto lit = std::make_shared<mesh::LitMesh>(built.tracer, built.home.lights, bake);
   tell(kLit);
-  mesh::CaptureOptions capture;
-  capture.samples = options.samples;
+  const mesh::CaptureOptions capture{.samples = options.samples};
   const std::string state =
       fmt::format("model home, generation {}, seed {}, {} triangles, samples {}", kGeneration,
                   built.home.plan.seed, built.home.mesh.triangles.size(), options.samples);
   const capture::MeshPanoramas panoramas(lit, connectivity, options.face_size, capture, state);
-  scan::PackOptions pack;
-  pack.colour = scan::ColourCoding::kJpeg;
-  pack.jpeg_quality = options.jpeg_quality;
-  pack.threads = options.threads;
+  const scan::PackOptions pack{.colour = scan::ColourCoding::kJpeg,
+                               .jpeg_quality = options.jpeg_quality,
+                               .threads = options.threads};
   scan::pack(panoramas, folder / "store", pack, [&](std::size_t done, std::size_t total) {
     tell(kLit + (kUnits - kLit) * done / std::max<std::size_t>(total, 1));
   });

@@ -1,7 +1,6 @@
 #include "enfilade/image/image.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <cmath>
 
 #include "enfilade/core/errors.h"

@@ -1,7 +1,6 @@
 #include "enfilade/image/textures.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>

@@ -19,7 +19,6 @@
 namespace enfilade::neural {
 namespace {
 
-using seq2seq::kWeights;
 using seq2seq::Parameters;
 using seq2seq::WeightInfo;
 

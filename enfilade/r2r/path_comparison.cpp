@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <functional>
-#include <optional>
 #include <ranges>
 #include <set>
 #include <tuple>

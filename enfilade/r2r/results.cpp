@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "enfilade/core/detail/json.h"
-#include "enfilade/core/errors.h"
 
 namespace enfilade::r2r {
 namespace {

@@ -68,10 +68,9 @@ std::vector<MeanInterval> means_of(const std::vector<EpisodeMetrics>& metrics,
     for (const MetricField& field : fields) values.push_back(metrics[i].*field.field);
     paths.push_back(episodes.episodes[i].path);
   }
-  BootstrapOptions bootstrap;
-  bootstrap.samples = options.bootstrap_samples;
-  bootstrap.seed = options.bootstrap_seed;
-  bootstrap.threads = options.threads;
+  const BootstrapOptions bootstrap{.samples = options.bootstrap_samples,
+                                   .seed = options.bootstrap_seed,
+                                   .threads = options.threads};
   return bootstrap_means(values, fields.size(), paths, bootstrap);
 }
 

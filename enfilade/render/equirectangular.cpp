@@ -1,9 +1,7 @@
 // All directions of a panorama in one picture: one pixel after another, on all cores.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/threads.h"

@@ -1,7 +1,6 @@
 #include "enfilade/render/face_cache.h"
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <condition_variable>
 #include <exception>

@@ -1,11 +1,9 @@
 #include "enfilade/report/report.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"

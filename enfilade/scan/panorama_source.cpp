@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
-#include "enfilade/core/errors.h"
 
 namespace enfilade::scan {
 namespace {

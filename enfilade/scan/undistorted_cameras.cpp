@@ -10,7 +10,6 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/numbers.h"
-#include "enfilade/geometry/mat.h"
 
 namespace enfilade::scan {
 namespace {

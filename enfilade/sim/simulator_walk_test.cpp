@@ -15,7 +15,7 @@
 
 #include "enfilade/core/rng.h"
 #include "enfilade/scan/data_root.h"
-#include "enfilade/sim/detail/reference.h"
+#include "enfilade/sim/detail/test_reference.h"
 #include "enfilade/sim/simulator.h"
 #include "tests/support/graphs.h"
 

@@ -7,7 +7,6 @@
 #include <nanobind/stl/unique_ptr.h>
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <optional>
 #include <string>

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <span>
-#include <utility>
 
 #include "enfilade/core/file.h"
 

@@ -7,7 +7,6 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/half.h"
 #include "enfilade/core/numbers.h"
-#include "enfilade/features/formats/stored_arrays.h"
 
 namespace enfilade::features::formats {
 

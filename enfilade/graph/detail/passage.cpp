@@ -1,9 +1,6 @@
 #include "enfilade/graph/detail/passage.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 

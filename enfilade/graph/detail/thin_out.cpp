@@ -1,7 +1,6 @@
 #include "enfilade/graph/detail/thin_out.h"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 #include <set>
 #include <utility>

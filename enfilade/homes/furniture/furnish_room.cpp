@@ -1,6 +1,5 @@
 #include "enfilade/homes/furniture/furnish_room.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>

@@ -1,12 +1,10 @@
 #include "enfilade/homes/furniture/shapes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
-#include <vector>
 
 #include "enfilade/core/check.h"
 

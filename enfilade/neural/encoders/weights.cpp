@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 #include <xxhash.h>
 #include <algorithm>
-#include <functional>
 #include <optional>
 #include <utility>
 

@@ -45,9 +45,6 @@ class ActionDecoder {
 
  private:
   std::int64_t slot(std::int64_t step) const { return step % slots_; }
-  at::Tensor outputs_after(std::int64_t step) const {
-    return outputs_.select(0, (step + 1) % (slots_ + 1));
-  }
   at::Tensor flat(const at::Tensor& x, std::int64_t first, std::int64_t count) const {
     return x.narrow(0, slot(first), count).view({count * n_, x.size(2)});
   }

@@ -1,7 +1,6 @@
 #include "enfilade/render/cpu/footprint.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "enfilade/render/cpu/sampling.h"
 

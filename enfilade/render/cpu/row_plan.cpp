@@ -1,6 +1,5 @@
 #include "enfilade/render/cpu/row_plan.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "enfilade/core/check.h"

@@ -1,5 +1,4 @@
 // The scalar kernels: one pixel after another. The vector kernels are tested against them.
-#include <cmath>
 #include <cstring>
 
 #include "enfilade/core/half.h"

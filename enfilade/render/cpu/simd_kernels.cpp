@@ -369,7 +369,6 @@ const Kernels* kernels() {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include <bit>
 
 #include "enfilade/render/gl_devices.h"
 

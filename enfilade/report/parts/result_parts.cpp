@@ -7,7 +7,6 @@
 #include <set>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/models/model_directory.h"

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"

@@ -18,9 +18,7 @@ void add(std::vector<std::uint8_t>& to, image::Bytes bytes) {
 }
 
 Header unfinished(std::uint64_t fingerprint) {
-  Header header;
-  header.version = kStoreVersion;
-  header.fingerprint = fingerprint;
+  Header header{.version = kStoreVersion, .fingerprint = fingerprint};
   header.checksum = checksum_of(header);
   return header;
 }

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/sim/detail/reference.h"
+#include "enfilade/sim/detail/test_reference.h"
 
 namespace enfilade::sim::detail {
 namespace {
