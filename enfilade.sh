@@ -332,11 +332,12 @@ lint_tidy() {  # lint_tidy FILE...: clang-tidy on these sources of the preset ci
     show_failure build/ci/build.log
     return 1
   }
-  # Flags that only GCC knows are no fault of the source.
+  # Flags that only GCC knows are no fault of the source. Nor is what lies outside of it: libtorch's own
+  # headers are no C++20 to clang 16 (vectors of incomplete types), after which it reads on.
   run-clang-tidy-16 -quiet -p build/ci -j "$(job_count)" -extra-arg=-Wno-unknown-warning-option \
-    "$@" >"$log" 2>&1 && return
-  grep -vE '^(clang-tidy-16 |[0-9]+ warnings? |Suppressed |Use -header-filter)' "$log"
-  return 1
+    "$@" >"$log" 2>&1 || true
+  grep -q '^clang-tidy-16 ' "$log" || { tail -n 20 "$log" >&2; return 1; }
+  ! grep -E -A 4 "^$root/(enfilade|apps|bench|examples|python|tests)/[^ ]*: (warning|error): |^error: " "$log"
 }
 
 command_lint() {

@@ -51,10 +51,4 @@ Home make_home(const PlanOptions& options, Surfaces surfaces = Surfaces::kTextur
 /// points more than 0.5 m from every room.
 std::optional<std::size_t> room_at(const Plan& plan, Vec3d floor_point);
 
-/// Can a body (graph::EdgeOptions' width, lowest, highest) move straight from above floor point `a`
-/// to above floor point `b`, by the generator's own knowledge of walls, doors, furniture and
-/// stairs? `slack` metres are taken off (positive) or added to the body on all sides.
-bool passage_is_free(const Home& home, Vec3d a, Vec3d b, double width, double lowest,
-                     double highest, double slack = 0);
-
 }  // namespace enfilade::homes

@@ -1,11 +1,12 @@
+#include "enfilade/homes/testing/passage.h"
+
 #include <gtest/gtest.h>
 #include <cmath>
 #include <numbers>
 
-#include "enfilade/homes/home.h"
 #include "enfilade/homes/looks/architecture.h"
 
-namespace enfilade::homes {
+namespace enfilade::homes::testing {
 namespace {
 
 constexpr double kWidth = 0.4, kLowest = 0.35, kHighest = 1.55;
@@ -123,4 +124,4 @@ TEST(Passage, EveryDoorOfABareHomeIsPassable) {
 }
 
 }  // namespace
-}  // namespace enfilade::homes
+}  // namespace enfilade::homes::testing

@@ -1,12 +1,13 @@
+#include "enfilade/homes/testing/passage.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "enfilade/homes/home.h"
-
-namespace enfilade::homes {
+namespace enfilade::homes::testing {
 namespace {
 
 using Interval = std::pair<double, double>;  // of metres along the way
@@ -182,4 +183,4 @@ bool passage_is_free(const Home& home, Vec3d a, Vec3d b, double width, double lo
   });
 }
 
-}  // namespace enfilade::homes
+}  // namespace enfilade::homes::testing
