@@ -268,24 +268,24 @@ struct Kind {
   void (*write)(RecordWriter&, std::string_view letter, const House&);
 };
 
-template <auto list, auto fields>
+template <auto kList, auto kFields>
 constexpr Kind kind(std::string_view letter, const char* name, std::size_t words,
                     bool in_first_version = true) {
   return {letter,
           name,
           words,
           in_first_version,
-          [](const House& house) { return (house.*list).size(); },
+          [](const House& house) { return (house.*kList).size(); },
           [](RecordReader& reader, House& house) {
-            auto& records = house.*list;
+            auto& records = house.*kList;
             typename std::remove_reference_t<decltype(records)>::value_type record;
-            fields(reader, record, records.size(), house);
+            kFields(reader, record, records.size(), house);
             records.push_back(std::move(record));
           },
           [](RecordWriter& writer, std::string_view with, const House& house) {
-            for (std::size_t i = 0; i < (house.*list).size(); ++i) {
+            for (std::size_t i = 0; i < (house.*kList).size(); ++i) {
               writer.line(with);
-              fields(writer, (house.*list)[i], i, house);
+              kFields(writer, (house.*kList)[i], i, house);
             }
           }};
 }

@@ -37,10 +37,10 @@ struct Server::Impl {
       : app(site, config), transport(app, config) {}
 };
 
-Server::Server(std::shared_ptr<const Site> site, const ServerConfig& config) {
+Server::Server(const std::shared_ptr<const Site>& site, const ServerConfig& config) {
   check_range("port", config.port, 0, 65535);
   check_range("threads", config.threads, 1, 4096);
-  impl_ = std::make_unique<Impl>(std::move(site), config);
+  impl_ = std::make_unique<Impl>(site, config);
 }
 
 Server::~Server() = default;

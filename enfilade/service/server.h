@@ -52,7 +52,7 @@ class Server {
  public:
   /// Opens the database, bringing its schema up to date, binds the port and starts serving.
   /// \throws FileError for the database; ArgumentError if the address can't be bound
-  Server(std::shared_ptr<const Site> site, const ServerConfig& config);
+  Server(const std::shared_ptr<const Site>& site, const ServerConfig& config);
   /// Calls stop(), waits until the submission that is being scored is stored, and closes the
   /// database. Other queued submissions are scored after the next start. The same threads may call
   /// it as stop().

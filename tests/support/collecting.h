@@ -13,7 +13,7 @@ class Collecting : public ::testing::Test {
  protected:
   /// Asks for a collection; key_ is its link's.
   nlohmann::json create(const nlohmann::json& body) {
-    const auto made = read_answer(
+    auto made = read_answer(
         served_.client().Post("/api/v1/collections", organiser_, body.dump(), "application/json"));
     if (made.contains("link")) key_ = key_of(made);
     return made;

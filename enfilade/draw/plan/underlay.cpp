@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <ranges>
 
 #include "enfilade/draw/plan/marks.h"
 
@@ -52,12 +53,12 @@ std::string draw_texts(const UnderlayStorey& storey, const Panel& panel) {
 
 std::vector<LegendItem> underlay_legend(const PlanUnderlay& underlay) {
   std::vector<LegendItem> items;
-  for (auto look = kLooks.rbegin(); look != kLooks.rend(); ++look) {
+  for (const auto& look : std::views::reverse(kLooks)) {
     const bool there = std::ranges::any_of(underlay.storeys, [&](const UnderlayStorey& storey) {
-      return std::ranges::find(storey.lines, look->kind, &UnderlayLine::kind) != storey.lines.end();
+      return std::ranges::find(storey.lines, look.kind, &UnderlayLine::kind) != storey.lines.end();
     });
     if (!there) continue;
-    items.push_back({line_sample(look->attributes), 28, look->name});
+    items.push_back({line_sample(look.attributes), 28, look.name});
   }
   return items;
 }

@@ -103,7 +103,7 @@ class Flood {
 
 void WalkingDistances::add(std::uint32_t cell, double limit) {
   Queue open;
-  open.push({0, cell});
+  open.emplace(0, cell);
   metres_[cell] = 0;
   while (!open.empty()) {
     const auto [far, at] = open.top();
@@ -113,7 +113,7 @@ void WalkingDistances::add(std::uint32_t cell, double limit) {
       const double metres = far + apart(floor_, at, next);
       if (metres >= metres_[next] || metres > limit) continue;
       metres_[next] = metres;
-      open.push({metres, next});
+      open.emplace(metres, next);
     }
   }
 }
@@ -127,7 +127,7 @@ std::vector<std::uint32_t> find_way(const mesh::WalkableFloor& floor,
   std::vector<char> goal(cost.size(), 0);
   for (const std::uint32_t c : to) goal[c] = 1;
   Queue open;
-  for (const std::uint32_t c : from) open.push({cost[c] = 0, c});
+  for (const std::uint32_t c : from) open.emplace(cost[c] = 0, c);
   while (!open.empty()) {
     const auto [far, at] = open.top();
     open.pop();
@@ -144,7 +144,7 @@ std::vector<std::uint32_t> find_way(const mesh::WalkableFloor& floor,
       if (price >= cost[next]) continue;
       cost[next] = price;
       before[next] = at;
-      open.push({price, next});
+      open.emplace(price, next);
     }
   }
   return {};

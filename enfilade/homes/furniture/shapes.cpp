@@ -232,7 +232,7 @@ void Kit::books(double x0, double x1, double y, double z, double tall, double de
 }
 
 const std::vector<Shape>& all_shapes() {
-  static const std::vector<Shape> shapes = [] {
+  static const std::vector<Shape> kShapes = [] {
     std::vector<Shape> all;
     for (const auto table : {seat_shapes(), table_shapes(), storage_shapes(), wet_shapes(),
                              wall_shapes(), decor_shapes(), sport_shapes()}) {
@@ -240,7 +240,7 @@ const std::vector<Shape>& all_shapes() {
     }
     return all;
   }();
-  return shapes;
+  return kShapes;
 }
 
 std::vector<const Shape*> shapes_of(std::string_view noun) {

@@ -315,8 +315,7 @@ double score(const Building& b, const std::vector<Cell>& cells) {
         std::max(c.box.width(), c.box.depth()) / std::min(c.box.width(), c.box.depth());
     if (aspect > 1.7) sum -= 1.5 * (aspect - 1.7);
     if (is_one_of(c.type, "ylp") && has_corner(b, c.box)) sum += 0.5;
-    for (std::size_t j = 0; j < cells.size(); ++j) {
-      const Cell& d = cells[j];
+    for (const Cell& d : cells) {
       if (door_room(c.box, d.box, std::nullopt) < kDoorWall) continue;
       if (c.type == 'd' && d.type == 'k') sum += 2.5;
       if (c.type == 'd' && d.type == 'l') sum += 1.5;

@@ -229,7 +229,7 @@ std::string Wording::turn_and_cross(const Stretch& stretch, const Happening& cro
                     {"door", door(crossing)}};
   const Turn turned = turn_of(stretch.turn);
   if (turned == Turn::kFull && crossing.opening) {
-    const std::string text = door_aside(stretch, crossing, slots);
+    std::string text = door_aside(stretch, crossing, slots);
     if (!text.empty()) return text;
   }
   if (turned != Turn::kAround && !leaves(crossing) && chance(0.85)) {

@@ -109,7 +109,7 @@ std::vector<Baker::Link> Baker::seams(const std::vector<std::uint8_t>& rim) cons
 
 std::vector<Baker::Link> Baker::open_links(const std::vector<Link>& fronts) const {
   constexpr std::size_t kBlock = 128;
-  std::vector<std::uint8_t> open(2 * fronts.size());
+  std::vector<std::uint8_t> is_open(2 * fronts.size());
   const std::size_t blocks = (fronts.size() + kBlock - 1) / kBlock;
   parallel_for(blocks, 1, options_.threads, [&](std::size_t first, std::size_t last) {
     std::vector<Ray> rays;
@@ -127,13 +127,13 @@ std::vector<Baker::Link> Baker::open_links(const std::vector<Link>& fronts) cons
       }
       blocked.resize(rays.size());
       tracer_.blocked(rays, blocked);
-      for (std::size_t k = 0; k < rays.size(); ++k) open[of[k]] = blocked[k] == 0 ? 1 : 0;
+      for (std::size_t k = 0; k < rays.size(); ++k) is_open[of[k]] = blocked[k] == 0 ? 1 : 0;
     }
   });
   std::vector<Link> links;
-  for (std::size_t i = 0; i < open.size(); ++i) {
+  for (std::size_t i = 0; i < is_open.size(); ++i) {
     const LightPoint side = i % 2;
-    if (open[i] != 0) links.push_back({fronts[i / 2][0] ^ side, fronts[i / 2][1] ^ side});
+    if (is_open[i] != 0) links.push_back({fronts[i / 2][0] ^ side, fronts[i / 2][1] ^ side});
   }
   return links;
 }

@@ -19,12 +19,12 @@ double number(const Value& object, const char* key, double otherwise) {
   return value.IsNumber() ? value.GetNumberAsDouble() : otherwise;
 }
 /// Numbers of a list; `otherwise` where there are none.
-template <std::size_t n>
-std::array<double, n> numbers(const Value& object, const char* key,
-                              std::array<double, n> otherwise) {
+template <std::size_t kCount>
+std::array<double, kCount> numbers(const Value& object, const char* key,
+                                   std::array<double, kCount> otherwise) {
   if (!object.IsObject() || !object.Has(key) || !object.Get(key).IsArray()) return otherwise;
   const auto& list = object.Get(key).Get<Value::Array>();
-  for (std::size_t k = 0; k < std::min(n, list.size()); ++k) {
+  for (std::size_t k = 0; k < std::min(kCount, list.size()); ++k) {
     if (list[k].IsNumber()) otherwise[k] = list[k].GetNumberAsDouble();
   }
   return otherwise;

@@ -31,11 +31,11 @@ std::string binary_square(bool big) {
       "element face 1\r\nproperty uint flags\r\nproperty list int uint vertex_indices\r\n"
       "end_header\r\n";
   const float xy[4][2] = {{0, 0}, {2, 0}, {2, 2}, {0, 2}};
-  for (int i = 0; i < 4; ++i) {
+  for (const auto& [x, y] : xy) {
     put(out, 1.5, big);
     put(out, std::int16_t{-1}, big);
-    put(out, xy[i][0], big);
-    put(out, xy[i][1], big);
+    put(out, x, big);
+    put(out, y, big);
     put(out, std::uint16_t{2}, big);
     put(out, std::int16_t{-7}, big);
     put(out, std::int16_t{7}, big);

@@ -94,9 +94,9 @@ LabelledPictures draw_labelled(const std::shared_ptr<const scan::PanoramaSet>& p
   auto* classes = pictures.classes.data_ptr<std::uint8_t>();
   auto* distances = pictures.distances.data_ptr<float>();
   auto* rooms = pictures.rooms.data_ptr<std::int64_t>();
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    Rng rng(seed, places[i].scan.at(), places[i].viewpoint.at());
-    renderer->render({kHomeWidth, kHomeHeight, degrees(60)}, draw_views(places[i], views, rng),
+  for (const auto& place : places) {
+    Rng rng(seed, place.scan.at(), place.viewpoint.at());
+    renderer->render({kHomeWidth, kHomeHeight, degrees(60)}, draw_views(place, views, rng),
                      outputs_into({colours, views * 3 * kPixels}, buffers));
     for (std::size_t v = 0; v < views; ++v) {
       count_classes(std::span(buffers.classes).subspan(v * kPixels, kPixels), classes);
@@ -104,7 +104,7 @@ LabelledPictures draw_labelled(const std::shared_ptr<const scan::PanoramaSet>& p
       colours += 3 * kPixels;
       classes += kObjectClasses * kCells;
       distances += kCells;
-      *rooms++ = places[i].room;
+      *rooms++ = static_cast<unsigned char>(place.room);
     }
   }
   return pictures;

@@ -11,8 +11,7 @@ std::size_t as_size(std::int64_t n) { return static_cast<std::size_t>(n); }
 
 ActionDecoder::ActionDecoder(const models::NetworkConfig& config, const Parameters& parameters,
                              const Kernels& kernels)
-    : config_(config),
-      parameters_(parameters),
+    : parameters_(parameters),
       kernels_(kernels),
       hidden_(static_cast<std::int64_t>(config.hidden)),
       inputs_width_(static_cast<std::int64_t>(config.action_embedding +
@@ -90,7 +89,7 @@ at::Tensor ActionDecoder::attend(const Context& context, std::int64_t first, std
                   both_.narrow(0, slot(first), count).narrow(2, 0, hidden_));
   multiply(both, parameters_.weight(Weight::kAttentionOut).t(), attended);
   kernels_.tanh(attended);
-  const at::Tensor logits = flat(logits_, first, count);
+  at::Tensor logits = flat(logits_, first, count);
   multiply(attended, parameters_.weight(Weight::kAction).t(), logits);
   kernels_.add_bias(logits, parameters_.weight(Weight::kActionBias));
   return logits;

@@ -22,10 +22,8 @@ class ActionDecoder {
   /// Begins a rollout of n rows and at most `steps` steps. \param keep values of all steps, for
   /// ranges and backward(), not of the last one only
   void begin(std::int64_t n, std::int64_t steps, bool keep, const Dropout& dropout);
-  const at::Tensor start() const {
-    return outputs_.select(0, 0);
-  }  ///< (n, h), filled by the caller
-  const at::Tensor start_cells() const { return cells_.select(0, 0); }
+  at::Tensor start() const { return outputs_.select(0, 0); }  ///< (n, h), filled by the caller
+  at::Tensor start_cells() const { return cells_.select(0, 0); }
 
   /// \param inputs (n) last actions \param features (n, features), undefined without vision
   void put_inputs(std::int64_t step, std::span<const std::int32_t> inputs,
@@ -55,7 +53,6 @@ class ActionDecoder {
                           const at::Tensor& context_gradient);
   void gather_gradients(std::int64_t steps);
 
-  const models::NetworkConfig& config_;
   const Parameters& parameters_;
   const Kernels& kernels_;
   std::int64_t hidden_, inputs_width_, embedding_;

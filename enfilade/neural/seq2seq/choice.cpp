@@ -33,7 +33,8 @@ std::int32_t drawn(std::span<const double> logits, double uniform) {
   std::int32_t possible = 0;  // the last one, if rounding leaves the sum below 1
   for (std::size_t a = 0; a < kActions; ++a) {
     if (probabilities[a] > 0) possible = static_cast<std::int32_t>(a);
-    if (uniform < (sum += probabilities[a])) break;
+    sum += probabilities[a];
+    if (uniform < sum) break;
   }
   return possible;
 }

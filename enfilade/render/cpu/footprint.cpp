@@ -17,7 +17,7 @@ void read(const std::uint8_t* p) { asm volatile("" : : "r"(*p)); }
 }  // namespace
 
 Footprint::Footprint(std::span<const PlannedRow> rows, CubeFace face, std::uint32_t size)
-    : size_(size), top_(static_cast<std::int32_t>(size)), bottom_(-1) {
+    : size_(size), top_(static_cast<std::int32_t>(size)) {
   if (size > kLargest || rows.empty()) return;
   std::fill_n(begin_.begin(), size, static_cast<float>(size));
   std::fill_n(end_.begin(), size, -1.0F);

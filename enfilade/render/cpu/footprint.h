@@ -37,7 +37,8 @@ class Footprint {
 
   static constexpr std::size_t kLargest = 2048;  // texels; larger faces do without
   std::uint32_t size_;
-  std::int32_t top_, bottom_;  // rows of texels that have a run, both included
+  std::int32_t top_;  // rows of texels that have a run, both included
+  std::int32_t bottom_ = -1;
   bool started_ = false;
   Point left_{}, right_{};  // ends of the row before
   std::array<float, kLargest> begin_, end_;

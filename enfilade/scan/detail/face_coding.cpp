@@ -20,15 +20,15 @@ struct FreeContext {
 };
 
 ZSTD_CCtx* compressor() {
-  thread_local const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
-  EN_CHECK(context != nullptr);
-  return context.get();
+  thread_local const std::unique_ptr<ZSTD_CCtx, FreeContext> kContext(ZSTD_createCCtx());
+  EN_CHECK(kContext != nullptr);
+  return kContext.get();
 }
 
 ZSTD_DCtx* decompressor() {
-  thread_local const std::unique_ptr<ZSTD_DCtx, FreeContext> context(ZSTD_createDCtx());
-  EN_CHECK(context != nullptr);
-  return context.get();
+  thread_local const std::unique_ptr<ZSTD_DCtx, FreeContext> kContext(ZSTD_createDCtx());
+  EN_CHECK(kContext != nullptr);
+  return kContext.get();
 }
 
 // Memory for a face, one per thread, as large as the largest face so far.

@@ -82,7 +82,7 @@ class Row {
   }
   template <class... T>
   void read(std::tuple<T...>& values) {
-    std::apply([this](auto&... value) { (read(value), ...); }, values);
+    std::apply([this](auto&... value) { (this->read(value), ...); }, values);
   }
 
  private:

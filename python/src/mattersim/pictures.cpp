@@ -54,8 +54,8 @@ std::shared_ptr<render::FaceCache> shared_faces(
 
 }  // namespace
 
-Pictures::Pictures(std::shared_ptr<const scan::PanoramaSet> panoramas, const Settings& settings,
-                   const Options& options)
+Pictures::Pictures(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
+                   const Settings& settings, const Options& options)
     : camera_{static_cast<std::uint32_t>(settings.width),
               static_cast<std::uint32_t>(settings.height),
               Radians(settings.vertical_field_of_view)},

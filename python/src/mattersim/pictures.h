@@ -16,7 +16,7 @@ namespace enfilade::python::mattersim {
 class Pictures {
  public:
   /// Opens no picture yet. \throws ArgumentError for an invalid camera
-  Pictures(std::shared_ptr<const scan::PanoramaSet> panoramas, const Settings& settings,
+  Pictures(const std::shared_ptr<const scan::PanoramaSet>& panoramas, const Settings& settings,
            const Options& options);
 
   /// \throws LookupError, FileError, InvalidInput for missing or broken pictures
