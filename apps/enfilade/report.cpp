@@ -22,8 +22,8 @@ struct Options {
 };
 
 std::string version() {
-  constexpr std::string_view commit = EN_COMMIT;
-  return commit.empty() ? EN_VERSION : fmt::format("{}, commit {}", EN_VERSION, commit);
+  constexpr std::string_view kCommit = EN_COMMIT;
+  return kCommit.empty() ? EN_VERSION : fmt::format("{}, commit {}", EN_VERSION, kCommit);
 }
 
 void make(const Options& options) {

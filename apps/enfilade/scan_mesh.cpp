@@ -170,8 +170,8 @@ void add_scan_mesh(CLI::App& app, int& /*status*/) {
              "enfilade scan-mesh tavern_furniture.glb -o my-scans --room",
              "enfilade scan-mesh flat.obj -o my-scans --scale 0.01 --up y --limit 4 --size 256",
              "enfilade scan-mesh house.glb -o my-scans --parts all",
-             "enfilade scan-mesh S/house_segmentations/S.ply --scan S --labels "
-             "S/house_segmentations --graph S_connectivity.json --parts labels,depth -o labels"});
+             ("enfilade scan-mesh S/house_segmentations/S.ply --scan S --labels "
+              "S/house_segmentations --graph S_connectivity.json --parts labels,depth -o labels")});
   verb.callback([arguments] { run(*arguments); });
 }
 

@@ -137,7 +137,7 @@ TEST_F(TrainerTest, GoesOnToTheBitAfterBeingStoppedAnywhere) {
     const std::string name(to_string(feedback));
     train_into(fresh(name), config);
     // Before the first checkpoint, between two, right after one, and between evaluation and end.
-    for (const std::uint64_t stop : {3, 7, 10, 12}) {
+    for (const std::uint64_t stop : {3U, 7U, 10U, 12U}) {
       const fs::path folder = fresh(name + std::to_string(stop));
       train_until(folder, config, stop);
       EXPECT_TRUE(train_into(folder, config));

@@ -249,7 +249,7 @@ TEST_F(Collect, MechanicalTurkPreviewsThenSendsAWorkerAndTakesTheForm) {
   Worker one = come(kTurk);
   const json done = one.write(one.begin().at("task"), kText);
   EXPECT_EQ(done.at("finished"), true);
-  const json completion = done.at("completion");
+  const json& completion = done.at("completion");
   EXPECT_EQ(completion.at("action"), "https://workersandbox.mturk.com/mturk/externalSubmit");
   EXPECT_EQ(completion.at("fields").at("assignmentId"), "3ASSIGN");
   EXPECT_GT(completion.at("fields").size(), 1U);  // MTurk wants more than the assignment

@@ -25,7 +25,7 @@ TEST_F(Walk, AnInstructionIsShownAndItsGoalIsNot) {
   all += one.consent().dump();
   const json leased = one.lease();
   all += leased.dump();
-  const json task = leased.at("task");
+  const json& task = leased.at("task");
   EXPECT_EQ(task.at("instruction"), "Walk to the end of the hall, path 1.");
   EXPECT_EQ(task.at("start"), "v0");
   EXPECT_EQ(task.at("heading"), 1.5);

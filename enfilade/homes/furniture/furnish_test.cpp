@@ -240,12 +240,13 @@ class FloorParts {
       const auto [i, k] = open.back();
       open.pop_back();
       if (i < 0 || k < 0 || i >= nx_ || k >= ny_) continue;
-      int& part = part_[static_cast<std::size_t>(k * nx_ + i)];
+      const int cell = k * nx_ + i;
+      int& part = part_[static_cast<std::size_t>(cell)];
       if (part >= 0 || !is_free(i, k)) continue;
       part = number;
       any = true;
       for (const auto& [a, b] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-        open.push_back({i + a, k + b});
+        open.emplace_back(i + a, k + b);
       }
     }
     return any;

@@ -95,10 +95,10 @@ Json run_json(const std::string& name, const models::TrainingHistory& log) {
 }  // namespace
 
 ShareInterval wilson_interval(double share, double n) noexcept {
-  constexpr double z = 1.959964;  // quantile 0.975 of the normal distribution
-  const double centre = (share + z * z / (2 * n)) / (1 + z * z / n);
+  constexpr double kZ = 1.959964;  // quantile 0.975 of the normal distribution
+  const double centre = (share + kZ * kZ / (2 * n)) / (1 + kZ * kZ / n);
   const double half =
-      z / (1 + z * z / n) * std::sqrt(share * (1 - share) / n + z * z / (4 * n * n));
+      kZ / (1 + kZ * kZ / n) * std::sqrt(share * (1 - share) / n + kZ * kZ / (4 * n * n));
   return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
 }
 
