@@ -138,8 +138,7 @@ void add_features(CLI::App& app, int& /*status*/) {
        ("enfilade features --weights resnet152-394f9c45.pth --preprocessing torchvision --float16 "
         "-o features.safetensors"),
        ("enfilade features --weights resnet152.safetensors --shard 3/16 --device cuda --batch 36 "
-        "-o "
-        "features.safetensors"),
+        "-o features.safetensors"),
        "enfilade features --merge features.*-of-16.safetensors -o features.safetensors",
        "enfilade features --merge ResNet-152-imagenet.tsv --float16 -o resnet152.safetensors"});
   verb.callback([options] { run(*options); });
