@@ -25,7 +25,7 @@ using namespace nb::literals;
 /// A simulator and the arrays that its state is in.
 class BatchSimulator {
  public:
-  BatchSimulator(std::shared_ptr<const GraphSet> graphs, const sim::SimulatorConfig& config)
+  BatchSimulator(const std::shared_ptr<const GraphSet>& graphs, const sim::SimulatorConfig& config)
       : graphs_(graphs),
         native_(graphs, config),
         starts_(config.batch_size),

@@ -40,7 +40,8 @@ Level shrink(const Level& full, int height, int width) {
                                        static_cast<float>(full.width));
       const auto fy = static_cast<int>(static_cast<float>(y) / static_cast<float>(height) *
                                        static_cast<float>(full.height));
-      const auto from = static_cast<std::size_t>(fy + full.height * fx);
+      const int pixel = fy + full.height * fx;
+      const auto from = static_cast<std::size_t>(pixel);
       level.depth.push_back(full.depth[from]);
       level.brightness.push_back(full.brightness[from]);
       level.missing.push_back(full.missing[from]);
@@ -111,7 +112,8 @@ void hand_up(const Level& small, Level& large) {
         static_cast<int>(static_cast<float>(y * small.height) / static_cast<float>(large.height));
     const int sx =
         static_cast<int>(static_cast<float>(x * small.width) / static_cast<float>(large.width));
-    const auto from = static_cast<std::size_t>(sy + small.height * sx);
+    const int pixel = sy + small.height * sx;
+    const auto from = static_cast<std::size_t>(pixel);
     large.depth[to] = small.missing[from] == 0 ? small.depth[from] : small.filled[from];
     large.usable[to] = small.usable[from];
   }
