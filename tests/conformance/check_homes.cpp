@@ -13,7 +13,7 @@
 #include "enfilade/graph/build.h"
 #include "enfilade/graph/compare.h"
 #include "enfilade/homes/built_home.h"
-#include "enfilade/homes/testing/passage.h"
+#include "tests/support/home_passage.h"
 
 namespace enfilade::tests {
 namespace {
@@ -36,8 +36,8 @@ Vec3d foot_of(const scan::ConnectivityEntry& viewpoint) {
 bool is_free(const homes::Home& home, const scan::Connectivity& graph, std::size_t a, std::size_t b,
              double slack) {
   const graph::EdgeOptions edge;
-  return homes::testing::passage_is_free(home, foot_of(graph.entries[a]), foot_of(graph.entries[b]),
-                                         edge.width, edge.lowest, edge.highest, slack);
+  return passage_is_free(home, foot_of(graph.entries[a]), foot_of(graph.entries[b]), edge.width,
+                         edge.lowest, edge.highest, slack);
 }
 
 // The same viewpoints with the edges that are true.

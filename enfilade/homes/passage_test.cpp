@@ -1,18 +1,17 @@
-#include "enfilade/homes/testing/passage.h"
-
 #include <gtest/gtest.h>
 #include <cmath>
 #include <numbers>
 
 #include "enfilade/homes/looks/architecture.h"
+#include "tests/support/home_passage.h"
 
-namespace enfilade::homes::testing {
+namespace enfilade::homes {
 namespace {
 
 constexpr double kWidth = 0.4, kLowest = 0.35, kHighest = 1.55;
 
 bool is_free(const Home& home, Vec3d a, Vec3d b, double slack = 0) {
-  return passage_is_free(home, a, b, kWidth, kLowest, kHighest, slack);
+  return tests::passage_is_free(home, a, b, kWidth, kLowest, kHighest, slack);
 }
 
 /// Two rooms side by side, 4 by 4 m, with a doorway 1 m wide between them.
@@ -124,4 +123,4 @@ TEST(Passage, EveryDoorOfABareHomeIsPassable) {
 }
 
 }  // namespace
-}  // namespace enfilade::homes::testing
+}  // namespace enfilade::homes

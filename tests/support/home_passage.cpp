@@ -1,4 +1,4 @@
-#include "enfilade/homes/testing/passage.h"
+#include "tests/support/home_passage.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,10 @@
 #include <utility>
 #include <vector>
 
-namespace enfilade::homes::testing {
+namespace enfilade::tests {
 namespace {
+
+using namespace homes;
 
 using Interval = std::pair<double, double>;  // of metres along the way
 
@@ -183,4 +185,4 @@ bool passage_is_free(const Home& home, Vec3d a, Vec3d b, double width, double lo
   });
 }
 
-}  // namespace enfilade::homes::testing
+}  // namespace enfilade::tests
