@@ -9,9 +9,9 @@
 #include <system_error>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/demo_learning.h"
 #include "apps/enfilade/home_pictures.h"
-#include "apps/enfilade/learn.h"
+#include "apps/enfilade/learning/demo_learning.h"
+#include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/file.h"

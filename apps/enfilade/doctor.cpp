@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/learn.h"
+#include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/render/gl_devices.h"

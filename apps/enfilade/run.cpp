@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/learn.h"
+#include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/r2r/results.h"

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/learn.h"
+#include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/trainer.h"

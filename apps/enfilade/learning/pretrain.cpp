@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/learn.h"
+#include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/homes/home_set.h"
 #include "enfilade/mesh/mpcat40.h"

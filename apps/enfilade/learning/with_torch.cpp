@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/learn.h"
+#include "apps/enfilade/learning/learn.h"
 #include "enfilade/neural/seq2seq_agent.h"
 
 namespace enfilade::apps {

@@ -1,4 +1,4 @@
-#include "apps/enfilade/demo_learning.h"
+#include "apps/enfilade/learning/demo_learning.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/learn.h"
+#include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/features/feature_set.h"
 #include "enfilade/neural/compute_features.h"

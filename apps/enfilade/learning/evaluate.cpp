@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/learn.h"
+#include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/neural/evaluation.h"
 #include "enfilade/neural/model.h"

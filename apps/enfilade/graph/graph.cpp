@@ -10,7 +10,7 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/drawn_path.h"
-#include "apps/enfilade/graph_verbs.h"
+#include "apps/enfilade/graph/graph_verbs.h"
 #include "apps/enfilade/home_pictures.h"
 #include "apps/enfilade/mesh_files.h"
 #include "apps/enfilade/verbs.h"

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/graph_verbs.h"
+#include "apps/enfilade/graph/graph_verbs.h"
 #include "apps/enfilade/mesh_files.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/graph/build.h"

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/graph_verbs.h"
+#include "apps/enfilade/graph/graph_verbs.h"
 #include "enfilade/core/file.h"
 #include "enfilade/draw/graph_comparison.h"
 #include "enfilade/graph/compare.h"
