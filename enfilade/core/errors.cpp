@@ -10,16 +10,20 @@ namespace {
 constexpr std::size_t kListed = 10;  // an exception's text is read in a terminal
 
 std::string summarise(const std::vector<Diagnostic>& diagnostics) {
-  std::string text;
+  std::string text, more;
   std::size_t errors = 0;
   for (const Diagnostic& diagnostic : diagnostics) {
     if (diagnostic.severity != Severity::kError) continue;
+    if (diagnostic.code == kMoreFaults) {
+      more += '\n' + to_string(diagnostic);
+      continue;
+    }
     if (++errors > kListed) continue;
     if (!text.empty()) text += '\n';
     text += to_string(diagnostic);
   }
   if (errors > kListed) text += "\n... and " + std::to_string(errors - kListed) + " more";
-  return text;
+  return text + more;
 }
 
 }  // namespace

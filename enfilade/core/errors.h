@@ -54,15 +54,23 @@ struct Diagnostic {
   std::string message;  ///< what was found and what is allowed
 };
 
+/// Errors that are kept of one input; as many warnings and notes are kept beside them. Further ones
+/// are counted, and a last diagnostic with the code kMoreFaults says how many: a broken file of
+/// 30 MB has millions. A reader may stop where it has that many errors, and then says so.
+inline constexpr std::size_t kMostFaultsKept = 1000;
+inline constexpr std::string_view kMoreFaults = "more-faults";
+
 /// "warning: plan.json: $[3].pose: ... [bad-pose]".
 std::string to_string(const Diagnostic& diagnostic);
 std::string to_string(Severity severity);
 std::size_t count(const std::vector<Diagnostic>& diagnostics, Severity severity);
 
-/// An input whose faults make it unusable: carries all of them, not just the first.
+/// An input whose faults make it unusable: carries all of them (of a file, the first
+/// kMostFaultsKept), not just the first.
 class InvalidInput : public Error {
  public:
-  /// what() lists the errors among `diagnostics`, at most the first ten.
+  /// what() lists the errors among `diagnostics`, at most the first ten, and how many more there
+  /// are.
   explicit InvalidInput(std::vector<Diagnostic> diagnostics);
   const std::vector<Diagnostic>& diagnostics() const noexcept { return diagnostics_; }
 

@@ -5,6 +5,7 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -50,6 +51,17 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
 
 MappedFile::~MappedFile() {
   if (!bytes_.empty()) munmap(const_cast<std::uint8_t*>(bytes_.data()), bytes_.size());
+}
+
+void MappedFile::give_back(std::size_t offset, std::size_t count) const noexcept {
+  // Linux maps the neighbours of a page that is touched too, as far as this (fault_around_bytes).
+  constexpr std::size_t kAround = 64U << 10U;
+  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const std::size_t begin = (offset - std::min(offset, kAround)) / page * page;
+  const std::size_t end = std::min(offset + count + kAround, bytes_.size());
+  if (begin >= end) return;
+  // Advice: if the system refuses it, the pages stay, and nothing is wrong.
+  madvise(const_cast<std::uint8_t*>(bytes_.data()) + begin, end - begin, MADV_DONTNEED);
 }
 
 }  // namespace enfilade

@@ -1,5 +1,6 @@
 /// \file  A file mapped into memory.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -18,6 +19,11 @@ class MappedFile {
   MappedFile& operator=(const MappedFile&) = delete;
 
   std::span<const std::uint8_t> bytes() const noexcept { return bytes_; }
+  /// Takes these bytes, and up to 64 KiB on either side, out of this process's memory. They stay
+  /// readable, also for threads that are reading them: the next access gets them from the system's
+  /// cache or the file. For programs that read much, and the same seldom.
+  /// \pre offset + count <= bytes().size()
+  void give_back(std::size_t offset, std::size_t count) const noexcept;
 
  private:
   std::span<const std::uint8_t> bytes_;

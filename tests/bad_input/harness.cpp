@@ -149,8 +149,8 @@ std::string docs_page() {
       "the data set's folder. Exit codes: 0 done, 1 faults found in what was checked, 2 command "
       "line, 3 files.\n\n"
       "Inputs are never repaired in silence: an odd graph is walked as its file says, and "
-      "`enfilade graph check` reports what is odd; an unusable one is refused with every fault and "
-      "its JSON path.\n";
+      "`enfilade graph check` reports what is odd; an unusable one is refused with its faults, up "
+      "to 1,000 of them, and their JSON paths.\n";
   std::string group;
   for (const Case& one : all_cases()) {
     if (one.group != group) {

@@ -65,6 +65,13 @@ std::vector<Case> result_cases() {
        2,
        "hidden",
        {}},
+      {"Results", "annotations without an episode",
+       "score {}/results.json --data {} --annotations {}/r2r/R2R_made.json", 2,
+       "the annotations have no episode, so there is nothing to score",
+       [](Files& f) {
+         f.write("r2r/R2R_made.json", "[]");
+         f.write(kResults, "[]");
+       }},
   };
 }
 

@@ -10,10 +10,7 @@ namespace enfilade::json {
 namespace {
 
 constexpr std::size_t kShown = 40;  // characters of a string that a message repeats
-
-std::string_view without_byte_order_mark(std::string_view text) {
-  return text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text;
-}
+constexpr std::size_t kDeepest = simdjson::DEFAULT_MAX_DEPTH;
 
 std::string key_text(std::string_view key) {
   const bool plain = !key.empty() && std::ranges::all_of(key, [](char c) {
@@ -56,6 +53,7 @@ class FaultFinder : public nlohmann::json_sax<nlohmann::json> {
   }
 
   std::size_t position = 0;
+  bool too_deep = false;  // stopped for that: a level takes 40 times the byte that opens it
 
  private:
   struct Level {
@@ -69,6 +67,8 @@ class FaultFinder : public nlohmann::json_sax<nlohmann::json> {
     return true;
   }
   bool open(bool is_array) {
+    too_deep = levels_.size() == kDeepest;
+    if (too_deep) return false;
     levels_.push_back({is_array, 0, ""});
     return true;
   }
@@ -87,11 +87,13 @@ std::string place(std::string_view text, std::size_t position) {
   return fmt::format("line {}, column {}", line, std::max<std::size_t>(before.size() - start, 1));
 }
 
-Diagnostic explain(std::string_view text, const std::string& name, simdjson::error_code code) {
+// The syntax error of a text; nothing if nlohmann's reader finds none.
+std::optional<Diagnostic> find_fault(std::string_view text, const std::string& name) {
   Diagnostic fault{Severity::kError, name, "$", "not-json", ""};
   FaultFinder finder;
-  if (nlohmann::json::sax_parse(text.begin(), text.end(), &finder)) {
-    fault.message = simdjson::error_message(code);  // nested too deeply, or a number is too large
+  if (nlohmann::json::sax_parse(text.begin(), text.end(), &finder)) return std::nullopt;
+  if (finder.too_deep) {
+    fault.message = simdjson::error_message(simdjson::DEPTH_ERROR);
     return fault;
   }
   fault.where = finder.path();
@@ -125,8 +127,41 @@ std::string Path::text() const {
 }
 
 void Faults::add(Severity severity, const Path& path, std::string code, std::string message) {
-  if (severity == Severity::kError) ++errors_;
+  std::size_t& found = severity == Severity::kError ? errors_ : others_;
+  if (++found > kMostFaultsKept) return;  // before path.text(), which takes most of the time
   diagnostics_.push_back({severity, file_, path.text(), std::move(code), std::move(message)});
+}
+
+void Faults::add(Diagnostic found) {
+  std::size_t& same = found.severity == Severity::kError ? errors_ : others_;
+  if (++same <= kMostFaultsKept) diagnostics_.push_back(std::move(found));
+}
+
+void Faults::stop(const Path& path) {
+  if (!stopped()) stopped_at_ = path.text();
+}
+
+std::vector<Diagnostic> Faults::take() {
+  const auto tell = [this](Severity severity, std::string where, std::string message) {
+    diagnostics_.push_back(
+        {severity, file_, std::move(where), std::string(kMoreFaults), std::move(message)});
+  };
+  if (stopped()) {
+    tell(Severity::kError, stopped_at_,
+         fmt::format("not read from here on, after {} errors; there may be more", errors_));
+  } else if (errors_ > kMostFaultsKept) {
+    tell(Severity::kError, "$",
+         fmt::format("{} more errors; the first {} are listed", errors_ - kMostFaultsKept,
+                     kMostFaultsKept));
+  }
+  if (others_ > kMostFaultsKept) {
+    tell(Severity::kWarning, "$",
+         fmt::format("{} more warnings and notes; the first {} are listed",
+                     others_ - kMostFaultsKept, kMostFaultsKept));
+  }
+  errors_ = others_ = 0;
+  stopped_at_.clear();
+  return std::exchange(diagnostics_, {});
 }
 
 void Faults::throw_if_errors() {
@@ -140,7 +175,7 @@ Document::Document(std::string_view text, std::string name)
   // simdjson copies the text into a buffer with padding.
   const simdjson::error_code code = parser_->parse(text.data(), text.size()).get(root_);
   if (code == simdjson::MEMALLOC) throw std::bad_alloc();
-  if (code != simdjson::SUCCESS) throw InvalidInput({explain(text, name_, code)});
+  if (code != simdjson::SUCCESS) throw not_json(text, name_, code);
 }
 
 Document Document::load(const std::filesystem::path& path) {
@@ -148,6 +183,55 @@ Document Document::load(const std::filesystem::path& path) {
 }
 
 Document Document::parse(std::string_view text, const std::string& name) { return {text, name}; }
+
+std::string_view without_byte_order_mark(std::string_view text) {
+  return text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text;
+}
+
+std::size_t skip_string(std::string_view text, std::size_t at) {
+  for (;;) {
+    const std::size_t quote = text.find('"', at);
+    if (quote == std::string_view::npos) return text.size();
+    std::size_t slashes = 0;  // the string's own first mark ends them
+    while (text[quote - 1 - slashes] == '\\') ++slashes;
+    if (slashes % 2 == 0) return quote + 1;
+    at = quote + 1;
+  }
+}
+
+void check_syntax(std::string_view text, const std::string& name) {
+  if (auto fault = find_fault(without_byte_order_mark(text), name)) {
+    throw InvalidInput({std::move(*fault)});
+  }
+}
+
+InvalidInput not_json(std::string_view text, const std::string& name, simdjson::error_code code) {
+  // Where nlohmann's reader finds nothing, a number is too large.
+  return InvalidInput({find_fault(text, name)
+                           .value_or(Diagnostic{Severity::kError, name, "$", "not-json",
+                                                simdjson::error_message(code)})});
+}
+
+std::string excess(std::string_view text, const Limits& limits) {
+  std::size_t values = 1, depth = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const char c = text[at++];
+    if (c == '"') {
+      at = skip_string(text, at);
+    } else if (c == ',' || c == ':') {
+      ++values;
+    } else if (c == '[' || c == '{') {
+      ++values;
+      if (++depth > limits.depth) return fmt::format("more than {} levels", limits.depth);
+    } else if ((c == ']' || c == '}') && depth > 0) {
+      --depth;
+    }
+    if (values > limits.values) {
+      return fmt::format("more than {} values and keys", limits.values);
+    }
+  }
+  return {};
+}
 
 std::string describe(Element element) {
   switch (element.type()) {
@@ -232,6 +316,7 @@ std::vector<std::string> strings(Element element, const Path& path, Faults& faul
   const auto elements = array(element, path, faults);
   if (!elements) return texts;
   for (const Element one : *elements) {
+    if (faults.full()) break;
     texts.emplace_back(string(one, Path(path, texts.size()), faults).value_or(""));
   }
   return texts;

@@ -32,25 +32,37 @@ class Path {
   std::size_t index_ = 0;
 };
 
-/// Collects what is wrong with one file.
+/// Collects what is wrong with one file: the first kMostFaultsKept errors, and as many warnings and
+/// notes. Further ones are counted, so that memory stays bounded whatever the file holds.
 class Faults {
  public:
   explicit Faults(std::string file) : file_(std::move(file)) {}
 
   void add(Severity severity, const Path& path, std::string code, std::string message);
+  /// One that was found elsewhere, as it is.
+  void add(Diagnostic found);
   void error(const Path& path, std::string code, std::string message) {
     add(Severity::kError, path, std::move(code), std::move(message));
   }
   const std::string& file() const noexcept { return file_; }
-  std::size_t errors() const noexcept { return errors_; }
-  std::vector<Diagnostic> take() { return std::move(diagnostics_); }
+  std::size_t errors() const noexcept { return errors_; }  ///< also those that are only counted
+  /// Whether further errors are only counted. A reader of long lists then calls stop(), and stops.
+  bool full() const noexcept { return errors_ >= kMostFaultsKept; }
+  /// Notes that the file is not read from `path` on, so that the number of errors is not known.
+  /// Only the first call counts.
+  void stop(const Path& path);
+  bool stopped() const noexcept { return !stopped_at_.empty(); }
+  /// What was found, in that order; where more was found than is kept, a last diagnostic for the
+  /// errors, and one for the rest, says how much. *This is empty then.
+  std::vector<Diagnostic> take();
   /// \throws InvalidInput if there are errors.
   void throw_if_errors();
 
  private:
   std::string file_;
   std::vector<Diagnostic> diagnostics_;
-  std::size_t errors_ = 0;
+  std::size_t errors_ = 0, others_ = 0;
+  std::string stopped_at_;  // empty: nowhere
 };
 
 /// A parsed document. Elements and the strings in them are valid as long as it is.
@@ -71,6 +83,26 @@ class Document {
   std::unique_ptr<simdjson::dom::parser> parser_;
   Element root_;
 };
+
+/// Reads a text once to see whether it is JSON, in memory for its deepest nesting and its longest
+/// string alone. \throws InvalidInput as Document::parse(), also for more than 1024 levels
+void check_syntax(std::string_view text, const std::string& name);
+/// What Document::parse() throws for a text that simdjson refused with `code`.
+InvalidInput not_json(std::string_view text, const std::string& name, simdjson::error_code code);
+std::string_view without_byte_order_mark(std::string_view text);
+/// The place after a string of a JSON text; the text's end if the string does not end.
+/// \param at the place after its first quotation mark
+std::size_t skip_string(std::string_view text, std::size_t at);
+
+/// What a text may hold. The memory that a parsed text takes goes by this, not by its length:
+/// `[[],[],...]` takes 9 times its bytes in simdjson, and 20 times in nlohmann's library.
+struct Limits {
+  std::size_t values = 0;  ///< values and keys; an empty array or object counts as two
+  std::size_t depth = 0;   ///< arrays and objects within each other
+};
+/// "more than 1000 values and keys", "more than 16 levels"; empty for a text within its limits.
+/// Whether it is JSON is not looked at. Takes no memory.
+std::string excess(std::string_view text, const Limits& limits);
 
 /// "number 4.5", "string \"abc\"", "array of 3": what was found, for messages.
 std::string describe(Element element);

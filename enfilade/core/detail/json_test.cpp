@@ -74,5 +74,62 @@ TEST(JsonFields, ReportsMissingAndRepeated) {
   EXPECT_EQ(faults.take().at(0).message, "has no field \"d\"");
 }
 
+TEST(JsonDocument, TooDeepIsNamedWithoutMuchMemory) {
+  for (const std::size_t levels : {1025UL, 3'000'000UL}) {
+    EXPECT_THAT(fault_of(std::string(levels, '[')), HasSubstr("too deep"));
+    EXPECT_THAT(fault_of(std::string(levels, '[') + std::string(levels, ']')),
+                HasSubstr("too deep"));
+  }
+  EXPECT_THROW(check_syntax(std::string(3'000'000, '['), "f"), InvalidInput);
+  check_syntax(R"({"a": [1, "]"]})", "f");
+}
+
+TEST(JsonFaults, KeepsTheFirstThousandAndCountsTheRest) {
+  Faults faults("f");
+  const Path root;
+  for (std::size_t k = 0; k < kMostFaultsKept; ++k) faults.error(Path(root, k), "bad", "x");
+  EXPECT_TRUE(faults.full());
+  faults.add(Severity::kWarning, root, "odd", "y");  // errors take no room from warnings
+  EXPECT_EQ(faults.take().size(), kMostFaultsKept + 1);
+
+  EXPECT_FALSE(faults.full());
+  for (std::size_t k = 0; k < 1'000'000; ++k) faults.error(Path(root, k), "bad", "x");
+  for (std::size_t k = 0; k < 1500; ++k) faults.add({Severity::kNote, "g", "$", "odd", "y"});
+  EXPECT_EQ(faults.errors(), 1'000'000U);
+  const auto found = faults.take();
+  ASSERT_EQ(found.size(), 2 * kMostFaultsKept + 2);
+  EXPECT_EQ(to_string(found[2 * kMostFaultsKept]),
+            "error: f: $: 999000 more errors; the first 1000 are listed [more-faults]");
+  EXPECT_EQ(to_string(found.back()),
+            "warning: f: $: 500 more warnings and notes; the first 1000 are listed [more-faults]");
+}
+
+TEST(JsonFaults, SayWhereReadingStopped) {
+  Faults faults("f");
+  const Path root;
+  for (std::size_t k = 0; k < kMostFaultsKept; ++k) faults.error(Path(root, k), "bad", "x");
+  faults.stop(Path(root, kMostFaultsKept));
+  faults.stop(root);
+  try {
+    faults.throw_if_errors();
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_EQ(error.diagnostics().size(), kMostFaultsKept + 1);
+    EXPECT_EQ(error.diagnostics().back().where, "$[1000]");
+    EXPECT_THAT(error.what(), HasSubstr("... and 990 more\nerror: f: $[1000]: not read from here "
+                                        "on, after 1000 errors; there may be more"));
+  }
+}
+
+TEST(JsonLimits, CountWhatTakesMemory) {
+  EXPECT_EQ(excess(R"({"a": [1, "[,{:\", x", {}]})", {7, 3}), "");
+  EXPECT_EQ(excess(R"({"a": [1, "[,{:\", x", {}]})", {6, 3}), "more than 6 values and keys");
+  EXPECT_EQ(excess(R"({"a": [1, "[,{:\", x", {}]})", {7, 2}), "more than 2 levels");
+  EXPECT_EQ(excess("[[],[],[[]]]", {20, 3}), "");
+  EXPECT_EQ(excess("]]]]}}", {1, 1}), "") << "no JSON, and within limits";
+  EXPECT_EQ(excess("", {1, 1}), "");
+  EXPECT_EQ(excess(R"(["\\", [ [)", {20, 2}), "more than 2 levels");
+}
+
 }  // namespace
 }  // namespace enfilade::json

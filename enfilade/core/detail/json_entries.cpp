@@ -1,0 +1,144 @@
+#include "enfilade/core/detail/json_entries.h"
+
+#include <fmt/format.h>
+#include <array>
+#include <new>
+#include <utility>
+
+namespace enfilade::json {
+namespace {
+
+constexpr std::size_t kStart = static_cast<std::size_t>(-1);  // before the first entry
+
+// What the search for the end of an entry has to look at. The rest is left to simdjson.
+enum Kind : unsigned char { kOther, kQuote, kOpen, kClose, kComma };
+
+constexpr std::array<Kind, 256> make_kinds() {
+  std::array<Kind, 256> kinds{};
+  kinds['"'] = kQuote;
+  kinds['['] = kinds['{'] = kOpen;
+  kinds[']'] = kinds['}'] = kClose;
+  kinds[','] = kComma;
+  return kinds;
+}
+constexpr std::array<Kind, 256> kKinds = make_kinds();
+
+// The place of the comma or bracket after a value; the text's end if there is none. Takes no notice
+// of which bracket closes which: simdjson does.
+std::size_t end_of_value(std::string_view text, std::size_t at) {
+  std::size_t depth = 0;
+  for (; at < text.size(); ++at) {
+    switch (kKinds[static_cast<unsigned char>(text[at])]) {
+      case kOther:
+        break;
+      case kQuote:
+        at = skip_string(text, at + 1) - 1;
+        break;
+      case kOpen:
+        ++depth;
+        break;
+      case kClose:
+        if (depth == 0) return at;
+        --depth;
+        break;
+      case kComma:
+        if (depth == 0) return at;
+        break;
+    }
+  }
+  return text.size();
+}
+
+}  // namespace
+
+Entries::Entries(std::string_view text, std::string name, std::size_t most_bytes)
+    : text_(without_byte_order_mark(text)),
+      name_(std::move(name)),
+      most_bytes_(most_bytes),
+      index_(kStart) {}
+
+bool Entries::is_list(Faults& faults) {
+  skip_blanks();
+  const char first = at_ < text_.size() ? text_[at_] : '\0';
+  if (first == '[') return true;
+  // A whole parse of an object would take many times the text's bytes.
+  check_syntax(text_, name_);
+  const std::string found =
+      first == '{' ? "object" : describe(Document::parse(text_, name_).root());
+  faults.error(Path(), "not-an-array", fmt::format("{}, not an array", found));
+  return false;
+}
+
+bool Entries::next() {
+  // at_ is at what stands before the entry: the list's bracket, or the last entry's comma
+  const bool first = index_ == kStart;
+  bool ended = !first && text_[at_] == ']';
+  if (!ended) {
+    ++at_;
+    skip_blanks();
+    ended = first && at_ < text_.size() && text_[at_] == ']';
+  }
+  if (ended) {
+    ++at_;
+    skip_blanks();
+    if (at_ < text_.size()) refuse(simdjson::TAPE_ERROR);
+    return false;
+  }
+  const std::size_t begin = at_;
+  element_.reset();
+  if (!take_plain_object(begin)) take_any(begin);
+  const char after = at_ < text_.size() ? text_[at_] : '\0';
+  if (after != ',' && after != ']') refuse(simdjson::TAPE_ERROR);
+  ++index_;
+  return true;
+}
+
+// An object without objects in it ends at the first brace. Whether the entry is one, simdjson says:
+// if the text up to there is an object, it is the entry, as no object begins with another one. That
+// saves the search for its end, which takes as long as the parse.
+bool Entries::take_plain_object(std::size_t begin) {
+  if (!plain_ || begin == text_.size() || text_[begin] != '{') return false;
+  const std::size_t brace = text_.find('}', begin);
+  // Tried until it fails once: the search and the parse may have been for nothing.
+  plain_ = brace != std::string_view::npos && brace - begin < most_bytes_ &&
+           parse(begin, brace + 1) == simdjson::SUCCESS;
+  if (!plain_) return false;
+  at_ = brace + 1;
+  skip_blanks();
+  return true;
+}
+
+void Entries::take_any(std::size_t begin) {
+  at_ = end_of_value(text_, begin);
+  bytes_ = at_ - begin;
+  if (at_ == text_.size()) refuse(simdjson::TAPE_ERROR);  // the list has no end
+  if (bytes_ > most_bytes_) return;
+  const simdjson::error_code code = parse(begin, at_);
+  if (code != simdjson::SUCCESS) refuse(code);
+}
+
+simdjson::error_code Entries::parse(std::size_t begin, std::size_t end) {
+  bytes_ = end - begin;
+  // The list is one level of those that simdjson allows. The parser would forget it when it grows.
+  if (parser_.capacity() < bytes_) {
+    const auto code = parser_.allocate(bytes_, simdjson::DEFAULT_MAX_DEPTH - 1);
+    if (code != simdjson::SUCCESS) throw std::bad_alloc();
+  }
+  // simdjson looks at some bytes after the text that it is given. If there are none that belong to
+  // us, it has to copy it.
+  const bool copies = text_.size() - end < simdjson::SIMDJSON_PADDING;
+  Element element;
+  const simdjson::error_code code =
+      parser_.parse(text_.data() + begin, bytes_, copies).get(element);
+  if (code == simdjson::MEMALLOC) throw std::bad_alloc();
+  if (code == simdjson::SUCCESS) element_ = element;
+  return code;
+}
+
+void Entries::skip_blanks() {
+  while (at_ < text_.size() && std::string_view(" \t\n\r").find(text_[at_]) != text_.npos) ++at_;
+}
+
+void Entries::refuse(simdjson::error_code code) const { throw not_json(text_, name_, code); }
+
+}  // namespace enfilade::json

@@ -1,0 +1,61 @@
+/// \file  Reading of a large JSON list, one entry at a time. Internal, as it includes simdjson.
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "enfilade/core/detail/json.h"
+
+namespace enfilade::json {
+
+/// The entries of a text that is one list, in turn. Only one entry is parsed at a time, so that
+/// beside the text it takes the memory of the largest entry that was parsed: up to 14 times its
+/// bytes. Texts are accepted and refused, with the same messages, as by Document::parse().
+///
+///     Entries entries(text, "results.json", most_bytes);
+///     if (!entries.is_list(faults)) return;
+///     while (entries.next()) {
+///       if (entries.element()) read(*entries.element(), Path(root, entries.index()));
+///     }
+///
+/// Belongs to one thread.
+class Entries {
+ public:
+  /// \param most_bytes  of an entry that is parsed
+  /// \pre the text outlives *this
+  Entries(std::string_view text, std::string name, std::size_t most_bytes);
+  Entries(const Entries&) = delete;
+  Entries& operator=(const Entries&) = delete;
+
+  /// Whether the text is a list. If not, that is reported to `faults`, at $.
+  /// \throws InvalidInput for a text that is not JSON, and no list either
+  bool is_list(Faults& faults);
+  /// Goes to the next entry. False if there are no more; the text was JSON then, but for entries
+  /// that are too large, of which the brackets and strings alone were looked at. \pre is_list()
+  /// \throws InvalidInput if the text is not JSON as far as this entry
+  bool next();
+  std::size_t index() const noexcept { return index_; }  ///< of the entry \pre next()
+  std::size_t bytes() const noexcept { return bytes_; }  ///< of the entry \pre next()
+  /// Valid until the next call of next(); none if the entry has more than `most_bytes`. \pre next()
+  const std::optional<Element>& element() const noexcept { return element_; }
+
+ private:
+  bool take_plain_object(std::size_t begin);
+  void take_any(std::size_t begin);
+  simdjson::error_code parse(std::size_t begin, std::size_t end);
+  void skip_blanks();
+  [[noreturn]] void refuse(simdjson::error_code code) const;
+
+  std::string_view text_;
+  std::string name_;
+  std::size_t most_bytes_;
+  std::size_t at_ = 0;
+  std::size_t index_;
+  std::size_t bytes_ = 0;
+  bool plain_ = true;  // all entries until now were plain objects
+  std::optional<Element> element_;
+  simdjson::dom::parser parser_;
+};
+
+}  // namespace enfilade::json
