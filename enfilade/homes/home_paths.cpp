@@ -47,13 +47,17 @@ void speak_in(const HomeEntry& entry, const graph::GraphSet& graphs, const HomeP
   }
 }
 
-void write_splits(const fs::path& folder, const std::map<std::string, r2r::Annotations>& splits) {
-  for (const char* part : {"r2r", "hidden"}) make_folder(folder / part);
-  for (const char* split : {"train", "val_seen", "val_unseen", "test"}) {
-    write_file_atomically(folder / "r2r" / fmt::format("R2R_{}.json", split),
+void write_splits(const fs::path& folder, const std::map<std::string, r2r::Annotations>& splits,
+                  bool test_split) {
+  const auto write = [&](const char* part, const char* name, const char* split) {
+    make_folder(folder / part);
+    write_file_atomically(folder / part / fmt::format("R2R_{}.json", name),
                           to_json(splits.at(split)));
-  }
-  write_file_atomically(folder / "hidden" / "R2R_test.json", to_json(splits.at("test_hidden")));
+  };
+  for (const char* split : {"train", "val_seen", "val_unseen"}) write("r2r", split, split);
+  if (!test_split) return;
+  write("r2r", "test", "test");
+  write("hidden", "test", "test_hidden");
 }
 
 }  // namespace
@@ -61,9 +65,10 @@ void write_splits(const fs::path& folder, const std::map<std::string, r2r::Annot
 HomePathReport write_home_paths(const fs::path& folder, const HomePathOptions& options,
                                 const SetProgress& progress) {
   const std::vector<HomeEntry> homes = read_home_list(folder);
-  if (homes.size() < kLeastHomes) {
+  const std::size_t least = options.test_split ? kLeastHomes : kLeastHomes - 1;
+  if (homes.size() < least) {
     throw FileError(fmt::format("{}: {} homes, but splits by building need {} at least",
-                                folder.string(), homes.size(), kLeastHomes));
+                                folder.string(), homes.size(), least));
   }
   const auto graphs = graph::GraphSet::open(folder / "connectivity");
   const r2r::SamplingOptions sampling{
@@ -75,8 +80,9 @@ HomePathReport write_home_paths(const fs::path& folder, const HomePathOptions& o
     speak_in(homes[i], *graphs, options, paths);
   }
   if (progress) progress("", homes.size(), homes.size());
-  const r2r::SplitOptions split{.val_seen_share = options.val_seen_share, .seed = options.seed};
-  write_splits(folder, r2r::split_by_building(paths, split));
+  r2r::SplitOptions split{.val_seen_share = options.val_seen_share, .seed = options.seed};
+  if (!options.test_split) split.test_scans = 0;
+  write_splits(folder, r2r::split_by_building(paths, split), options.test_split);
   return {paths.size(), paths.size() * speaking::kSpeakers.size()};
 }
 

@@ -105,13 +105,17 @@ std::vector<HomeEntry> read_home_list(const std::filesystem::path& folder);
 /// home, and its lines would not fit the graph; as make_home(), scan::load_connectivity()
 HomeEntry completed(HomeEntry home, const std::filesystem::path& folder);
 
-inline constexpr std::size_t kLeastHomes = 3;  ///< fewer cannot be split by building
+/// Fewer cannot be split by building into train, val_unseen and test.
+inline constexpr std::size_t kLeastHomes = 3;
 
 /// How many paths are drawn, and how they are split.
 struct HomePathOptions {
   std::size_t per_home = 60;  ///< paths, at most
   std::uint64_t seed = 1;
   double val_seen_share = 0.15;
+  /// Without a test split, whose goals are hidden, two homes are enough: one for train and
+  /// val_seen, one for val_unseen.
+  bool test_split = true;
   int threads = 0;
 };
 /// What was written.
@@ -122,8 +126,8 @@ struct HomePathReport {
 /// val_seen, val_unseen and test, split by building in the paper's proportions, with three
 /// instructions a path, one by each speaker. The test paths with their goals are in
 /// `hidden/R2R_test.json`. Graphs are read from the folder, so corrections made there count.
-/// \throws as read_home_list(), graph::GraphSet; FileError if there are fewer than kLeastHomes or
-/// the splits cannot be written
+/// \throws as read_home_list(), graph::GraphSet; FileError if there are fewer homes than the splits
+/// need or the splits cannot be written
 HomePathReport write_home_paths(const std::filesystem::path& folder, const HomePathOptions& options,
                                 const SetProgress& progress = {});
 

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -318,6 +320,32 @@ TEST(HomeSet, PathsHaveThreeInstructionsAndHiddenGoals) {
     EXPECT_EQ(test.paths[i].instructions, hidden.paths[i].instructions);
     EXPECT_EQ(test.paths[i].instructions.size(), 3U);
   }
+}
+
+TEST(HomeSet, TwoHomesAreEnoughWithoutATestSplit) {
+  const TemporaryFolder folder("homes");
+  HomeSetOptions two = home_set_preset("graphs");
+  two.homes = 2;
+  write_homes(folder.path(), two);
+  HomePathOptions options;
+  options.per_home = 20;
+  EXPECT_THROW(write_home_paths(folder.path(), options), FileError);
+  options.test_split = false;
+  write_home_paths(folder.path(), options);
+  const scan::DataRoot data(folder.path());
+  std::map<std::string, std::set<std::string>> scans;
+  for (const char* split : {"train", "val_seen", "val_unseen"}) {
+    for (const auto& path : r2r::load_annotations(data.annotations(split), split).paths) {
+      scans[split].insert(path.scan);
+      EXPECT_EQ(path.instructions.size(), 3U);
+    }
+  }
+  EXPECT_EQ(scans["train"].size(), 1U);
+  EXPECT_EQ(scans["val_seen"], scans["train"]);
+  EXPECT_EQ(scans["val_unseen"].size(), 1U);
+  EXPECT_NE(scans["val_unseen"], scans["train"]);
+  EXPECT_FALSE(fs::exists(folder.path() / "r2r" / "R2R_test.json"));
+  EXPECT_FALSE(fs::exists(folder.path() / "hidden"));
 }
 
 }  // namespace

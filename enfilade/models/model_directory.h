@@ -38,7 +38,8 @@ struct ModelConfig {
 };
 /// The text of config.json.
 std::string to_json(const ModelConfig& config);
-/// Reads config.json. \throws FileError; InvalidInput listing every fault with its JSON path
+/// Reads config.json. \throws FileError; InvalidInput listing its faults (up to 1000) with their
+/// JSON paths
 ModelConfig load_model_config(const std::filesystem::path& file);
 
 /// Reads vocabulary.txt. \throws FileError; InvalidInput, also if its size is not the network's

@@ -38,9 +38,9 @@ struct Annotations {
 
 /// Reads a file. `distance` may be absent, `instructions` may be empty (paths that wait for theirs,
 /// as `enfilade sample` writes them), fields of other names are ignored.
-/// \throws FileError; InvalidInput listing every fault with its JSON path: not JSON, missing,
-/// repeated or wrongly typed fields, an empty path, a negative distance, a path_id that another
-/// entry has
+/// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths: not JSON,
+/// missing, repeated or wrongly typed fields, an empty path, a negative distance, a path_id that
+/// another entry has
 Annotations load_annotations(const std::filesystem::path& file, std::string split);
 Annotations parse_annotations(std::string_view json, const std::string& file, std::string split);
 

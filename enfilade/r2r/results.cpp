@@ -10,7 +10,9 @@
 #include <unordered_map>
 #include <utility>
 
-#include "enfilade/core/detail/json.h"
+#include "enfilade/core/detail/json_entries.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
 
 namespace enfilade::r2r {
 namespace {
@@ -21,6 +23,9 @@ using json::Path;
 
 constexpr std::size_t kListedIds = 20;   // of missing ones; further ones are only counted
 constexpr std::size_t kShownBytes = 40;  // of an id in a message
+// Of an entry of the file. A step in the long form takes up to 100 bytes, so this is some 10,000
+// steps; published agents make at most some hundreds. simdjson takes up to 14 times as much.
+constexpr std::size_t kMostEntryBytes = std::size_t{1} << 20U;
 constexpr const char* kEntryForms =
     "a viewpoint id, [viewpoint], [viewpoint, heading, elevation], or a list of those";
 
@@ -51,28 +56,37 @@ bool is_point(simdjson::dom::array list) {
 // Reads one trajectory. If its episode is unknown, only the form is checked.
 class TrajectoryReader {
  public:
-  TrajectoryReader(const EpisodeSet& episodes, std::optional<std::size_t> episode, Faults& faults)
-      : faults_(faults) {
+  /// \param points  what was read; overwritten
+  TrajectoryReader(const EpisodeSet& episodes, std::optional<std::size_t> episode, Faults& faults,
+                   std::vector<TrajectoryPoint>& points)
+      : faults_(faults), points_(points) {
+    points_.clear();
     if (!episode) return;
     reference_ = &episodes.path_of(episodes.episodes[*episode]);
     graph_ = &episodes.graphs->graph(reference_->scan);
   }
 
-  std::vector<TrajectoryPoint> read(Element element, const Path& path) {
+  void read(Element element, const Path& path) {
     const std::size_t errors = faults_.errors();
     const auto entries = json::array(element, path, faults_);
-    if (!entries) return {};
+    if (!entries) return;
     read_list(*entries, path, 0);
     if (!started_ && faults_.errors() == errors) {
       faults_.error(path, "empty-trajectory", "no viewpoint; the start at least is expected");
     }
-    return std::move(points_);
   }
 
  private:
   void read_list(simdjson::dom::array list, const Path& path, int depth) {
     std::size_t i = 0;
-    for (const Element element : list) read_entry(element, Path(path, i++), depth);
+    for (const Element element : list) {
+      const Path place(path, i++);
+      if (faults_.full()) {
+        faults_.stop(place);
+        return;
+      }
+      read_entry(element, place, depth);
+    }
   }
 
   void read_entry(Element element, const Path& path, int depth) {
@@ -164,10 +178,10 @@ class TrajectoryReader {
   const graph::NavGraph* graph_ = nullptr;
   std::optional<ViewpointIndex> last_;
   bool started_ = false;
-  std::vector<TrajectoryPoint> points_;
+  std::vector<TrajectoryPoint>& points_;
 };
 
-// Reads a whole file. Each episode may have one entry.
+// Reads a whole file, an entry at a time. Each episode may have one entry.
 class Reader {
  public:
   Reader(const EpisodeSet& episodes, const std::string& file)
@@ -180,22 +194,35 @@ class Reader {
     }
   }
 
-  Results read(Element root) {
-    const Path path;
-    if (const auto entries = json::array(root, path, faults_)) {
-      std::size_t i = 0;
-      for (const Element entry : *entries) {
-        read_entry(entry, i, Path(path, i));
-        ++i;
-      }
-      report_missing();
-    }
+  Results read(std::string_view text) {
+    json::Entries entries(text, faults_.file(), kMostEntryBytes);
+    if (entries.is_list(faults_) && read_entries(entries)) report_missing();
     faults_.throw_if_errors();
     results_.warnings = faults_.take();
     return std::move(results_);
   }
 
  private:
+  // False if it stopped before the end: a file with so many faults is not what it was taken for.
+  bool read_entries(json::Entries& entries) {
+    const Path root;
+    while (entries.next()) {
+      const Path path(root, entries.index());
+      if (faults_.full()) {
+        faults_.stop(path);
+        return false;
+      }
+      if (entries.element()) {
+        read_entry(*entries.element(), entries.index(), path);
+      } else {
+        faults_.error(
+            path, "too-large",
+            fmt::format("an entry of {} bytes; {} are allowed", entries.bytes(), kMostEntryBytes));
+      }
+    }
+    return !faults_.stopped();
+  }
+
   void read_entry(Element element, std::size_t place, const Path& path) {
     std::array<std::optional<Element>, kFields> found;
     json::fields(element, kWanted, found, path,
@@ -216,9 +243,10 @@ class Reader {
       keep = episode && claim(*episode, place, id_path);
     }
     if (!found[kTrajectory]) return;
-    auto points = TrajectoryReader(episodes_, episode, faults_)
-                      .read(*found[kTrajectory], Path(path, "trajectory"));
-    if (keep) results_.trajectories[*episode].points = std::move(points);
+    TrajectoryReader(episodes_, episode, faults_, points_)
+        .read(*found[kTrajectory], Path(path, "trajectory"));
+    // A copy, because a vector that grew has room for twice as many.
+    if (keep) results_.trajectories[*episode].points.assign(points_.begin(), points_.end());
   }
 
   // "7_3" where "7_2" is scored: a fourth instruction, which data sets have for some paths and
@@ -276,6 +304,7 @@ class Reader {
   Faults faults_;
   std::unordered_map<std::string_view, std::size_t> by_id_;  // indices of episodes
   std::vector<std::optional<std::size_t>> places_;  // of the entries in the file, by episode
+  std::vector<TrajectoryPoint> points_;             // of the entry that is being read
   Results results_;
 };
 
@@ -298,13 +327,11 @@ std::string number_json(double value, const std::string& instruction_id) {
 }  // namespace
 
 Results load_results(const std::filesystem::path& file, const EpisodeSet& episodes) {
-  const json::Document document = json::Document::load(file);
-  return Reader(episodes, document.name()).read(document.root());
+  return parse_results(read_file(file), file.string(), episodes);
 }
 
 Results parse_results(std::string_view json, const std::string& file, const EpisodeSet& episodes) {
-  const json::Document document = json::Document::parse(json, file);
-  return Reader(episodes, document.name()).read(document.root());
+  return Reader(episodes, file).read(json);
 }
 
 std::string to_json(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes) {

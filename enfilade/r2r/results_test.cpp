@@ -245,5 +245,36 @@ TEST(Results, NameTheirFile) {
   EXPECT_THROW(load_results(file, episodes()), FileError);
 }
 
+TEST(Results, StopReadingAFileOfFaults) {
+  std::string text = "[";
+  for (int k = 0; k < 100'000; ++k) text += "{},";
+  std::vector<Diagnostic> found;
+  try {
+    parse(text + "{}]");
+  } catch (const InvalidInput& error) {
+    found = error.diagnostics();
+  }
+  ASSERT_EQ(found.size(), kMostFaultsKept + 1);  // no instr_id and no trajectory, 500 times
+  EXPECT_EQ(found.front().where, "$[0]");
+  EXPECT_EQ(found.back().where, "$[500]");
+  EXPECT_EQ(found.back().code, kMoreFaults);
+  EXPECT_THAT(message(text), HasSubstr("$[500]: not read from here on, after 1000 errors"))
+      << "that the list does not end is not seen";
+  // The faults of one entry, the file's last.
+  std::string trajectory = "[";
+  for (int k = 0; k < 5000; ++k) trajectory += "0,";
+  const std::string last =
+      fmt::format(R"([{{"instr_id": "7_0", "trajectory": {}0]}}])", trajectory);
+  EXPECT_THAT(message(last), HasSubstr("$[0].trajectory[1000]: not read from here on"));
+}
+
+TEST(Results, AnEntryOfMegabytesIsRefusedAndTheRestIsRead) {
+  const std::string large = "\"" + std::string(std::size_t{1} << 20U, 'x') + "\"";
+  EXPECT_THAT(trajectory_faults(R"(["v0"], "note": )" + large),
+              ElementsAre("$[0]: too-large", "$: missing-instr-id"));
+  EXPECT_THAT(message(file_with(R"(["v0"], "note": )" + large)),
+              HasSubstr("bytes; 1048576 are allowed"));
+}
+
 }  // namespace
 }  // namespace enfilade::r2r

@@ -39,9 +39,9 @@ bool is_scan_id(std::string_view scan);
 void require_scan_id(std::string_view scan);
 
 /// Reads `<directory>/<scan>_connectivity.json`.
-/// \throws FileError if it cannot be read; InvalidInput listing every fault with its JSON path if
-/// it is not JSON or has a missing, repeated or wrongly typed field, a pose that isn't 16 numbers,
-/// `unobstructed` or `visible` of another length than the file, or an id twice.
+/// \throws FileError if it cannot be read; InvalidInput listing its faults (up to 1000) with their
+/// JSON paths if it is not JSON or has a missing, repeated or wrongly typed field, a pose that
+/// isn't 16 numbers, `unobstructed` or `visible` of another length than the file, or an id twice.
 Connectivity load_connectivity(const std::filesystem::path& directory, std::string_view scan);
 
 /// The same for a text in memory; `file` is its name in messages. \throws InvalidInput

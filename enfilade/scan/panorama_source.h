@@ -118,6 +118,11 @@ class PanoramaSource {
   virtual std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
       ViewpointIndex viewpoint) const;
 
+  /// Says that this viewpoint's pictures will not be read again soon. A source that maps its file
+  /// gives their memory back to the system; others do nothing. What is read stays the same, also
+  /// for threads that are reading. Without it, all that was ever read may stay resident.
+  virtual void release(ViewpointIndex /*viewpoint*/) const {}
+
   /// A text that changes when the pictures do, as far as can be found out quickly: for instance
   /// names, sizes and times of files. Empty if unknown; pack() then starts again instead of
   /// continuing an earlier run or keeping a complete store. \throws FileError

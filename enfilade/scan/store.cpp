@@ -232,6 +232,18 @@ std::optional<std::array<std::string, kCubeFaces>> Store::colour_jpegs(
   return jpegs;
 }
 
+// The faces of a viewpoint follow each other in its record.
+void Store::release(ViewpointIndex viewpoint) const {
+  std::uint64_t begin = bytes();
+  std::uint64_t end = 0;
+  for (const FaceEntry& face : impl_->catalogue.faces.at(viewpoint.at())) {
+    if (face.coding == Coding::kAbsent) continue;
+    begin = std::min(begin, face.offset);
+    end = std::max(end, face.offset + face.all_bytes());
+  }
+  if (begin < end) impl_->file.give_back(begin, end - begin);
+}
+
 std::string Store::state() const {
   const Header& header = impl_->catalogue.header;
   return fmt::format("{:016x} {:016x}", header.catalogue_checksum, header.graph_checksum);

@@ -67,6 +67,7 @@ class Store final : public PanoramaSource {
   FaceSizes face_sizes(ViewpointIndex viewpoint) const override;
   std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
       ViewpointIndex viewpoint) const override;
+  void release(ViewpointIndex viewpoint) const override;
   std::string state() const override;  ///< its checksums
 
   /// Reads everything and compares all checksums; each fault is an error with code "bad-checksum".

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <atomic>
 #include <cstring>
 #include <fstream>
 #include <functional>
@@ -10,6 +11,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/scan/detail/store_format.h"
 #include "tests/support/panoramas.h"
+#include "tests/support/resident.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::scan {
@@ -19,6 +21,7 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
+using tests::resident_bytes_of;
 using tests::TemporaryFolder;
 
 std::shared_ptr<const Store> packed(const PanoramaSource& source, const fs::path& folder,
@@ -33,6 +36,40 @@ void expect_equal(const Panorama& a, const Panorama& b) {
   EXPECT_EQ(a.depth, b.depth);
   EXPECT_EQ(a.classes, b.classes);
   EXPECT_EQ(a.instances, b.instances);
+}
+
+TEST(Store, ReleasedPicturesLeaveTheMemoryAndCanBeReadAgain) {
+  const TemporaryFolder folder("store_release");
+  constexpr std::size_t kCount = 4;
+  const auto source = testing::memory_panoramas("house", kCount, 256);
+  const auto store = packed(*source, folder.path());  // 4.7 MB of colour, uncompressed
+  const fs::path file = store_file(folder.path(), "house");
+  for (std::size_t i = 0; i < kCount; ++i) read_panorama(*store, ViewpointIndex(i));
+  EXPECT_GT(resident_bytes_of(file), store->bytes() / 2);
+  for (std::size_t i = 0; i < kCount; ++i) store->release(ViewpointIndex(i));
+  EXPECT_LT(resident_bytes_of(file), store->bytes() / 20);  // the catalogue
+  for (std::size_t i = 0; i < kCount; ++i) {
+    expect_equal(read_panorama(*store, ViewpointIndex(i)),
+                 read_panorama(*source, ViewpointIndex(i)));
+  }
+}
+
+// A thread that reads what another one releases goes on.
+TEST(Store, ReleasingDisturbsNoReader) {
+  const TemporaryFolder folder("store_release");
+  const auto source = testing::memory_panoramas("house", 1, 64);
+  const auto store = packed(*source, folder.path());
+  const Panorama right = read_panorama(*source, ViewpointIndex(0));
+  std::atomic<bool> done = false;
+  std::thread releaser([&] {
+    while (!done) {
+      store->release(ViewpointIndex(0));
+      std::this_thread::yield();
+    }
+  });
+  for (int k = 0; k < 50; ++k) expect_equal(read_panorama(*store, ViewpointIndex(0)), right);
+  done = true;
+  releaser.join();
 }
 
 TEST(Store, GivesBackWhatWasPacked) {
