@@ -1,18 +1,31 @@
 """The evaluation script of an EvalAI challenge on Room-to-Room, scored by Enfilade.
 
-EvalAI's workers import this module and call evaluate(). What the host puts beside it, or names by
-environment variables:
+package.py makes the archive that a host uploads: this file, the program with its libraries, the
+graphs, the phases. EvalAI's workers unpack it and call evaluate(). Where these are, unless
+environment variables name others:
 
     ENFILADE              the program `enfilade` (default: bin/enfilade beside this file, else the PATH)
     ENFILADE_CONNECTIVITY the folder of navigation graphs (default: connectivity/ beside this file)
+    ENFILADE_PHASES       the phases, as JSON (default: phases.json beside this file, if it is there):
+                          {"test": {"splits": ["test_split"], "step": 0.01}}
+                          keys are the `codename`s of challenge_phases in challenge_config.yaml, `splits` those of
+                          the dataset_splits that challenge_phase_splits connects with the phase (default: the
+                          phase's own), `step` is what shares are rounded to, 0.001 to 0.5 (default: 0.01);
+                          metres are rounded to ten times as much. "result_file": true puts the means into
+                          the file that EvalAI shows each participant at once, whatever the leaderboard's
+                          visibility; without it that file has no score. A phase that is not there has the
+                          defaults
 
-Only the standard library is needed. docs/service.md says how to set a challenge up.
+Goals stay secret only as far as the challenge's settings see to it: this script is asked anew for each file, so it
+cannot count. docs/service.md says which settings are needed. Only the standard library is needed, of
+Python 3.7 or newer: workers have what their challenge asks for.
 """
 
 import json
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -29,37 +42,77 @@ COLUMNS = {
     "cls": "cls",
 }
 
+LOADER = "ld.so"  # of the program's libraries, as package.py names it
+DEFAULT_STEP = 0.01
+METRES_OF_STEP = 10  # 0.01 of shares are 0.1 m, as on an Enfilade server
+MOST_METRES = 30
+# Those that do not depend on where goals are: whoever made the trajectories knows them.
+GOAL_FREE = {"length"}
+
 
 class BadSubmission(Exception):
-    """The file can't be scored; the message lists every fault, for the participant."""
+    """The file can't be scored; the message lists its faults (up to 1000), for the participant."""
 
 
 def _program():
+    """The words that begin a command of the program."""
+    packaged = HERE / "bin" / "enfilade"
+    loader = HERE / "lib" / LOADER
     given = os.environ.get("ENFILADE")
-    beside = HERE / "bin" / "enfilade"
-    found = given or (str(beside) if beside.exists() else shutil.which("enfilade"))
+    if given:
+        return [given]
+    if packaged.exists() and loader.exists():  # with all its libraries, whatever the worker has
+        loader.chmod(0o700)  # archives are unpacked without the permission to run anything
+        return [str(loader), "--library-path", str(loader.parent), str(packaged)]
+    found = str(packaged) if packaged.exists() else shutil.which("enfilade")
     if not found:
         raise RuntimeError("enfilade: no such program; set ENFILADE to its path")
-    return found
+    return [found]
 
 
 def _connectivity():
     return os.environ.get("ENFILADE_CONNECTIVITY", str(HERE / "connectivity"))
 
 
+def _phase(codename):
+    """Splits and step of a phase, and whether its participants' result files have the means."""
+    file = Path(os.environ.get("ENFILADE_PHASES", str(HERE / "phases.json")))
+    phases = json.loads(file.read_text()) if file.exists() else {}
+    phase = phases.get(codename, {})
+    step = phase.get("step", DEFAULT_STEP)
+    if not 0.001 <= step <= 0.5:
+        raise RuntimeError(f"{file.name}: {codename}.step: {step}, not from 0.001 to 0.5")
+    return phase.get("splits", [codename]), step, phase.get("result_file", False)
+
+
+def _rounded(column, mean, step):
+    """A mean as it may be told: on a grid, so that it cannot tell one episode's error."""
+    if column in GOAL_FREE:
+        return mean
+    most = MOST_METRES if column == "nav_error" else 1
+    grid = step * METRES_OF_STEP if column == "nav_error" else step
+    last = round(most / grid)
+    level = last if mean is None else min(round(mean / grid), last)  # None: a goal out of reach
+    return round(level * grid, 6)
+
+
 def evaluate(test_annotation_file, user_submission_file, phase_codename, **kwargs):
     """Scores a results file.
 
     test_annotation_file: R2R annotations with goals. user_submission_file: a results file in any
-    form that `enfilade score` reads. phase_codename: names the split in the answer. Whatever else
+    form that `enfilade score` reads. phase_codename: one of the challenge's phases. Whatever else
     EvalAI passes (submission_metadata) is not looked at.
 
-    Returns EvalAI's {"result": [{split: {column: mean}}], "submission_result": {...}}. Means only:
-    metrics of single episodes would tell where hidden goals are.
-    Raises BadSubmission for a file with faults, RuntimeError if the program fails otherwise.
+    Returns EvalAI's {"result": [{split: {column: mean}}, ...], "submission_result": {...}}, an
+    entry for each split of the phase; who sees them is a setting of the challenge. Means only, and
+    rounded: metrics of single episodes, or exact means of two files that differ in one, would tell
+    where hidden goals are.
+    Raises BadSubmission for a file with faults, RuntimeError if the program or the phases' file
+    fails otherwise.
     """
+    splits, step, in_file = _phase(phase_codename)
     command = [
-        _program(), "score", str(user_submission_file),
+        *_program(), "score", str(user_submission_file),
         "--annotations", str(test_annotation_file),
         "--connectivity", _connectivity(),
         "--json", "-",
@@ -69,7 +122,12 @@ def evaluate(test_annotation_file, user_submission_file, phase_codename, **kwarg
         # Never the annotations' path: participants read this.
         raise BadSubmission(done.stderr.replace(str(user_submission_file), "submission"))
     if done.returncode != 0:
+        # For the host, in the worker's log: sys.stderr is the participant's here.
+        print(done.stderr, file=sys.__stderr__)
         raise RuntimeError(f"enfilade score ended with status {done.returncode}")
     means = json.loads(done.stdout)["means"]
-    row = {column: means[metric]["mean"] for column, metric in COLUMNS.items()}
-    return {"result": [{phase_codename: row}], "submission_result": row}
+    row = {
+        column: _rounded(column, means[metric]["mean"], step) for column, metric in COLUMNS.items()
+    }
+    told = {column: mean for column, mean in row.items() if in_file or column in GOAL_FREE}
+    return {"result": [{split: row} for split in splits], "submission_result": told}

@@ -18,6 +18,8 @@ class Evaluate(unittest.TestCase):
         os.environ["ENFILADE"] = PROGRAM
         os.environ["ENFILADE_CONNECTIVITY"] = str(Path(VECTORS) / "data" / "connectivity")
 
+        os.environ.pop("ENFILADE_PHASES", None)
+
     def tearDown(self):
         self.folder.cleanup()
 
@@ -25,6 +27,20 @@ class Evaluate(unittest.TestCase):
         file = Path(self.folder.name) / name
         file.write_text(json.dumps(content))
         return file
+
+    def set_phases(self, phases):
+        os.environ["ENFILADE_PHASES"] = str(self.write("phases.json", phases))
+
+    def evaluate_many(self, successes):
+        """Of 200 paths from v0 to v1, so many succeed; the others stay at their start."""
+        annotations = self.write("secret.json", [{
+            "path_id": k, "scan": "triangle", "heading": 0.0, "path": ["v0", "v1"],
+            "distance": 3.0, "instructions": ["Walk on."]} for k in range(200)])  # fmt: skip
+        way = [["v0", 0, 0], ["v1", 0, 0]]
+        results = self.write("results.json", [
+            {"instr_id": f"{k}_0", "trajectory": way if k < successes else way[:1]}
+            for k in range(200)])  # fmt: skip
+        return main.evaluate(annotations, results, "test")["result"][0]["test"]
 
     def evaluate(self, trajectory):
         # From v0 to v1, which are 3 m apart (docs of the vectors).
@@ -41,12 +57,51 @@ class Evaluate(unittest.TestCase):
         self.assertEqual(row["spl"], 1)
         self.assertAlmostEqual(row["length"], 3)
         self.assertEqual(set(row), set(main.COLUMNS))
-        self.assertEqual(scored["submission_result"], row)
 
     def test_who_stays_does_not(self):
         row = self.evaluate([["v0", 0, 0]])["result"][0]["test"]
         self.assertEqual(row["success"], 0)
-        self.assertAlmostEqual(row["nav_error"], 3)
+        self.assertEqual(row["nav_error"], 3)
+
+    def test_results_are_of_the_splits_of_the_phase(self):
+        self.set_phases({"test": {"splits": ["a", "b"]}, "other": {"splits": ["c"]}})
+        scored = self.evaluate([["v0", 0, 0], ["v1", 0, 0]])
+        self.assertEqual([list(one) for one in scored["result"]], [["a"], ["b"]])
+
+    def test_participants_files_have_no_score_unless_the_host_says_so(self):
+        scored = self.evaluate([["v0", 0, 0], ["v1", 0, 0]])
+        self.assertEqual(set(scored["submission_result"]), {"length"})
+        self.set_phases({"test": {"result_file": True}})
+        scored = self.evaluate([["v0", 0, 0], ["v1", 0, 0]])
+        self.assertEqual(scored["submission_result"], scored["result"][0]["test"])
+
+    def test_exact_means_are_not_told(self):
+        # They are 0.52 and 0.525; 1.44 m and 1.425 m. Only what comes to the edge of a step is told:
+        # that is a bound on what an answer tells, and no secrecy.
+        base = self.evaluate_many(104)
+        more = self.evaluate_many(105)
+        for column in ("success", "spl", "nav_error"):
+            self.assertEqual(base[column], more[column])
+        self.assertEqual(base["success"], 0.52)
+        self.assertEqual(base["nav_error"], 1.4)
+        self.assertAlmostEqual(more["length"] - base["length"], 3 / 200)
+
+    def test_walks_that_surely_succeed_make_the_grid_no_finer(self):
+        # Added one by one, so that some come to the edges of rounding: each answer is still one of
+        # 101, and tells no more than log2 101 bits.
+        for successes in (101, 102, 103):
+            told = self.evaluate_many(successes)["success"]
+            self.assertIn(told, [round(level / 100, 2) for level in range(101)])
+            self.assertLessEqual(abs(told - successes / 200), 0.0051)
+
+    def test_the_host_says_how_coarse(self):
+        self.set_phases({"test": {"step": 0.1}})
+        row = self.evaluate_many(105)
+        self.assertEqual(row["success"], 0.5)
+        self.assertEqual(row["nav_error"], 1)
+        self.set_phases({"test": {"step": 0.7}})
+        with self.assertRaises(RuntimeError):
+            self.evaluate_many(0)
 
     def test_faults_are_told_without_the_secret_files_name(self):
         with self.assertRaises(main.BadSubmission) as refused:
