@@ -34,8 +34,10 @@ usage: ./enfilade.sh COMMAND [ARGUMENTS]
 
   demo  [ARGS]                  build, then run the main job; ARGS go to `enfilade demo`
   serve [ARGS]                  build with the web server, then run it; ARGS go to `enfilade serve`
-                                (none: the demo's homes, or two small ones made now)
-  build [--preset P]            build; programs are left in build/P/bin/ (P is release)
+                                (none: two model homes are made and served, if ENFILADE_DATA
+                                is not set); `serve --help` needs no build
+  build [--preset P] [--web]    build; programs are left in build/P/bin/ (P is release);
+                                --web: with the web server, as serve does
   test  [--preset P] [ARGS]     build and run the tests; ARGS go to ctest, as in -R NavGraph
         --quick                 unit tests only: no Python, browser, training, documentation
   docs  [ARGS]                  build the documentation: build/docs/index.html; with the examples'
@@ -176,29 +178,41 @@ parse_preset() {
 }
 
 command_build() {
-  local preset rest
-  parse_preset release "$@"
+  local preset rest argument arguments=() server=()
+  for argument in "$@"; do
+    if [[ $argument == --web ]]; then
+      server=(-DEN_WITH_WEB=ON)
+    else
+      arguments+=("$argument")
+    fi
+  done
+  parse_preset release ${arguments[@]+"${arguments[@]}"}
   ((${#rest[@]} == 0)) || die 2 "build takes no argument '${rest[0]}'; see ./enfilade.sh help"
   case $preset in
     release) ensure_packages "build Enfilade" build ;;
     fuzz) ensure_packages "build Enfilade's fuzzers" build fuzz ;;
     *) ensure_packages "build Enfilade and its tests" build test ;;
   esac
-  build_preset "$preset"
+  ((${#server[@]} == 0)) || ensure_web
+  build_preset "$preset" ${server[@]+"${server[@]}"}
+}
+
+ensure_web() {
+  ensure_packages "build Enfilade with its web server" build web
+  ensure_pages || die 3 "without Node.js 20.19 or newer, npm and its registry, there can be no pages"
 }
 
 command_serve() {
-  local program=$root/build/release/bin/enfilade homes=enfilade-demo/homes
-  ensure_packages "build Enfilade with its web server" build web
-  ensure_pages || die 3 "without Node.js 20.19 or newer, npm and its registry, there can be no pages"
+  case ${1:-} in
+    -h | --help)  # what the program says, kept here: nobody waits for a build to read it
+      cat tools/serve_help.txt
+      return
+      ;;
+  esac
+  ensure_web
   build_preset release -DEN_WITH_WEB=ON
   cd "$caller"
-  (($# == 0)) || exec "$program" serve "$@"
-  if [[ ! -e $homes/homes.json ]]; then
-    homes=enfilade-demo/small
-    "$program" homes --preset small -o "$homes"
-  fi
-  exec "$program" serve "$homes"
+  exec "$root/build/release/bin/enfilade" serve "$@"
 }
 
 command_demo() {
@@ -326,19 +340,18 @@ lint_shell() {
   return $status
 }
 
-lint_tidy() {  # lint_tidy FILE...: clang-tidy on these sources of the preset ci, or on all of ours
-  local log=build/ci/tidy.log ours="^$root/(enfilade|apps|bench|examples|python|tests)/"
+lint_tidy() {  # lint_tidy FILE...: clang-tidy on these sources of the preset ci, or on all
+  local log=build/ci/tidy.log
   log_to build/ci/build.log cmake --preset ci -DEN_BUILD_BENCH=ON -DEN_UNITY=OFF || {
     show_failure build/ci/build.log
     return 1
   }
-  (($# > 0)) || set -- "$ours"  # nanobind is compiled from its sources
   # Flags that only GCC knows are no fault of the source. Nor is what lies outside of it: libtorch's own
   # headers are no C++20 to clang 16 (vectors of incomplete types), after which it reads on.
   run-clang-tidy-16 -quiet -p build/ci -j "$(job_count)" -extra-arg=-Wno-unknown-warning-option \
     "$@" >"$log" 2>&1 || true
   grep -q '^clang-tidy-16 ' "$log" || { tail -n 20 "$log" >&2; return 1; }
-  ! grep -E -A 4 "${ours}[^ ]*: (warning|error): |^error: " "$log"
+  ! grep -E -A 4 "^$root/(enfilade|apps|bench|examples|python|tests)/[^ ]*: (warning|error): |^error: " "$log"
 }
 
 command_lint() {

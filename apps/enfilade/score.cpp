@@ -55,6 +55,12 @@ void print_score(const Options& options, const r2r::Score& score, const r2r::Epi
 
 ExitCode score(const Options& options) {
   const r2r::EpisodeSet episodes = load_episodes(options);
+  if (episodes.episodes.empty()) {  // means over none would be nothing that a table can show
+    throw UsageError(fmt::format(
+        "split {}: the annotations have no episode, so there is nothing to score; the export of a "
+        "collection has the paths whose every instruction was walked",
+        episodes.split));
+  }
   r2r::Results results;
   try {
     results = r2r::load_results(options.results, episodes);

@@ -1,8 +1,13 @@
 // enfilade serve: a data set, its viewer and its evaluation over HTTP.
 #include "enfilade/service/server.h"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <malloc.h>
+#include <netinet/in.h>
+#include <semaphore.h>
+#include <sys/socket.h>
+#include <unistd.h>
 #include <csignal>
 #include <filesystem>
 #include <map>
@@ -12,6 +17,7 @@
 #include <optional>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/first_visit.h"
 #include "apps/enfilade/verbs.h"
 
 namespace enfilade::apps {
@@ -23,7 +29,8 @@ struct Options {
   std::string data;
   std::string database;
   std::string phases;
-  std::string log = "text";
+  std::string log;
+  std::string organiser;
   service::ServerConfig config;
 };
 
@@ -44,7 +51,7 @@ void print_text(const service::RequestRecord& record) {
 }
 
 std::function<void(const service::RequestRecord&)> log_of(const std::string& kind) {
-  if (kind == "none") return {};
+  if (kind == "none") return {};  // "" is "text"
   return [kind](const service::RequestRecord& record) {
     static std::mutex one_line_at_a_time;
     const std::scoped_lock lock(one_line_at_a_time);
@@ -60,14 +67,93 @@ void share_heaps() {
 #endif
 }
 
+/// For somebody who has just started a server, perhaps the first of their life.
+void print_first_steps(const Options& options, const std::string& address) {
+  constexpr int kDays = 1;
+  const std::string token = service::create_token(
+      options.config.database, service::TokenRole::kOrganiser, options.organiser, kDays);
+  fmt::print(
+      "\n"
+      "You are its organiser. Log in by this link, which is valid for a day:\n"
+      "  {0}organise#token={1}\n"
+      "\n"
+      "What to do next:\n"
+      "  look around                     {0}\n"
+      "  see how agents compare          {0}leaderboard\n"
+      "  have people describe paths      {0}organise\n"
+      "  submit results of an agent      {0}submit\n"
+      "  serve a data set of yours       enfilade serve DATA\n"
+      "  let others reach it             docs/service.md, \"On a public server\"\n"
+      "Ctrl-C ends it. What was submitted and collected stays in {2}\n",
+      address, token, options.config.database.string());
+}
+
+/// Nobody who named no data set waits for one to be made, only to read that the port is taken.
+void check_port_is_free(const service::ServerConfig& config) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(config.port));
+  if (inet_pton(AF_INET, config.host.c_str(), &address.sin_addr) != 1 || config.port == 0) return;
+  const int probe = ::socket(AF_INET, SOCK_STREAM, 0);
+  const bool taken = ::connect(probe, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+  ::close(probe);
+  if (taken) {
+    throw ArgumentError(fmt::format("{}:{}: another program listens there; choose another --port",
+                                    config.host, config.port));
+  }
+}
+
+/// Whoever names neither a data set nor rules for one gets something to look at.
+bool is_first_visit(const Options& options) {
+  return options.data.empty() && options.phases.empty() &&
+         !dataset::Dataset::from_environment().has_value();
+}
+
+sem_t asked_to_end;
+
+// By handlers, as any thread may get the signal: those that made the homes are still there, and
+// block none.
+void listen_for_the_end() {
+  sem_init(&asked_to_end, 0, 0);
+  struct sigaction action {};
+  action.sa_handler = [](int /*signal*/) { sem_post(&asked_to_end); };
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+// The agents are there to be looked at: the server is as good without them.
+void show_first_agents(const fs::path& data, const service::Site& site, const Options& options,
+                       int port) {
+  const std::string& host = options.config.host;
+  try {
+    submit_first_agents(data, site, options.config.database,
+                        fmt::format("http://{}:{}", host == "0.0.0.0" ? "127.0.0.1" : host, port));
+  } catch (const Error& error) {
+    fmt::print(stderr, "The leaderboard stays without the two agents: {}\n", error.what());
+  }
+}
+
+// Without its name, a server behind a proxy would refuse all its visitors, one by one.
+void check_names(const service::ServerConfig& config) {
+  if (config.behind_proxy && config.public_names.empty()) {
+    throw UsageError(
+        "--behind-proxy: needs the name by which visitors reach the proxy: --public-name "
+        "vln.example.org");
+  }
+}
+
 ExitCode serve(Options options) {
+  check_names(options.config);
   share_heaps();  // before there are threads
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // before there are threads, who inherit it
-  const fs::path data = open_data(options.data).folder();
+  const bool first_visit = is_first_visit(options);
+  if (first_visit) {
+    check_port_is_free(options.config);
+    if (options.organiser.empty()) options.organiser = "you";
+    if (options.log.empty()) options.log = "none";  // what it prints is to be read
+  }
+  const fs::path data = first_visit ? make_first_homes() : open_data(options.data).folder();
+  listen_for_the_end();  // until now a signal ends the process at once
   service::ServerConfig& config = options.config;
   config.database =
       options.database.empty() ? data / "enfilade-service.sqlite" : fs::path(options.database);
@@ -75,19 +161,25 @@ ExitCode serve(Options options) {
   const auto site =
       service::Site::open(data, options.phases.empty() ? std::vector<service::Phase>{}
                                                        : service::load_phases(options.phases));
+  service::give_back_large_memory();
   service::Server server(site, config);
-  fmt::print("{} scans{} at http://{}:{}/{}\n", site->graphs().size(),
-             site->synthetic() ? " (model homes: synthetic)" : "", config.host, server.port(),
+  if (first_visit) show_first_agents(data, *site, options, server.port());
+  const std::string address = fmt::format("http://{}:{}/", config.host, server.port());
+  fmt::print("{} scans{} at {}{}\n", site->graphs().size(),
+             site->synthetic() ? " (model homes: synthetic)" : "", address,
              service::has_web_client() ? "" : "api/v1/ (this build has no web client)");
+  if (!options.organiser.empty()) print_first_steps(options, address);
   std::fflush(stdout);
-  int received = 0;
-  sigwait(&signals, &received);  // until the process is asked to end
+  while (sem_wait(&asked_to_end) != 0) {  // until the process is asked to end
+  }
   server.stop();
   return kSuccess;
 }
 
 void add_serve_options(CLI::App& verb, Options& options) {
-  verb.add_option("data", options.data, "The data set (default: ENFILADE_DATA)")->type_name("DIR");
+  verb.add_option("data", options.data,
+                  "The data set (default: ENFILADE_DATA; without it two model homes, made now)")
+      ->type_name("DIR");
   verb.add_option("--db", options.database,
                   "The database, made if it isn't there (default: enfilade-service.sqlite in the "
                   "data set)")
@@ -104,13 +196,25 @@ void add_serve_options(CLI::App& verb, Options& options) {
                   "Connections that are served at the same time")
       ->capture_default_str()
       ->check(CLI::Range(1, 4096));
+  verb.add_option("--public-name", options.config.public_names,
+                  "A name by which visitors reach it, vln.example.org; requests for others are "
+                  "refused, but for addresses, localhost and this machine's own name. May be "
+                  "repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
   verb.add_flag("--behind-proxy", options.config.behind_proxy,
-                "Believe X-Forwarded-For and X-Forwarded-Proto");
-  verb.add_flag_callback(
-      "--closed-registration", [&options] { options.config.open_registration = false; },
-      "Nobody can make a team by the page or the API");
-  verb.add_option("--log", options.log, "One line a request on stderr: text, json or none")
-      ->capture_default_str()
+                "Believe X-Forwarded-For and X-Forwarded-Proto; needs --public-name");
+  verb.add_option("--organiser", options.organiser,
+                  "At the start, make an organiser's token for NAME, valid for a day, and print it "
+                  "with what to do next")
+      ->type_name("NAME");
+  verb.add_flag("--open-registration", options.config.open_registration,
+                "Anybody can make a team by the page; else organisers make them. For secret goals "
+                "a team must be approved all the same");
+  verb.add_option(
+          "--log", options.log,
+          "One line a request on stderr: text, json or none (default: text; none if DIR and "
+          "ENFILADE_DATA are missing)")
       ->check(CLI::IsMember({"text", "json", "none"}));
 }
 
@@ -170,6 +274,39 @@ void add_revoke(CLI::App& serve_verb, int& status) {
   });
 }
 
+void add_approve(CLI::App& serve_verb, int& status) {
+  struct Approve {
+    std::string database, team;
+    bool is_new = false, withdraw = false;
+  };
+  CLI::App& verb = *serve_verb.add_subcommand(
+      "approve", "Let a team submit to phases with secret goals, also while a server runs");
+  const auto approve = std::make_shared<Approve>();
+  verb.add_option("--db", approve->database, "The server's database")
+      ->required()
+      ->type_name("FILE");
+  verb.add_option("--team", approve->team, "Its name")->required()->type_name("NAME");
+  auto* is_new =
+      verb.add_flag("--new", approve->is_new, "Make the team first; prints its token, once");
+  verb.add_flag("--withdraw", approve->withdraw,
+                "Take the approval back; the team's submissions stay, but are not shown")
+      ->excludes(is_new);
+  set_examples(verb, {"enfilade serve approve --db vln.sqlite --team 'A team'",
+                      "enfilade serve approve --db vln.sqlite --team 'Another team' --new",
+                      "enfilade serve approve --db vln.sqlite --team 'A team' --withdraw"});
+  verb.callback([approve, &status] {
+    if (approve->is_new) {
+      fmt::print("{}\n", service::create_team(approve->database, approve->team));
+    } else {
+      service::set_approval(
+          approve->database, approve->team,
+          approve->withdraw ? service::Approval::kWithdrawn : service::Approval::kGiven);
+      fmt::print("{}\n", approve->withdraw ? "approval withdrawn" : "approved");
+    }
+    status = kSuccess;
+  });
+}
+
 void add_backup(CLI::App& serve_verb, int& status) {
   struct Backup {
     std::string database, copy;
@@ -198,12 +335,14 @@ void add_serve(CLI::App& app, int& status) {
   add_serve_options(verb, *options);
   add_token(verb, status);
   add_revoke(verb, status);
+  add_approve(verb, status);
   add_backup(verb, status);
   verb.require_subcommand(0, 1);
-  set_examples(verb, {"enfilade homes -o homes && enfilade serve homes",
+  set_examples(verb, {"enfilade serve", "enfilade homes -o homes && enfilade serve homes",
                       "enfilade serve homes --db vln.sqlite --phases phases.json --port 9000",
                       "enfilade serve token --db vln.sqlite --label Ada",
                       "enfilade serve revoke --db vln.sqlite --label Ada",
+                      "enfilade serve approve --db vln.sqlite --team 'A team'",
                       "enfilade serve backup --db vln.sqlite vln-monday.sqlite"});
   verb.callback([&verb, options, &status] {
     if (verb.get_subcommands().empty()) status = serve(*options);

@@ -39,9 +39,17 @@ std::string token_of(const Options& options) {
   return token;
 }
 
+// Why a submission has no means.
+std::string explain(const std::string& withheld) {
+  if (withheld == "until-end") return "its scores appear when the phase has ended";
+  if (withheld == "no-improvement") return "it does not beat your team's best score by a step";
+  if (withheld == "not-best") return "another submission of your team stands for it";
+  return "its scores are the organisers' to see";
+}
+
 void print_means(const service::SubmissionStatus& status) {
   for (const auto& [metric, mean] : status.means) fmt::print("{:<20} {:.4f}\n", metric, mean);
-  if (status.means.empty()) fmt::print("its scores are the organisers' to see\n");
+  if (status.means.empty()) fmt::print("{}\n", explain(status.withheld));
 }
 
 ExitCode submit(const Options& options) {
@@ -60,7 +68,7 @@ ExitCode submit(const Options& options) {
     status = client.status(status.id);
   }
   fmt::print("submission {}: {}\n", status.id, status.state);
-  if (status.state == "scored") print_means(status);
+  if (status.state == "scored" || status.state == "received") print_means(status);
   return status.state == "failed" ? kInput : kSuccess;
 }
 

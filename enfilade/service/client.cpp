@@ -2,15 +2,21 @@
 
 #include <fmt/format.h>
 #include <httplib.h>
+#include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/numbers.h"
 
 namespace enfilade::service {
 namespace {
 
 constexpr int kAnswerSeconds = 60;  // enough for a large file on a slow line, and its check
+constexpr int kMostTries = 12;      // when the server has no room for a large file
+constexpr int kLongestWait = 30;    // seconds, before another one
 
 std::string text_of(const nlohmann::json& object, const char* name) {
   const auto found = object.find(name);
@@ -28,6 +34,7 @@ SubmissionStatus read_status(const nlohmann::json& answer) {
       if (value.at("mean").is_number()) status.means[name] = value.at("mean").get<double>();
     }
   }
+  if (answer.contains("withheld")) status.withheld = text_of(answer, "withheld");
   if (const auto warnings = answer.find("warnings"); warnings != answer.end()) {
     status.warnings = warnings->get<std::vector<std::string>>();
   }
@@ -97,8 +104,14 @@ SubmissionStatus Client::submit(const std::string& phase, const std::string& met
                                 std::string_view results) {
   const std::string target =
       httplib::append_query_params("/api/v1/submissions", {{"phase", phase}, {"method", method}});
-  return impl_->read(
-      impl_->http.Post(target, impl_->headers, results.data(), results.size(), "application/json"));
+  for (int tries = 1;; ++tries) {
+    const auto result = impl_->http.Post(target, impl_->headers, results.data(), results.size(),
+                                         "application/json");
+    if (!result || result->status != 503 || tries == kMostTries) return impl_->read(result);
+    const std::string wait = result->get_header_value("Retry-After");
+    std::this_thread::sleep_for(
+        std::chrono::seconds(std::clamp(parse_number<int>(wait).value_or(5), 1, kLongestWait)));
+  }
 }
 
 SubmissionStatus Client::status(std::int64_t submission) {

@@ -13,9 +13,13 @@ namespace enfilade::service {
 struct SubmissionStatus {
   std::int64_t id = 0;
   std::string phase, method;
-  std::string state;                    ///< "queued", "scored", "failed", "withdrawn"
-  std::map<std::string, double> means;  ///< by metric; empty until scored, and where hidden
-  std::vector<std::string> warnings;    ///< of the file; in the answer to submit() only
+  /// "queued", "scored", "failed", "withdrawn"; "received" where nothing more is told for now.
+  std::string state;
+  std::map<std::string, double> means;  ///< by metric; empty until scored, and where withheld
+  /// Why there are no means, if the phase withholds them: "until-end", "no-improvement",
+  /// "not-best", "hidden".
+  std::string withheld;
+  std::vector<std::string> warnings;  ///< of the file; in the answer to submit() only
 };
 
 /// A team's connection to a server. Not thread-safe. Every function \throws InvalidInput with the
@@ -29,7 +33,8 @@ class Client {
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  /// Submits a results file. Submitting the same file again changes nothing.
+  /// Submits a results file. Submitting the same file again changes nothing. While the server has
+  /// no room for it (status 503), waits as long as that asks, and tries again, 12 times in all.
   SubmissionStatus submit(const std::string& phase, const std::string& method,
                           std::string_view results);
   SubmissionStatus status(std::int64_t submission);

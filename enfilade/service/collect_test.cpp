@@ -10,7 +10,6 @@ namespace {
 
 using nlohmann::json;
 using testing::collection_body;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::Worker;
 
@@ -106,21 +105,6 @@ TEST_F(Collect, OneWorkerHasNoTwoPlacesOfAPath) {
   for (const char* name : {"three", "four"}) EXPECT_TRUE(worker(name).begin().is_object());
 }
 
-TEST_F(Collect, PathsThatWereBegunComeFirst) {
-  json body = collection_body("pilot", "write");
-  body["sources"] = json::array({{{"split", "val_seen"}}});  // three paths
-  create(body);
-  std::vector<std::string> starts;
-  for (const char* name : {"a", "b", "c", "d"}) {
-    starts.push_back(worker(name).begin().at("path").at(0).get<std::string>());
-  }
-  EXPECT_THAT(starts, ElementsAre("v0", "v0", "v0", "v1"));
-  Worker a = worker("a");
-  a.join();
-  a.write(a.visit().at("task").at("task"), kText);
-  EXPECT_EQ(a.lease().at("task").at("path").at(0), "v1");  // which d began
-}
-
 TEST_F(Collect, HandingInTwiceIsOnce) {
   create(collection_body("pilot", "write"));
   Worker one = worker("one");
@@ -132,7 +116,7 @@ TEST_F(Collect, HandingInTwiceIsOnce) {
   const json work = served_.json("/api/v1/collections/pilot/work", organiser_);
   EXPECT_EQ(work.at("matching"), 1);
   EXPECT_EQ(work.at("work").at(0).at("instruction"), kText);
-  EXPECT_EQ(work.at("work").at(0).at("seconds"), 42.5);
+  EXPECT_EQ(work.at("work").at(0).at("page_seconds"), 42.5);
 }
 
 TEST_F(Collect, WhatIsHandedInIsChecked) {

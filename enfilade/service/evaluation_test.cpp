@@ -26,7 +26,10 @@ TEST(Evaluation, AGoodFileIsScoredOnSecretGoals) {
   const auto team = served.team("A team");
   const auto taken = served.submit(team, "test", row_results(3));
   ASSERT_EQ(taken->status, 202) << taken->body;
-  const auto status = served.scored(team, id_of(taken));
+  const auto told = served.scored(team, id_of(taken));
+  EXPECT_EQ(told.at("state"), "received");
+  EXPECT_FALSE(told.contains("means"));
+  const auto status = served.scored(served.organiser(), id_of(taken));
   EXPECT_EQ(status.at("state"), "scored");
   // Each walks the reference path of 3 m to its goal.
   EXPECT_DOUBLE_EQ(status["means"]["success"]["mean"].get<double>(), 1);
@@ -55,6 +58,34 @@ TEST(Evaluation, TheSameFileAgainIsTheSameSubmission) {
   EXPECT_EQ(again->status, 200);
   EXPECT_EQ(id_of(first), id_of(again));
   EXPECT_NE(id_of(first), id_of(served.submit(team, "test", row_results(3), "other")));
+}
+
+TEST(Evaluation, AMethodMayHaveLinks) {
+  Served served;
+  const auto team = served.team("A team");
+  const auto taken =
+      served.submit(team, "open", row_results(3),
+                    "m&paper=https://example.org/p&code=https://example.org/c%3Fx=1");
+  ASSERT_EQ(taken->status, 202) << taken->body;
+  served.scored(team, id_of(taken));
+  const auto row = served.json("/api/v1/leaderboards/open").at("rows").at(0);
+  EXPECT_EQ(row.at("paper"), "https://example.org/p");
+  EXPECT_EQ(row.at("code"), "https://example.org/c?x=1");
+  const auto plain = served.submit(team, "open", row_results(2), "other");
+  EXPECT_FALSE(served.scored(team, id_of(plain)).contains("paper"));
+}
+
+TEST(Evaluation, LinksThatCouldDoHarmAreRefused) {
+  Served served;
+  const auto team = served.team("A team");
+  for (const char* link : {"http://example.org", "javascript:alert(1)", "https://", "https:///x",
+                           "HTTPS://example.org", "https://example.org/%22onclick", "https://a%20b",
+                           "https://a%0Ab", "//example.org", "https://%C3%A9.org"}) {
+    const auto refused =
+        served.submit(team, "open", row_results(3), std::string("m&paper=") + link);
+    EXPECT_EQ(refused->status, 422) << link << refused->body;
+    EXPECT_THAT(refused->body, HasSubstr("paper: ")) << link;
+  }
 }
 
 TEST(Evaluation, ALeaderboardHasEachTeamsBest) {
@@ -122,11 +153,14 @@ TEST(Evaluation, ScoresOfAHiddenPhaseAreTheOrganisers) {
   Served served;
   const auto team = served.team("A");
   const auto id = id_of(served.submit(team, "final", row_results(3)));
+  const auto organiser = served.organiser();
+  EXPECT_TRUE(served.scored(organiser, id).contains("means"));
   const auto own = served.scored(team, id);
-  EXPECT_EQ(own.at("state"), "scored");
+  EXPECT_EQ(own.at("state"), "received");
+  EXPECT_EQ(own.at("withheld"), "hidden");
   EXPECT_FALSE(own.contains("means"));
   EXPECT_EQ(served.get("/api/v1/leaderboards/final", team)->status, 403);
-  const auto rows = served.json("/api/v1/leaderboards/final", served.organiser()).at("rows");
+  const auto rows = served.json("/api/v1/leaderboards/final", organiser).at("rows");
   EXPECT_EQ(rows.size(), 1U);
 }
 

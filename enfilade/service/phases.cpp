@@ -1,25 +1,79 @@
 #include "enfilade/service/phases.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "enfilade/core/file.h"
 #include "enfilade/service/detail/fields.h"
+#include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service {
 namespace {
 
 constexpr int kMostPerDay = 1000;
+constexpr int kMostInAll = 1'000'000;
+constexpr int kMostTeams = 10'000;
+// Of secret goals, unless the file says otherwise. Twenty submissions are enough for the runs of a
+// paper and its ablations; each more lets a team learn more of the goals.
+constexpr int kPerTeam = 20;
+// Teams that may share an address: a laboratory has one for all of its machines.
+constexpr int kTeamsOfAnAddress = 5;
+// A finer step than a thousandth rounds nothing at the size of R2R's splits.
+constexpr double kLeastStep = 0.001;
+constexpr double kMostStep = 0.5;
 
-bool is_scores(std::string_view text) { return text == "public" || text == "hidden"; }
+bool is_scores(std::string_view text) { return detail::find_named<Scores>(text).has_value(); }
+constexpr std::size_t kLongestRules = 20'000;
+bool is_rules(std::string_view text) { return detail::is_prose(text, kLongestRules); }
+bool is_primary(std::string_view text) { return detail::find_named<Primary>(text).has_value(); }
+bool is_time(std::string_view text) { return detail::parse_time(text).has_value(); }
 
 std::string nonempty(const detail::Fields& fields, std::string_view name, json::Faults& faults) {
   const auto value = json::string(fields[name], fields.path(name), faults);
   if (value && value->empty()) faults.error(fields.path(name), "empty-text", "must not be empty");
   return std::string(value.value_or(""));
+}
+
+/// "scores", or its default: goals that are secret stay so unless the file says otherwise.
+Scores read_scores(const detail::Fields& fields, bool secret, json::Faults& faults) {
+  const Scores otherwise = secret ? Scores::kAfterEnd : Scores::kPublic;
+  if (!fields.has("scores")) return otherwise;
+  const auto scores = detail::find_named<Scores>(fields.text(
+      "scores", is_scores, R"("public", "after-end", "ladder" or "hidden")", "bad-scores"));
+  if (secret && scores == Scores::kPublic) {
+    faults.error(
+        fields.path("scores"), "scores-tell-goals",
+        "\"public\" scores would tell where the secret goals are; write \"after-end\" "
+        "(one row for each team when the phase has ended), \"ladder\" (only what beats the "
+        "team's best) or \"hidden\"");
+  }
+  if (!secret && (scores == Scores::kAfterEnd || scores == Scores::kLadder)) {
+    faults.error(fields.path("scores"), "scores-of-open-goals",
+                 "this is for secret goals, and the phase has no \"annotations\" of its own; write "
+                 "\"public\" or \"hidden\"");
+  }
+  return scores.value_or(otherwise);
+}
+
+/// A limit over all time. \param otherwise 0: none
+std::optional<int> read_total(const detail::Fields& fields, std::string_view name, int otherwise) {
+  const int most = fields.integer(name, 1, kMostInAll, otherwise);
+  return most == 0 ? std::nullopt : std::optional(most);
+}
+
+void read_limits(const detail::Fields& fields, Phase& phase) {
+  const bool secret = phase.goals_secret();
+  phase.per_day = fields.integer("per_day", 1, kMostPerDay, phase.per_day);
+  phase.per_address_day =
+      fields.integer("per_address_day", 1, kMostInAll, kTeamsOfAnAddress * phase.per_day);
+  phase.per_team = read_total(fields, "per_team", secret ? kPerTeam : 0);
+  phase.per_address =
+      read_total(fields, "per_address", secret ? kTeamsOfAnAddress * *phase.per_team : 0);
+  phase.teams = fields.integer("teams", 1, kMostTeams, phase.teams);
 }
 
 /// Reads one entry of "phases"; none if it has faults.
@@ -28,20 +82,48 @@ std::optional<Phase> read_phase(json::Element element, const json::Path& path,
   constexpr const char* kNames = "1 to 40 of a-z, 0-9, - and _";
   const std::size_t before = faults.errors();
   const detail::Fields fields(element, path, faults, {"name", "split"},
-                              {"title", "annotations", "scores", "per_day"});
+                              {"title", "rules", "annotations", "scores", "primary", "step", "ends",
+                               "per_day", "per_team", "per_address_day", "per_address", "teams"});
   if (!fields.complete()) return std::nullopt;
   Phase phase;
   phase.name = fields.text("name", detail::is_name, kNames, "bad-name");
   phase.split = fields.text("split", detail::is_name, kNames, "bad-name");
   phase.title = fields.has("title") ? nonempty(fields, "title", faults) : phase.name;
-  if (fields.has("annotations")) phase.annotations = nonempty(fields, "annotations", faults);
-  if (fields.has("scores") &&
-      fields.text("scores", is_scores, "\"public\" or \"hidden\"", "bad-scores") == "hidden") {
-    phase.scores = Scores::kHidden;
+  if (fields.has("rules")) {
+    phase.rules = fields.text("rules", is_rules, "1 to 20000 characters of Markdown", "bad-text");
   }
-  phase.per_day = fields.integer("per_day", 1, kMostPerDay, phase.per_day);
+  if (fields.has("annotations")) phase.annotations = nonempty(fields, "annotations", faults);
+  phase.scores = read_scores(fields, fields.has("annotations"), faults);
+  if (fields.has("primary")) {
+    phase.primary = detail::find_named<Primary>(
+                        fields.text("primary", is_primary, R"("spl" or "success")", "bad-primary"))
+                        .value_or(phase.primary);
+  }
+  if (fields.has("step")) phase.step = fields.number("step", kLeastStep, kMostStep);
+  if (fields.has("ends")) {
+    phase.ends = detail::parse_time(
+        fields.text("ends", is_time, "a time in UTC like \"2027-03-31T23:59:59Z\"", "bad-time"));
+  }
+  read_limits(fields, phase);
   if (faults.errors() != before) return std::nullopt;
   return phase;
+}
+
+/// A split with open goals in one phase and secret ones in another would have no secret goals.
+void check_openness(const std::vector<Phase>& phases, const json::Path& list,
+                    json::Faults& faults) {
+  for (std::size_t k = 0; k < phases.size(); ++k) {
+    const auto is_secret_twin = [&one = phases[k]](const Phase& other) {
+      return other.goals_secret() && other.split == one.split;
+    };
+    const auto twin = std::ranges::find_if(phases, is_secret_twin);
+    if (phases[k].goals_secret() || twin == phases.end()) continue;
+    const json::Path path(list, k);
+    faults.error(json::Path(path, "split"), "open-and-secret",
+                 fmt::format("{:?} has secret goals in phase {:?}; give this phase the same "
+                             "\"annotations\"",
+                             phases[k].split, twin->name));
+  }
 }
 
 }  // namespace
@@ -67,6 +149,8 @@ std::vector<Phase> parse_phases(std::string_view text, const std::string& file) 
     }
     phases.push_back(std::move(*phase));
   }
+  faults.throw_if_errors();  // only then an entry's place in `phases` is its place in the file
+  check_openness(phases, list_path, faults);
   faults.throw_if_errors();
   return phases;
 }

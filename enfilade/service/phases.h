@@ -1,36 +1,64 @@
 /// \file  Phases of an evaluation: the splits that submissions are scored on.
 #pragma once
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace enfilade::service {
 
-/// Who may see a phase's scores. Secret goals are another setting: Phase::annotations.
-enum class Scores {
-  kPublic,  ///< everybody: there is a leaderboard
-  kHidden,  ///< organisers only; a team is told that its file was scored
+/// What teams and visitors see of a phase's scores. Organisers see all of them, always. Every score
+/// on secret goals tells something of these goals, so kPublic is for open goals only; kAfterEnd and
+/// kLadder are for secret goals only, and evaluation/leakage.h has how much they tell.
+enum class Scores : std::uint8_t {
+  kPublic,    ///< everything, at once
+  kAfterEnd,  ///< nothing until the phase has ended; then one row of rounded means for each team
+  /// A team's primary metric, rounded to Phase::step, whenever it beats the team's best shown one
+  /// by at least a step (the Ladder of Blum and Hardt, ICML 2015); after the end as kAfterEnd.
+  kLadder,
+  kHidden,  ///< nothing, ever
 };
+constexpr std::array<std::string_view, 4> names_of(Scores /*enum*/) {
+  return {"public", "after-end", "ladder", "hidden"};
+}
 
-/// A split to score on, and its rules.
+/// The metric that decides which submission of a team is its best.
+enum class Primary : std::uint8_t { kSpl, kSuccess };
+/// The names are those of r2r::metric_fields().
+constexpr std::array<std::string_view, 2> names_of(Primary /*enum*/) { return {"spl", "success"}; }
+
+/// A split to score on, and its rules. The limits count submissions that were accepted, withdrawn
+/// ones too.
 struct Phase {
   std::string name;   ///< 1 to 40 of a-z, 0-9, - and _: a part of URLs
   std::string title;  ///< for people
+  std::string rules;  ///< for people, in Markdown: rules, dates, whom to ask; may be empty
   std::string split;  ///< "val_unseen"; its instructions are served without their goals if secret
   /// R2R annotations with goals, kept outside the data set, which everybody can download. Empty:
   /// the data set's own annotations, with open goals.
   std::filesystem::path annotations;
   Scores scores = Scores::kPublic;
-  int per_day = 10;  ///< submissions of a team in 24 hours, 1 to 1000
+  int per_day = 10;                ///< of a team in 24 hours, 1 to 1000
+  int per_address_day = 50;        ///< of an address in 24 hours, by all its teams
+  std::optional<int> per_team;     ///< of a team in all; none: no limit
+  std::optional<int> per_address;  ///< of an address in all; none: no limit
+  /// Seconds since 1970, after which no submission is taken; none: not until the file says so.
+  std::optional<std::int64_t> ends;
+  Primary primary = Primary::kSpl;
+  /// Of secret goals: shares are shown as multiples of it, metres as multiples of ten times it.
+  double step = 0.01;
+  int teams = 20;  ///< of secret goals: how many teams may submit at all
 
   bool goals_secret() const noexcept { return !annotations.empty(); }
 };
 
-/// Reads {"phases": [{"name", "title", "split", "annotations", "scores": "public" | "hidden",
-/// "per_day"}]}; name and split have to be there. A relative path of annotations begins at the
-/// file's folder.
-/// \throws FileError; InvalidInput listing every fault with its JSON path
+/// Reads {"phases": [{"name", "split", ...}]}; docs/service.md has the fields and their defaults,
+/// of which some depend on whether the goals are secret. A relative path of annotations begins at
+/// the file's folder.
+/// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths
 std::vector<Phase> load_phases(const std::filesystem::path& file);
 std::vector<Phase> parse_phases(std::string_view json, const std::string& file);
 

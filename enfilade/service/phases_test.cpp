@@ -1,6 +1,8 @@
 #include "enfilade/service/phases.h"
 
 #include <gmock/gmock.h>
+#include <optional>
+#include <string>
 
 #include "enfilade/core/errors.h"
 #include "tests/support/refusal.h"
@@ -14,30 +16,109 @@ TEST(Phases, AreReadWithTheirDefaults) {
   const auto phases = parse_phases(
       R"({"phases": [{"name": "val", "split": "val_unseen"},
                      {"name": "test", "title": "Test", "split": "test", "annotations": "a.json",
-                      "scores": "hidden", "per_day": 3}]})",
+                      "scores": "hidden", "per_day": 3},
+                     {"name": "next", "split": "test", "annotations": "a.json"}]})",
       "phases.json");
-  ASSERT_EQ(phases.size(), 2U);
+  ASSERT_EQ(phases.size(), 3U);
   EXPECT_EQ(phases[0].title, "val");
   EXPECT_EQ(phases[0].scores, Scores::kPublic);
   EXPECT_FALSE(phases[0].goals_secret());
+  EXPECT_EQ(phases[0].per_day, 10);
+  EXPECT_EQ(phases[0].per_address_day, 50);
+  EXPECT_EQ(phases[0].per_team, std::nullopt);
+  EXPECT_EQ(phases[0].per_address, std::nullopt);
+  EXPECT_EQ(phases[0].ends, std::nullopt);
   EXPECT_EQ(phases[1].scores, Scores::kHidden);
   EXPECT_EQ(phases[1].per_day, 3);
+  EXPECT_EQ(phases[1].per_address_day, 15);
   EXPECT_TRUE(phases[1].goals_secret());
+  EXPECT_EQ(phases[2].scores, Scores::kAfterEnd);
+  EXPECT_EQ(phases[2].primary, Primary::kSpl);
+  EXPECT_EQ(phases[2].step, 0.01);
+  EXPECT_EQ(phases[2].per_team, 20);
+  EXPECT_EQ(phases[2].per_address, 100);
+  EXPECT_EQ(phases[2].teams, 20);
+}
+
+TEST(Phases, HaveRulesForSecretGoals) {
+  const auto phases = parse_phases(
+      R"({"phases": [{"name": "test", "split": "test", "annotations": "a.json", "scores": "ladder",
+                      "primary": "success", "step": 0.05, "ends": "2027-03-31T23:59:59Z",
+                      "per_team": 7, "per_address_day": 8, "per_address": 9, "teams": 3}]})",
+      "phases.json");
+  ASSERT_EQ(phases.size(), 1U);
+  EXPECT_EQ(phases[0].scores, Scores::kLadder);
+  EXPECT_EQ(phases[0].primary, Primary::kSuccess);
+  EXPECT_EQ(phases[0].step, 0.05);
+  EXPECT_EQ(phases[0].ends, 1'806'537'599);  // date -u -d 2027-03-31T23:59:59Z +%s
+  EXPECT_EQ(phases[0].per_team, 7);
+  EXPECT_EQ(phases[0].per_address_day, 8);
+  EXPECT_EQ(phases[0].per_address, 9);
+  EXPECT_EQ(phases[0].teams, 3);
+}
+
+TEST(Phases, HaveTextsForPeople) {
+  const auto phases = parse_phases(
+      R"({"phases": [{"name": "val", "split": "val_unseen", "rules": "# Rules\n\n1. *One* model."}]})",
+      "phases.json");
+  ASSERT_EQ(phases.size(), 1U);
+  EXPECT_EQ(phases[0].rules, "# Rules\n\n1. *One* model.");
+}
+
+std::string fault_of(const std::string& entries) {
+  return tests::refusal<InvalidInput>(
+      [&] { parse_phases(R"({"phases": [)" + entries + "]}", "phases.json"); });
 }
 
 TEST(Phases, EveryFaultIsNamedWithItsPath) {
-  const std::string said = tests::refusal<InvalidInput>([] {
-    parse_phases(R"({"phases": [{"name": "Val!", "split": "x"}, {"split": "x"},
-                     {"name": "a", "split": "b", "scores": "secret"},
-                     {"name": "b", "split": "b", "per_day": 0},
-                     {"name": "c", "split": "b"}, {"name": "c", "split": "b"}]})",
-                 "phases.json");
-  });
+  const std::string said = fault_of(
+      R"({"name": "Val!", "split": "x"}, {"split": "x"},
+         {"name": "a", "split": "b", "scores": "secret"}, {"name": "b", "split": "b", "per_day": 0},
+         {"name": "c", "split": "b"}, {"name": "c", "split": "b"})");
   EXPECT_THAT(said, HasSubstr("phases.json: $.phases[0].name: \"Val!\", not 1 to 40 of a-z"));
   EXPECT_THAT(said, HasSubstr("$.phases[1]"));
-  EXPECT_THAT(said, HasSubstr("$.phases[2].scores: \"secret\", not \"public\" or \"hidden\""));
+  EXPECT_THAT(said, HasSubstr("$.phases[2].scores: \"secret\", not \"public\", \"after-end\", "
+                              "\"ladder\" or \"hidden\""));
   EXPECT_THAT(said, HasSubstr("$.phases[3].per_day: 0, not from 1 to 1000"));
   EXPECT_THAT(said, HasSubstr("$.phases[5]: \"c\" is there twice"));
+}
+
+TEST(Phases, RulesForSecretGoalsAreChecked) {
+  const std::string said = fault_of(
+      R"({"name": "d", "split": "b", "step": 0.6, "ends": "2027-02-29T00:00:00Z", "per_team": 0,
+          "primary": "tl", "teams": 0, "per_address_day": 0, "per_address": 1.5})");
+  EXPECT_THAT(said, HasSubstr("$.phases[0].step: 0.6, not from 0.001 to 0.5"));
+  EXPECT_THAT(said, HasSubstr("$.phases[0].ends: \"2027-02-29T00:00:00Z\", not a time in UTC"));
+  EXPECT_THAT(said, HasSubstr("$.phases[0].per_team: 0, not from 1 to"));
+  EXPECT_THAT(said, HasSubstr("$.phases[0].primary: \"tl\", not \"spl\" or \"success\""));
+  EXPECT_THAT(said, HasSubstr("$.phases[0].teams: 0"));
+  EXPECT_THAT(said, HasSubstr("$.phases[0].per_address_day: 0"));
+  EXPECT_THAT(said, HasSubstr("$.phases[0].per_address"));
+}
+
+TEST(Phases, PublicScoresOfSecretGoalsAreRefused) {
+  const std::string said =
+      fault_of(R"({"name": "a", "split": "test", "annotations": "a.json", "scores": "public"})");
+  EXPECT_THAT(said, HasSubstr("$.phases[0].scores: \"public\" scores would tell where"));
+  EXPECT_THAT(said, HasSubstr("write \"after-end\""));
+  EXPECT_THAT(fault_of(R"({"name": "a", "split": "test", "scores": "ladder"})"),
+              HasSubstr("$.phases[0].scores: this is for secret goals"));
+}
+
+TEST(Phases, GoalsAreNotSecretInOnePhaseAndOpenInAnother) {
+  EXPECT_THAT(fault_of(R"({"name": "a", "split": "test"},
+                          {"name": "b", "split": "test", "annotations": "a.json"})"),
+              HasSubstr("$.phases[0].split: \"test\" has secret goals in phase \"b\""));
+}
+
+TEST(Phases, TimesAreOfOneForm) {
+  for (const char* time : {"2027-03-31", "2027-03-31T23:59:59", "2027-03-31T23:59:59+01:00",
+                           "2027-03-31T24:00:00Z", "2027-13-01T00:00:00Z", "2027-03-31t23:59:59Z",
+                           "2027-03-31T23:59:60Z", "+027-03-31T23:59:59Z", ""}) {
+    EXPECT_THAT(fault_of(std::string(R"({"name": "a", "split": "b", "ends": ")") + time + "\"}"),
+                HasSubstr("$.phases[0].ends"))
+        << time;
+  }
 }
 
 }  // namespace

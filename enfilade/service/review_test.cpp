@@ -1,4 +1,5 @@
 // Reviewing and taking home what workers wrote, over real sockets.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "enfilade/r2r/statistics.h"
@@ -87,6 +88,88 @@ TEST_F(Review, ACorrectionKeepsWhatStoodThere) {
   EXPECT_EQ(correct(999, kText).at("status"), 404);
 }
 
+TEST_F(Review, AcceptingKeepsTheTextAsTheReviewerLeftIt) {
+  create(collection_body("pilot", "write"));
+  const std::int64_t task = written("a");
+  const std::string better = "Walk past the table, then stop at the door.";
+  EXPECT_EQ(judge(task, {{"verdict", "accepted"}, {"instruction", "Too short"}}).at("status"), 422);
+  const json judged = judge(task, {{"verdict", "accepted"}, {"instruction", better}});
+  EXPECT_EQ(judged.at("state"), "accepted");
+  EXPECT_EQ(judged.at("instruction"), better);
+  ASSERT_EQ(judged.at("history").size(), 2U);
+  EXPECT_EQ(judged.at("history")[0].at("before"), kText);
+  EXPECT_THAT(exported(), HasSubstr(better));
+}
+
+TEST_F(Review, ACorrectionIsNotStoredWhereItsVerdictIsRefused) {
+  json body = collection_body("pilot", "write");
+  body["per_item"] = 1;
+  create(body);
+  const std::int64_t task = written("a");
+  judge(task, {{"verdict", "rejected"}, {"reason", "No way in it."}});
+  written("b");  // has the place now
+  EXPECT_EQ(judge(task, {{"verdict", "accepted"}, {"instruction", "Another text, long enough."}})
+                .at("status"),
+            409);
+  EXPECT_EQ(served_.json("/api/v1/tasks/" + std::to_string(task), reviewer_).at("instruction"),
+            kText);
+}
+
+TEST_F(Review, ARejectedWorkerReadsWhyAtTheNextVisit) {
+  json body = collection_body("pilot", "write");
+  body["sources"] = json::array({{{"split", "val_seen"}}});
+  create(body);
+  const std::int64_t task = written("a");
+  EXPECT_FALSE(worker("a").join().at("visit").contains("rejected"));
+  judge(task, {{"verdict", "rejected"}, {"reason", "It leads elsewhere."}});
+  const json rejected = worker("a").join().at("visit").at("rejected");
+  ASSERT_EQ(rejected.size(), 1U);
+  EXPECT_EQ(rejected[0].at("task"), task);
+  EXPECT_EQ(rejected[0].at("reason"), "It leads elsewhere.");
+  EXPECT_FALSE(worker("b").join().at("visit").contains("rejected"));  // nobody else's business
+  judge(task, {{"verdict", "accepted"}});
+  EXPECT_FALSE(worker("a").join().at("visit").contains("rejected"));
+}
+
+TEST_F(Review, WorkIsShownByWorkerAndByPath) {
+  json body = collection_body("pilot", "write");
+  body["sources"] = json::array({{{"split", "val_seen"}, {"most", 2}}});
+  create(body);
+  for (const char* name : {"a", "b"}) {
+    Worker one = worker(name);
+    one.join();
+    one.consent();
+    for (int k = 0; k < 2; ++k) {
+      const std::int64_t task = one.lease().at("task").at("task");
+      now_ += 60;
+      one.write(task, kText);
+    }
+  }
+  const std::string work = "/api/v1/collections/pilot/work";
+  const json all = served_.json(work + "?state=all", reviewer_);
+  EXPECT_EQ(all.at("matching"), 4);
+  const std::int64_t worker_id = all.at("work")[0].at("worker");
+  const std::int64_t path_id = all.at("work")[0].at("path_id");
+  judge(all.at("work")[0].at("task"), {{"verdict", "rejected"}, {"reason", "Why not."}});
+  const std::string of_worker = fmt::format("{}?state=all&worker={}", work, worker_id);
+  EXPECT_EQ(served_.json(of_worker, reviewer_).at("matching"), 2);
+  EXPECT_EQ(
+      served_.json(fmt::format("{}&path_id={}", of_worker, path_id), reviewer_).at("matching"), 1);
+  EXPECT_EQ(served_.json(work + "?state=all&worker=999", reviewer_).at("matching"), 0);
+  EXPECT_EQ(served_.get(work + "?worker=x", reviewer_)->status, 400);
+  const json workers = served_.json(work + "/workers", reviewer_).at("workers");
+  ASSERT_EQ(workers.size(), 2U);
+  EXPECT_EQ(workers[0].at("worker"), worker_id);
+  EXPECT_EQ(workers[0].at("submitted"), 1);
+  EXPECT_EQ(workers[0].at("rejected"), 1);
+  EXPECT_EQ(workers[0].at("mean_seconds"), 60.0);
+  EXPECT_FALSE(workers[0].contains("external"));  // whom the platform knows, reviewers do not
+  const json paths = served_.json(work + "/paths?after=1", reviewer_).at("paths");
+  ASSERT_EQ(paths.size(), 1U);
+  EXPECT_EQ(paths[0].at("path_id"), 2);
+  EXPECT_EQ(paths[0].at("submitted").get<int>() + paths[0].at("rejected").get<int>(), 2);
+}
+
 TEST_F(Review, AWorkerWhoseAnswerWasLostMayRepeatItAfterACorrection) {
   create(collection_body("pilot", "write"));
   Worker one = worker("one");
@@ -99,14 +182,11 @@ TEST_F(Review, AWorkerWhoseAnswerWasLostMayRepeatItAfterACorrection) {
 }
 
 TEST_F(Review, AcceptedInstructionsAreExportedAsR2r) {
-  json body = collection_body("pilot", "write");
-  body["sources"] = json::array({{{"split", "val_seen"}, {"most", 2}}});
-  create(body);
+  create(collection_body("pilot", "write"));
   const std::int64_t first = written("a", "First: walk past the table.\nThen stop.");
   written("b", "Second: go ahead \"slowly\".");
   const std::int64_t third = written("c", "Third: \xC3\xA0 droite, puis stop.");
-  const auto empty = r2r::parse_annotations(exported(), "export", "val_seen");
-  EXPECT_EQ(empty.paths.size(), 0U);
+  EXPECT_THAT(exported(), HasSubstr("nothing to export"));
   for (const std::int64_t task : {first, third}) judge(task, {{"verdict", "accepted"}});
   const auto annotations = r2r::parse_annotations(exported(), "export", "val_seen");
   ASSERT_EQ(annotations.paths.size(), 1U);

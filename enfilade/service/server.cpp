@@ -1,6 +1,7 @@
 #include "enfilade/service/server.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <array>
 #include <filesystem>
 #include <utility>
@@ -49,6 +50,12 @@ int Server::port() const noexcept { return impl_->transport.port(); }
 
 void Server::stop() { impl_->transport.stop(); }
 
+void give_back_large_memory() noexcept {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);  // given a value, it no longer rises to the largest freed
+#endif
+}
+
 bool has_web_client() noexcept { return !http::web_files().empty(); }
 
 std::string create_token(const std::filesystem::path& database, TokenRole role,
@@ -68,6 +75,22 @@ int revoke_tokens(const std::filesystem::path& database, TokenRole role, const s
   check_exists(database);
   store::Database db(database);
   return accounts::revoke_tokens(db, stored_role(role), label);
+}
+
+std::string create_team(const std::filesystem::path& database, const std::string& name) {
+  store::Database db(database);
+  const accounts::NewTeam team = accounts::add_team(db, name, "");
+  accounts::set_approved(db, team.id, true);
+  return team.token;
+}
+
+void set_approval(const std::filesystem::path& database, const std::string& team,
+                  Approval approval) {
+  check_exists(database);
+  store::Database db(database);
+  const auto id = accounts::find_team_named(db, team);
+  if (!id) throw LookupError(fmt::format("{:?}: no team has this name", team));
+  accounts::set_approved(db, *id, approval == Approval::kGiven);
 }
 
 void back_up_database(const std::filesystem::path& database, const std::filesystem::path& copy) {

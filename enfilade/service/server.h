@@ -7,13 +7,16 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "enfilade/service/site.h"
 
 namespace enfilade::service {
 
 /// One answered request, for logs. Valid during the call. If the database fails while a submission
-/// is scored, that is a record too: its method is "SCORE", its status 500, and it has a fault.
+/// is scored, that is a record too: its method is "SCORE", its status 500, and it has a fault. So
+/// is trouble that /healthz finds, once when it begins ("HEALTH", 503, with a fault) and once when
+/// it is over ("HEALTH", 200).
 struct RequestRecord {
   std::string_view address, method, path;
   int status = 0;
@@ -38,7 +41,14 @@ struct ServerConfig {
   int most_joins = 600;
   /// Trust X-Forwarded-For and X-Forwarded-Proto: only behind a proxy that sets them.
   bool behind_proxy = false;
-  bool open_registration = true;  ///< anybody may make a team
+  /// Names by which visitors reach the server, "vln.example.org": requests for another one are
+  /// refused (421), and changes from pages of another one (403). Addresses and "localhost" need not
+  /// be given, nor this machine's name if `host` is not its own address alone.
+  std::vector<std::string> public_names;
+  /// With less room on the database's disk, /healthz tells of trouble: twice the largest
+  /// submission, which is in SQLite's log first and then in the file.
+  std::uint64_t least_free_bytes = 64U << 20U;
+  bool open_registration = false;  ///< anybody may make a team; else organisers do
   /// Called after each request and each failure of scoring, from many threads at once. Must not
   /// throw; may be empty.
   std::function<void(const RequestRecord&)> log;
@@ -51,7 +61,8 @@ struct ServerConfig {
 class Server {
  public:
   /// Opens the database, bringing its schema up to date, binds the port and starts serving.
-  /// \throws FileError for the database; ArgumentError if the address can't be bound
+  /// \throws FileError for the database; ArgumentError if the address can't be bound, or for a
+  /// value of `config` that is not allowed
   Server(const std::shared_ptr<const Site>& site, const ServerConfig& config);
   /// Calls stop(), waits until the submission that is being scored is stored, and closes the
   /// database. Other queued submissions are scored after the next start. The same threads may call
@@ -71,6 +82,11 @@ class Server {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// For the whole process: memory of 1 MiB or more goes back to the system when it is freed. Without
+/// this, glibc keeps it once a large body was freed, up to 64 MiB for each of its arenas. For the
+/// begin of a program that serves. Does nothing with other C libraries.
+void give_back_large_memory() noexcept;
 
 /// Whether this build contains the web client; without it only the API is served.
 bool has_web_client() noexcept;
@@ -93,6 +109,18 @@ std::string create_token(const std::filesystem::path& database, TokenRole role,
 /// Revokes every token of that role and label, and the browser sessions that it began, at once and
 /// for good. \returns how many there were  \throws FileError
 int revoke_tokens(const std::filesystem::path& database, TokenRole role, const std::string& label);
+
+/// Makes a team, as organisers do: it is approved. \returns its token, shown this once
+/// \throws FileError; Error if the name is taken, or is not 1 to 80 printable characters
+std::string create_team(const std::filesystem::path& database, const std::string& name);
+
+/// Whether a team may submit to phases with secret goals.
+enum class Approval { kGiven, kWithdrawn };
+
+/// Approves a team, or withdraws its approval, at once, also while a server uses the database.
+/// \throws FileError; LookupError if there is no such team
+void set_approval(const std::filesystem::path& database, const std::string& team,
+                  Approval approval);
 
 /// Copies a database, also while a server uses it; the copy is written to the side and renamed.
 /// \throws FileError

@@ -1,6 +1,9 @@
 #include "enfilade/service/site.h"
 
+#include <fmt/format.h>
 #include <algorithm>
+#include <set>
+#include <system_error>
 #include <utility>
 
 #include "enfilade/core/check.h"
@@ -15,6 +18,33 @@ bool has_hidden_goal(const r2r::Annotations& annotations) {
   return std::ranges::any_of(annotations.paths, &r2r::PathAnnotation::goal_hidden);
 }
 
+/// Absolute and without links; of what cannot be looked up, its name as it is written.
+fs::path real_path(const fs::path& path) {
+  std::error_code error;
+  const fs::path found = fs::weakly_canonical(path, error);
+  return error ? fs::absolute(path).lexically_normal() : found;
+}
+
+/// The folder of a data set, and what of it may be a link to elsewhere: its parts, and its splits'
+/// files.
+std::vector<fs::path> served_places(const dataset::Dataset& data) {
+  const scan::PanoramaPlaces panoramas = data.panorama_places();
+  std::vector<fs::path> places{data.folder(), panoramas.connectivity};
+  places.insert(places.end(), panoramas.images.begin(), panoramas.images.end());
+  for (const std::string& split : data.splits()) {
+    const fs::path file = data.annotations_file(split);
+    places.insert(places.end(), {file, file.parent_path()});
+  }
+  std::erase_if(places, [](const fs::path& place) { return place.empty(); });
+  std::ranges::transform(places, places.begin(), real_path);
+  return places;
+}
+
+/// Whether a file is that place, or in that folder. \pre both are real paths
+bool is_inside(const fs::path& file, const fs::path& place) {
+  return std::ranges::mismatch(place, file).in1 == place.end();
+}
+
 }  // namespace
 
 std::shared_ptr<const Site> Site::open(const fs::path& data, std::vector<Phase> phases) {
@@ -23,12 +53,39 @@ std::shared_ptr<const Site> Site::open(const fs::path& data, std::vector<Phase> 
   site->graphs_ = set.graphs();
   site->graphs_->load_all();
   site->panoramas_ = set.panoramas();
+  site->folder_ = set.folder();
+  site->image_folders_ = set.panorama_places().images;
   site->synthetic_ = set.synthetic();
   site->phases_ = std::move(phases);
+  site->check_goals_are_elsewhere(set);
   site->read_splits(set);
   site->read_phases(set);
   site->hide_goals();
+  site->count_rooms(set);
   return site;
+}
+
+void Site::count_rooms(const dataset::Dataset& data) {
+  try {
+    data.regions_file();
+  } catch (const FileError&) {
+    return;  // many data sets have none
+  }
+  const scan::RegionMap& regions = data.regions();
+  for (std::size_t s = 0; s < graphs_->size(); ++s) {
+    const graph::NavGraph& graph = graphs_->graph(ScanIndex(s));
+    std::set<std::uint32_t> seen;
+    for (std::size_t v = 0; v < graph.size(); ++v) {
+      const auto region = regions.find(graph.scan(), std::string(graph.id(ViewpointIndex(v))));
+      if (region) seen.insert(*region);
+    }
+    rooms_.push_back(seen.size());
+  }
+}
+
+std::optional<std::size_t> Site::rooms(ScanIndex scan) const {
+  if (rooms_.empty() || rooms_[scan.at()] == 0) return std::nullopt;
+  return rooms_[scan.at()];
 }
 
 void Site::read_splits(const dataset::Dataset& data) {
@@ -44,12 +101,31 @@ void Site::read_splits(const dataset::Dataset& data) {
   }
 }
 
+void Site::check_goals_are_elsewhere(const dataset::Dataset& data) const {
+  const std::vector<fs::path> served = served_places(data);
+  for (const Phase& phase : phases_) {
+    if (!phase.goals_secret()) continue;
+    // A link inside to a file elsewhere is as bad: it is often followed when a folder is copied.
+    const fs::path file = real_path(phase.annotations);
+    const fs::path name = real_path(phase.annotations.parent_path()) / phase.annotations.filename();
+    for (const fs::path& place : served) {
+      if (!is_inside(file, place) && !is_inside(name, place)) continue;
+      throw InvalidInput(
+          {{Severity::kError, phase.annotations.string(), "$", "goals-in-data-set",
+            fmt::format("the secret goals of phase {} are in {}, a part of the data set, which "
+                        "people copy to others; move them out of it",
+                        phase.name, place.string())}});
+    }
+  }
+}
+
 void Site::read_phases(const dataset::Dataset& data) {
   if (phases_.empty()) {
     for (const PublicSplit& split : splits_) {
       const std::string& name = split.annotations.split;
       if (name == "train" || has_hidden_goal(split.annotations)) continue;
-      phases_.push_back({name, name, name, {}, Scores::kPublic, 10});
+      Phase& phase = phases_.emplace_back();
+      phase.name = phase.title = phase.split = name;
     }
   }
   for (const Phase& phase : phases_) {

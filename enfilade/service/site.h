@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -27,7 +28,8 @@ class Site {
   /// Opens a data set in a layout of dataset::Dataset: graphs and the splits train, val_seen,
   /// val_unseen and test that it has, and those of the phases. Without phases, each split but train
   /// whose goals are in the data set is a phase.
-  /// \throws FileError; InvalidInput for files that can't be used
+  /// \throws FileError; InvalidInput for files that can't be used, and for secret goals in a folder
+  /// of the data set, links followed: people copy data sets to others
   static std::shared_ptr<const Site> open(const std::filesystem::path& data,
                                           std::vector<Phase> phases = {});
 
@@ -39,20 +41,32 @@ class Site {
   const Phase* find_phase(std::string_view name) const noexcept;  ///< null if there is none
   /// With goals. Never to be shown. \pre phase is one of phases()
   const r2r::EpisodeSet& secret_episodes(const Phase& phase) const;
+  /// How many rooms of a scan have viewpoints; none if the data set does not say which those are.
+  std::optional<std::size_t> rooms(ScanIndex scan) const;
+  /// The data set's folder, and those in which its panoramas are looked for.
+  const std::filesystem::path& folder() const noexcept { return folder_; }
+  const std::vector<std::filesystem::path>& image_folders() const noexcept {
+    return image_folders_;
+  }
   /// Model homes: whatever shows them must say that they are synthetic.
   bool synthetic() const noexcept { return synthetic_; }
 
  private:
   Site() = default;
   void read_splits(const dataset::Dataset& data);
+  void check_goals_are_elsewhere(const dataset::Dataset& data) const;
   void read_phases(const dataset::Dataset& data);
   void hide_goals();
+  void count_rooms(const dataset::Dataset& data);
 
   std::shared_ptr<const graph::GraphSet> graphs_;
   std::shared_ptr<const scan::PanoramaSet> panoramas_;
   std::vector<PublicSplit> splits_;
   std::vector<Phase> phases_;
   std::vector<r2r::EpisodeSet> secret_;  // as phases_
+  std::vector<std::size_t> rooms_;       // by ScanIndex; empty if unknown
+  std::filesystem::path folder_;
+  std::vector<std::filesystem::path> image_folders_;
   bool synthetic_ = false;
 };
 

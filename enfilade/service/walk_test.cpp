@@ -1,5 +1,7 @@
 // People walk instructions, over real sockets.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <set>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/r2r/results.h"
@@ -11,6 +13,7 @@ namespace {
 
 using nlohmann::json;
 using testing::collection_body;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::row_steps;
@@ -43,18 +46,80 @@ TEST_F(Walk, AnInstructionIsShownAndItsGoalIsNot) {
   EXPECT_THAT(all, Not(HasSubstr("distance")));
 }
 
-TEST_F(Walk, StoppingNearTheGoalEarnsTheBonus) {
+TEST_F(Walk, StoppingNearTheGoalEarnsTheBonusAndIsToldToTheOrganiserOnly) {
   create(collection_body("pilot", "walk"));  // the goal is 3 m from the start
   Worker far = worker("far");
   const json miss = far.walk(far.begin().at("task"), row_steps(0, 0));
   EXPECT_EQ(miss.at("status"), 200);
-  EXPECT_EQ(miss.at("walked").at("bonus"), false);  // 3 m are not less than 3
   Worker near = worker("near");
   const json hit = near.walk(near.begin().at("task"), row_steps(0, 1));
-  EXPECT_EQ(hit.at("walked").at("bonus"), true);
+  // The path's other instruction has the same goal: what one of them tells helps with the other.
+  for (const json& told : {miss, hit}) {
+    for (const char* field : {"walked", "bonus", "bonuses", "error", "distance", "practised"}) {
+      EXPECT_FALSE(told.contains(field)) << field;
+    }
+  }
   const json visits = served_.json("/api/v1/collections/pilot/workers", organiser_).at("visits");
-  EXPECT_EQ(visits.at(0).at("bonuses"), 0);
+  EXPECT_EQ(visits.at(0).at("bonuses"), 0);  // 3 m are not less than 3
   EXPECT_EQ(visits.at(1).at("bonuses"), 1);
+}
+
+TEST_F(Walk, BonusesAreToldOnceTheyHelpWithNothing) {
+  create(collection_body("pilot", "walk"));  // one path, two instructions
+  Worker one = worker("one");
+  EXPECT_FALSE(one.walk(one.begin().at("task"), row_steps(0, 2)).contains("bonuses"));
+  const json second = one.lease().at("task");
+  EXPECT_FALSE(one.visit().contains("bonuses"));  // while the second is walked, too
+  EXPECT_EQ(one.walk(second.at("task"), row_steps(0, 0)).at("bonuses"), 1);
+}
+
+TEST_F(Walk, TwoInstructionsOfAPathComeOnlyWhenNoOtherPathIsFree) {
+  json body = collection_body("pilot", "walk");
+  body["sources"] = json::array({{{"split", "val_seen"}}});  // three paths, two instructions each
+  for (int seed = 0; seed < 5; ++seed) {
+    body["name"] = fmt::format("pilot-{}", seed);
+    body["seed"] = seed;
+    create(body);
+    Worker one = worker("one", body["name"]);
+    one.join();
+    one.consent();
+    std::set<std::string> starts;
+    for (int k = 0; k < 6; ++k) {
+      const json task = one.lease().at("task");
+      const int start = task.at("start").get<std::string>().at(1) - '0';
+      if (k < 3) {
+        EXPECT_TRUE(starts.insert(task.at("start")).second) << seed << " " << k;
+      }
+      one.walk(task.at("task"), row_steps(start, start + 3));
+    }
+    EXPECT_EQ(one.lease().at("why"), "none-left");
+  }
+}
+
+// docs/service.md says how the order follows from the seed: these are sha256("1 1 PATH NUMBER") and
+// sha256("1 2 PATH NUMBER"), computed by Python's hashlib.
+TEST_F(Walk, TheOrderIsAWorkersOwnAndFollowsFromTheSeed) {
+  json body = collection_body("pilot", "walk");
+  body["sources"] = json::array({{{"split", "val_seen"}}});
+  body["seed"] = 1;
+  body["per_item"] = 2;
+  create(body);
+  const auto order = [&](const char* name) {
+    Worker one = worker(name);
+    one.join();
+    one.consent();
+    std::vector<std::string> seen;  // "path number"
+    for (int k = 0; k < 6; ++k) {
+      const json task = one.lease().at("task");
+      const int start = task.at("start").get<std::string>().at(1) - '0';
+      const bool first = task.at("instruction").get<std::string>().starts_with("Walk");
+      seen.push_back(fmt::format("{} {}", start + 1, first ? 0 : 1));
+      one.walk(task.at("task"), row_steps(start, start));
+    }
+    return seen;
+  };
+  EXPECT_THAT(order("one"), ElementsAre("1 1", "3 1", "2 1", "1 0", "2 0", "3 0"));
+  EXPECT_THAT(order("two"), ElementsAre("1 1", "2 1", "3 0", "2 0", "3 1", "1 0"));
 }
 
 TEST_F(Walk, OnlyMovesThatAnAgentMayMakeAreTaken) {
@@ -85,9 +150,7 @@ TEST_F(Walk, HandingInTwiceIsOnce) {
   Worker one = worker("one");
   const std::int64_t task = one.begin().at("task");
   EXPECT_EQ(one.walk(task, row_steps(0, 3)).at("done"), 1);
-  const json again = one.walk(task, row_steps(0, 3));
-  EXPECT_EQ(again.at("done"), 1);
-  EXPECT_EQ(again.at("walked").at("bonus"), true);
+  EXPECT_EQ(one.walk(task, row_steps(0, 3)).at("done"), 1);
   EXPECT_EQ(one.walk(task, row_steps(0, 2)).at("error").at("code"), "already-submitted");
 }
 
@@ -104,6 +167,7 @@ r2r::Score score_of(const std::string& annotations, const std::string& results,
 TEST_F(Walk, TheExportIsScoredLikeAnyAgents) {
   json body = collection_body("pilot", "walk");
   body["sources"] = json::array({{{"split", "val_seen"}}});  // three paths, two instructions each
+  body["seed"] = 1;  // 1_1, 3_1, 2_1, 1_0, 2_0, and 3_0 is not walked
   create(body);
   Worker one = worker("one");
   one.join();
@@ -111,14 +175,27 @@ TEST_F(Walk, TheExportIsScoredLikeAnyAgents) {
   for (int k = 0; k < 5; ++k) {
     const json task = one.lease().at("task");
     const int start = task.at("start").get<std::string>().at(1) - '0';
-    one.walk(task.at("task"), row_steps(start, start + (k == 1 ? 0 : 3)));
+    now_ += 100;
+    one.walk(task.at("task"), row_steps(start, start + (k == 2 ? 0 : 3)));
   }
   const std::string target = "/api/v1/collections/pilot/export?split=val_seen";
-  EXPECT_EQ(served_.get(target + "&what=results", organiser_)->body, "[\n]\n");  // none is accepted
-  const auto file = served_.get(target + "&what=results&state=all", organiser_);
+  // Walks need no review: those that wait for one are in the files, unless they are not wanted.
+  const auto none = served_.get(target + "&what=results&state=accepted", organiser_);
+  EXPECT_EQ(none->status, 409);
+  EXPECT_THAT(none->body, HasSubstr("nothing to export"));
+  EXPECT_THAT(none->body, HasSubstr("5 not reviewed yet"));
+  const auto file = served_.get(target + "&what=results", organiser_);
   EXPECT_THAT(file->get_header_value("Content-Disposition"),
               HasSubstr("human_results_val_seen.json"));
-  // The third path has one walk of its two: it is left out of both.
+  // The third path has one walk of its two: it is left out of both, and the server says so.
+  EXPECT_EQ(file->get_header_value("X-Enfilade-Export"),
+            "4 of 6 instructions have a walk; 1 walk is left out: 1 of paths with an instruction "
+            "that nobody has walked");
+  const json report = served_.json(target + "&what=report", organiser_);
+  EXPECT_EQ(report.at("items"), 6);
+  EXPECT_EQ(report.at("exported"), json({{"items", 4}, {"paths", 2}, {"tasks", 4}}));
+  EXPECT_EQ(report.at("left_out"),
+            json({{"waiting", 0}, {"rejected", 0}, {"repeated", 0}, {"incomplete", 1}}));
   const std::string annotations = served_.get(target + "&state=all", organiser_)->body;
   const r2r::Score score = score_of(annotations, file->body, served_.root() / "data");
   EXPECT_EQ(json::parse(annotations).size(), 2U);
@@ -131,7 +208,9 @@ TEST_F(Walk, TheExportIsScoredLikeAnyAgents) {
   EXPECT_EQ(walks[0].at("instr_id"), "1_0");
   EXPECT_EQ(walks[0].at("steps"), row_steps(0, 3));
   EXPECT_EQ(walks[0].at("camera").at("width"), 640);
-  EXPECT_EQ(walks[0].at("seconds"), 3.0);
+  EXPECT_EQ(walks[0].at("seconds"), 100);  // the server's
+  EXPECT_EQ(walks[0].at("page_seconds"), 3.0);
+  EXPECT_EQ(walks[0].at("leased"), "1970-01-12T13:51:40Z");  // the fourth: 1,000,300 s
   EXPECT_EQ(served_.get(target + "&what=else", organiser_)->status, 400);
 }
 
@@ -146,7 +225,7 @@ TEST_F(Walk, GoalsOfASecretPhaseAreSecretHereToo) {
     const json task = one.begin();
     all += task.dump();
     const json done = one.walk(task.at("task"), row_steps(0, 1));
-    EXPECT_EQ(done.at("walked"), json::object());  // not even whether it was near
+    EXPECT_FALSE(done.contains("bonuses"));  // not even whether it was near
     all += done.dump();
   }
   const std::string work = "/api/v1/collections/pilot/work";

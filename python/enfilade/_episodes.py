@@ -45,7 +45,8 @@ class Episodes(Sequence[Episode]):
         split: "train", "val_seen", "val_unseen", "test".
         all_instructions: fourth instructions too, which are for training and not scored.
 
-    Raises FileError for a folder without such a split, InvalidInput with every fault of its file.
+    Raises FileError for a folder without such a split, InvalidInput with the faults of its file
+    (up to 1000).
     """
 
     def __init__(
@@ -90,7 +91,7 @@ class Episodes(Sequence[Episode]):
             success_distance: metres along the graph, less than which a stop is a success.
             bootstrap_samples: for the intervals of the means; 0: no intervals.
 
-        Raises FileError, and InvalidInput with every fault of the file.
+        Raises FileError, and InvalidInput with the faults of the file (up to 1000).
         """
         samples = whole("bootstrap_samples", bootstrap_samples, 10**6)
         return Score(*self._core.score(file, success_distance, samples))

@@ -15,6 +15,8 @@ namespace enfilade::service {
 namespace {
 
 using nlohmann::json;
+using testing::count_methods;
+using testing::make_team;
 using testing::Program;
 using testing::Worker;
 
@@ -70,17 +72,9 @@ class Kill : public ::testing::Test {
   Program program_{EN_PROGRAM,
                    folder_.path() / "data",
                    folder_.path() / "service.sqlite",
-                   {"--phases", folder_.path() / "phases.json"}};
+                   {"--phases", folder_.path() / "phases.json", "--open-registration"}};
   Rng rng_{7};
 };
-
-/// Makes a team; its headers.
-httplib::Headers make_team(int port, const std::string& name) {
-  httplib::Client client("127.0.0.1", port);
-  const auto made = client.Post("/api/v1/teams", json{{"name", name}}.dump(), "application/json");
-  const auto answer = json::parse(made->body);
-  return {{"Authorization", "Bearer " + answer.at("token").get<std::string>()}};
-}
 
 /// Hands in under new names until the server is gone.
 Counts hand_in(int port, const httplib::Headers& team, const std::string& who) {
@@ -94,18 +88,6 @@ Counts hand_in(int port, const httplib::Headers& team, const std::string& who) {
                                     results, "application/json");
     if (!answer) return acknowledged;
     if (answer->status == 202) ++acknowledged[method];
-  }
-}
-
-Counts count_methods(int port, const httplib::Headers& team) {
-  httplib::Client client("127.0.0.1", port);
-  Counts found;
-  for (std::string query;;) {  // a page of 500 at a time
-    const auto answer = client.Get("/api/v1/submissions" + query, team);
-    const auto list = json::parse(answer->body).at("submissions");
-    if (list.empty()) return found;
-    for (const auto& one : list) ++found[one.at("method").get<std::string>()];
-    query = "?before=" + list.back().at("id").dump();
   }
 }
 
@@ -202,7 +184,7 @@ TEST_F(Kill, InstructionsAndWalksThatWereAcknowledgedAreThereOnce) {
     });
     Counts found = count_work(program_.port(), organiser, write, "instruction");
     written += found.size();
-    const Counts walks = count_work(program_.port(), organiser, walk, "seconds");
+    const Counts walks = count_work(program_.port(), organiser, walk, "page_seconds");
     walked += walks.size();
     found.insert(walks.begin(), walks.end());
     expect_all_once(promised, found, round);

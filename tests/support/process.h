@@ -37,6 +37,7 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
+  pid_t pid() const noexcept { return pid_; }
   /// SIGKILL, unless it has ended; as wait().
   int end() {
     if (!status_ && pid_ > 0) ::kill(pid_, SIGKILL);

@@ -85,6 +85,7 @@ class Served {
     config_.database = folder_.path() / "service.sqlite";
     config_.port = 0;
     config_.threads = threads;
+    config_.open_registration = true;
     start();
   }
 
@@ -94,6 +95,12 @@ class Served {
     client_ = std::make_unique<httplib::Client>("127.0.0.1", server_->port());
   }
   void stop() { server_.reset(); }
+  /// Goes on with other phases. \param list entries of "phases", in JSON
+  void restart_with(const std::string& list) {
+    stop();
+    write_file_atomically(folder_.path() / "phases.json", R"({"phases": [)" + list + "]}");
+    start();
+  }
 
   httplib::Client& client() { return *client_; }
   int port() const { return server_->port(); }
@@ -107,8 +114,12 @@ class Served {
     const auto result = get(target, headers);
     return result ? nlohmann::json::parse(result->body, nullptr, false) : nlohmann::json();
   }
-  /// Makes a team; its headers.
+  /// Makes a team that is approved, as organisers do; its headers.
   httplib::Headers team(const std::string& name) {
+    return {{"Authorization", "Bearer " + create_team(config_.database, name)}};
+  }
+  /// Makes a team as strangers do, which nobody has approved; its headers.
+  httplib::Headers stranger(const std::string& name) {
     const auto made =
         client_->Post("/api/v1/teams", nlohmann::json{{"name", name}}.dump(), "application/json");
     const auto answer = nlohmann::json::parse(made->body);
@@ -125,7 +136,8 @@ class Served {
     return client_->Post("/api/v1/submissions?phase=" + phase + "&method=" + method, team, results,
                          "application/json");
   }
-  /// Asks until it is no longer queued.
+  /// Asks until it is no longer queued. Whoever may not know whether it is scored is told at once
+  /// that it was received.
   nlohmann::json scored(const httplib::Headers& team, std::int64_t id) {
     nlohmann::json status;
     for (int k = 0; k < 1000; ++k) {

@@ -7,14 +7,16 @@
 
 namespace enfilade::service::testing {
 
-/// The body of a collection of the data of served_data.h: one path, three workers, unless changed.
+/// The body of a collection of the data of served_data.h: one path, three workers, and a seed by
+/// which the first worker begins with the first instruction, unless changed.
 inline nlohmann::json collection_body(const std::string& name, const std::string& kind) {
   return {{"name", name},
           {"title", "A title"},
           {"kind", kind},
           {"consent", "# Consent\n\nYou *may* stop at any time."},
           {"instructions", "Write so that a smart robot finds the goal."},
-          {"sources", nlohmann::json::array({{{"split", "val_seen"}, {"most", 1}}})}};
+          {"sources", nlohmann::json::array({{{"split", "val_seen"}, {"most", 1}}})},
+          {"seed", 7}};
 }
 
 /// The key in a collection's link.
@@ -41,7 +43,8 @@ class Worker {
         collection_(std::move(collection)),
         parameters_(std::move(parameters)) {
     client_.set_keep_alive(true);
-    client_.set_read_timeout(60);  // a machine that has other work to do
+    client_.set_tcp_nodelay(true);  // else a body waits 40 ms for the acknowledgement of its head
+    client_.set_read_timeout(60);   // a machine that has other work to do
   }
 
   /// Comes in.

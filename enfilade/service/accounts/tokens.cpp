@@ -15,6 +15,9 @@ using detail::Refusal;
 
 constexpr std::size_t kLongestTeam = 80;
 constexpr std::size_t kLongestContact = 200;
+constexpr const char* kTeams =
+    "SELECT id, name, contact, created, approved, "
+    "(SELECT count(*) FROM submission WHERE submission.team = team.id) FROM team ";
 
 /// The owner of a token: a team or a visit, by role.
 struct Owner {
@@ -64,12 +67,33 @@ NewTeam add_team(store::Database& db, const std::string& name, const std::string
   });
 }
 
+std::vector<Team> list_teams(store::Database& db) {
+  return db.select<Team>(std::string(kTeams) + "ORDER BY id DESC");
+}
+
+std::optional<Team> find_team(store::Database& db, std::int64_t id) {
+  return db.find<Team>(std::string(kTeams) + "WHERE id = ?", id);
+}
+
+std::optional<std::int64_t> find_team_named(store::Database& db, const std::string& name) {
+  return db.find<std::int64_t>("SELECT id FROM team WHERE name = ?", name);
+}
+
+bool is_approved(store::Database& db, std::int64_t team) {
+  return db.find_number("SELECT approved IS NOT NULL FROM team WHERE id = ?", team) != 0;
+}
+
+bool set_approved(store::Database& db, std::int64_t team, bool approved) {
+  const std::optional<std::int64_t> at = approved ? std::optional(db.now()) : std::nullopt;
+  return db.run("UPDATE team SET approved = ? WHERE id = ?", at, team) == 1;
+}
+
 std::string add_token(store::Database& db, Role role, const std::string& label,
                       std::optional<std::int64_t> expires) {
   return db.transact([&] {
     Owner owner;
     if (role == Role::kTeam) {
-      owner.team = db.find<std::int64_t>("SELECT id FROM team WHERE name = ?", label);
+      owner.team = find_team_named(db, label);
       if (!owner.team) throw LookupError(fmt::format("{:?}: no team has this name", label));
     }
     return insert_token(db, role, owner, label, expires);

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <vector>
 
 namespace enfilade::service::store {
 class Database;
@@ -32,6 +33,16 @@ struct Principal {
   auto columns() { return std::tie(role, token, team, visit, name); }
 };
 
+struct Team {
+  std::int64_t id = 0;
+  std::string name, contact;
+  std::int64_t created = 0;
+  std::optional<std::int64_t> approved;  ///< when; none: it is not
+  std::int64_t submissions = 0;
+
+  auto columns() { return std::tie(id, name, contact, created, approved, submissions); }
+};
+
 struct NewTeam {
   std::int64_t id = 0;
   std::string token;  ///< shown once; only its hash is stored
@@ -45,6 +56,17 @@ inline constexpr const char* kSessionCookie = "enfilade_session";
 /// \throws Refusal kConflict if the name is taken, kInvalidInput if it is not 1 to 80
 /// printable characters, or the contact is neither empty nor up to 200 of them
 NewTeam add_team(store::Database& db, const std::string& name, const std::string& contact);
+/// All teams, the newest first.
+std::vector<Team> list_teams(store::Database& db);
+std::optional<Team> find_team(store::Database& db, std::int64_t id);
+/// The id of the team of that name, in capitals or not.
+std::optional<std::int64_t> find_team_named(store::Database& db, const std::string& name);
+/// Whether an organiser lets the team submit to phases with secret goals. New teams are not
+/// approved. \returns false for a team that does not exist
+bool is_approved(store::Database& db, std::int64_t team);
+/// Approves a team, or takes the approval back, at once; its submissions stay, but without it they
+/// are not shown where goals are secret. \returns whether there is such a team
+bool set_approved(store::Database& db, std::int64_t team, bool approved);
 /// \returns the token, shown once  \param label of a team its name  \param expires seconds since
 /// 1970; none: never  \pre role is not kWorker  \throws LookupError if there is no such team
 std::string add_token(store::Database& db, Role role, const std::string& label,

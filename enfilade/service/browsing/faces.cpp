@@ -1,11 +1,14 @@
 #include "enfilade/service/browsing/faces.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <utility>
 #include <vector>
 
 #include "enfilade/core/rng.h"
 #include "enfilade/draw/colour_maps.h"
 #include "enfilade/image/codecs.h"
+#include "enfilade/service/browsing/layers.h"
 
 namespace enfilade::service::browsing {
 namespace {
@@ -32,10 +35,7 @@ FaceFiles make_files(const scan::PanoramaSource& source, ViewpointIndex viewpoin
   }
   const auto mask = static_cast<scan::LayerMask>(1U << index(layer));
   const scan::Panorama panorama = scan::read_panorama(source, viewpoint, mask);
-  double farthest = 0;  // one scale for all six depth maps, or the edges of faces would show
-  for (const auto& face : panorama.depth) {
-    farthest = std::max(farthest, draw::farthest_depth(face));
-  }
+  const double farthest = farthest_of(panorama.depth);
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     files[k] =
         file_of(colour ? image::encode_jpeg(panorama.colour[k], kJpegQuality)
@@ -52,7 +52,46 @@ Faces::Faces(const scan::PanoramaSet& panoramas, std::size_t most_bytes)
     : panoramas_(panoramas), most_bytes_(most_bytes) {}
 
 FaceFiles Faces::get(ScanIndex scan, ViewpointIndex viewpoint, scan::Layer layer) {
-  const Key key{scan, viewpoint, layer};
+  return find_or_make({scan, viewpoint,
+                       layer == scan::Layer::kColour  ? Kind::kColour
+                       : layer == scan::Layer::kDepth ? Kind::kDepth
+                                                      : Kind::kClass});
+}
+
+std::shared_ptr<const std::string> Faces::distances(ScanIndex scan, ViewpointIndex viewpoint) {
+  return find_or_make({scan, viewpoint, Kind::kDistances})[0];
+}
+
+std::shared_ptr<const std::string> Faces::legends(ScanIndex scan, ViewpointIndex viewpoint) {
+  return find_or_make({scan, viewpoint, Kind::kLegends})[0];
+}
+
+FaceFiles Faces::make(const Key& key) const {
+  const auto& [scan, viewpoint, kind] = key;
+  const scan::PanoramaSource& source = panoramas_.source(scan);
+  FaceFiles files;
+  switch (kind) {
+    case Kind::kColour:
+      files = make_files(source, viewpoint, scan::Layer::kColour);
+      break;
+    case Kind::kDepth:
+      files = make_files(source, viewpoint, scan::Layer::kDepth);
+      break;
+    case Kind::kClass:
+      files = make_files(source, viewpoint, scan::Layer::kClass);
+      break;
+    case Kind::kDistances:
+      files[0] = std::make_shared<const std::string>(distance_grid(source, viewpoint));
+      break;
+    case Kind::kLegends:
+      files[0] = std::make_shared<const std::string>(legends_json(source, viewpoint).dump());
+      break;
+  }
+  source.release(viewpoint);  // what was made are copies; visitors walk through whole buildings
+  return files;
+}
+
+FaceFiles Faces::find_or_make(const Key& key) {
   std::promise<FaceFiles> promise;
   std::shared_future<FaceFiles> files;
   bool first = false;
@@ -71,7 +110,8 @@ FaceFiles Faces::get(ScanIndex scan, ViewpointIndex viewpoint, scan::Layer layer
   }
   if (!first) return files.get();
   try {
-    promise.set_value(make_files(panoramas_.source(scan), viewpoint, layer));
+    FaceFiles made = make(key);
+    promise.set_value(std::move(made));
     add_bytes(key, files.get());
   } catch (...) {  // requests that wait get the exception too; later ones try again
     promise.set_exception(std::current_exception());
@@ -86,7 +126,7 @@ FaceFiles Faces::get(ScanIndex scan, ViewpointIndex viewpoint, scan::Layer layer
 void Faces::add_bytes(const Key& key, const FaceFiles& files) {
   const std::scoped_lock lock(mutex_);
   Entry& entry = entries_.find(key)->second;
-  for (const auto& file : files) entry.bytes += file->size();
+  for (const auto& file : files) entry.bytes += file == nullptr ? 0 : file->size();
   bytes_ += entry.bytes;
   // Entries that are being made count as 0 bytes, and must stay until they are filled.
   for (auto use = by_use_.end(); bytes_ > most_bytes_ && use != by_use_.begin();) {

@@ -1,6 +1,7 @@
 /// \file  The faces of panoramas as image files, with a cache.
 #pragma once
 #include <array>
+#include <cstdint>
 #include <future>
 #include <list>
 #include <map>
@@ -28,17 +29,23 @@ class Faces {
   /// Colour as the source's own JPEGs where it has them; else encoded.
   /// \throws as scan::PanoramaSource: LookupError if there is no such picture
   FaceFiles get(ScanIndex scan, ViewpointIndex viewpoint, scan::Layer layer);
+  /// distance_grid() and legends_json() of layers.h, kept as pictures are. \throws as they do
+  std::shared_ptr<const std::string> distances(ScanIndex scan, ViewpointIndex viewpoint);
+  std::shared_ptr<const std::string> legends(ScanIndex scan, ViewpointIndex viewpoint);
   /// Changes whenever the scan's pictures do; empty if the source does not say. Asked of the source
   /// once. \throws as above
   std::string version(ScanIndex scan);
 
  private:
-  using Key = std::tuple<ScanIndex, ViewpointIndex, scan::Layer>;
+  enum class Kind : std::uint8_t { kColour, kDepth, kClass, kDistances, kLegends };
+  using Key = std::tuple<ScanIndex, ViewpointIndex, Kind>;
   struct Entry {
-    std::shared_future<FaceFiles> files;  // made by the first request
+    std::shared_future<FaceFiles> files;  // made by the first request; of one file, the first only
     std::size_t bytes = 0;                // 0 while being made
     std::list<Key>::iterator use;
   };
+  FaceFiles find_or_make(const Key& key);
+  FaceFiles make(const Key& key) const;
   void add_bytes(const Key& key, const FaceFiles& files);
 
   const scan::PanoramaSet& panoramas_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -57,16 +58,30 @@ ordered_json episode_json(const r2r::PathAnnotation& path, std::size_t k) {
   return one;
 }
 
+/// Instructions of all splits, by scan.
+std::map<std::string, std::size_t> count_instructions(const Site& site) {
+  std::map<std::string, std::size_t> counts;
+  for (const PublicSplit& split : site.splits()) {
+    for (const auto& path : split.annotations.paths) counts[path.scan] += path.instructions.size();
+  }
+  return counts;
+}
+
 }  // namespace
 
 ordered_json scan_list_json(const Site& site) {
   auto list = ordered_json::array();
+  auto instructions = count_instructions(site);
   for (std::size_t s = 0; s < site.graphs().size(); ++s) {
     const graph::NavGraph& graph = site.graphs().graph(ScanIndex(s));
-    list.push_back({{"scan", graph.scan()},
-                    {"viewpoints", graph.included_count()},
-                    {"edges", graph.edge_count() / 2},
-                    {"pictures", site.panoramas().find_source(ScanIndex(s)) != nullptr}});
+    ordered_json one{{"scan", graph.scan()},
+                     {"viewpoints", graph.included_count()},
+                     {"edges", graph.edge_count() / 2},
+                     {"storeys", draw::find_storeys(graph).size()},
+                     {"instructions", instructions[std::string(graph.scan())]},
+                     {"pictures", site.panoramas().find_source(ScanIndex(s)) != nullptr}};
+    if (const auto rooms = site.rooms(ScanIndex(s))) one["rooms"] = *rooms;
+    list.push_back(std::move(one));
   }
   return {{"synthetic", site.synthetic()}, {"scans", list}};
 }

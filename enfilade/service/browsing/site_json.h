@@ -8,7 +8,7 @@
 
 namespace enfilade::service::browsing {
 
-/// All scans, with their numbers of viewpoints and edges.
+/// All scans, with their numbers of viewpoints, edges, storeys, instructions and rooms.
 nlohmann::ordered_json scan_list_json(const Site& site);
 /// Storeys, viewpoints with their neighbours, and which pictures there are of each.
 nlohmann::ordered_json scan_json(const Site& site, ScanIndex scan);

@@ -1,6 +1,7 @@
 #include "enfilade/service/collecting/collection_json.h"
 
 #include <fmt/format.h>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "enfilade/service/detail/json_list.h"
@@ -13,7 +14,9 @@ namespace {
 using nlohmann::ordered_json;
 
 /// How the worker tells the platform that the visit is finished.
-ordered_json completion_json(const Platform& platform, const Visit& visit) {
+/// \param code of Prolific
+ordered_json completion_json(const Platform& platform, const Visit& visit,
+                             const std::string& code) {
   ordered_json out{{"kind", detail::name_of(platform.kind)}};
   if (platform.kind == PlatformKind::kMturk) {
     out["action"] = visit.submit_to + "/mturk/externalSubmit";
@@ -22,23 +25,41 @@ ordered_json completion_json(const Platform& platform, const Visit& visit) {
                      {"visit", std::to_string(visit.id)},
                      {"tasks", std::to_string(visit.done)}};
   } else if (platform.kind == PlatformKind::kProlific) {
-    out["url"] = "https://app.prolific.com/submissions/complete?cc=" + platform.completion_code;
-    out["code"] = platform.completion_code;
+    out["url"] = "https://app.prolific.com/submissions/complete?cc=" + code;
+    out["code"] = code;
   }
   return out;
+}
+
+/// Without the answers that are right.
+ordered_json question_json(const Question& question) {
+  return {{"question", question.id}, {"text", question.text}, {"choices", question.choices}};
+}
+
+ordered_json asked_json(const Question& question) {
+  return {
+      {"question", question.text}, {"choices", question.choices}, {"accept", question.accepted}};
+}
+
+/// What a worker wants to know before agreeing.
+void add_conditions(ordered_json& out, const Collection& collection) {
+  if (!collection.pay.empty()) out["pay"] = collection.pay;
+  if (collection.minutes > 0) out["minutes"] = collection.minutes;
 }
 
 }  // namespace
 
 ordered_json collection_json(const Collection& collection, bool synthetic) {
-  return {{"collection", collection.name},
-          {"title", collection.title},
-          {"kind", detail::name_of(collection.kind)},
-          {"state", collection.open ? "open" : "closed"},
-          {"platform", {{"kind", detail::name_of(collection.platform.kind)}}},
-          {"consent", collection.consent},
-          {"instructions", collection.instructions},
-          {"synthetic", synthetic}};
+  ordered_json out{{"collection", collection.name},
+                   {"title", collection.title},
+                   {"kind", detail::name_of(collection.kind)},
+                   {"state", detail::name_of(collection.state())},
+                   {"platform", {{"kind", detail::name_of(collection.platform.kind)}}},
+                   {"consent", collection.consent},
+                   {"instructions", collection.instructions},
+                   {"synthetic", synthetic}};
+  add_conditions(out, collection);
+  return out;
 }
 
 ordered_json progress_json(store::Database& db, const Collection& collection) {
@@ -51,6 +72,8 @@ ordered_json progress_json(store::Database& db, const Collection& collection) {
           {"per_item", collection.per_item},
           {"lease_minutes", collection.lease_seconds / 60},
           {"tasks_per_visit", collection.tasks_per_visit},
+          {"check_every", collection.check_every},
+          {"seed", collection.seed},
           {"splits", detail::json_list(splits_of(db, collection.id), split_json)},
           {"progress",
            {{"items", progress.items},
@@ -60,47 +83,87 @@ ordered_json progress_json(store::Database& db, const Collection& collection) {
             {"accepted", progress.accepted},
             {"rejected", progress.rejected},
             {"complete", progress.complete},
-            {"workers", progress.workers}}}};
+            {"workers", progress.workers},
+            {"minutes", progress.minutes}}}};
+}
+
+ordered_json questions_json(store::Database& db, const Collection& collection) {
+  ordered_json out{{"screening", ordered_json::array()}, {"checks", ordered_json::array()}};
+  for (const Question& one : questions_of(db, collection.id)) {
+    out[one.stage == Stage::kScreening ? "screening" : "checks"].push_back(asked_json(one));
+  }
+  return out;
 }
 
 ordered_json platform_json(const Platform& platform) {
   ordered_json out{{"kind", detail::name_of(platform.kind)}};
   if (platform.kind == PlatformKind::kMturk) out["origins"] = platform.origins;
-  if (platform.kind == PlatformKind::kProlific) out["completion_code"] = platform.completion_code;
+  if (platform.kind == PlatformKind::kProlific) {
+    out["completion_code"] = platform.completion_code;
+    if (!platform.screen_out_code.empty()) out["screen_out_code"] = platform.screen_out_code;
+  }
   return out;
 }
 
 ordered_json visit_summary_json(const VisitSummary& visit) {
-  return {{"visit", visit.visit},         {"worker", visit.worker},
-          {"external", visit.external},   {"assignment", visit.assignment},
-          {"group", visit.group},         {"created", detail::iso_time(visit.created)},
-          {"submitted", visit.submitted}, {"accepted", visit.accepted},
-          {"rejected", visit.rejected},   {"bonuses", visit.bonuses},
-          {"finished", visit.finished}};
+  return {{"visit", visit.visit},
+          {"worker", visit.worker},
+          {"external", visit.external},
+          {"assignment", visit.assignment},
+          {"group", visit.group},
+          {"created", detail::iso_time(visit.created)},
+          {"submitted", visit.submitted},
+          {"accepted", visit.accepted},
+          {"rejected", visit.rejected},
+          {"bonuses", visit.bonuses},
+          {"finished", visit.finished},
+          {"seconds", visit.seconds},
+          {"checks", visit.checks},
+          {"checks_failed", visit.checks_failed},
+          {"screened_out", visit.screened_out}};
 }
 
 std::string visits_csv(const std::vector<VisitSummary>& visits) {
   std::string csv =
       "visit,worker,external,assignment,group,created,to_review,accepted,rejected,bonuses,"
-      "finished\r\n";
+      "finished,seconds,checks,checks_failed,screened_out\r\n";
   for (const VisitSummary& visit : visits) {
-    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\r\n", visit.visit, visit.worker,
-                       detail::sheet_text(visit.external), detail::sheet_text(visit.assignment),
-                       detail::sheet_text(visit.group), detail::iso_time(visit.created),
-                       visit.submitted, visit.accepted, visit.rejected, visit.bonuses,
-                       visit.finished ? 1 : 0);
+    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\r\n", visit.visit,
+                       visit.worker, detail::sheet_text(visit.external),
+                       detail::sheet_text(visit.assignment), detail::sheet_text(visit.group),
+                       detail::iso_time(visit.created), visit.submitted, visit.accepted,
+                       visit.rejected, visit.bonuses, visit.finished ? 1 : 0, visit.seconds,
+                       visit.checks, visit.checks_failed, visit.screened_out ? 1 : 0);
   }
   return csv;
 }
 
-ordered_json visit_json(const Collection& collection, const Visit& visit,
-                        const std::optional<Task>& task, bool finished) {
+ordered_json visit_json(const Collection& collection, const VisitState& state) {
+  const Visit& visit = state.visit;
   ordered_json out{{"consented", visit.consented}, {"done", visit.done}};
-  if (collection.tasks_per_visit > 0) out["of"] = collection.tasks_per_visit;
-  out["finished"] = finished;
-  out["task"] = task ? task_json(*task) : ordered_json();
-  if (finished && visit.done > 0) {
-    out["completion"] = completion_json(collection.platform, visit);
+  if (state.of) out["of"] = *state.of;
+  if (state.practice > 0) out["practice"] = state.practice;
+  out["finished"] = state.finished;
+  out["task"] = state.task ? task_json(*state.task) : ordered_json();
+  if (!state.questions.empty())
+    out["questions"] = detail::json_list(state.questions, question_json);
+  if (!state.rejected.empty()) {
+    out["rejected"] = detail::json_list(state.rejected, [](const Task& task) {
+      return ordered_json{{"task", task.id},
+                          {"path_id", task.item.path_id},
+                          {"submitted", detail::iso_time(task.submitted)},
+                          {"reason", task.reason}};
+    });
+  }
+  if (state.bonuses) out["bonuses"] = *state.bonuses;
+  const Platform& platform = collection.platform;
+  if (state.screened_out) {
+    out["screened_out"] = true;
+    if (!platform.screen_out_code.empty()) {
+      out["completion"] = completion_json(platform, visit, platform.screen_out_code);
+    }
+  } else if (state.finished && visit.done > 0) {
+    out["completion"] = completion_json(platform, visit, platform.completion_code);
   }
   return out;
 }
@@ -121,9 +184,42 @@ ordered_json task_json(const Task& task) {
   ordered_json out{{"task", task.id},
                    {"state", detail::name_of(task.state)},
                    {"expires", detail::iso_time(task.expires)}};
+  if (task.item.practice) out["practice"] = true;
   out.update(item_json(task.item, task.kind));
   if (!task.draft.empty()) out["draft"] = nlohmann::json::parse(task.draft);
   if (!task.reason.empty()) out["reason"] = task.reason;
+  return out;
+}
+
+ordered_json practice_json(const Task& task) {
+  ordered_json out = ordered_json::object();
+  if (task.kind == Kind::kWrite) {
+    if (!task.item.instruction.empty()) out["example"] = task.item.instruction;
+  } else if (!task.item.secret) {
+    out["reached"] = task.bonus();
+    if (std::isfinite(task.error.value_or(0))) out["distance"] = task.error.value_or(0);
+  }
+  return out;
+}
+
+void add_times(ordered_json& out, const Task& task) {
+  if (task.leased > 0) out["leased"] = detail::iso_time(task.leased);
+  out["submitted"] = detail::iso_time(task.submitted);
+  if (const auto seconds = task.server_seconds()) out["seconds"] = *seconds;
+  out["page_seconds"] = task.seconds;
+}
+
+ordered_json work_summary_json(const WorkSummary& work, SummaryBy by) {
+  ordered_json out{{by == SummaryBy::kWorker ? "worker" : "path_id", work.id},
+                   {"submitted", work.submitted},
+                   {"accepted", work.accepted},
+                   {"rejected", work.rejected},
+                   {"flagged", work.flagged},
+                   {"mean_seconds", work.mean_seconds}};
+  if (by == SummaryBy::kWorker) {
+    out["checks"] = work.checks;
+    out["checks_failed"] = work.checks_failed;
+  }
   return out;
 }
 
@@ -145,8 +241,7 @@ ordered_json work_json(const Task& task, bool secrets) {
     if (secrets || !task.item.secret) out["bonus"] = task.bonus();
     if (!task.camera.empty()) out["camera"] = ordered_json::parse(task.camera);
   }
-  out["submitted"] = detail::iso_time(task.submitted);
-  out["seconds"] = task.seconds;
+  add_times(out, task);
   if (!task.flags.empty()) out["flags"] = task.flags;
   if (!task.reason.empty()) out["reason"] = task.reason;
   return out;

@@ -13,14 +13,29 @@ namespace enfilade::service::collecting {
 nlohmann::ordered_json collection_json(const Collection& collection, bool synthetic);
 /// What reviewers and organisers see besides: its rules, its splits, and how far the work is.
 nlohmann::ordered_json progress_json(store::Database& db, const Collection& collection);
-/// For organisers.
+/// For organisers: {"screening", "checks"} with the answers that are right.
+nlohmann::ordered_json questions_json(store::Database& db, const Collection& collection);
 nlohmann::ordered_json platform_json(const Platform& platform);
 nlohmann::ordered_json visit_summary_json(const VisitSummary& visit);
 std::string visits_csv(const std::vector<VisitSummary>& visits);
 
-/// For its worker. \param task what the visit holds  \param finished no more tasks are given to it
-nlohmann::ordered_json visit_json(const Collection& collection, const Visit& visit,
-                                  const std::optional<Task>& task, bool finished);
+/// What a visit's answer is made of.
+struct VisitState {
+  Visit visit;
+  std::optional<Task> task;        ///< what the visit holds
+  std::optional<std::int64_t> of;  ///< tasks that it will have, if they are few enough to be told
+  std::int64_t practice = 0;       ///< practice tasks that are still to come
+  bool finished = false;           ///< no more tasks are given to it
+  bool screened_out = false;
+  std::vector<Question> questions;  ///< to be answered first
+  std::vector<Task> rejected;
+  std::optional<std::int64_t> bonuses;  ///< once knowing them helps with no other task
+};
+/// For its worker.
+nlohmann::ordered_json visit_json(const Collection& collection, const VisitState& state);
+/// For its worker, after a practice task: whether a walk reached the goal, and how far from it it
+/// ended (metres), or an example of directions.
+nlohmann::ordered_json practice_json(const Task& task);
 /// For its worker: nothing of a walk's goal.
 nlohmann::ordered_json task_json(const Task& task);
 /// The item of a task as its worker sees it.
@@ -28,6 +43,10 @@ nlohmann::ordered_json item_json(const Item& item, Kind kind);
 
 /// For reviewers. \param secrets whether they may know who reached a secret goal
 nlohmann::ordered_json work_json(const Task& task, bool secrets);
+/// Adds leased and submitted, and the seconds between them by the server's clock; and page_seconds,
+/// as the page measured them.
+void add_times(nlohmann::ordered_json& out, const Task& task);
+nlohmann::ordered_json work_summary_json(const WorkSummary& work, SummaryBy by);
 nlohmann::ordered_json event_json(const Event& event);
 
 }  // namespace enfilade::service::collecting

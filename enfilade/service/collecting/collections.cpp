@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "enfilade/r2r/metrics.h"
+#include "enfilade/service/collecting/order.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
 
@@ -15,46 +16,63 @@ using detail::Refusal;
 
 constexpr std::size_t kKeySize = 32;  // digits: 128 bits
 
+constexpr std::string_view kCollectionColumns =
+    "name, title, kind, open, link_key, platform, origins, completion_code, screen_out_code, "
+    "consent, instructions, per_item, lease_seconds, tasks_per_visit, collection.created, "
+    "archived, seed, pay, minutes, check_every, consent_changed";
+
 std::string collections_where(std::string_view condition) {
-  return fmt::format(
-      "SELECT collection.id, name, title, kind, open, link_key, platform, origins, "
-      "completion_code, consent, instructions, per_item, lease_seconds, tasks_per_visit, "
-      "collection.created FROM collection {}",
-      condition);
+  return fmt::format("SELECT collection.id, {} FROM collection {}", kCollectionColumns, condition);
 }
 
-std::int64_t insert_collection(store::Database& db, const Collection& c) {
-  return db.insert(
+/// Gives it a key, a time and an id. \throws Refusal kConflict if its name is taken
+void insert_collection(store::Database& db, Collection& c) {
+  if (find_collection(db, c.name)) {
+    throw Refusal(Reason::kConflict, "name: another collection has it");
+  }
+  c.created = db.now();
+  c.key = detail::new_secret("").substr(0, kKeySize);
+  c.id = db.insert(
       "INSERT INTO collection (name, title, kind, open, link_key, platform, origins, "
-      "completion_code, consent, instructions, per_item, lease_seconds, tasks_per_visit, created) "
-      "VALUES (?, ?, ?, 1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      "completion_code, screen_out_code, consent, instructions, per_item, lease_seconds, "
+      "tasks_per_visit, created, seed, pay, minutes, check_every) "
+      "VALUES (?, ?, ?, 1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       c.name, c.title, c.kind, c.key, c.platform.kind, c.platform.origins,
-      c.platform.completion_code, c.consent, c.instructions, c.per_item, c.lease_seconds,
-      c.tasks_per_visit, c.created);
+      c.platform.completion_code, c.platform.screen_out_code, c.consent, c.instructions, c.per_item,
+      c.lease_seconds, c.tasks_per_visit, c.created, c.seed, c.pay, c.minutes, c.check_every);
 }
 
 void insert_item(store::Database& db, std::int64_t collection, const Item& item) {
   db.run(
       "INSERT INTO item (collection, split, path_id, number, scan, heading, path, distance, "
-      "instruction, secret, state) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 'fresh')",
+      "instruction, secret, practice, block, state) "
+      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 'fresh')",
       collection, item.split, item.path_id, item.number, item.scan, item.heading.value, item.path,
-      item.distance, item.instruction, item.secret);
+      item.distance, item.instruction, item.secret, item.practice, item.block);
 }
 
 }  // namespace
 
 Collection add_collection(store::Database& db, const NewCollection& added) {
   Collection collection = added.about;
-  collection.created = db.now();
-  collection.key = detail::new_secret("").substr(0, kKeySize);
   db.transact([&] {
-    if (find_collection(db, collection.name)) {
-      throw Refusal(Reason::kConflict, "name: another collection has it");
-    }
-    collection.id = insert_collection(db, collection);
+    insert_collection(db, collection);
     for (const Item& item : added.items) insert_item(db, collection.id, item);
+    add_questions(db, collection.id, added.questions);
   });
   return collection;
+}
+
+Collection copy_collection(store::Database& db, const Collection& from, Collection copy) {
+  db.transact([&] {
+    insert_collection(db, copy);
+    auto items = db.select<Item>(
+        fmt::format("SELECT {} FROM item WHERE collection = ? ORDER BY id", kItemColumns), from.id);
+    assign_blocks(copy.seed, items);
+    for (const Item& item : items) insert_item(db, copy.id, item);
+    add_questions(db, copy.id, questions_of(db, from.id));
+  });
+  return copy;
 }
 
 std::optional<Collection> find_collection(store::Database& db, std::string_view name) {
@@ -74,28 +92,57 @@ Collection collection_of_visit(store::Database& db, std::int64_t visit) {
       visit);
 }
 
-std::vector<Collection> list_collections(store::Database& db) {
-  return db.select<Collection>(collections_where("ORDER BY collection.id"));
+std::vector<Collection> list_collections(store::Database& db, std::string_view text,
+                                         bool archived) {
+  return db.select<Collection>(
+      collections_where("WHERE (archived IS NOT NULL) = ?1 AND (instr(lower(name), lower(?2)) > 0 "
+                        "OR instr(lower(title), lower(?2)) > 0) ORDER BY collection.id"),
+      archived, text);
 }
 
-void set_open(store::Database& db, std::int64_t collection, bool open) {
-  db.run("UPDATE collection SET open = ? WHERE id = ?", open, collection);
+void change_collection(store::Database& db, const Collection& c) {
+  db.transact([&] {
+    db.run(
+        "UPDATE collection SET title = ?, open = ?, archived = ?, consent = ?, instructions = ?, "
+        "per_item = ?, lease_seconds = ?, tasks_per_visit = ?, pay = ?, minutes = ?, "
+        "check_every = ?, completion_code = ?, screen_out_code = ?, consent_changed = CASE WHEN "
+        "consent = ?4 THEN consent_changed ELSE ?14 END WHERE id = ?15",
+        c.title, c.open, c.archived, c.consent, c.instructions, c.per_item, c.lease_seconds,
+        c.tasks_per_visit, c.pay, c.minutes, c.check_every, c.platform.completion_code,
+        c.platform.screen_out_code, db.now(), c.id);
+    // Fewer or more places an item: which are complete is another matter then.
+    db.run(
+        "UPDATE item SET state = CASE WHEN (SELECT count(*) FROM task WHERE item = item.id AND "
+        "state IN ('submitted', 'accepted')) >= ?2 THEN 'complete' ELSE 'begun' END "
+        "WHERE collection = ?1 AND practice = 0 AND state <> 'fresh'",
+        c.id, c.per_item);
+  });
 }
 
 Progress progress_of(store::Database& db, std::int64_t collection) {
-  return db.get<Progress>(
-      "SELECT (SELECT count(*) FROM item WHERE collection = ?1), "
-      "(SELECT total(state = 'complete') FROM item WHERE collection = ?1), "
+  const auto held = db.hold();
+  Progress progress = db.get<Progress>(
+      "SELECT (SELECT count(*) FROM item WHERE collection = ?1 AND practice = 0), "
+      "(SELECT total(state = 'complete') FROM item WHERE collection = ?1 AND practice = 0), "
       "total(task.state = 'leased' AND expires > ?2), total(task.state = 'submitted'), "
       "total(task.state = 'accepted'), total(task.state = 'rejected'), "
       "count(DISTINCT worker) "
-      "FROM task JOIN item ON item.id = task.item WHERE item.collection = ?1",
+      "FROM task JOIN item ON item.id = task.item WHERE item.collection = ?1 AND practice = 0",
       collection, db.now());
+  progress.minutes =
+      db.find<double>(
+            "SELECT (submitted - leased) / 60.0 AS minutes FROM task JOIN item ON item.id = "
+            "task.item WHERE collection = ?1 AND practice = 0 AND submitted > 0 AND leased > 0 "
+            "ORDER BY minutes LIMIT 1 OFFSET (SELECT count(*) / 2 FROM task JOIN item ON item.id = "
+            "task.item WHERE collection = ?1 AND practice = 0 AND submitted > 0 AND leased > 0)",
+            collection)
+          .value_or(0);
+  return progress;
 }
 
 std::vector<SplitSize> splits_of(store::Database& db, std::int64_t collection) {
   return db.select<SplitSize>(
-      "SELECT split, count(*), max(secret) FROM item WHERE collection = ? "
+      "SELECT split, count(*), max(secret) FROM item WHERE collection = ? AND practice = 0 "
       "GROUP BY split ORDER BY min(id)",
       collection);
 }
@@ -105,22 +152,35 @@ std::vector<VisitSummary> visits_of(store::Database& db, const Collection& colle
       "SELECT visit.id, worker.id, worker.external, visit.external, grouped, visit.created, "
       "total(state = 'submitted'), total(state = 'accepted'), total(state = 'rejected'), "
       "total(error < ?2 AND state IN ('submitted', 'accepted')), "
-      "?3 > 0 AND total(state IN ('submitted', 'accepted', 'rejected')) >= ?3 "
-      "FROM visit JOIN worker ON worker.id = visit.worker LEFT JOIN task ON task.visit = "
-      "visit.id WHERE worker.collection = ?1 GROUP BY visit.id ORDER BY visit.id",
+      "?3 > 0 AND total(state IN ('submitted', 'accepted', 'rejected')) >= ?3, "
+      "CAST(total(CASE WHEN submitted > 0 AND leased > 0 THEN max(submitted - leased, 0) END) AS "
+      "INTEGER), "
+      "(SELECT count(*) FROM answer JOIN question ON question.id = question WHERE answer.worker = "
+      "worker.id AND stage = 'check'), "
+      "(SELECT count(*) FROM answer JOIN question ON question.id = question WHERE answer.worker = "
+      "worker.id AND stage = 'check' AND NOT answer.accepted), "
+      "EXISTS (SELECT 1 FROM answer JOIN question ON question.id = question WHERE answer.worker = "
+      "worker.id AND stage = 'screening' AND NOT answer.accepted) "
+      "FROM visit JOIN worker ON worker.id = visit.worker "
+      "LEFT JOIN (SELECT task.visit AS by, task.state AS state, error, submitted, leased FROM task "
+      "JOIN item ON item.id = task.item WHERE practice = 0) ON by = visit.id "
+      "WHERE worker.collection = ?1 GROUP BY visit.id ORDER BY visit.id",
       collection.id, r2r::MetricOptions{}.success_distance, collection.tasks_per_visit);
 }
 
 std::vector<Item> items_of(store::Database& db, std::int64_t collection, std::string_view split) {
   return db.select<Item>(
-      fmt::format("SELECT {} FROM item WHERE collection = ?1 AND split = ?2 ORDER BY id",
+      fmt::format("SELECT {} FROM item WHERE collection = ?1 AND split = ?2 AND practice = 0 "
+                  "ORDER BY id",
                   kItemColumns),
       collection, split);
 }
 
 Item first_item(store::Database& db, std::int64_t collection) {
   return db.get<Item>(
-      fmt::format("SELECT {} FROM item WHERE collection = ? ORDER BY id LIMIT 1", kItemColumns),
+      fmt::format("SELECT {} FROM item WHERE collection = ? ORDER BY practice DESC, id "
+                  "LIMIT 1",
+                  kItemColumns),
       collection);
 }
 

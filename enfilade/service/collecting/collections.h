@@ -10,6 +10,7 @@
 
 #include "enfilade/r2r/annotations.h"
 #include "enfilade/service/collecting/platforms.h"
+#include "enfilade/service/collecting/questions.h"
 #include "enfilade/service/site.h"
 #include "enfilade/service/store/database.h"
 
@@ -20,6 +21,16 @@ enum class Kind : std::uint8_t {
   kWalk,   ///< an instruction is shown, a path is walked: the Human agent
 };
 constexpr std::array<std::string_view, 2> names_of(Kind /*enum*/) { return {"write", "walk"}; }
+
+/// Who may join, and who finds it.
+enum class CollectionState : std::uint8_t {
+  kOpen,
+  kClosed,    ///< no new workers, no new tasks
+  kArchived,  ///< closed, and left out of lists unless asked for
+};
+constexpr std::array<std::string_view, 3> names_of(CollectionState /*enum*/) {
+  return {"open", "closed", "archived"};
+}
 
 struct Collection {
   std::int64_t id = 0;
@@ -33,11 +44,23 @@ struct Collection {
   std::int64_t lease_seconds = 1800;
   int tasks_per_visit = 0;  ///< 0: no limit
   std::int64_t created = 0;
+  std::optional<std::int64_t> archived;  ///< when
+  std::int64_t seed = 0;                 ///< of the order of tasks: order.h
+  std::string pay;                       ///< as workers read it: "$1.20 a path"; may be empty
+  double minutes = 0;                    ///< that a task takes, as workers are told; 0: not said
+  int check_every = 3;                   ///< an attention check comes before every so manyth task
+  /// When the consent text was last changed, or 0: who agreed before has to agree anew.
+  std::int64_t consent_changed = 0;
 
+  CollectionState state() const {
+    if (archived) return CollectionState::kArchived;
+    return open ? CollectionState::kOpen : CollectionState::kClosed;
+  }
   auto columns() {
     return std::tie(id, name, title, kind, open, key, platform.kind, platform.origins,
-                    platform.completion_code, consent, instructions, per_item, lease_seconds,
-                    tasks_per_visit, created);
+                    platform.completion_code, platform.screen_out_code, consent, instructions,
+                    per_item, lease_seconds, tasks_per_visit, created, archived, seed, pay, minutes,
+                    check_every, consent_changed);
   }
 };
 
@@ -52,27 +75,41 @@ struct Item {
   /// Viewpoints from start to goal. Of kWalk, only the first is ever sent to a worker.
   std::vector<std::string> path;
   std::optional<double> distance;
-  std::string instruction;  ///< kWalk
-  bool secret = false;  ///< the goal is of a phase with secret goals: it never leaves the server
+  /// kWalk: to be followed. kWrite: empty; of practice, an example of what may be written.
+  std::string instruction;
+  bool secret = false;     ///< the goal is of a phase with secret goals: it never leaves the server
+  bool practice = false;   ///< every worker's first tasks: never reviewed, never exported
+  std::int64_t block = 0;  ///< order.h
 
   auto columns() {
     return std::tie(id, split, path_id, number, scan, heading.value, path, distance, instruction,
-                    secret);
+                    secret, practice, block);
   }
 };
 
 struct NewCollection {
   Collection about;
   std::vector<Item> items;
+  std::vector<Question> questions;
 };
 
-/// Reads the body of POST /api/v1/collections (openapi.json), and checks all of it.
-/// \throws InvalidInput with every fault and its JSON path
+/// Reads the body of POST /api/v1/collections (openapi.json), and checks all of it. Items have
+/// their blocks.
+/// \throws InvalidInput with its faults (up to 1000) and their JSON paths
 NewCollection read_new_collection(const Site& site, std::string_view body);
+/// Reads the body of PATCH /api/v1/collections/{collection}: the fields that are there.
+/// \param now seconds since 1970  \returns `collection` with them  \throws as above
+Collection read_changed_collection(const Collection& collection, std::string_view body,
+                                   std::int64_t now);
+/// The body of POST /api/v1/collections/{collection}/copy. \returns `collection` with its new name
+/// and title, open, and with a seed of its own  \throws as above
+Collection read_copied_collection(const Collection& collection, std::string_view body);
 
+/// Without practice.
 struct Progress {
   std::int64_t items = 0, leased = 0, submitted = 0, accepted = 0, rejected = 0, complete = 0,
                workers = 0;
+  double minutes = 0;  ///< median time of a submitted task by the server's clock; 0: there is none
 
   auto columns() {
     return std::tie(items, complete, leased, submitted, accepted, rejected, workers);
@@ -87,16 +124,19 @@ struct SplitSize {
   auto columns() { return std::tie(split, items, secret); }
 };
 
-/// A visit with the numbers that an organiser pays by.
+/// A visit with the numbers that an organiser pays by; practice is not among them.
 struct VisitSummary {
   std::int64_t visit = 0, worker = 0;
   std::string external, assignment, group;  ///< the platform's ids
   std::int64_t created = 0, submitted = 0, accepted = 0, rejected = 0, bonuses = 0;
   bool finished = false;
+  std::int64_t seconds = 0;  ///< from tasks given out to tasks submitted, by the server's clock
+  std::int64_t checks = 0, checks_failed = 0;  ///< attention checks of the worker, in all visits
+  bool screened_out = false;
 
   auto columns() {
     return std::tie(visit, worker, external, assignment, group, created, submitted, accepted,
-                    rejected, bonuses, finished);
+                    rejected, bonuses, finished, seconds, checks, checks_failed, screened_out);
   }
 };
 
@@ -107,13 +147,18 @@ std::optional<Collection> find_collection(store::Database& db, std::string_view 
 /// \throws Refusal kNotFound
 Collection get_collection(store::Database& db, std::string_view name);
 Collection collection_of_visit(store::Database& db, std::int64_t visit);
-std::vector<Collection> list_collections(store::Database& db);
-void set_open(store::Database& db, std::int64_t collection, bool open);
+/// Those whose name or title has the text, in any case of a-z. \param archived these, or the others
+std::vector<Collection> list_collections(store::Database& db, std::string_view text, bool archived);
+/// Stores what may change: state, texts, rules.
+void change_collection(store::Database& db, const Collection& changed);
+/// Its items and questions, and no work. \param copy with a name of its own
+/// \returns it with its id, key and time  \throws Refusal kConflict if the name is taken
+Collection copy_collection(store::Database& db, const Collection& from, Collection copy);
 Progress progress_of(store::Database& db, std::int64_t collection);
 std::vector<SplitSize> splits_of(store::Database& db, std::int64_t collection);
 std::vector<VisitSummary> visits_of(store::Database& db, const Collection& collection);
 
-/// Of a split, by id.
+/// Of a split, by id; practice is not among them.
 std::vector<Item> items_of(store::Database& db, std::int64_t collection, std::string_view split);
 /// The first item: what a preview shows.
 Item first_item(store::Database& db, std::int64_t collection);
@@ -124,6 +169,6 @@ std::string link_of(const Collection& collection);
 /// The columns of an Item, for a query of the table item.
 inline constexpr const char* kItemColumns =
     "item.id, item.split, item.path_id, item.number, item.scan, item.heading, item.path, "
-    "item.distance, item.instruction, item.secret";
+    "item.distance, item.instruction, item.secret, item.practice, item.block";
 
 }  // namespace enfilade::service::collecting

@@ -1,5 +1,7 @@
 #include "enfilade/service/collecting/export.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -7,7 +9,9 @@
 #include <vector>
 
 #include "enfilade/r2r/annotations.h"
+#include "enfilade/service/collecting/collection_json.h"
 #include "enfilade/service/detail/json_list.h"
+#include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service::collecting {
@@ -15,40 +19,133 @@ namespace {
 
 using nlohmann::ordered_json;
 
+/// What is exported, and what is not.
+struct Selection {
+  std::vector<Task> tasks;  ///< sorted by item and task
+  ExportReport report;
+};
+
 /// The first walk of each instruction, only of paths whose instructions were all walked.
-std::vector<Task> whole_walks(store::Database& db, const ExportedSplit& exported) {
-  std::vector<Task> walks;
+void keep_whole_walks(const std::vector<Item>& items, Selection& selection) {
   std::set<std::int64_t> walked;
-  for (Task& task : work_of(db, exported)) {
-    if (walked.insert(task.item.id).second) walks.push_back(std::move(task));
-  }
+  const std::size_t before = selection.tasks.size();
+  std::erase_if(selection.tasks,
+                [&](const Task& task) { return !walked.insert(task.item.id).second; });
+  const std::size_t once = selection.tasks.size();
   std::set<std::int64_t> incomplete;  // path ids
-  for (const Item& item : items_of(db, exported.collection.id, exported.split)) {
+  for (const Item& item : items) {
     if (!walked.contains(item.id)) incomplete.insert(item.path_id);
   }
-  std::erase_if(walks, [&](const Task& task) { return incomplete.contains(task.item.path_id); });
-  return walks;
+  std::erase_if(selection.tasks,
+                [&](const Task& task) { return incomplete.contains(task.item.path_id); });
+  selection.report.repeated = static_cast<std::int64_t>(before - once);
+  selection.report.incomplete = static_cast<std::int64_t>(once - selection.tasks.size());
 }
 
-/// whole_walks() as [a, b, ...], one a line. \param add adds the other fields of a walk
-template <class Add>
-std::string list_walks(store::Database& db, const ExportedSplit& exported, const Add& add) {
-  std::string out = "[";
-  for (const Task& task : whole_walks(db, exported)) {
-    ordered_json one{{"instr_id", r2r::instruction_id(task.item.path_id, task.item.number)}};
-    add(one, task);
-    out += (out.size() > 1 ? ",\n" : "\n") + one.dump();
+Selection select(store::Database& db, const ExportedSplit& exported) {
+  const auto held = db.hold();
+  const std::vector<Item> items = items_of(db, exported.collection.id, exported.split);
+  Selection selection{work_of(db, exported), {exported.split, exported.collection.kind}};
+  ExportReport& report = selection.report;
+  const auto count = [&](TaskState state) {
+    return db.find_number(
+        "SELECT count(*) FROM task JOIN item ON item.id = task.item WHERE collection = ? AND split "
+        "= ? AND practice = 0 AND task.state = ?",
+        exported.collection.id, exported.split, state);
+  };
+  report.waiting = exported.with_waiting ? 0 : count(TaskState::kSubmitted);
+  report.rejected = count(TaskState::kRejected);
+  if (report.kind == Kind::kWalk) keep_whole_walks(items, selection);
+  std::set<std::int64_t> paths, exported_items, exported_paths;
+  for (const Item& item : items) paths.insert(item.path_id);
+  for (const Task& task : selection.tasks) {
+    exported_items.insert(task.item.id);
+    exported_paths.insert(task.item.path_id);
   }
+  const auto size = [](const auto& of) { return static_cast<std::int64_t>(of.size()); };
+  report.items = size(items);
+  report.paths = size(paths);
+  report.exported_items = size(exported_items);
+  report.exported_paths = size(exported_paths);
+  report.exported_tasks = size(selection.tasks);
+  return selection;
+}
+
+/// \throws Refusal kConflict if there is nothing
+std::vector<Task> select_some(store::Database& db, const ExportedSplit& exported) {
+  Selection selection = select(db, exported);
+  if (selection.tasks.empty()) {
+    const char* hint = selection.report.waiting > 0 ? "; state=all takes what waits, too" : "";
+    throw detail::Refusal(detail::Reason::kConflict,
+                          fmt::format("nothing to export: {}{}", selection.report.summary(), hint));
+  }
+  return std::move(selection.tasks);
+}
+
+std::string list_lines(const std::vector<ordered_json>& entries) {
+  std::string out = "[";
+  for (const ordered_json& one : entries) out += (out.size() > 1 ? ",\n" : "\n") + one.dump();
   return out + "\n]\n";
 }
 
+/// The walks as [a, b, ...], one a line. \param add adds the other fields of a walk
+template <class Add>
+std::string list_walks(store::Database& db, const ExportedSplit& exported, const Add& add) {
+  std::vector<ordered_json> entries;
+  for (const Task& task : select_some(db, exported)) {
+    ordered_json one{{"instr_id", r2r::instruction_id(task.item.path_id, task.item.number)}};
+    add(one, task);
+    entries.push_back(std::move(one));
+  }
+  return list_lines(entries);
+}
+
 }  // namespace
+
+std::string ExportReport::summary() const {
+  const bool written = kind == Kind::kWrite;
+  std::string text = fmt::format("{} of {} {}", exported_items, items,
+                                 written ? "paths have directions" : "instructions have a walk");
+  std::vector<std::string> parts;
+  const auto add = [&parts](std::int64_t count, const char* what) {
+    if (count > 0) parts.push_back(fmt::format("{} {}", count, what));
+  };
+  add(waiting, "not reviewed yet");
+  add(rejected, "rejected");
+  add(repeated, "later walks of the same instruction");
+  add(incomplete, "of paths with an instruction that nobody has walked");
+  if (!parts.empty()) {
+    text += fmt::format("; {} {}{} left out: {}", left_out(), written ? "text" : "walk",
+                        left_out() == 1 ? " is" : "s are", fmt::join(parts, ", "));
+  }
+  return text;
+}
+
+ExportReport report_of(store::Database& db, const ExportedSplit& exported) {
+  return select(db, exported).report;
+}
+
+ordered_json report_json(const ExportReport& report) {
+  return {{"split", report.split},
+          {"items", report.items},
+          {"paths", report.paths},
+          {"exported",
+           {{"items", report.exported_items},
+            {"paths", report.exported_paths},
+            {"tasks", report.exported_tasks}}},
+          {"left_out",
+           {{"waiting", report.waiting},
+            {"rejected", report.rejected},
+            {"repeated", report.repeated},
+            {"incomplete", report.incomplete}}},
+          {"summary", report.summary()}};
+}
 
 std::string annotations_json(store::Database& db, const ExportedSplit& exported) {
   const bool written = exported.collection.kind == Kind::kWrite;
   r2r::Annotations annotations{exported.split, "", {}};
   auto& paths = annotations.paths;
-  for (const Task& task : written ? work_of(db, exported) : whole_walks(db, exported)) {
+  for (const Task& task : select_some(db, exported)) {
     const Item& item = task.item;
     if (paths.empty() || paths.back().path_id != item.path_id) {  // tasks are sorted by item
       paths.push_back({item.path_id, item.scan, item.heading, item.path, item.distance, {}});
@@ -70,11 +167,28 @@ std::string walks_json(store::Database& db, const ExportedSplit& exported) {
   return list_walks(db, exported, [](ordered_json& one, const Task& task) {
     one["scan"] = task.item.scan;
     one["worker"] = task.worker;
-    one["submitted"] = detail::iso_time(task.submitted);
-    one["seconds"] = task.seconds;
+    add_times(one, task);
     if (!task.camera.empty()) one["camera"] = ordered_json::parse(task.camera);
     one["steps"] = ordered_json::parse(task.content);
   });
+}
+
+std::string tasks_json(store::Database& db, const ExportedSplit& exported) {
+  std::vector<ordered_json> entries;
+  for (const Task& task : submitted_of(db, exported)) {
+    ordered_json one{{"task", task.id},
+                     {"state", detail::name_of(task.state)},
+                     {"path_id", task.item.path_id},
+                     {"number", task.item.number},
+                     {"worker", task.worker}};
+    if (task.item.practice) one["practice"] = true;
+    add_times(one, task);
+    if (!task.flags.empty()) one["flags"] = task.flags;
+    if (!task.reason.empty()) one["reason"] = task.reason;
+    if (task.kind == Kind::kWrite) one["instruction"] = task.content;
+    entries.push_back(std::move(one));
+  }
+  return list_lines(entries);
 }
 
 }  // namespace enfilade::service::collecting

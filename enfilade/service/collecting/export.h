@@ -1,10 +1,34 @@
 /// \file  The work of a collection as files that the rest of Enfilade reads.
 #pragma once
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "enfilade/service/collecting/tasks.h"
 
 namespace enfilade::service::collecting {
+
+/// What an export of walks or of directions has, and what it leaves out. Practice is in neither.
+struct ExportReport {
+  std::string split;
+  Kind kind = Kind::kWrite;
+  std::int64_t items = 0, paths = 0;  ///< of the split
+  std::int64_t exported_items = 0, exported_paths = 0, exported_tasks = 0;
+  // Submitted tasks that are left out, each counted once:
+  std::int64_t waiting = 0;  ///< not reviewed yet, and only accepted ones were asked for
+  std::int64_t rejected = 0;
+  std::int64_t repeated = 0;    ///< a later walk of an instruction that has one
+  std::int64_t incomplete = 0;  ///< walks of a path some of whose instructions have none
+
+  std::int64_t left_out() const { return waiting + rejected + repeated + incomplete; }
+  /// "6 of 8 instructions; 2 walks left out: 1 waiting for review, 1 rejected"
+  std::string summary() const;
+};
+ExportReport report_of(store::Database& db, const ExportedSplit& exported);
+nlohmann::ordered_json report_json(const ExportReport& report);
+
+// Those below \throw Refusal kConflict if there is nothing to export; the message is the report's
+// summary().
 
 /// Annotations in Room-to-Room's format, as `enfilade stats` and `enfilade score` read them.
 /// kWrite: the paths that have an instruction, with their instructions in the order in which the
@@ -16,8 +40,12 @@ std::string annotations_json(store::Database& db, const ExportedSplit& exported)
 /// \pre it is a collection of walks
 std::string results_json(store::Database& db, const ExportedSplit& exported);
 
-/// The same walks, an object each: instr_id, scan, worker, submitted, seconds, camera, steps.
+/// The same walks, an object each: instr_id, scan, worker, times (add_times()), camera, steps.
 /// \pre it is a collection of walks
 std::string walks_json(store::Database& db, const ExportedSplit& exported);
+
+/// All submitted tasks of the split, whatever their state, an object each: task, state, path_id,
+/// number, worker, times, flags. With that, what other files leave out can be looked up.
+std::string tasks_json(store::Database& db, const ExportedSplit& exported);
 
 }  // namespace enfilade::service::collecting

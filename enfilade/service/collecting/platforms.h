@@ -20,6 +20,7 @@ struct Platform {
   /// Mechanical Turk: sites that may frame the pages and receive their form; see is_origin().
   std::vector<std::string> origins;
   std::string completion_code;  ///< Prolific: of the study
+  std::string screen_out_code;  ///< Prolific: for workers whom the screening sends away; or empty
 };
 
 /// Those of Mechanical Turk and its sandbox.

@@ -9,6 +9,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/service/detail/fields.h"
+#include "enfilade/service/detail/json_limits.h"
 #include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service::collecting {
@@ -49,6 +50,7 @@ std::vector<std::string> read_flags(Element element, const Path& path, Faults& f
   if (!list) return flags;
   std::size_t k = 0;
   for (const Element one : *list) {
+    if (faults.full()) break;
     const Path here(path, k++);
     const auto text = json::string(one, here, faults);
     if (text && std::ranges::find(kFlags, *text) == kFlags.end()) {
@@ -77,6 +79,7 @@ class WalkReader {
         faults_.error(path, "too-many", fmt::format("more than {} steps", kMostSteps));
         return steps;
       }
+      if (faults_.full()) return steps;
       steps.push_back(read_step(one, Path(path, steps.size())));
     }
     if (steps.empty()) faults_.error(path, "no-steps", "the start at least is expected");
@@ -153,6 +156,7 @@ void check_instruction(std::string_view instruction, const char* where) {
 }
 
 SubmittedWork read_instruction(std::string_view body) {
+  detail::check_limits(body, kFileName, detail::kWorkLimits);
   const json::Document document = json::Document::parse(body, kFileName);
   Faults faults(kFileName);
   const Path root;
@@ -171,6 +175,7 @@ SubmittedWork read_instruction(std::string_view body) {
 }
 
 SubmittedWork read_walk(std::string_view body, const Item& item, const graph::GraphSet& graphs) {
+  detail::check_limits(body, kFileName, detail::kWorkLimits);
   const json::Document document = json::Document::parse(body, kFileName);
   const graph::NavGraph& graph = graphs.graph(item.scan);
   Faults faults(kFileName);

@@ -8,7 +8,8 @@
 namespace enfilade::service::collecting {
 
 /// {"instruction", "seconds", "flags"}, as openapi.json has it.
-/// \throws InvalidInput with every fault and its JSON path
+/// \throws InvalidInput with its faults (up to 1000) and their JSON paths; for a body beyond
+/// detail::kWorkLimits
 SubmittedWork read_instruction(std::string_view body);
 
 /// {"steps": [{"viewpoint", "heading", "elevation", "seconds"}], "camera"}: a walk that an agent

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "enfilade/r2r/metrics.h"
+#include "enfilade/service/collecting/order.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
 
@@ -13,6 +14,9 @@ namespace {
 using detail::Reason;
 using detail::Refusal;
 
+// Seconds by which a page's time may exceed the server's: its clock starts when the building is
+// shown, and two clocks differ a little.
+constexpr double kClockSlack = 5;
 constexpr const char* kIsSubmitted = "task.state IN ('submitted', 'accepted', 'rejected')";
 
 std::int64_t find_or_add_visit(store::Database& db, const Collection& collection,
@@ -42,7 +46,7 @@ std::string tasks_where(std::string_view condition) {
   return fmt::format(
       "SELECT {}, collection.kind, collection.per_item, collection.lease_seconds, task.id, "
       "task.worker, task.state, task.expires, task.draft, task.content, task.digest, "
-      "task.seconds, task.flags, task.camera, task.error, task.submitted, task.reason "
+      "task.seconds, task.flags, task.camera, task.error, task.leased, task.submitted, task.reason "
       "FROM task JOIN item ON item.id = task.item "
       "JOIN collection ON collection.id = item.collection WHERE {}",
       kItemColumns, condition);
@@ -50,6 +54,7 @@ std::string tasks_where(std::string_view condition) {
 
 /// Whether the item has a place for this task besides its other tasks.
 bool has_place(store::Database& db, const Task& task) {
+  if (task.item.practice) return true;
   return db.find_number(
              "SELECT count(*) FROM task WHERE item = ? AND id <> ? AND "
              "(state IN ('submitted', 'accepted') OR (state = 'leased' AND expires > ?))",
@@ -91,40 +96,41 @@ std::optional<Task> resume(store::Database& db, const Visit& visit) {
   return std::nullopt;
 }
 
-/// An item that has a place and is new to the worker; 0 if there is none. Those with the fewest
-/// free places first.
-std::int64_t next_item(store::Database& db, const Collection& collection, const Visit& visit) {
-  const std::int64_t begun = db.find_number(
-      "SELECT id FROM (SELECT item.id AS id, (SELECT count(*) FROM task WHERE task.item = item.id "
-      "AND (task.state IN ('submitted', 'accepted') OR (task.state = 'leased' AND task.expires > "
-      "?3))) AS taken FROM item WHERE collection = ?1 AND item.state = 'begun' AND NOT EXISTS "
-      "(SELECT 1 FROM task WHERE task.item = item.id AND task.worker = ?2)) "
-      "WHERE taken < ?4 ORDER BY taken DESC, id LIMIT 1",
-      collection.id, visit.worker, db.now(), collection.per_item);
-  if (begun != 0) return begun;
-  return db.find_number(
-      "SELECT id FROM item WHERE collection = ? AND state = 'fresh' ORDER BY id LIMIT 1",
-      collection.id);
+/// Ends no later than `lease_seconds` from now what was leased by a clock that was ahead: nobody
+/// else would get those places before the clock is there again.
+void shorten_leases(store::Database& db, const Collection& collection) {
+  db.run(
+      "UPDATE task SET expires = ?2 WHERE state = 'leased' AND expires > ?2 AND item IN "
+      "(SELECT id FROM item WHERE collection = ?1)",
+      collection.id, db.now() + collection.lease_seconds);
 }
 
 NoTask reason_for_none(store::Database& db, const Collection& collection, const Visit& visit) {
   const bool others = db.find_number(
-                          "SELECT 1 FROM item WHERE collection = ?1 AND state = 'begun' "
+                          "SELECT 1 FROM item WHERE collection = ?1 AND state = 'begun' AND "
+                          "practice = 0 "
                           "AND NOT EXISTS (SELECT 1 FROM task WHERE task.item = item.id "
                           "AND task.worker = ?2) LIMIT 1",
                           collection.id, visit.worker) != 0;
-  return others ? NoTask::kAllLeased : NoTask::kNoneLeft;
+  if (!others) return NoTask::kNoneLeft;
+  shorten_leases(db, collection);
+  return NoTask::kAllLeased;
 }
 
 Lease lease_next(store::Database& db, const Collection& collection, const Visit& visit) {
+  if (is_screened_out(db, visit.worker)) return {std::nullopt, NoTask::kScreenedOut};
   if (auto task = resume(db, visit)) return {std::move(task), {}};
   if (is_finished(collection, visit)) return {std::nullopt, NoTask::kFinished};
   if (!collection.open) return {std::nullopt, NoTask::kClosed};
-  const std::int64_t item = next_item(db, collection, visit);
+  const std::int64_t item = next_item(db, collection, visit.worker);
   if (item == 0) return {std::nullopt, reason_for_none(db, collection, visit)};
+  if (!pending_questions_of(db, collection, visit).empty()) {
+    return {std::nullopt, NoTask::kQuestions};
+  }
   const std::int64_t id = db.insert(
-      "INSERT INTO task (item, worker, visit, state, expires) VALUES (?, ?, ?, ?, ?)", item,
-      visit.worker, visit.id, TaskState::kLeased, db.now() + collection.lease_seconds);
+      "INSERT INTO task (item, worker, visit, state, expires, leased) VALUES (?, ?, ?, ?, ?, ?)",
+      item, visit.worker, visit.id, TaskState::kLeased, db.now() + collection.lease_seconds,
+      db.now());
   db.run("UPDATE item SET state = 'begun' WHERE id = ? AND state = 'fresh'", item);
   return {db.find<Task>(tasks_where("task.id = ?"), id), {}};
 }
@@ -143,6 +149,7 @@ void check_held(store::Database& db, const Task& task) {
 
 /// Whether all places of the item are taken for good, from the states of its tasks.
 void update_item(store::Database& db, const Task& task) {
+  if (task.item.practice) return;  // everybody does it
   db.run(
       "UPDATE item SET state = CASE WHEN (SELECT count(*) FROM task WHERE item = ?1 AND state IN "
       "('submitted', 'accepted')) >= ?2 THEN 'complete' ELSE 'begun' END WHERE id = ?1",
@@ -152,6 +159,17 @@ void update_item(store::Database& db, const Task& task) {
 void add_event(store::Database& db, const Task& task, const Event& event) {
   db.run("INSERT INTO event (task, at, who, what, before, reason) VALUES (?, ?, ?, ?, ?, ?)",
          task.id, event.at, event.who, event.what, event.before, event.reason);
+}
+
+/// \throws Refusal kConflict if the task is a walk
+void correct(store::Database& db, const Task& task, const std::string& instruction,
+             const std::string& who) {
+  if (task.kind != Kind::kWrite) {
+    throw Refusal(Reason::kConflict, "the task is a walk, which has no instruction to change");
+  }
+  if (task.content == instruction) return;
+  db.run("UPDATE task SET content = ? WHERE id = ?", instruction, task.id);
+  add_event(db, task, {db.now(), who, EventKind::kEdited, task.content, ""});
 }
 
 }  // namespace
@@ -165,17 +183,29 @@ std::int64_t join(store::Database& db, const Collection& collection, const Arriv
 }
 
 Visit get_visit(store::Database& db, std::int64_t visit) {
+  constexpr std::string_view kDone =
+      "FROM task JOIN item ON item.id = task.item WHERE practice = 0 AND task.state IN "
+      "('submitted', 'accepted', 'rejected')";
   return db.get<Visit>(
-      "SELECT visit.id, worker.id, consented IS NOT NULL, visit.external, submit_to, "
-      "(SELECT count(*) FROM task WHERE task.visit = visit.id AND state IN ('submitted', "
-      "'accepted', 'rejected')) "
-      "FROM visit JOIN worker ON worker.id = visit.worker WHERE visit.id = ?",
-      visit);
+      fmt::format(
+          "SELECT visit.id, worker.id, consented IS NOT NULL AND consented >= consent_changed, "
+          "visit.external, submit_to, (SELECT count(*) {0} AND task.visit = visit.id), "
+          "(SELECT count(*) {0} AND task.worker = worker.id), "
+          "(SELECT count(*) {0} AND task.worker = worker.id AND secret = 0 AND error < ?2) "
+          "FROM visit JOIN worker ON worker.id = visit.worker "
+          "JOIN collection ON collection.id = worker.collection WHERE visit.id = ?1",
+          kDone),
+      visit, r2r::MetricOptions{}.success_distance);
 }
 
 void give_consent(store::Database& db, const Visit& visit) {
-  db.run("UPDATE worker SET consented = ? WHERE id = ? AND consented IS NULL", db.now(),
-         visit.worker);
+  if (visit.consented) return;
+  db.run("UPDATE worker SET consented = ? WHERE id = ?", db.now(), visit.worker);
+}
+
+std::optional<std::int64_t> Task::server_seconds() const {
+  if (leased == 0 || submitted < leased) return std::nullopt;  // the clock was set back
+  return submitted - leased;
 }
 
 bool Task::bonus() const { return error && *error < r2r::MetricOptions{}.success_distance; }
@@ -185,6 +215,26 @@ Lease lease_task(store::Database& db, const Collection& collection, const Visit&
     throw Refusal(Reason::kConsentRequired, "the consent page comes first");
   }
   return db.transact([&] { return lease_next(db, collection, visit); });
+}
+
+std::vector<Question> pending_questions_of(store::Database& db, const Collection& collection,
+                                           const Visit& visit) {
+  return pending_questions(db, collection.id, visit.worker, visit.done_by_worker,
+                           collection.check_every);
+}
+
+bool has_had_all(store::Database& db, const Collection& collection, const Visit& visit) {
+  return db.find_number(
+             "SELECT 1 FROM item WHERE collection = ?1 AND practice = 0 AND NOT EXISTS (SELECT 1 "
+             "FROM task WHERE task.item = item.id AND task.worker = ?2 AND task.state NOT IN "
+             "('leased', 'lapsed')) LIMIT 1",
+             collection.id, visit.worker) == 0;
+}
+
+std::vector<Task> rejected_of(store::Database& db, const Visit& visit) {
+  return db.select<Task>(
+      tasks_where("task.worker = ? AND task.state = 'rejected' ORDER BY task.id LIMIT 100"),
+      visit.worker);
 }
 
 std::optional<Task> held_task(store::Database& db, const Visit& visit) {
@@ -221,35 +271,72 @@ void return_task(store::Database& db, const Visit& visit, std::int64_t id) {
 void submit(store::Database& db, const Visit& visit, std::int64_t id, const SubmittedWork& work) {
   const std::string digest = detail::sha256(work.content);
   db.transact([&] {
-    const Task task = own_task(db, visit, id);
+    Task task = own_task(db, visit, id);
     if (task.is_submitted() && task.digest == digest) return;
     check_held(db, task);
+    task.submitted = db.now();
+    std::vector<std::string> flags = work.flags;
+    // The page cannot have been open for longer than the worker has the task.
+    const auto known = task.server_seconds();
+    if (known && work.seconds > static_cast<double>(*known) + kClockSlack) {
+      flags.emplace_back("time-mismatch");
+    }
     db.run(
         "UPDATE task SET state = ?, content = ?, digest = ?, seconds = ?, flags = ?, camera = ?, "
         "error = ?, submitted = ?, draft = '' WHERE id = ?",
-        TaskState::kSubmitted, work.content, digest, work.seconds, work.flags, work.camera,
-        work.error, db.now(), id);
+        TaskState::kSubmitted, work.content, digest, work.seconds, flags, work.camera, work.error,
+        task.submitted, id);
     update_item(db, task);
   });
 }
 
-WorkPage list_work(store::Database& db, std::int64_t collection, std::optional<TaskState> state,
+WorkPage list_work(store::Database& db, std::int64_t collection, const WorkFilter& filter,
                    std::int64_t after, std::int64_t limit) {
-  const std::string condition =
-      fmt::format("item.collection = ?1 AND {} AND (?2 IS NULL OR task.state = ?2)", kIsSubmitted);
+  const std::string condition = fmt::format(
+      "item.collection = ?1 AND practice = 0 AND {} AND (?2 IS NULL OR task.state = ?2) AND (?3 IS "
+      "NULL OR task.worker = ?3) AND (?4 IS NULL OR path_id = ?4)",
+      kIsSubmitted);
   const auto held = db.hold();
   return {db.find_number(
               "SELECT count(*) FROM task JOIN item ON item.id = task.item WHERE " + condition,
-              collection, state),
-          db.select<Task>(tasks_where(condition + " AND task.id > ?3 ORDER BY task.id LIMIT ?4"),
-                          collection, state, after, limit)};
+              collection, filter.state, filter.worker, filter.path_id),
+          db.select<Task>(tasks_where(condition + " AND task.id > ?5 ORDER BY task.id LIMIT ?6"),
+                          collection, filter.state, filter.worker, filter.path_id, after, limit)};
+}
+
+std::vector<WorkSummary> summarise_work(store::Database& db, std::int64_t collection, SummaryBy by,
+                                        std::int64_t after, std::int64_t limit) {
+  constexpr std::string_view kChecks =
+      "SELECT count(*) FROM answer JOIN question ON question.id = question "
+      "WHERE answer.worker = task.worker AND stage = 'check'";
+  const bool of_worker = by == SummaryBy::kWorker;
+  return db.select<WorkSummary>(
+      fmt::format(
+          "SELECT {0} AS of, total(task.state = 'submitted'), total(task.state = 'accepted'), "
+          "total(task.state = 'rejected'), total(flags <> ''), "
+          "coalesce(avg(CASE WHEN leased > 0 THEN max(submitted - leased, 0) END), 0), {1}, {2} "
+          "FROM task JOIN item ON item.id = task.item WHERE item.collection = ?1 AND practice = 0 "
+          "AND {3} AND {0} > ?2 GROUP BY {0} ORDER BY {0} LIMIT ?3",
+          of_worker ? "task.worker" : "path_id",
+          of_worker ? fmt::format("({})", kChecks) : std::string("0"),
+          of_worker ? fmt::format("({} AND NOT answer.accepted)", kChecks) : std::string("0"),
+          kIsSubmitted),
+      collection, after, limit);
 }
 
 std::vector<Task> work_of(store::Database& db, const ExportedSplit& exported) {
   return db.select<Task>(
-      tasks_where("item.collection = ? AND item.split = ? AND (task.state = 'accepted' OR "
+      tasks_where("item.collection = ? AND item.split = ? AND practice = 0 AND (task.state = "
+                  "'accepted' OR "
                   "(? AND task.state = 'submitted')) ORDER BY item.id, task.id"),
       exported.collection.id, exported.split, exported.with_waiting);
+}
+
+std::vector<Task> submitted_of(store::Database& db, const ExportedSplit& exported) {
+  return db.select<Task>(
+      tasks_where(fmt::format("item.collection = ? AND item.split = ? AND {} ORDER BY task.id",
+                              kIsSubmitted)),
+      exported.collection.id, exported.split);
 }
 
 Task find_work(store::Database& db, std::int64_t id) {
@@ -263,38 +350,33 @@ std::vector<Event> events_of(store::Database& db, std::int64_t task) {
       "SELECT at, who, what, before, reason FROM event WHERE task = ? ORDER BY id", task);
 }
 
-void review(store::Database& db, std::int64_t id, TaskState verdict, const std::string& reason,
-            const std::string& who) {
-  const bool accepted = verdict == TaskState::kAccepted;
+void review(store::Database& db, std::int64_t id, const Verdict& verdict, const std::string& who) {
+  const bool accepted = verdict.state == TaskState::kAccepted;
   db.transact([&] {
     const Task task = find_work(db, id);
-    if (task.state == verdict && task.reason == reason) return;
+    if (!verdict.instruction.empty()) correct(db, task, verdict.instruction, who);
+    if (task.state == verdict.state && task.reason == verdict.reason) return;
     if (accepted && task.state == TaskState::kRejected && !has_place(db, task)) {
       throw Refusal(Reason::kConflict,
                     "the task was rejected, and another worker has its place now");
     }
-    db.run("UPDATE task SET state = ?, reason = ? WHERE id = ?", verdict, reason, id);
+    db.run("UPDATE task SET state = ?, reason = ? WHERE id = ?", verdict.state, verdict.reason, id);
     add_event(db, task,
-              {db.now(), who, accepted ? EventKind::kAccepted : EventKind::kRejected, "", reason});
+              {db.now(), who, accepted ? EventKind::kAccepted : EventKind::kRejected, "",
+               verdict.reason});
     update_item(db, task);
   });
 }
 
 void edit(store::Database& db, std::int64_t id, const std::string& instruction,
           const std::string& who) {
-  db.transact([&] {
-    const Task task = find_work(db, id);
-    if (task.kind != Kind::kWrite) {
-      throw Refusal(Reason::kConflict, "the task is a walk, which has no instruction to change");
-    }
-    if (task.content == instruction) return;
-    db.run("UPDATE task SET content = ? WHERE id = ?", instruction, id);
-    add_event(db, task, {db.now(), who, EventKind::kEdited, task.content, ""});
-  });
+  db.transact([&] { correct(db, find_work(db, id), instruction, who); });
 }
 
 std::int64_t waiting_for_review(store::Database& db) {
-  return db.find_number("SELECT count(*) FROM task WHERE state = 'submitted'");
+  return db.find_number(
+      "SELECT count(*) FROM task JOIN item ON item.id = task.item WHERE task.state = 'submitted' "
+      "AND practice = 0");
 }
 
 }  // namespace enfilade::service::collecting

@@ -15,11 +15,15 @@ namespace enfilade::service::collecting {
 /// A worker at work: for one assignment of a platform, or by a link of the server's own.
 struct Visit {
   std::int64_t id = 0, worker = 0;
-  bool consented = false;
+  bool consented = false;  ///< to the consent text as it is now
   std::string assignment, submit_to;
-  std::int64_t done = 0;  ///< tasks submitted
+  std::int64_t done = 0;            ///< tasks submitted; here and below without practice
+  std::int64_t done_by_worker = 0;  ///< likewise, in all visits of the worker
+  std::int64_t bonuses = 0;         ///< of walks to goals that are not secret
 
-  auto columns() { return std::tie(id, worker, consented, assignment, submit_to, done); }
+  auto columns() {
+    return std::tie(id, worker, consented, assignment, submit_to, done, done_by_worker, bonuses);
+  }
 };
 
 /// Whether the visit has submitted as many tasks as the collection gives one; never if it gives any
@@ -61,31 +65,37 @@ struct Task {
   std::string draft;         ///< the page's JSON; empty if there is none
   std::string content;       ///< the instruction, or the list of a walk's steps as JSON
   std::string digest;        ///< of what was submitted
-  double seconds = 0;
+  double seconds = 0;        ///< as the page measured it
   std::vector<std::string> flags;
   std::string camera;           ///< JSON
   std::optional<double> error;  ///< of a walk: metres from its end to the goal, along the graph
+  std::int64_t leased = 0;      ///< at first; 0 if it was not kept
   std::int64_t submitted = 0;
   std::string reason;  ///< of a rejection
 
+  /// From the first lease to the submission, by the server's clock, breaks included; none if it is
+  /// not known.
+  std::optional<std::int64_t> server_seconds() const;
   bool is_submitted() const { return submitted != 0; }  ///< reviewed or not
   bool bonus() const;  ///< a walk that ended less than 3 m from its goal
 
   auto columns() {
     return std::tie(item, kind, per_item, lease_seconds, id, worker, state, expires, draft, content,
-                    digest, seconds, flags, camera, error, submitted, reason);
+                    digest, seconds, flags, camera, error, leased, submitted, reason);
   }
 };
 
 /// Why a worker gets no task.
 enum class NoTask : std::uint8_t {
-  kFinished,   ///< the visit has had its number
-  kNoneLeft,   ///< this worker has had every open item
-  kAllLeased,  ///< the open items are with other workers now
-  kClosed,     ///< the collection is closed
+  kFinished,     ///< the visit has had its number
+  kNoneLeft,     ///< this worker has had every open item
+  kAllLeased,    ///< the open items are with other workers now
+  kClosed,       ///< the collection is closed
+  kQuestions,    ///< pending_questions_of() come first
+  kScreenedOut,  ///< an answer to the screening was wrong
 };
-constexpr std::array<std::string_view, 4> names_of(NoTask /*enum*/) {
-  return {"finished", "none-left", "all-leased", "closed"};
+constexpr std::array<std::string_view, 6> names_of(NoTask /*enum*/) {
+  return {"finished", "none-left", "all-leased", "closed", "questions", "screened-out"};
 }
 
 struct Lease {
@@ -106,9 +116,17 @@ struct SubmittedWork {
 // place.
 
 /// The task that the visit holds, its lease renewed; else one of the worker's that lapsed, if its
-/// place is free; else the next: items that others have begun come first, so that few stay half
-/// done, and no worker gets an item twice. \throws Refusal kConsentRequired
+/// place is free; else the next by order.h. No worker gets an item twice.
+/// \throws Refusal kConsentRequired
 Lease lease_task(store::Database& db, const Collection& collection, const Visit& visit);
+/// What has to be answered before the next task.
+std::vector<Question> pending_questions_of(store::Database& db, const Collection& collection,
+                                           const Visit& visit);
+/// Whether the worker has had every item of the collection, so that what is told about one of them
+/// helps with no other. \pre practice aside
+bool has_had_all(store::Database& db, const Collection& collection, const Visit& visit);
+/// Tasks of the worker that reviewers rejected, by number.
+std::vector<Task> rejected_of(store::Database& db, const Visit& visit);
 /// The task that the visit holds, whether or not its lease has ended.
 std::optional<Task> held_task(store::Database& db, const Visit& visit);
 /// \throws Refusal kNotFound if there is no such task, or it is another visit's
@@ -147,23 +165,53 @@ struct WorkPage {
   std::vector<Task> tasks;
 };
 
-/// Submitted work, by rising number. \param state none: all
-WorkPage list_work(store::Database& db, std::int64_t collection, std::optional<TaskState> state,
+/// Which submitted work is asked for; what is none is not looked at.
+struct WorkFilter {
+  std::optional<TaskState> state;
+  std::optional<std::int64_t> worker, path_id;
+};
+/// Submitted work without practice, by rising number.
+WorkPage list_work(store::Database& db, std::int64_t collection, const WorkFilter& filter,
                    std::int64_t after, std::int64_t limit);
+/// The submitted work of a worker or of a path, in numbers.
+struct WorkSummary {
+  std::int64_t id = 0;                                     ///< of the worker; path_id
+  std::int64_t submitted = 0, accepted = 0, rejected = 0;  ///< by their present state
+  std::int64_t flagged = 0;                                ///< with flags
+  double mean_seconds = 0;                                 ///< by the server's clock
+  std::int64_t checks = 0, checks_failed = 0;              ///< of a worker: attention checks
+
+  auto columns() {
+    return std::tie(id, submitted, accepted, rejected, flagged, mean_seconds, checks,
+                    checks_failed);
+  }
+};
+enum class SummaryBy : std::uint8_t { kWorker, kPath };
+/// By rising id, at most `limit` after that id; without practice.
+std::vector<WorkSummary> summarise_work(store::Database& db, std::int64_t collection, SummaryBy by,
+                                        std::int64_t after, std::int64_t limit);
 /// Which work is exported.
 struct ExportedSplit {
   Collection collection;
   std::string split;
   bool with_waiting = false;  ///< also work that waits for review, not only accepted work
 };
-/// Sorted by item and task.
+/// Sorted by item and task; without practice.
 std::vector<Task> work_of(store::Database& db, const ExportedSplit& exported);
+/// All submitted tasks of the split, practice included, by number.
+std::vector<Task> submitted_of(store::Database& db, const ExportedSplit& exported);
 Task find_work(store::Database& db, std::int64_t task);
 std::vector<Event> events_of(store::Database& db, std::int64_t task);
-/// A rejected task leaves its place to another worker. \pre verdict is kAccepted or kRejected
-/// \throws Refusal kConflict if it was rejected before and its place is taken
-void review(store::Database& db, std::int64_t task, TaskState verdict, const std::string& reason,
-            const std::string& who);
+/// What a reviewer decides.
+struct Verdict {
+  TaskState state = TaskState::kAccepted;  ///< or kRejected
+  std::string reason;                      ///< of a rejection
+  std::string instruction;                 ///< as corrected; empty: as it is
+};
+/// A rejected task leaves its place to another worker. The correction and the verdict are stored
+/// together or not at all.
+/// \throws Refusal kConflict if it was rejected before and its place is taken; as edit()
+void review(store::Database& db, std::int64_t task, const Verdict& verdict, const std::string& who);
 /// Changes an instruction. \throws Refusal kConflict if the task is a walk
 void edit(store::Database& db, std::int64_t task, const std::string& instruction,
           const std::string& who);

@@ -1,6 +1,9 @@
 #include "enfilade/service/detail/gzip.h"
 
+#include <fmt/format.h>
 #include <zlib.h>
+#include <algorithm>
+#include <array>
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
@@ -9,10 +12,21 @@ namespace enfilade::service::detail {
 namespace {
 
 constexpr int kGzipWindow = 15 + 16;  // zlib: + 16 selects the gzip format
+constexpr std::size_t kPiece = 1U << 15U;
 
 // zlib takes a pointer to mutable bytes, but only reads them.
 Bytef* bytes_of(std::string_view text) {
   return reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+}
+
+// The size of the text modulo 2^32, which the last four bytes are; they may lie.
+std::size_t claimed_size(std::string_view packed) {
+  std::size_t size = 0;
+  if (packed.size() < 4) return size;
+  for (std::size_t k = 4; k > 0; --k) {
+    size = (size << 8U) | static_cast<unsigned char>(packed[packed.size() - 5 + k]);
+  }
+  return size;
 }
 
 }  // namespace
@@ -20,35 +34,67 @@ Bytef* bytes_of(std::string_view text) {
 std::string gzip(std::string_view text, int level) {
   z_stream stream{};
   EN_CHECK_EQ(deflateInit2(&stream, level, Z_DEFLATED, kGzipWindow, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string packed(deflateBound(&stream, text.size()), '\0');
   stream.next_in = bytes_of(text);
   stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
-  EN_CHECK_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  packed.resize(stream.total_out);
+  std::string packed;
+  std::array<char, kPiece> piece;
+  int status = Z_OK;
+  while (status == Z_OK) {
+    stream.next_out = reinterpret_cast<Bytef*>(piece.data());
+    stream.avail_out = kPiece;
+    status = deflate(&stream, Z_FINISH);
+    packed.append(piece.data(), kPiece - stream.avail_out);
+  }
   deflateEnd(&stream);
+  EN_CHECK_EQ(status, Z_STREAM_END);
   return packed;
 }
 
-std::string gunzip(std::string_view packed) {
+std::string gunzip(std::string_view packed, std::size_t most) {
+  std::string text;
+  text.reserve(std::min(claimed_size(packed), most));
+  Gunzip unpacked;
+  unpacked.add(packed, [&](std::string_view piece) {
+    if (piece.size() > most - text.size()) {
+      throw Error(fmt::format("the compressed text has more than {} bytes", most));
+    }
+    text += piece;
+  });
+  if (!unpacked.ended()) throw Error("compressed bytes are damaged");
+  return text;
+}
+
+struct Gunzip::Impl {
   z_stream stream{};
-  EN_CHECK_EQ(inflateInit2(&stream, kGzipWindow), Z_OK);
+  bool ended = false;
+  std::array<char, kPiece> piece{};
+};
+
+Gunzip::Gunzip() : impl_(std::make_unique<Impl>()) {
+  EN_CHECK_EQ(inflateInit2(&impl_->stream, kGzipWindow), Z_OK);
+}
+
+Gunzip::~Gunzip() { inflateEnd(&impl_->stream); }
+
+bool Gunzip::ended() const noexcept { return impl_->ended; }
+
+void Gunzip::add(std::string_view packed, const Take& take) {
+  z_stream& stream = impl_->stream;
   stream.next_in = bytes_of(packed);
   stream.avail_in = static_cast<uInt>(packed.size());
-  std::string text;
-  int status = Z_OK;
-  while (status == Z_OK) {
-    constexpr std::size_t kPiece = 1 << 18;
-    text.resize(stream.total_out + kPiece);
-    stream.next_out = reinterpret_cast<Bytef*>(text.data() + stream.total_out);
+  // Output that did not fit into the last piece comes without further input.
+  for (bool full = false; stream.avail_in > 0 || full;) {
+    if (impl_->ended) throw Error("bytes after the end of the compressed text");
+    stream.next_out = reinterpret_cast<Bytef*>(impl_->piece.data());
     stream.avail_out = kPiece;
-    status = inflate(&stream, Z_NO_FLUSH);
+    const int status = inflate(&stream, Z_NO_FLUSH);
+    if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR) {
+      throw Error("compressed bytes are damaged");
+    }
+    impl_->ended = status == Z_STREAM_END;
+    full = stream.avail_out == 0 && !impl_->ended;
+    if (stream.avail_out < kPiece) take({impl_->piece.data(), kPiece - stream.avail_out});
   }
-  text.resize(stream.total_out);
-  inflateEnd(&stream);
-  if (status != Z_STREAM_END) throw Error("compressed bytes are damaged");
-  return text;
 }
 
 }  // namespace enfilade::service::detail

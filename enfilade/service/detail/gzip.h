@@ -1,5 +1,8 @@
 /// \file  gzip of texts in memory.
 #pragma once
+#include <cstddef>
+#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -7,7 +10,29 @@ namespace enfilade::service::detail {
 
 /// gzip as in RFC 1952. \param level 1 (fast) to 9 (small)
 std::string gzip(std::string_view text, int level);
-/// Its inverse. \throws Error for bytes that gzip() did not write
-std::string gunzip(std::string_view packed);
+/// Its inverse. \param most bytes of the text
+/// \throws Error for bytes that gzip() did not write, and for a text of more than `most` bytes;
+/// memory is never taken for more
+std::string gunzip(std::string_view packed, std::size_t most);
+
+/// Unpacks gzip as it arrives, in 100 kB of memory. Belongs to one thread.
+class Gunzip {
+ public:
+  using Take = std::function<void(std::string_view)>;
+
+  Gunzip();
+  ~Gunzip();
+  Gunzip(const Gunzip&) = delete;
+  Gunzip& operator=(const Gunzip&) = delete;
+
+  /// Unpacks the next bytes, and gives what comes out to `take`, at most 32 KiB at a time. What
+  /// take() throws ends it. \throws Error for what is no gzip, or goes on after its end
+  void add(std::string_view packed, const Take& take);
+  bool ended() const noexcept;  ///< whether the end of the text has come
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace enfilade::service::detail

@@ -3,9 +3,11 @@
 #include <fmt/chrono.h>
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <ctime>
 #include <span>
 
+#include "enfilade/core/numbers.h"
 #include "enfilade/core/utf8.h"
 
 namespace enfilade::service::detail {
@@ -78,12 +80,42 @@ bool is_prose(std::string_view text, std::size_t most) {
 
 bool is_name(std::string_view text) { return is_made_of(text, kNameCharacters, kLongestName); }
 
+bool is_https_address(std::string_view text) {
+  constexpr std::string_view kScheme = "https://";
+  constexpr std::size_t kLongest = 300;
+  if (!text.starts_with(kScheme) || text.size() > kLongest) return false;
+  const std::string_view rest = text.substr(kScheme.size());
+  if (rest.empty() || rest.front() == '/' || rest.front() == '?' || rest.front() == '#')
+    return false;
+  return std::ranges::all_of(rest, [](char c) {
+    return c > ' ' && c <= '~' && std::string_view("\"'<>\\`").find(c) == std::string_view::npos;
+  });
+}
+
 bool is_external_id(std::string_view text) {
   return is_made_of(text, kIdCharacters, kLongestExternalId);
 }
 
 std::string iso_time(std::int64_t seconds) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(seconds)));
+}
+
+std::optional<std::int64_t> parse_time(std::string_view text) {
+  constexpr std::string_view kForm = "dddd-dd-ddTdd:dd:ddZ";
+  const auto fits = [](char c, char wanted) {
+    return wanted == 'd' ? c >= '0' && c <= '9' : c == wanted;
+  };
+  if (!std::ranges::equal(text, kForm, fits)) return std::nullopt;
+  const auto part = [text](std::size_t begin, std::size_t digits) {
+    return parse_number<int>(text.substr(begin, digits)).value();
+  };
+  using namespace std::chrono;
+  const year_month_day day{year(part(0, 4)), month(static_cast<unsigned>(part(5, 2))),
+                           std::chrono::day(static_cast<unsigned>(part(8, 2)))};
+  const int hour = part(11, 2), minute = part(14, 2), second = part(17, 2);
+  if (!day.ok() || hour > 23 || minute > 59 || second > 59) return std::nullopt;
+  const auto at = sys_days(day) + hours(hour) + minutes(minute) + seconds(second);
+  return duration_cast<seconds>(at.time_since_epoch()).count();
 }
 
 std::string sheet_text(const std::string& text) {

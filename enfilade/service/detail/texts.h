@@ -3,6 +3,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,12 +22,20 @@ bool is_prose(std::string_view text, std::size_t most);
 /// Whether `text` may be a part of a URL: 1 to 40 of a-z, 0-9, - and _.
 bool is_name(std::string_view text);
 
+/// Whether `text` may be a link on our pages: https:// and a host, 300 characters at most, of the
+/// visible ones of ASCII without quotes, <, > and backslashes.
+bool is_https_address(std::string_view text);
+
 /// Whether `text` may be a platform's id of a worker, an assignment or a study: 1 to 100 of A-Z,
 /// a-z, 0-9, - and _.
 bool is_external_id(std::string_view text);
 
 /// A time in UTC as in ISO 8601: "2026-11-21T16:15:09Z". \param seconds since 1970
 std::string iso_time(std::int64_t seconds);
+
+/// The inverse of iso_time(); none for a text of another form ("2026-11-21", an offset instead of
+/// Z), and for a day or a time of day that does not exist.
+std::optional<std::int64_t> parse_time(std::string_view text);
 
 /// `text` as a field of CSV, in quotes. If it begins with =, +, - or @, an apostrophe is put before
 /// it: spreadsheets would run it as a formula.

@@ -1,33 +1,52 @@
 /// \file  Scores as clients see them. Only means over a whole split leave the server: the
-/// navigation error of one episode would tell where its goal is.
+/// navigation error of one episode would tell where its goal is. Where goals are secret, what is
+/// shown of the means is bounded by leakage.h, and nothing else may depend on goals: not the order
+/// of rows, not the time of an answer's change.
 #pragma once
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "enfilade/service/evaluation/submissions.h"
 
 namespace enfilade::service::evaluation {
 
-/// How much of a submission's scores a client may see.
+/// How much of a phase's scores a client may see.
 enum class Visibility : std::uint8_t {
-  kHidden,
-  /// To 0.01 m and 0.1 %, as papers round: the exact means of two files that differ in one episode
-  /// would tell how far that episode's goal is.
-  kRounded,
-  kExact,
+  kNothing,       ///< not even that a submission is scored: how long that took depends on goals
+  kImprovements,  ///< what a ladder showed
+  kBestRows,      ///< each team's best submission, its means rounded, without intervals
+  kAll,
 };
-/// \param phase null: one that is no longer there  \param role of who asks; none for strangers
-Visibility visibility_of(const Phase* phase, std::optional<accounts::Role> role);
 
-/// With "means" if it is scored and they are not hidden.
-nlohmann::ordered_json submission_json(const Submission& submission, Visibility visibility);
+/// A phase as one client sees it now.
+struct View {
+  Visibility visibility = Visibility::kNothing;
+  /// The phase's rules; null: a phase that is no longer there, of which nothing is seen but by
+  /// organisers.
+  const Phase* phase = nullptr;
+};
+/// \param role of who asks; none for strangers  \param is_final Submissions::is_final()
+View view_of(const Phase* phase, std::optional<accounts::Role> role, bool is_final);
 
-/// Rows by falling SPL, older ones first where equal. \param all every submission; else the best of
-/// each team  \pre visibility is not kHidden
-nlohmann::ordered_json leaderboard_rows(const std::vector<Submission>& scored,
-                                        Visibility visibility, bool all);
-/// The same rows as a sheet, with the ends of the intervals.
+/// Which submission of each team stands for it, in the order of the leaderboard: the best by the
+/// primary metric, or with a ladder the last improvement; the first of several. Rows are sorted by
+/// what is shown, older ones first where equal. Where goals are secret, of approved teams only.
+/// \param scored of one phase, oldest first  \pre visibility is not kNothing
+std::vector<Submission> best_submissions(const std::vector<Submission>& scored, const View& view);
+
+/// With "means" as far as the client may see them; else "withheld" says why it has none:
+/// "until-end", "no-improvement", "not-best" or "hidden".
+/// \param stands_for_team whether it is among best_submissions(); looked at for kBestRows
+nlohmann::ordered_json submission_json(const Submission& submission, const View& view,
+                                       bool stands_for_team);
+
+/// \param all every submission instead of each team's best; only where all scores are seen
+nlohmann::ordered_json leaderboard_rows(const std::vector<Submission>& scored, const View& view,
+                                        bool all);
+/// The same rows as a sheet, with the ends of the intervals where they are seen.
 std::string leaderboard_csv(const nlohmann::ordered_json& rows);
 
 }  // namespace enfilade::service::evaluation

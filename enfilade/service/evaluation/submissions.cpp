@@ -1,15 +1,21 @@
 #include "enfilade/service/evaluation/submissions.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
 #include "enfilade/r2r/results.h"
 #include "enfilade/r2r/score.h"
+#include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/gzip.h"
+#include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
+#include "enfilade/service/evaluation/leakage.h"
+#include "enfilade/service/evaluation/limits.h"
+#include "enfilade/service/evaluation/shown_metrics.h"
 #include "enfilade/service/store/database.h"
 
 namespace enfilade::service::evaluation {
@@ -19,29 +25,43 @@ using detail::Reason;
 using detail::Refusal;
 
 constexpr std::size_t kLongestMethod = 80;
-constexpr std::int64_t kDay = 24L * 3600;
 // From a failure of the database to the next attempt to score.
 constexpr std::chrono::seconds kRetry{2};
+// Of a stored results file, whose size was checked when it came: eight times what the server takes
+// by default. A damaged row cannot ask for more memory.
+constexpr std::size_t kMostBytes = std::size_t{256} << 20U;
 // The name of a results file in messages.
 constexpr const char* kFileName = "submission";
 
 std::string submissions_where(std::string_view condition) {
   return fmt::format(
       "SELECT submission.id, submission.team, team.name, phase, method, state, "
-      "submission.created, coalesce(score, '') FROM submission JOIN team ON team.id = "
-      "submission.team WHERE {}",
+      "submission.created, coalesce(score, ''), team.approved IS NOT NULL, shown, "
+      "coalesce(near_copy_of, 0), coalesce(differing, 0), paper, code "
+      "FROM submission JOIN team ON team.id = submission.team WHERE {}",
       condition);
 }
 
-void check_limit(store::Database& db, std::int64_t team, const Phase& phase) {
-  const std::int64_t taken =
-      db.find_number("SELECT count(*) FROM submission WHERE team = ? AND phase = ? AND created > ?",
-                     team, phase.name, db.now() - kDay);
-  if (taken >= phase.per_day) {
-    throw Refusal(Reason::kRateLimited,
-                  fmt::format("phase {} takes {} submissions of a team in 24 hours", phase.name,
-                              phase.per_day));
-  }
+void check_link(std::string_view name, const std::string& link) {
+  if (link.empty() || detail::is_https_address(link)) return;
+  throw Refusal(Reason::kInvalidInput,
+                fmt::format("{}: {:?}, not an address that begins with https://", name,
+                            link.substr(0, detail::kQuoted)));
+}
+
+/// The message of a phase that has ended.
+std::string ended_text(const Phase& phase) {
+  return phase.ends ? fmt::format("phase {} ended at {}", phase.name, detail::iso_time(*phase.ends))
+                    : fmt::format("phase {} has ended", phase.name);
+}
+
+/// \returns what the ladder shows of a submission; none if it is no improvement
+/// \param best that was shown to the team before  \param primary the exact mean
+std::optional<double> ladder_step(const Phase& phase, std::optional<double> best, double primary) {
+  // A number that is a step better as people count may be less by the last bit.
+  constexpr double kTolerance = 1e-9;
+  if (best && primary < *best + phase.step - kTolerance) return std::nullopt;
+  return grid_of(phase, Quantity::kOfGoals).round(primary);
 }
 
 }  // namespace
@@ -50,46 +70,72 @@ Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db, 
     : site_(std::move(site)),
       db_(db),
       report_(std::move(report)),
+      goals_(*site_),
       worker_([this](const std::stop_token& stop) { work(stop); }) {}
 
-Receipt Submissions::receive(const accounts::Principal& team, std::string_view phase_name,
-                             const std::string& method, const std::string& results) {
-  const Phase* phase = site_->find_phase(phase_name);
+Receipt Submissions::receive(const Delivery& delivery, const std::string& results) {
+  const Phase* phase = site_->find_phase(delivery.phase);
   if (phase == nullptr) throw Refusal(Reason::kNotFound, "no phase of this name");
-  if (!detail::is_label(method, kLongestMethod)) {
+  if (!detail::is_label(delivery.method, kLongestMethod)) {
     throw Refusal(Reason::kInvalidInput,
                   fmt::format("method: not 1 to {} printable characters", kLongestMethod));
   }
+  check_link("paper", delivery.links.paper);
+  check_link("code", delivery.links.code);
+  const std::string digest = detail::sha256(results);
+  if (const std::int64_t known = find_same(delivery, digest); known != 0) {
+    return {find(known).value(), {}, true};
+  }
+  check_open(*phase, delivery.team);
+  const Sender sender{delivery.team, stored_address(db_, delivery.address)};
+  std::int64_t attempt = 0;
   Receipt receipt;
   {
-    // One at a time: a check takes several times the file's size in memory, and many teams submit
+    // One at a time, small files too: each check has tables of all episodes, and many teams submit
     // at once on the last day.
     const std::scoped_lock lock(checking_);
+    attempt = begin_attempt(db_, *phase, sender);
     receipt.warnings =
         r2r::parse_results(results, kFileName, site_->secret_episodes(*phase)).warnings;
   }
-  const std::string digest = detail::sha256(results);
   receipt.submission = db_.transact([&] {
-    std::int64_t id = db_.find_number(
-        "SELECT id FROM submission WHERE team = ? AND phase = ? AND method = ? AND digest = ? "
-        "AND state <> 'withdrawn'",
-        team.team, phase->name, method, digest);
+    std::int64_t id = find_same(delivery, digest);  // the same file may have come twice at once
     receipt.known = id != 0;
     if (!receipt.known) {
-      check_limit(db_, team.team, *phase);
+      check_open(*phase, delivery.team);
+      check_limits(db_, *phase, sender);
       const std::string content = detail::gzip(results, 1);
       id = db_.insert(
-          "INSERT INTO submission (team, phase, method, created, state, digest, content) "
-          "VALUES (?, ?, ?, ?, ?, ?, ?)",
-          team.team, phase->name, method, db_.now(), SubmissionState::kQueued, digest,
-          store::Blob{content});
+          "INSERT INTO submission (team, phase, method, created, state, digest, content, paper, "
+          "code) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
+          delivery.team, phase->name, delivery.method, db_.now(), SubmissionState::kQueued, digest,
+          store::Blob{content}, delivery.links.paper, delivery.links.code);
     }
+    accept_attempt(db_, attempt, id);
     return find(id).value();
   });
   const std::scoped_lock lock(mutex_);
   asked_ = true;
   wake_.notify_all();
   return receipt;
+}
+
+/// The team's submission of the same file for the same phase and method; 0 if there is none.
+std::int64_t Submissions::find_same(const Delivery& delivery, const std::string& digest) const {
+  return db_.find_number(
+      "SELECT id FROM submission WHERE team = ? AND phase = ? AND method = ? AND digest = ? "
+      "AND state <> 'withdrawn'",
+      delivery.team, delivery.phase, delivery.method, digest);
+}
+
+void Submissions::check_open(const Phase& phase, std::int64_t team) const {
+  if (phase.goals_secret() && !accounts::is_approved(db_, team)) {
+    throw Refusal(Reason::kForbidden,
+                  fmt::format("phase {} takes submissions of teams that an organiser has approved; "
+                              "ask them to approve yours",
+                              phase.name));
+  }
+  if (has_ended(phase)) throw Refusal(Reason::kConflict, ended_text(phase));
 }
 
 std::vector<Submission> Submissions::list(std::int64_t team, std::int64_t before) const {
@@ -116,11 +162,62 @@ void Submissions::withdraw(std::int64_t team, std::int64_t id) {
   if (found->state == SubmissionState::kWithdrawn) {
     throw Refusal(Reason::kConflict, "the submission was withdrawn before");
   }
-  db_.run("UPDATE submission SET state = 'withdrawn' WHERE id = ?", id);
+  const Phase* phase = site_->find_phase(found->phase);
+  db_.transact([&] {
+    if (phase != nullptr && phase->goals_secret() && has_ended(*phase)) {
+      throw Refusal(Reason::kConflict, ended_text(*phase) + "; its submissions stay");
+    }
+    db_.run("UPDATE submission SET state = 'withdrawn' WHERE id = ?", id);
+  });
 }
 
 std::int64_t Submissions::queued() const {
   return db_.find_number("SELECT count(*) FROM submission WHERE state = 'queued'");
+}
+
+bool Submissions::has_ended(const Phase& phase) const {
+  if (phase.ends && db_.now() >= *phase.ends) return true;
+  return phase.goals_secret() &&
+         db_.find_number("SELECT count(*) FROM phase_end WHERE phase = ?", phase.name) != 0;
+}
+
+bool Submissions::is_final(const Phase& phase) const {
+  if (!phase.goals_secret() || phase.scores == Scores::kHidden || !has_ended(phase)) return false;
+  return db_.transact([&] {
+    if (db_.find_number("SELECT count(*) FROM phase_end WHERE phase = ?", phase.name) != 0) {
+      return true;
+    }
+    // Rows that change while the last files are scored would tell the scores of several of them.
+    if (!has_ended(phase) || db_.find_number("SELECT count(*) FROM submission WHERE phase = ? AND "
+                                             "state = 'queued'",
+                                             phase.name) != 0) {
+      return false;
+    }
+    db_.run("INSERT INTO phase_end (phase, at) VALUES (?, ?)", phase.name, db_.now());
+    return true;
+  });
+}
+
+Leakage Submissions::leakage(const Phase& phase) const {
+  const SharedGoals::Group& group = goals_.of(phase);
+  Leakage all;
+  all.goals = group.goal_bits;
+  for (const Phase* one : group.phases) {
+    const auto scored = db_.select<std::int64_t>(
+        "SELECT count(*) FROM submission WHERE phase = ? AND score IS NOT NULL GROUP BY team",
+        one->name);
+    const double used = used_bits(*one, scored, is_final(*one));
+    all.used += used;
+    // More than the limits allow if they were larger once.
+    all.most += std::max(most_bits(*one), used);
+    all.phases.push_back(one->name);
+  }
+  return all;
+}
+
+std::int64_t Submissions::count_near_copies(const Phase& phase) const {
+  return db_.find_number(
+      "SELECT count(*) FROM submission WHERE phase = ? AND near_copy_of IS NOT NULL", phase.name);
 }
 
 void Submissions::work(const std::stop_token& stop) {
@@ -151,12 +248,23 @@ void Submissions::wait_after_failure(const std::stop_token& stop) {
   asked_ = true;
 }
 
-std::string Submissions::score(const std::string& phase_name, const std::string& results) const {
+// What scoring a file gives.
+struct Submissions::Outcome {
+  const Phase* phase = nullptr;
+  std::string score;   // as the column
+  double primary = 0;  // the exact mean of the phase's primary metric
+  std::string ends;    // trajectory_ends()
+};
+
+Submissions::Outcome Submissions::score(const std::string& phase_name,
+                                        const std::string& results) const {
   const Phase* phase = site_->find_phase(phase_name);
   if (phase == nullptr) throw LookupError("the phase is gone");
   const r2r::EpisodeSet& episodes = site_->secret_episodes(*phase);
   const r2r::Results checked = r2r::parse_results(results, kFileName, episodes);
-  return r2r::to_json(r2r::compute_score(checked.trajectories, episodes));
+  const r2r::Score all = r2r::compute_score(checked.trajectories, episodes);
+  return {phase, r2r::to_json(all), all.mean(detail::name_of(phase->primary)).mean,
+          trajectory_ends(checked.trajectories)};
 }
 
 // Scores the oldest queued submission; false if there is none. A file that cannot be scored is
@@ -166,16 +274,49 @@ bool Submissions::score_next() {
       "SELECT id, phase, content FROM submission WHERE state = 'queued' ORDER BY id LIMIT 1");
   if (!next) return false;
   const auto& [id, phase, content] = *next;
-  std::optional<std::string> result;
+  std::optional<Outcome> outcome;
   try {
-    result = score(phase, detail::gunzip(content));
+    outcome = score(phase, detail::gunzip(content, kMostBytes));
   } catch (const std::exception&) {
-    result.reset();  // the phase, its annotations or the graphs were changed since it was received
+    outcome.reset();  // the phase, its annotations or the graphs changed since it was received
   }
-  db_.run(
-      "UPDATE submission SET state = ?, score = ?, finished = ? WHERE id = ? AND state = 'queued'",
-      result ? SubmissionState::kScored : SubmissionState::kFailed, result, db_.now(), id);
+  if (outcome) {
+    store_score(id, *outcome);
+  } else {
+    db_.run(
+        "UPDATE submission SET state = 'failed', finished = ? WHERE id = ? AND state = 'queued'",
+        db_.now(), id);
+  }
   return true;
+}
+
+// Submissions are scored one after another, by their numbers: what a ladder showed before is known.
+void Submissions::store_score(std::int64_t id, const Outcome& outcome) {
+  const Phase& phase = *outcome.phase;
+  std::optional<NearCopy> near;
+  if (phase.goals_secret()) {
+    std::vector<std::string> names;
+    for (const Phase* one : goals_.of(phase).phases) names.push_back(one->name);
+    near = find_near_copy(db_, names, id, outcome.ends);
+  }
+  db_.transact([&] {
+    std::optional<double> shown;
+    if (phase.scores == Scores::kLadder) {
+      const auto best = db_.find<std::optional<double>>(
+          "SELECT max(shown) FROM submission WHERE phase = ?1 AND team = "
+          "(SELECT team FROM submission WHERE id = ?2)",
+          phase.name, id);
+      shown = ladder_step(phase, best.value_or(std::nullopt), outcome.primary);
+    }
+    db_.run(
+        "UPDATE submission SET state = 'scored', score = ?, finished = ?, shown = ?, "
+        "near_copy_of = ?, differing = ? WHERE id = ? AND state = 'queued'",
+        outcome.score, db_.now(), shown, near ? std::optional(near->of) : std::nullopt,
+        near ? std::optional(near->differing) : std::nullopt, id);
+    if (phase.goals_secret()) {
+      db_.run("UPDATE submission SET ends = ? WHERE id = ?", store::Blob{outcome.ends}, id);
+    }
+  });
 }
 
 }  // namespace enfilade::service::evaluation

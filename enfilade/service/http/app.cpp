@@ -1,6 +1,9 @@
 #include "enfilade/service/http/app.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <ranges>
 #include <utility>
@@ -24,24 +27,34 @@ std::string_view cookie_of(const Request& request, std::string_view name) {
   return {};
 }
 
-/// A page of another site can make a browser send its cookie, or log it in as somebody else, but
-/// can neither send X-Enfilade nor keep the browser from saying where the request comes from.
-void check_origin(const Request& request) {
-  if (request.method == "GET") return;
-  const std::string_view site = request.header("sec-fetch-site");  // other clients send none
-  if (!site.empty() && site != "same-origin" && site != "none") {
-    throw HttpError(403, "this page is of another site");
-  }
-  const bool by_cookie = request.principal && request.principal->by_cookie;
-  if (by_cookie && request.header("x-enfilade").empty()) {
-    throw HttpError(403, "requests with a cookie need the header X-Enfilade: 1");
-  }
+/// The token of "Bearer TOKEN", where the first word may be in any case (RFC 9110, 11.1); empty for
+/// anything else.
+std::string_view bearer_token(std::string_view authorization) {
+  constexpr std::string_view kScheme = "bearer ";
+  if (authorization.size() < kScheme.size()) return {};
+  const bool bearer = std::ranges::equal(
+      authorization.substr(0, kScheme.size()), kScheme,
+      [](char c, char wanted) { return std::tolower(static_cast<unsigned char>(c)) == wanted; });
+  if (!bearer) return {};
+  authorization.remove_prefix(kScheme.size());
+  authorization.remove_prefix(std::min(authorization.find_first_not_of(' '), authorization.size()));
+  return authorization;
+}
+
+/// \param methods  that there are: with GET, HEAD comes by itself
+Response wrong_method(std::vector<std::string> methods) {
+  if (std::ranges::find(methods, "GET") != methods.end()) methods.emplace_back("HEAD");
+  const std::string allowed = fmt::format("{}", fmt::join(methods, ", "));
+  Response response = error_response(405, "not with this method; allowed: " + allowed);
+  response.add_header("Allow", allowed);
+  return response;
 }
 
 }  // namespace
 
 App::App(std::shared_ptr<const Site> site, ServerConfig config)
-    : context_{std::move(site), std::move(config)} {
+    : context_{std::move(site), std::move(config)},
+      own_names_(context_.config.host, context_.config.public_names) {
   const std::size_t most_bytes = context_.config.most_submission_bytes;
   add_browsing_routes(router_);
   add_account_routes(router_);
@@ -52,12 +65,49 @@ App::App(std::shared_ptr<const Site> site, ServerConfig config)
   add_operation_routes(router_);
 }
 
+// A page of another site whose name its owner has resolved to this machine may read all that this
+// server says, as a page of the server's own. It can't change the name that the browser asks for.
+void App::check_host(const Request& request) const {
+  const std::string_view text = request.header("host");
+  if (text.empty()) return;  // HTTP/1.0, of monitors; browsers always send it
+  const auto host = detail::parse_host(text);
+  if (!host) throw HttpError(400, "Host: neither a name nor an address");
+  if (own_names_.contains(*host)) return;
+  throw HttpError(421, fmt::format("this server does not know that it is called {0}; if it is, "
+                                   "start it with --public-name {0}",
+                                   host->name));
+}
+
+// A page of another site can make a browser send its cookie, or log it in as somebody else, but
+// can neither send X-Enfilade nor keep the browser from saying where the request comes from.
+void App::check_origin(const Request& request) const {
+  if (request.method == "GET") return;
+  const std::string_view site = request.header("sec-fetch-site");  // other clients send none
+  if (!site.empty() && site != "same-origin" && site != "none") {
+    throw HttpError(403, "this page is of another site");
+  }
+  // Browsers send Sec-Fetch-Site over TLS and to localhost only, Origin always. That is "null" of
+  // some requests of our own pages, as they tell nobody where they are from.
+  const std::string_view origin = request.header("origin");
+  const auto host = detail::parse_host(request.header("host"));
+  const bool own = (host && detail::is_same_site(origin, *host)) || own_names_.is_given(origin) ||
+                   (origin == "null" && site == "same-origin");
+  if (!origin.empty() && !own) {
+    throw HttpError(403, fmt::format("this page is of another site, {}; if it is this server's own "
+                                     "name, start it with --public-name",
+                                     origin.substr(0, 100)));
+  }
+  const bool by_cookie = request.principal && request.principal->by_cookie;
+  if (by_cookie && request.header("x-enfilade").empty()) {
+    throw HttpError(403, "requests with a cookie need the header X-Enfilade: 1");
+  }
+}
+
 void App::identify(Request& request) {
-  constexpr std::string_view kBearer = "Bearer ";
   const std::string_view authorization = request.header("authorization");
   if (!authorization.empty()) {
-    if (authorization.starts_with(kBearer)) {
-      request.principal = accounts::find_token(context_.db, authorization.substr(kBearer.size()));
+    if (const std::string_view token = bearer_token(authorization); !token.empty()) {
+      request.principal = accounts::find_token(context_.db, token);
     }
     if (!request.principal) {
       context_.failures.count(request.address, context_.db.now());
@@ -65,7 +115,7 @@ void App::identify(Request& request) {
     }
     return;
   }
-  const std::string_view cookie = cookie_of(request, accounts::kSessionCookie);
+  const std::string_view cookie = cookie_of(request, session_cookie(request, context_.config));
   if (!cookie.empty()) {
     request.principal = accounts::find_session(context_.db, cookie);
   }
@@ -73,11 +123,13 @@ void App::identify(Request& request) {
 
 Response App::answer(Request& request, const BodyReader& read_body, std::string_view& pattern) {
   if (request.path.size() > kLongestPath) throw HttpError(414, "the path is too long");
+  check_host(request);
   Router::Match match = router_.find(request.method, request.path);
   if (match.route == nullptr) {
-    if (match.other_method) throw HttpError(405, "not with this method");
-    if (request.method != "GET") throw HttpError(404, "there is nothing here");
-    return page(context_, request);
+    if (!match.methods.empty()) return wrong_method(std::move(match.methods));
+    if (request.method == "GET") return page(context_, request);
+    if (is_page(request.path)) return wrong_method({"GET"});
+    throw HttpError(404, "there is nothing here");
   }
   pattern = match.route->pattern;
   request.parameters = std::move(match.parameters);
@@ -100,8 +152,14 @@ Response App::handle(Request request, const BodyReader& read_body) {
   } catch (...) {
     response = error_response(std::current_exception(), fault);
   }
+  if (response.status == 401) response.add_header("WWW-Authenticate", "Bearer");
+  if (!response.problem.empty()) show_to_people(request, response);
   compare_with_cached(request, response);
   compress(request, response);
+  if (is_encrypted(request, context_.config)) {
+    response.add_header("Strict-Transport-Security",
+                        "max-age=31536000");  // a year, this host alone
+  }
   add_security_headers(response);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   context_.metrics.count(pattern, response.status, took.count());

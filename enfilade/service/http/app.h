@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "enfilade/service/detail/hosts.h"
 #include "enfilade/service/http/context.h"
 #include "enfilade/service/http/router.h"
 
@@ -17,6 +18,7 @@ using BodyReader = std::function<std::string(std::size_t most)>;
 /// counting. All functions may be called from any thread.
 class App {
  public:
+  /// \throws FileError for the database; ArgumentError for one of ServerConfig::public_names
   App(std::shared_ptr<const Site> site, ServerConfig config);
 
   const Router& router() const noexcept { return router_; }
@@ -26,9 +28,12 @@ class App {
 
  private:
   Response answer(Request& request, const BodyReader& read_body, std::string_view& pattern);
+  void check_host(const Request& request) const;
+  void check_origin(const Request& request) const;
   void identify(Request& request);
 
   Context context_;
+  detail::OwnNames own_names_;
   Router router_;
 };
 

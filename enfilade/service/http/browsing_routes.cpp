@@ -1,5 +1,7 @@
 // Scans (graphs, faces, plans), splits and episodes.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -7,6 +9,7 @@
 
 #include "enfilade/core/rng.h"
 #include "enfilade/draw/floor_plan.h"
+#include "enfilade/service/browsing/plans.h"
 #include "enfilade/service/browsing/site_json.h"
 #include "enfilade/service/http/routes.h"
 
@@ -61,25 +64,92 @@ std::size_t face_of(const std::string& name, std::string_view suffix) {
   return static_cast<std::size_t>(name[0] - '0');
 }
 
-Response face(Context& context, const Request& request, scan::Layer layer) {
-  const bool colour = layer == scan::Layer::kColour;
-  const std::size_t face = face_of(request.parameter("face"), colour ? ".jpg" : ".png");
+/// Lets browsers keep a picture of the scan for a day. Nothing if the source does not say which
+/// version it is.
+void add_version(Context& context, ScanIndex scan, std::string_view name, Response& response) {
+  const std::string version = context.faces.version(scan);
+  if (version.empty()) return;
+  response.add_header("ETag", fmt::format("\"{}-{}\"", version, name));
+  response.add_header("Cache-Control", "public, max-age=86400");
+}
+
+constexpr const char* kNoPicture = "no such picture of this viewpoint";
+
+/// A viewpoint that has pictures.
+struct Pictured {
+  ScanIndex scan;
+  ViewpointIndex viewpoint;
+  const scan::PanoramaSource* source;
+};
+/// The one that {scan} and {viewpoint} name. \throws HttpError 404
+Pictured pictured(const Context& context, const Request& request) {
   const ScanIndex scan = scan_of(context, request);
   const scan::PanoramaSource* source = context.site->panoramas().find_source(scan);
   const auto viewpoint =
       source == nullptr ? std::nullopt : source->find(request.parameter("viewpoint"));
-  if (!viewpoint || source->face_sizes(*viewpoint)[index(layer)] == 0) {
-    throw HttpError(404, "no such picture of this viewpoint");
-  }
+  if (!viewpoint) throw HttpError(404, kNoPicture);
+  return {scan, *viewpoint, source};
+}
+
+/// The same for what is made of one viewpoint's pictures.
+void let_keep(Context& context, const Pictured& at, const std::string& what, Response& response) {
+  add_version(context, at.scan, fmt::format("{}-{}", at.viewpoint.value, what), response);
+}
+
+Response face(Context& context, const Request& request, scan::Layer layer) {
+  const bool colour = layer == scan::Layer::kColour;
+  const std::size_t face = face_of(request.parameter("face"), colour ? ".jpg" : ".png");
+  const Pictured at = pictured(context, request);
+  if (at.source->face_sizes(at.viewpoint)[index(layer)] == 0) throw HttpError(404, kNoPicture);
   Response response;
   response.type = colour ? "image/jpeg" : "image/png";
-  response.body = context.faces.get(scan, *viewpoint, layer)[face];
-  const std::string version = context.faces.version(scan);
-  if (!version.empty()) {
-    response.add_header(
-        "ETag", fmt::format("\"{}-{}-{}-{}\"", version, viewpoint->value, index(layer), face));
-    response.add_header("Cache-Control", "public, max-age=86400");
+  response.body = context.faces.get(at.scan, at.viewpoint, layer)[face];
+  let_keep(context, at, fmt::format("{}-{}", index(layer), face), response);
+  return response;
+}
+
+Response distances(Context& context, const Request& request) {
+  const Pictured at = pictured(context, request);
+  if (at.source->face_sizes(at.viewpoint)[index(scan::Layer::kDepth)] == 0) {
+    throw HttpError(404, "this viewpoint has no depth");
   }
+  Response response;
+  response.type = "application/octet-stream";
+  response.body = context.faces.distances(at.scan, at.viewpoint);
+  let_keep(context, at, "distances", response);
+  return response;
+}
+
+Response legends(Context& context, const Request& request) {
+  const Pictured at = pictured(context, request);
+  Response response;
+  response.body = context.faces.legends(at.scan, at.viewpoint);
+  let_keep(context, at, "legends", response);
+  return response;
+}
+
+Response outlook(Context& context, const Request& request) {
+  const ScanIndex scan = scan_of(context, request);
+  const auto found = context.stills.outlook(scan);
+  if (!found) throw HttpError(404, "this scan has no pictures");
+  return json_response({{"viewpoint", context.site->graphs().graph(scan).id(found->viewpoint)},
+                        {"heading", found->heading.value},
+                        {"elevation", found->elevation.value},
+                        {"vfov", browsing::kStillFieldOfView.value}});
+}
+
+Response still(Context& context, const Request& request) {
+  const ScanIndex scan = scan_of(context, request);
+  const auto& widths = browsing::kStillWidths;
+  const std::int64_t width = request.number("width", widths.front(), widths.front(), widths.back());
+  if (std::ranges::find(widths, width) == widths.end()) {
+    throw HttpError(400, fmt::format("width: {}; it can be {}", width, fmt::join(widths, " or ")));
+  }
+  Response response;
+  response.type = "image/jpeg";
+  response.body = context.stills.get(scan, width);
+  if (response.body == nullptr) throw HttpError(404, "this scan has no pictures");
+  add_version(context, scan, fmt::format("still-{}", width), response);
   return response;
 }
 
@@ -117,6 +187,16 @@ void add_browsing_routes(Router& router) {
               [cache](Context& context, const Request& request) {
                 return floor_plan(*cache, context, request);
               }});
+  router.add({"GET", one + "/outlook", Access::kPublic, outlook});
+  router.add({"GET", one + "/picture.jpg", Access::kPublic, still});
+  router.add(
+      {"GET", one + "/plan", Access::kPublic, [cache](Context& context, const Request& request) {
+         const ScanIndex scan = scan_of(context, request);
+         return cache->get(request, "application/json",
+                           [&] { return browsing::plan_json(*context.site, scan).dump(); });
+       }});
+  router.add({"GET", one + "/viewpoints/{viewpoint}/distances", Access::kPublic, distances});
+  router.add({"GET", one + "/viewpoints/{viewpoint}/legends", Access::kPublic, legends});
   const std::pair<const char*, scan::Layer> layers[]{{"faces", scan::Layer::kColour},
                                                      {"depth", scan::Layer::kDepth},
                                                      {"classes", scan::Layer::kClass}};

@@ -15,6 +15,8 @@ using accounts::Role;
 using collecting::Collection;
 using nlohmann::ordered_json;
 
+constexpr std::size_t kMostChangeBytes = 256U << 10U;  // two texts of 20,000 characters
+
 /// The part of a collection that the client may see.
 ordered_json view_of(Context& context, const Request& request, const Collection& collection) {
   ordered_json out = collecting::collection_json(collection, context.site->synthetic());
@@ -24,6 +26,7 @@ ordered_json view_of(Context& context, const Request& request, const Collection&
   }
   if (organiser) {
     out["platform"] = collecting::platform_json(collection.platform);
+    out.update(collecting::questions_json(context.db, collection));
     out["link"] = collecting::link_of(collection);
   }
   return out;
@@ -40,20 +43,27 @@ Response show(Context& context, const Request& request) {
 }
 
 Response list(Context& context, const Request& request) {
+  const std::string state = request.text("state");
+  if (!state.empty() && state != "archived") throw HttpError(400, "state: not \"archived\"");
   const auto view = [&](const Collection& one) { return view_of(context, request, one); };
   return json_response(
-      {{"collections", detail::json_list(collecting::list_collections(context.db), view)}});
+      {{"collections",
+        detail::json_list(
+            collecting::list_collections(context.db, request.text("q"), !state.empty()), view)}});
 }
 
-Response change_state(Context& context, const Request& request) {
-  Collection collection = collection_of(context, request);
-  const std::string state = text_field(parse_object(request.body), "state");
-  if (state != "open" && state != "closed") {
-    throw HttpError(400, "state: not \"open\" or \"closed\"");
-  }
-  collection.open = state == "open";
-  collecting::set_open(context.db, collection.id, collection.open);
-  return json_response(view_of(context, request, collection));
+Response change(Context& context, const Request& request) {
+  const Collection changed = collecting::read_changed_collection(collection_of(context, request),
+                                                                 request.body, context.db.now());
+  collecting::change_collection(context.db, changed);
+  return json_response(view_of(context, request, collection_of(context, request)));
+}
+
+Response copy(Context& context, const Request& request) {
+  const Collection from = collection_of(context, request);
+  const Collection made = collecting::copy_collection(
+      context.db, from, collecting::read_copied_collection(from, request.body));
+  return json_response(view_of(context, request, made), 201);
 }
 
 Response list_visits(Context& context, const Request& request) {
@@ -72,30 +82,53 @@ std::string split_of(Context& context, const Request& request, const Collection&
   return name;
 }
 
-Response export_file(Context& context, const Request& request) {
-  const Collection collection = collection_of(context, request);
-  const std::string split = split_of(context, request, collection);
-  const std::string what = request.text("what");
+/// What is exported by default: walks were checked when they were submitted, directions were not.
+bool with_waiting(const Request& request, const Collection& collection) {
   const std::string state = request.text("state");
   if (!state.empty() && state != "accepted" && state != "all") {
     throw HttpError(400, "state: not \"accepted\" or \"all\"");
   }
-  const collecting::ExportedSplit exported{collection, split, state == "all"};
-  if (what.empty() || what == "annotations") {
-    const auto items = collecting::items_of(context.db, collection.id, split);
-    if (std::ranges::any_of(items, &collecting::Item::secret)) {
-      throw HttpError(403, "the goals of this split are secret");
-    }
-    return file_response(collecting::annotations_json(context.db, exported),
-                         fmt::format("R2R_{}.json", split));
+  return state.empty() ? collection.kind == collecting::Kind::kWalk : state == "all";
+}
+
+void check_goals(Context& context, const collecting::ExportedSplit& exported) {
+  const auto items = collecting::items_of(context.db, exported.collection.id, exported.split);
+  if (std::ranges::any_of(items, &collecting::Item::secret)) {
+    throw HttpError(403, "the goals of this split are secret");
   }
-  if (collection.kind != collecting::Kind::kWalk || (what != "results" && what != "walks")) {
+}
+
+/// One of the files. \throws HttpError 400 for another word
+std::string file_of(Context& context, const collecting::ExportedSplit& exported,
+                    const std::string& what) {
+  const bool walks = exported.collection.kind == collecting::Kind::kWalk;
+  if (what == "tasks") return collecting::tasks_json(context.db, exported);
+  if (walks && what == "results") return collecting::results_json(context.db, exported);
+  if (walks && what == "walks") return collecting::walks_json(context.db, exported);
+  if (what != "annotations") {
     throw HttpError(400,
-                    "what: not annotations, nor, where instructions are walked, results or walks");
+                    "what: not annotations, tasks, report, nor, where instructions are walked, "
+                    "results or walks");
   }
-  return file_response(what == "results" ? collecting::results_json(context.db, exported)
-                                         : collecting::walks_json(context.db, exported),
-                       fmt::format("human_{}_{}.json", what, split));
+  check_goals(context, exported);
+  return collecting::annotations_json(context.db, exported);
+}
+
+Response export_file(Context& context, const Request& request) {
+  const Collection collection = collection_of(context, request);
+  const collecting::ExportedSplit exported{collection, split_of(context, request, collection),
+                                           with_waiting(request, collection)};
+  const std::string given = request.text("what");
+  const std::string what = given.empty() ? "annotations" : given;
+  const auto held = context.db.hold();  // file and report are of the same moment
+  const collecting::ExportReport report = collecting::report_of(context.db, exported);
+  if (what == "report") return json_response(collecting::report_json(report));
+  const std::string name = what == "annotations"
+                               ? fmt::format("R2R_{}.json", exported.split)
+                               : fmt::format("human_{}_{}.json", what, exported.split);
+  Response response = file_response(file_of(context, exported, what), name);
+  if (what != "tasks") response.add_header("X-Enfilade-Export", report.summary());
+  return response;
 }
 
 }  // namespace
@@ -110,7 +143,8 @@ void add_collection_routes(Router& router, std::size_t most_bytes) {
   router.add({"POST", all, Access::kOrganiser, create, most_bytes});
   router.add({"GET", all, Access::kReviewer, list});
   router.add({"GET", one, Access::kPublic, show});
-  router.add({"PATCH", one, Access::kOrganiser, change_state});
+  router.add({"PATCH", one, Access::kOrganiser, change, kMostChangeBytes});
+  router.add({"POST", one + "/copy", Access::kOrganiser, copy});
   router.add({"GET", one + "/workers", Access::kOrganiser, list_visits});
   router.add({"GET", one + "/export", Access::kOrganiser, export_file});
 }

@@ -8,12 +8,15 @@
 #include <string_view>
 
 #include "enfilade/service/browsing/faces.h"
+#include "enfilade/service/browsing/stills.h"
+#include "enfilade/service/detail/addresses.h"
 #include "enfilade/service/evaluation/submissions.h"
 #include "enfilade/service/http/messages.h"
 #include "enfilade/service/http/metrics.h"
 #include "enfilade/service/server.h"
 #include "enfilade/service/site.h"
 #include "enfilade/service/store/database.h"
+#include "enfilade/service/store/health.h"
 
 namespace enfilade::service::http {
 
@@ -28,8 +31,11 @@ class RateLimit {
     constexpr std::size_t kMostAddresses = 10'000;
     const std::int64_t minute = now / 60;
     const std::scoped_lock lock(mutex_);
+    if (windows_.size() > kMostAddresses) {
+      std::erase_if(windows_, [minute](const auto& one) { return one.second.minute != minute; });
+    }
     if (windows_.size() > kMostAddresses) windows_.clear();
-    Window& window = windows_[address];
+    Window& window = windows_[detail::address_group(address)];
     if (window.minute != minute) window = {minute, 0};
     if (++window.count > most_) {
       throw HttpError(429, "too many attempts from this address; wait a minute");
@@ -59,6 +65,19 @@ inline evaluation::Submissions::Report scoring_log(const ServerConfig& config) {
   };
 }
 
+/// Gives troubles of disk and database to ServerConfig::log; empty without a log.
+inline store::Health::Report health_log(const ServerConfig& config) {
+  if (!config.log) return {};
+  return [log = config.log](std::string_view fault) {
+    RequestRecord record;
+    record.address = "-";
+    record.method = "HEALTH";
+    record.status = fault.empty() ? 200 : 503;
+    record.fault = fault;
+    log(record);
+  };
+}
+
 /// What the handlers of all routes work with. There is one for each App, which owns it: it lives
 /// until the last request is answered. Any thread may use it at any time: the members that change
 /// do their own locking, `site` and `config` never change.
@@ -68,6 +87,8 @@ struct Context {
   ServerConfig config;
   store::Database db{config.database, config.clock};
   browsing::Faces faces{site->panoramas()};
+  browsing::Stills stills{site};
+  store::Health health{db, config.least_free_bytes, health_log(config)};
   evaluation::Submissions submissions{site, db, scoring_log(config)};
   Metrics metrics{};
   RateLimit failures{config.most_attempts};       ///< unknown tokens and keys

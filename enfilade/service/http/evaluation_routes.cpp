@@ -1,8 +1,14 @@
 // Phases, submissions, leaderboards.
+#include <fmt/format.h>
+#include <cmath>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "enfilade/service/detail/json_list.h"
+#include "enfilade/service/detail/names.h"
+#include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/leaderboard.h"
 #include "enfilade/service/http/routes.h"
 
@@ -11,38 +17,112 @@ namespace {
 
 using accounts::Role;
 using evaluation::Submission;
+using evaluation::View;
 using evaluation::Visibility;
 using nlohmann::ordered_json;
 
-Visibility visibility_to(const Context& context, const Request& request,
-                         std::string_view phase_name) {
+/// A phase as the client sees it now.
+View view_of(Context& context, const Request& request, const Phase* phase) {
   std::optional<Role> role;
   if (request.principal) role = request.principal->role;
-  return evaluation::visibility_of(context.site->find_phase(phase_name), role);
+  return evaluation::view_of(phase, role, phase != nullptr && context.submissions.is_final(*phase));
 }
 
-ordered_json submission_json(const Context& context, const Request& request,
-                             const Submission& submission) {
-  return evaluation::submission_json(submission, visibility_to(context, request, submission.phase));
-}
+/// Submissions as the client sees them; each phase is looked at once.
+class SubmissionViews {
+ public:
+  SubmissionViews(Context& context, const Request& request)
+      : context_(context), request_(request) {}
 
-Response phases(Context& context, const Request& /*request*/) {
-  const auto view = [&site = *context.site](const Phase& phase) {
-    return ordered_json{{"phase", phase.name},
-                        {"title", phase.title},
-                        {"split", phase.split},
-                        {"episodes", site.secret_episodes(phase).episodes.size()},
-                        {"goals_secret", phase.goals_secret()},
-                        {"scores", phase.scores == Scores::kPublic ? "public" : "hidden"},
-                        {"per_day", phase.per_day}};
+  ordered_json json(const Submission& submission) {
+    const PhaseView& phase = of(submission.phase);
+    return evaluation::submission_json(submission, phase.view, phase.best.contains(submission.id));
+  }
+
+ private:
+  struct PhaseView {
+    View view;
+    std::set<std::int64_t> best;  // submissions that stand for their teams, where it matters
   };
-  return json_response({{"phases", detail::json_list(context.site->phases(), view)}});
+
+  const PhaseView& of(const std::string& name) {
+    const auto [found, is_new] = seen_.try_emplace(name);
+    PhaseView& made = found->second;
+    if (!is_new) return made;
+    const Phase* phase = context_.site->find_phase(name);
+    made.view = view_of(context_, request_, phase);
+    if (made.view.visibility != Visibility::kBestRows) return made;
+    const auto scored = context_.submissions.scored(*phase);
+    for (const Submission& one : evaluation::best_submissions(scored, made.view)) {
+      made.best.insert(one.id);
+    }
+    return made;
+  }
+
+  Context& context_;
+  const Request& request_;
+  std::map<std::string, PhaseView> seen_;
+};
+
+/// null: no limit
+ordered_json limit_json(std::optional<int> most) {
+  return most ? ordered_json(*most) : ordered_json(nullptr);
+}
+
+/// In whole bits, rounded up: a bound stays one.
+ordered_json bits_json(double bits) {
+  constexpr double kTolerance = 1e-6;  // of sums of logarithms
+  return std::isfinite(bits) ? ordered_json(std::ceil(bits - kTolerance)) : ordered_json(nullptr);
+}
+
+ordered_json leakage_json(const evaluation::Leakage& leakage, bool organiser) {
+  ordered_json out{{"most_bits", bits_json(leakage.most)},
+                   {"goal_bits", bits_json(leakage.goals)},
+                   {"phases", leakage.phases}};
+  if (organiser) out["used_bits"] = bits_json(leakage.used);
+  return out;
+}
+
+ordered_json phase_json(Context& context, const Phase& phase, bool organiser) {
+  ordered_json out{
+      {"phase", phase.name},
+      {"title", phase.title},
+      {"split", phase.split},
+      {"episodes", context.site->secret_episodes(phase).episodes.size()},
+      {"goals_secret", phase.goals_secret()},
+      {"scores", detail::name_of(phase.scores)},
+      {"primary", detail::name_of(phase.primary)},
+      {"ends", phase.ends ? ordered_json(detail::iso_time(*phase.ends)) : ordered_json(nullptr)},
+      {"ended", context.submissions.has_ended(phase)},
+      {"per_day", phase.per_day},
+      {"per_team", limit_json(phase.per_team)},
+      {"per_address_day", phase.per_address_day},
+      {"per_address", limit_json(phase.per_address)}};
+  if (!phase.rules.empty()) out["rules"] = phase.rules;
+  if (!phase.goals_secret()) return out;
+  out["step"] = phase.step;
+  out["teams"] = phase.teams;
+  out["leakage"] = leakage_json(context.submissions.leakage(phase), organiser);
+  if (organiser) out["near_copies"] = context.submissions.count_near_copies(phase);
+  return out;
+}
+
+Response phases(Context& context, const Request& request) {
+  const bool organiser = request.is_from(Role::kOrganiser);
+  const auto view = [&](const Phase& phase) { return phase_json(context, phase, organiser); };
+  return json_response({{"registration", context.config.open_registration ? "open" : "closed"},
+                        {"phases", detail::json_list(context.site->phases(), view)}});
 }
 
 Response receive(Context& context, const Request& request) {
-  const evaluation::Receipt receipt = context.submissions.receive(
-      *request.principal, request.text("phase"), request.text("method"), request.body);
-  ordered_json out = submission_json(context, request, receipt.submission);
+  const evaluation::Receipt receipt =
+      context.submissions.receive({request.principal->team,
+                                   request.address,
+                                   request.text("phase"),
+                                   request.text("method"),
+                                   {request.text("paper"), request.text("code")}},
+                                  request.body);
+  ordered_json out = SubmissionViews(context, request).json(receipt.submission);
   out["warnings"] = detail::json_list(receipt.warnings,
                                       [](const Diagnostic& warning) { return to_string(warning); });
   return json_response(out, receipt.known ? 200 : 202);
@@ -66,14 +146,15 @@ Response list_submissions(Context& context, const Request& request) {
   }
   constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
   const std::int64_t before = request.number("before", kMost, 1, kMost);
-  const auto view = [&](const Submission& one) { return submission_json(context, request, one); };
+  SubmissionViews views(context, request);
+  const auto view = [&views](const Submission& one) { return views.json(one); };
   return json_response(
       {{"submissions", detail::json_list(context.submissions.list(principal.team, before), view)}});
 }
 
 Response show_submission(Context& context, const Request& request) {
   request.known_principal();
-  return json_response(submission_json(context, request, submission_of(context, request)));
+  return json_response(SubmissionViews(context, request).json(submission_of(context, request)));
 }
 
 Response withdraw(Context& context, const Request& request) {
@@ -81,15 +162,21 @@ Response withdraw(Context& context, const Request& request) {
   return json_response(ordered_json::object());
 }
 
+/// Why a phase's scores are not to be seen, for people.
+std::string withheld_text(const Phase& phase) {
+  if (phase.scores == Scores::kHidden) return "the scores of this phase are not public";
+  if (!phase.ends) return "the scores of this phase appear when it has ended";
+  return fmt::format("the scores of this phase appear when it has ended, at {}, and all are scored",
+                     detail::iso_time(*phase.ends));
+}
+
 Response leaderboard(Context& context, const Request& request) {
   const Phase* phase = context.site->find_phase(request.parameter("phase"));
   if (phase == nullptr) throw HttpError(404, "no phase of this name");
-  const Visibility visibility = visibility_to(context, request, phase->name);
-  if (visibility == Visibility::kHidden) {
-    throw HttpError(403, "the scores of this phase are not public");
-  }
-  const ordered_json rows = evaluation::leaderboard_rows(context.submissions.scored(*phase),
-                                                         visibility, request.text("all") == "1");
+  const View view = view_of(context, request, phase);
+  if (view.visibility == Visibility::kNothing) throw HttpError(403, withheld_text(*phase));
+  const ordered_json rows = evaluation::leaderboard_rows(context.submissions.scored(*phase), view,
+                                                         request.text("all") == "1");
   if (request.text("format") == "csv") return csv_response(evaluation::leaderboard_csv(rows));
   return json_response({{"phase", phase->name},
                         {"title", phase->title},

@@ -3,15 +3,17 @@
 #include <fmt/format.h>
 
 #include "enfilade/service/detail/gzip.h"
+#include "enfilade/service/detail/hosts.h"
 
 namespace enfilade::service::http {
 namespace {
 
 constexpr std::size_t kWorthCompressing = 1024;  // bytes; of less, the headers are the larger part
 
-bool is_text(std::string_view type) {
+// Pictures are compressed already.
+bool is_worth_compressing(std::string_view type) {
   return type.starts_with("text/") || type.starts_with("application/json") ||
-         type.starts_with("image/svg");
+         type.starts_with("image/svg") || type == "application/octet-stream";
 }
 
 }  // namespace
@@ -23,7 +25,7 @@ bool accepts_gzip(const Request& request) {
 }
 
 void compress(const Request& request, Response& response) {
-  if (!is_text(response.type) || response.body->size() < kWorthCompressing) return;
+  if (!is_worth_compressing(response.type) || response.body->size() < kWorthCompressing) return;
   if (response.header("Content-Encoding")) return;
   response.add_header("Vary", "Accept-Encoding");
   if (!accepts_gzip(request)) return;
@@ -37,6 +39,17 @@ void compare_with_cached(const Request& request, Response& response) {
   if (response.status != 200 || !tag || known.find(*tag) == std::string_view::npos) return;
   response.status = 304;
   response.body = std::make_shared<const std::string>();
+}
+
+bool is_encrypted(const Request& request, const ServerConfig& config) {
+  return config.behind_proxy && request.header("x-forwarded-proto") == "https";
+}
+
+std::string session_cookie(const Request& request, const ServerConfig& config) {
+  const auto host = detail::parse_host(request.header("host"));
+  const bool with_port = host && !host->port.empty();
+  return fmt::format("{}{}{}{}", is_encrypted(request, config) ? "__Host-" : "",
+                     accounts::kSessionCookie, with_port ? "_" : "", with_port ? host->port : "");
 }
 
 std::string content_policy(std::string_view form_action, std::string_view frame_ancestors) {

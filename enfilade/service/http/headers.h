@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "enfilade/service/http/messages.h"
+#include "enfilade/service/server.h"
 
 namespace enfilade::service::http {
 
@@ -12,6 +13,14 @@ bool accepts_gzip(const Request& request);
 void compress(const Request& request, Response& response);
 /// Makes it a 304 if the client's cached copy has the same ETag.
 void compare_with_cached(const Request& request, Response& response);
+
+/// Whether the visitor's side of the connection is encrypted: a trusted proxy says so.
+bool is_encrypted(const Request& request, const ServerConfig& config);
+/// The name of the session's cookie. A browser sends a host's cookies to all its ports: the port
+/// that the visitor uses is part of the name, or two servers would log each other's visitors out.
+/// On encrypted connections it begins with "__Host-", which keeps pages of the domain's other hosts
+/// from setting it.
+std::string session_cookie(const Request& request, const ServerConfig& config);
 
 /// A Content-Security-Policy: scripts and styles from the server's own files only, pictures from it
 /// and from memory.

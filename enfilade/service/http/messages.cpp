@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <nlohmann/json.hpp>
+#include <ranges>
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/service/detail/json_limits.h"
 #include "enfilade/service/detail/refusal.h"
+#include "enfilade/service/store/health.h"
 
 namespace enfilade::service::http {
 namespace {
@@ -16,6 +20,7 @@ using detail::Reason;
 using nlohmann::ordered_json;
 
 constexpr std::size_t kMostDiagnostics = 200;
+constexpr const char* kRetrySeconds = "5";  // large bodies are checked within one
 
 /// A status and the word for it, which scripts match.
 struct Answer {
@@ -23,7 +28,7 @@ struct Answer {
   std::string_view code;
 };
 
-constexpr std::array<Answer, 14> kAnswers{{{400, "invalid-request"},
+constexpr std::array<Answer, 15> kAnswers{{{400, "invalid-request"},
                                            {401, "unauthenticated"},
                                            {403, "forbidden"},
                                            {404, "not-found"},
@@ -33,21 +38,23 @@ constexpr std::array<Answer, 14> kAnswers{{{400, "invalid-request"},
                                            {413, "payload-too-large"},
                                            {414, "uri-too-long"},
                                            {415, "unsupported-media-type"},
+                                           {421, "misdirected-request"},
                                            {422, "invalid-input"},
                                            {429, "rate-limited"},
                                            {500, "internal-error"},
                                            {503, "unavailable"}}};
 
 /// By Reason. Codes of their own where a client goes on differently.
-constexpr std::array<Answer, 9> kRefusals{{{422, "invalid-input"},
-                                           {403, "consent-required"},
-                                           {403, "collection-closed"},
-                                           {404, "not-found"},
-                                           {409, "conflict"},
-                                           {409, "already-submitted"},
-                                           {409, "already-returned"},
-                                           {409, "lease-expired"},
-                                           {429, "rate-limited"}}};
+constexpr std::array<Answer, 10> kRefusals{{{422, "invalid-input"},
+                                            {403, "forbidden"},
+                                            {403, "consent-required"},
+                                            {403, "collection-closed"},
+                                            {404, "not-found"},
+                                            {409, "conflict"},
+                                            {409, "already-submitted"},
+                                            {409, "already-returned"},
+                                            {409, "lease-expired"},
+                                            {429, "rate-limited"}}};
 static_assert(kRefusals.size() == static_cast<std::size_t>(Reason::kRateLimited) + 1);
 
 Response respond(const Answer& answer, std::string_view message,
@@ -69,10 +76,49 @@ Response respond(const Answer& answer, std::string_view message,
       "application/json",
       ordered_json{{"error", error}}.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
   response.status = answer.status;
+  response.problem = message;
   return response;
 }
 
+Response try_later(std::string_view message) {
+  Response response = error_response(503, message);
+  response.add_header("Retry-After", kRetrySeconds);
+  return response;
+}
+
+/// Of a name or a value in a query.
+std::string decode(std::string_view text) {
+  std::string decoded;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    unsigned char byte = 0;
+    const std::string_view digits = text.substr(k + 1, 2);
+    const char* end = digits.data() + digits.size();
+    if (text[k] == '%' && digits.size() == 2 &&
+        std::from_chars(digits.data(), end, byte, 16).ptr == end) {
+      decoded += static_cast<char>(byte);
+      k += 2;
+    } else {
+      decoded += text[k] == '+' ? ' ' : text[k];
+    }
+  }
+  return decoded;
+}
+
 }  // namespace
+
+Texts parse_query(std::string_view target) {
+  Texts query;
+  const std::size_t begin = target.find('?');
+  if (begin == std::string_view::npos) return query;
+  for (const auto part : std::views::split(target.substr(begin + 1), '&')) {
+    const std::string_view pair(part.begin(), part.end());
+    const std::size_t equals = std::min(pair.find('='), pair.size());
+    if (pair.empty()) continue;
+    query.emplace(decode(pair.substr(0, equals)),
+                  decode(pair.substr(std::min(equals + 1, pair.size()))));
+  }
+  return query;
+}
 
 std::string_view Request::header(std::string_view name) const {
   const auto found = headers.find(name);
@@ -157,17 +203,23 @@ Response error_response(int status, std::string_view message,
   return respond({status, code}, message, diagnostics);
 }
 
+Response error_response(int status, std::string_view code, std::string_view message) {
+  return respond({status, code}, message, {});
+}
+
 Response error_response(const std::exception_ptr& thrown, std::string& fault) {
   try {
     std::rethrow_exception(thrown);
   } catch (const HttpError& error) {
-    return error_response(error.status(), error.what());
+    return error.status() == 503 ? try_later(error.what())
+                                 : error_response(error.status(), error.what());
   } catch (const detail::Refusal& refusal) {
     return respond(kRefusals[static_cast<std::size_t>(refusal.reason())], refusal.what(), {});
   } catch (const InvalidInput& error) {
     return error_response(422, "what was sent has faults", error.diagnostics());
   } catch (const std::exception& error) {
     fault = error.what();
+    if (store::is_disk_full(error)) return try_later("the server's disk is full");
   } catch (...) {
     fault = "an exception of no known type";
   }
@@ -175,6 +227,8 @@ Response error_response(const std::exception_ptr& thrown, std::string& fault) {
 }
 
 ordered_json parse_object(const std::string& body) {
+  const std::string found = json::excess(body, detail::kFormLimits);
+  if (!found.empty()) throw HttpError(400, "the body has " + found);
   ordered_json object = ordered_json::parse(body, nullptr, false);
   if (!object.is_object()) throw HttpError(400, "the body is not a JSON object");
   return object;

@@ -54,6 +54,10 @@ struct Request {
   const accounts::Principal& known_principal() const;
 };
 
+/// The query of a request's target, "/path?name=value&other", decoded: %20 and + are blanks, a
+/// value may have more =, and % without two digits stays as it is.
+Texts parse_query(std::string_view target);
+
 struct Response {
   int status = 200;
   std::string type = "application/json";
@@ -61,6 +65,7 @@ struct Response {
   std::shared_ptr<const std::string> body = std::make_shared<const std::string>();
   std::vector<std::pair<std::string, std::string>> headers;
   bool frameable = false;  ///< its own Content-Security-Policy says who may frame it
+  std::string problem;     ///< of errors: what is wrong, for people; it may quote the request
 
   std::optional<std::string_view> header(std::string_view name) const;
   void add_header(std::string name, std::string value);
@@ -75,11 +80,13 @@ Response file_response(std::string json, const std::string& name);
 /// how many there were. The code is the word of the status: "not-found" of 404.
 Response error_response(int status, std::string_view message,
                         const std::vector<Diagnostic>& diagnostics = {});
+/// As above with a code of its own, which is not the status's.
+Response error_response(int status, std::string_view code, std::string_view message);
 /// Of an exception of a route: the one place where errors get their status. \param fault what went
 /// wrong in the server itself (status 500), for its log alone: it may name files of this machine
 Response error_response(const std::exception_ptr& thrown, std::string& fault);
 
-/// The body as a JSON object. \throws HttpError 400 if it is none
+/// The body as a JSON object. \throws HttpError 400 if it is none, or beyond detail::kFormLimits
 nlohmann::ordered_json parse_object(const std::string& body);
 enum class Presence : std::uint8_t { kRequired, kOptional };
 /// A text of an object. \throws HttpError 400 if it is none, or is required and absent

@@ -2,14 +2,32 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/service/collecting/tasks.h"
+#include "enfilade/service/detail/names.h"
 #include "enfilade/service/http/description.h"
 #include "enfilade/service/http/routes.h"
 
 namespace enfilade::service::http {
 namespace {
 
+// Strangers may ask: details, which name files, are in the log.
+std::string_view explanation(store::Trouble trouble) {
+  switch (trouble) {
+    case store::Trouble::kDiskFull:
+      return "the disk of the database is full, or nearly so";
+    case store::Trouble::kDatabaseReplaced:
+      return "the database's file was moved or replaced; the server must be started again";
+    case store::Trouble::kDatabaseUnreadable:
+      return "the database cannot be read";
+    case store::Trouble::kDatabaseUnwritable:
+      return "the database cannot be written";
+  }
+  return "";
+}
+
 Response health(Context& context, const Request& /*request*/) {
-  context.submissions.queued();  // fails if the database does not answer
+  if (const auto trouble = context.health.trouble()) {
+    return error_response(503, detail::name_of(*trouble), explanation(*trouble));
+  }
   return json_response({{"status", "ok"}});
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 
+#include "enfilade/draw/markup.h"
 #include "enfilade/service/collecting/collections.h"
 #include "enfilade/service/detail/gzip.h"
 #include "enfilade/service/http/headers.h"
@@ -21,16 +22,59 @@ void allow_platform(Context& context, const Request& request, Response& response
   response.frameable = true;
 }
 
-}  // namespace
+// Of a file of the pages, unpacked: they are our own, and none has a megabyte.
+constexpr std::size_t kMostBytes = 16U << 20U;
 
-// "/leaderboard" is the file /leaderboard.html. Names of assets change with their content.
-Response page(Context& context, const Request& request) {
-  std::string path = request.path == "/" ? "/index" : request.path;
+/// Null if there is none.
+const WebFile* find_file(std::string_view address) {
+  std::string path(address == "/" ? "/index" : address);
   if (path.find('.') == std::string::npos) path += ".html";
   const auto files = web_files();
   const auto found = std::ranges::lower_bound(files, path, {}, &WebFile::path);
-  if (found == files.end() || found->path != path) {
-    if (request.path == "/" && files.empty()) {
+  return found == files.end() || found->path != path ? nullptr : &*found;
+}
+
+/// Links to the style sheets, whose names change with their content.
+const std::string& style_links() {
+  static const std::string kLinks = [] {
+    std::string links;
+    for (const WebFile& file : web_files()) {
+      if (!file.path.ends_with(".css")) continue;
+      links += fmt::format("<link rel=\"stylesheet\" href=\"{}\" />", file.path);
+    }
+    return links;
+  }();
+  return kLinks;
+}
+
+}  // namespace
+
+bool is_page(std::string_view path) { return path == "/" || find_file(path) != nullptr; }
+
+void show_to_people(const Request& request, Response& error) {
+  const bool by_browser = request.header("accept").find("text/html") != std::string_view::npos;
+  if (!by_browser || request.path.starts_with("/api/")) return;
+  const bool nothing = error.status == 404;
+  const std::string heading =
+      nothing ? "There is nothing here" : fmt::format("This did not work ({})", error.status);
+  const std::string text =
+      nothing ? "The address may be mistyped, or the page has moved." : draw::escape(error.problem);
+  error.type = "text/html; charset=utf-8";
+  error.body = std::make_shared<const std::string>(fmt::format(
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\" />"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />"
+      "<title>{0} · Enfilade</title>{1}</head>\n"
+      "<body><header class=\"site\"><a href=\"/\" class=\"name\">Enfilade</a></header>\n"
+      "<main id=\"main\" class=\"lost\"><h1>{0}</h1><p class=\"note\">{2}</p>"
+      "<p><a href=\"/\" class=\"button main\">To the first page</a></p></main></body></html>\n",
+      heading, style_links(), text));
+}
+
+// "/leaderboard" is the file /leaderboard.html. Names of assets change with their content.
+Response page(Context& context, const Request& request) {
+  const WebFile* found = find_file(request.path);
+  if (found == nullptr) {
+    if (request.path == "/") {
       return text_response("text/plain; charset=utf-8",
                            "This build of Enfilade has no web client in it: npm was not there. "
                            "The API is at /api/v1/, its description at /api/v1/openapi.json\n");
@@ -38,15 +82,17 @@ Response page(Context& context, const Request& request) {
     throw HttpError(404, "there is nothing here");
   }
   const bool packed = accepts_gzip(request);
-  Response response = text_response(
-      std::string(found->type), packed ? std::string(found->gzip) : detail::gunzip(found->gzip));
+  Response response =
+      text_response(std::string(found->type),
+                    packed ? std::string(found->gzip) : detail::gunzip(found->gzip, kMostBytes));
   if (packed) response.add_header("Content-Encoding", "gzip");
   response.add_header("Vary", "Accept-Encoding");
   response.add_header("ETag", fmt::format("\"{}\"", found->digest));
-  response.add_header("Cache-Control", path.starts_with("/assets/")
+  response.add_header("Cache-Control", found->path.starts_with("/assets/")
                                            ? "public, max-age=31536000, immutable"
                                            : "no-cache");
-  if (path == "/collect.html" || path == "/walk.html") allow_platform(context, request, response);
+  if (found->path == "/collect.html" || found->path == "/walk.html")
+    allow_platform(context, request, response);
   return response;
 }
 

@@ -16,9 +16,16 @@ using collecting::TaskState;
 using nlohmann::ordered_json;
 
 constexpr std::size_t kLongestReason = 500;
+constexpr std::int64_t kMostNumber = std::numeric_limits<std::int64_t>::max();
 
 bool may_know_secrets(const Request& request) {
   return request.is_from(accounts::Role::kOrganiser);
+}
+
+/// A number of the query; none if it is absent.
+std::optional<std::int64_t> number_of(const Request& request, std::string_view name) {
+  if (request.text(name).empty()) return std::nullopt;
+  return request.number(name, 0, 0, kMostNumber);
 }
 
 /// The query's state of submitted work; none: all.
@@ -35,10 +42,10 @@ std::optional<TaskState> state_of(const Request& request) {
 
 Response list_work(Context& context, const Request& request) {
   const collecting::Collection collection = collection_of(context, request);
-  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
   const collecting::WorkPage page = collecting::list_work(
-      context.db, collection.id, state_of(request), request.number("after", 0, 0, kMost),
-      request.number("limit", 50, 1, 200));
+      context.db, collection.id,
+      {state_of(request), number_of(request, "worker"), number_of(request, "path_id")},
+      request.number("after", 0, 0, kMostNumber), request.number("limit", 50, 1, 200));
   const auto view = [&request](const collecting::Task& task) {
     return collecting::work_json(task, may_know_secrets(request));
   };
@@ -46,10 +53,24 @@ Response list_work(Context& context, const Request& request) {
       {{"matching", page.matching}, {"work", detail::json_list(page.tasks, view)}});
 }
 
+template <collecting::SummaryBy By>
+Response summarise(Context& context, const Request& request) {
+  const collecting::Collection collection = collection_of(context, request);
+  const auto found = collecting::summarise_work(context.db, collection.id, By,
+                                                request.number("after", -1, -1, kMostNumber),
+                                                request.number("limit", 200, 1, 1000));
+  const auto view = [](const collecting::WorkSummary& one) {
+    return collecting::work_summary_json(one, By);
+  };
+  return json_response({{By == collecting::SummaryBy::kWorker ? "workers" : "paths",
+                         detail::json_list(found, view)}});
+}
+
 Response review(Context& context, const Request& request) {
   const ordered_json body = parse_object(request.body);
   const auto verdict = detail::find_named<TaskState>(text_field(body, "verdict"));
   const std::string reason = text_field(body, "reason", Presence::kOptional);
+  const std::string instruction = text_field(body, "instruction", Presence::kOptional);
   const bool needs_reason = verdict == TaskState::kRejected;
   if (!needs_reason && verdict != TaskState::kAccepted) {
     throw HttpError(400, "verdict: not \"accepted\" or \"rejected\"");
@@ -57,8 +78,9 @@ Response review(Context& context, const Request& request) {
   if (needs_reason ? !detail::is_prose(reason, kLongestReason) : !reason.empty()) {
     throw HttpError(400, "reason: of a rejection, 1 to 500 printable characters; else none");
   }
+  if (!instruction.empty()) collecting::check_instruction(instruction, "$.instruction");
   const std::int64_t task = task_of(request);
-  collecting::review(context.db, task, *verdict, reason, request.principal->name);
+  collecting::review(context.db, task, {*verdict, reason, instruction}, request.principal->name);
   return work_response(context, request, task);
 }
 
@@ -81,8 +103,12 @@ Response work_response(Context& context, const Request& request, std::int64_t id
 }
 
 void add_review_routes(Router& router) {
+  const std::string work = "/api/v1/collections/{collection}/work";
   const std::string task = "/api/v1/tasks/{task}";
-  router.add({"GET", "/api/v1/collections/{collection}/work", Access::kReviewer, list_work});
+  router.add({"GET", work, Access::kReviewer, list_work});
+  router.add(
+      {"GET", work + "/workers", Access::kReviewer, summarise<collecting::SummaryBy::kWorker>});
+  router.add({"GET", work + "/paths", Access::kReviewer, summarise<collecting::SummaryBy::kPath>});
   router.add({"PUT", task + "/review", Access::kReviewer, review});
   router.add({"PUT", task + "/instruction", Access::kReviewer, edit});
 }

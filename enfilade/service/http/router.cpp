@@ -54,7 +54,7 @@ Router::Match Router::find(std::string_view method, std::string_view path) const
     });
     if (!fits) continue;
     if (route.method != method) {
-      match.other_method = true;
+      match.methods.push_back(route.method);
       continue;
     }
     match.route = &route;

@@ -43,7 +43,7 @@ class Router {
   struct Match {
     const Route* route = nullptr;  ///< null: none
     Texts parameters;
-    bool other_method = false;  ///< the path is there, for other methods
+    std::vector<std::string> methods;  ///< if there is none: those that the path has routes for
   };
   Match find(std::string_view method, std::string_view path) const;
 

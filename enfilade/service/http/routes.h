@@ -24,6 +24,10 @@ void add_operation_routes(Router& router);
 
 /// A built page or asset of the web client. \throws HttpError 404
 Response page(Context& context, const Request& request);
+bool is_page(std::string_view path);  ///< whether page() has something there
+/// Gives an error the form that people read, a page, if a browser asked for one. Scripts and the
+/// API's clients get JSON.
+void show_to_people(const Request& request, Response& error);
 
 /// The collection that {collection} of the path names.
 /// \throws Refusal kNotFound if there is none

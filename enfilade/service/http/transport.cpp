@@ -4,22 +4,21 @@
 #include <httplib.h>
 #include <sys/socket.h>
 #include <algorithm>
-#include <atomic>
 #include <cctype>
 #include <chrono>
-#include <functional>
 #include <thread>
 #include <utility>
 
+#include "enfilade/service/detail/addresses.h"
 #include "enfilade/service/http/headers.h"
+#include "enfilade/service/http/sockets/body.h"
+#include "enfilade/service/http/sockets/connection.h"
 
 namespace enfilade::service::http {
 namespace {
 
 constexpr std::size_t kLongestTarget = 2048;
-constexpr int kReadSeconds = 5;       // between two pieces of a request
-constexpr int kKeepAliveSeconds = 2;  // an idle connection holds a thread for that long
-constexpr int kKeepAliveRequests = 1000;
+constexpr std::size_t kLeastRoom = 1U << 20U;  // for a body; what a worker submits
 
 std::string lower(std::string text) {
   std::ranges::transform(text, text.begin(),
@@ -27,8 +26,8 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// The last address of X-Forwarded-For: the one that the proxy itself saw.
-std::string forwarded_address(std::string_view header) {
+/// The last entry of a list: of X-Forwarded-For the address that the proxy itself saw.
+std::string last_entry(std::string_view header) {
   header = header.substr(header.rfind(',') + 1);  // without a comma npos + 1 = 0
   header.remove_prefix(std::min(header.find_first_not_of(' '), header.size()));
   return std::string(header);
@@ -38,23 +37,30 @@ Request convert(const httplib::Request& from, bool behind_proxy) {
   Request request;
   request.method = from.method == "HEAD" ? "GET" : from.method;
   request.path = from.path;
-  for (const auto& [name, value] : from.params) request.query.emplace(name, value);
-  for (const auto& [name, value] : from.headers) request.headers.emplace(lower(name), value);
+  // Not cpp-httplib's: of "?link=https://example.org/?a=1" it keeps "1".
+  request.query = parse_query(from.target);
+  for (const auto& [name, value] : from.headers) {
+    // Lines of one name are one list (RFC 9110, 5.3): proxies may add theirs to the client's.
+    const auto [at, added] = request.headers.emplace(lower(name), value);
+    if (!added) at->second += (at->first == "cookie" ? "; " : ", ") + value;
+  }
   request.address = from.remote_addr;
   if (behind_proxy && !request.header("x-forwarded-for").empty()) {
-    request.address = forwarded_address(request.header("x-forwarded-for"));
+    request.address = last_entry(request.header("x-forwarded-for"));
   }
+  const auto protocol = request.headers.find("x-forwarded-proto");
+  if (protocol != request.headers.end()) protocol->second = last_entry(protocol->second);
   return request;
 }
 
-enum class Connection { kStays, kCloses };
+enum class AfterAnswer { kStays, kCloses };
 
 // Sends the body by a provider of known length, because cpp-httplib does not compress those: the
 // App has compressed it already. A provider that returns false closes the connection.
-void convert(Response from, httplib::Response& to, Connection connection = Connection::kStays) {
+void convert(Response from, httplib::Response& to, AfterAnswer after = AfterAnswer::kStays) {
   to.status = from.status;
   for (auto& [name, value] : from.headers) to.set_header(name, value);
-  const bool closes = connection == Connection::kCloses;
+  const bool closes = after == AfterAnswer::kCloses;
   if (closes) to.set_header("Connection", "close");
   if (from.body->empty()) {
     to.set_header("Content-Type", from.type);
@@ -75,7 +81,7 @@ void convert(Response from, httplib::Response& to, Connection connection = Conne
 void refuse(int status, std::string_view message, httplib::Response& to) {
   Response response = error_response(status, message);
   add_security_headers(response);
-  convert(std::move(response), to, Connection::kCloses);
+  convert(std::move(response), to, AfterAnswer::kCloses);
 }
 
 bool may_have_body(std::string_view method) {
@@ -106,83 +112,28 @@ bool end_is_unclear(const httplib::Request& request) {
   return has_body(request) && length != "0" && !may_have_body(request.method);
 }
 
-/// The body of a request. Its bytes are taken from the connection once.
-class Body {
- public:
-  /// \param held bytes of bodies that are in memory, of all connections
-  Body(const httplib::ContentReader& reader, const ServerConfig& config,
-       std::atomic<std::size_t>& held)
-      : reader_(reader), config_(config), held_(held) {}
-  ~Body() { held_ -= kept_; }
-  Body(const Body&) = delete;
-  Body& operator=(const Body&) = delete;
-
-  /// All of it. \throws HttpError 413 if that is more than `most` bytes; 408, 400, 503
-  std::string read(std::size_t most) {
-    std::string body;
-    bool busy = false;
-    const auto late = deadline();
-    std::size_t size = 0;
-    begun_ = true;
-    whole_ = reader_([&](const char* data, std::size_t more) {
-      size += more;
-      if (size <= most && !busy) {
-        kept_ += more;
-        busy = (held_ += more) > kMostHeld * config_.most_submission_bytes;
-        body.append(data, more);
-      }
-      // A body that is too large is read to its end, up to a limit, so that the client gets the
-      // 413.
-      return !late() && size <= 2 * config_.most_submission_bytes;
-    });
-    if (late()) throw HttpError(408, "the body took too long");
-    if (size > most) {
-      throw HttpError(413, fmt::format("the body has more than {} bytes", most));
-    }
-    if (!whole_) throw HttpError(400, "the body broke off");
-    if (busy) throw HttpError(503, "too many large files at once; try again");
-    return body;
-  }
-
-  /// Reads a body that no route asked for. \returns whether the next request begins after it
-  bool finish() {
-    if (!begun_) {
-      try {
-        read(0);
-      } catch (const HttpError&) {  // of no interest
-      }
-    }
-    return whole_;
-  }
-
- private:
-  // Bodies of the largest size that may be in memory at a time.
-  static constexpr std::size_t kMostHeld = 8;
-
-  std::function<bool()> deadline() const {
-    const auto end =
-        std::chrono::steady_clock::now() + std::chrono::duration<double>(config_.body_seconds);
-    return [end] { return std::chrono::steady_clock::now() > end; };
-  }
-
-  const httplib::ContentReader& reader_;
-  const ServerConfig& config_;
-  std::atomic<std::size_t>& held_;
-  std::size_t kept_ = 0;
-  bool begun_ = false, whole_ = false;
-};
+/// Whether cpp-httplib would find none of our handlers, and keep the body, however long, before it
+/// says so: the method is one of HTTP/2, or the path has a line break, which `.*` does not match.
+bool matches_no_route(const httplib::Request& request) {
+  const auto control = [](char c) { return static_cast<unsigned char>(c) < ' '; };
+  return request.method == "PRI" || std::ranges::any_of(request.path, control);
+}
 
 }  // namespace
 
 struct Transport::Impl {
   App& app;
   ServerConfig config;
-  httplib::Server server;
+  sockets::BoundedServer server;
+  sockets::BodyRoom room;
   int port = 0;
-  std::atomic<std::size_t> held = 0;  // bytes of bodies
   std::thread listener;
 
-  Impl(App& its_app, const ServerConfig& its_config) : app(its_app), config(its_config) {
+  Impl(App& its_app, const ServerConfig& its_config)
+      : app(its_app),
+        config(its_config),
+        server(config.body_seconds),
+        room(std::max(config.most_submission_bytes, kLeastRoom)) {
     configure();
     route();
     port = config.port == 0 ? server.bind_to_any_port(config.host)
@@ -193,6 +144,7 @@ struct Transport::Impl {
           "this machine?",
           config.host, config.port));
     }
+    server.lengthen_queue();
     listener = std::thread([this] { server.listen_after_bind(); });
     while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -200,10 +152,6 @@ struct Transport::Impl {
   void configure() {
     const auto threads = static_cast<std::size_t>(config.threads);
     server.new_task_queue = [threads] { return new httplib::ThreadPool(threads); };
-    server.set_keep_alive_timeout(kKeepAliveSeconds);
-    server.set_keep_alive_max_count(kKeepAliveRequests);
-    server.set_read_timeout(kReadSeconds);
-    server.set_write_timeout(kReadSeconds);
     server.set_tcp_nodelay(true);
     // cpp-httplib's own choice, SO_REUSEPORT, would let two servers share a port and its requests.
     server.set_socket_options([](socket_t socket) {
@@ -223,6 +171,8 @@ struct Transport::Impl {
       } else if (from.path.size() > kLongestTarget) {
         // cpp-httplib matches targets with std::regex, which crashes on a long one.
         refuse(414, "the path is too long", to);
+      } else if (matches_no_route(from)) {
+        refuse(400, "this is no acceptable request", to);
       } else {
         return httplib::Server::HandlerResponse::Unhandled;
       }
@@ -234,9 +184,11 @@ struct Transport::Impl {
       if (to.has_header("Content-Security-Policy")) return;  // ours
       refuse(to.status, "this is no acceptable request", to);
     });
-    server.Get(".*", [this](const httplib::Request& from, httplib::Response& to) {
+    const auto without_body = [this](const httplib::Request& from, httplib::Response& to) {
       convert(app.handle(convert(from, config.behind_proxy)), to);
-    });
+    };
+    server.Get(".*", without_body);
+    server.Options(".*", without_body);  // has no route: the answer says which methods have one
     const auto with_body = [this](const httplib::Request& from, httplib::Response& to,
                                   const httplib::ContentReader& reader) {
       answer_with_body(from, to, reader);
@@ -257,10 +209,13 @@ struct Transport::Impl {
       refuse(415, "no route takes a form in parts", to);
       return;
     }
-    Body body(reader, config, held);
-    Response response = app.handle(convert(from, config.behind_proxy),
-                                   [&body](std::size_t most) { return body.read(most); });
-    convert(std::move(response), to, body.finish() ? Connection::kStays : Connection::kCloses);
+    Request request = convert(from, config.behind_proxy);
+    auto& own = const_cast<httplib::Request&>(from);  // as above
+    sockets::Body body(own, reader, detail::address_group(request.address), room,
+                       config.body_seconds);
+    Response response =
+        app.handle(std::move(request), [&body](std::size_t most) { return body.read(most); });
+    convert(std::move(response), to, body.finish() ? AfterAnswer::kStays : AfterAnswer::kCloses);
   }
 };
 

@@ -1,4 +1,4 @@
-/// \file  Sockets: passes requests to an App, by cpp-httplib. Only its source and client.cpp see
+/// \file  Passes requests to an App, by cpp-httplib. Only its source, sockets/ and client.cpp see
 /// cpp-httplib.
 #pragma once
 #include <memory>

@@ -1,9 +1,12 @@
 // For workers: joining by a link, getting a task, submitting it.
 #include <fmt/format.h>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "enfilade/service/collecting/collection_json.h"
+#include "enfilade/service/collecting/order.h"
 #include "enfilade/service/collecting/submitted_work.h"
+#include "enfilade/service/detail/json_limits.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/http/routes.h"
 
@@ -35,16 +38,47 @@ collecting::Parameters read_parameters(const std::string& body) {
   return parameters;
 }
 
-/// The present state of a visit; changes nothing.
-ordered_json state_of(Context& context, std::int64_t id) {
-  const Visit visit = collecting::get_visit(context.db, id);
+/// More tasks than that are not counted for a worker, who will not do them today; counting them
+/// would take a millisecond of each answer.
+constexpr std::int64_t kMostCounted = 100;
+
+/// How the visit stands; changes nothing.
+collecting::VisitState state_of(Context& context, const Collection& collection, std::int64_t id) {
+  store::Database& db = context.db;
+  const auto held = db.hold();
+  const Visit visit = collecting::get_visit(db, id);
+  collecting::VisitState state;
+  state.visit = visit;
+  state.task = collecting::held_task(db, visit);
+  const std::int64_t held_work = state.task && !state.task->item.practice ? 1 : 0;
+  const std::int64_t most = collection.tasks_per_visit;
+  const std::int64_t open =
+      collecting::count_open_items(db, collection, visit.worker, most > 0 ? most : kMostCounted);
+  if (most > 0) {
+    state.of = std::min(most, visit.done + held_work + open);
+  } else if (open < kMostCounted) {
+    state.of = visit.done + held_work + open;
+  }
+  state.practice = collecting::count_practice(db, collection, visit.worker);
+  state.finished = collecting::is_finished(collection, visit);
+  state.screened_out = collecting::is_screened_out(db, visit.worker);
+  if (visit.consented && !state.task && !state.finished && open + state.practice > 0) {
+    state.questions = collecting::pending_questions_of(db, collection, visit);
+  }
+  state.rejected = collecting::rejected_of(db, visit);
+  if (collection.kind == collecting::Kind::kWalk && visit.done_by_worker > 0 &&
+      collecting::has_had_all(db, collection, visit)) {
+    state.bonuses = visit.bonuses;
+  }
+  return state;
+}
+ordered_json visit_of(Context& context, std::int64_t id) {
   const Collection collection = collecting::collection_of_visit(context.db, id);
-  return collecting::visit_json(collection, visit, collecting::held_task(context.db, visit),
-                                collecting::is_finished(collection, visit));
+  return collecting::visit_json(collection, state_of(context, collection, id));
 }
 
 Response visit_response(Context& context, const Request& request) {
-  return json_response(state_of(context, request.principal->visit));
+  return json_response(visit_of(context, request.principal->visit));
 }
 
 Response join(Context& context, const Request& request) {
@@ -70,7 +104,7 @@ Response join(Context& context, const Request& request) {
   const std::string label =
       fmt::format("worker {}", collecting::get_visit(context.db, visit).worker);
   out["token"] = accounts::add_worker_token(context.db, visit, label);
-  out["visit"] = state_of(context, visit);
+  out["visit"] = visit_of(context, visit);
   return json_response(out);
 }
 
@@ -83,12 +117,36 @@ Response next_task(Context& context, const Request& request) {
   using collecting::NoTask;
   const Visit visit = own_visit(context, request);
   const Collection collection = collecting::collection_of_visit(context.db, visit.id);
+  const auto held = context.db.hold();
   const collecting::Lease lease = collecting::lease_task(context.db, collection, visit);
-  const bool finished =
+  collecting::VisitState state = state_of(context, collection, visit.id);
+  state.finished =
       !lease.task && (lease.why == NoTask::kFinished || lease.why == NoTask::kNoneLeft);
-  ordered_json out = collecting::visit_json(collection, visit, lease.task, finished);
+  ordered_json out = collecting::visit_json(collection, state);
   if (!lease.task) out["why"] = detail::name_of(lease.why);
   return json_response(out);
+}
+
+/// {"answers": [{"question": 3, "choice": "Yes"}, ...]}
+Response answer_questions(Context& context, const Request& request) {
+  const ordered_json body = parse_object(request.body);
+  const auto answers = body.find("answers");
+  if (answers == body.end() || !answers->is_array()) {
+    throw HttpError(400, "answers: must be there, and a list");
+  }
+  const Visit visit = own_visit(context, request);
+  const Collection collection = collecting::collection_of_visit(context.db, visit.id);
+  context.db.transact([&] {
+    for (const ordered_json& one : *answers) {
+      const auto question = one.is_object() ? one.find("question") : one.end();
+      if (!one.is_object() || question == one.end() || !question->is_number_integer()) {
+        throw HttpError(400, "answers: not a list of {\"question\": number, \"choice\": text}");
+      }
+      collecting::answer(context.db, collection.id, visit.worker, question->get<std::int64_t>(),
+                         text_field(one, "choice"));
+    }
+  });
+  return visit_response(context, request);
 }
 
 Response show_task(Context& context, const Request& request) {
@@ -99,17 +157,12 @@ Response show_task(Context& context, const Request& request) {
       collecting::own_task(context.db, own_visit(context, request), task_of(request))));
 }
 
-/// \throws HttpError 400 for a deep body: writing it again would take much time and stack
+/// \throws HttpError 400 for a body beyond detail::kWorkLimits
 nlohmann::json parse_draft(const std::string& text) {
-  static constexpr int kDeepest = 16;
-  const auto check_depth = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
-    if (depth > kDeepest) {
-      throw HttpError(400, fmt::format("the draft is deeper than {}", kDeepest));
-    }
-    return true;
-  };
+  const std::string found = json::excess(text, detail::kWorkLimits);
+  if (!found.empty()) throw HttpError(400, "the draft has " + found);
   // Not ordered_json, which compares each name of an object with all before it.
-  return nlohmann::json::parse(text, check_depth, false);
+  return nlohmann::json::parse(text, nullptr, false);
 }
 
 Response save_draft(Context& context, const Request& request) {
@@ -136,11 +189,11 @@ Response submit(Context& context, const Request& request) {
       walk ? collecting::read_walk(request.body, task.item, context.site->graphs())
            : collecting::read_instruction(request.body);
   collecting::submit(context.db, visit, task.id, work);
-  ordered_json out = state_of(context, visit.id);
-  if (walk) {
-    out["walked"] = ordered_json::object();
-    const Task done = collecting::own_task(context.db, visit, task.id);
-    if (!done.item.secret) out["walked"]["bonus"] = done.bonus();
+  ordered_json out = visit_of(context, visit.id);
+  // Of other tasks nothing is told: neither whether the goal was reached, nor how far it was. The
+  // same path may come again with other words.
+  if (task.item.practice) {
+    out["practised"] = collecting::practice_json(collecting::own_task(context.db, visit, task.id));
   }
   return json_response(out);
 }
@@ -155,6 +208,7 @@ void add_work_routes(Router& router) {
   router.add({"POST", "/api/v1/collections/{collection}/join", Access::kPublic, join});
   router.add({"GET", visit, Access::kWorker, visit_response});
   router.add({"PUT", visit + "/consent", Access::kWorker, give_consent});
+  router.add({"PUT", visit + "/answers", Access::kWorker, answer_questions});
   router.add({"POST", visit + "/task", Access::kWorker, next_task});
   router.add({"GET", task, Access::kPublic, show_task});
   router.add({"DELETE", task, Access::kWorker, return_task});

@@ -5,10 +5,12 @@
 #include <ctime>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -26,10 +28,12 @@ namespace enfilade::service::store {
 class Database {
  public:
   /// Opens the file, creates it if it is missing, and brings its schema up to date, each migration
-  /// in a transaction of its own.
+  /// in a transaction of its own. Only its owner may read it then: it has people's texts and, of
+  /// walks, secret goals. An existing file that others may read is closed to them.
   /// \param clock returns seconds since 1970, and may be called from any thread; empty: the
   /// system's clock
-  /// \throws FileError if it can't be opened, or was made by a newer Enfilade
+  /// \throws FileError if it can't be opened or written, was made by a newer Enfilade, or others
+  /// may read it and that can't be changed
   explicit Database(const std::filesystem::path& file, std::function<std::int64_t()> clock = {});
 
   /// Seconds since 1970, by the clock of the constructor.
@@ -40,8 +44,8 @@ class Database {
   template <class... Values>
   int run(const std::string& sql, const Values&... values) {
     const auto held = hold();
-    SQLite::Statement statement = prepare(sql, values...);
-    return statement.exec();
+    const Use use = prepare(sql, values...);
+    return use->exec();
   }
   /// As run(), for an INSERT. \returns the new row's id
   template <class... Values>
@@ -54,18 +58,18 @@ class Database {
   template <class T, class... Values>
   std::vector<T> select(const std::string& sql, const Values&... values) {
     const auto held = hold();
-    SQLite::Statement statement = prepare(sql, values...);
+    const Use use = prepare(sql, values...);
     std::vector<T> found;
-    while (statement.executeStep()) Row(statement).read(found.emplace_back());
+    while (use->executeStep()) Row(*use).read_whole(found.emplace_back());
     return found;
   }
   /// The first row of a SELECT; none if it has no row.
   template <class T, class... Values>
   std::optional<T> find(const std::string& sql, const Values&... values) {
     const auto held = hold();
-    SQLite::Statement statement = prepare(sql, values...);
+    const Use use = prepare(sql, values...);
     std::optional<T> found;
-    if (statement.executeStep()) Row(statement).read(found.emplace());
+    if (use->executeStep()) Row(*use).read_whole(found.emplace());
     return found;
   }
   /// The only row of a SELECT. \throws LookupError if it has no row
@@ -101,24 +105,46 @@ class Database {
   /// state. The thread that has it may go on calling all functions. \pre *this outlives the lock
   std::unique_lock<std::recursive_mutex> hold() { return std::unique_lock(mutex_); }
 
+  const std::filesystem::path& file() const noexcept { return file_; }
+  /// Whether the file that was opened is still there under its name: of one that was removed or
+  /// replaced, all that is written is lost.
+  bool is_in_place() const;
+  /// Reads a row of every table, by a connection of its own, from the file rather than from memory.
+  /// \throws SQLite::Exception or FileError if that fails
+  void check_readable() const;
+  /// Writes a few bytes that say nothing new, to the disk. \throws SQLite::Exception if that fails
+  void check_writable();
+
  private:
+  // Ends the use of a statement, not the statement: it holds no lock and no values then.
+  struct EndUse {
+    void operator()(SQLite::Statement* statement) const noexcept;
+  };
+  using Use = std::unique_ptr<SQLite::Statement, EndUse>;
+
   template <class... Values>
-  SQLite::Statement prepare(const std::string& sql, const Values&... values) {
-    SQLite::Statement statement(db_, sql);
+  Use prepare(const std::string& sql, const Values&... values) {
+    Use use(&prepared(sql));
     int k = 0;
-    (bind(statement, ++k, values), ...);
-    return statement;
+    (bind(*use, ++k, values), ...);
+    return use;
   }
+  SQLite::Statement& prepared(const std::string& sql);
   void migrate();
 
   std::recursive_mutex mutex_;
-  std::string file_;
+  std::filesystem::path file_;
   std::function<std::int64_t()> clock_;
   SQLite::Database db_;
+  // By their texts. To prepare one takes longer than to run it, and there are not many texts.
+  std::unordered_map<std::string, SQLite::Statement> statements_;
+  std::pair<std::uint64_t, std::uint64_t>
+      identity_;  // device and inode of the file as it was opened
 };
 
 /// Copies a database, also while a server uses it. The copy is written beside its place and then
-/// renamed, so that it is never there in part; an older copy of that name is replaced.
+/// renamed, so that it is never there in part; an older copy of that name is replaced. Only its
+/// owner may read it.
 /// \throws FileError naming the file that cannot be opened, read or written
 void back_up(const std::filesystem::path& database, const std::filesystem::path& copy);
 

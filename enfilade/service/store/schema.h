@@ -6,7 +6,7 @@ namespace enfilade::service::store {
 
 /// Migration k takes a database of version k to version k + 1. A released migration never
 /// changes: a change of the schema is a new one at the end. Times are seconds since 1970.
-inline constexpr std::array<const char*, 2> kMigrations{
+inline constexpr std::array<const char*, 3> kMigrations{
     // 1: evaluation
     R"sql(
 CREATE TABLE team (
@@ -166,6 +166,72 @@ DROP TABLE token;
 ALTER TABLE token_2 RENAME TO token;
 ALTER TABLE session_2 RENAME TO session;
 CREATE INDEX token_worker ON token (expires) WHERE role = 'worker';
+)sql",
+    // 3: secret goals. Teams that were there before are not approved: whoever made them may have
+    // made thirty. Collections: the order of tasks, questions, times by the server's clock.
+    R"sql(
+ALTER TABLE team ADD COLUMN approved INTEGER;  -- when; NULL: it is not
+ALTER TABLE submission ADD COLUMN shown REAL;  -- primary metric that a ladder showed
+ALTER TABLE submission ADD COLUMN ends BLOB;   -- evaluation/near_copies.h
+ALTER TABLE submission ADD COLUMN near_copy_of INTEGER REFERENCES submission (id);
+ALTER TABLE submission ADD COLUMN differing INTEGER;  -- episodes that end elsewhere than in that
+ALTER TABLE submission ADD COLUMN paper TEXT NOT NULL DEFAULT '';  -- https addresses
+ALTER TABLE submission ADD COLUMN code TEXT NOT NULL DEFAULT '';
+
+CREATE TABLE attempt (  -- a file that was checked
+  id INTEGER PRIMARY KEY,
+  team INTEGER NOT NULL REFERENCES team (id),
+  phase TEXT NOT NULL,
+  address TEXT NOT NULL,  -- a hash with a key
+  created INTEGER NOT NULL,
+  submission INTEGER REFERENCES submission (id)  -- NULL: it was refused
+) STRICT;
+CREATE INDEX attempt_address ON attempt (address, phase, created);
+CREATE INDEX attempt_refused ON attempt (phase, team, created) WHERE submission IS NULL;
+
+CREATE TABLE phase_end (  -- phases with secret goals whose last scores were shown
+  phase TEXT PRIMARY KEY,
+  at INTEGER NOT NULL
+) STRICT;
+
+CREATE TABLE secret (
+  name TEXT PRIMARY KEY,
+  value TEXT NOT NULL
+) STRICT;
+
+ALTER TABLE collection ADD COLUMN archived INTEGER;  -- when; NULL: it is not
+ALTER TABLE collection ADD COLUMN seed INTEGER NOT NULL DEFAULT 0;  -- of the order of tasks
+ALTER TABLE collection ADD COLUMN pay TEXT NOT NULL DEFAULT '';
+ALTER TABLE collection ADD COLUMN minutes REAL NOT NULL DEFAULT 0;  -- a task takes; 0: not said
+ALTER TABLE collection ADD COLUMN check_every INTEGER NOT NULL DEFAULT 3;
+ALTER TABLE collection ADD COLUMN screen_out_code TEXT NOT NULL DEFAULT '';
+ALTER TABLE collection ADD COLUMN consent_changed INTEGER NOT NULL DEFAULT 0;
+
+ALTER TABLE item ADD COLUMN practice INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE item ADD COLUMN block INTEGER NOT NULL DEFAULT 0;  -- collecting/order.h
+UPDATE item SET block = id / 20;
+CREATE INDEX item_open ON item (collection, practice, block) WHERE state <> 'complete';
+
+ALTER TABLE task ADD COLUMN leased INTEGER NOT NULL DEFAULT 0;  -- at first; 0: it was not kept
+
+CREATE TABLE question (
+  id INTEGER PRIMARY KEY,
+  collection INTEGER NOT NULL REFERENCES collection (id),
+  stage TEXT NOT NULL CHECK (stage IN ('screening', 'check')),
+  text TEXT NOT NULL,
+  choices TEXT NOT NULL,  -- a line each
+  accepted TEXT NOT NULL  -- those of the choices that are right
+) STRICT;
+CREATE INDEX question_collection ON question (collection);
+
+CREATE TABLE answer (
+  question INTEGER NOT NULL REFERENCES question (id),
+  worker INTEGER NOT NULL REFERENCES worker (id),
+  choice TEXT NOT NULL,
+  accepted INTEGER NOT NULL,
+  at INTEGER NOT NULL,
+  PRIMARY KEY (worker, question)
+) STRICT;
 )sql"};
 
 }  // namespace enfilade::service::store

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/service/detail/names.h"
 
@@ -51,6 +52,13 @@ void bind(SQLite::Statement& statement, int k, const std::optional<T>& value) {
 class Row {
  public:
   explicit Row(SQLite::Statement& statement) : statement_(statement) {}
+
+  /// read(), for a T that all columns belong to.
+  template <class T>
+  void read_whole(T& value) {
+    read(value);
+    EN_CHECK_EQ(column_, statement_.getColumnCount());
+  }
 
   template <class T>
   void read(T& value) {

@@ -1,0 +1,46 @@
+/// \file  The names that a server goes by, in the headers Host and Origin. By them it tells its own
+/// visitors from those of a page that has its name resolved to this machine (DNS rebinding).
+#pragma once
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace enfilade::service::detail {
+
+/// What stands in a Host header: "vln.example.org", "10.0.0.3:8080", "[::1]:8080".
+struct Host {
+  std::string name;  ///< in lower case, without a dot at its end; of IPv6 with the brackets
+  std::string port;  ///< "" if none is written
+};
+
+/// None for a text of another form; names have letters, digits, ".", "-" and "_". Any thread.
+std::optional<Host> parse_host(std::string_view text);
+
+/// Whether a page of that Origin ("https://vln.example.org") is of the site that `host` names:
+/// the same name and the same port, where 80 and 443 go without saying. Any thread.
+bool is_same_site(std::string_view origin, const Host& host);
+
+/// The names of one server. Immutable: any thread may read it.
+class OwnNames {
+ public:
+  /// \param interface  that the server listens on: an address or a name. If it is more than this
+  /// machine's own, the name of the machine is one of the server's, alone and before ".local"
+  /// \param given  names by which visitors reach it, "vln.example.org", without a port
+  /// \throws ArgumentError for one of `given` that is no name
+  OwnNames(const std::string& interface, const std::vector<std::string>& given);
+
+  /// Whether a request for that host was meant for this server: one of its names, "localhost", or
+  /// any address, as nobody can have an address resolved to another one. The port does not matter:
+  /// tunnels and containers change it.
+  bool contains(const Host& host) const;
+  /// Whether a page of that Origin is of one of the names that were given: behind a proxy, Host may
+  /// be another.
+  bool is_given(std::string_view origin) const;
+
+ private:
+  std::set<std::string, std::less<>> given_, machine_;
+};
+
+}  // namespace enfilade::service::detail

@@ -1,0 +1,130 @@
+#include "enfilade/service/evaluation/leakage.h"
+
+#include <gtest/gtest.h>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/service/evaluation/shown_metrics.h"
+#include "tests/support/graphs.h"
+
+namespace enfilade::service::evaluation {
+namespace {
+
+Phase secret_phase(Scores scores) {
+  Phase phase;
+  phase.name = "test";
+  phase.annotations = "secret.json";
+  phase.scores = scores;
+  phase.per_team = 20;
+  return phase;
+}
+
+/// How many different answers a ladder can give to n submissions with L levels, by trying all
+/// sequences of scores.
+std::size_t count_transcripts(int submissions, int levels) {
+  std::set<std::vector<int>> transcripts;
+  const std::function<void(std::vector<int>, int)> go_on = [&](std::vector<int> shown, int best) {
+    if (static_cast<int>(shown.size()) == submissions) {
+      transcripts.insert(shown);
+      return;
+    }
+    for (int score = 0; score < levels; ++score) {
+      std::vector<int> next = shown;
+      const bool better = score > best;
+      next.push_back(better ? score : -1);
+      go_on(next, better ? score : best);
+    }
+  };
+  go_on({}, -1);
+  return transcripts.size();
+}
+
+TEST(Leakage, ALadderGivesAwayTheLogarithmOfItsTranscripts) {
+  for (int submissions = 0; submissions <= 5; ++submissions) {
+    for (int levels = 1; levels <= 5; ++levels) {
+      EXPECT_NEAR(ladder_bits(submissions, levels),
+                  std::log2(static_cast<double>(count_transcripts(submissions, levels))), 1e-9)
+          << submissions << " " << levels;
+    }
+  }
+}
+
+TEST(Leakage, ARowGivesAwayWhichAndHowGood) {
+  // 7 metrics on 0, 0.5, 1 would be log2 3 each; metres are 0, 5, ... 30.
+  Phase phase = secret_phase(Scores::kAfterEnd);
+  phase.step = 0.5;
+  EXPECT_NEAR(row_bits(phase, 8), 3 + 6 * std::log2(3) + std::log2(7), 1e-9);
+  EXPECT_EQ(row_bits(phase, 0), 0);
+}
+
+TEST(Leakage, WhatIsNotShownGivesNothingAway) {
+  const std::vector<std::int64_t> submissions{20, 3};
+  EXPECT_EQ(used_bits(secret_phase(Scores::kAfterEnd), submissions, false), 0);
+  EXPECT_EQ(used_bits(secret_phase(Scores::kHidden), submissions, true), 0);
+  EXPECT_EQ(most_bits(secret_phase(Scores::kHidden)), 0);
+  EXPECT_EQ(most_bits(Phase{}), 0);  // of open goals there is nothing to give away
+}
+
+TEST(Leakage, TeamsAddUp) {
+  const Phase phase = secret_phase(Scores::kLadder);
+  const std::vector<std::int64_t> submissions{20, 3};
+  const double before = ladder_bits(20, 101) + ladder_bits(3, 101);
+  EXPECT_NEAR(used_bits(phase, submissions, false), before, 1e-9);
+  EXPECT_NEAR(used_bits(phase, submissions, true),
+              before + row_bits(phase, 20) + row_bits(phase, 3), 1e-9);
+  EXPECT_NEAR(most_bits(phase), phase.teams * team_bits(phase, 20, true), 1e-9);
+}
+
+TEST(Leakage, WithoutALimitThereIsNoBound) {
+  Phase phase = secret_phase(Scores::kAfterEnd);
+  phase.per_team.reset();
+  EXPECT_EQ(most_bits(phase), std::numeric_limits<double>::infinity());
+}
+
+TEST(Leakage, AGoalIsAnyViewpointInReachOfItsStart) {
+  // A square of four, and a fifth viewpoint that nobody can reach.
+  const auto graph =
+      graph::testing::connectivity("scan", {{0, 0, 1}, {2, 0, 1}, {2, 2, 1}, {0, 2, 1}, {9, 9, 1}},
+                                   {{0, 1}, {1, 2}, {2, 3}, {3, 0}});
+  std::vector<graph::NavGraph> graphs;
+  graphs.emplace_back(graph);
+  r2r::Annotations annotations{"test", "", {}};
+  for (std::int64_t id = 1; id <= 2; ++id) {
+    // Three instructions of a path have one goal.
+    annotations.paths.push_back(
+        {id, "scan", Radians(0), {"v0", "v1", "v2"}, 4.0, {"Walk.", "Go.", "Move."}});
+  }
+  const auto episodes = r2r::make_episodes(annotations, graph::GraphSet::of(std::move(graphs)));
+  EXPECT_EQ(episodes.episodes.size(), 6U);
+  EXPECT_NEAR(goal_bits(episodes), 2 * std::log2(3), 1e-9);
+}
+
+TEST(Leakage, AGridHasAsManyValuesAsItSays) {
+  for (const double step : {0.001, 0.01, 0.02, 0.03, 0.05, 0.1, 0.3, 0.5}) {
+    Phase phase = secret_phase(Scores::kAfterEnd);
+    phase.step = step;
+    for (const Quantity quantity : {Quantity::kOfGoals, Quantity::kToGoal}) {
+      const Grid grid = grid_of(phase, quantity);
+      std::set<double> values;
+      for (int k = 0; k <= 100'000; ++k) values.insert(grid.round(grid.most * k / 100'000));
+      EXPECT_EQ(static_cast<std::int64_t>(values.size()), grid.levels()) << step;
+      for (const double value : values) EXPECT_EQ(grid.round(value), value);
+    }
+  }
+}
+
+TEST(Leakage, WhatIsBeyondAGridIsItsEnd) {
+  const Grid metres = grid_of(secret_phase(Scores::kAfterEnd), Quantity::kToGoal);
+  EXPECT_EQ(metres.round(1234), 30);
+  EXPECT_EQ(metres.round(std::numeric_limits<double>::infinity()), 30);
+  EXPECT_EQ(metres.round(0.07), 0.1);
+  EXPECT_EQ(grid_of(secret_phase(Scores::kAfterEnd), Quantity::kOfGoals).round(0.0749), 0.07);
+}
+
+}  // namespace
+}  // namespace enfilade::service::evaluation

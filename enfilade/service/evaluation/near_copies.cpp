@@ -1,0 +1,67 @@
+#include "enfilade/service/evaluation/near_copies.h"
+
+#include <algorithm>
+
+#include "enfilade/service/store/database.h"
+
+namespace enfilade::service::evaluation {
+namespace {
+
+constexpr std::size_t kBytes = 4;  // of an episode
+// Rows read at a time: 16 of R2R's largest split are 270 kB.
+constexpr int kRowsAtOnce = 16;
+
+}  // namespace
+
+std::string trajectory_ends(const std::vector<r2r::Trajectory>& trajectories) {
+  std::string bytes;
+  bytes.reserve(kBytes * trajectories.size());
+  for (const r2r::Trajectory& trajectory : trajectories) {
+    std::uint32_t end = trajectory.points.back().viewpoint.value;
+    for (std::size_t k = 0; k < kBytes; ++k, end >>= 8U) {
+      bytes.push_back(static_cast<char>(end & 0xFFU));
+    }
+  }
+  return bytes;
+}
+
+std::optional<std::size_t> count_differing(std::string_view ends, std::string_view other) {
+  if (ends.size() != other.size()) return std::nullopt;
+  std::size_t count = 0;
+  for (std::size_t at = 0; at < ends.size(); at += kBytes) {
+    if (ends.substr(at, kBytes) != other.substr(at, kBytes)) ++count;
+  }
+  return count;
+}
+
+std::size_t most_differing(std::size_t episodes) noexcept {
+  return std::min(std::max<std::size_t>(5, episodes / 50), episodes / 4);
+}
+
+std::optional<NearCopy> find_near_copy(store::Database& db, const std::vector<std::string>& phases,
+                                       std::int64_t id, std::string_view ends) {
+  const std::size_t most = most_differing(ends.size() / kBytes);
+  std::optional<NearCopy> nearest;
+  for (const std::string& phase : phases) {
+    for (std::int64_t after = 0;;) {
+      const auto rows = db.select<std::tuple<std::int64_t, std::string>>(
+          "SELECT id, ends FROM submission WHERE phase = ? AND id > ? AND id < ? AND ends IS NOT "
+          "NULL ORDER BY id LIMIT ?",
+          phase, after, id, kRowsAtOnce);
+      for (const auto& [other, its_ends] : rows) {
+        after = other;
+        const auto differing = count_differing(ends, its_ends);
+        if (!differing || *differing > most) continue;
+        const NearCopy copy{other, static_cast<std::int64_t>(*differing)};
+        if (!nearest ||
+            std::tie(copy.differing, copy.of) < std::tie(nearest->differing, nearest->of)) {
+          nearest = copy;
+        }
+      }
+      if (rows.size() < static_cast<std::size_t>(kRowsAtOnce)) break;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace enfilade::service::evaluation

@@ -1,0 +1,45 @@
+/// \file  Submissions that equal an earlier one in all but a few episodes. Changing a little at a
+/// time is how goals are read from scores; so organisers are told. Teams are not, and nothing is
+/// refused: who tunes a method may submit such files too.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "enfilade/r2r/results.h"
+
+namespace enfilade::service::store {
+class Database;
+}
+
+namespace enfilade::service::evaluation {
+
+/// Where each trajectory ends, 4 bytes an episode in their order: success and navigation error
+/// depend on nothing else of it, and detours, turns and another order of the file change nothing.
+/// The bytes of two files on the same graphs can be compared.
+std::string trajectory_ends(const std::vector<r2r::Trajectory>& trajectories);
+
+/// How many episodes end elsewhere; none if the two are of different numbers of episodes.
+std::optional<std::size_t> count_differing(std::string_view ends, std::string_view other);
+
+/// How many episodes of a near-copy may end elsewhere: 5 or 2 %, whichever is more, but no more
+/// than a quarter.
+std::size_t most_differing(std::size_t episodes) noexcept;
+
+/// An earlier submission, of whatever team, and how many episodes end elsewhere.
+struct NearCopy {
+  std::int64_t of = 0;
+  std::int64_t differing = 0;
+  auto columns() { return std::tie(of, differing); }
+};
+
+/// The nearest of the submissions before `id` in these phases, the first of several; none if all
+/// differ in more than most_differing() episodes. \param phases with the same episodes
+std::optional<NearCopy> find_near_copy(store::Database& db, const std::vector<std::string>& phases,
+                                       std::int64_t id, std::string_view ends);
+
+}  // namespace enfilade::service::evaluation

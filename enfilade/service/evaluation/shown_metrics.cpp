@@ -1,0 +1,37 @@
+#include "enfilade/service/evaluation/shown_metrics.h"
+
+#include <cmath>
+
+#include "enfilade/core/check.h"
+
+namespace enfilade::service::evaluation {
+namespace {
+
+// 0.01 of shares are 0.1 m: what papers' tables show of both.
+constexpr double kMetresOfStep = 10;
+// Longer than what agents of any published table are away on average; a bound has to be there, as
+// an unbounded number could give away any number of bits.
+constexpr double kMostMetres = 30;
+
+std::int64_t last_level(const Grid& grid) { return std::llround(grid.most / grid.step); }
+
+}  // namespace
+
+std::int64_t Grid::levels() const { return last_level(*this) + 1; }
+
+double Grid::round(double value) const {
+  const auto last = static_cast<double>(last_level(*this));
+  const double level = std::isfinite(value) ? std::round(value / step) : last;
+  // Counted from the larger part of a whole where there is one: 0.07, not 0.07000000000000001.
+  const double parts = std::round(1 / step);
+  const double kept = std::fmin(std::fmax(level, 0), last);
+  return std::abs(parts * step - 1) < 1e-9 ? kept / parts : kept * step;
+}
+
+Grid grid_of(const Phase& phase, Quantity quantity) {
+  EN_CHECK(quantity != Quantity::kWalked);
+  return quantity == Quantity::kOfGoals ? Grid{phase.step, 1}
+                                        : Grid{kMetresOfStep * phase.step, kMostMetres};
+}
+
+}  // namespace enfilade::service::evaluation

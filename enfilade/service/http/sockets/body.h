@@ -1,0 +1,83 @@
+/// \file  Bodies of requests: read within limits of their own, and of all of them together.
+#pragma once
+#include <httplib.h>
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace enfilade::service::http::sockets {
+
+/// Bodies of up to so many bytes are not counted: with a thread each, they are few. They are what
+/// pages and scripts send all the time.
+inline constexpr std::size_t kSmallBody = 16U << 10U;
+
+/// What the larger bodies of all requests may take. Any thread may use it at any time.
+class BodyRoom {
+ public:
+  /// \param largest  body that a route takes. There is room for four such bodies, two of them from
+  /// one address: nobody can take it all alone
+  explicit BodyRoom(std::size_t largest) : largest_(largest) {}
+
+  /// Takes room for a body. \returns whether there was enough
+  bool take(const std::string& address, std::size_t bytes);
+  void give_back(const std::string& address, std::size_t bytes);
+
+  /// Waits until no other body of that kind is parsed, because that takes several times the body's
+  /// bytes. There are two kinds: of up to 1 MiB, and larger, so that workers need not wait while a
+  /// results file is checked. \returns the turn, which ends with it
+  std::unique_lock<std::mutex> wait_for_turn(std::size_t bytes);
+
+ private:
+  static constexpr std::size_t kBodies = 4;
+  static constexpr std::size_t kBodiesOfAddress = 2;
+
+  std::size_t largest_;
+  std::mutex mutex_;
+  std::size_t taken_ = 0;
+  std::map<std::string, std::size_t> by_address_;
+  std::array<std::mutex, 2> turns_;
+};
+
+/// The body of a request. Its bytes are taken from the connection once. Belongs to one thread; its
+/// room and its turn end with it.
+class Body {
+ public:
+  /// \param request  loses its Content-Encoding: cpp-httplib would unpack the body, however large
+  /// \param address  of the client  \param seconds  longest time that the body may take
+  /// \pre reader and room outlive *this
+  Body(httplib::Request& request, const httplib::ContentReader& reader, std::string address,
+       BodyRoom& room, double seconds);
+  ~Body();
+  Body(const Body&) = delete;
+  Body& operator=(const Body&) = delete;
+
+  /// All of it, unpacked. Waits for a turn if it is large.
+  /// \throws HttpError 413 for more than `most` bytes, or a body that unpacks to more than 200
+  /// times its size; 503 if there is no room, both without reading on; 408, 400; 415 for an
+  /// encoding other than gzip
+  std::string read(std::size_t most);
+  /// Reads a small body that no route asked for. \returns whether the next request begins after it
+  bool finish();
+
+ private:
+  void take_room(std::size_t bytes);
+  void keep_room(std::size_t bytes);
+  void read_pieces(const std::function<void(std::string_view)>& take);
+  void read_packed(const std::function<void(std::string_view)>& take);
+
+  const httplib::ContentReader& reader_;
+  BodyRoom& room_;
+  std::string address_, coding_;
+  std::optional<std::size_t> length_;  // as it is sent, if that is said
+  double seconds_;
+  std::size_t taken_ = 0;  // room, in bytes
+  bool begun_ = false, whole_ = false;
+  std::unique_lock<std::mutex> turn_;
+};
+
+}  // namespace enfilade::service::http::sockets

@@ -1,0 +1,31 @@
+/// \file  Connections with limits that cpp-httplib lacks.
+#pragma once
+#include <httplib.h>
+
+namespace enfilade::service::http::sockets {
+
+/// cpp-httplib's server, over connections of our own. cpp-httplib 0.11 keeps lines and headers
+/// without a limit and lets a client send them a byte at a time for ever; and it closes a
+/// connection while the client still sends, so that the client may never see the answer. Here,
+/// - the head of a request has at most 64 KiB, and arrives within 10 s of its first byte, or within
+///   the time of a body if that is less;
+/// - a line (of the head, or the length of a chunk) has at most 8 KiB;
+/// - what a client sends after an answer that ends its connection is read, and forgotten, for some
+///   seconds.
+class BoundedServer : public httplib::Server {
+ public:
+  /// \param body_seconds  longest time that a client may take to send a body, and to go on sending
+  /// one after the answer
+  explicit BoundedServer(double body_seconds) : body_seconds_(body_seconds) {}
+
+  /// Lets more clients connect at the same moment than cpp-httplib's 5; the others would have to
+  /// try again after a second. \pre bound
+  void lengthen_queue();
+
+ private:
+  bool process_and_close_socket(socket_t socket) override;
+
+  double body_seconds_;
+};
+
+}  // namespace enfilade::service::http::sockets

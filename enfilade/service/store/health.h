@@ -1,0 +1,63 @@
+/// \file  Whether a server's database and disk do their work.
+#pragma once
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "enfilade/service/store/database.h"
+
+namespace enfilade::service::store {
+
+/// What keeps a server from its work, in words that monitors may match.
+enum class Trouble : std::uint8_t {
+  kDiskFull,            ///< less room than stated is left, or SQLite found none
+  kDatabaseReplaced,    ///< the file was moved, removed or replaced while it was open
+  kDatabaseUnreadable,  ///< it cannot be opened, or a table of it cannot be read
+  kDatabaseUnwritable,  ///< a small change of it did not reach the disk
+};
+constexpr std::array<std::string_view, 4> names_of(Trouble /*enum*/) {
+  return {"disk-full", "database-replaced", "database-unreadable", "database-unwritable"};
+}
+
+/// Whether an exception of a Database's functions says that SQLite found no room on the disk.
+bool is_disk_full(const std::exception& error) noexcept;
+
+/// Looks after a database: reads from it, writes to it, and asks how much room its disk has. All
+/// functions may be called from any thread.
+class Health {
+ public:
+  /// Called when a trouble begins, with details that may name files of this machine, and with an
+  /// empty text when it is over.
+  using Report = std::function<void(std::string_view fault)>;
+
+  /// \param least_free_bytes  less room than that on the database's disk is a trouble
+  /// \pre `db` outlives *this
+  Health(Database& db, std::uint64_t least_free_bytes, Report report = {});
+
+  /// What is wrong, if anything is. Looks at most once a second, which takes a few milliseconds
+  /// (one `fsync`), and else tells what it saw.
+  std::optional<Trouble> trouble();
+
+ private:
+  struct Fault {
+    Trouble trouble = Trouble::kDiskFull;
+    std::string details;
+  };
+  std::optional<Fault> look();
+  std::optional<Fault> try_to_write();
+
+  Database& db_;
+  std::uint64_t least_free_bytes_;
+  Report report_;
+  std::mutex mutex_;
+  std::chrono::steady_clock::time_point looked_;  // 0: never
+  std::optional<Trouble> seen_;
+};
+
+}  // namespace enfilade::service::store

@@ -1,0 +1,157 @@
+// `enfilade serve` as people start it: what it prints, and what it refuses.
+#include <gmock/gmock.h>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <thread>
+
+#include "enfilade/homes/home_set.h"
+#include "tests/service/program.h"
+#include "tests/support/served_data.h"
+
+namespace enfilade::service {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::Program;
+
+TEST(FirstSteps, AnOrganiserIsToldWhereToGoAndCanLogIn) {
+  const tests::TemporaryFolder folder("first_steps");
+  testing::write_served_data(folder.path());
+  Program program(EN_PROGRAM, folder.path() / "data", folder.path() / "service.sqlite",
+                  {"--organiser", "Ada"});
+  program.start();
+  const std::string address = "http://127.0.0.1:" + std::to_string(program.port()) + "/";
+  const std::string said = program.said_until("Ctrl-C ends it.");
+  EXPECT_THAT(said, AllOf(HasSubstr("1 scans at " + address), HasSubstr(address + "organise"),
+                          HasSubstr("What to do next"), HasSubstr("service.sqlite")));
+  const std::size_t at = said.find("enfilade_");
+  ASSERT_NE(at, std::string::npos) << said;
+  const std::string token = said.substr(at, said.find('\n', at) - at);
+  httplib::Client client("127.0.0.1", program.port());
+  const auto who = client.Get("/api/v1/session", {{"Authorization", "Bearer " + token}});
+  EXPECT_EQ(who->body, R"({"role":"organiser","name":"Ada"})");
+}
+
+TEST(FirstSteps, AServerBehindAProxyHasToKnowItsName) {
+  const tests::TemporaryFolder folder("first_steps");
+  testing::write_served_data(folder.path());
+  tests::Process process({EN_PROGRAM, "serve", folder.path() / "data", "--db",
+                          folder.path() / "service.sqlite", "--port", "0", "--behind-proxy"});
+  EXPECT_EQ(process.wait(), 2);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "service.sqlite"));
+}
+
+/// A machine that has nothing: a folder of its own, and no ENFILADE_DATA.
+class FirstVisit : public ::testing::Test {
+ protected:
+  FirstVisit() {
+    if (const char* data = std::getenv("ENFILADE_DATA"); data != nullptr) data_ = data;
+    unsetenv("ENFILADE_DATA");
+    std::filesystem::current_path(folder_.path());
+  }
+  ~FirstVisit() override {
+    std::filesystem::current_path(before_);
+    if (data_) setenv("ENFILADE_DATA", data_->c_str(), 1);
+  }
+
+  nlohmann::json get(const std::string& target) const {
+    httplib::Client client("127.0.0.1", program_.port());
+    return nlohmann::json::parse(client.Get(target)->body);
+  }
+  /// Of each phase: both agents, each once, by a real score.
+  void expect_two_agents() const {
+    const nlohmann::json phases = get("/api/v1/phases").at("phases");
+    EXPECT_FALSE(phases.empty());
+    for (const auto& phase : phases) {
+      const std::string name = phase.at("phase");
+      const nlohmann::json rows = get("/api/v1/leaderboards/" + name + "?all=1").at("rows");
+      ASSERT_EQ(rows.size(), 2U) << name;
+      EXPECT_EQ(rows[0].at("team"), "Baseline: Shortest");
+      EXPECT_EQ(rows[0].at("means").at("success").at("mean"), 1.0);
+      EXPECT_EQ(rows[1].at("team"), "Baseline: Random");
+      EXPECT_LT(rows[1].at("means").at("success").at("mean").get<double>(), 0.9);
+      for (const auto& row : rows) {
+        EXPECT_THAT(row.at("method").get<std::string>(), HasSubstr("SYNTHETIC"));
+      }
+    }
+  }
+
+  tests::TemporaryFolder folder_{"first_visit"};
+  Program program_{EN_PROGRAM, std::vector<std::string>{}, folder_.path() / "said"};
+
+ private:
+  std::filesystem::path before_ = std::filesystem::current_path();
+  std::optional<std::string> data_;
+};
+
+TEST_F(FirstVisit, HomesThatTheDemoMadeAreServedWithTwoAgents) {
+  const std::filesystem::path homes = "enfilade-demo/homes";
+  homes::HomeSetOptions options = homes::home_set_preset("graphs");
+  options.homes = 3;
+  homes::write_homes(homes, options);
+  homes::HomePathOptions paths;
+  paths.per_home = 20;
+  homes::write_home_paths(homes, paths);
+  program_.start();
+  const std::string said = program_.said_until("Ctrl-C ends it.");
+  EXPECT_THAT(said, AllOf(HasSubstr("3 scans (model homes: synthetic) at http://127.0.0.1:"),
+                          HasSubstr("You are its organiser"), HasSubstr("What to do next")));
+  EXPECT_FALSE(std::filesystem::exists("enfilade-demo/two-homes"));
+  expect_two_agents();
+  program_.kill();
+  program_.start();  // what is there is not handed in again
+  expect_two_agents();
+}
+
+TEST_F(FirstVisit, WhoseRulesNameNoDataSetIsToldSo) {
+  write_file_atomically("phases.json", R"({"phases": []})");
+  tests::Process process({EN_PROGRAM, "serve", "--port", "0", "--phases", "phases.json"});
+  EXPECT_EQ(process.wait(), 2);
+  EXPECT_FALSE(std::filesystem::exists("enfilade-demo"));
+}
+
+TEST_F(FirstVisit, APortThatIsTakenIsToldBeforeHomesAreMade) {
+  httplib::Server other;
+  const int port = other.bind_to_any_port("127.0.0.1");
+  std::thread serving([&other] { other.listen_after_bind(); });
+  tests::Process process({EN_PROGRAM, "serve", "--port", std::to_string(port)});
+  EXPECT_EQ(process.wait(), 2);
+  other.stop();
+  serving.join();
+  EXPECT_FALSE(std::filesystem::exists("enfilade-demo"));
+}
+
+TEST_F(FirstVisit, TwoHomesAreMadeAlsoAfterAKill) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "pictures of 512 texels take too long with a sanitizer";
+#endif
+  const std::filesystem::path first = "enfilade-demo/two-homes/store/home_0001.enfilade";
+  program_.launch();
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(10);
+  while (!std::filesystem::exists(first) && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  program_.kill();
+  const auto made = std::filesystem::last_write_time(first);
+  program_.start(std::chrono::minutes(10));
+  EXPECT_EQ(std::filesystem::last_write_time(first), made) << "made again";
+  program_.said_until("Ctrl-C ends it.");
+  const nlohmann::json scans = get("/api/v1/scans");
+  EXPECT_EQ(scans.at("synthetic"), true);
+  EXPECT_EQ(scans.at("scans").size(), 2U);
+  for (const char* split : {"train", "val_seen", "val_unseen"}) {
+    EXPECT_FALSE(get("/api/v1/splits/" + std::string(split) + "/episodes").at("episodes").empty());
+  }
+  expect_two_agents();
+  program_.kill();
+  const auto before = std::chrono::steady_clock::now();
+  program_.start();
+  EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(20)) << "at once";
+  expect_two_agents();
+}
+
+}  // namespace
+}  // namespace enfilade::service
