@@ -16,7 +16,7 @@ const types = {
 };
 
 // What all pages together may weigh, compressed: people on phones download a good part of it.
-const mostBytes = 400_000;
+const mostBytes = 300_000;
 
 const [dist, output] = process.argv.slice(2);
 const names = readdirSync(dist, { recursive: true, withFileTypes: true })

@@ -5,7 +5,9 @@ import type { Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
 
 const here = (path: string) => fileURLToPath(new URL(path, import.meta.url));
-const pages = readdirSync(here('pages')).filter((name) => name.endsWith('.html'));
+// /styles shows the style sheet: `npx vite` has it, and builds that ask for it.
+const withStyles = Boolean(process.env['ENFILADE_STYLES']);
+const pages = readdirSync(here('pages')).filter((name) => name.endsWith('.html') && (withStyles || name !== 'styles.html'));
 
 /** A file of pages/ has its title and its main element; all else is the same: src/frame.html. */
 const framed: Plugin = {
@@ -26,6 +28,7 @@ export default defineConfig({
   plugins: [framed],
   root: here('pages'),
   base: '/',
+  resolve: { alias: { '/src': here('src') } }, // the development server's pages: src/ lies beside its root
   build: {
     // The C++ build says where; by hand it is web/dist.
     outDir: process.env['ENFILADE_WEB_DIST'] ?? here('dist'),

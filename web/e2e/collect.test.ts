@@ -1,13 +1,12 @@
 /** People write instructions and walk them: the real server, database and homes; people by script. */
 import { mkdirSync, readFileSync, symlinkSync, writeFileSync } from 'node:fs';
-import { createServer, type Server } from 'node:http';
-import type { AddressInfo } from 'node:net';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { distancesFrom } from '../src/distances.ts';
 import type { Scan } from '../src/scan.ts';
 import type { WalkTask } from '../src/work/walk_task.ts';
+import { goBack } from './browsers.ts';
 import { complaints, enfilade, type Home, inspect, keepScreenshot, makeCollection, missing, newToken, openHome, openPage, patience } from './harness.ts';
 
 declare const window: { walkTask?: WalkTask };
@@ -26,10 +25,10 @@ describe.skipIf(missing)('a collection', () => {
   let organiser: Page;
   beforeAll(async () => {
     home = await openHome();
-    organiser = await openPage(home, '/organise');
-    await organiser.getByLabel('Your token').fill(newToken(home, 'Ada', 'organiser'));
+    organiser = await openPage(home, `/organise#token=${newToken(home, 'Ada', 'organiser')}`); // as serve prints it
+    await organiser.waitForURL(({ hash }) => hash === ''); // for nobody who looks over a shoulder
     await organiser.getByRole('button', { name: 'Log in' }).click();
-    await organiser.getByText('There is none yet.').waitFor();
+    await organiser.getByText('No collections yet.').waitFor();
   });
   afterAll(async () => {
     await home?.stop();
@@ -41,15 +40,15 @@ describe.skipIf(missing)('a collection', () => {
   async function arrive(link: string, phone = false): Promise<Page> {
     const page = await openPage(home, link, phone);
     await page.getByRole('button', { name: 'I agree' }).click();
-    await page.getByRole('button', { name: 'Begin' }).click();
+    await page.getByRole('button', { name: 'Start' }).click();
     return page;
   }
   async function write(page: Page, text: string): Promise<void> {
     await page.getByLabel('Your directions').fill(text);
-    const handIn = page.getByRole('button', { name: 'Hand in' });
-    await handIn.click();
+    const submit = page.getByRole('button', { name: 'Submit' });
+    await submit.click();
     await page.getByText('If it is right as it is').waitFor(); // the goal wasn't looked at
-    await handIn.click();
+    await submit.click();
     await page.getByRole('heading', { name: /Received|Thank you/ }).waitFor();
   }
   const files = (name: string, query: Record<string, string>): Promise<string> =>
@@ -63,13 +62,13 @@ describe.skipIf(missing)('a collection', () => {
     await organiser.getByRole('checkbox', { name: /val_seen/ }).check();
     await organiser.getByLabel('Only the first paths of each').fill('2');
     await organiser.getByText('More').click();
-    await organiser.getByLabel(/lies still/).fill('1');
-    await organiser.getByRole('button', { name: 'Make it' }).click();
+    await organiser.getByLabel(/inactive task/).fill('1');
+    await organiser.getByRole('button', { name: 'Create and open' }).click();
     await organiser.getByText('The consent still says').waitFor();
-    await organiser.getByLabel('Consent').fill('# About this study\n\nWe are the **tests** of Enfilade.');
-    await organiser.getByRole('button', { name: 'Make it' }).click();
-    await organiser.getByText('It is made.').waitFor();
-    await organiser.getByText('0 of 6 handed in').waitFor();
+    await organiser.getByRole('textbox', { name: 'Consent', exact: true }).fill('# About this study\n\nWe are the **tests** of Enfilade.');
+    await organiser.getByRole('button', { name: 'Create and open' }).click();
+    await organiser.getByText('The collection is open.').waitFor();
+    await organiser.getByText('0 of 6 submitted').waitFor();
   });
 
   it('is written by three workers, while one leaves half way', async () => {
@@ -87,12 +86,18 @@ describe.skipIf(missing)('a collection', () => {
     await first.getByRole('button', { name: 'I agree' }).click();
     await first.getByRole('heading', { name: 'Write directions' }).waitFor();
     await inspect(first, 'collect-instructions');
-    await first.getByRole('button', { name: 'Begin' }).click();
+    await first.getByRole('button', { name: 'Start' }).click();
     await first.getByRole('button', { name: 'Play' }).waitFor();
-    await first.getByRole('button', { name: 'On along the path' }).click();
+    await first.getByRole('button', { name: 'Next along the path' }).click();
     await first.getByText('Place 2 of 3').waitFor();
     await first.getByLabel('Your directions').fill('Go');
-    await first.getByRole('button', { name: 'Hand in' }).click();
+    await first.getByRole('button', { name: 'Submit' }).click();
+    await first.getByText('This is too short to lead anybody').waitFor();
+    expect(await first.getByRole('table').count()).toBe(0); // words beside the text, no table of faults
+    await inspect(first, 'collect-refused');
+    await first.getByLabel('Your directions').fill('Go on, then stop.');
+    expect(await first.getByText('This is too short to lead anybody').count()).toBe(0);
+    await first.getByRole('button', { name: 'Submit' }).click();
     await first.getByText('This is very short.').waitFor();
     await inspect(first, 'collect-task');
     await first.getByLabel('Your directions').fill('Go on, and then');
@@ -102,32 +107,32 @@ describe.skipIf(missing)('a collection', () => {
     expect(await text.inputValue()).toBe('Go on, and then');
     await write(first, directions(script));
     await inspect(first, 'collect-between');
-    await first.getByRole('button', { name: 'The next one' }).click();
+    await first.getByRole('button', { name: 'Next' }).click();
     await write(first, directions('A'));
-    await first.getByRole('button', { name: 'The next one' }).click();
+    await first.getByRole('button', { name: 'Next' }).click();
     await first.getByRole('heading', { name: 'Thank you' }).waitFor();
     await inspect(first, 'collect-done');
     await first.close();
 
     const second = await arrive(path, true);
-    await second.getByRole('button', { name: 'Hand in' }).scrollIntoViewIfNeeded();
+    await second.getByRole('button', { name: 'Submit' }).scrollIntoViewIfNeeded();
     expect((await second.locator('canvas').boundingBox())!.y).toBeGreaterThanOrEqual(0); // the picture stays in sight
     await keepScreenshot(second, 'collect-scrolled-phone');
     await write(second, directions('B'));
-    await second.getByRole('button', { name: 'The next one' }).click();
+    await second.getByRole('button', { name: 'Next' }).click();
     await write(second, directions('B'));
     await second.close();
 
     await new Promise((resolve) => setTimeout(resolve, Math.max(left + 62_000 - Date.now(), 0)));
     const third = await arrive(path);
     await write(third, directions('C'));
-    await third.getByRole('button', { name: 'The next one' }).click();
+    await third.getByRole('button', { name: 'Next' }).click();
     await write(third, directions('C'));
-    await third.getByRole('button', { name: 'The next one' }).click();
+    await third.getByRole('button', { name: 'Next' }).click();
     await third.getByRole('heading', { name: 'Thank you' }).waitFor();
     await third.close();
     await organiser.reload();
-    await organiser.getByText('6 of 6 handed in: 0 accepted, 6 to review').waitFor();
+    await organiser.getByText('6 of 6 submitted: 0 accepted, 6 to review').waitFor();
     await inspect(organiser, 'organise-progress');
   });
 
@@ -146,10 +151,28 @@ describe.skipIf(missing)('a collection', () => {
     await reviewer.getByRole('button', { name: 'Accept' }).click();
     await reviewer.getByText('2 of 6').waitFor();
     await reviewer.getByRole('button', { name: 'Reject' }).click();
-    await reviewer.getByText('Say why.').waitFor();
-    await reviewer.getByLabel('Why, if you reject it').fill('It leads elsewhere.');
-    await reviewer.getByRole('button', { name: 'Reject' }).click();
-    for (const place of ['3 of 6', '4 of 6', '5 of 6', '6 of 6']) {
+    await reviewer.getByText('A rejection needs a reason.').waitFor();
+    await reviewer.keyboard.press('Escape'); // from here on by keys alone
+    await reviewer.keyboard.press('r');
+    await reviewer.keyboard.type('It leads elsewhere.');
+    await reviewer.keyboard.press('Enter');
+    await reviewer.getByText('3 of 6').waitFor();
+    // What stands in the box when it is accepted is what is accepted, also after a look at another one.
+    const kept = `Go past the sofa, and stop at the door of the hall. ${script}`;
+    await reviewer.getByLabel('The directions').fill(kept);
+    await reviewer.keyboard.press('Escape');
+    await reviewer.keyboard.press('n');
+    await reviewer.getByText('4 of 6').waitFor();
+    await reviewer.keyboard.press('p');
+    await reviewer.getByText('3 of 6').waitFor();
+    await expect.poll(() => reviewer.getByLabel('The directions').inputValue(), { timeout: patience }).toBe(kept);
+    await reviewer.keyboard.press('a');
+    await reviewer.getByText('4 of 6').waitFor();
+    await reviewer.keyboard.press('p');
+    await reviewer.getByRole('heading', { name: /^Task .* accepted/i }).waitFor();
+    await expect.poll(() => reviewer.getByLabel('The directions').inputValue(), { timeout: patience }).toBe(kept);
+    await reviewer.keyboard.press('n');
+    for (const place of ['4 of 6', '5 of 6', '6 of 6']) {
       await reviewer.getByText(place).waitFor();
       await reviewer.getByRole('button', { name: 'Accept' }).click();
     }
@@ -157,12 +180,19 @@ describe.skipIf(missing)('a collection', () => {
     await reviewer.getByRole('combobox', { name: 'Show' }).selectOption('rejected');
     await reviewer.getByText('1 of 1').waitFor();
     await expect.poll(() => reviewer.getByLabel('Why, if you reject it').inputValue(), { timeout: patience }).toBe('It leads elsewhere.');
+    await reviewer.getByRole('combobox', { name: 'Show' }).selectOption('all');
+    await reviewer.getByText('1 of 6').waitFor();
+    await reviewer.getByRole('combobox', { name: 'Worker' }).selectOption({ index: 1 });
+    await reviewer.getByText('1 of 2').waitFor();
+    await inspect(reviewer, 'review-worker');
+    await goBack(reviewer);
+    await reviewer.getByText('1 of 6').waitFor();
     await reviewer.close();
   });
 
   it('gives a rejected place to another worker, and is a data set then', async () => {
     await organiser.reload();
-    await organiser.getByText('5 of 6 handed in').waitFor();
+    await organiser.getByText('5 of 6 submitted').waitFor();
     const link = new URL(await organiser.getByLabel('Link for workers').inputValue());
     const fourth = await arrive(link.pathname + link.search);
     await write(fourth, directions('D'));
@@ -220,11 +250,13 @@ describe.skipIf(missing)('a collection', () => {
       if (k === 0) await inspect(page, 'walk-stop');
       await page.evaluate(() => { window.walkTask = undefined as never; });
       await page.getByRole('button', { name: 'Yes, this is the goal' }).click();
-      await page.getByText(stay ? 'no bonus' : 'earns the bonus').waitFor();
+      await page.getByText(`You have submitted ${k + 1} of 12.`).waitFor();
+      expect(await page.locator('main').innerText()).not.toMatch(/bonus|goal|\d m\b/); // it would help with another
       if (k === 0) await inspect(page, 'walk-between');
-      await page.getByRole('button', { name: 'The next one' }).click();
+      await page.getByRole('button', { name: 'Next' }).click();
     }
     await page.getByRole('heading', { name: 'Thank you' }).waitFor();
+    await page.getByText('10 of your walks earned the bonus').waitFor(); // now it helps with nothing
     await inspect(page, 'walk-done');
     await page.close();
     const folder = join(home.folder, '..');
@@ -245,57 +277,6 @@ describe.skipIf(missing)('a collection', () => {
     await inspect(organiser, 'review-walk');
     await organiser.getByRole('button', { name: 'Accept' }).click();
     await organiser.getByText('2 of 12').waitFor();
-  });
-
-  it('is taken to Mechanical Turk: preview, frame, form', async () => {
-    const forms: URLSearchParams[] = [];
-    const turk = await standIn(forms);
-    const origin = `http://127.0.0.1:${(turk.address() as AddressInfo).port}`;
-    const link = await makeCollection(organiser, {
-      name: 'turk', title: 'Directions', kind: 'write', ...texts, sources: [{ split: 'val_seen', most: 1 }],
-      platform: { kind: 'mturk', origins: [origin] },
-    });
-    const show = async (parameters: Record<string, string>) => {
-      const page = await home.browser.newPage();
-      page.setDefaultTimeout(patience);
-      await page.goto(`${origin}/?${new URLSearchParams({ show: `${home.server}${link}&${new URLSearchParams(parameters)}` })}`);
-      return { page, frame: page.frameLocator('iframe') };
-    };
-    const preview = await show({ assignmentId: 'ASSIGNMENT_ID_NOT_AVAILABLE', hitId: 'H1' });
-    await preview.frame.getByText('This is a preview').waitFor();
-    expect(await preview.frame.getByRole('button', { name: 'Hand in' }).isDisabled()).toBe(true);
-    await keepScreenshot(preview.page, 'turk-preview');
-    await preview.page.close();
-
-    const ids = { assignmentId: 'A1', hitId: 'H1', workerId: 'W1', turkSubmitTo: origin };
-    const { page, frame } = await show(ids);
-    await frame.getByRole('button', { name: 'I agree' }).click();
-    await frame.getByRole('button', { name: 'Begin' }).click();
-    await frame.getByLabel('Your directions').fill(directions('W'));
-    await frame.getByRole('button', { name: 'Hand in' }).click();
-    await frame.getByText('If it is right as it is').waitFor();
-    await frame.getByRole('button', { name: 'Hand in' }).click();
-    await frame.getByRole('button', { name: 'Hand in to Mechanical Turk' }).click();
-    await frame.getByText('Taken by the stand-in').waitFor();
-    expect(forms.map((form) => form.get('assignmentId'))).toEqual(['A1']);
-    expect([...forms[0]!.keys()].length).toBeGreaterThan(1); // MTurk refuses a form of nothing else
-    await page.close();
-    await new Promise((resolve) => turk.close(resolve));
-  });
-
-  it('is taken to Prolific: ids in, completion code out', async () => {
-    const link = await makeCollection(organiser, {
-      name: 'prolific', title: 'Directions', kind: 'write', ...texts, sources: [{ split: 'val_seen', most: 1 }],
-      platform: { kind: 'prolific', completion_code: 'C0DE42' },
-    });
-    const filled = link.replace('{{%PROLIFIC_PID%}}', 'p1').replace('{{%STUDY_ID%}}', 's1').replace('{{%SESSION_ID%}}', 'x1');
-    const page = await arrive(filled);
-    await write(page, directions('P'));
-    await page.getByText('C0DE42').waitFor();
-    expect(await page.getByRole('link', { name: 'Back to Prolific' }).getAttribute('href'))
-      .toBe('https://app.prolific.com/submissions/complete?cc=C0DE42');
-    await inspect(page, 'collect-prolific');
-    await page.close();
   });
 
   it('keeps nobody out, whatever a worker comes to', async () => {
@@ -331,7 +312,7 @@ describe.skipIf(missing)('a collection', () => {
     await organiser.getByRole('button', { name: 'Close: One way' }).click();
     await organiser.getByRole('button', { name: 'Open again: One way' }).waitFor();
     await inspect(organiser, 'organise-many');
-    await first.getByRole('button', { name: 'The next one' }).click();
+    await first.getByRole('button', { name: 'Next' }).click();
     await shown(first, 'This collection is closed', 'collect-closed');
     await first.close();
     await second.close();
@@ -374,25 +355,4 @@ function seesAsAnAgent(): object {
   const tilted = Math.abs(viewer.pose.elevation - Math.PI / 6) < 1e-6;
   viewer.look(pose.heading, 0);
   return { zoomed, least, tilted };
-}
-
-/** What Mechanical Turk does with an ExternalQuestion: a frame, and an address for its form. */
-async function standIn(forms: URLSearchParams[]): Promise<Server> {
-  const server = createServer((request, response) => {
-    const url = new URL(request.url!, 'http://stand-in');
-    response.setHeader('Content-Type', 'text/html');
-    if (request.method === 'GET') {
-      const address = (url.searchParams.get('show') ?? '').replaceAll('&', '&amp;').replaceAll('"', '&quot;');
-      response.end(`<!doctype html><title>Stand-in</title><iframe title="HIT" width="1000" height="700" src="${address}"></iframe>`);
-      return;
-    }
-    let body = '';
-    request.on('data', (chunk) => { body += String(chunk); });
-    request.on('end', () => {
-      if (url.pathname === '/mturk/externalSubmit') forms.push(new URLSearchParams(body));
-      response.end('<p>Taken by the stand-in</p>');
-    });
-  });
-  await new Promise<void>((resolve) => server.listen(0, '127.0.0.1', resolve));
-  return server;
 }

@@ -1,5 +1,5 @@
 /**
- * The real server, with a data set of model homes that the program makes, and Chromium. Needs
+ * The real server, with a data set of model homes that the program makes, and a browser. Needs
  * ENFILADE_PROGRAM, an `enfilade` that was built with EN_WITH_WEB.
  */
 import { type ChildProcess, execFileSync, spawn } from 'node:child_process';
@@ -7,18 +7,14 @@ import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import { type Browser, chromium, type Page } from 'playwright-core';
+import type { Browser, Page } from 'playwright-core';
 import { expect } from 'vitest';
+import { launchBrowser, missingBrowser } from './browsers.ts';
 
 export const program = process.env['ENFILADE_PROGRAM'] ?? '';
-const browserPath = process.env['CHROMIUM'] ?? '/usr/bin/chromium';
 
 /** Why these tests can't run here; empty if they can. */
-export const missing = !existsSync(program)
-  ? 'ENFILADE_PROGRAM names no program'
-  : !existsSync(browserPath)
-    ? `there is no browser: ${browserPath} (CHROMIUM names another)`
-    : '';
+export const missing = existsSync(program) ? missingBrowser : 'ENFILADE_PROGRAM names no program';
 if (missing) console.warn(`browser tests are skipped: ${missing}`);
 
 export interface Home {
@@ -27,6 +23,10 @@ export interface Home {
   readonly database: string;
   readonly server: string;
   readonly browser: Browser;
+  /** Kills the server, as a crash does. */
+  crash(): Promise<void>;
+  /** Starts it again, at the same address. */
+  revive(): Promise<void>;
   stop(): Promise<void>;
 }
 
@@ -90,24 +90,30 @@ export async function openHome(): Promise<Home> {
 
 /** Serves a data set, and opens a browser. The folder goes when it stops. */
 export async function serve(folder: string, data: string, database: string): Promise<Home> {
-  const child = spawn(program, ['serve', data, '--db', database, '--port', '0',
-    '--log', 'none'], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const start = (port: string) => spawn(program, ['serve', data, '--db', database, '--port', port,
+    '--log', 'none', '--open-registration'], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const end = async (signal: NodeJS.Signals) => {
+    const ended = new Promise((resolve) => child.once('exit', resolve));
+    child.kill(signal);
+    await ended;
+  };
+  let child = start('0');
   const server = await listen(child);
   if (!(await fetch(server)).ok) {
     child.kill();
     throw new Error(`${program} has no pages in it: it was built where npm was not found`);
   }
-  const browser = await chromium.launch({
-    executablePath: browserPath,
-    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-  });
+  const browser = await launchBrowser();
   return {
     folder: data, database, server, browser,
+    crash: () => end('SIGKILL'),
+    revive: async () => {
+      child = start(new URL(server).port);
+      await listen(child);
+    },
     stop: async () => {
       await browser.close();
-      const ended = new Promise((resolve) => child.once('exit', resolve));
-      child.kill('SIGTERM');
-      await ended;
+      await end('SIGTERM');
       rmSync(folder, { recursive: true });
     },
   };
@@ -142,9 +148,16 @@ export const patience = 120_000;
 /** A page that fails its test when a script fails or the content policy is hurt. */
 export async function openPage(home: Home, path: string, phone = false): Promise<Page> {
   const page = await home.browser.newPage({
-    viewport: phone ? { width: 390, height: 844 } : { width: 1280, height: 800 },
+    viewport: phone ? { width: 390, height: 844 } : { width: 1440, height: 900 },
     hasTouch: phone,
   });
+  watch(page);
+  await page.goto(home.server + path);
+  return page;
+}
+
+/** Hears what the page's browser complains of. */
+export function watch(page: Page): void {
   page.setDefaultTimeout(patience);
   page.on('pageerror', (error) => { complaints.push(String(error)); });
   page.on('console', (message) => {
@@ -152,8 +165,6 @@ export async function openPage(home: Home, path: string, phone = false): Promise
     const expected = message.text().startsWith('Failed to load resource');
     if (message.type() === 'error' && !expected) complaints.push(message.text());
   });
-  await page.goto(home.server + path);
-  return page;
 }
 
 /** What browsers complained of since the start. */
@@ -174,19 +185,21 @@ export async function seriousFaults(page: Page): Promise<string[]> {
 
 /**
  * A page as it stands: nothing in it keeps people out, and nothing is wider than the screen, on a
- * desktop, on a phone, and on one with dark colours. Keeps a picture of each.
+ * desktop and on a phone, with light and with dark colours. Keeps a picture of each.
  */
 export async function inspect(page: Page, name: string): Promise<void> {
   const before = page.viewportSize()!;
   for (const [kind, width, height, colorScheme] of [
-    ['desktop', 1280, 800, 'light'], ['phone', 390, 844, 'light'], ['dark', 390, 844, 'dark']] as const) {
+    ['desktop', 1440, 900, 'light'], ['desktop-dark', 1440, 900, 'dark'], ['phone', 390, 844, 'light'], ['phone-dark', 390, 844, 'dark']] as const) {
     await page.setViewportSize({ width, height });
     await page.emulateMedia({ colorScheme });
     await page.waitForTimeout(200); // until the view has its new size
+    await page.evaluate(() => Promise.all(document.getAnimations() // those that end: colours are faint meanwhile
+      .filter(({ effect }) => Number.isFinite(effect?.getComputedTiming().endTime)).map(({ finished }) => finished)));
     expect(await seriousFaults(page), `${name}, ${kind}`).toEqual([]);
     const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     expect(wider, `${name}, ${kind}: pixels too wide`).toBeLessThanOrEqual(0);
-    await keepScreenshot(page, `${name}-${kind}`, kind === 'phone');
+    await keepScreenshot(page, `${name}-${kind}`, kind.startsWith('phone'));
   }
   await page.emulateMedia({ colorScheme: 'light' });
   await page.setViewportSize(before);

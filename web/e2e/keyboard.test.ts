@@ -108,7 +108,7 @@ describe.skipIf(missing)('without a mouse', () => {
     return page;
   }
 
-  it.each(['/', '/episodes', '/leaderboard', '/submit', '/organise', '/view?split=val_seen&id=1_0', '/verify#home_0001'])(
+  it.each(['/', '/episodes', '/leaderboard', '/submit', '/organise', '/view?split=val_seen&id=1_0', '/try?split=val_seen&id=1_0', '/verify#home_0001'])(
     'every control of %s is reached, named and outlined',
     async (path) => {
       const page = await openPage(home, path);
@@ -135,14 +135,14 @@ describe.skipIf(missing)('without a mouse', () => {
 
   it('an edge is corrected', async () => {
     const page = await openPage(home, '/verify#home_0001');
-    await page.getByLabel('Who you are').waitFor();
-    await tabTo(page, /^Who you are/);
+    await page.getByLabel('Your name').waitFor();
+    await tabTo(page, /^Your name/);
     await page.keyboard.type('Ada');
     await page.keyboard.press('Tab');
     await page.keyboard.type('a rope');
     await tabTo(page, /^Remove the edge/);
     await page.keyboard.press('Enter');
-    await page.getByText('Noted.').waitFor();
+    await page.getByText('Correction added.').waitFor();
     await tabTo(page, /^Undo correction 1/);
     await page.keyboard.press('Space');
     await page.getByText('None yet.').waitFor();
@@ -151,7 +151,7 @@ describe.skipIf(missing)('without a mouse', () => {
 
   it('a collection is made, a path described, the work reviewed', async () => {
     const page = await loggedIn('/organise');
-    await page.getByText('There is none yet.').waitFor();
+    await page.getByText('No collections yet.').waitFor();
     await tabTo(page, /^Title/);
     await page.keyboard.type('By keys');
     await tabTo(page, /val_seen/);
@@ -161,9 +161,9 @@ describe.skipIf(missing)('without a mouse', () => {
     await tabTo(page, /^Consent/);
     await page.keyboard.press('Control+A');
     await page.keyboard.type('Do you agree?');
-    await tabTo(page, /^Make it/);
+    await tabTo(page, /^Create and open/);
     await page.keyboard.press('Enter');
-    await page.getByText('It is made.').waitFor();
+    await page.getByText('The collection is open.').waitFor();
     const link = new URL(await page.getByLabel('Link for workers').inputValue());
 
     const worker = await openPage(home, link.pathname + link.search);
@@ -172,12 +172,12 @@ describe.skipIf(missing)('without a mouse', () => {
     await tabTo(worker, /^I agree$/);
     await worker.keyboard.press('Enter');
     await worker.getByRole('heading', { name: 'Write directions' }).waitFor();
-    await tabTo(worker, /^Begin$/);
+    await tabTo(worker, /^Start$/);
     await worker.keyboard.press('Enter');
     await worker.getByText('Place 1 of 3').waitFor();
     await expectReached(worker);
     for (const place of ['2', '3']) {
-      await tabTo(worker, /^On along the path/);
+      await tabTo(worker, /^Next along the path/);
       await worker.keyboard.press('Enter');
       await worker.getByText(`Place ${place} of 3`).waitFor();
     }
@@ -185,13 +185,13 @@ describe.skipIf(missing)('without a mouse', () => {
     for (let k = 0; k < 12; ++k) await worker.keyboard.press('ArrowRight');
     await tabTo(worker, /^Your directions/);
     await worker.keyboard.type('Go on along the wall, then stop where the path ends.');
-    await tabTo(worker, /^Hand in/);
+    await tabTo(worker, /^Submit/);
     await worker.keyboard.press('Enter'); // the goal was looked at: no advice
     await worker.getByRole('heading', { name: 'Received' }).waitFor();
     await worker.close();
 
     await page.reload();
-    await page.getByText('1 of 3 handed in').waitFor();
+    await page.getByText('1 of 3 submitted').waitFor();
     await expectReached(page);
     await tabTo(page, /^Review$/);
     await page.keyboard.press('Enter');
@@ -210,7 +210,7 @@ describe.skipIf(missing)('without a mouse', () => {
     });
     const [{ path }] = JSON.parse(readFileSync(join(home.folder, 'r2r/R2R_val_seen.json'), 'utf8')) as [{ path: string[] }];
     const walker = await openPage(home, link);
-    for (const button of [/^I agree$/, /^Begin$/]) {
+    for (const button of [/^I agree$/, /^Start$/]) {
       await walker.getByRole('button', { name: button }).waitFor();
       await tabTo(walker, button);
       await walker.keyboard.press('Enter');
@@ -220,11 +220,11 @@ describe.skipIf(missing)('without a mouse', () => {
     for (const id of path.slice(1)) await walkTo(walker, id);
     await tabTo(walker, /^Stop here/);
     await walker.keyboard.press('Enter');
-    await walker.keyboard.press('Tab'); // from "Yes" to "Walk on"
+    await walker.keyboard.press('Tab'); // from "Yes" to "Keep walking"
     await walker.keyboard.press('Enter');
     await walker.keyboard.press('Enter'); // "Stop here" has the focus again
     await walker.keyboard.press('Enter');
-    await walker.getByText('earns the bonus').waitFor();
+    await walker.getByRole('heading', { name: 'Received' }).waitFor();
     await expectReached(walker);
     await walker.close();
 
@@ -247,7 +247,7 @@ describe.skipIf(missing)('without a mouse', () => {
     await tabTo(page, /^The team's name/);
     await page.keyboard.type('Keys');
     await page.keyboard.press('Enter');
-    await page.getByText('The team is made.').waitFor();
+    await page.getByText('The team is created.').waitFor();
     await tabTo(page, /^Log in$/);
     await page.keyboard.press('Enter');
     await page.getByRole('button', { name: 'Log out' }).waitFor();
@@ -257,7 +257,7 @@ describe.skipIf(missing)('without a mouse', () => {
       await page.keyboard.type(method);
       await tabTo(page, /^Results file/);
       await choose(page, await results(home, walk));
-      await tabTo(page, /^Check and hand in$/);
+      await tabTo(page, /^Check and submit$/);
       await page.keyboard.press('Enter');
       await page.getByRole('row', { name: new RegExp(`${method}.*scored`) }).waitFor();
     }

@@ -9,6 +9,7 @@ import type { Page } from 'playwright-core';
 import { afterAll, describe, expect, it } from 'vitest';
 import { consentGap } from '../src/texts.ts';
 import type { Task, Visit } from '../src/work/visit.ts';
+import { download } from './browsers.ts';
 import { complaints, type Home, missing, newFolder, openPage, program, serve } from './harness.ts';
 
 const tutorial = readFileSync(join(import.meta.dirname, '../../docs/tutorials/collect.md'), 'utf8');
@@ -43,14 +44,14 @@ async function work(link: string, answer: (task: Task) => object): Promise<numbe
 
 /** Makes a collection on the page. Returns its link. */
 async function make(organiser: Page, title: string, kind: string, file: string): Promise<string> {
-  const fold = organiser.locator('details.new');
-  if (!(await fold.getAttribute('open').then((open) => open !== null))) await organiser.getByText('Make a collection').click();
+  const fold = organiser.locator('details.new', { hasText: 'New collection' });
+  if (!(await fold.getAttribute('open').then((open) => open !== null))) await organiser.getByText('New collection').click();
   await organiser.getByLabel('Title, for workers').fill(title);
-  await organiser.getByLabel('What is done').selectOption({ label: kind });
+  await organiser.getByLabel('Type of task').selectOption({ label: kind });
   await organiser.getByLabel('A file of paths').setInputFiles(file);
-  const consent = organiser.getByLabel('Consent');
+  const consent = organiser.getByRole('textbox', { name: 'Consent', exact: true });
   await consent.fill((await consent.inputValue()).replace(consentGap, 'We are the tests of Enfilade.'));
-  await organiser.getByRole('button', { name: 'Make it' }).click();
+  await organiser.getByRole('button', { name: 'Create and open' }).click();
   return organiser.getByRole('listitem').filter({ hasText: title }).getByLabel('Link for workers').inputValue();
 }
 
@@ -79,12 +80,10 @@ describe.skipIf(missing)('the tutorial', () => {
     const organiser = await openPage(home, '/organise');
     await organiser.getByLabel('Your token').fill(ada!);
     await organiser.getByRole('button', { name: 'Log in' }).click();
-    await organiser.getByText('There is none yet.').waitFor();
-    const download = async (title: string, name: string) => {
+    await organiser.getByText('No collections yet.').waitFor();
+    const save = async (title: string, name: string) => {
       await organiser.reload();
-      const link = organiser.getByRole('listitem').filter({ hasText: title }).getByRole('link', { name, exact: true });
-      const [file] = await Promise.all([organiser.waitForEvent('download'), link.click()]);
-      await file.saveAs(join(downloads, file.suggestedFilename()));
+      await download(organiser.getByRole('listitem').filter({ hasText: title }).getByRole('link', { name, exact: true }), downloads);
     };
 
     const link = await make(organiser, 'Write here', 'People write directions', join(folder, 'paths.json'));
@@ -93,7 +92,7 @@ describe.skipIf(missing)('the tutorial', () => {
       expect(done).toBe(8);
     }
     for (let task = 1; task <= 24; ++task) await ask(`${home.server}/api/v1/tasks/${task}/review`, 'PUT', { verdict: 'accepted' }, grace);
-    await download('Write here', 'R2R file');
+    await save('Write here', 'R2R file');
     expect(commands(6).map(run).at(-1)).toMatch(/^instructions +24 +24$/m);
 
     const way = await make(organiser, 'Walk here', 'People walk by directions', join(folder, 'mine/r2r/R2R_train.json'));
@@ -102,7 +101,7 @@ describe.skipIf(missing)('the tutorial', () => {
       camera: { width: 640, height: 480, vfov: 1 },
     }));
     expect(walked).toBe(24);
-    for (const name of ['results', 'R2R file', 'walks with times']) await download('Walk here', name);
+    for (const name of ['results', 'R2R file', 'walks with times']) await save('Walk here', name);
     expect(commands(7).map(run).at(-1)).toMatch(/^SR \(%\) +100\.0/m);
     commands(8).forEach(run);
     expect(existsSync(join(folder, 'study-friday.sqlite'))).toBe(true);

@@ -13,14 +13,21 @@ export interface Collection {
   readonly collection: string;
   readonly title: string;
   readonly kind: 'write' | 'walk';
-  readonly state: 'open' | 'closed';
+  readonly state: 'open' | 'closed' | 'archived';
   readonly platform: { readonly kind: 'self' | 'mturk' | 'prolific' };
   /** Markdown. */
   readonly consent: string;
   readonly instructions: string;
   readonly synthetic: boolean;
+  /** As workers read it before they agree. */
+  readonly pay?: string;
+  /** That a task takes, as workers are told. */
+  readonly minutes?: number;
   readonly per_item?: number;
   readonly lease_minutes?: number;
+  readonly tasks_per_visit?: number;
+  readonly check_every?: number;
+  readonly seed?: number;
   readonly splits?: readonly { readonly split: string; readonly items: number; readonly goals_hidden: boolean }[];
   readonly progress?: Progress;
   /** Path and query of the page for workers. Organisers only. */
@@ -36,6 +43,28 @@ export interface Progress {
   readonly rejected: number;
   readonly complete: number;
   readonly workers: number;
+  /** Median of a task, by the server's clock; 0: none is submitted. */
+  readonly minutes: number;
+}
+
+/** What a file has, and what it leaves out. */
+export interface ExportReport {
+  readonly exported: { readonly items: number; readonly paths: number; readonly tasks: number };
+  /** In words. */
+  readonly summary: string;
+}
+
+/** Submitted work of a worker, or of a path, in numbers. */
+export interface WorkSummary {
+  readonly worker?: number;
+  readonly path_id?: number;
+  readonly submitted: number;
+  readonly accepted: number;
+  readonly rejected: number;
+  readonly flagged: number;
+  readonly mean_seconds: number;
+  readonly checks?: number;
+  readonly checks_failed?: number;
 }
 
 export interface Change {
@@ -47,7 +76,7 @@ export interface Change {
   readonly reason?: string;
 }
 
-/** What a worker handed in. */
+/** What a worker submitted. */
 export interface Work {
   readonly task: number;
   readonly kind: 'write' | 'walk';
@@ -60,8 +89,12 @@ export interface Work {
   readonly path?: readonly string[];
   readonly instruction?: string;
   readonly start?: string;
+  readonly leased?: string;
   readonly submitted: string;
+  /** By the server's clock, breaks included. */
   readonly seconds?: number;
+  /** As the page measured them. */
+  readonly page_seconds: number;
   readonly flags?: readonly string[];
   readonly bonus?: boolean;
   readonly steps?: readonly Entry[];

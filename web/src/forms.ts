@@ -5,6 +5,8 @@ import { addSiteHeader, api, byId, json, make, problems } from './page.ts';
 export interface Who {
   readonly role: 'stranger' | 'team' | 'organiser' | 'reviewer' | 'worker';
   readonly name?: string;
+  /** Of a team: whether it may submit where goals are secret. */
+  readonly approved?: boolean;
 }
 
 /**
@@ -55,7 +57,7 @@ export function twice(text: string, question: string, said: HTMLElement, act: ()
 /** A labelled control, and a note below the label that is read with it. */
 export function labelled<T extends HTMLElement>(id: string, text: string, control: T, note = ''): [HTMLElement, T] {
   control.id = id;
-  const box = make('div', {}, make('label', { for: id }, text));
+  const box = make('div', { class: 'field' }, make('label', { for: id }, text));
   if (note) {
     box.append(make('p', { class: 'note', id: `${id}-note` }, note));
     control.setAttribute('aria-describedby', `${id}-note`);
@@ -67,9 +69,21 @@ export function labelled<T extends HTMLElement>(id: string, text: string, contro
 export const field = (id: string, text: string, attributes: Record<string, string> = {}, note = ''): [HTMLElement, HTMLInputElement] =>
   labelled(id, text, make('input', { type: 'text', required: '', ...attributes }), note);
 
-/** Logging in by a token; the page is then loaded anew. */
+/**
+ * The token of a link like "organise#token=…", which no server and no log gets to see. It is taken out of the address,
+ * and logs nobody in before they press the button: anybody could send such a link.
+ */
+function takeLinkedToken(): string {
+  const linked = new URLSearchParams(location.hash.slice(1)).get('token');
+  if (linked === null) return '';
+  history.replaceState(history.state, '', location.pathname + location.search);
+  return linked;
+}
+
+/** Logging in by a token, which the page's link may have; the page is then loaded anew. */
 export function loginForm(label: string): HTMLFormElement {
   const [box, token] = field('token', label, { type: 'password', autocomplete: 'off' });
+  token.value = takeLinkedToken();
   return form('Log in', [box], async () => {
     await api.call('session', json({ token: token.value.trim() }));
     location.reload();

@@ -11,6 +11,9 @@ export const json = (body: unknown, method = 'POST') => ({
 type Child = Node | string;
 
 /** An element. Texts become text nodes: what people wrote is never read as markup. */
+/** "1 room", "2,300 rooms". @param one without the s */
+export const counted = (n: number, one: string): string => `${n.toLocaleString('en-US')} ${one}${n === 1 ? '' : 's'}`;
+
 export function make<K extends keyof HTMLElementTagNameMap>(
   name: K,
   attributes: Record<string, string> = {},
@@ -42,46 +45,91 @@ const siteLinks: readonly Link[] = [
   ['/organise', 'Collections'],
 ];
 
+const syntheticBadge = (): HTMLElement => make('span',
+  { class: 'badge synthetic', title: 'The buildings here are made by a program; they are not real ones' }, 'Model homes: SYNTHETIC');
+
 /** The header, before the page's main part. Workers get no links: one page is all they came for. */
-export function addHeader(synthetic: boolean, links: readonly Link[] = siteLinks): void {
+export function addHeader(synthetic: boolean, links: readonly Link[] = siteLinks): HTMLElement {
   const header = make('header', { class: 'site' },
     links.length > 0 ? make('a', { href: '/', class: 'name' }, 'Enfilade') : make('span', { class: 'name' }, 'Enfilade'));
   const nav = make('nav', { 'aria-label': 'Pages', class: 'site-links' });
   for (const [href, text] of links) {
     const here = location.pathname === href;
-    nav.append(make('a', { href, ...(here && { 'aria-current': 'page' }) }, text), ' ');
+    nav.append(make('a', { href, ...(here && { 'aria-current': 'page' }) }, text));
   }
   if (links.length > 0) header.append(nav);
-  if (synthetic) {
-    const title = 'The buildings here are made by a program; they are not real ones';
-    header.append(make('span', { class: 'synthetic', title }, 'Model homes: synthetic'));
-  }
-  document.body.prepend(make('a', { href: '#main', class: 'skip' }, 'To the content'), header);
+  if (synthetic) header.append(syntheticBadge());
+  document.body.prepend(make('a', { href: '#main', class: 'skip' }, 'Skip to the content'), header);
+  return header;
 }
 
-/** The header of a page that shows no building by itself. */
+/** The header of a page that shows no building by itself. It is there at once; the server then says whether the data is synthetic. */
 export async function addSiteHeader(): Promise<void> {
+  const header = addHeader(false);
   const { synthetic } = await api.call<{ synthetic: boolean }>('scans');
-  addHeader(synthetic);
+  if (synthetic) header.append(syntheticBadge());
 }
+
+/** Where a page is: the pages above it, and its own name. */
+export const crumbs = (above: readonly Link[], here: string): HTMLElement =>
+  make('nav', { class: 'crumbs', 'aria-label': 'Breadcrumbs' }, make('ol', {},
+    ...above.map(([href, text]) => make('li', {}, make('a', { href }, text))),
+    make('li', { 'aria-current': 'page' }, here)));
+
+/** A few numbers in a row. */
+export const facts = (list: readonly (readonly [string, Child])[]): HTMLElement =>
+  make('dl', { class: 'facts' }, ...list.map(([name, value]) => make('div', {}, make('dt', {}, name), make('dd', {}, value))));
+
+/** What stands where there is nothing yet, or nothing was found. */
+export const empty = (title: string, text: string, ...actions: HTMLElement[]): HTMLElement =>
+  make('div', { class: 'empty' }, make('h2', {}, title), make('p', {}, text),
+    ...(actions.length > 0 ? [make('p', { class: 'buttons' }, ...actions)] : []));
+
+/** What stands where something is being fetched. */
+export const loading = (): HTMLElement => make('p', { class: 'loading', role: 'status' }, 'Loading…');
+
+/** Something said in passing. It goes by itself, so nothing may depend on its being read. */
+export function toast(text: string): void {
+  let box = document.querySelector<HTMLElement>('.toasts');
+  if (!box) {
+    box = make('div', { class: 'toasts', role: 'status' });
+    document.body.append(box);
+  }
+  const one = make('div', { class: 'toast' }, text);
+  box.append(one);
+  setTimeout(() => one.remove(), 5000);
+}
+
+/** scroll: a table wider than the screen moves under its edges; stack: on a phone each row is a card (style.css). */
+export type TableKind = 'scroll' | 'stack';
 
 /** A table that can be wider than the screen. A heading stands over its column's numbers as they do: to the right. */
-export function table(head: readonly Child[], rows: readonly (readonly Child[])[]): HTMLElement {
+export function table(
+  head: readonly Child[], rows: readonly (readonly Child[])[], { kind = 'scroll', label = 'Table' }: { kind?: TableKind; label?: string } = {},
+): HTMLElement {
+  // Browsers take elements that CSS lays out as a grid for no table any more, if nothing else says that they are one.
+  const role = (name: string): Record<string, string> => (kind === 'stack' ? { role: name } : {});
   const isCell = (child: Child | undefined) => child instanceof HTMLTableCellElement;
-  const cell = (child: Child) => (isCell(child) ? child : make('td', {}, child));
+  const cell = (child: Child) => {
+    const made = isCell(child) ? (child as HTMLTableCellElement) : make('td', {}, child);
+    if (kind === 'stack') made.setAttribute('role', 'cell');
+    return made;
+  };
   const heading = (child: Child, k: number) => {
     const first = rows[0]?.[k];
     const number = first instanceof HTMLElement && first.classList.contains('number');
-    return isCell(child) ? child : make('th', { scope: 'col', ...(number && { class: 'number' }) }, child);
+    const made = isCell(child) ? (child as HTMLTableCellElement) : make('th', { scope: 'col', ...(number && { class: 'number' }) }, child);
+    if (kind === 'stack') made.setAttribute('role', 'columnheader');
+    return made;
   };
   return make(
     'div',
-    { class: 'table', tabindex: '0', role: 'region', 'aria-label': 'Table' },
+    { class: kind === 'stack' ? 'table stack' : 'table', tabindex: '0', role: 'region', 'aria-label': label },
     make(
       'table',
-      {},
-      make('thead', {}, make('tr', {}, ...head.map(heading))),
-      make('tbody', {}, ...rows.map((row) => make('tr', {}, ...row.map(cell)))),
+      role('table'),
+      make('thead', role('rowgroup'), make('tr', role('row'), ...head.map(heading))),
+      make('tbody', role('rowgroup'), ...rows.map((row) => make('tr', role('row'), ...row.map(cell)))),
     ),
   );
 }

@@ -52,6 +52,46 @@ export interface Problem {
   readonly message: string;
 }
 
+/** Lines of a plan: four numbers each, x and y of start and end, metres. */
+export type Lines = readonly number[];
+
+export interface PlanStorey {
+  /** Metres, world z. */
+  readonly floor: number;
+  readonly walls: Lines;
+  readonly doors: Lines;
+  readonly windows: Lines;
+  readonly stairs: Lines;
+  readonly furniture: Lines;
+}
+
+export interface Room {
+  /** May be empty. */
+  readonly name: string;
+  /** Index into Scan.storeys. */
+  readonly storey: number;
+  /** Metres, world z. */
+  readonly floor: number;
+  /** Of its walls, metres; absent if unknown. */
+  readonly height?: number;
+  /** Corners in order, x and y in turn. */
+  readonly outline: readonly number[];
+  /** Indices into Scan.viewpoints. */
+  readonly viewpoints: readonly number[];
+}
+
+/** Rooms and walls as far as they are known; of most scans nothing is. */
+export interface Plan {
+  readonly storeys: readonly PlanStorey[];
+  readonly rooms: readonly Room[];
+}
+
+/** What the colours of a viewpoint's depth and classes mean. */
+export interface Legends {
+  readonly depth: { readonly farthest: number; readonly colours: readonly string[] } | null;
+  readonly classes: readonly { readonly name: string; readonly colour: string; readonly share: number }[] | null;
+}
+
 /** What a server answers that does not do what was asked. */
 export class ServerError extends Error {
   readonly status: number;
@@ -97,6 +137,25 @@ export class Api {
     return this.call(`scans/${encodeURIComponent(scan)}`);
   }
 
+  plan(scan: string): Promise<Plan> {
+    return this.call(`scans/${encodeURIComponent(scan)}/plan`);
+  }
+
+  legends(scan: string, viewpoint: string): Promise<Legends> {
+    return this.call(`${this.viewpoint(scan, viewpoint)}/legends`);
+  }
+
+  /** How far it is from a viewpoint, as Surround.parse() reads it. */
+  async distances(scan: string, viewpoint: string): Promise<ArrayBuffer> {
+    const response = await fetch(`${this.base}/api/v1/${this.viewpoint(scan, viewpoint)}/distances`);
+    if (!response.ok) throw new Error(`no distances of viewpoint ${viewpoint}`);
+    return response.arrayBuffer();
+  }
+
+  private viewpoint(scan: string, viewpoint: string): string {
+    return `scans/${encodeURIComponent(scan)}/viewpoints/${encodeURIComponent(viewpoint)}`;
+  }
+
   /** The address of a face's picture, 0 up, 1 back, 2 left, 3 front, 4 right, 5 down. */
   face(scan: string, viewpoint: string, layer: Layer, face: number): string {
     const [folder, suffix] = {
@@ -104,8 +163,6 @@ export class Api {
       depth: ['depth', 'png'],
       class: ['classes', 'png'],
     }[layer] as [string, string];
-    return `${this.base}/api/v1/scans/${encodeURIComponent(scan)}/viewpoints/${encodeURIComponent(
-      viewpoint,
-    )}/${folder}/${face}.${suffix}`;
+    return `${this.base}/api/v1/${this.viewpoint(scan, viewpoint)}/${folder}/${face}.${suffix}`;
   }
 }

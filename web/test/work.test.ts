@@ -2,9 +2,11 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { degrees } from '../src/geometry.ts';
 import { ServerError } from '../src/scan.ts';
 import { type DraftState, Drafts } from '../src/work/drafts.ts';
-import { type Behaviour, hintsFor, wordsIn } from '../src/work/hints.ts';
+import { parseQuestions, writeQuestions } from '../src/questions.ts';
+import { type Behaviour, hintsFor, tooShort, wordsIn } from '../src/work/hints.ts';
 import { Looks } from '../src/work/looks.ts';
 import { Recorder } from '../src/work/recorder.ts';
+import { openStorage } from '../src/work/storage.ts';
 
 describe('hints', () => {
   const good: Behaviour = { pasted: 0, goalSeen: true };
@@ -21,10 +23,52 @@ describe('hints', () => {
     expect(codes(text, { pasted: 40 })).toEqual(['pasted']);
     expect(codes(text, { goalSeen: false })).toEqual(['goal-not-seen']);
   });
+  it('are no wall but for what the server refuses', () => {
+    expect(tooShort('')).toContain('first');
+    expect(tooShort('  Go left ')).toContain('too short');
+    expect(tooShort('Go up to')).toContain('too short'); // eight characters
+    expect(tooShort('Go up there')).toBeUndefined();
+  });
   it('count words of any script', () => {
     expect(wordsIn(' Go , left - at 2 ')).toBe(4);
     expect(wordsIn('иди прямо')).toBe(2);
     expect(wordsIn('')).toBe(0);
+  });
+});
+
+describe('questions', () => {
+  const typed = 'Are you at least 18?\n* Yes\nNo\n\n  Choose a colour. \n*Red\n* Blue\nGreen\n';
+  const parsed = [
+    { question: 'Are you at least 18?', choices: ['Yes', 'No'], accept: ['Yes'] },
+    { question: 'Choose a colour.', choices: ['Red', 'Blue', 'Green'], accept: ['Red', 'Blue'] },
+  ];
+  it('are typed in blocks, and written back', () => {
+    expect(parseQuestions(typed)).toEqual(parsed);
+    expect(parseQuestions(writeQuestions(parsed))).toEqual(parsed);
+    expect(parseQuestions(' \n\n ')).toEqual([]);
+  });
+  it('are refused by their name', () => {
+    expect(() => parseQuestions('Why?\n* Because')).toThrow('"Why?": write two choices');
+    expect(() => parseQuestions('Why?\nThis\nThat')).toThrow('put a *');
+  });
+});
+
+describe('storage', () => {
+  it('is the page\'s memory where the browser gives none', () => {
+    const storage = openStorage(() => { throw new DOMException('denied', 'SecurityError'); });
+    expect(storage.lasting).toBe(false);
+    storage.setItem('a', '1');
+    expect(storage.getItem('a')).toBe('1');
+    storage.removeItem('a');
+    expect(storage.getItem('a')).toBeNull();
+  });
+  it('is the browser\'s where there is one', () => {
+    const kept = new Map<string, string>();
+    const browser = { getItem: (key: string) => kept.get(key) ?? null, setItem: (key: string, value: string) => void kept.set(key, value), removeItem: (key: string) => void kept.delete(key) };
+    const storage = openStorage(() => browser as Storage);
+    storage.setItem('a', '1');
+    expect(storage.lasting).toBe(true);
+    expect([...kept]).toEqual([['a', '1']]);
   });
 });
 
@@ -152,6 +196,15 @@ describe('a draft', () => {
     drafts.forget();
     expect(kept.size).toBe(0);
   });
+  it('is sent at once when the page is about to go', async () => {
+    const drafts = open();
+    await drafts.save();
+    expect(sent).toEqual([]); // there is nothing
+    drafts.change({ text: 'Go' });
+    await drafts.save();
+    expect(sent).toEqual(['Go']);
+    expect(vi.getTimerCount()).toBe(0);
+  });
   it('gives way to a newer one of another browser', async () => {
     open().change({ text: 'old' });
     await vi.advanceTimersByTimeAsync(1200);
@@ -191,7 +244,10 @@ describe('a draft', () => {
   it('outlives rubbish in the storage, and a storage that is full', () => {
     kept.set('enfilade-draft/7', '{"draft": 7');
     expect(open().begin({ text: 'at server' })?.text).toBe('at server');
-    const full = { ...storage, setItem: () => { throw new Error('quota'); } };
+    const full = openStorage(() => ({
+      ...storage, setItem: (_: string, value: string) => { if (value !== '') throw new Error('quota'); },
+    }) as unknown as Storage);
+    expect(full.lasting).toBe(true);
     const drafts = new Drafts<Text>('7', full, async () => {});
     drafts.change({ text: 'Go' });
     drafts.dispose();

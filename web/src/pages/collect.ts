@@ -2,7 +2,4 @@
 import { work } from '../work/flow.ts';
 import { WriteTask } from '../work/write_task.ts';
 
-work('write', async (main, desk) => {
-  const task = await WriteTask.open(main, desk);
-  return () => task.dispose();
-});
+work('write', (main, desk) => WriteTask.open(main, desk));

@@ -1,88 +1,171 @@
-/** The leaderboard of a phase: `/leaderboard?phase=P`. */
-import { addSiteHeader, api, byId, make, problems, run, table } from '../page.ts';
+/** The page of a benchmark's phase: results, progress, rules. `/leaderboard?phase=P&sort=nav_error` */
+import { intervalBar, type Point, progressChart, scaleOf } from '../charts.ts';
+import { labelled, type Who } from '../forms.ts';
+import { markdown } from '../markdown.ts';
+import { addSiteHeader, api, byId, counted, empty, facts, loading, make, problems, run, table } from '../page.ts';
+import { leakageOf, limitsOf, type Phase, type PhaseList, primaryName, showingOf } from '../phases.ts';
+import { bestText, type Column, columns, type Direction, firstDirection, format, places, type Row, sorted, valueOf } from '../ranking.ts';
+import { ServerError } from '../scan.ts';
 
-interface Mean { readonly mean: number | null; readonly low: number | null; readonly high: number | null }
-interface Row {
-  readonly id: number;
-  readonly team: string;
-  readonly method: string;
-  readonly created: string;
-  readonly means: Readonly<Record<string, Mean>>;
-}
-interface Phase {
-  readonly phase: string;
-  readonly title: string;
-  readonly split: string;
-  readonly episodes: number;
-  readonly scores: 'public' | 'hidden';
+interface Order {
+  readonly by: Column;
+  readonly direction: Direction;
 }
 
-/** Column, its heading, what it is, its unit, and whether more is better. */
-const columns = [
-  ['trajectory_length', 'TL', 'Trajectory length, metres', 1, false],
-  ['nav_error', 'NE', 'Navigation error, metres', 1, false],
-  ['success', 'SR', 'Success rate, per cent', 100, true],
-  ['oracle_success', 'OSR', 'Oracle success rate, per cent', 100, true],
-  ['spl', 'SPL', 'Success weighted by path length, per cent', 100, true],
-  ['ndtw_collapsed', 'nDTW', 'Normalised dynamic time warping, per cent', 100, true],
-  ['sdtw_collapsed', 'sDTW', 'Success weighted by nDTW, per cent', 100, true],
-  ['cls', 'CLS', 'Coverage weighted by length score, per cent', 100, true],
-] as const;
-type Column = (typeof columns)[number];
-
-const show = (value: number | null | undefined, unit: number): string =>
-  value === null || value === undefined ? '–' : (value * unit).toFixed(unit === 1 ? 2 : 1);
-
-function cellOf(row: Row, [name, , , unit]: Column): HTMLElement {
-  const { mean, low, high } = row.means[name]!;
-  return make('td', { class: 'number' }, show(mean, unit),
-    make('span', { class: 'interval' }, `${show(low, unit)}–${show(high, unit)}`));
+/** Mean and interval, in the column's unit; nothing where there is no interval. */
+function intervalOf(row: Row, column: Column) {
+  const { low, mean, high } = row.means[column.name] ?? { mean: null };
+  if (typeof low !== 'number' || typeof high !== 'number' || mean === null) return undefined;
+  const factor = column.unit === '%' ? 100 : 1;
+  return { low: low * factor, mean: mean * factor, high: high * factor };
 }
 
-function draw(box: HTMLElement, rows: readonly Row[], sorted: Column): void {
-  const value = (row: Row) => row.means[sorted[0]]?.mean ?? (sorted[4] ? -Infinity : Infinity);
-  const order = [...rows].sort((a, b) => (sorted[4] ? value(b) - value(a) : value(a) - value(b)));
-  const heads = columns.map((column) => {
-    const button = make('button', { type: 'button', title: column[2] }, column[1]);
-    button.addEventListener('click', () => {
-      draw(box, rows, column);
-      box.querySelectorAll<HTMLElement>('th button')[columns.indexOf(column)]?.focus();
-    });
-    const here = column === sorted;
-    return make('th', { scope: 'col', class: 'number', 'aria-sort': !here ? 'none' : sorted[4] ? 'descending' : 'ascending' },
-      button, here ? (sorted[4] ? ' ▾' : ' ▴') : '');
+/** The cells of a column. */
+function cellsOf(rows: readonly Row[], column: Column): HTMLElement[] {
+  const best = bestText(rows, column);
+  const intervals = rows.map((row) => intervalOf(row, column));
+  const scale = scaleOf(intervals.flatMap((one) => one ?? []));
+  return rows.map((row, k) => {
+    const text = format(valueOf(row, column), column);
+    const cell = make('td', { class: text === best ? 'number best' : 'number', 'data-label': `${column.short}, ${column.unit}` }, text);
+    const interval = intervals[k];
+    if (interval) cell.append(intervalBar(interval, scale, `95 % interval ${format(interval.low, column)} to ${format(interval.high, column)}`));
+    return cell;
   });
-  box.replaceChildren(table(['Team', 'Method', ...heads, 'Handed in'], order.map((row) => [
-    row.team, row.method, ...columns.map((column) => cellOf(row, column)), make('td', { class: 'date' }, row.created.slice(0, 10)),
-  ])));
+}
+
+function teamCell({ team, method, paper, code }: Row): HTMLElement {
+  const link = (href: string, text: string) => make('a', { href, rel: 'noopener noreferrer nofollow', 'aria-label': `${text} of ${method}` }, text);
+  const links = [...(paper ? [link(paper, 'Paper')] : []), ...(code ? [link(code, 'Code')] : [])];
+  return make('td', { class: 'rest' }, make('strong', {}, team), make('span', { class: 'method' }, method, ...links.flatMap((one) => [' ', one])));
+}
+
+/** The address says how the table is sorted: a link shows what its sender saw. */
+function keepOrder({ by, direction }: Order): void {
+  const query = new URLSearchParams(location.search);
+  query.set('sort', direction === firstDirection(by) ? by.name : `${by.name}-${direction}`);
+  history.replaceState(null, '', `?${query}`);
+}
+
+function orderOf(text: string | null, otherwise: Column): Order {
+  const [name, direction] = (text ?? '').split('-');
+  const by = columns.find((column) => column.name === name) ?? otherwise;
+  return { by, direction: direction === 'ascending' || direction === 'descending' ? direction : firstDirection(by) };
+}
+
+function drawRows(box: HTMLElement, all: readonly Row[], phase: Phase, order: Order): void {
+  const primary = columns.find(({ name }) => name === phase.primary)!;
+  const place = new Map(places(all, primary).map((one, k) => [all[k]!.id, one]));
+  const shown = columns.filter((column) => all.some((row) => row.means[column.name] !== undefined));
+  const rows = sorted(all, order.by, order.direction);
+  const heads = shown.map((column) => {
+    const here = column === order.by;
+    const button = make('button', { type: 'button', title: column.title }, column.short);
+    button.addEventListener('click', () => {
+      const turned = order.direction === 'ascending' ? 'descending' : 'ascending';
+      const next = { by: column, direction: here ? turned : firstDirection(column) } as const;
+      keepOrder(next);
+      drawRows(box, all, phase, next);
+      box.querySelectorAll<HTMLElement>('th button')[shown.indexOf(column)]?.focus();
+    });
+    return make('th', { scope: 'col', class: 'number', 'aria-sort': here ? order.direction : 'none' }, button, make('span', { class: 'unit' }, column.unit));
+  });
+  const cells = shown.map((column) => cellsOf(rows, column));
+  box.replaceChildren(table([make('th', { scope: 'col', 'aria-label': 'Rank' }, '#'), 'Team and method', ...heads, make('th', { scope: 'col', class: 'number' }, 'Submitted')],
+    rows.map((row, k) => [make('td', { class: 'rank' }, String(place.get(row.id))), teamCell(row), ...cells.map((list) => list[k]!),
+      make('td', { class: 'number date wide', 'data-label': 'Submitted' }, row.created.slice(0, 10))]),
+    { kind: 'stack', label: `Results of ${phase.title}` }));
+}
+
+/** The rows, or why there are none to be seen. */
+async function boardOf(phase: Phase, organiser: boolean, all: boolean): Promise<readonly Row[] | string> {
+  const none = 'Scores are shown when the phase has ended.';
+  if (!organiser && phase.scores === 'hidden') return 'Only the organisers see the scores of this phase.';
+  if (!organiser && phase.scores === 'after-end' && !phase.ended) return none;
+  try {
+    return (await api.call<{ rows: Row[] }>(`leaderboards/${encodeURIComponent(phase.phase)}${all ? '?all=1' : ''}`)).rows;
+  } catch (error) {
+    if (error instanceof ServerError && error.status === 403) return 'The last files are being scored.';
+    throw error;
+  }
+}
+
+/** What a team has reached, submission by submission. */
+function progressOf(rows: readonly Row[], phase: Phase): HTMLElement[] {
+  const primary = columns.find(({ name }) => name === phase.primary)!;
+  const points: Point[] = rows.flatMap((row) => {
+    const value = valueOf(row, primary);
+    return value === undefined ? [] : [{ team: row.team, time: Date.parse(row.created), value, name: row.method }];
+  });
+  const teams = [...new Set(points.map(({ team }) => team))]; // best first, as the rows are
+  if (points.length < 2) return [];
+  const [box, team] = labelled('progress-team', 'Team', make('select', {}, ...teams.map((name) => new Option(name, name))));
+  const chart = make('div');
+  const show = () => {
+    const own = points.filter((point) => point.team === team.value);
+    const best = Math.max(...own.map(({ value }) => value));
+    const label = `${primary.short} of ${team.value} over time: ${counted(own.length, 'submission')}, best ${format(best, primary)} ${primary.unit}`;
+    chart.replaceChildren(progressChart(points, team.value, label),
+      make('p', { class: 'note' }, `${label}. Filled dots: better than before; grey lines: other teams.`));
+  };
+  team.addEventListener('change', show);
+  show();
+  return [make('h2', { id: 'progress' }, 'Progress'), make('div', { class: 'toolbar' }, box), chart];
+}
+
+/** What is to be known of a phase above its table. */
+function headOf(phase: Phase, organiser: boolean): HTMLElement {
+  const ends = phase.ends === null ? (phase.ended ? 'ended' : 'open') : phase.ends.slice(0, 16).replace('T', ' ');
+  const secret = [showingOf(phase), leakageOf(phase),
+    phase.near_copies ? `${phase.near_copies} submissions end where an earlier one does, in all but a few episodes: the page Submit marks them.` : ''];
+  const links = [make('a', { href: `/submit?${new URLSearchParams({ phase: phase.phase })}`, class: 'button main' }, 'Submit results'),
+    ...(phase.rules ? [make('a', { href: '#rules', class: 'button' }, 'Rules')] : [])];
+  return make('div', {},
+    facts([['Split', phase.split], ['Instructions', phase.episodes.toLocaleString('en-US')], ['Ranked by', primaryName(phase)],
+      ['Submissions of a team', limitsOf(phase)], [phase.ends === null || !phase.ended ? (phase.ends === null ? 'State' : 'Ends, UTC') : 'Ended, UTC', ends]]),
+    ...secret.filter((text) => text !== '').map((text) => make('p', { class: 'note' }, text)),
+    ...(organiser && phase.goals_secret ? [make('p', { class: 'notice' }, 'You see all scores as an organiser; teams and visitors do not.')] : []),
+    make('p', { class: 'buttons' }, ...links));
+}
+
+async function fill(box: HTMLElement, phase: Phase, organiser: boolean): Promise<void> {
+  const open = !phase.goals_secret || organiser;
+  const [board, all] = await Promise.all([boardOf(phase, organiser, false), open ? boardOf(phase, organiser, true) : []]);
+  const results = make('div');
+  if (typeof board === 'string') results.append(empty('No scores yet', board));
+  else if (board.length === 0) results.append(empty('No results yet', 'Nobody has handed anything in.'));
+  else {
+    const primary = columns.find(({ name }) => name === phase.primary)!;
+    drawRows(results, board, phase, orderOf(new URLSearchParams(location.search).get('sort'), primary));
+    const file = `/api/v1/leaderboards/${encodeURIComponent(phase.phase)}?format=csv&all=1`;
+    const about = `Each team's best by ${primaryName(phase)}${open ? '; bars are bootstrap 95 % intervals over paths' : ''}. `;
+    box.replaceChildren(make('h2', {}, 'Results'), results,
+      make('p', { class: 'note' }, about, make('a', { href: file, download: `${phase.phase}.csv` }, open ? 'All submissions (CSV)' : 'Table (CSV)')),
+      ...progressOf(typeof all === 'string' ? [] : all, phase));
+    return;
+  }
+  box.replaceChildren(make('h2', {}, 'Results'), results);
 }
 
 run(async () => {
   await addSiteHeader();
-  const { phases } = await api.call<{ phases: Phase[] }>('phases');
   const main = byId('main');
+  const [{ phases }, who] = await Promise.all([api.call<PhaseList>('phases'), api.call<Who>('session')]);
   main.append(make('h1', {}, 'Leaderboard'));
   if (phases.length === 0) {
-    main.append(make('p', {}, 'Nothing is scored here: this data set has no split with goals.'));
+    main.append(empty('Nothing is scored here', 'This data set has no split with goals.'));
     return;
   }
-  const select = make('select', { id: 'phase' }, ...phases.map((p) => new Option(p.title, p.phase)));
   const wanted = new URLSearchParams(location.search).get('phase');
-  if (phases.some((p) => p.phase === wanted)) select.value = wanted!;
-  const box = make('div', { 'aria-live': 'polite' });
-  const load = async (): Promise<void> => {
-    const phase = phases.find((p) => p.phase === select.value)!;
-    const name = encodeURIComponent(phase.phase);
-    const { rows } = await api.call<{ rows: Row[] }>(`leaderboards/${name}`);
-    const list = make('div');
-    draw(list, rows, columns[4]);
-    box.replaceChildren(
-      make('p', { class: 'note' }, `Split ${phase.split}, ${phase.episodes} instructions. Each team's best by SPL, with bootstrap 95 % intervals over paths.`),
-      rows.length === 0 ? make('p', {}, 'Nobody has handed anything in yet.') : list,
-      make('p', {}, make('a', { href: `/api/v1/leaderboards/${name}?format=csv&all=1`, download: `${phase.phase}.csv` }, 'All submissions as a sheet (CSV)')));
-  };
-  const refresh = () => { load().catch((error: unknown) => box.replaceChildren(problems(error))); };
-  select.addEventListener('change', refresh);
-  main.append(make('label', { for: 'phase' }, 'Phase'), select, box);
-  refresh();
+  const phase = phases.find((one) => one.phase === wanted) ?? phases[0]!;
+  if (phases.length > 1) {
+    main.append(make('nav', { class: 'tabs', 'aria-label': 'Phases' }, ...phases.map((one) =>
+      make('a', { href: `?${new URLSearchParams({ phase: one.phase })}`, ...(one === phase && { 'aria-current': 'page' }) }, one.title))));
+  }
+  document.title = `${phase.title}: leaderboard · Enfilade`;
+  const organiser = who.role === 'organiser';
+  const results = make('section', { 'aria-live': 'polite' }, loading());
+  main.append(headOf(phase, organiser), results);
+  if (phase.rules) main.append(make('h2', { id: 'rules' }, 'Rules'), markdown(phase.rules));
+  await fill(results, phase, organiser).catch((error: unknown) => results.replaceChildren(problems(error)));
 });

@@ -1,8 +1,10 @@
 /** Collections: making them, how far they are, their links and files. */
-import type { Collection, Progress } from '../collections.ts';
+import type { Collection, ExportReport, Progress } from '../collections.ts';
 import { action, field, form, labelled, loggedIn, onlyFor } from '../forms.ts';
 import { markdown } from '../markdown.ts';
-import { api, byId, json, make, run } from '../page.ts';
+import { api, byId, counted, json, make, run } from '../page.ts';
+import { parseQuestions } from '../questions.ts';
+import { teamsBox } from '../teams.ts';
 import { consentGap, consentText, instructionsText } from '../texts.ts';
 
 interface SplitList {
@@ -14,26 +16,49 @@ type Platform = Collection['platform']['kind'];
 const kindTexts: Record<Kind, string> = { write: 'People write directions', walk: 'People walk by directions' };
 const platformTexts: Record<Platform, string> = { self: 'a link of your own', mturk: 'Mechanical Turk', prolific: 'Prolific' };
 
-function progressOf({ items, places, leased, submitted, accepted, rejected, complete, workers }: Progress, kind: Kind): HTMLElement {
-  const bar = make('progress', { max: String(Math.max(places, 1)), value: String(accepted + submitted), 'aria-label': 'Handed in' });
+function progressOf({ items, places, leased, submitted, accepted, rejected, complete, workers, minutes }: Progress, kind: Kind): HTMLElement {
+  const bar = make('progress', { max: String(Math.max(places, 1)), value: String(accepted + submitted), 'aria-label': 'Submitted' });
   const facts = [
     `${complete} of ${items} ${kind === 'write' ? 'paths' : 'instructions'} complete`,
-    `${workers} worker${workers === 1 ? '' : 's'}${leased > 0 ? `, ${leased} at work now` : ''}`,
+    `${counted(workers, 'worker')}${leased > 0 ? `, ${leased} at work now` : ''}`,
     ...(rejected > 0 ? [`${rejected} rejected`] : []),
+    ...(minutes > 0 ? [`A task takes ${minutes < 1 ? 'less than a minute' : `${minutes.toFixed(1)} minutes`} (median)`] : []),
   ];
   return make('div', {}, bar,
-    make('p', {}, make('strong', {}, `${accepted + submitted} of ${places} handed in`), `: ${accepted} accepted, ${submitted} to review.`),
+    make('p', {}, make('strong', {}, `${accepted + submitted} of ${places} submitted`), `: ${accepted} accepted, ${submitted} to review.`),
     make('p', { class: 'note' }, `${facts.join('. ')}.`));
 }
 
-/** The files to be had. Walks were checked when they were handed in, so theirs don't wait for a review. */
-function filesOf({ collection, kind, splits = [] }: Collection): HTMLElement {
-  const link = (split: string, what: string, text: string, state: 'accepted' | 'all') =>
-    make('a', { href: `/api/v1/collections/${encodeURIComponent(collection)}/export?${new URLSearchParams({ split, what, state })}`, download: '' }, text);
-  const rows = splits.map(({ split, items, goals_hidden }) => make('li', {}, `${split} (${items}): `, ...(kind === 'write'
-    ? [link(split, 'annotations', 'R2R file', 'accepted'), ' · ', link(split, 'annotations', 'with what is not reviewed', 'all')]
-    : [...(goals_hidden ? [] : [link(split, 'annotations', 'R2R file', 'all'), ' · ']),
-      link(split, 'results', 'results', 'all'), ' · ', link(split, 'walks', 'walks with times', 'all')])));
+const exportOf = (collection: string, query: Record<string, string>): string =>
+  `collections/${encodeURIComponent(collection)}/export?${new URLSearchParams(query)}`;
+
+/** What the reports said, as long as nothing was submitted or reviewed since. */
+const reports = new Map<string, Promise<ExportReport>>();
+function reportOf(of: Collection, split: string, state: string): Promise<ExportReport> {
+  const key = JSON.stringify([of.collection, split, state, of.progress]);
+  const known = reports.get(key) ?? api.call<ExportReport>(exportOf(of.collection, { split, state, what: 'report' }));
+  reports.set(key, known);
+  return known;
+}
+
+/**
+ * The files to be had, and what they leave out. Walks were checked when they were submitted, so theirs don't wait for a
+ * review.
+ */
+function filesOf(collection: Collection): HTMLElement {
+  const { collection: name, kind, splits = [] } = collection;
+  const state = kind === 'write' ? 'accepted' : 'all';
+  const link = (split: string, what: string, text: string, of: 'accepted' | 'all' = state) =>
+    make('a', { href: `/api/v1/${exportOf(name, { split, what, state: of })}`, download: '' }, text);
+  const rows = splits.map(({ split, items, goals_hidden }) => {
+    const said = make('p', { class: 'note' });
+    reportOf(collection, split, state).then(({ summary }) => { said.textContent = `${summary}.`; }, () => {});
+    return make('li', {}, `${split} (${items}): `, ...(kind === 'write'
+      ? [link(split, 'annotations', 'R2R file'), ' · ', link(split, 'annotations', 'with what is not reviewed', 'all')]
+      : [...(goals_hidden ? [] : [link(split, 'annotations', 'R2R file'), ' · ']),
+        link(split, 'results', 'results'), ' · ', link(split, 'walks', 'walks with times')]),
+    ' · ', link(split, 'tasks', 'all tasks with times'), said);
+  });
   return make('div', {}, make('h3', {}, 'Files'),
     make('p', { class: 'note' }, kind === 'write' ? 'What was accepted.' : 'All walks but the rejected ones.'), make('ul', {}, ...rows));
 }
@@ -52,21 +77,90 @@ function linkOf({ collection, title, platform, link = '' }: Collection, said: HT
   return box;
 }
 
+const stateTexts: Record<Collection['state'], string> = { open: 'Open.', closed: 'Closed.', archived: 'Archived.' };
+
+/** Texts and rules of a collection that is there. */
+function changeBox(collection: Collection, changed: () => Promise<void>): HTMLElement {
+  const { collection: name } = collection;
+  const box = make('details', {}, make('summary', {}, 'Change'));
+  // Made when it is opened: there may be many collections.
+  box.addEventListener('toggle', () => {
+    if (!box.open || box.childElementCount > 1) return;
+    const [titleBox, title] = field(`title-${name}`, 'Title, for workers', { maxlength: '80', value: collection.title });
+    const [consentBox, consent] = prose(`consent-${name}`, 'Consent');
+    const [instructionsBox, instructions] = prose(`instructions-${name}`, 'Instructions');
+    const rules = ruleFields(`-${name}`, collection);
+    consent.value = collection.consent;
+    instructions.value = collection.instructions;
+    box.append(form('Save', [titleBox, consentBox,
+      make('p', { class: 'note' }, 'Workers who agreed to another consent text are asked again.'), instructionsBox, rules.box], async () => {
+      await api.call(`collections/${encodeURIComponent(name)}`, json({
+        title: title.value.trim(), consent: consent.value, instructions: instructions.value, ...rules.read() }, 'PATCH'));
+      await changed();
+    }));
+  });
+  return box;
+}
+
+function copyBox(collection: Collection, changed: () => Promise<void>): HTMLElement {
+  const { collection: from } = collection;
+  const [nameBox, name] = field(`copy-${from}`, 'Name of the copy, in links', { maxlength: '40', pattern: '[a-z0-9_\\-]{1,40}', value: `${from}-2`.slice(0, 40) });
+  return make('details', {}, make('summary', {}, 'Copy'),
+    make('p', { class: 'note' }, 'The same paths, texts, questions and rules; none of the work. It is open at once, by a link of its own.'),
+    form('Copy', [nameBox], async () => {
+      await api.call(`collections/${encodeURIComponent(from)}/copy`, json({ name: name.value }));
+      await changed();
+    }));
+}
+
+/** Rules of a collection that can be changed later, too. @param after the end of the fields' ids */
+function ruleFields(after: string, now?: Collection): { box: HTMLElement; read(): object } {
+  const number = (id: string, text: string, most: number, note: string, value: number | undefined, attributes: Record<string, string> = {}): [HTMLElement, HTMLInputElement] => {
+    const [box, input] = field(id + after, text, { type: 'number', min: '1', max: String(most), placeholder: 'default', ...attributes }, note);
+    input.required = false;
+    if (value) input.value = String(value);
+    return [box, input];
+  };
+  const [payBox, pay] = field(`pay${after}`, 'Pay, as workers read it', { maxlength: '200', placeholder: '$1.20 a path', ...(now?.pay && { value: now.pay }) });
+  pay.required = false;
+  const [minutesBox, minutes] = number('minutes', 'Minutes that a task takes', 600, now?.progress?.minutes
+    ? `So far the median is ${now.progress.minutes.toFixed(1)}.` : 'Workers see it before they agree.', now?.minutes, { step: '0.5', min: '0.5', placeholder: 'not said' });
+  const [perBox, per] = number('per-item', 'Different workers for each', 100, 'Default: 3 for a path to describe, 1 for an instruction to walk.', now?.per_item);
+  const [leaseBox, lease] = number('lease', 'Minutes until an inactive task goes to another worker', 1440, 'Default: 30.', now?.lease_minutes);
+  const [visitBox, visit] = number('visit', 'Tasks a visit', 1000, 'Default: by a link of your own as many as there are, else 1.', now?.tasks_per_visit);
+  const [everyBox, every] = number('check-every', 'Tasks from one attention check to the next', 1000, 'Default: 3.', now?.check_every);
+  const more = make('details', {}, make('summary', {}, 'More'), perBox, leaseBox, visitBox, everyBox);
+  const optional = (key: string, input: HTMLInputElement) => (input.value ? { [key]: Number(input.value) } : {});
+  return {
+    box: make('div', {}, payBox, minutesBox, more),
+    read: () => ({
+      ...(pay.value.trim() !== (now?.pay ?? '') && { pay: pay.value.trim() }), ...optional('minutes', minutes),
+      ...optional('per_item', per), ...optional('lease_minutes', lease), ...optional('tasks_per_visit', visit), ...optional('check_every', every),
+    }),
+  };
+}
+
+/** Questions to workers, a block each. */
+function questionField(id: string, text: string, note: string): [HTMLElement, HTMLTextAreaElement] {
+  return labelled(id, text, make('textarea', { rows: '5', placeholder: 'Are you at least 18 years old?\n* Yes\nNo' }), note);
+}
+
 function cardOf(collection: Collection, organiser: boolean, changed: () => Promise<void>): HTMLElement {
   const { collection: name, title, kind, state, platform, progress } = collection;
   const said = make('div', { 'aria-live': 'polite' });
   const card = make('li', { class: 'card' }, make('h2', {}, title), make('p', { class: 'note' },
-    `${kindTexts[kind]}, by ${platformTexts[platform.kind]}. ${state === 'open' ? 'Open.' : 'Closed.'}`));
+    `${kindTexts[kind]}, by ${platformTexts[platform.kind]}. ${stateTexts[state]}`));
   if (progress) card.append(progressOf(progress, kind));
   card.append(make('p', {}, make('a', { href: `/review?${new URLSearchParams({ collection: name })}` }, 'Review')));
   if (!organiser) return card;
-  const other = state === 'open' ? 'closed' : 'open';
-  card.append(linkOf(collection, said), filesOf(collection), make('p', { class: 'buttons' },
-    action(state === 'open' ? 'Close' : 'Open again', said, async () => {
-      await api.call(`collections/${encodeURIComponent(name)}`, json({ state: other }, 'PATCH'));
-      await changed();
-    }, { 'aria-label': `${state === 'open' ? 'Close' : 'Open again'}: ${title}` }),
-    make('a', { href: `/api/v1/collections/${encodeURIComponent(name)}/workers?format=csv`, download: '' }, 'Visits, for paying (CSV)')), said);
+  const become = (text: string, next: Collection['state']) => action(text, said, async () => {
+    await api.call(`collections/${encodeURIComponent(name)}`, json({ state: next }, 'PATCH'));
+    await changed();
+  }, { 'aria-label': `${text}: ${title}` });
+  card.append(linkOf(collection, said), filesOf(collection), changeBox(collection, changed), copyBox(collection, changed), make('p', { class: 'buttons' },
+    state === 'open' ? become('Close', 'closed') : become('Open again', 'open'),
+    ...(state === 'archived' ? [] : [become('Archive', 'archived')]),
+    make('a', { href: `/api/v1/collections/${encodeURIComponent(name)}/workers?format=csv`, download: '' }, 'Visits and payment (CSV)')), said);
   return card;
 }
 
@@ -97,33 +191,43 @@ function sourceFields({ splits }: SplitList): { box: HTMLElement; read(): Promis
   const [splitBox, split] = field('split', "That file's split, as the export will call it", { value: 'train', pattern: '[a-z0-9_\\-]{1,40}' });
   const [mostBox, most] = field('most', 'Only the first paths of each', { type: 'number', min: '1', placeholder: 'all' });
   most.required = false;
+  const [practiceBox, practice] = labelled('practice', 'Practice, for every worker first',
+    make('select', {}, new Option('none', ''), ...splits.filter(({ goals_hidden }) => !goals_hidden).map(({ split: name }) => new Option(`the first path of ${name}`, name))),
+    'With feedback; it is never reviewed nor exported, and that path is no task.');
+  practiceBox.hidden = boxes.length === 0;
   const read = async (): Promise<object[]> => {
     const limit = most.value ? { most: Number(most.value) } : {};
+    const first: object[] = practice.value ? [{ split: practice.value, most: 1, practice: true }] : [];
     const chosen: object[] = boxes.filter(({ tick }) => tick.checked).map(({ tick }) => ({ split: tick.value, ...limit }));
     const [given] = file.files ?? [];
     if (given) chosen.push({ split: split.value, paths: JSON.parse(await given.text()) as object[], ...limit });
     if (chosen.length === 0) throw new Error('Choose paths: a split of the data set, or a file.');
-    return chosen;
+    return [...first, ...chosen];
   };
   const list = make('fieldset', {}, make('legend', {}, 'Paths of the data set'), ...boxes.map(({ label }) => make('div', {}, label)));
   list.hidden = boxes.length === 0;
-  return { box: make('div', {}, list, fileBox, splitBox, mostBox), read };
+  return { box: make('div', {}, list, fileBox, splitBox, mostBox, practiceBox), read };
 }
 
 /** Where workers come from, and what that needs. */
 function platformFields(): { box: HTMLElement; read(): object } {
   const kinds = Object.entries(platformTexts).map(([value, text]) => new Option(text, value));
-  const [box, kind] = labelled('platform', 'Workers come by', make('select', {}, ...kinds));
+  const [box, kind] = labelled('platform', 'Workers come through', make('select', {}, ...kinds));
   const [codeBox, code] = field('code', 'Completion code of the Prolific study', { pattern: '[A-Za-z0-9_\\-]{1,40}' });
+  const [outBox, out] = field('screen-out', 'Completion code for workers whom the screening sends away', { pattern: '[A-Za-z0-9_\\-]{1,40}' });
+  out.required = false;
   const show = () => {
-    codeBox.hidden = kind.value !== 'prolific';
+    codeBox.hidden = outBox.hidden = kind.value !== 'prolific';
     code.required = !codeBox.hidden;
   };
   kind.addEventListener('change', show);
   show();
   return {
-    box: make('div', {}, box, codeBox),
-    read: () => ({ kind: kind.value, ...(kind.value === 'prolific' && { completion_code: code.value }) }),
+    box: make('div', {}, box, codeBox, outBox),
+    read: () => ({
+      kind: kind.value,
+      ...(kind.value === 'prolific' && { completion_code: code.value, ...(out.value && { screen_out_code: out.value }) }),
+    }),
   };
 }
 
@@ -131,17 +235,15 @@ function newCollection(splits: SplitList, made: () => Promise<void>): HTMLElemen
   const [titleBox, title] = field('title', 'Title, for workers', { maxlength: '80' });
   const [nameBox, name] = field('name', 'Name, in links', { maxlength: '40', pattern: '[a-z0-9_\\-]{1,40}' });
   const kinds = Object.entries(kindTexts).map(([value, text]) => new Option(text, value));
-  const [kindBox, kind] = labelled('kind', 'What is done', make('select', {}, ...kinds));
+  const [kindBox, kind] = labelled('kind', 'Type of task', make('select', {}, ...kinds));
   const [consentBox, consent] = prose('consent', 'Consent');
   const [instructionsBox, instructions] = prose('instructions', 'Instructions');
-  const number = (id: string, text: string, most: number, note: string): [HTMLElement, HTMLInputElement] => {
-    const [box, input] = field(id, text, { type: 'number', min: '1', max: String(most), placeholder: 'default' }, note);
-    input.required = false;
-    return [box, input];
-  };
-  const [perBox, per] = number('per-item', 'Different workers for each', 100, 'Default: 3 for a path to describe, 1 for an instruction to walk.');
-  const [leaseBox, lease] = number('lease', 'Minutes until a task that lies still is given to another', 1440, 'Default: 30.');
-  const [visitBox, visit] = number('visit', 'Tasks a visit', 1000, 'Default: by a link of your own as many as there are, else 1.');
+  const rules = ruleFields('');
+  const [screeningBox, screening] = questionField('screening', 'Screening: questions after the consent',
+    'A question on a line, its choices on the lines below, * before the right ones; an empty line between questions. A wrong answer: no task.');
+  const [checksBox, checks] = questionField('checks', 'Attention checks: questions between tasks',
+    'Written likewise. Wrong answers are counted; you and the reviewers see them.');
+  const asked = make('details', {}, make('summary', {}, 'Questions to workers'), screeningBox, checksBox);
   const [sources, platform] = [sourceFields(splits), platformFields()];
   consent.value = consentText;
   instructions.value = instructionsText.write;
@@ -152,17 +254,15 @@ function newCollection(splits: SplitList, made: () => Promise<void>): HTMLElemen
     instructions.value = instructionsText[kind.value as Kind];
     lookedUp.hidden = kind.value !== 'walk';
   });
-  const more = make('details', {}, make('summary', {}, 'More'), perBox, leaseBox, visitBox);
-  const optional = (key: string, input: HTMLInputElement) => (input.value ? { [key]: Number(input.value) } : {});
-  return form('Make it, and open it', [titleBox, nameBox, kindBox, sources.box, lookedUp, platform.box, consentBox, instructionsBox, more], async () => {
+  return form('Create and open', [titleBox, nameBox, kindBox, sources.box, lookedUp, platform.box, consentBox, instructionsBox, asked, rules.box], async () => {
     if (consent.value.includes(consentGap)) {
       consent.focus();
       throw new Error(`The consent still says "${consentGap}": say it there.`);
     }
     await api.call('collections', json({
       name: name.value, title: title.value.trim(), kind: kind.value, consent: consent.value, instructions: instructions.value,
-      sources: await sources.read(), platform: platform.read(),
-      ...optional('per_item', per), ...optional('lease_minutes', lease), ...optional('tasks_per_visit', visit),
+      sources: await sources.read(), platform: platform.read(), ...rules.read(),
+      screening: parseQuestions(screening.value), checks: parseQuestions(checks.value),
     }));
     await made();
   });
@@ -174,28 +274,35 @@ run(async () => {
   const organiser = who.role === 'organiser';
   const list = make('ul', { class: 'collections', 'aria-label': 'Collections' });
   const main = byId('main');
+  const search = make('input', { type: 'search', 'aria-label': 'Search collections', placeholder: 'Search' });
+  const archived = make('input', { type: 'checkbox' });
+  const filters = make('div', { class: 'filters' }, search, make('label', { class: 'row' }, archived, 'Show archived'));
   const refresh = async (): Promise<void> => {
-    const { collections } = await api.call<{ collections: Collection[] }>('collections');
+    const query = new URLSearchParams({ q: search.value, ...(archived.checked && { state: 'archived' }) });
+    const { collections } = await api.call<{ collections: Collection[] }>(`collections?${query}`);
+    none.textContent = search.value || archived.checked ? 'No collection matches.' : organiser ? 'No collections yet.' : 'No collections yet; organisers create them.';
     list.replaceChildren(...collections.map((one) => cardOf(one, organiser, refresh)));
     list.hidden = collections.length === 0;
     none.hidden = collections.length > 0;
   };
-  const none = make('p', {}, organiser ? 'There is none yet.' : 'There is none yet; organisers make them.');
+  const none = make('p');
   const said = make('div', { role: 'status' });
-  main.append(make('h1', {}, 'Collections'), loggedIn(who), said, none, list);
+  main.append(make('h1', {}, 'Collections'), loggedIn(who), said, filters, none, list);
   await refresh();
+  for (const control of [search, archived]) control.addEventListener('input', () => void refresh());
   setInterval(() => {
-    // Not under the hands of somebody who is using it.
-    if (!document.hidden && !list.contains(document.activeElement)) refresh().catch(() => {});
+    // Not under the hands of somebody who is using it, nor over a form that is filled in.
+    const used = list.contains(document.activeElement) || list.querySelector('details[open]') !== null;
+    if (!document.hidden && !used) refresh().catch(() => {});
   }, 15_000);
   if (!organiser) return;
-  const box = make('details', { class: 'new' }, make('summary', {}, make('h2', {}, 'Make a collection')));
+  const box = make('details', { class: 'new' }, make('summary', {}, make('h2', {}, 'New collection')));
   box.open = !none.hidden;
   box.append(newCollection(await api.call<SplitList>('splits'), async () => {
     box.open = false;
     await refresh();
-    said.replaceChildren(make('p', { class: 'done' }, 'It is made. Send its link to workers.'));
+    said.replaceChildren(make('p', { class: 'done' }, 'The collection is open. Send its link to workers.'));
     scrollTo(0, 0);
   }));
-  main.append(box);
+  main.append(box, await teamsBox());
 });

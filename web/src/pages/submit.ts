@@ -1,8 +1,8 @@
 /** Making a team, logging in, handing in, and a team's history. */
-import { field, form, loggedIn, loginForm, twice, type Who } from '../forms.ts';
-import { addSiteHeader, api, byId, dateTime, json, make, problems, run, table } from '../page.ts';
+import { field, form, labelled, loggedIn, loginForm, twice, type Who } from '../forms.ts';
+import { addSiteHeader, api, byId, dateTime, empty, json, make, problems, run, table } from '../page.ts';
+import { endOf, leakageOf, limitsOf, type PhaseList, showingOf } from '../phases.ts';
 
-interface Phase { readonly phase: string; readonly title: string; readonly per_day: number }
 interface Submission {
   readonly id: number;
   readonly team: string;
@@ -11,23 +11,50 @@ interface Submission {
   readonly state: string;
   readonly created: string;
   readonly means?: Readonly<Record<string, { mean: number | null }>>;
+  readonly withheld?: 'until-end' | 'no-improvement' | 'not-best' | 'hidden';
+  readonly near_copy?: { readonly of: number; readonly differing: number };
   readonly warnings?: readonly string[];
 }
 
 const main = byId('main');
 
-function showStranger(): void {
+/** Why a submission has no scores. */
+const withheldTexts: Record<NonNullable<Submission['withheld']>, string> = {
+  'until-end': 'Scores appear when the phase has ended',
+  'no-improvement': "Not a step better than your team's best",
+  'not-best': 'Another submission stands for your team',
+  hidden: 'Only the organisers see its scores',
+};
+
+function stateOf({ state, withheld, near_copy }: Submission): HTMLElement {
+  const badge = { scored: ' good', failed: ' bad', queued: ' wait' }[state] ?? '';
+  const cell = make('td', { class: 'wide', 'data-label': 'State' }, make('span', { class: `badge${badge}` }, state));
+  if (withheld) cell.append(make('span', { class: 'note' }, ` ${withheldTexts[withheld]}`));
+  if (near_copy) {
+    cell.append(make('span', { class: 'note' }, near_copy.differing === 0
+      ? ` Ends where no. ${near_copy.of} ends` : ` Ends where no. ${near_copy.of} ends, but for ${near_copy.differing}`));
+  }
+  return cell;
+}
+
+async function showStranger(): Promise<void> {
   const login = loginForm("Your team's token");
+  const { registration } = await api.call<PhaseList>('phases');
+  if (registration === 'closed') {
+    main.append(make('h2', {}, 'Log in'), login,
+      make('p', {}, 'Registration is closed here: the organisers make teams, and give them their tokens.'));
+    return;
+  }
   const [nameField, name] = field('name', "The team's name, as the leaderboard shows it", { maxlength: '80' });
   const made = make('div');
   main.append(
     make('h2', {}, 'Log in'),
     login,
-    make('h2', {}, 'Or make a team'),
-    form('Make the team', [nameField], async () => {
+    make('h2', {}, 'Or create a team'),
+    form('Create team', [nameField], async () => {
       const team = await api.call<{ token: string }>('teams', json({ name: name.value.trim() }));
       made.replaceChildren(
-        make('p', { class: 'done', role: 'status' }, 'The team is made. This is its token; it is shown this once, keep it:'),
+        make('p', { class: 'done', role: 'status' }, 'The team is created. This is its token; it is shown only once, so keep it:'),
         make('p', { class: 'token' }, team.token));
       login.querySelector('input')!.value = team.token;
     }),
@@ -35,35 +62,57 @@ function showStranger(): void {
 }
 
 function historyTable(list: readonly Submission[], role: Who['role'], said: HTMLElement, changed: () => Promise<void>): HTMLElement {
-  const show = (s: Submission, name: string, unit: number) => {
+  const show = (s: Submission, name: string, label: string, unit: number) => {
     const mean = s.means?.[name]?.mean;
-    return make('td', { class: 'number' }, mean === undefined || mean === null ? '–' : (mean * unit).toFixed(unit === 1 ? 2 : 1));
+    const text = mean === undefined || mean === null ? '–' : (mean * unit).toFixed(unit === 1 ? 2 : 1);
+    return make('td', { class: 'number', 'data-label': label }, text);
   };
+  const head = (text: string, unit: string) => make('th', { scope: 'col', class: 'number' }, text, make('span', { class: 'unit' }, unit));
   return table(
-    ['No.', ...(role === 'organiser' ? ['Team'] : []), 'Method', 'State', 'NE', 'SR', 'SPL', 'Phase', 'Handed in', ''],
+    ['No.', ...(role === 'organiser' ? ['Team'] : []), 'Method', 'State', head('NE', 'm'), head('SR', '%'), head('SPL', '%'), 'Phase', 'Submitted', ''],
     list.map((s) => {
       const withdraw = twice(`Withdraw ${s.id}`, `Withdraw ${s.id} for good?`, said, async () => {
         await api.call(`submissions/${s.id}`, { method: 'DELETE' });
         await changed();
       });
       withdraw.disabled = s.state === 'withdrawn';
-      return [String(s.id), ...(role === 'organiser' ? [s.team] : []), s.method, s.state, show(s, 'nav_error', 1), show(s, 'success', 100),
-        show(s, 'spl', 100), s.phase, make('td', { class: 'date' }, dateTime(s.created)), withdraw];
+      return [make('td', { class: 'rank' }, String(s.id)), ...(role === 'organiser' ? [make('td', { class: 'rest' }, s.team)] : []), make('td', { class: 'rest' }, s.method),
+        stateOf(s), show(s, 'nav_error', 'NE, m', 1), show(s, 'success', 'SR, %', 100), show(s, 'spl', 'SPL, %', 100),
+        make('td', { class: 'half', 'data-label': 'Phase' }, s.phase), make('td', { class: 'date half', 'data-label': 'Submitted, UTC' }, dateTime(s.created)),
+        make('td', { class: 'wide' }, withdraw)];
     }),
+    { kind: 'stack', label: 'Submissions' },
   );
 }
 
 async function showTeam(who: Who): Promise<void> {
-  const { phases } = await api.call<{ phases: Phase[] }>('phases');
-  const phase = make('select', { id: 'phase' }, ...phases.map((p) => new Option(`${p.title} (${p.per_day} a day)`, p.phase)));
+  const { phases } = await api.call<PhaseList>('phases');
+  const [phaseField, phase] = labelled('phase', 'Phase', make('select', {}, ...phases.map((p) => new Option(`${p.title} (${limitsOf(p)})`, p.phase))));
+  const rules = make('div', { 'aria-live': 'polite' });
+  const showRules = () => {
+    const chosen = phases.find((p) => p.phase === phase.value);
+    if (!chosen) return;
+    const texts = [showingOf(chosen), endOf(chosen), leakageOf(chosen)].filter((text) => text !== '');
+    rules.replaceChildren(...texts.map((text) => make('p', { class: 'note' }, text)));
+    if (chosen.goals_secret && who.approved === false) {
+      rules.append(make('p', { class: 'problem' }, 'Your team is not approved for this phase yet. Ask the organisers.'));
+    }
+  };
+  const wanted = new URLSearchParams(location.search).get('phase');
+  if (phases.some((p) => p.phase === wanted)) phase.value = wanted!;
+  phase.addEventListener('change', showRules);
+  showRules();
   const [methodField, method] = field('method', 'Method, as the leaderboard shows it', { maxlength: '80' });
+  const [paperField, paper] = field('paper', 'Paper (optional)', { type: 'url', maxlength: '300', pattern: 'https://.*', placeholder: 'https://' });
+  const [codeField, code] = field('code', 'Code (optional)', { type: 'url', maxlength: '300', pattern: 'https://.*', placeholder: 'https://' });
+  paper.required = code.required = false;
   const [fileField, file] = field('file', 'Results file (JSON)', { type: 'file', accept: '.json,application/json' });
   const said = make('div', { 'aria-live': 'polite' });
-  const heading = make('h2', { tabindex: '-1' }, who.role === 'team' ? 'What you handed in' : 'All submissions');
+  const heading = make('h2', { tabindex: '-1' }, who.role === 'team' ? 'Your submissions' : 'All submissions');
   const history = make('div', { 'aria-live': 'polite' });
   const refresh = async (): Promise<void> => {
     const { submissions } = await api.call<{ submissions: Submission[] }>('submissions');
-    history.replaceChildren(submissions.length === 0 ? make('p', {}, 'None yet.') : historyTable(submissions, who.role, said, async () => {
+    history.replaceChildren(submissions.length === 0 ? empty('No submissions yet', 'What you hand in is listed here, with its scores.') : historyTable(submissions, who.role, said, async () => {
       await refresh();
       heading.focus(); // the button that was pressed is gone
     }));
@@ -73,11 +122,12 @@ async function showTeam(who: Who): Promise<void> {
   };
   main.append(loggedIn(who));
   if (who.role === 'team') {
-    main.append(form('Check and hand in', [make('label', { for: 'phase' }, 'Phase'), phase, methodField, fileField], async () => {
+    main.append(form('Check and submit', [phaseField, rules, methodField, paperField, codeField, fileField], async () => {
       said.replaceChildren();
       const query = new URLSearchParams({ phase: phase.value, method: method.value.trim() });
+      for (const link of [paper, code]) if (link.value) query.set(link.id, link.value.trim());
       const taken = await api.call<Submission>(`submissions?${query}`, { method: 'POST', body: file.files![0]! });
-      said.replaceChildren(make('p', { class: 'done' }, `The file is good: submission ${taken.id}.`),
+      said.replaceChildren(make('p', { class: 'done' }, `The file is valid: submission ${taken.id}.`),
         ...(taken.warnings ?? []).map((text) => make('p', { class: 'note' }, text)));
       await refresh();
     }));
@@ -88,9 +138,10 @@ async function showTeam(who: Who): Promise<void> {
 
 run(async () => {
   await addSiteHeader();
-  main.append(make('h1', {}, 'Submit'));
+  main.append(make('div', { class: 'page-head' }, make('h1', {}, 'Submit'),
+    make('p', { class: 'lead' }, 'A results file is checked at once, and scored in the background. Nothing of it is published but its scores.')));
   const who = await api.call<Who>('session');
-  if (who.role === 'stranger') showStranger();
-  else if (who.role === 'reviewer') main.append(loggedIn(who), make('p', {}, make('a', { href: '/organise' }, 'To what is to be reviewed')));
+  if (who.role === 'stranger') await showStranger();
+  else if (who.role === 'reviewer') main.append(loggedIn(who), make('p', {}, make('a', { href: '/organise' }, 'Go to reviews')));
   else await showTeam(who);
 });

@@ -5,9 +5,9 @@
 import {
   type Action, applyCorrections, type Correction, correctionsFile, keepCorrections, keptCorrections,
 } from '../corrections.ts';
-import { parseLink } from '../deep_link.ts';
+import { formatLink, parseLink } from '../deep_link.ts';
 import { directionTo, norm, subtract } from '../geometry.ts';
-import { addHeader, byId, make, run, table } from '../page.ts';
+import { addHeader, api, byId, crumbs, make, run, table } from '../page.ts';
 import { type Scan, viewpointIndex } from '../scan.ts';
 import type { Mark } from '../viewer/discs.ts';
 import { MiniMap, Viewer } from '../viewer/enfilade-viewer.ts';
@@ -47,12 +47,12 @@ class Verifier {
     this.corrections = keptCorrections(viewer.scan.scan);
     this.who.value = localStorage.getItem('enfilade-who') ?? '';
     this.who.addEventListener('change', () => localStorage.setItem('enfilade-who', this.who.value));
-    const save = make('button', { type: 'button', class: 'main' }, 'Save the corrections file');
+    const save = make('button', { type: 'button', class: 'main' }, 'Download the corrections');
     save.addEventListener('click', () => this.save());
     panel.append(
-      make('label', { for: 'who' }, 'Who you are'), this.who,
-      make('label', { for: 'why' }, 'Why: a rope, a glass door, a step'), this.why, this.said,
-      make('h2', {}, 'From here'), this.edges,
+      make('label', { for: 'who' }, 'Your name'), this.who,
+      make('label', { for: 'why' }, 'Reason: a rope, a glass door, a step'), this.why, this.said,
+      make('h2', {}, 'Edges from here'), this.edges,
       make('h2', {}, 'Corrections'), this.list, make('p', {}, save));
     viewer.onChange(({ viewpoint }) => {
       if (viewpoint !== this.standing) this.show();
@@ -107,7 +107,7 @@ class Verifier {
 
   private exclusion(): HTMLElement {
     const out = !this.viewer.scan.viewpoints[this.viewer.pose.viewpoint]!.included;
-    const button = make('button', { type: 'button' }, out ? 'Take this viewpoint in' : 'Leave this viewpoint out');
+    const button = make('button', { type: 'button' }, out ? 'Include this viewpoint' : 'Exclude this viewpoint');
     button.addEventListener('click', () => this.add(out ? 'include' : 'exclude'));
     return make('p', {}, button);
   }
@@ -128,7 +128,7 @@ class Verifier {
   private add(action: Action, to?: number): void {
     const [who, why] = [this.who.value.trim(), this.why.value.trim()];
     this.said.className = who && why ? 'done' : 'problem';
-    this.said.textContent = who && why ? 'Noted.' : 'Say who you are, and why.';
+    this.said.textContent = who && why ? 'Correction added.' : 'Write your name, and the reason.';
     if (!who || !why) return void (who ? this.why : this.who).focus();
     const id = (viewpoint: number) => this.original.viewpoints[viewpoint]!.id;
     this.corrections = [...this.corrections, {
@@ -159,7 +159,9 @@ run(async () => {
   const viewer = await Viewer.open(view, { vfov: 1.3, elevation: -0.25, ...place });
   addHeader(viewer.scan.synthetic);
   const map = new MiniMap(viewer);
-  const panel = make('div', { class: 'panel' }, make('h1', {}, `Verify ${place.scan}`),
+  void map.loadPlan(api, true);
+  const panel = make('div', { class: 'panel' }, crumbs([['/', 'Buildings'], [`/view${formatLink({ scan: place.scan })}`, place.scan]], 'Verify'),
+    make('h1', {}, `Verify ${place.scan}`),
     make('p', { class: 'note' }, 'White discs are edges. Orange ones are viewpoints near by without an edge. Apply the saved file with enfilade homes --corrections.'));
   side.append(make('div', { class: 'map' }, map.element), panel);
   window.verifier = new Verifier(viewer, map, panel);

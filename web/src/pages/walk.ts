@@ -12,5 +12,5 @@ declare global {
 work('walk', async (main, desk) => {
   const task = await WalkTask.open(main, desk);
   window.walkTask = task;
-  return () => task.dispose();
+  return task;
 });

@@ -20,6 +20,12 @@ export interface Steered {
   go(viewpoint: number): Promise<boolean>;
   /** Goes to the viewpoint that is shown at a point of the canvas, in pixels. */
   goAt(x: number, y: number): void;
+  /** Shows where a click there would go; without a point, nothing. Returns whether anywhere. */
+  hoverAt(x?: number, y?: number): boolean;
+  /** The name of a viewpoint, if it has one that people may know. */
+  name(viewpoint: number): string | undefined;
+  /** The next viewpoint of a marked path. */
+  readonly nextOnPath: number | undefined;
   onChange(listener: () => void): () => void;
 }
 
@@ -76,6 +82,7 @@ export class Controls {
     const { signal } = this.ends;
     canvas.addEventListener('pointerdown', (e) => this.press(e), { signal });
     canvas.addEventListener('pointermove', (e) => this.drag(e), { signal });
+    canvas.addEventListener('pointerleave', () => this.hover(), { signal });
     canvas.addEventListener('pointerup', (e) => this.release(e, true), { signal });
     canvas.addEventListener('pointercancel', (e) => this.release(e, false), { signal });
     canvas.addEventListener('keydown', (e) => this.key(e), { signal });
@@ -99,7 +106,8 @@ export class Controls {
   // The point under the finger stays under it, in the middle of the picture at least.
   private drag(event: PointerEvent): void {
     const before = this.pointers.get(event.pointerId);
-    if (!before) return;
+    if (!before) return event.pointerType === 'mouse' ? this.hover(event) : undefined;
+    if (this.moved > clickSlack) this.hover();
     const [dx, dy] = [event.clientX - before.clientX, event.clientY - before.clientY];
     const { heading, elevation, vfov } = this.viewer.pose;
     if (this.pointers.size === 1) {
@@ -113,6 +121,12 @@ export class Controls {
       this.viewer.zoom((vfov * Math.max(apart(before), 1)) / Math.max(apart(event), 1));
     }
     this.pointers.set(event.pointerId, event);
+  }
+
+  private hover(event?: PointerEvent): void {
+    const box = this.canvas.getBoundingClientRect();
+    const anywhere = event ? this.viewer.hoverAt(event.clientX - box.left, event.clientY - box.top) : this.viewer.hoverAt();
+    this.canvas.classList.toggle('enfilade-lands', anywhere);
   }
 
   private release(event: PointerEvent, click: boolean): void {
@@ -152,7 +166,9 @@ export class Controls {
       ...steps.map((step, k) => {
         const button = document.createElement('button');
         button.type = 'button';
-        button.textContent = `${k + 1}: ${bearing(step.relHeading)}, ${step.distance.toFixed(1)} m`;
+        const name = this.viewer.name(step.viewpoint);
+        button.textContent = `${k + 1}: ${bearing(step.relHeading)}, ${step.distance.toFixed(1)} m` +
+          (name ? `, ${name}` : '') + (step.viewpoint === this.viewer.nextOnPath ? ', on the path' : '');
         button.addEventListener('click', () => void this.viewer.go(step.viewpoint));
         const item = document.createElement('li');
         item.append(button);
@@ -165,6 +181,7 @@ export class Controls {
     }
     if (viewpoint === this.standing) return;
     this.standing = viewpoint;
-    this.said.textContent = `Viewpoint ${viewpoint}. ${steps.length} places to go to.`;
+    const room = this.viewer.name(viewpoint);
+    this.said.textContent = `Viewpoint ${viewpoint}${room ? `, ${room}` : ''}. ${steps.length} places to go to.`;
   }
 }

@@ -1,7 +1,8 @@
 /** Discs on the floor: where one can go, and the marks of a path. */
 import * as three from 'three';
-import { type Vec3, norm, subtract } from '../geometry.ts';
+import { norm, subtract, transpose, type Vec3 } from '../geometry.ts';
 import type { Scan } from '../scan.ts';
+import type { Panorama } from './panorama.ts';
 
 export type Mark = 'step' | 'candidate' | 'path' | 'start' | 'goal';
 
@@ -19,6 +20,9 @@ const radius = 0.2;
 const leastAngle = 0.035;
 /** Assumed eye height where a scan doesn't say, metres. */
 const usualHeight = 1.5;
+const opacity = 0.85;
+/** How much larger the disc is that a click would go to. */
+const chosen = 1.25;
 
 /** The point of the floor below a viewpoint. */
 export function floorBelow(scan: Scan, viewpoint: number): Vec3 {
@@ -26,22 +30,80 @@ export function floorBelow(scan: Scan, viewpoint: number): Vec3 {
   return [position[0], position[1], position[2] - (height > 0 ? height : usualHeight)];
 }
 
+const vertexShader = /* glsl */ `
+  out vec3 ray;
+  uniform vec3 eye;
+  void main() {
+    vec4 world = modelMatrix * vec4(position, 1.0);
+    ray = world.xyz - eye;
+    gl_Position = projectionMatrix * viewMatrix * world;
+  }`;
+
+/**
+ * What stands before a mark leaves a trace of it, so that one knows that there is a way. Distances
+ * are compared as shares: those to the floor far away are known to a few per cent only.
+ */
+const fragmentShader = /* glsl */ `
+  in vec3 ray;
+  out vec4 colour;
+  uniform vec3 tint;
+  uniform float opacity;
+  uniform bool hides;
+  uniform samplerCube distances;
+  uniform mat3 panoramaFromWorld;
+  void main() {
+    float alpha = opacity;
+    if (hides) {
+      float free = texture(distances, -(panoramaFromWorld * ray)).r / length(ray);
+      alpha *= 1.0 - 0.85 * smoothstep(0.08, 0.16, 1.0 - free);
+    }
+    colour = vec4(tint, alpha);
+  }`;
+
 export class Discs {
   readonly group = new three.Group();
   private readonly ring = new three.RingGeometry(0.62, 1, 48);
   private readonly full = new three.CircleGeometry(1, 48);
   private readonly rim = new three.RingGeometry(1, 1.12, 48);
   private readonly pole = new three.CylinderGeometry(0.04, 0.04, 1, 12).rotateX(Math.PI / 2);
-  private readonly materials = new Map<number, three.MeshBasicMaterial>();
+  private readonly materials = new Map<string, three.ShaderMaterial>();
+  private readonly common = {
+    eye: { value: new three.Vector3() },
+    hides: { value: false },
+    distances: { value: null as three.CubeTexture | null },
+    panoramaFromWorld: { value: new three.Matrix3() },
+  };
+  private readonly opacities = { step: { value: opacity }, path: { value: opacity } };
+  private discs = new Map<number, { disc: three.Group; size: number }>();
 
   /** Replaces all. `marks`: by viewpoint; the present one has no disc, as one stands on it. */
   set(scan: Scan, eye: Vec3, marks: ReadonlyMap<number, Mark>): void {
     this.group.clear();
+    this.discs.clear();
     for (const [viewpoint, mark] of marks) {
       const floor = floorBelow(scan, viewpoint);
       const away = norm(subtract(floor, eye));
-      this.addDisc(floor, Math.max(radius, leastAngle * away), mark);
+      this.addDisc(viewpoint, floor, Math.max(radius, leastAngle * away), mark);
     }
+  }
+
+  /** Makes one disc larger, or none. */
+  choose(viewpoint: number | undefined): void {
+    for (const [v, { disc, size }] of this.discs) disc.scale.setScalar(v === viewpoint ? size * chosen : size);
+  }
+
+  /** From now on what a panorama shows stands before the discs, if its distances are known. */
+  hideBehind({ position, rotation, distances }: Panorama): void {
+    this.common.eye.value.set(...position);
+    this.common.panoramaFromWorld.value.set(...transpose(rotation));
+    this.common.hides.value = distances !== undefined;
+    this.common.distances.value = distances?.texture ?? null;
+  }
+
+  /** 0 to 1: of where one can go from here, and of a path, which stays while one goes along it. */
+  setOpacity(steps: number, path: number): void {
+    this.opacities.step.value = opacity * steps;
+    this.opacities.path.value = opacity * path;
   }
 
   dispose(): void {
@@ -49,34 +111,43 @@ export class Discs {
     for (const material of this.materials.values()) material.dispose();
   }
 
-  private addDisc(floor: Vec3, size: number, mark: Mark): void {
+  private addDisc(viewpoint: number, floor: Vec3, size: number, mark: Mark): void {
     const look = looks[mark];
     const disc = new three.Group();
     disc.position.set(...floor);
     disc.scale.setScalar(size);
-    disc.add(this.mesh(look.inner > 0 ? this.ring : this.full, look.colour, 20));
-    disc.add(this.mesh(this.rim, 0x10202a, 20)); // seen on floors of any colour
+    const kind = mark === 'step' || mark === 'candidate' ? 'step' : 'path';
+    disc.add(this.mesh(look.inner > 0 ? this.ring : this.full, look.colour, kind, 20));
+    disc.add(this.mesh(this.rim, 0x10202a, kind, 20)); // seen on floors of any colour
     if (look.pole > 0) {
-      const pole = this.mesh(this.pole, look.colour, 21);
+      const pole = this.mesh(this.pole, look.colour, kind, 21);
       pole.scale.set(1, 1, look.pole / size);
       pole.position.z = look.pole / size / 2;
       disc.add(pole);
     }
     this.group.add(disc);
+    this.discs.set(viewpoint, { disc, size });
   }
 
-  private mesh(geometry: three.BufferGeometry, colour: number, order: number): three.Mesh {
-    let material = this.materials.get(colour);
+  private mesh(geometry: three.BufferGeometry, colour: number, kind: 'step' | 'path', order: number): three.Mesh {
+    const key = `${kind} ${colour}`;
+    let material = this.materials.get(key);
     if (!material) {
-      material = new three.MeshBasicMaterial({
-        color: new three.Color().setHex(colour, three.LinearSRGBColorSpace),
+      material = new three.ShaderMaterial({
+        glslVersion: three.GLSL3,
+        vertexShader,
+        fragmentShader,
+        uniforms: {
+          ...this.common,
+          opacity: this.opacities[kind],
+          tint: { value: new three.Color().setHex(colour, three.LinearSRGBColorSpace) },
+        },
         transparent: true,
-        opacity: 0.85,
         depthTest: false,
         depthWrite: false,
         side: three.DoubleSide,
       });
-      this.materials.set(colour, material);
+      this.materials.set(key, material);
     }
     const mesh = new three.Mesh(geometry, material);
     mesh.renderOrder = order;

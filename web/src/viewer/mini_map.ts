@@ -1,10 +1,13 @@
-/** A floor plan of the storey one is on: viewpoints, edges, where one looks, a path. */
+/** A floor plan of one storey: rooms and walls where they are known, viewpoints, where one looks, a path. */
 import { toDegrees } from '../geometry.ts';
+import type { Api, Lines, Plan } from '../scan.ts';
 import type { Viewer } from './viewer.ts';
 
 const namespace = 'http://www.w3.org/2000/svg';
-/** Around the viewpoints, metres. */
-const margin = 1;
+/** Around what is drawn, metres. */
+const margin = 0.6;
+/** Of the longer side: the size of letters, so that they are about 11 pixels high in a panel. */
+const letters = 1 / 34;
 
 function shape(name: string, attributes: Record<string, string | number>): SVGElement {
   const element = document.createElementNS(namespace, name);
@@ -12,16 +15,34 @@ function shape(name: string, attributes: Record<string, string | number>): SVGEl
   return element;
 }
 
-/** North (+y) is up. Follows a viewer; a click on a viewpoint goes there. */
+/** All lines of a kind as one path. */
+function strokes(lines: Lines, name: string): SVGElement {
+  let d = '';
+  for (let k = 0; k + 3 < lines.length; k += 4) {
+    d += `M${lines[k]} ${-lines[k + 1]!}L${lines[k + 2]} ${-lines[k + 3]!}`;
+  }
+  return shape('path', { d, class: name });
+}
+
+/** 1, 2 or 5 times a power of ten: the longest that is not above. */
+export function roundLength(most: number): number {
+  const power = 10 ** Math.floor(Math.log10(most));
+  return [5, 2, 1].map((k) => k * power).find((length) => length <= most * (1 + 1e-9)) ?? power;
+}
+
+/** North (+y) is up. Follows a viewer; a click goes to the nearest viewpoint. */
 export class MiniMap {
   readonly element = document.createElementNS(namespace, 'svg');
   private readonly viewer: Viewer;
   private readonly you = shape('g', { class: 'you' });
   private readonly route = shape('g', { class: 'route' });
   private readonly end: () => void;
+  private readonly storeyListeners = new Set<(storey: number) => void>();
+  private plan: Plan | undefined;
   private path: readonly number[] = [];
   private walk: readonly number[] = [];
-  private storey = -1;
+  private shown = -1;
+  private standing = -1;
 
   constructor(viewer: Viewer) {
     this.viewer = viewer;
@@ -33,8 +54,20 @@ export class MiniMap {
       shape('path', { d: 'M0 0 L-0.7 -1.2 A1.4 1.4 0 0 1 0.7 -1.2 Z', class: 'sight' }),
       shape('circle', { r: 0.22 }),
     );
+    this.element.addEventListener('click', (event) => this.goNear(event));
     this.end = viewer.onChange(() => this.follow());
     this.follow();
+  }
+
+  setPlan(plan: Plan): void {
+    this.plan = plan;
+    this.drawStorey();
+  }
+
+  /** Asks for rooms and walls; without them it stays a map of viewpoints. `names`: of the rooms, too. */
+  async loadPlan(api: Api, names: boolean): Promise<void> {
+    const plan = await api.plan(this.viewer.scan.scan).catch(() => undefined);
+    if (plan) this.setPlan(names ? plan : { ...plan, rooms: plan.rooms.map((room) => ({ ...room, name: '' })) });
   }
 
   /** A path, and a walk that somebody took for it; empty: none. */
@@ -42,6 +75,23 @@ export class MiniMap {
     this.path = path;
     this.walk = walk;
     this.drawRoute();
+  }
+
+  /** The storey that is shown, an index of the scan's; -1: none. */
+  get storey(): number {
+    return this.shown;
+  }
+
+  /** Shows a storey until one goes on. */
+  showStorey(storey: number): void {
+    if (storey === this.shown) return;
+    this.shown = storey;
+    this.drawStorey();
+    for (const listener of this.storeyListeners) listener(storey);
+  }
+
+  onStorey(listener: (storey: number) => void): void {
+    this.storeyListeners.add(listener);
   }
 
   /** After the viewer's graph was changed. */
@@ -59,28 +109,49 @@ export class MiniMap {
     return [x, -y]; // SVG's y points down
   }
 
+  private get here(): readonly number[] {
+    return this.viewer.scan.storeys[this.shown]?.viewpoints ?? [];
+  }
+
   private follow(): void {
     const { viewpoint, heading } = this.viewer.pose;
-    const storey = this.viewer.scan.storeys.findIndex((s) => s.viewpoints.includes(viewpoint));
-    if (storey !== this.storey) {
-      this.storey = storey;
-      this.drawStorey();
+    if (viewpoint !== this.standing) {
+      this.standing = viewpoint;
+      this.showStorey(this.viewer.scan.storeys.findIndex((s) => s.viewpoints.includes(viewpoint)));
     }
     const [x, y] = this.at(viewpoint);
     this.you.setAttribute('transform', `translate(${x} ${y}) rotate(${toDegrees(heading)})`);
+    this.you.classList.toggle('elsewhere', !this.here.includes(viewpoint));
+  }
+
+  private goNear(event: MouseEvent): void {
+    const matrix = this.element.getScreenCTM();
+    if (!matrix) return;
+    const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix.inverse());
+    let best: number | undefined;
+    let least = 1.5; // metres: farther away one meant nothing
+    for (const v of this.here) {
+      const [x, y] = this.at(v);
+      const away = Math.hypot(x - at.x, y - at.y);
+      if (away < least && this.viewer.scan.viewpoints[v]!.rotation) [best, least] = [v, away];
+    }
+    if (best !== undefined) void this.viewer.go(best);
   }
 
   private drawStorey(): void {
     const { scan } = this.viewer;
-    const here = new Set(scan.storeys[this.storey]?.viewpoints ?? []);
-    const places = [...here].map((v) => this.at(v));
-    const xs = places.map(([x]) => x);
-    const ys = places.map(([, y]) => y);
+    const here = new Set(this.here);
+    const rooms = (this.plan?.rooms ?? []).filter((room) => room.storey === this.shown && room.outline.length >= 6);
+    const xs = [...here].map((v) => this.at(v)[0]);
+    const ys = [...here].map((v) => this.at(v)[1]);
+    for (const { outline } of rooms) {
+      outline.forEach((value, k) => (k % 2 === 0 ? xs.push(value) : ys.push(-value)));
+    }
     const [left, top] = [Math.min(...xs) - margin, Math.min(...ys) - margin];
-    this.element.setAttribute(
-      'viewBox',
-      [left, top, Math.max(...xs) + margin - left, Math.max(...ys) + margin - top].join(' '),
-    );
+    const [width, height] = [Math.max(...xs) + margin - left, Math.max(...ys) + margin - top];
+    const size = Math.max(width, height) * letters;
+    this.element.setAttribute('viewBox', [left, top, width, height + 2 * size].join(' '));
+
     const edges = shape('g', { class: 'edges' });
     const dots = shape('g', { class: 'dots' });
     for (const v of here) {
@@ -90,16 +161,53 @@ export class MiniMap {
         const [x2, y2] = this.at(other);
         edges.append(shape('line', { x1, y1, x2, y2 }));
       }
-      const dot = shape('circle', { cx: x1, cy: y1, r: 0.16 });
-      dot.addEventListener('click', () => void this.viewer.go(v));
-      dots.append(dot);
+      dots.append(shape('circle', { cx: x1, cy: y1, r: 0.14 }));
     }
-    this.element.replaceChildren(edges, this.route, dots, this.you);
+    this.element.replaceChildren(...this.walls(rooms, size), edges, this.route, dots, this.you,
+      this.scaleBar(left + margin / 2, top + height + size, width / 3, size));
     this.drawRoute();
+    this.follow();
+  }
+
+  private walls(rooms: Plan['rooms'], size: number): SVGElement[] {
+    const storey = this.plan?.storeys[this.shown];
+    if (!storey) return [];
+    const floors = shape('g', { class: 'rooms' });
+    const names = shape('g', { class: 'names', 'font-size': size });
+    for (const { name, outline } of rooms) {
+      const points = outline.map((value, k) => (k % 2 === 0 ? value : -value));
+      floors.append(shape('polygon', { points: points.join(' ') }));
+      const [px, py] = [0, 1].map((which) => points.filter((_, k) => k % 2 === which)) as [number[], number[]];
+      const room = { left: Math.min(...px), right: Math.max(...px), top: Math.min(...py), bottom: Math.max(...py) };
+      const words = name.split(' ');
+      const wide = 0.56 * size * Math.max(...words.map((word) => word.length));
+      // Names that do not fit say less than the furniture that they would hide.
+      if (!name || wide > room.right - room.left || words.length * size > room.bottom - room.top) continue;
+      words.forEach((word, k) => {
+        const text = shape('text', {
+          x: (room.left + room.right) / 2,
+          y: (room.top + room.bottom) / 2 + size * (k - (words.length - 1) / 2 + 0.35),
+        });
+        text.textContent = word;
+        names.append(text);
+      });
+    }
+    return [floors, strokes(storey.furniture, 'furniture'), strokes(storey.stairs, 'stairs'),
+      strokes(storey.windows, 'windows'), strokes(storey.doors, 'doors'), strokes(storey.walls, 'walls'), names];
+  }
+
+  private scaleBar(x: number, y: number, most: number, size: number): SVGElement {
+    const length = roundLength(most);
+    const bar = shape('g', { class: 'scale', 'font-size': size });
+    bar.append(shape('path', { d: `M${x} ${y - size * 0.3}v${size * 0.6}m0 ${-size * 0.3}h${length}m0 ${-size * 0.3}v${size * 0.6}` }));
+    const text = shape('text', { x: x + length + size * 0.4, y: y + size * 0.35 });
+    text.textContent = `${length} m`;
+    bar.append(text);
+    return bar;
   }
 
   private drawRoute(): void {
-    const here = new Set(this.viewer.scan.storeys[this.storey]?.viewpoints ?? []);
+    const here = new Set(this.here);
     const line = (path: readonly number[], name: string) => {
       const points = path.filter((v) => here.has(v)).map((v) => this.at(v).join(','));
       return shape('polyline', { points: points.join(' '), class: name });

@@ -1,96 +1,167 @@
-/** One viewpoint's panorama as a box around its eye, and the cache of its pictures. */
+/** One viewpoint's panorama: its pictures, and drawing it as a box around its eye or as a relief. */
 import * as three from 'three';
-import { type Mat3, type Vec3, transpose } from '../geometry.ts';
+import { type Mat3, transpose, type Vec3 } from '../geometry.ts';
 import type { Api, Layer } from '../scan.ts';
+import { Kept } from './kept.ts';
+import { cubeOrder, Surround } from './surround.ts';
 
-/**
- * With g = -(direction in the panorama frame), these faces are OpenGL's +X -X +Y -Y +Z -Z as they
- * are: no picture has to be turned. It is MatterSim's assignment.
- */
-const cubeOrder = [2, 4, 0, 5, 1, 3] as const;
+/** Distances as a texture, for shaders, and as numbers. */
+export class SurroundTexture {
+  readonly surround: Surround;
+  readonly texture: three.CubeTexture;
 
-/** Half the box's edge, metres. Matters in a glide only, when the eye is off the middle. */
+  constructor(surround: Surround) {
+    this.surround = surround;
+    const { size } = surround;
+    // Half precision is 4 mm at 8 m, and can be filtered everywhere.
+    this.texture = new three.CubeTexture(surround.faces.map((face) => new three.DataTexture(
+      Uint16Array.from(face, (metres) => three.DataUtils.toHalfFloat(metres)),
+      size, size, three.RedFormat, three.HalfFloatType)) as unknown as HTMLImageElement[]);
+    this.texture.format = three.RedFormat;
+    this.texture.type = three.HalfFloatType;
+    this.texture.colorSpace = three.NoColorSpace;
+    this.texture.generateMipmaps = false;
+    this.texture.unpackAlignment = 1; // rows of any length
+    this.texture.minFilter = three.LinearFilter;
+    this.texture.magFilter = three.LinearFilter;
+    this.texture.needsUpdate = true;
+  }
+
+  dispose(): void {
+    this.texture.dispose();
+  }
+}
+
+/** What is drawn of a viewpoint. */
+export interface Panorama {
+  readonly position: Vec3;
+  /** World from panorama. */
+  readonly rotation: Mat3;
+  readonly picture: three.CubeTexture;
+  /** Over the picture, so much of it. */
+  readonly overlay?: { readonly picture: three.CubeTexture; readonly share: number };
+  /** Absent where the scan has no depth. */
+  readonly distances?: SurroundTexture;
+}
+
+/** Half the box's edge, metres. Matters only where there is no depth, while one moves. */
 const roomSize = 4;
+/** Squares of a face's edge in a relief: 1.4 degrees, and 49,000 triangles. */
+const squares = 64;
 
-const vertexShader = /* glsl */ `
+const boxVertices = /* glsl */ `
   out vec3 ray;
   void main() {
     ray = position;
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
   }`;
 
-const fragmentShader = /* glsl */ `
+/** The cube pushed out to what one sees: the same picture from its eye, and a room from elsewhere. */
+const reliefVertices = /* glsl */ `
+  out vec3 ray;
+  uniform samplerCube distances;
+  uniform mat3 panoramaFromWorld;
+  void main() {
+    vec3 g = normalize(position);
+    ray = transpose(panoramaFromWorld) * (-g * textureLod(distances, g, 0.0).r);
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(ray, 1.0);
+  }`;
+
+const picture = /* glsl */ `
   in vec3 ray;
   out vec4 colour;
   uniform samplerCube picture;
   uniform samplerCube overlay;
   uniform float overlayShare;
-  uniform float opacity;
   uniform mat3 panoramaFromWorld;
-  void main() {
+  vec3 seen() {
     vec3 g = -(panoramaFromWorld * ray);
-    colour = vec4(mix(texture(picture, g).rgb, texture(overlay, g).rgb, overlayShare), opacity);
+    vec3 plain = texture(picture, g).rgb;
+    return overlayShare > 0.0 ? mix(plain, texture(overlay, g).rgb, overlayShare) : plain;
   }`;
 
-export class PanoramaBox {
-  readonly mesh: three.Mesh<three.BoxGeometry, three.ShaderMaterial>;
-  private readonly uniforms = {
-    picture: { value: null as three.CubeTexture | null },
-    overlay: { value: null as three.CubeTexture | null },
-    overlayShare: { value: 0 },
-    opacity: { value: 1 },
-    panoramaFromWorld: { value: new three.Matrix3() },
-  };
+const boxFragments = /* glsl */ `${picture}
+  uniform float opacity;
+  void main() {
+    colour = vec4(seen(), opacity);
+  }`;
 
-  constructor(renderOrder: number) {
-    this.mesh = new three.Mesh(
+/**
+ * Alpha is how far the picture is to be trusted: little where a surface is spanned between something
+ * near and what is behind it, which no camera saw.
+ */
+const reliefFragments = /* glsl */ `${picture}
+  void main() {
+    vec3 normal = normalize(cross(dFdx(ray), dFdy(ray)));
+    float facing = abs(dot(normal, normalize(ray)));
+    colour = vec4(seen(), max(smoothstep(0.03, 0.14, facing), 0.008));
+  }`;
+
+const uniformsOf = () => ({
+  picture: { value: null as three.CubeTexture | null },
+  overlay: { value: null as three.CubeTexture | null },
+  overlayShare: { value: 0 },
+  opacity: { value: 1 },
+  distances: { value: null as three.CubeTexture | null },
+  panoramaFromWorld: { value: new three.Matrix3() },
+});
+
+/** Draws a panorama, and then another one. */
+export class PanoramaMesh {
+  /** As seen from its eye. */
+  readonly box: three.Mesh<three.BoxGeometry, three.ShaderMaterial>;
+  /** As seen from near its eye; only where there are distances. */
+  readonly relief: three.Mesh<three.BoxGeometry, three.ShaderMaterial>;
+  private readonly uniforms = uniformsOf();
+
+  constructor() {
+    const common = { glslVersion: three.GLSL3, uniforms: this.uniforms } as const;
+    this.box = new three.Mesh(
       new three.BoxGeometry(2 * roomSize, 2 * roomSize, 2 * roomSize),
       new three.ShaderMaterial({
-        glslVersion: three.GLSL3,
-        vertexShader,
-        fragmentShader,
-        uniforms: this.uniforms,
-        side: three.BackSide,
-        transparent: true,
-        depthTest: false,
-        depthWrite: false,
+        ...common, vertexShader: boxVertices, fragmentShader: boxFragments, side: three.BackSide,
+        transparent: true, depthTest: false, depthWrite: false,
       }),
     );
-    this.mesh.renderOrder = renderOrder;
-    this.mesh.visible = false;
+    this.relief = new three.Mesh(
+      new three.BoxGeometry(2, 2, 2, squares, squares, squares),
+      new three.ShaderMaterial({
+        ...common, vertexShader: reliefVertices, fragmentShader: reliefFragments, side: three.DoubleSide,
+      }),
+    );
+    this.relief.frustumCulled = false; // its vertices are known to the shader only
   }
 
-  show(position: Vec3, worldFromPanorama: Mat3, picture: three.CubeTexture): void {
-    this.mesh.position.set(...position);
-    this.uniforms.panoramaFromWorld.value.set(...transpose(worldFromPanorama));
-    this.uniforms.picture.value = picture;
-    this.uniforms.overlay.value = picture;
-    this.uniforms.overlayShare.value = 0;
-    this.mesh.visible = true;
-  }
-
-  setOverlay(overlay: three.CubeTexture | undefined, share: number): void {
-    this.uniforms.overlay.value = overlay ?? this.uniforms.picture.value;
-    this.uniforms.overlayShare.value = overlay ? share : 0;
+  show({ position, rotation, picture: faces, overlay, distances }: Panorama): void {
+    this.box.position.set(...position);
+    this.relief.position.set(...position);
+    this.uniforms.panoramaFromWorld.value.set(...transpose(rotation));
+    this.uniforms.picture.value = faces;
+    this.uniforms.overlay.value = overlay?.picture ?? faces;
+    this.uniforms.overlayShare.value = overlay?.share ?? 0;
+    this.uniforms.distances.value = distances?.texture ?? null;
   }
 
   setOpacity(opacity: number): void {
     this.uniforms.opacity.value = opacity;
-    this.mesh.visible = opacity > 0;
+    this.box.visible = opacity > 0;
   }
 
   dispose(): void {
-    this.mesh.geometry.dispose();
-    this.mesh.material.dispose();
+    for (const mesh of [this.box, this.relief]) {
+      mesh.geometry.dispose();
+      mesh.material.dispose();
+    }
   }
 }
 
-/** Pictures of viewpoints as textures, the latest used ones; a fetch at a time for each. */
+/** Pictures and distances of a scan's viewpoints, the latest used ones. */
 export class Pictures {
   private readonly api: Api;
   private readonly scan: string;
-  private readonly kept = new Map<string, Promise<three.CubeTexture>>();
-  private readonly most = 16;
+  private readonly faces = new Kept(16, (key) => this.fetchFaces(key));
+  private readonly surrounds = new Kept(32, async (viewpoint) =>
+    new SurroundTexture(Surround.parse(await this.api.distances(this.scan, viewpoint))));
 
   constructor(api: Api, scan: string) {
     this.api = api;
@@ -98,33 +169,20 @@ export class Pictures {
   }
 
   get(viewpoint: string, layer: Layer): Promise<three.CubeTexture> {
-    const key = `${layer}/${viewpoint}`;
-    const known = this.kept.get(key);
-    const texture = known ?? this.fetch(viewpoint, layer);
-    this.kept.delete(key); // to the end: the map's order is that of use
-    this.kept.set(key, texture);
-    if (!known) {
-      texture.catch(() => this.kept.delete(key)); // another look may succeed
-      this.forgetOldest();
-    }
-    return texture;
+    return this.faces.get(`${layer}/${viewpoint}`);
+  }
+
+  distances(viewpoint: string): Promise<SurroundTexture> {
+    return this.surrounds.get(viewpoint);
   }
 
   dispose(): void {
-    for (const texture of this.kept.values()) void texture.then((t) => t.dispose()).catch(() => {});
-    this.kept.clear();
+    this.faces.dispose();
+    this.surrounds.dispose();
   }
 
-  private forgetOldest(): void {
-    for (const [key, texture] of this.kept) {
-      if (this.kept.size <= this.most) return;
-      this.kept.delete(key);
-      // What is on the screen right now is uploaded anew should it have been this one.
-      void texture.then((t) => t.dispose()).catch(() => {});
-    }
-  }
-
-  private async fetch(viewpoint: string, layer: Layer): Promise<three.CubeTexture> {
+  private async fetchFaces(key: string): Promise<three.CubeTexture> {
+    const [layer, viewpoint] = [key.slice(0, key.indexOf('/')) as Layer, key.slice(key.indexOf('/') + 1)];
     const bitmaps = await Promise.all(
       cubeOrder.map(async (face) => {
         const response = await fetch(this.api.face(this.scan, viewpoint, layer, face));

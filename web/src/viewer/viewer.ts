@@ -1,22 +1,23 @@
 /** First person in a panorama, as a part of any page. */
-import * as three from 'three';
 import {
   type Camera,
   degrees,
   type Direction,
   directionTo,
-  mix,
+  norm,
   project,
+  subtract,
   type Vec3,
   wrapHeading,
-  worldFromCamera,
 } from '../geometry.ts';
 import { halfFieldOfView, navigable, type Step } from '../navigation.ts';
 import { Api, type Layer, type Scan, viewpointIndex } from '../scan.ts';
 import { Controls } from './controls.ts';
-import { Discs, floorBelow, type Mark } from './discs.ts';
+import { floorBelow, type Mark } from './discs.ts';
 import { Flight, type Moment } from './flight.ts';
-import { PanoramaBox, Pictures } from './panorama.ts';
+import { type Panorama, Pictures } from './panorama.ts';
+import { type Passage, Stage } from './stage.ts';
+import { reachOf } from './surround.ts';
 
 /** Where one stands and looks. */
 export interface Pose extends Direction {
@@ -30,6 +31,8 @@ export interface ViewerOptions extends Partial<Direction> {
   readonly scan: string;
   /** An id; absent: the first viewpoint that has pictures. */
   readonly viewpoint?: string;
+  /** An id: looks there first, if no heading is given. Absent: to where most is to be seen. */
+  readonly towards?: string;
   readonly vfov?: number;
   /** The server's address; absent: that of the page. */
   readonly server?: string;
@@ -61,7 +64,10 @@ const leastVfov = degrees(25);
 const mostVfov = degrees(100);
 /** A disc is hit from so many pixels away: a finger's width. */
 const reach = 36;
-const glideSeconds = 0.6;
+/** Of a glide: as long as it takes to see where one gets to. A fade is no motion, and shorter. */
+const glideSeconds = (metres: number): number => Math.min(Math.max(0.4 + 0.25 * metres, 0.7), 1.4);
+const fadeSeconds = 0.25;
+const smooth = (t: number): number => t * t * (3 - 2 * t);
 
 type Listener = (pose: Pose) => void;
 
@@ -69,31 +75,38 @@ type Listener = (pose: Pose) => void;
 export class Viewer {
   readonly element: HTMLElement;
   private scan_: Scan;
-  private readonly renderer: three.WebGLRenderer;
-  private readonly scene = new three.Scene();
-  private readonly camera = new three.PerspectiveCamera(60, 1, 0.05, 100);
-  private readonly here = new PanoramaBox(0);
-  private readonly there = new PanoramaBox(1);
-  private readonly discs = new Discs();
+  private readonly stage: Stage;
   private readonly pictures: Pictures;
   private readonly controls: Controls;
   private readonly resizes: ResizeObserver;
   private readonly listeners = new Set<Listener>();
+  private readonly next = document.createElement('div');
+  private readonly hint = document.createElement('div');
+  private names: ReadonlyMap<number, string> = new Map();
+  private path: readonly number[] = [];
+  private hovered: number | undefined;
   private marks: ReadonlyMap<number, Mark> = new Map();
   private overlay: { layer: Layer; share: number } | undefined;
   private readonly rules: Rules | undefined;
   private places: ReadonlySet<number> | undefined;
   private pose_: Pose;
   private moving = false;
+  /** Counts what moves one: a later one ends those before. */
+  private trips = 0;
+  /** On the way; nothing while one stands. */
+  private moment: Moment | undefined;
   private frame = 0;
   private animation = 0;
+  private endAnimation: () => void = () => {};
 
   /** Resolves when the first panorama is on the screen. Throws ServerError, or Error without WebGL. */
   static async open(element: HTMLElement, options: ViewerOptions): Promise<Viewer> {
     const api = new Api(options.server);
     const scan = await api.scan(options.scan);
     const viewer = new Viewer(element, api, scan, options);
-    await viewer.showPanorama(viewer.here, viewer.pose_.viewpoint);
+    const here = await viewer.panorama(viewer.pose_.viewpoint);
+    viewer.stage.stand(here);
+    if (options.heading === undefined && options.towards === undefined) viewer.lookAround(here);
     viewer.arrive();
     viewer.drawNow();
     performance.mark('enfilade-first-panorama');
@@ -106,13 +119,16 @@ export class Viewer {
     this.rules = options.rules;
     this.pose_ = startPose(scan, options);
     this.pictures = new Pictures(api, scan.scan);
-    this.renderer = new three.WebGLRenderer({ antialias: true, preserveDrawingBuffer: false });
-    this.renderer.outputColorSpace = three.LinearSRGBColorSpace; // values pass as they are
-    this.renderer.domElement.classList.add('enfilade-canvas');
+    this.stage = new Stage();
     element.classList.add('enfilade-viewer');
     if (options.rules) element.style.aspectRatio = String(options.rules.aspect);
-    element.append(this.renderer.domElement);
-    this.scene.add(this.here.mesh, this.there.mesh, this.discs.group);
+    element.append(this.stage.canvas);
+    for (const [part, name] of [[this.next, 'enfilade-next'], [this.hint, 'enfilade-hint']] as const) {
+      part.className = name;
+      part.hidden = true;
+      part.ariaHidden = 'true'; // the list of steps says it
+      element.append(part);
+    }
     this.controls = new Controls(this);
     this.resizes = new ResizeObserver(() => this.resize());
     this.resizes.observe(element);
@@ -172,18 +188,29 @@ export class Viewer {
     this.setPose({ ...this.pose_, vfov: Math.min(Math.max(vfov, leastVfov), mostVfov) });
   }
 
-  /** Glides to a viewpoint, at once where people asked for less motion. False while on the way, or if it may not be. */
+  /**
+   * Glides to a viewpoint; fades to one that is no step away, and where people asked for less motion.
+   * False while on the way, or if it may not be.
+   */
   async go(viewpoint: number): Promise<boolean> {
     if (this.moving || !this.scan.viewpoints[viewpoint]?.rotation || !this.may(viewpoint)) return false;
     this.moving = true;
     this.stopAnimation();
+    const trip = this.trips;
+    this.hoverAt();
     try {
-      await this.showPanorama(this.there, viewpoint);
-      const { viewpoint: from, heading, elevation } = this.pose_;
-      const seconds = matchMedia('(prefers-reduced-motion: reduce)').matches ? 0 : glideSeconds;
-      await this.animate(seconds, (share) =>
-        this.drawMoment({ from, to: viewpoint, share, heading, elevation }),
-      );
+      const there = await this.panorama(viewpoint);
+      if (trip !== this.trips) return false;
+      this.stage.head(there);
+      const from = this.pose_.viewpoint;
+      const seconds = this.passage(from, viewpoint) === 'space'
+        ? glideSeconds(norm(subtract(there.position, this.eye()))) : fadeSeconds;
+      await this.animate(seconds, (share) => {
+        const { heading, elevation } = this.pose_; // one may look around on the way
+        this.moment = { from, to: viewpoint, share: smooth(share), heading, elevation };
+        this.drawNow();
+      });
+      if (trip !== this.trips) return false;
       await this.stand(viewpoint);
     } finally {
       this.moving = false;
@@ -200,19 +227,49 @@ export class Viewer {
 
   /** Goes where a disc was clicked, if there is one. */
   goAt(x: number, y: number): void {
-    const eye = this.eye();
-    let best: number | undefined;
-    let least = reach;
-    for (const { viewpoint } of this.steps()) {
-      const at = project(this.view, this.pose_, eye, floorBelow(this.scan, viewpoint));
-      const away = at ? Math.hypot(at[0] - x, at[1] - y) : Infinity;
-      if (away < least) [best, least] = [viewpoint, away];
+    const step = this.stepAt(x, y);
+    if (step) void this.go(step.viewpoint);
+  }
+
+  /** Shows where a click at that point would go; without a point, nothing. Returns whether anywhere. */
+  hoverAt(x?: number, y?: number): boolean {
+    const step = x === undefined || y === undefined || this.moving ? undefined : this.stepAt(x, y);
+    if (step?.viewpoint === this.hovered) return step !== undefined;
+    this.hovered = step?.viewpoint;
+    this.stage.discs.choose(step?.viewpoint);
+    this.hint.hidden = step === undefined;
+    if (step) {
+      const [left, top] = this.at(step.viewpoint)!;
+      const name = this.names.get(step.viewpoint);
+      this.hint.textContent = `${name ? `${name}, ` : ''}${step.distance.toFixed(1)} m`;
+      this.hint.style.left = `${left}px`;
+      this.hint.style.top = `${top}px`;
     }
-    if (best !== undefined) void this.go(best);
+    this.draw();
+    return step !== undefined;
+  }
+
+  /** Names of viewpoints, of their rooms for instance, where people may know them. */
+  setNames(names: ReadonlyMap<number, string>): void {
+    this.names = names;
+    this.tell();
+  }
+
+  /** The name of a viewpoint, if it has one. */
+  name(viewpoint: number): string | undefined {
+    return this.names.get(viewpoint);
+  }
+
+  /** The next viewpoint of the path, if one stands on it and it goes on. */
+  get nextOnPath(): number | undefined {
+    const k = this.path.indexOf(this.pose_.viewpoint);
+    return k < 0 ? undefined : this.path[k + 1];
   }
 
   /** Marks a path on the floor: blue discs, start and goal with poles. Empty: none. */
   setPath(path: readonly number[]): void {
+    this.path = path;
+    this.pointOn();
     const marks = new Map<number, Mark>(path.map((viewpoint) => [viewpoint, 'path']));
     if (path.length > 0) {
       marks.set(path[0]!, 'start');
@@ -239,7 +296,7 @@ export class Viewer {
   /** Depth or classes over the colours; share 0 to 1. */
   async setOverlay(layer: Layer | undefined, share = 0.6): Promise<void> {
     this.overlay = layer && layer !== 'colour' ? { layer, share } : undefined;
-    await this.showPanorama(this.here, this.pose_.viewpoint);
+    this.stage.stand(await this.panorama(this.pose_.viewpoint));
     this.draw();
   }
 
@@ -250,32 +307,24 @@ export class Viewer {
   /** Shows a moment of a flight. Resolves when it is on the screen. */
   async showMoment(moment: Moment): Promise<void> {
     const { from, to, share } = moment;
-    if (from !== this.pose_.viewpoint || !this.here.mesh.visible) {
-      await this.showPanorama(this.here, from);
+    if (this.hovered !== undefined) this.hoverAt();
+    if (from !== this.pose_.viewpoint) {
+      this.stage.stand(await this.panorama(from));
       this.pose_ = { ...this.pose_, viewpoint: from };
       this.placeDiscs();
     }
-    if (to !== from) await this.showPanorama(this.there, to);
+    if (to !== from) this.stage.head(await this.panorama(to));
     this.pose_ = { ...this.pose_, heading: moment.heading, elevation: moment.elevation };
+    this.moment = share > 0 && to !== from ? moment : undefined;
     this.tell();
-    if (share === 0 || to === from) this.draw();
-    else this.drawMoment(moment);
+    this.draw();
   }
 
   /** The picture without discs, RGBA rows from the top, of any size: what the simulator draws. */
   capture(width: number, height: number): Uint8Array {
-    const target = new three.WebGLRenderTarget(width, height);
-    const pixels = new Uint8Array(width * height * 4);
-    this.discs.group.visible = false;
-    this.aim(this.eye(), this.pose_, width / height);
-    this.renderer.setRenderTarget(target);
-    this.renderer.render(this.scene, this.camera);
-    this.renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
-    this.renderer.setRenderTarget(null);
-    this.discs.group.visible = true;
-    target.dispose();
+    const pixels = this.stage.capture(this.pose_, width, height);
     this.draw();
-    return flipped(pixels, width * 4);
+    return pixels;
   }
 
   dispose(): void {
@@ -284,11 +333,9 @@ export class Viewer {
     this.resizes.disconnect();
     this.controls.dispose();
     this.pictures.dispose();
-    this.here.dispose();
-    this.there.dispose();
-    this.discs.dispose();
-    this.renderer.dispose();
-    this.renderer.domElement.remove();
+    this.stage.dispose();
+    this.next.remove();
+    this.hint.remove();
     this.element.classList.remove('enfilade-viewer');
     this.element.style.removeProperty('aspect-ratio');
   }
@@ -304,43 +351,91 @@ export class Viewer {
 
   private setPose(pose: Pose): void {
     this.pose_ = pose;
+    if (this.hovered !== undefined) this.hoverAt(); // the disc is elsewhere now
     if (this.rules) this.placeDiscs(); // what can be gone to turns with the heading
     this.tell();
     this.draw();
   }
 
   private tell(): void {
+    this.pointOn();
     for (const listener of this.listeners) listener(this.pose_);
   }
 
   private async stand(viewpoint: number): Promise<void> {
-    await this.showPanorama(this.here, viewpoint);
-    this.there.setOpacity(0);
+    this.stage.stand(await this.panorama(viewpoint));
+    this.moment = undefined;
     this.pose_ = { ...this.pose_, viewpoint };
     this.arrive();
     this.draw();
   }
 
   private arrive(): void {
+    this.hoverAt();
     this.placeDiscs();
     this.tell();
     for (const { viewpoint } of this.steps().slice(0, 4)) {
-      const { id, rotation } = this.scan.viewpoints[viewpoint]!;
-      if (rotation) void this.pictures.get(id, 'colour').catch(() => {});
+      if (!this.scan.viewpoints[viewpoint]!.rotation) continue;
+      void this.panorama(viewpoint).then((panorama) => this.stage.prepare(panorama)).catch(() => {});
     }
   }
 
-  private async showPanorama(box: PanoramaBox, viewpoint: number): Promise<void> {
+  /** What is to be seen at a viewpoint, with the overlay. Throws Error without pictures. */
+  private async panorama(viewpoint: number): Promise<Panorama> {
     const { id, position, rotation, layers } = this.scan.viewpoints[viewpoint]!;
     if (!rotation) throw new Error(`viewpoint ${id} of ${this.scan.scan} has no pictures`);
-    const picture = await this.pictures.get(id, 'colour');
-    const overlay =
-      this.overlay && layers.includes(this.overlay.layer)
-        ? await this.pictures.get(id, this.overlay.layer)
-        : undefined;
-    box.show(position, rotation, picture);
-    box.setOverlay(overlay, this.overlay?.share ?? 0);
-    box.setOpacity(box === this.here ? 1 : 0);
+    const overlay = this.overlay && layers.includes(this.overlay.layer) ? this.overlay : undefined;
+    const [picture, laid, distances] = await Promise.all([
+      this.pictures.get(id, 'colour'),
+      overlay && this.pictures.get(id, overlay.layer),
+      // Without them everything works, if less well.
+      layers.includes('depth') ? this.pictures.distances(id).catch(() => undefined) : undefined,
+    ]);
+    return {
+      position, rotation, picture,
+      ...(overlay && laid && { overlay: { picture: laid, share: overlay.share } }),
+      ...(distances && { distances }),
+    };
+  }
+
+  /** Turns to where most is to be seen. */
+  private lookAround({ distances, rotation, position }: Panorama): void {
+    if (!distances) return; // then it looks to where one can go
+    const steps = this.scan.viewpoints[this.pose_.viewpoint]!.neighbours
+      .map((v) => directionTo(position, this.scan.viewpoints[v]!.position).heading);
+    const reach = (heading: number) => reachOf(position, this.scan.viewpoints.map((viewpoint) => viewpoint.position), heading);
+    this.pose_ = { ...this.pose_, heading: distances.surround.openHeading(rotation, steps, reach) };
+  }
+
+  private passage(from: number, to: number): Passage {
+    const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    return still || !this.scan.viewpoints[from]!.neighbours.includes(to) ? 'fade' : 'space';
+  }
+
+  /** Where the disc of a viewpoint is on the screen. */
+  private at(viewpoint: number): readonly [number, number] | undefined {
+    return project(this.view, this.pose_, this.eye(), floorBelow(this.scan, viewpoint));
+  }
+
+  private stepAt(x: number, y: number): Step | undefined {
+    let best: Step | undefined;
+    let least = reach;
+    for (const step of this.steps()) {
+      const at = this.at(step.viewpoint);
+      const away = at ? Math.hypot(at[0] - x, at[1] - y) : Infinity;
+      if (away < least) [best, least] = [step, away];
+    }
+    return best;
+  }
+
+  /** An arrow at the side where the path goes on, while that is out of sight. */
+  private pointOn(): void {
+    const next = this.nextOnPath;
+    const step = next === undefined ? undefined : navigable(this.scan, this.pose_.viewpoint, this.pose_).find((s) => s.viewpoint === next);
+    const { width, height, vfov } = this.view;
+    const half = Math.atan(Math.tan(vfov / 2) * (width / height));
+    this.next.hidden = step === undefined || Math.abs(step.relHeading) < half * 0.85;
+    if (step) this.next.dataset['side'] = step.relHeading > 0 ? 'right' : 'left';
   }
 
   private placeDiscs(): void {
@@ -350,29 +445,7 @@ export class Viewer {
     if (!['start', 'goal'].includes(marks.get(this.pose_.viewpoint) ?? '')) {
       marks.delete(this.pose_.viewpoint); // one stands on it
     }
-    this.discs.set(this.scan, this.eye(), marks);
-  }
-
-  private aim(eye: Vec3, direction: Direction, aspect: number): void {
-    const m = worldFromCamera(direction);
-    // three.js cameras look along -z with y up; ours along +z with y down.
-    const pose = new three.Matrix4().set(
-      m[0], -m[1], -m[2], eye[0],
-      m[3], -m[4], -m[5], eye[1],
-      m[6], -m[7], -m[8], eye[2],
-      0, 0, 0, 1,
-    );
-    pose.decompose(this.camera.position, this.camera.quaternion, this.camera.scale);
-    this.camera.fov = (this.pose_.vfov * 180) / Math.PI;
-    this.camera.aspect = aspect;
-    this.camera.updateProjectionMatrix();
-  }
-
-  private drawMoment({ from, to, share, heading, elevation }: Moment): void {
-    const [a, b] = [this.scan.viewpoints[from]!.position, this.scan.viewpoints[to]!.position];
-    this.there.setOpacity(share);
-    this.aim(mix(a, b, share), { heading, elevation }, this.view.width / this.view.height);
-    this.renderer.render(this.scene, this.camera);
+    this.stage.discs.set(this.scan, this.eye(), marks);
   }
 
   /** At the next frame, once, however often it is asked for. */
@@ -382,13 +455,17 @@ export class Viewer {
   }
 
   private drawNow(): void {
-    this.there.setOpacity(0);
-    this.aim(this.eye(), this.pose_, this.view.width / this.view.height);
-    this.renderer.render(this.scene, this.camera);
+    if (this.moment) {
+      const { from, to, share } = this.moment;
+      this.stage.drawBetween(this.pose_, share, this.passage(from, to));
+    } else {
+      this.stage.draw(this.pose_);
+    }
   }
 
   private animate(seconds: number, at: (share: number) => void): Promise<void> {
     return new Promise((resolve) => {
+      this.endAnimation = resolve;
       const begin = performance.now();
       const step = (now: number) => {
         const share = seconds > 0 ? Math.min((now - begin) / 1000 / seconds, 1) : 1;
@@ -401,14 +478,15 @@ export class Viewer {
   }
 
   private stopAnimation(): void {
+    ++this.trips;
     cancelAnimationFrame(this.animation);
+    this.endAnimation();
   }
 
   private resize(): void {
     const { width, height } = this.view;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.renderer.setSize(width, height, false);
-    this.draw();
+    this.stage.resize(width, height);
+    this.drawNow(); // at once: an empty frame would flash
   }
 }
 
@@ -421,7 +499,8 @@ function startPose(scan: Scan, options: ViewerOptions): Pose {
   const viewpoint = named >= 0 ? named : first;
   if (viewpoint < 0) throw new Error(`${scan.scan} has no pictures`);
   const { position, neighbours } = scan.viewpoints[viewpoint]!;
-  const next = neighbours[0] === undefined ? undefined : scan.viewpoints[neighbours[0]];
+  const towards = viewpointIndex(scan, options.towards);
+  const next = scan.viewpoints[towards >= 0 && towards !== viewpoint ? towards : (neighbours[0] ?? -1)];
   const along = next ? directionTo(position, next.position).heading : 0;
   return {
     viewpoint,
@@ -429,13 +508,4 @@ function startPose(scan: Scan, options: ViewerOptions): Pose {
     elevation: options.elevation ?? 0,
     vfov: options.rules?.vfov ?? Math.min(Math.max(options.vfov ?? degrees(60), leastVfov), mostVfov),
   };
-}
-
-/** Rows in the other order: OpenGL's first is the lowest. */
-function flipped(pixels: Uint8Array, stride: number): Uint8Array {
-  const out = new Uint8Array(pixels.length);
-  for (let row = 0, last = pixels.length - stride; row <= last; row += stride) {
-    out.set(pixels.subarray(last - row, last - row + stride), row);
-  }
-  return out;
 }

@@ -1,5 +1,6 @@
 /** What was done so far: in this browser at once, at the server soon after. */
 import { ServerError } from '../scan.ts';
+import type { Store } from './storage.ts';
 
 /** A draft, and whether the server has it. */
 interface Kept<T> {
@@ -7,7 +8,7 @@ interface Kept<T> {
   readonly sent: boolean;
 }
 
-/** lost: the server will have no more of it. */
+/** here: the server is out of reach, and is tried again. lost: it will have no more of it. */
 export type DraftState = 'saved' | 'saving' | 'here' | 'lost';
 
 const pauseMs = 1200;
@@ -18,7 +19,7 @@ const signOfLifeMs = 20_000;
 /** Keeps the draft of one task. `dispose()` when the task is over. */
 export class Drafts<T extends object> {
   private readonly key: string;
-  private readonly storage: Pick<Storage, 'getItem' | 'setItem' | 'removeItem'>;
+  private readonly storage: Omit<Store, 'lasting'>;
   private readonly send: (draft: T) => Promise<void>;
   private tell: (state: DraftState) => void = () => {};
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -59,7 +60,14 @@ export class Drafts<T extends object> {
     if (this.timer === undefined && Date.now() - this.sentAt >= signOfLifeMs) this.take(draft());
   }
 
-  /** The task is handed in or given back: nothing is left of it here. */
+  /** Sends what is not sent yet, without the pause: the page is about to go. */
+  async save(): Promise<void> {
+    if (this.over || this.timer === undefined || !this.latest) return;
+    clearTimeout(this.timer);
+    await this.sendLatest();
+  }
+
+  /** The task is submitted or given back: nothing is left of it here. */
   forget(): void {
     this.dispose();
     this.storage.removeItem(this.key);
@@ -102,11 +110,7 @@ export class Drafts<T extends object> {
   }
 
   private keep(draft: T, sent: boolean): void {
-    try {
-      this.storage.setItem(this.key, JSON.stringify({ draft, sent } satisfies Kept<T>));
-    } catch {
-      // No room, or a browser that keeps nothing: the server has it soon.
-    }
+    this.storage.setItem(this.key, JSON.stringify({ draft, sent } satisfies Kept<T>));
   }
 
   private kept(): Kept<T> | undefined {
@@ -115,7 +119,7 @@ export class Drafts<T extends object> {
       const { draft, sent } = (kept ?? {}) as Partial<Kept<T>>;
       return draft && typeof draft === 'object' ? { draft, sent: sent === true } : undefined;
     } catch {
-      return undefined; // not ours, or no storage
+      return undefined; // not ours
     }
   }
 }

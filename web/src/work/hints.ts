@@ -1,4 +1,4 @@
-/** What is said of directions before they are handed in: advice, never a wall. */
+/** What is said of directions before they are submitted: advice, and why a text that is too short is refused. */
 
 /** How directions came about. */
 export interface Behaviour {
@@ -21,6 +21,18 @@ const muchPasted = 40;
 
 export const wordsIn = (text: string): number =>
   text.split(/\s+/).filter((word) => /[\p{L}\p{N}]/u.test(word)).length;
+
+/** The server's rule: characters and words. */
+const [leastCharacters, leastWords] = [10, 3];
+
+/** Why directions are refused; nothing if they are long enough. */
+export function tooShort(text: string): string | undefined {
+  const trimmed = text.trim();
+  const words = trimmed === '' ? 0 : trimmed.split(/\s+/).length;
+  if (words >= leastWords && trimmed.length >= leastCharacters) return undefined;
+  if (words === 0) return 'Write the directions here first.';
+  return `This is too short to lead anybody: write at least ${leastWords} words, and ${leastCharacters} letters in all.`;
+}
 
 export function hintsFor(text: string, { pasted, goalSeen }: Behaviour): Hint[] {
   const hints: Hint[] = [];

@@ -12,8 +12,8 @@ export class Tour {
   private readonly moved: () => void;
   private readonly dots = make('span', { class: 'dots', 'aria-hidden': 'true' });
   private readonly said = make('span', { role: 'status' });
-  private readonly back = this.button('◀ Back', 'Back along the path', -1);
-  private readonly on = this.button('On ▶', 'On along the path', 1);
+  private readonly back = this.button('◀ Previous', 'Previous along the path', -1);
+  private readonly on = this.button('Next ▶', 'Next along the path', 1);
 
   /** @param moved is called when a button was pressed: a fly-through should stop then */
   constructor(viewer: Viewer, path: readonly number[], looks: Looks, moved: () => void) {

@@ -1,6 +1,7 @@
 /** A worker's visit: joining by a link, and asking the server as that worker. Shapes: /api/v1/openapi.json. */
 import type { Collection, Entry } from '../collections.ts';
 import { api, json } from '../page.ts';
+import { storage } from './storage.ts';
 
 export interface Task {
   /** Absent in an example. */
@@ -15,6 +16,22 @@ export interface Task {
   readonly instruction?: string;
   readonly start?: string;
   readonly draft?: object;
+  /** It is not kept for the collection. */
+  readonly practice?: boolean;
+}
+
+/** One of a screening, or an attention check. */
+export interface Question {
+  readonly question: number;
+  readonly text: string;
+  readonly choices: readonly string[];
+}
+
+/** A task that was not accepted, and why. */
+export interface Rejected {
+  readonly task: number;
+  readonly submitted: string;
+  readonly reason: string;
 }
 
 export interface Completion {
@@ -27,13 +44,21 @@ export interface Completion {
 
 export interface Visit {
   readonly consented: boolean;
-  /** Tasks handed in. */
+  /** Tasks submitted, and how many there will be; practice is not counted. */
   readonly done: number;
   readonly of?: number;
+  /** Practice tasks to come. */
+  readonly practice?: number;
   readonly finished: boolean;
   readonly task: Task | null;
-  readonly why?: 'finished' | 'none-left' | 'all-leased' | 'closed';
-  readonly walked?: { readonly bonus?: boolean };
+  readonly why?: 'finished' | 'none-left' | 'all-leased' | 'closed' | 'questions' | 'screened-out';
+  readonly questions?: readonly Question[];
+  readonly rejected?: readonly Rejected[];
+  readonly screened_out?: boolean;
+  /** Walks that earned it; known at the very end only. */
+  readonly bonuses?: number;
+  /** Of the practice task that was just submitted. */
+  readonly practised?: { readonly example?: string; readonly reached?: boolean; readonly distance?: number };
   readonly completion?: Completion;
 }
 
@@ -58,21 +83,11 @@ function parameters(collection: string): Record<string, string> {
 }
 
 const keyOf = (collection: string): string => `enfilade-worker/${collection}`;
+const remembered = (collection: string): string | null => storage.getItem(keyOf(collection));
 
-function remembered(collection: string): string | null {
-  try {
-    return localStorage.getItem(keyOf(collection));
-  } catch {
-    return null; // a browser that keeps nothing for frames of other sites
-  }
-}
-
+/** Where nothing is kept, a reload is a new worker; the platforms say who it is anyway. */
 function remember(collection: string, worker: string): void {
-  try {
-    localStorage.setItem(keyOf(collection), worker);
-  } catch {
-    // Then a reload is a new worker; the platforms say who it is anyway.
-  }
+  storage.setItem(keyOf(collection), worker);
 }
 
 /** The server, asked by a worker. */
@@ -87,7 +102,10 @@ export class WorkApi {
   /** The next task, or the one that is held. */
   lease = (): Promise<Visit> => this.call('POST', 'visit/task', {});
   giveBack = (task: number): Promise<Visit> => this.call('DELETE', `tasks/${task}`);
-  handIn = (task: number, work: Submission): Promise<Visit> => this.call('PUT', `tasks/${task}/submission`, work);
+  submit = (task: number, work: Submission): Promise<Visit> => this.call('PUT', `tasks/${task}/submission`, work);
+  answer = (answers: readonly { question: number; choice: string }[]): Promise<Visit> =>
+    this.call('PUT', 'visit/answers', { answers });
+  /** Is sent even if the page goes at that moment. */
   keepDraft = async (task: number, draft: object): Promise<void> => {
     await this.call('PUT', `tasks/${task}/draft`, { draft });
   };
@@ -95,7 +113,9 @@ export class WorkApi {
   // Not by a cookie: platforms show these pages in a frame, where browsers send none.
   private call<T>(method: string, path: string, body?: unknown): Promise<T> {
     const sent = body === undefined ? { method, headers: {} } : json(body, method);
-    return api.call(path, { ...sent, headers: { ...sent.headers, Authorization: `Bearer ${this.token}` } });
+    // So that the last words arrive when the page goes; browsers do that for up to 64 kB.
+    const keepalive = path.endsWith('/draft') && 'body' in sent && sent.body.length < 60_000;
+    return api.call(path, { ...sent, keepalive, headers: { ...sent.headers, Authorization: `Bearer ${this.token}` } });
   }
 }
 
@@ -103,10 +123,13 @@ export type Arrival =
   | { readonly preview: true; readonly collection: Collection; readonly example: Task | undefined }
   | { readonly preview: false; readonly collection: Collection; readonly visit: Visit; readonly api: WorkApi };
 
+/** The page's address names nothing. */
+export class BadLink extends Error {}
+
 /** Joins the collection that the page's address names. The same worker comes back to the same task. */
 export async function arrive(): Promise<Arrival> {
   const name = new URLSearchParams(location.search).get('collection');
-  if (!name) throw new Error('This link names no collection. Ask those who sent it to you for the whole link.');
+  if (!name) throw new BadLink('This link names no collection. Ask those who sent it to you for the whole link.');
   const joined = await api.call<Joined>(`collections/${encodeURIComponent(name)}/join`, json({ parameters: parameters(name) }));
   const { collection, worker, token, visit, example } = joined;
   if (joined.preview || !token || !visit) return { preview: true, collection, example };

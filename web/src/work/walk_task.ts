@@ -6,15 +6,18 @@ import { make, say } from '../page.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { agentRules, Viewer } from '../viewer/enfilade-viewer.ts';
 import { type DraftState, Drafts } from './drafts.ts';
-import { type Desk, handIn, lostText, taskPanel } from './flow.ts';
+import { type Desk, submit, taskPanel } from './flow.ts';
 import { Recorder } from './recorder.ts';
+import { lostText } from './refusals.ts';
+import { outOfReachText, storage } from './storage.ts';
 
 interface Draft {
   readonly steps: readonly Entry[];
 }
 
 const draftTexts: Record<DraftState, string> = {
-  saving: '', saved: '', here: 'The server is out of reach; your walk is kept in this browser.',
+  saving: '', saved: '',
+  here: outOfReachText('walk'),
   lost: lostText,
 };
 
@@ -41,7 +44,7 @@ export class WalkTask {
     const view = make('div', { class: 'agent' });
     const side = make('aside', { class: 'side work', 'aria-label': 'Your task' });
     main.append(make('div', { class: 'view stage' }, view), side);
-    const drafts = new Drafts<Draft>(`walk/${task.task}`, localStorage, (draft) => api!.keepDraft(task.task!, draft));
+    const drafts = new Drafts<Draft>(`walk/${task.task}`, storage, (draft) => api!.keepDraft(task.task!, draft));
     const draft = api && drafts.begin(task.draft as Draft | undefined);
     const { viewpoint, heading, elevation } = draft?.steps.at(-1) ?? { viewpoint: task.start!, heading: task.heading, elevation: 0 };
     const viewer = await Viewer.open(view, { scan: task.scan, rules: agentRules, viewpoint, heading, elevation });
@@ -60,6 +63,10 @@ export class WalkTask {
     drafts.onState((state) => say(this.draftSaid, draftTexts[state]));
     viewer.onChange(() => this.moved());
     this.stop.addEventListener('click', () => this.ask(true));
+  }
+
+  save(): Promise<void> {
+    return this.drafts.save();
   }
 
   dispose(): void {
@@ -102,8 +109,8 @@ export class WalkTask {
       this.sure.replaceChildren(make('p', {}, this.stop));
       return;
     }
-    const yes = action('Yes, this is the goal', this.said, () => this.handIn(), { class: 'main' });
-    const no = make('button', { type: 'button' }, 'Walk on');
+    const yes = action('Yes, this is the goal', this.said, () => this.submit(), { class: 'main' });
+    const no = make('button', { type: 'button' }, 'Keep walking');
     no.addEventListener('click', () => {
       this.ask(false);
       this.stop.focus();
@@ -113,9 +120,9 @@ export class WalkTask {
     yes.focus();
   }
 
-  private async handIn(): Promise<void> {
+  private async submit(): Promise<void> {
     const { width, height } = this.viewer.view;
     const camera = { width: Math.round(width), height: Math.round(height), vfov: this.viewer.pose.vfov };
-    await handIn(this.desk, this.drafts, { steps: this.walked(), camera });
+    await submit(this.desk, this.drafts, { steps: this.walked(), camera }, () => say(this.draftSaid, draftTexts.here));
   }
 }

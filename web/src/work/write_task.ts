@@ -1,12 +1,14 @@
 /** Writing directions for a path: its fly-through, its places, a text. */
-import { make, say } from '../page.ts';
+import { api, counted, make, say } from '../page.ts';
 import { action, twice } from '../forms.ts';
-import { viewpointIndex } from '../scan.ts';
+import { ServerError, viewpointIndex } from '../scan.ts';
 import { MiniMap, Player, Viewer } from '../viewer/enfilade-viewer.ts';
 import { type DraftState, Drafts } from './drafts.ts';
-import { type Desk, handIn, lostDraftText, taskPanel } from './flow.ts';
-import { type Hint, hintsFor, wordsIn } from './hints.ts';
+import { type Desk, submit, taskPanel } from './flow.ts';
+import { type Hint, hintsFor, tooShort, wordsIn } from './hints.ts';
 import { Looks } from './looks.ts';
+import { lostDraftText, sentences } from './refusals.ts';
+import { outOfReachText, storage } from './storage.ts';
 import { Tour } from './tour.ts';
 
 /** What is kept of a task that is not done. */
@@ -22,7 +24,7 @@ const mostCharacters = 2000;
 
 const draftTexts: Record<DraftState, string> = {
   saving: 'Saving…', saved: 'Draft saved.',
-  here: 'Draft kept in this browser; the server is out of reach.',
+  here: outOfReachText('text'),
   lost: lostDraftText,
 };
 
@@ -34,7 +36,8 @@ export class WriteTask {
   private readonly drafts: Drafts<Draft>;
   private readonly looks = new Looks();
   private readonly goal: number;
-  private readonly text = make('textarea', { id: 'directions', rows: '6', maxlength: String(mostCharacters), 'aria-describedby': 'words' });
+  private readonly text = make('textarea', { id: 'directions', rows: '6', maxlength: String(mostCharacters), 'aria-describedby': 'refusal words' });
+  private readonly refusal = make('div', { id: 'refusal', role: 'alert' });
   private readonly count = make('span', { id: 'words' });
   private readonly draftSaid = make('span', { role: 'status' });
   private readonly advice = make('div', { role: 'status' });
@@ -63,15 +66,20 @@ export class WriteTask {
     viewer.confine(path);
     this.map = new MiniMap(viewer);
     this.map.setPath(path);
+    void this.map.loadPlan(api, false); // workers would copy the names
     this.player = new Player(viewer, path);
     const tour = new Tour(viewer, path, this.looks, () => this.player.pause());
     const { task = 0 } = desk.task;
-    this.drafts = new Drafts(`write/${task}`, localStorage, (draft) => desk.api!.keepDraft(task, draft));
+    this.drafts = new Drafts(`write/${task}`, storage, (draft) => desk.api!.keepDraft(task, draft));
     this.drafts.onState((state) => say(this.draftSaid, draftTexts[state]));
     side.append(make('div', { class: 'map' }, this.map.element), this.panel(tour));
     viewer.onChange(() => this.looked());
     this.listen();
     this.resume();
+  }
+
+  save(): Promise<void> {
+    return this.drafts.save();
   }
 
   dispose(): void {
@@ -87,13 +95,13 @@ export class WriteTask {
       make('h2', {}, 'See the path'), this.player.element, tour.element,
       make('h2', {}, make('label', { for: 'directions' }, 'Your directions')),
       make('p', { class: 'note' }, 'From the start, the green pole, to the goal, the red one.'),
-      this.text, make('p', { class: 'note beneath' }, this.count, ' ', this.draftSaid), this.advice, this.buttons(), this.said);
+      this.text, this.refusal, make('p', { class: 'note beneath' }, this.count, ' ', this.draftSaid), this.advice, this.buttons(), this.said);
     return panel;
   }
 
   private buttons(): HTMLElement {
-    const done = action('Hand in', this.said, () => this.handIn(), { class: 'main' });
-    const giveBack = twice('Give this path back', 'Give it back? You will not be offered it again', this.said, async () => {
+    const done = action('Submit', this.said, () => this.submit(), { class: 'main' });
+    const giveBack = twice('Skip this path', 'Skip it? You will not be offered it again', this.said, async () => {
       const visit = await this.desk.api!.giveBack(this.desk.task.task!);
       this.drafts.forget();
       this.desk.proceed(visit);
@@ -142,12 +150,13 @@ export class WriteTask {
   private changed(): void {
     this.showCount();
     this.drafts.change(this.draft);
+    if (!tooShort(this.text.value)) this.refuse();
     if (this.advised) this.advise(hintsFor(this.text.value, this.draft));
   }
 
   private showCount(): void {
     const words = wordsIn(this.text.value);
-    this.count.textContent = `${words} word${words === 1 ? '' : 's'}.`;
+    this.count.textContent = `${counted(words, 'word')}.`;
   }
 
   private advise(hints: readonly Hint[]): void {
@@ -156,19 +165,39 @@ export class WriteTask {
     this.advised = key;
     this.advice.replaceChildren(...(hints.length === 0 ? [] : [
       make('div', { class: 'notice' }, make('ul', {}, ...hints.map(({ text }) => make('li', {}, text))),
-        make('p', {}, 'If it is right as it is, hand it in again.'))]));
+        make('p', {}, 'If it is right as it is, submit it again.'))]));
+  }
+
+  /** Says beside the text why it is not taken; nothing: it may be. */
+  private refuse(...reasons: string[]): void {
+    this.text.setAttribute('aria-invalid', String(reasons.length > 0));
+    this.refusal.replaceChildren(...reasons.map((reason) => make('p', { class: 'problem' }, reason)));
+    if (reasons.length === 0) return;
+    this.text.focus();
+    this.text.scrollIntoView({ block: 'center' });
   }
 
   /** The first time with advice, if there is any; what was advised once does not stand in the way again. */
-  private async handIn(): Promise<void> {
+  private async submit(): Promise<void> {
     const text = this.text.value.trim();
+    const short = tooShort(text);
+    this.refuse(...(short ? [short] : []));
+    if (short) return this.advise([]);
     const before = this.advised.split(',');
     const hints = hintsFor(text, this.draft);
     const flags = hints.map(({ code }) => code);
     this.advise(hints);
     this.row.scrollIntoView({ block: 'nearest' }); // advice pushed it down
-    if (text === '') return this.text.focus();
     if (flags.some((flag) => !before.includes(flag))) return;
-    await handIn(this.desk, this.drafts, { instruction: text, seconds: this.seconds, flags });
+    this.text.readOnly = true; // what is sent is what stands there
+    try {
+      await submit(this.desk, this.drafts, { instruction: text, seconds: this.seconds, flags },
+        () => say(this.draftSaid, draftTexts.here));
+    } catch (error) {
+      if (!(error instanceof ServerError) || error.status !== 422) throw error;
+      this.refuse(...sentences(error));
+    } finally {
+      this.text.readOnly = false;
+    }
   }
 }

@@ -1,0 +1,40 @@
+/** Drawings of a line or two, made as elements: our content policy allows no markup in scripts. */
+
+const namespace = 'http://www.w3.org/2000/svg';
+
+/** An SVG element. Its attributes are ours alone, never what people wrote. */
+export function shape<K extends keyof SVGElementTagNameMap>(
+  name: K, attributes: Readonly<Record<string, string | number>>, ...children: (Element | string)[]
+): SVGElementTagNameMap[K] {
+  const element = document.createElementNS(namespace, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, String(value));
+  element.append(...children);
+  return element;
+}
+
+/** Paths of a drawing, 48 x 48: in ink, with the accent, filled with it. */
+interface Drawing {
+  readonly ink: string;
+  readonly tint?: string;
+  readonly fill?: readonly (readonly [number, number, number])[];
+}
+
+const drawings = {
+  // Doors one behind the other, and the floor.
+  explore: { ink: 'M6 44V4h36v40M14 44V13h20v31', tint: 'M20 44V22h8v22' },
+  // Lines of writing, and the path that they describe.
+  write: { ink: 'M6 8h24M6 16h17M6 24h9', tint: 'M10 42C14 30 24 40 29 31S34 22 42 20', fill: [[10, 42, 3], [42, 20, 3]] },
+  // Rings on the floor that become smaller.
+  walk: { ink: 'M3 40a11 4 0 1 0 22 0a11 4 0 1 0-22 0M20 27a8 2.8 0 1 0 16 0a8 2.8 0 1 0-16 0', tint: 'M40 16V3l6 3-6 3', fill: [[40, 17, 2.5]] },
+  // Bars with intervals.
+  compete: { ink: 'M4 44h40M8 44V30h8v14M20 44V20h8v24', tint: 'M32 44V11h8v33M36 16V5M33.5 5h5M33.5 16h5' },
+} as const satisfies Record<string, Drawing>;
+
+export type IconName = keyof typeof drawings;
+
+export function icon(name: IconName): SVGElement {
+  const { ink, tint, fill = [] }: Drawing = drawings[name];
+  return shape('svg', { viewBox: '0 0 48 48', 'aria-hidden': 'true' }, shape('path', { d: ink }),
+    ...(tint ? [shape('path', { d: tint, class: 'tint' })] : []),
+    ...fill.map(([cx, cy, r]) => shape('circle', { cx, cy, r, class: 'fill' })));
+}

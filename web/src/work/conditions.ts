@@ -1,0 +1,54 @@
+/** What a worker is told beside the organiser's texts: how much there is to do, how long it takes, what it pays. */
+import type { Collection } from '../collections.ts';
+import { counted, make } from '../page.ts';
+import type { Rejected, Visit } from './visit.ts';
+
+function amount(collection: Collection, { of, done, practice = 0 }: Visit): string {
+  const practised = practice > 0 ? `, after ${counted(practice, 'practice task')}` : '';
+  if (of === undefined) return `As many as you like${practised}`;
+  const tasks = collection.kind === 'write' ? `${counted(of, 'path')} to describe` : counted(of, 'walk');
+  return `${tasks}${practised}${done > 0 ? `; ${done} of them are done` : ''}`;
+}
+
+/** Before one agrees. @param visit absent in a preview */
+export function conditions(collection: Collection, visit?: Visit): HTMLElement {
+  const rows: [string, string][] = [
+    ['Your task', collection.kind === 'write' ? 'You see a way through a building and write directions for it.' : 'You read directions and walk by them through a building.']];
+  if (visit) rows.push(['How much', amount(collection, visit)]);
+  if (collection.minutes) {
+    const all = visit?.of !== undefined && visit.of > 1 ? `, ${counted(Math.round(collection.minutes * visit.of), 'minute')} in all` : '';
+    rows.push(['Time', `About ${counted(collection.minutes, 'minute')} each${all}`]);
+  }
+  if (collection.pay) rows.push(['Pay', collection.pay]);
+  return make('dl', { class: 'conditions' }, ...rows.map(([name, text]) => make('div', {}, make('dt', {}, name), make('dd', {}, text))));
+}
+
+/** "Task 3 of 8", with a bar. */
+export function progress({ done, of, task }: Visit): HTMLElement {
+  if (task?.practice) return make('p', { class: 'progress' }, make('strong', {}, 'Practice'), ': this one does not count.');
+  const box = make('p', { class: 'progress' }, make('span', {}, of === undefined ? `Task ${done + 1}` : `Task ${Math.min(done + 1, of)} of ${of}`));
+  if (of !== undefined) box.append(make('progress', { max: String(of), value: String(done), 'aria-label': 'Done' }));
+  return box;
+}
+
+/** Tasks that were not accepted; nothing if there are none. */
+export function notAccepted({ rejected = [] }: Visit): HTMLElement[] {
+  if (rejected.length === 0) return [];
+  const entry = ({ task, submitted, reason }: Rejected) => make('li', {}, `Task ${task} of ${submitted.slice(0, 10)}: ${reason}`);
+  return [make('div', { class: 'notice' },
+    make('p', {}, rejected.length === 1 ? 'One of your tasks was not accepted:' : `${rejected.length} of your tasks were not accepted:`),
+    make('ul', {}, ...rejected.map(entry)))];
+}
+
+/** What is told after a practice task: nothing of it helps with another path. */
+export function practised({ practised: result }: Visit): HTMLElement[] {
+  if (!result) return [];
+  if (result.reached !== undefined) {
+    const far = result.distance === undefined ? '' : ` You stopped ${result.distance.toFixed(1)} m from it.`;
+    return [make('p', { class: result.reached ? 'done' : 'problem' },
+      (result.reached ? 'You found the goal.' : 'You did not find the goal: it counts as found within 3 m.') + far),
+    make('p', { class: 'note' }, 'In the tasks that count you are not told, so that one does not help with another.')];
+  }
+  if (result.example) return [make('p', {}, 'Somebody else wrote for the same path:'), make('blockquote', { class: 'example' }, result.example)];
+  return [];
+}
