@@ -482,7 +482,8 @@ TEST(MemoryAttacks, TwoHundredFilesOfFaultsTakeLittleAndOthersAreServed) {
       1e3 * watch.slowest());
   // 429: a team may send 20 files with faults a day.
   EXPECT_THAT(got, Each(AnyOf(413, 422, 429, 503)));
-  for (const int status : {413, 422}) EXPECT_GT(std::ranges::count(got, status), 0) << status;
+  // Which of them found room is chance.
+  EXPECT_GT(std::ranges::count(got, 413) + std::ranges::count(got, 422), 0);
   EXPECT_EQ(without_advice, 0);
   EXPECT_LT(peak - before, kMostGrowth);
   EXPECT_LT(after, before + kMostKept);

@@ -4,6 +4,7 @@ import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import type { WalkTask } from '../src/work/walk_task.ts';
+import { isFirefox } from './browsers.ts';
 import { complaints, type Home, makeCollection, missing, newToken, openHome, openPage, patience, results } from './harness.ts';
 
 declare const window: { walkTask?: WalkTask };
@@ -64,8 +65,13 @@ async function expectReached(page: Page): Promise<void> {
 
 /** Gives a file to the control that has the focus, by the dialogue that a key opens. */
 async function choose(page: Page, content: string): Promise<void> {
+  const file = { name: 'results.json', mimeType: 'application/json', buffer: Buffer.from(content) };
+  if (isFirefox) { // its dialogue cannot be answered by WebDriver BiDi
+    await page.locator('input[type=file]:focus').setInputFiles(file);
+    return;
+  }
   const [dialogue] = await Promise.all([page.waitForEvent('filechooser'), page.keyboard.press('Enter')]);
-  await dialogue.setFiles({ name: 'results.json', mimeType: 'application/json', buffer: Buffer.from(content) });
+  await dialogue.setFiles(file);
 }
 
 /** Runs in the page: the number in the list of the next place of a path; 0 if it does not lie ahead. */

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { degrees, worldFromCamera, wrapDifference } from '../src/geometry.ts';
-import { reachOf, Surround } from '../src/viewer/surround.ts';
+import { pointOfCube, reachOf, Surround } from '../src/viewer/surround.ts';
 
 /** Faces 0 up, 1 back, 2 left, 3 front, 4 right, 5 down of n x n readings, metres. */
 function bytes(n: number, metres: (face: number, row: number, column: number) => number): ArrayBuffer {
@@ -38,6 +38,34 @@ describe('what surrounds a viewpoint', () => {
     // The right one: its right side is behind us.
     expect(around.at([1, -0.5, 0.5])).toBe(1);
     expect(around.at([1, -0.5, -0.5])).toBe(2);
+  });
+
+  it('has its points where it is looked up, on its faces and beyond their sides', () => {
+    const around = Surround.parse(bytes(8, (face, row, column) => 1 + face + row / 10 + column / 100));
+    const seen = (face: number, s: number, t: number) => {
+      const [x, y, z] = pointOfCube(face, s, t);
+      return around.at([-x, -y, -z]);
+    };
+    for (let face = 0; face < 6; ++face) {
+      around.faces[face]!.forEach((metres, k) => {
+        expect(seen(face, ((k % 8) + 0.5) / 4 - 1, (Math.floor(k / 8) + 0.5) / 4 - 1)).toBe(metres);
+      });
+    }
+    expect(around.faces[0]).not.toContain(seen(0, 1.1, 0));
+  });
+
+  it('has bounds of a part, which filters do not leave', () => {
+    const far = 9; // one reading, in the last column of one face
+    const around = Surround.parse(bytes(8, (face, row, column) => (face === 3 && row === 2 && column === 7 ? far : 2)));
+    const face = around.faces.findIndex((one) => one.includes(far));
+    const at = around.faces[face]!.indexOf(far);
+    const [s, t] = [((at % 8) + 0.5) / 4 - 1, (Math.floor(at / 8) + 0.5) / 4 - 1];
+    expect(around.range(face, [s - 0.1, s + 0.1], [t - 0.1, t + 0.1])).toEqual([2, far]);
+    expect(around.range(face, [-s - 0.1, -s + 0.1], [t - 0.1, t + 0.1])).toEqual([2, 2]);
+    // It is beside an edge of the cube: a part of the face on the other side has it too.
+    const parts = around.faces.map((_, k) => [-1, -0.5, 0, 0.5].flatMap((s0) => [-1, -0.5, 0, 0.5].map((t0) =>
+      around.range(k, [s0, s0 + 0.5], [t0, t0 + 0.5])[1])).filter((most) => most === far).length);
+    expect(parts.filter((count) => count > 0).length).toBe(2);
   });
 
   it('fills what is unknown from around it', () => {

@@ -30,41 +30,62 @@ export function floorBelow(scan: Scan, viewpoint: number): Vec3 {
   return [position[0], position[1], position[2] - (height > 0 ? height : usualHeight)];
 }
 
+const rimEdge = 1.12;
+const rimColour = 0x10202a; // seen on floors of any colour
+
 const vertexShader = /* glsl */ `
   out vec3 ray;
+  out vec2 place;
+  out vec3 surface;
   uniform vec3 eye;
   void main() {
     vec4 world = modelMatrix * vec4(position, 1.0);
     ray = world.xyz - eye;
+    place = position.xy;
+    surface = normal;
     gl_Position = projectionMatrix * viewMatrix * world;
   }`;
 
 /**
  * What stands before a mark leaves a trace of it, so that one knows that there is a way. Distances
- * are compared as shares: those to the floor far away are known to a few per cent only.
+ * are compared as shares: those to the floor far away are known to a few per cent only. Edges are
+ * smooth by themselves: multisampling costs a quarter of a frame where there is no GPU.
  */
 const fragmentShader = /* glsl */ `
   in vec3 ray;
+  in vec2 place;
+  in vec3 surface;
   out vec4 colour;
   uniform vec3 tint;
+  uniform vec3 rim;
+  uniform float inner;
   uniform float opacity;
   uniform bool hides;
   uniform samplerCube distances;
   uniform mat3 panoramaFromWorld;
   void main() {
     float alpha = opacity;
+    vec3 shade = tint;
+    #ifdef POLE
+      float facing = abs(dot(normalize(surface), normalize(vec3(ray.xy, 0.0))));
+      alpha *= min(facing / fwidth(facing), 1.0);
+    #else
+      float r = length(place);
+      float pixel = fwidth(r);
+      shade = mix(tint, rim, smoothstep(1.0 - 0.5 * pixel, 1.0 + 0.5 * pixel, r));
+      alpha *= 1.0 - smoothstep(${rimEdge} - 0.5 * pixel, ${rimEdge} + 0.5 * pixel, r);
+      if (inner > 0.0) alpha *= smoothstep(inner - 0.5 * pixel, inner + 0.5 * pixel, r);
+    #endif
     if (hides) {
       float free = texture(distances, -(panoramaFromWorld * ray)).r / length(ray);
       alpha *= 1.0 - 0.85 * smoothstep(0.08, 0.16, 1.0 - free);
     }
-    colour = vec4(tint, alpha);
+    colour = vec4(shade, alpha);
   }`;
 
 export class Discs {
   readonly group = new three.Group();
-  private readonly ring = new three.RingGeometry(0.62, 1, 48);
-  private readonly full = new three.CircleGeometry(1, 48);
-  private readonly rim = new three.RingGeometry(1, 1.12, 48);
+  private readonly square = new three.PlaneGeometry(2.6, 2.6); // with room for the edge of the rim
   private readonly pole = new three.CylinderGeometry(0.04, 0.04, 1, 12).rotateX(Math.PI / 2);
   private readonly materials = new Map<string, three.ShaderMaterial>();
   private readonly common = {
@@ -107,7 +128,7 @@ export class Discs {
   }
 
   dispose(): void {
-    for (const geometry of [this.ring, this.full, this.rim, this.pole]) geometry.dispose();
+    for (const geometry of [this.square, this.pole]) geometry.dispose();
     for (const material of this.materials.values()) material.dispose();
   }
 
@@ -117,10 +138,9 @@ export class Discs {
     disc.position.set(...floor);
     disc.scale.setScalar(size);
     const kind = mark === 'step' || mark === 'candidate' ? 'step' : 'path';
-    disc.add(this.mesh(look.inner > 0 ? this.ring : this.full, look.colour, kind, 20));
-    disc.add(this.mesh(this.rim, 0x10202a, kind, 20)); // seen on floors of any colour
+    disc.add(this.mesh('disc', look, kind));
     if (look.pole > 0) {
-      const pole = this.mesh(this.pole, look.colour, kind, 21);
+      const pole = this.mesh('pole', look, kind);
       pole.scale.set(1, 1, look.pole / size);
       pole.position.z = look.pole / size / 2;
       disc.add(pole);
@@ -129,18 +149,18 @@ export class Discs {
     this.discs.set(viewpoint, { disc, size });
   }
 
-  private mesh(geometry: three.BufferGeometry, colour: number, kind: 'step' | 'path', order: number): three.Mesh {
-    const key = `${kind} ${colour}`;
+  private mesh(shape: 'disc' | 'pole', { colour, inner }: (typeof looks)[Mark], kind: 'step' | 'path'): three.Mesh {
+    const key = `${shape} ${kind} ${colour}`;
     let material = this.materials.get(key);
     if (!material) {
+      const tint = (hex: number) => ({ value: new three.Color().setHex(hex, three.LinearSRGBColorSpace) });
       material = new three.ShaderMaterial({
         glslVersion: three.GLSL3,
         vertexShader,
         fragmentShader,
+        defines: shape === 'pole' ? { POLE: 1 } : {},
         uniforms: {
-          ...this.common,
-          opacity: this.opacities[kind],
-          tint: { value: new three.Color().setHex(colour, three.LinearSRGBColorSpace) },
+          ...this.common, opacity: this.opacities[kind], tint: tint(colour), rim: tint(rimColour), inner: { value: inner },
         },
         transparent: true,
         depthTest: false,
@@ -149,8 +169,8 @@ export class Discs {
       });
       this.materials.set(key, material);
     }
-    const mesh = new three.Mesh(geometry, material);
-    mesh.renderOrder = order;
+    const mesh = new three.Mesh(shape === 'pole' ? this.pole : this.square, material);
+    mesh.renderOrder = shape === 'pole' ? 21 : 20;
     return mesh;
   }
 }

@@ -1,9 +1,9 @@
 /** One viewpoint's panorama: its pictures, and drawing it as a box around its eye or as a relief. */
 import * as three from 'three';
-import { type Mat3, transpose, type Vec3 } from '../geometry.ts';
+import { apply, type Mat3, transpose, type Vec3 } from '../geometry.ts';
 import type { Api, Layer } from '../scan.ts';
 import { Kept } from './kept.ts';
-import { cubeOrder, Surround } from './surround.ts';
+import { cubeOrder, pointOfCube, Surround } from './surround.ts';
 
 /** Distances as a texture, for shaders, and as numbers. */
 export class SurroundTexture {
@@ -48,6 +48,8 @@ export interface Panorama {
 const roomSize = 4;
 /** Squares of a face's edge in a relief: 1.4 degrees, and 49,000 triangles. */
 const squares = 64;
+/** Pieces of a face's edge: those out of view are not drawn, which are two in three. */
+const pieces = 4;
 
 const boxVertices = /* glsl */ `
   out vec3 ray;
@@ -97,6 +99,57 @@ const reliefFragments = /* glsl */ `${picture}
     colour = vec4(seen(), max(smoothstep(0.03, 0.14, facing), 0.008));
   }`;
 
+/** A part of a relief's cube, and where it is once it is pushed out. */
+class Piece {
+  readonly mesh: three.Mesh<three.BufferGeometry, three.ShaderMaterial>;
+  private readonly face: number;
+  private readonly s: readonly [number, number];
+  private readonly t: readonly [number, number];
+  private readonly bounds = new three.Sphere();
+
+  constructor(face: number, row: number, column: number, material: three.ShaderMaterial) {
+    this.face = face;
+    const side = (k: number) => (k / pieces) * 2 - 1;
+    this.s = [side(column), side(column + 1)];
+    this.t = [side(row), side(row + 1)];
+    const many = squares / pieces;
+    const at = ([from, to]: readonly [number, number], k: number) => from + ((to - from) * k) / many;
+    const positions: number[] = [];
+    const index: number[] = [];
+    for (let y = 0; y <= many; ++y) {
+      for (let x = 0; x <= many; ++x) {
+        positions.push(...pointOfCube(face, at(this.s, x), at(this.t, y)));
+        if (x === many || y === many) continue;
+        const k = y * (many + 1) + x;
+        index.push(k, k + 1, k + many + 1, k + many + 1, k + 1, k + many + 2);
+      }
+    }
+    const geometry = new three.BufferGeometry();
+    geometry.setAttribute('position', new three.Float32BufferAttribute(positions, 3));
+    geometry.setIndex(index);
+    geometry.boundingSphere = this.bounds;
+    this.mesh = new three.Mesh(geometry, material);
+  }
+
+  /** Finds its bounds: a sphere around the part of a cone between the least and the greatest distance. */
+  place(surround: Surround, worldFromPanorama: Mat3): void {
+    const [least, most] = surround.range(this.face, this.s, this.t);
+    const unit = (s: number, t: number) => new three.Vector3(...pointOfCube(this.face, s, t)).normalize();
+    const middle = unit((this.s[0] + this.s[1]) / 2, (this.t[0] + this.t[1]) / 2);
+    const half = (least + most) / 2;
+    let radius = 0;
+    // What is farthest from its middle lies at a corner, at either distance.
+    for (const s of this.s) {
+      for (const t of this.t) {
+        const cosine = middle.dot(unit(s, t));
+        for (const d of [least, most]) radius = Math.max(radius, Math.sqrt(d * d + half * half - 2 * d * half * cosine));
+      }
+    }
+    this.bounds.center.set(...apply(worldFromPanorama, [-middle.x * half, -middle.y * half, -middle.z * half]));
+    this.bounds.radius = radius;
+  }
+}
+
 const uniformsOf = () => ({
   picture: { value: null as three.CubeTexture | null },
   overlay: { value: null as three.CubeTexture | null },
@@ -111,7 +164,8 @@ export class PanoramaMesh {
   /** As seen from its eye. */
   readonly box: three.Mesh<three.BoxGeometry, three.ShaderMaterial>;
   /** As seen from near its eye; only where there are distances. */
-  readonly relief: three.Mesh<three.BoxGeometry, three.ShaderMaterial>;
+  readonly relief = new three.Group();
+  private readonly pieces: readonly Piece[];
   private readonly uniforms = uniformsOf();
 
   constructor() {
@@ -123,13 +177,12 @@ export class PanoramaMesh {
         transparent: true, depthTest: false, depthWrite: false,
       }),
     );
-    this.relief = new three.Mesh(
-      new three.BoxGeometry(2, 2, 2, squares, squares, squares),
-      new three.ShaderMaterial({
-        ...common, vertexShader: reliefVertices, fragmentShader: reliefFragments, side: three.DoubleSide,
-      }),
-    );
-    this.relief.frustumCulled = false; // its vertices are known to the shader only
+    const material = new three.ShaderMaterial({
+      ...common, vertexShader: reliefVertices, fragmentShader: reliefFragments, side: three.DoubleSide,
+    });
+    this.pieces = Array.from({ length: 6 * pieces * pieces }, (_, k) =>
+      new Piece(Math.floor(k / pieces ** 2), Math.floor(k / pieces) % pieces, k % pieces, material));
+    this.relief.add(...this.pieces.map(({ mesh }) => mesh));
   }
 
   show({ position, rotation, picture: faces, overlay, distances }: Panorama): void {
@@ -140,6 +193,7 @@ export class PanoramaMesh {
     this.uniforms.overlay.value = overlay?.picture ?? faces;
     this.uniforms.overlayShare.value = overlay?.share ?? 0;
     this.uniforms.distances.value = distances?.texture ?? null;
+    if (distances) for (const piece of this.pieces) piece.place(distances.surround, rotation);
   }
 
   setOpacity(opacity: number): void {
@@ -148,7 +202,7 @@ export class PanoramaMesh {
   }
 
   dispose(): void {
-    for (const mesh of [this.box, this.relief]) {
+    for (const mesh of [this.box, ...this.pieces.map((piece) => piece.mesh)]) {
       mesh.geometry.dispose();
       mesh.material.dispose();
     }

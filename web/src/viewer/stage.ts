@@ -67,7 +67,7 @@ export class Stage {
 
   /** Throws Error without WebGL. */
   constructor() {
-    this.renderer = new three.WebGLRenderer({ antialias: true, preserveDrawingBuffer: false });
+    this.renderer = new three.WebGLRenderer({ antialias: false, preserveDrawingBuffer: false });
     this.renderer.outputColorSpace = three.LinearSRGBColorSpace; // values pass as they are
     this.renderer.autoClear = false;
     this.canvas = this.renderer.domElement;
@@ -196,8 +196,8 @@ export class Stage {
     const now = performance.now();
     const took = now - this.before;
     if (this.before > 0 && took < 1000) this.slow = took > slowFrame ? this.slow + 1 : 0;
-    if (this.slow >= 3 && this.scale > leastScale) {
-      this.scale = Math.max(this.scale * 0.7, leastScale);
+    if (this.slow >= 2 && this.scale > leastScale) {
+      this.scale = Math.max(this.scale * Math.sqrt(slowFrame / took), leastScale); // time goes with the pixels
       this.slow = 0;
     }
     this.before = now;

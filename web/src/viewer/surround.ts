@@ -49,6 +49,11 @@ export function reachOf(from: Vec3, viewpoints: readonly Vec3[], heading: number
   }));
 }
 
+/** A point of a face, in OpenGL's table of cube maps: s to the right and t down, -1 to 1, and beyond on the faces beside it. */
+export function pointOfCube(face: number, s: number, t: number): Vec3 {
+  return ([[1, -t, -s], [-1, -t, s], [s, 1, t], [s, -1, -t], [s, -t, 1], [-s, -t, -1]] as const)[face]!;
+}
+
 export class Surround {
   /** Points of a face's edge. */
   readonly size: number;
@@ -88,6 +93,28 @@ export class Surround {
       : z > 0 ? [4, x, -y, az] : [5, -x, -y, az];
     const cell = (k: number) => Math.min(Math.floor(((k / most + 1) / 2) * this.size), this.size - 1);
     return this.faces[face]![cell(t) * this.size + cell(s)]!;
+  }
+
+  /**
+   * The least and the greatest distance that linear filters find in a part of a face.
+   * @param s0, s1, t0, t1 its sides, as pointOfCube() has them
+   */
+  range(face: number, [s0, s1]: readonly [number, number], [t0, t1]: readonly [number, number]): readonly [number, number] {
+    const n = this.size;
+    // With the readings around it, which may lie on other faces.
+    const [first, last] = [(at: number) => Math.floor(((at + 1) / 2) * n) - 1, (at: number) => Math.ceil(((at + 1) / 2) * n)];
+    const middle = (k: number) => ((k + 0.5) / n) * 2 - 1;
+    let [least, most] = [Infinity, 0];
+    for (let row = first(t0); row <= last(t1); ++row) {
+      for (let column = first(s0); column <= last(s1); ++column) {
+        const inside = row >= 0 && row < n && column >= 0 && column < n;
+        const [x, y, z] = inside ? [0, 0, 0] : pointOfCube(face, middle(column), middle(row));
+        const metres = inside ? this.faces[face]![row * n + column]! : this.at([-x, -y, -z]);
+        least = Math.min(least, metres);
+        most = Math.max(most, metres);
+      }
+    }
+    return [least, most];
   }
 
   /**
