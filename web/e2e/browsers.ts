@@ -2,7 +2,8 @@
  * The browser of these tests: ENFILADE_BROWSER is chromium (the default) or firefox. CHROMIUM and
  * FIREFOX name other programs than Debian's. Firefox draws only where there is a display: `xvfb-run`.
  */
-import { existsSync, mkdirSync, mkdtempSync, readdirSync, renameSync, rmSync, statSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, mkdtempSync, readdirSync, renameSync, statSync, writeFileSync } from 'node:fs';
+import { rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { type Browser, type BrowserContext, chromium, firefox, type Locator, type Page } from 'playwright-core';
@@ -15,19 +16,6 @@ const path = isFirefox
   ? process.env['FIREFOX'] ?? '/usr/bin/firefox-esr'
   : process.env['CHROMIUM'] ?? '/usr/bin/chromium';
 
-/** It goes when this process ends: the helper processes of a browser write to it after the browser has closed. */
-function temporaryFolder(): string {
-  const folder = mkdtempSync(join(tmpdir(), 'enfilade-e2e-'));
-  process.on('exit', () => {
-    try {
-      rmSync(folder, { recursive: true, force: true, maxRetries: 20, retryDelay: 100 });
-    } catch {
-      // One of them still writes: it lies among the temporary files of the machine.
-    }
-  });
-  return folder;
-}
-
 /** Why there is none; empty if there is. */
 export const missingBrowser = !existsSync(path)
   ? `there is no browser: ${path} (${name.toUpperCase()} names another)`
@@ -35,7 +23,7 @@ export const missingBrowser = !existsSync(path)
     ? 'Firefox has no display: run it by xvfb-run'
     : '';
 
-const downloads = isFirefox ? temporaryFolder() : '';
+const downloads = join(tmpdir(), `enfilade-e2e-downloads-${process.pid}`);
 
 /** Chromium draws without a GPU. */
 const chromiumArgs = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
@@ -43,8 +31,11 @@ const chromiumArgs = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsaf
 // "moz-" makes Playwright speak WebDriver BiDi, which the Firefox of distributions understands.
 const launchFirefox = (preferences: Record<string, boolean | number>): Promise<Browser> =>
   firefox.launch({
-    executablePath: path, channel: 'moz-firefox', headless: false,
-    firefoxUserPrefs: { 'browser.download.folderList': 2, 'browser.download.dir': downloads, ...preferences },
+    executablePath: path, channel: 'moz-firefox', headless: false, downloadsPath: downloads,
+    firefoxUserPrefs: {
+      'browser.sessionhistory.max_total_viewers': 0, // Playwright loses a page that comes back as it was left
+      ...preferences,
+    },
   });
 
 export const launchBrowser = (): Promise<Browser> =>
@@ -63,10 +54,13 @@ export async function withoutThirdPartyStorage(): Promise<BrowserContext> {
     context.on('close', () => void browser.close());
     return context;
   }
-  const profile = temporaryFolder();
+  const profile = mkdtempSync(join(tmpdir(), 'enfilade-e2e-'));
   mkdirSync(join(profile, 'Default'));
   writeFileSync(join(profile, 'Default/Preferences'), JSON.stringify({ profile: { block_third_party_cookies: true, cookie_controls_mode: 1 } }));
-  return chromium.launchPersistentContext(profile, { executablePath: path, args: chromiumArgs });
+  const context = await chromium.launchPersistentContext(profile, { executablePath: path, args: chromiumArgs });
+  // Its helper processes write to it for a while after it has closed. If it cannot be removed, it lies among temporary files.
+  context.on('close', () => void rm(profile, { recursive: true, maxRetries: 20, retryDelay: 100 }).catch(() => undefined));
+  return context;
 }
 
 /** As the browser's button. Playwright's own waits for ever in Firefox by WebDriver BiDi, as of 1.64. */
@@ -81,6 +75,7 @@ export async function download(control: Locator, folder: string): Promise<string
     return saved;
   }
   // WebDriver BiDi tells of no downloads: Firefox puts them into its folder.
+  mkdirSync(downloads, { recursive: true });
   const before = new Set(readdirSync(downloads));
   await control.click();
   for (;;) {

@@ -25,7 +25,7 @@ const html = `<!doctype html><meta charset="utf-8"><style>
   h1 { font-size: 24px; margin: 0 0 12px; } ul { list-style: none; margin: 0; padding: 0; display: grid; grid-template-columns: 1fr 1fr 1fr; gap: 16px; }
   li div { display: flex; gap: 4px; align-items: start; } p { margin: 0 0 4px; font-weight: 700; }
   img { display: block; object-fit: cover; object-position: top; background: #fff; }
-  .desktop { width: 216px; height: 135px; } .phone { width: 98px; height: 212px; } .pair { flex-direction: column; }
+  .desktop { width: 298px; height: 186px; } .phone { width: 174px; height: 376px; } .pair { flex-direction: column; }
 </style><h1>Pages of enfilade serve, at 1440 and at 390 pixels, light and dark. Model homes: SYNTHETIC</h1>
 <ul>${names.map((name) => `<li><p>${name}</p><div><div class="pair">${picture(name, 'desktop')}${picture(name, 'desktop-dark')}</div>${picture(name, 'phone')}${picture(name, 'phone-dark')}</div></li>`).join('')}</ul>`;
 

@@ -9,7 +9,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { expect } from 'vitest';
-import { launchBrowser, missingBrowser } from './browsers.ts';
+import { isFirefox, launchBrowser, missingBrowser } from './browsers.ts';
 
 export const program = process.env['ENFILADE_PROGRAM'] ?? '';
 
@@ -159,11 +159,15 @@ export async function openPage(home: Home, path: string, phone = false): Promise
 /** Hears what the page's browser complains of. */
 export function watch(page: Page): void {
   page.setDefaultTimeout(patience);
-  page.on('pageerror', (error) => { complaints.push(String(error)); });
+  const complain = (text: string) => {
+    // Before a screenshot in Firefox Playwright adds the style "body {}", of this hash, which the pages' policy forbids.
+    if (!text.includes('sha256-YjaKGiklmzC6wjXA513HAMmzus8VE61XCOT+SmwNZWA=')) complaints.push(text);
+  };
+  page.on('pageerror', (error) => { complain(String(error)); });
   page.on('console', (message) => {
     // What a page asks for and doesn't get is the page's to show.
     const expected = message.text().startsWith('Failed to load resource');
-    if (message.type() === 'error' && !expected) complaints.push(message.text());
+    if (message.type() === 'error' && !expected) complain(message.text());
   });
 }
 
@@ -205,8 +209,8 @@ export async function inspect(page: Page, name: string): Promise<void> {
   await page.setViewportSize(before);
 }
 
-/** Into the folder ENFILADE_SCREENSHOTS, where somebody wants to look at them. */
+/** Into the folder ENFILADE_SCREENSHOTS, or of Firefox into firefox/ in it, where somebody wants to look at them. */
 export async function keepScreenshot(page: Page, name: string, fullPage = false): Promise<void> {
   const folder = process.env['ENFILADE_SCREENSHOTS'];
-  if (folder) await page.screenshot({ path: join(folder, `${name}.png`), fullPage });
+  if (folder) await page.screenshot({ path: join(folder, isFirefox ? 'firefox' : '', `${name}.png`), fullPage });
 }

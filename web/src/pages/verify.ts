@@ -46,7 +46,7 @@ class Verifier {
     this.original = viewer.scan;
     this.corrections = keptCorrections(viewer.scan.scan);
     this.who.value = localStorage.getItem('enfilade-who') ?? '';
-    this.who.addEventListener('change', () => localStorage.setItem('enfilade-who', this.who.value));
+    this.who.addEventListener('input', () => localStorage.setItem('enfilade-who', this.who.value));
     const save = make('button', { type: 'button', class: 'main' }, 'Download the corrections');
     save.addEventListener('click', () => this.save());
     panel.append(
