@@ -7,10 +7,9 @@
 #     PRIVATE nanoflann::nanoflann  third parties, seen by our sources only
 #     ALONE nav_graph.cpp           never compiled in one go with others (EN_UNITY): its local names
 #                                   are theirs too
-#     TEST_LIBRARIES enfilade::homes ...
-#     TEST_PRECOMPILED <httplib.h>  headers of third parties that most of the tests include)
+#     TEST_LIBRARIES enfilade::homes ...)
 function(enfilade_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES;TEST_PRECOMPILED;ALONE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES;ALONE")
   set(target enfilade_${name})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(enfilade::${name} ALIAS ${target})
@@ -34,25 +33,26 @@ function(enfilade_library name)
   install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/enfilade/${name})
   if(EN_BUILD_TESTS AND arg_TESTS)
     enfilade_test(${name}_test SOURCES ${arg_TESTS} LIBRARIES ${target} ${arg_PRIVATE}
-      ${arg_TEST_LIBRARIES} PRECOMPILED ${arg_TEST_PRECOMPILED})
+      ${arg_TEST_LIBRARIES})
   endif()
 endfunction()
 
 # A GoogleTest program whose tests ctest runs one by one. SLOW: they are left out of a quick run
 # (`./enfilade.sh test --quick`), as are all tests with the label `slow`.
 function(enfilade_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "SLOW" "" "SOURCES;LIBRARIES;DEFINITIONS;PRECOMPILED")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "SLOW" "" "SOURCES;LIBRARIES;DEFINITIONS")
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} enfilade_compile GTest::gmock
     GTest::gtest_main fmt::fmt)
   target_compile_definitions(${name} PRIVATE EN_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     ${arg_DEFINITIONS})
-  # Else most of the time that compiling a test takes goes into other people's headers.
-  target_precompile_headers(${name} PRIVATE <gmock/gmock.h> ${arg_PRECOMPILED})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/test)
   if(EN_SANITIZE)
     # What is checked is the library; GoogleTest's macros take three times as long with -O1.
     target_compile_options(${name} PRIVATE -O0)
+  else()
+    # Half the time of compiling with -O2 -g; lines of a failure's stack are there all the same.
+    target_compile_options(${name} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1;-g1>)
   endif()
   set(label "")
   if(arg_SLOW)
