@@ -55,10 +55,12 @@ function(enfilade_test name)
     target_compile_options(${name} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1;-g1>)
   endif()
   set(label "")
+  set(seconds 300)
   if(arg_SLOW)
     set(label LABELS slow)
+    set(seconds 1200)  # two homes worth looking at take three minutes of two idle cores
   endif()
-  math(EXPR timeout "300 * ${EN_TIMEOUT_FACTOR}")
+  math(EXPR timeout "${seconds} * ${EN_TIMEOUT_FACTOR}")
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${timeout} ${label})
 endfunction()
 

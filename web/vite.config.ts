@@ -14,12 +14,13 @@ const framed: Plugin = {
   name: 'framed',
   transformIndexHtml: {
     order: 'pre',
-    handler(page, { filename }) {
+    handler(page, { filename, server }) {
       const [title = '', main = ''] = page.trim().split('\n');
-      return readFileSync(here('src/frame.html'), 'utf8')
+      const whole = readFileSync(here('src/frame.html'), 'utf8')
         .replace('<!-- title -->', title)
         .replace('<!-- main -->', main)
         .replace('NAME', basename(filename, '.html'));
+      return server ? whole.replaceAll('"../src/', `"/@fs${here('src')}/`) : whole; // it lies beside the server's root
     },
   },
 };
@@ -28,7 +29,6 @@ export default defineConfig({
   plugins: [framed],
   root: here('pages'),
   base: '/',
-  resolve: { alias: { '/src': here('src') } }, // the development server's pages: src/ lies beside its root
   build: {
     // The C++ build says where; by hand it is web/dist.
     outDir: process.env['ENFILADE_WEB_DIST'] ?? here('dist'),
@@ -47,7 +47,10 @@ export default defineConfig({
       },
     },
   },
-  server: { proxy: { '/api': process.env['ENFILADE_SERVER'] ?? 'http://127.0.0.1:8080' } },
+  server: {
+    fs: { allow: [here('.')] },
+    proxy: { '/api': process.env['ENFILADE_SERVER'] ?? 'http://127.0.0.1:8080' },
+  },
   // Unit tests; `--dir e2e` has those in the browser, which make homes and draw them without a GPU.
   test: { root: here('.'), dir: 'test', testTimeout: 600_000, hookTimeout: 600_000, fileParallelism: false },
 });
