@@ -38,6 +38,13 @@ const joinFragments = /* glsl */ `
 const slowFrame = 40;
 const leastScale = 0.5;
 
+/** Whether pictures are drawn without a GPU: then the first glide needs not find out that it is slow. */
+function drawsWithoutGpu(gl: WebGLRenderingContext | WebGL2RenderingContext): boolean {
+  const info = gl.getExtension('WEBGL_debug_renderer_info'); // null where the browser keeps it to itself
+  const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
 const smoothstep = (from: number, to: number, x: number): number => {
   const t = Math.min(Math.max((x - from) / (to - from), 0), 1);
   return t * t * (3 - 2 * t);
@@ -70,6 +77,7 @@ export class Stage {
     this.renderer = new three.WebGLRenderer({ antialias: false, preserveDrawingBuffer: false });
     this.renderer.outputColorSpace = three.LinearSRGBColorSpace; // values pass as they are
     this.renderer.autoClear = false;
+    if (drawsWithoutGpu(this.renderer.getContext())) this.scale = leastScale;
     this.canvas = this.renderer.domElement;
     this.canvas.classList.add('enfilade-canvas');
     this.here.box.renderOrder = 0;
