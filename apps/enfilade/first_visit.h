@@ -14,7 +14,7 @@ namespace enfilade::apps {
 /// \throws as homes::write_homes(), homes::write_home_paths()
 std::filesystem::path make_first_homes();
 
-/// Hands in, for each phase, what two agents that learn nothing did: the shortest path, which knows
+/// Submits, for each phase, what two agents that learn nothing did: the shortest path, which knows
 /// the goals, and Room-to-Room's random walk. As teams do, over HTTP, so that the leaderboard is a
 /// real one; returns when they are scored. Done again, it changes nothing.
 /// \param data  of `site`  \param server "http://127.0.0.1:8080"

@@ -70,8 +70,8 @@ bool lies_on(const Rect& floor, Vec3f eye, Radians heading, Size size, std::size
 double interest(render::Renderer& renderer, const render::View& view, Vec3f eye,
                 const Rect& floor) {
   constexpr Size kSmall{64, 48};
-  constexpr auto kLayers = static_cast<scan::LayerMask>(1U << index(scan::Layer::kDepth) |
-                                                        1U << index(scan::Layer::kInstance));
+  constexpr scan::LayerMask kLayers =
+      scan::mask_of(scan::Layer::kDepth) | scan::mask_of(scan::Layer::kInstance);
   render::Pictures drawn;
   renderer.render(camera_of(kSmall), {&view, 1},
                   outputs_into(drawn, kLayers, kSmall.width, kSmall.height));

@@ -242,9 +242,7 @@ void require_layers(const scan::PanoramaSource& source, ViewpointIndex viewpoint
 render::Outputs outputs_into(Drawn& drawn, const std::vector<PictureFile>& files, Size size,
                              std::size_t views) {
   scan::LayerMask layers = 0;
-  for (const PictureFile& file : files) {
-    layers = static_cast<scan::LayerMask>(layers | 1U << index(file.layer));
-  }
+  for (const PictureFile& file : files) layers |= scan::mask_of(file.layer);
   return render::outputs_into(drawn, layers, size.width, size.height, views);
 }
 

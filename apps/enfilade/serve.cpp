@@ -233,7 +233,7 @@ void add_token_options(CLI::App& verb, Token& token) {
   verb.add_option("--db", token.database, "The server's database")->required()->type_name("FILE");
   verb.add_option("--label", token.label, "Whose it is; of a team, its name")->required();
   verb.add_option("--role", token.role,
-                  "organiser: everything; reviewer: what workers handed in; team: its submissions")
+                  "organiser: everything; reviewer: what workers submitted; team: its submissions")
       ->capture_default_str()
       ->check(CLI::IsMember(kTokenRoles));
 }

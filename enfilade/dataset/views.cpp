@@ -5,16 +5,12 @@
 namespace enfilade::dataset {
 namespace {
 
-constexpr scan::LayerMask mask(scan::Layer layer) {
-  return static_cast<scan::LayerMask>(1U << scan::index(layer));
-}
-
 render::Pictures draw(const Dataset& dataset, const render::View& view, const Camera& camera,
                       scan::Layer layer) {
   render::Pictures pictures;
   render::make_renderer(dataset.faces())
       ->render(camera, {&view, 1},
-               outputs_into(pictures, mask(layer), camera.width, camera.height));
+               outputs_into(pictures, scan::mask_of(layer), camera.width, camera.height));
   return pictures;
 }
 
@@ -58,7 +54,7 @@ image::Image8 render_panorama(const Dataset& dataset, const render::View& view,
   render::Pictures pictures;
   render::render_equirectangular(
       dataset.faces(), view, width, width / 2,
-      outputs_into(pictures, mask(scan::Layer::kColour), width, width / 2));
+      outputs_into(pictures, scan::mask_of(scan::Layer::kColour), width, width / 2));
   return pictures.colour;
 }
 

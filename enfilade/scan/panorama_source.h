@@ -41,6 +41,7 @@ using FaceSizes = std::array<std::uint32_t, kLayers>;
 /// Layers as bits 1 << index(Layer).
 using LayerMask = std::uint8_t;
 inline constexpr LayerMask kAllLayers = 15;
+constexpr LayerMask mask_of(Layer layer) { return static_cast<LayerMask>(1U << index(layer)); }
 
 /// Faces as bits 1 << index(CubeFace).
 using FaceMask = std::uint8_t;

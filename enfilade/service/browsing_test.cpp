@@ -189,6 +189,7 @@ TEST(Browsing, AScannedBuildingsPlanIsItsHouseFiles) {
   const std::vector<double> table = plan["storeys"][0].at("furniture");
   ASSERT_EQ(table.size(), 16U);
   for (std::size_t k = 0; k < table.size(); ++k) {
+    // Millimetres are what is written; 1e-6 is the rounding of subtracting two of them.
     EXPECT_NEAR(std::abs(table[k] - (k % 2 == 0 ? 3 : 1)), k % 2 == 0 ? 0.5 : 0.8, 1e-6) << k;
   }
   EXPECT_EQ(plan["storeys"][0].at("walls").size(), (3U + 4U) * 4U);

@@ -33,8 +33,7 @@ FaceFiles make_files(const scan::PanoramaSource& source, ViewpointIndex viewpoin
     }
     return files;
   }
-  const auto mask = static_cast<scan::LayerMask>(1U << index(layer));
-  const scan::Panorama panorama = scan::read_panorama(source, viewpoint, mask);
+  const scan::Panorama panorama = scan::read_panorama(source, viewpoint, scan::mask_of(layer));
   const double farthest = farthest_of(panorama.depth);
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     files[k] =

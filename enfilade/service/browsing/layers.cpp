@@ -17,10 +17,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr scan::LayerMask mask_of(scan::Layer layer) {
-  return static_cast<scan::LayerMask>(1U << index(layer));
-}
-
 std::string hex(const draw::Rgb& colour) {
   return fmt::format("#{:02x}{:02x}{:02x}", colour[0], colour[1], colour[2]);
 }
@@ -60,7 +56,8 @@ std::string distance_grid(const scan::PanoramaSource& source, ViewpointIndex vie
   if (source.face_sizes(viewpoint)[index(scan::Layer::kDepth)] == 0) {
     throw source.lacks(scan::Layer::kDepth, viewpoint);
   }
-  const auto depth = scan::read_panorama(source, viewpoint, mask_of(scan::Layer::kDepth)).depth;
+  const auto depth =
+      scan::read_panorama(source, viewpoint, scan::mask_of(scan::Layer::kDepth)).depth;
   const std::size_t size = depth[0].width, n = std::min(size, kMostDistances);
   constexpr unsigned kStep = 8;  // 2 mm
   std::string grid;
@@ -92,12 +89,12 @@ ordered_json legends_json(const scan::PanoramaSource& source, ViewpointIndex vie
   const scan::FaceSizes sizes = source.face_sizes(viewpoint);
   ordered_json legends{{"depth", nullptr}, {"classes", nullptr}};
   if (sizes[index(scan::Layer::kDepth)] != 0) {
-    legends["depth"] =
-        depth_legend(scan::read_panorama(source, viewpoint, mask_of(scan::Layer::kDepth)).depth);
+    legends["depth"] = depth_legend(
+        scan::read_panorama(source, viewpoint, scan::mask_of(scan::Layer::kDepth)).depth);
   }
   if (sizes[index(scan::Layer::kClass)] != 0) {
-    legends["classes"] =
-        class_legend(scan::read_panorama(source, viewpoint, mask_of(scan::Layer::kClass)).classes);
+    legends["classes"] = class_legend(
+        scan::read_panorama(source, viewpoint, scan::mask_of(scan::Layer::kClass)).classes);
   }
   return legends;
 }

@@ -98,9 +98,8 @@ class Drawing {
       views.push_back({scan_, viewpoint, heading, kElevation});
     }
     render::Pictures pictures;
-    const auto mask = static_cast<scan::LayerMask>(1U << index(layer));
     const render::Outputs outputs =
-        outputs_into(pictures, mask, camera.width, camera.height, views.size());
+        outputs_into(pictures, scan::mask_of(layer), camera.width, camera.height, views.size());
     renderer_->render(camera, views, outputs);
     source_.release(viewpoint);
     return pictures;

@@ -10,6 +10,8 @@
 namespace enfilade::service {
 namespace {
 
+constexpr double kRounding = 1e-9;  // of degrees and radians converted once or twice
+
 using ::testing::HasSubstr;
 using testing::Served;
 using tests::TemporaryFolder;
@@ -48,7 +50,8 @@ TEST(Stills, LookWhereItIsMostOpen) {
   const auto outlook = stills.outlook(ScanIndex(0));
   ASSERT_TRUE(outlook);
   EXPECT_EQ(outlook->viewpoint, ViewpointIndex(1));
-  EXPECT_NEAR(to_degrees(outlook->heading), 90, 1e-9);  // clockwise from the front, which is north
+  EXPECT_NEAR(to_degrees(outlook->heading), 90,
+              kRounding);  // clockwise from the front, which is north
 }
 
 TEST(Stills, DoNotLookOutOfAWindow) {
@@ -58,7 +61,7 @@ TEST(Stills, DoNotLookOutOfAWindow) {
       site_with_view(folder.path(), {{CubeFace::kRight, 3}, {CubeFace::kFront, 15}}));
   const auto outlook = stills.outlook(ScanIndex(0));
   ASSERT_TRUE(outlook);
-  EXPECT_NEAR(to_degrees(outlook->heading), 90, 1e-9);
+  EXPECT_NEAR(to_degrees(outlook->heading), 90, kRounding);
 }
 
 TEST(Stills, LookAlongAnEdgeWhereNothingSaysHowFarItIs) {
@@ -108,7 +111,7 @@ TEST(Stills, TellWhereTheyAreTakenFrom) {
   EXPECT_THAT(outlook.at("viewpoint").get<std::string>(), ::testing::StartsWith("v"));
   EXPECT_GE(outlook.at("heading").get<double>(), 0);
   EXPECT_LT(outlook.at("heading").get<double>(), 2 * kPi);
-  EXPECT_NEAR(outlook.at("vfov").get<double>(), kPi / 3, 1e-9);
+  EXPECT_NEAR(outlook.at("vfov").get<double>(), kPi / 3, kRounding);
 }
 
 TEST(Site, CountsTheRoomsThatHaveViewpoints) {

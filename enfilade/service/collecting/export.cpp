@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -18,12 +19,6 @@ namespace enfilade::service::collecting {
 namespace {
 
 using nlohmann::ordered_json;
-
-/// What is exported, and what is not.
-struct Selection {
-  std::vector<Task> tasks;  ///< sorted by item and task
-  ExportReport report;
-};
 
 /// The first walk of each instruction, only of paths whose instructions were all walked.
 void keep_whole_walks(const std::vector<Item>& items, Selection& selection) {
@@ -42,44 +37,14 @@ void keep_whole_walks(const std::vector<Item>& items, Selection& selection) {
   selection.report.incomplete = static_cast<std::int64_t>(once - selection.tasks.size());
 }
 
-Selection select(store::Database& db, const ExportedSplit& exported) {
-  const auto held = db.hold();
-  const std::vector<Item> items = items_of(db, exported.collection.id, exported.split);
-  Selection selection{work_of(db, exported), {exported.split, exported.collection.kind}};
-  ExportReport& report = selection.report;
-  const auto count = [&](TaskState state) {
-    return db.find_number(
-        "SELECT count(*) FROM task JOIN item ON item.id = task.item WHERE collection = ? AND split "
-        "= ? AND practice = 0 AND task.state = ?",
-        exported.collection.id, exported.split, state);
-  };
-  report.waiting = exported.with_waiting ? 0 : count(TaskState::kSubmitted);
-  report.rejected = count(TaskState::kRejected);
-  if (report.kind == Kind::kWalk) keep_whole_walks(items, selection);
-  std::set<std::int64_t> paths, exported_items, exported_paths;
-  for (const Item& item : items) paths.insert(item.path_id);
-  for (const Task& task : selection.tasks) {
-    exported_items.insert(task.item.id);
-    exported_paths.insert(task.item.path_id);
-  }
-  const auto size = [](const auto& of) { return static_cast<std::int64_t>(of.size()); };
-  report.items = size(items);
-  report.paths = size(paths);
-  report.exported_items = size(exported_items);
-  report.exported_paths = size(exported_paths);
-  report.exported_tasks = size(selection.tasks);
-  return selection;
-}
-
-/// \throws Refusal kConflict if there is nothing
-std::vector<Task> select_some(store::Database& db, const ExportedSplit& exported) {
-  Selection selection = select(db, exported);
+/// \throws Refusal kConflict if there are none
+const std::vector<Task>& tasks_of(const Selection& selection) {
   if (selection.tasks.empty()) {
     const char* hint = selection.report.waiting > 0 ? "; state=all takes what waits, too" : "";
     throw detail::Refusal(detail::Reason::kConflict,
                           fmt::format("nothing to export: {}{}", selection.report.summary(), hint));
   }
-  return std::move(selection.tasks);
+  return selection.tasks;
 }
 
 std::string list_lines(const std::vector<ordered_json>& entries) {
@@ -90,9 +55,9 @@ std::string list_lines(const std::vector<ordered_json>& entries) {
 
 /// The walks as [a, b, ...], one a line. \param add adds the other fields of a walk
 template <class Add>
-std::string list_walks(store::Database& db, const ExportedSplit& exported, const Add& add) {
+std::string list_walks(const Selection& selection, const Add& add) {
   std::vector<ordered_json> entries;
-  for (const Task& task : select_some(db, exported)) {
+  for (const Task& task : tasks_of(selection)) {
     ordered_json one{{"instr_id", r2r::instruction_id(task.item.path_id, task.item.number)}};
     add(one, task);
     entries.push_back(std::move(one));
@@ -121,8 +86,34 @@ std::string ExportReport::summary() const {
   return text;
 }
 
-ExportReport report_of(store::Database& db, const ExportedSplit& exported) {
-  return select(db, exported).report;
+Selection select_work(store::Database& db, const ExportedSplit& exported) {
+  const auto held = db.hold();
+  const std::vector<Item> items = items_of(db, exported.collection.id, exported.split);
+  Selection selection{work_of(db, exported), {exported.split, exported.collection.kind}};
+  ExportReport& report = selection.report;
+  const auto count = [&](TaskState state) {
+    return db.find_number(
+        "SELECT count(*) FROM task JOIN item ON item.id = task.item WHERE collection = ? AND split "
+        "= ? AND practice = 0 AND task.state = ?",
+        exported.collection.id, exported.split, state);
+  };
+  report.waiting = exported.with_waiting ? 0 : count(TaskState::kSubmitted);
+  report.rejected = count(TaskState::kRejected);
+  if (report.kind == Kind::kWalk) keep_whole_walks(items, selection);
+  std::set<std::int64_t> paths, exported_items, exported_paths;
+  for (const Item& item : items) paths.insert(item.path_id);
+  for (const Task& task : selection.tasks) {
+    exported_items.insert(task.item.id);
+    exported_paths.insert(task.item.path_id);
+  }
+  const auto size = [](const auto& of) { return static_cast<std::int64_t>(of.size()); };
+  selection.secret = std::ranges::any_of(items, &Item::secret);
+  report.items = size(items);
+  report.paths = size(paths);
+  report.exported_items = size(exported_items);
+  report.exported_paths = size(exported_paths);
+  report.exported_tasks = size(selection.tasks);
+  return selection;
 }
 
 ordered_json report_json(const ExportReport& report) {
@@ -141,11 +132,11 @@ ordered_json report_json(const ExportReport& report) {
           {"summary", report.summary()}};
 }
 
-std::string annotations_json(store::Database& db, const ExportedSplit& exported) {
-  const bool written = exported.collection.kind == Kind::kWrite;
-  r2r::Annotations annotations{exported.split, "", {}};
+std::string annotations_json(const Selection& selection) {
+  const bool written = selection.report.kind == Kind::kWrite;
+  r2r::Annotations annotations{selection.report.split, "", {}};
   auto& paths = annotations.paths;
-  for (const Task& task : select_some(db, exported)) {
+  for (const Task& task : tasks_of(selection)) {
     const Item& item = task.item;
     if (paths.empty() || paths.back().path_id != item.path_id) {  // tasks are sorted by item
       paths.push_back({item.path_id, item.scan, item.heading, item.path, item.distance, {}});
@@ -155,16 +146,16 @@ std::string annotations_json(store::Database& db, const ExportedSplit& exported)
   return r2r::to_json(annotations);
 }
 
-std::string results_json(store::Database& db, const ExportedSplit& exported) {
-  return list_walks(db, exported, [](ordered_json& one, const Task& task) {
+std::string results_json(const Selection& selection) {
+  return list_walks(selection, [](ordered_json& one, const Task& task) {
     one["trajectory"] = detail::json_list(ordered_json::parse(task.content), [](const auto& step) {
       return ordered_json{step["viewpoint"], step["heading"], step["elevation"]};
     });
   });
 }
 
-std::string walks_json(store::Database& db, const ExportedSplit& exported) {
-  return list_walks(db, exported, [](ordered_json& one, const Task& task) {
+std::string walks_json(const Selection& selection) {
+  return list_walks(selection, [](ordered_json& one, const Task& task) {
     one["scan"] = task.item.scan;
     one["worker"] = task.worker;
     add_times(one, task);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "enfilade/service/collecting/tasks.h"
 
@@ -24,25 +25,32 @@ struct ExportReport {
   /// "6 of 8 instructions; 2 walks left out: 1 waiting for review, 1 rejected"
   std::string summary() const;
 };
-ExportReport report_of(store::Database& db, const ExportedSplit& exported);
 nlohmann::ordered_json report_json(const ExportReport& report);
 
-// Those below \throw Refusal kConflict if there is nothing to export; the message is the report's
+/// What a file of a split is made of.
+struct Selection {
+  std::vector<Task> tasks;  ///< sorted by item and task
+  ExportReport report;
+  bool secret = false;  ///< some goals of the split are
+};
+/// Of walks the first of each instruction, and only of paths whose instructions were all walked.
+Selection select_work(store::Database& db, const ExportedSplit& exported);
+
+// Those of a Selection \throw Refusal kConflict if it has no task; the message is the report's
 // summary().
 
 /// Annotations in Room-to-Room's format, as `enfilade stats` and `enfilade score` read them.
 /// kWrite: the paths that have an instruction, with their instructions in the order in which the
 /// tasks were given out. kWalk: the paths whose every instruction was walked.
-std::string annotations_json(store::Database& db, const ExportedSplit& exported);
+std::string annotations_json(const Selection& selection);
 
-/// Results as `enfilade score` takes them, of the first walk of each instruction. Only of paths
-/// whose every instruction was walked: the same episodes as in annotations_json().
-/// \pre it is a collection of walks
-std::string results_json(store::Database& db, const ExportedSplit& exported);
+/// Results as `enfilade score` takes them: the same episodes as in annotations_json().
+/// \pre it is of walks
+std::string results_json(const Selection& selection);
 
 /// The same walks, an object each: instr_id, scan, worker, times (add_times()), camera, steps.
-/// \pre it is a collection of walks
-std::string walks_json(store::Database& db, const ExportedSplit& exported);
+/// \pre it is of walks
+std::string walks_json(const Selection& selection);
 
 /// All submitted tasks of the split, whatever their state, an object each: task, state, path_id,
 /// number, worker, times, flags. With that, what other files leave out can be looked up.

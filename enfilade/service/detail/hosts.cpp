@@ -12,6 +12,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service::detail {
 namespace {
@@ -75,9 +76,7 @@ std::optional<Host> parse_host(std::string_view text) {
     if (text.ends_with('.')) text.remove_suffix(1);
     if (!is_dns_name(text)) return std::nullopt;
   }
-  host.name = text;
-  std::ranges::transform(host.name, host.name.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  host.name = lower_case(std::string(text));
   return host;
 }
 

@@ -78,6 +78,13 @@ bool is_prose(std::string_view text, std::size_t most) {
   return is_text(text, most, TextKind::kProse);
 }
 
+std::string lower_case(std::string text) {
+  for (char& c : text) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return text;
+}
+
 bool is_name(std::string_view text) { return is_made_of(text, kNameCharacters, kLongestName); }
 
 bool is_https_address(std::string_view text) {

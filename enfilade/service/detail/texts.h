@@ -19,6 +19,9 @@ bool is_label(std::string_view text, std::size_t most);
 /// of all kinds are allowed anywhere, and so are the invisible characters that some scripts need.
 bool is_prose(std::string_view text, std::size_t most);
 
+/// With a to z for A to Z; names of headers, codings and hosts are the same in any case.
+std::string lower_case(std::string text);
+
 /// Whether `text` may be a part of a URL: 1 to 40 of a-z, 0-9, - and _.
 bool is_name(std::string_view text);
 

@@ -15,6 +15,8 @@
 namespace enfilade::service::evaluation {
 namespace {
 
+constexpr double kRounding = 1e-9;  // of sums of some hundred logarithms, and far below a bit
+
 Phase secret_phase(Scores scores) {
   Phase phase;
   phase.name = "test";
@@ -48,17 +50,17 @@ TEST(Leakage, ALadderGivesAwayTheLogarithmOfItsTranscripts) {
   for (int submissions = 0; submissions <= 5; ++submissions) {
     for (int levels = 1; levels <= 5; ++levels) {
       EXPECT_NEAR(ladder_bits(submissions, levels),
-                  std::log2(static_cast<double>(count_transcripts(submissions, levels))), 1e-9)
+                  std::log2(static_cast<double>(count_transcripts(submissions, levels))), kRounding)
           << submissions << " " << levels;
     }
   }
 }
 
 TEST(Leakage, ARowGivesAwayWhichAndHowGood) {
-  // 7 metrics on 0, 0.5, 1 would be log2 3 each; metres are 0, 5, ... 30.
+  // Six shares on 0, 0.5, 1 are log2 3 bits each; metres on 0, 5, ... 30 are log2 7.
   Phase phase = secret_phase(Scores::kAfterEnd);
   phase.step = 0.5;
-  EXPECT_NEAR(row_bits(phase, 8), 3 + 6 * std::log2(3) + std::log2(7), 1e-9);
+  EXPECT_NEAR(row_bits(phase, 8), 3 + 6 * std::log2(3) + std::log2(7), kRounding);
   EXPECT_EQ(row_bits(phase, 0), 0);
 }
 
@@ -74,10 +76,10 @@ TEST(Leakage, TeamsAddUp) {
   const Phase phase = secret_phase(Scores::kLadder);
   const std::vector<std::int64_t> submissions{20, 3};
   const double before = ladder_bits(20, 101) + ladder_bits(3, 101);
-  EXPECT_NEAR(used_bits(phase, submissions, false), before, 1e-9);
+  EXPECT_NEAR(used_bits(phase, submissions, false), before, kRounding);
   EXPECT_NEAR(used_bits(phase, submissions, true),
-              before + row_bits(phase, 20) + row_bits(phase, 3), 1e-9);
-  EXPECT_NEAR(most_bits(phase), phase.teams * team_bits(phase, 20, true), 1e-9);
+              before + row_bits(phase, 20) + row_bits(phase, 3), kRounding);
+  EXPECT_NEAR(most_bits(phase), phase.teams * team_bits(phase, 20, true), kRounding);
 }
 
 TEST(Leakage, WithoutALimitThereIsNoBound) {
@@ -101,7 +103,7 @@ TEST(Leakage, AGoalIsAnyViewpointInReachOfItsStart) {
   }
   const auto episodes = r2r::make_episodes(annotations, graph::GraphSet::of(std::move(graphs)));
   EXPECT_EQ(episodes.episodes.size(), 6U);
-  EXPECT_NEAR(goal_bits(episodes), 2 * std::log2(3), 1e-9);
+  EXPECT_NEAR(goal_bits(episodes), 2 * std::log2(3), kRounding);
 }
 
 TEST(Leakage, AGridHasAsManyValuesAsItSays) {

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <ranges>
 #include <utility>
 
+#include "enfilade/service/detail/texts.h"
 #include "enfilade/service/http/headers.h"
 #include "enfilade/service/http/routes.h"
 
@@ -32,10 +32,8 @@ std::string_view cookie_of(const Request& request, std::string_view name) {
 std::string_view bearer_token(std::string_view authorization) {
   constexpr std::string_view kScheme = "bearer ";
   if (authorization.size() < kScheme.size()) return {};
-  const bool bearer = std::ranges::equal(
-      authorization.substr(0, kScheme.size()), kScheme,
-      [](char c, char wanted) { return std::tolower(static_cast<unsigned char>(c)) == wanted; });
-  if (!bearer) return {};
+  const std::string scheme(authorization.substr(0, kScheme.size()));
+  if (detail::lower_case(scheme) != kScheme) return {};
   authorization.remove_prefix(kScheme.size());
   authorization.remove_prefix(std::min(authorization.find_first_not_of(' '), authorization.size()));
   return authorization;

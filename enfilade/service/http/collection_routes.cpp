@@ -91,27 +91,18 @@ bool with_waiting(const Request& request, const Collection& collection) {
   return state.empty() ? collection.kind == collecting::Kind::kWalk : state == "all";
 }
 
-void check_goals(Context& context, const collecting::ExportedSplit& exported) {
-  const auto items = collecting::items_of(context.db, exported.collection.id, exported.split);
-  if (std::ranges::any_of(items, &collecting::Item::secret)) {
-    throw HttpError(403, "the goals of this split are secret");
-  }
-}
-
-/// One of the files. \throws HttpError 400 for another word
-std::string file_of(Context& context, const collecting::ExportedSplit& exported,
-                    const std::string& what) {
-  const bool walks = exported.collection.kind == collecting::Kind::kWalk;
-  if (what == "tasks") return collecting::tasks_json(context.db, exported);
-  if (walks && what == "results") return collecting::results_json(context.db, exported);
-  if (walks && what == "walks") return collecting::walks_json(context.db, exported);
+/// One of the files that a selection makes. \throws HttpError 400 for another word
+std::string file_of(const collecting::Selection& selection, const std::string& what) {
+  const bool walks = selection.report.kind == collecting::Kind::kWalk;
+  if (walks && what == "results") return collecting::results_json(selection);
+  if (walks && what == "walks") return collecting::walks_json(selection);
   if (what != "annotations") {
     throw HttpError(400,
                     "what: not annotations, tasks, report, nor, where instructions are walked, "
                     "results or walks");
   }
-  check_goals(context, exported);
-  return collecting::annotations_json(context.db, exported);
+  if (selection.secret) throw HttpError(403, "the goals of this split are secret");
+  return collecting::annotations_json(selection);
 }
 
 Response export_file(Context& context, const Request& request) {
@@ -120,14 +111,14 @@ Response export_file(Context& context, const Request& request) {
                                            with_waiting(request, collection)};
   const std::string given = request.text("what");
   const std::string what = given.empty() ? "annotations" : given;
-  const auto held = context.db.hold();  // file and report are of the same moment
-  const collecting::ExportReport report = collecting::report_of(context.db, exported);
-  if (what == "report") return json_response(collecting::report_json(report));
   const std::string name = what == "annotations"
                                ? fmt::format("R2R_{}.json", exported.split)
                                : fmt::format("human_{}_{}.json", what, exported.split);
-  Response response = file_response(file_of(context, exported, what), name);
-  if (what != "tasks") response.add_header("X-Enfilade-Export", report.summary());
+  if (what == "tasks") return file_response(collecting::tasks_json(context.db, exported), name);
+  const collecting::Selection selection = collecting::select_work(context.db, exported);
+  if (what == "report") return json_response(collecting::report_json(selection.report));
+  Response response = file_response(file_of(selection, what), name);
+  response.add_header("X-Enfilade-Export", selection.report.summary());
   return response;
 }
 

@@ -4,12 +4,12 @@
 #include <httplib.h>
 #include <sys/socket.h>
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <thread>
 #include <utility>
 
 #include "enfilade/service/detail/addresses.h"
+#include "enfilade/service/detail/texts.h"
 #include "enfilade/service/http/headers.h"
 #include "enfilade/service/http/sockets/body.h"
 #include "enfilade/service/http/sockets/connection.h"
@@ -19,12 +19,6 @@ namespace {
 
 constexpr std::size_t kLongestTarget = 2048;
 constexpr std::size_t kLeastRoom = 1U << 20U;  // for a body; what a worker submits
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 /// The last entry of a list: of X-Forwarded-For the address that the proxy itself saw.
 std::string last_entry(std::string_view header) {
@@ -41,7 +35,7 @@ Request convert(const httplib::Request& from, bool behind_proxy) {
   request.query = parse_query(from.target);
   for (const auto& [name, value] : from.headers) {
     // Lines of one name are one list (RFC 9110, 5.3): proxies may add theirs to the client's.
-    const auto [at, added] = request.headers.emplace(lower(name), value);
+    const auto [at, added] = request.headers.emplace(detail::lower_case(name), value);
     if (!added) at->second += (at->first == "cookie" ? "; " : ", ") + value;
   }
   request.address = from.remote_addr;
@@ -102,7 +96,8 @@ bool end_is_unclear(const httplib::Request& request) {
   const std::size_t lengths = request.get_header_value_count("Content-Length");
   const std::size_t codings = request.get_header_value_count("Transfer-Encoding");
   if (lengths + codings > 1) return true;
-  if (codings == 1 && lower(request.get_header_value("Transfer-Encoding")) != "chunked")
+  if (codings == 1 &&
+      detail::lower_case(request.get_header_value("Transfer-Encoding")) != "chunked")
     return true;
   const std::string length = request.get_header_value("Content-Length");
   constexpr std::size_t kMostDigits = 15;

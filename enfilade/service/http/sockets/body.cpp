@@ -1,13 +1,12 @@
 #include "enfilade/service/http/sockets/body.h"
 
 #include <fmt/format.h>
-#include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <utility>
 
 #include "enfilade/core/numbers.h"
 #include "enfilade/service/detail/gzip.h"
+#include "enfilade/service/detail/texts.h"
 #include "enfilade/service/http/messages.h"
 
 namespace enfilade::service::http::sockets {
@@ -50,12 +49,10 @@ Body::Body(httplib::Request& request, const httplib::ContentReader& reader, std:
     : reader_(reader),
       room_(room),
       address_(std::move(address)),
-      coding_(request.get_header_value("Content-Encoding")),
+      coding_(detail::lower_case(request.get_header_value("Content-Encoding"))),
       length_(parse_number<std::size_t>(request.get_header_value("Content-Length"))),
       seconds_(seconds) {
   request.headers.erase("Content-Encoding");
-  std::ranges::transform(coding_, coding_.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
 }
 
 Body::~Body() { keep_room(0); }
