@@ -1,5 +1,5 @@
 /** Drawing numbers: a mean with its interval, and a team's scores over time. */
-import { shape } from './icons.ts';
+import { shape } from './svg.ts';
 
 /** A confidence interval and its mean on a scale from `least` to `most`. */
 export interface Interval {

@@ -1,16 +1,6 @@
 /** Drawings of a line or two, made as elements: our content policy allows no markup in scripts. */
 
-const namespace = 'http://www.w3.org/2000/svg';
-
-/** An SVG element. Its attributes are ours alone, never what people wrote. */
-export function shape<K extends keyof SVGElementTagNameMap>(
-  name: K, attributes: Readonly<Record<string, string | number>>, ...children: (Element | string)[]
-): SVGElementTagNameMap[K] {
-  const element = document.createElementNS(namespace, name);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, String(value));
-  element.append(...children);
-  return element;
-}
+import { shape } from './svg.ts';
 
 /** Paths of a drawing, 48 x 48: in ink, with the accent, filled with it. */
 interface Drawing {

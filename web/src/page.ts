@@ -10,10 +10,10 @@ export const json = (body: unknown, method = 'POST') => ({
 
 type Child = Node | string;
 
-/** An element. Texts become text nodes: what people wrote is never read as markup. */
 /** "1 room", "2,300 rooms". @param one without the s */
 export const counted = (n: number, one: string): string => `${n.toLocaleString('en-US')} ${one}${n === 1 ? '' : 's'}`;
 
+/** An element. Texts become text nodes: what people wrote is never read as markup. */
 export function make<K extends keyof HTMLElementTagNameMap>(
   name: K,
   attributes: Record<string, string> = {},

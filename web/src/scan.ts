@@ -33,6 +33,10 @@ export interface Scan {
 export const viewpointIndex = (scan: Scan, id: string | undefined): number =>
   scan.viewpoints.findIndex((viewpoint) => viewpoint.id === id);
 
+/** The index of the storey that a viewpoint is in; -1 if none has it. */
+export const storeyOf = (scan: Scan, viewpoint: number): number =>
+  scan.storeys.findIndex(({ viewpoints }) => viewpoints.includes(viewpoint));
+
 export interface Episode {
   readonly instruction_id: string;
   readonly path_id: number;

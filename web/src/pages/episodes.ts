@@ -23,7 +23,7 @@ interface Whole {
 
 const perPage = 50;
 
-/** What no order by a number can place comes last. */
+/** Episodes without the number to sort by come last. */
 function inOrder(episodes: readonly Episode[], { errors }: Whole, order: Filters['order']): Episode[] {
   const list = [...episodes];
   if (order === 'file') return list;

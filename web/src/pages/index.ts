@@ -2,7 +2,6 @@
 import { formatLink } from '../deep_link.ts';
 import { icon, type IconName } from '../icons.ts';
 import { addHeader, api, byId, counted, empty, make, run } from '../page.ts';
-import type { Scan } from '../scan.ts';
 import { loadFaces, type Look, TurningPanorama } from '../turning.ts';
 
 interface Building {
@@ -54,7 +53,7 @@ function cardOf({ scan, viewpoints, storeys, rooms, instructions, pictures }: Bu
 /** Turns the picture into a panorama, once the page stands. */
 async function turn(hero: HTMLElement, scan: string): Promise<void> {
   if (matchMedia('(prefers-reduced-motion: reduce)').matches) return;
-  const [outlook, { viewpoints }] = await Promise.all([api.call<Outlook>(`${pathOf(scan)}/outlook`), api.call<Scan>(pathOf(scan))]);
+  const [outlook, { viewpoints }] = await Promise.all([api.call<Outlook>(`${pathOf(scan)}/outlook`), api.scan(scan)]);
   const rotation = viewpoints.find(({ id }) => id === outlook.viewpoint)?.rotation;
   if (!rotation) return;
   const panorama = new TurningPanorama(outlook, rotation, await loadFaces(api, scan, outlook.viewpoint));

@@ -12,6 +12,8 @@ interface Order {
   readonly direction: Direction;
 }
 
+const primaryOf = (phase: Phase): Column => columns.find(({ name }) => name === phase.primary)!;
+
 /** Mean and interval, in the column's unit; nothing where there is no interval. */
 function intervalOf(row: Row, column: Column) {
   const { low, mean, high } = row.means[column.name] ?? { mean: null };
@@ -54,7 +56,7 @@ function orderOf(text: string | null, otherwise: Column): Order {
 }
 
 function drawRows(box: HTMLElement, all: readonly Row[], phase: Phase, order: Order): void {
-  const primary = columns.find(({ name }) => name === phase.primary)!;
+  const primary = primaryOf(phase);
   const place = new Map(places(all, primary).map((one, k) => [all[k]!.id, one]));
   const shown = columns.filter((column) => all.some((row) => row.means[column.name] !== undefined));
   const rows = sorted(all, order.by, order.direction);
@@ -92,7 +94,7 @@ async function boardOf(phase: Phase, organiser: boolean, all: boolean): Promise<
 
 /** What a team has reached, submission by submission. */
 function progressOf(rows: readonly Row[], phase: Phase): HTMLElement[] {
-  const primary = columns.find(({ name }) => name === phase.primary)!;
+  const primary = primaryOf(phase);
   const points: Point[] = rows.flatMap((row) => {
     const value = valueOf(row, primary);
     return value === undefined ? [] : [{ team: row.team, time: Date.parse(row.created), value, name: row.method }];
@@ -131,20 +133,16 @@ function headOf(phase: Phase, organiser: boolean): HTMLElement {
 async function fill(box: HTMLElement, phase: Phase, organiser: boolean): Promise<void> {
   const open = !phase.goals_secret || organiser;
   const [board, all] = await Promise.all([boardOf(phase, organiser, false), open ? boardOf(phase, organiser, true) : []]);
+  const heading = make('h2', {}, 'Results');
+  if (typeof board === 'string') return box.replaceChildren(heading, empty('No scores yet', board));
+  if (board.length === 0) return box.replaceChildren(heading, empty('No results yet', 'Nobody has submitted anything.'));
   const results = make('div');
-  if (typeof board === 'string') results.append(empty('No scores yet', board));
-  else if (board.length === 0) results.append(empty('No results yet', 'Nobody has handed anything in.'));
-  else {
-    const primary = columns.find(({ name }) => name === phase.primary)!;
-    drawRows(results, board, phase, orderOf(new URLSearchParams(location.search).get('sort'), primary));
-    const file = `/api/v1/leaderboards/${encodeURIComponent(phase.phase)}?format=csv&all=1`;
-    const about = `Each team's best by ${primaryName(phase)}${open ? '; bars are bootstrap 95 % intervals over paths' : ''}. `;
-    box.replaceChildren(make('h2', {}, 'Results'), results,
-      make('p', { class: 'note' }, about, make('a', { href: file, download: `${phase.phase}.csv` }, open ? 'All submissions (CSV)' : 'Table (CSV)')),
-      ...progressOf(typeof all === 'string' ? [] : all, phase));
-    return;
-  }
-  box.replaceChildren(make('h2', {}, 'Results'), results);
+  drawRows(results, board, phase, orderOf(new URLSearchParams(location.search).get('sort'), primaryOf(phase)));
+  const file = `/api/v1/leaderboards/${encodeURIComponent(phase.phase)}?format=csv&all=1`;
+  const about = `Each team's best by ${primaryName(phase)}${open ? '; bars are bootstrap 95 % intervals over paths' : ''}. `;
+  box.replaceChildren(heading, results,
+    make('p', { class: 'note' }, about, make('a', { href: file, download: `${phase.phase}.csv` }, open ? 'All submissions (CSV)' : 'Table (CSV)')),
+    ...progressOf(typeof all === 'string' ? [] : all, phase));
 }
 
 run(async () => {

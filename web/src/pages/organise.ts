@@ -13,6 +13,10 @@ interface SplitList {
 type Kind = Collection['kind'];
 type Platform = Collection['platform']['kind'];
 
+/** Of names in links, as the server takes them. */
+const namePattern = '[a-z0-9_\\-]{1,40}';
+/** Of Prolific's completion codes. */
+const codePattern = '[A-Za-z0-9_\\-]{1,40}';
 const kindTexts: Record<Kind, string> = { write: 'People write directions', walk: 'People walk by directions' };
 const platformTexts: Record<Platform, string> = { self: 'a link of your own', mturk: 'Mechanical Turk', prolific: 'Prolific' };
 
@@ -104,7 +108,7 @@ function changeBox(collection: Collection, changed: () => Promise<void>): HTMLEl
 
 function copyBox(collection: Collection, changed: () => Promise<void>): HTMLElement {
   const { collection: from } = collection;
-  const [nameBox, name] = field(`copy-${from}`, 'Name of the copy, in links', { maxlength: '40', pattern: '[a-z0-9_\\-]{1,40}', value: `${from}-2`.slice(0, 40) });
+  const [nameBox, name] = field(`copy-${from}`, 'Name of the copy, in links', { maxlength: '40', pattern: namePattern, value: `${from}-2`.slice(0, 40) });
   return make('details', {}, make('summary', {}, 'Copy'),
     make('p', { class: 'note' }, 'The same paths, texts, questions and rules; none of the work. It is open at once, by a link of its own.'),
     form('Copy', [nameBox], async () => {
@@ -188,7 +192,7 @@ function sourceFields({ splits }: SplitList): { box: HTMLElement; read(): Promis
   const [fileBox, file] = field('paths', splits.length > 0 ? 'Or a file of paths' : 'A file of paths', { type: 'file', accept: '.json,application/json' },
     'As enfilade sample writes, or any R2R file: path_id, scan, heading, path.');
   file.required = false;
-  const [splitBox, split] = field('split', "That file's split, as the export will call it", { value: 'train', pattern: '[a-z0-9_\\-]{1,40}' });
+  const [splitBox, split] = field('split', "That file's split, as the export will call it", { value: 'train', pattern: namePattern });
   const [mostBox, most] = field('most', 'Only the first paths of each', { type: 'number', min: '1', placeholder: 'all' });
   most.required = false;
   const [practiceBox, practice] = labelled('practice', 'Practice, for every worker first',
@@ -213,8 +217,8 @@ function sourceFields({ splits }: SplitList): { box: HTMLElement; read(): Promis
 function platformFields(): { box: HTMLElement; read(): object } {
   const kinds = Object.entries(platformTexts).map(([value, text]) => new Option(text, value));
   const [box, kind] = labelled('platform', 'Workers come through', make('select', {}, ...kinds));
-  const [codeBox, code] = field('code', 'Completion code of the Prolific study', { pattern: '[A-Za-z0-9_\\-]{1,40}' });
-  const [outBox, out] = field('screen-out', 'Completion code for workers whom the screening sends away', { pattern: '[A-Za-z0-9_\\-]{1,40}' });
+  const [codeBox, code] = field('code', 'Completion code of the Prolific study', { pattern: codePattern });
+  const [outBox, out] = field('screen-out', 'Completion code for workers whom the screening sends away', { pattern: codePattern });
   out.required = false;
   const show = () => {
     codeBox.hidden = outBox.hidden = kind.value !== 'prolific';
@@ -233,7 +237,7 @@ function platformFields(): { box: HTMLElement; read(): object } {
 
 function newCollection(splits: SplitList, made: () => Promise<void>): HTMLElement {
   const [titleBox, title] = field('title', 'Title, for workers', { maxlength: '80' });
-  const [nameBox, name] = field('name', 'Name, in links', { maxlength: '40', pattern: '[a-z0-9_\\-]{1,40}' });
+  const [nameBox, name] = field('name', 'Name, in links', { maxlength: '40', pattern: namePattern });
   const kinds = Object.entries(kindTexts).map(([value, text]) => new Option(text, value));
   const [kindBox, kind] = labelled('kind', 'Type of task', make('select', {}, ...kinds));
   const [consentBox, consent] = prose('consent', 'Consent');

@@ -1,4 +1,4 @@
-/** Making a team, logging in, handing in, and a team's history. */
+/** Making a team, logging in, submitting, and a team's history. */
 import { field, form, labelled, loggedIn, loginForm, twice, type Who } from '../forms.ts';
 import { addSiteHeader, api, byId, dateTime, empty, json, make, problems, run, table } from '../page.ts';
 import { endOf, leakageOf, limitsOf, type PhaseList, showingOf } from '../phases.ts';
@@ -112,7 +112,7 @@ async function showTeam(who: Who): Promise<void> {
   const history = make('div', { 'aria-live': 'polite' });
   const refresh = async (): Promise<void> => {
     const { submissions } = await api.call<{ submissions: Submission[] }>('submissions');
-    history.replaceChildren(submissions.length === 0 ? empty('No submissions yet', 'What you hand in is listed here, with its scores.') : historyTable(submissions, who.role, said, async () => {
+    history.replaceChildren(submissions.length === 0 ? empty('No submissions yet', 'What you submit is listed here, with its scores.') : historyTable(submissions, who.role, said, async () => {
       await refresh();
       heading.focus(); // the button that was pressed is gone
     }));

@@ -3,9 +3,10 @@ import { formatLink, parseLink } from '../deep_link.ts';
 import { distancesFrom, lengthOf } from '../distances.ts';
 import { addHeader, api, byId, make, run } from '../page.ts';
 import { keptResults } from '../results.ts';
-import { type Episode, type Layer, type Plan, viewpointIndex } from '../scan.ts';
+import { type Episode, type Layer, type Plan, storeyOf, viewpointIndex } from '../scan.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { Legend, MapPanel, MiniMap, Player, storeyName, Viewer } from '../viewer/enfilade-viewer.ts';
+import { successDistance } from '../walk_errors.ts';
 import './view.css';
 
 declare global {
@@ -14,9 +15,6 @@ declare global {
     enfilade?: { viewer: Viewer };
   }
 }
-
-/** Metres; the paper's. */
-const successDistance = 3;
 
 async function findEpisode(): Promise<Episode | undefined> {
   const query = new URLSearchParams(location.search);
@@ -88,7 +86,7 @@ function placeName(viewer: Viewer): HTMLElement {
   const name = make('p', { class: 'view-place' });
   const show = () => {
     const { viewpoint } = viewer.pose;
-    const storey = viewer.scan.storeys.findIndex(({ viewpoints }) => viewpoints.includes(viewpoint));
+    const storey = storeyOf(viewer.scan, viewpoint);
     const parts = [viewer.name(viewpoint), viewer.scan.storeys.length > 1 && storey >= 0 ? storeyName(storey).toLowerCase() : ''];
     const text = parts.filter(Boolean).join(', ');
     name.textContent = text.charAt(0).toUpperCase() + text.slice(1);

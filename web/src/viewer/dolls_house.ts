@@ -1,7 +1,7 @@
 /** The building from outside, without its roof: made of its plan's rooms. */
 import * as three from 'three';
 import { degrees } from '../geometry.ts';
-import type { Plan, Room } from '../scan.ts';
+import { type Plan, type Room, storeyOf } from '../scan.ts';
 import { pointsOf, things, wallsOf } from './house_shape.ts';
 import { roomCentre } from './map_panel.ts';
 import type { Viewer } from './viewer.ts';
@@ -45,7 +45,7 @@ export class DollsHouse {
   private chosen: three.Mesh<three.ShapeGeometry, three.MeshLambertMaterial> | undefined;
   private frame = 0;
 
-  /** Throws Error without WebGL. \pre the plan has rooms */
+  /** Throws Error without WebGL. @param plan has rooms */
   constructor(viewer: Viewer, plan: Plan) {
     this.viewer = viewer;
     this.plan = plan;
@@ -218,7 +218,7 @@ export class DollsHouse {
     const { position } = this.viewer.scan.viewpoints[viewpoint]!;
     this.you.position.set(position[0], position[1], position[2] - 0.4);
     this.you.rotation.z = -heading;
-    this.you.visible = this.viewer.scan.storeys.findIndex((s) => s.viewpoints.includes(viewpoint)) <= this.storey;
+    this.you.visible = storeyOf(this.viewer.scan, viewpoint) <= this.storey;
     this.camera.aspect = width / height;
     // So far away that the building fits, however it is turned.
     const half = Math.atan(Math.tan(degrees(35) / 2) * Math.min(this.camera.aspect, 1));

@@ -70,8 +70,8 @@ function gaps(covered: readonly Interval[], length: number, least: number): Inte
 }
 
 /**
- * The walls around a room, with the openings that the plan's lines leave: doors up to 2.1 m, windows
- * from 0.9 m. \param height of the walls
+ * The walls around a room, with the openings that the plan's lines leave: doors up to 2.1 m, windows from 0.9 m.
+ * @param height of the walls, metres
  */
 export function wallsOf(room: Room, storey: PlanStorey, height: number): WallPart[] {
   const corners = pointsOf(room.outline);

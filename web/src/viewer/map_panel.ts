@@ -46,7 +46,7 @@ export class MapPanel {
     this.picture.className = 'enfilade-map-picture';
     this.picture.append(map.element);
     this.views = [button('Plan', () => this.showMap()), button('Doll’s house', () => void this.showHouse())];
-    this.storeys = viewer.scan.storeys.map((_, k) => button(String(k), () => this.showStorey(k)));
+    this.storeys = viewer.scan.storeys.map((_, k) => button(String(k), () => map.showStorey(k)));
     this.storeys.forEach((one, k) => one.setAttribute('aria-label', storeyName(k)));
     if (this.storeys.length > 1) this.bar.append(group('Storeys', ...this.storeys));
     this.element.append(this.picture, this.bar);
@@ -67,10 +67,6 @@ export class MapPanel {
     if (rooms.length > 0) this.bar.append(this.roomList(rooms));
     if (plan.rooms.length > 0) this.bar.prepend(group('Map', ...this.views));
     this.bar.hidden = this.bar.childElementCount === 0;
-  }
-
-  private showStorey(storey: number): void {
-    this.map.showStorey(storey);
   }
 
   private showMap(): void {

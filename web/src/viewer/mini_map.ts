@@ -1,19 +1,13 @@
 /** A floor plan of one storey: rooms and walls where they are known, viewpoints, where one looks, a path. */
 import { toDegrees } from '../geometry.ts';
-import type { Api, Lines, Plan } from '../scan.ts';
+import { type Api, type Lines, type Plan, storeyOf } from '../scan.ts';
+import { shape } from '../svg.ts';
 import type { Viewer } from './viewer.ts';
 
-const namespace = 'http://www.w3.org/2000/svg';
 /** Around what is drawn, metres. */
 const margin = 0.6;
 /** Of the longer side: the size of letters, so that they are about 11 pixels high in a panel. */
 const letters = 1 / 34;
-
-function shape(name: string, attributes: Record<string, string | number>): SVGElement {
-  const element = document.createElementNS(namespace, name);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, String(value));
-  return element;
-}
 
 /** All lines of a kind as one path. */
 function strokes(lines: Lines, name: string): SVGElement {
@@ -32,7 +26,7 @@ export function roundLength(most: number): number {
 
 /** North (+y) is up. Follows a viewer; a click goes to the nearest viewpoint. */
 export class MiniMap {
-  readonly element = document.createElementNS(namespace, 'svg');
+  readonly element = shape('svg', {});
   private readonly viewer: Viewer;
   private readonly you = shape('g', { class: 'you' });
   private readonly route = shape('g', { class: 'route' });
@@ -117,7 +111,7 @@ export class MiniMap {
     const { viewpoint, heading } = this.viewer.pose;
     if (viewpoint !== this.standing) {
       this.standing = viewpoint;
-      this.showStorey(this.viewer.scan.storeys.findIndex((s) => s.viewpoints.includes(viewpoint)));
+      this.showStorey(storeyOf(this.viewer.scan, viewpoint));
     }
     const [x, y] = this.at(viewpoint);
     this.you.setAttribute('transform', `translate(${x} ${y}) rotate(${toDegrees(heading)})`);
@@ -184,12 +178,10 @@ export class MiniMap {
       // Names that do not fit say less than the furniture that they would hide.
       if (!name || wide > room.right - room.left || words.length * size > room.bottom - room.top) continue;
       words.forEach((word, k) => {
-        const text = shape('text', {
+        names.append(shape('text', {
           x: (room.left + room.right) / 2,
           y: (room.top + room.bottom) / 2 + size * (k - (words.length - 1) / 2 + 0.35),
-        });
-        text.textContent = word;
-        names.append(text);
+        }, word));
       });
     }
     return [floors, strokes(storey.furniture, 'furniture'), strokes(storey.stairs, 'stairs'),
@@ -198,12 +190,9 @@ export class MiniMap {
 
   private scaleBar(x: number, y: number, most: number, size: number): SVGElement {
     const length = roundLength(most);
-    const bar = shape('g', { class: 'scale', 'font-size': size });
-    bar.append(shape('path', { d: `M${x} ${y - size * 0.3}v${size * 0.6}m0 ${-size * 0.3}h${length}m0 ${-size * 0.3}v${size * 0.6}` }));
-    const text = shape('text', { x: x + length + size * 0.4, y: y + size * 0.35 });
-    text.textContent = `${length} m`;
-    bar.append(text);
-    return bar;
+    return shape('g', { class: 'scale', 'font-size': size },
+      shape('path', { d: `M${x} ${y - size * 0.3}v${size * 0.6}m0 ${-size * 0.3}h${length}m0 ${-size * 0.3}v${size * 0.6}` }),
+      shape('text', { x: x + length + size * 0.4, y: y + size * 0.35 }, `${length} m`));
   }
 
   private drawRoute(): void {

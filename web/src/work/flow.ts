@@ -9,7 +9,7 @@ import { ending } from './ending.ts';
 import { canShowBuildings, noGraphics } from './graphics.ts';
 import { explained, explainLoss, isOutOfReach, troubles } from './refusals.ts';
 import { Tabs } from './tabs.ts';
-import { arrive, BadLink, type Submission, type Task, type Visit, type WorkApi } from './visit.ts';
+import { arrive, collectionOf, type Submission, type Task, type Visit, type WorkApi } from './visit.ts';
 
 /** What a task's page works with. */
 export interface Desk {
@@ -197,7 +197,7 @@ export function work(kind: Collection['kind'], show: ShowTask): void {
 async function visit(kind: Collection['kind'], show: ShowTask): Promise<void> {
   const main = byId('main');
   const query = new URLSearchParams(location.search);
-  if (!query.has('collection')) throw new BadLink('This link names no collection. Ask those who sent it to you for the whole link.');
+  collectionOf(query); // before anything that takes time
   if (!canShowBuildings()) {
     addHeader(false, []);
     return main.replaceChildren(noGraphics(query));

@@ -126,10 +126,16 @@ export type Arrival =
 /** The page's address names nothing. */
 export class BadLink extends Error {}
 
+/** The collection that an address names. Throws BadLink. */
+export function collectionOf(query: URLSearchParams): string {
+  const name = query.get('collection');
+  if (!name) throw new BadLink('This link names no collection. Ask those who sent it to you for the whole link.');
+  return name;
+}
+
 /** Joins the collection that the page's address names. The same worker comes back to the same task. */
 export async function arrive(): Promise<Arrival> {
-  const name = new URLSearchParams(location.search).get('collection');
-  if (!name) throw new BadLink('This link names no collection. Ask those who sent it to you for the whole link.');
+  const name = collectionOf(new URLSearchParams(location.search));
   const joined = await api.call<Joined>(`collections/${encodeURIComponent(name)}/join`, json({ parameters: parameters(name) }));
   const { collection, worker, token, visit, example } = joined;
   if (joined.preview || !token || !visit) return { preview: true, collection, example };
