@@ -77,13 +77,6 @@ class BorderWriter {
   std::vector<std::uint8_t> border_;
 };
 
-void write_texel(const BorderedFace& face, std::ptrdiff_t x, std::ptrdiff_t y,
-                 const std::uint8_t* rgb) {
-  std::uint8_t* texel = face.texel(x, y);
-  std::copy_n(rgb, 3, texel);
-  texel[3] = 255;
-}
-
 }  // namespace
 
 std::vector<std::uint8_t> border_of(const CubeMap<std::uint8_t>& faces, CubeFace face) {
@@ -102,37 +95,29 @@ std::vector<std::uint8_t> border_of(const CubeMap<std::uint8_t>& faces, CubeFace
   return writer.take();
 }
 
-void write_border(const BorderedFace& face, std::span<const std::uint8_t> border) {
+void write_border(const ColourCells& face, std::span<const std::uint8_t> border) {
   EN_CHECK_EQ(border.size(), 3 * border_texels(face.size));
   const std::uint8_t* rgb = border.data();
   const auto size = static_cast<std::ptrdiff_t>(face.size);
   for (const std::ptrdiff_t y : {std::ptrdiff_t{-1}, size}) {
-    for (std::ptrdiff_t x = -1; x <= size; ++x, rgb += 3) write_texel(face, x, y, rgb);
+    for (std::ptrdiff_t x = -1; x <= size; ++x, rgb += 3) face.write(x, y, rgb);
   }
   for (const std::ptrdiff_t x : {std::ptrdiff_t{-1}, size}) {
-    for (std::ptrdiff_t y = 0; y < size; ++y, rgb += 3) write_texel(face, x, y, rgb);
+    for (std::ptrdiff_t y = 0; y < size; ++y, rgb += 3) face.write(x, y, rgb);
   }
 }
 
-void write_face(const BorderedFace& face, const std::uint8_t* rgb) {
-  for (std::size_t y = 0; y < face.size; ++y) {
-    std::uint8_t* texel = face.texel(0, static_cast<std::ptrdiff_t>(y));
-    for (std::size_t x = 0; x < face.size; ++x, rgb += 3, texel += 4) {
-      texel[0] = rgb[0];
-      texel[1] = rgb[1];
-      texel[2] = rgb[2];
-      texel[3] = 255;
-    }
-  }
+void write_face(const ColourCells& face, const std::uint8_t* rgb) {
+  for (std::size_t y = 0; y < face.size; ++y) face.write_row(y, rgb + 3 * y * face.size);
 }
 
-void write_face(const BorderedFace& face, const Image8& picture) {
+void write_face(const ColourCells& face, const Image8& picture) {
   EN_CHECK(picture.channels == 3 && picture.width == face.size && picture.height == face.size);
   write_face(face, picture.pixels.data());
 }
 
 void write_faces(const CubeMap<std::uint8_t>& faces, std::uint8_t wanted,
-                 const std::array<BorderedFace, kCubeFaces>& to) {
+                 const std::array<ColourCells, kCubeFaces>& to) {
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     if ((wanted >> k & 1) == 0) continue;
     write_face(to[k], faces[k]);

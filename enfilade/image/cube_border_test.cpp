@@ -26,13 +26,13 @@ CubeMap<std::uint8_t> labelled(std::uint32_t size) {
 }
 
 struct Bordered {
-  explicit Bordered(std::uint32_t size)
-      : memory(std::size_t{size + 2} * (size + 2) * 4), face(face_in(memory, size)) {}
-  static BorderedFace face_in(std::vector<std::uint8_t>& memory, std::uint32_t size) {
-    return {memory.data() + (size + 3) * std::size_t{4}, (size + 2) * std::size_t{4}, size};
+  explicit Bordered(std::uint32_t n) : memory(ColourCells::bytes(n)), size(n) {}
+  ColourCells face() { return {memory.data(), size}; }
+  std::array<std::uint8_t, 3> texel(std::ptrdiff_t x, std::ptrdiff_t y) const {
+    return colour_texel(memory.data(), size, x, y);
   }
   std::vector<std::uint8_t> memory;
-  BorderedFace face;
+  std::uint32_t size;
 };
 
 // Of the texels of a cube map, the two closest ones across an edge are neighbours: nothing is
@@ -42,7 +42,7 @@ TEST(CubeBorder, HasTheClosestTexelBeyondEachEdge) {
   const CubeMap<std::uint8_t> faces = labelled(kSize);
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     Bordered bordered(kSize);
-    write_border(bordered.face, border_of(faces, cube_face(k)));
+    write_border(bordered.face(), border_of(faces, cube_face(k)));
     const auto closest = [&](std::ptrdiff_t x, std::ptrdiff_t y) {
       const auto middle = [](auto at) { return (static_cast<double>(at) + 0.5) / kSize; };
       const auto unit = [](Vec3d v) {
@@ -51,7 +51,7 @@ TEST(CubeBorder, HasTheClosestTexelBeyondEachEdge) {
       };
       const Vec3d wanted = unit(cube_direction(cube_face(k), middle(x), middle(y)));
       double best = -1;
-      std::array<std::uint8_t, 4> colour{0, 0, 0, 255};
+      std::array<std::uint8_t, 3> colour{};
       for (std::size_t other = 0; other < kCubeFaces; ++other) {
         if (other == k) continue;
         for (std::size_t v = 0; v < kSize; ++v) {
@@ -72,9 +72,7 @@ TEST(CubeBorder, HasTheClosestTexelBeyondEachEdge) {
                                  {i, std::ptrdiff_t{kSize}},
                                  {std::ptrdiff_t{-1}, i},
                                  {std::ptrdiff_t{kSize}, i}}) {
-        const std::uint8_t* texel = bordered.face.texel(x, y);
-        EXPECT_TRUE(std::ranges::equal(closest(x, y), std::span(texel, 4)))
-            << "face " << k << " at " << x << ", " << y;
+        EXPECT_EQ(closest(x, y), bordered.texel(x, y)) << "face " << k << " at " << x << ", " << y;
       }
     }
   }
@@ -92,30 +90,29 @@ TEST(CubeBorder, HasTheMeanOfThreeTexelsAtACorner) {
   for (const auto& [face, x, y] :
        {std::tuple{CubeFace::kFront, -1, -1}, {CubeFace::kLeft, 4, -1}, {CubeFace::kUp, 4, -1}}) {
     Bordered bordered(4);
-    write_border(bordered.face, border_of(faces, face));
-    EXPECT_EQ(bordered.face.texel(x, y)[0], 30) << index(face);
-    EXPECT_EQ(bordered.face.texel(x, y)[3], 255);
+    write_border(bordered.face(), border_of(faces, face));
+    EXPECT_EQ(bordered.texel(x, y)[0], 30) << index(face);
   }
 }
 
 TEST(CubeBorder, OfFacesOfOneTexelIsTheirNeighbours) {
   const CubeMap<std::uint8_t> faces = labelled(1);
   Bordered bordered(1);
-  write_border(bordered.face, border_of(faces, CubeFace::kFront));
-  EXPECT_EQ(bordered.face.texel(0, -1)[0], 40 * index(CubeFace::kUp));
-  EXPECT_EQ(bordered.face.texel(0, 1)[0], 40 * index(CubeFace::kDown));
-  EXPECT_EQ(bordered.face.texel(-1, 0)[0], 40 * index(CubeFace::kLeft));
-  EXPECT_EQ(bordered.face.texel(1, 0)[0], 40 * index(CubeFace::kRight));
+  write_border(bordered.face(), border_of(faces, CubeFace::kFront));
+  EXPECT_EQ(bordered.texel(0, -1)[0], 40 * index(CubeFace::kUp));
+  EXPECT_EQ(bordered.texel(0, 1)[0], 40 * index(CubeFace::kDown));
+  EXPECT_EQ(bordered.texel(-1, 0)[0], 40 * index(CubeFace::kLeft));
+  EXPECT_EQ(bordered.texel(1, 0)[0], 40 * index(CubeFace::kRight));
 }
 
 TEST(WriteFaces, WritesThoseThatAreWantedWithTheirBorders) {
   constexpr std::uint32_t kSize = 5;
   const CubeMap<std::uint8_t> faces = labelled(kSize);
   std::vector<Bordered> places(kCubeFaces, Bordered(kSize)), expected = places;
-  std::array<BorderedFace, kCubeFaces> to;
+  std::array<ColourCells, kCubeFaces> to;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    to[k] = Bordered::face_in(places[k].memory, kSize);
-    const BorderedFace face = Bordered::face_in(expected[k].memory, kSize);
+    to[k] = places[k].face();
+    const ColourCells face = expected[k].face();
     if (k != 1 && k != 4) continue;
     write_face(face, faces[k]);
     write_border(face, border_of(faces, cube_face(k)));
@@ -129,14 +126,13 @@ TEST(WriteFace, LeavesTheBorderAlone) {
   const CubeMap<std::uint8_t> faces = labelled(5);
   Bordered bordered(5);
   std::ranges::fill(bordered.memory, std::uint8_t{77});
-  write_face(bordered.face, faces[2]);
+  write_face(bordered.face(), faces[2]);
   for (std::ptrdiff_t y = -1; y <= 5; ++y) {
     for (std::ptrdiff_t x = -1; x <= 5; ++x) {
-      const std::uint8_t* texel = bordered.face.texel(x, y);
+      const auto texel = bordered.texel(x, y);
       const bool inside = x >= 0 && y >= 0 && x < 5 && y < 5;
-      EXPECT_EQ(texel[1], inside ? x : 77);
-      EXPECT_EQ(texel[2], inside ? y : 77);
-      EXPECT_EQ(texel[3], inside ? 255 : 77);
+      EXPECT_EQ(texel[1], inside ? x : 77 ^ 0x80);
+      EXPECT_EQ(texel[2], inside ? y : 77 ^ 0x80);
     }
   }
 }

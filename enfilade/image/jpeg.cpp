@@ -71,10 +71,9 @@ Shape shape_of(const Header& header) {
           header.colours == TJCS_GRAY ? 1U : 3U, 8};
 }
 
-void decode(Bytes jpeg, const Header& header, std::uint8_t* rows, std::size_t stride, int format,
-            const std::string& file) {
-  check(tjDecompress2(thread_handle().get(), jpeg.data(), jpeg.size(), rows, header.width,
-                      static_cast<int>(stride), header.height, format, kFlags),
+void decode(Bytes jpeg, const Header& header, std::uint8_t* rgb, const std::string& file) {
+  check(tjDecompress2(thread_handle().get(), jpeg.data(), jpeg.size(), rgb, header.width, 0,
+                      header.height, TJPF_RGB, kFlags),
         file);
 }
 
@@ -86,19 +85,20 @@ Image8 decode_jpeg(Bytes jpeg, const std::string& file) {
   const Header header = read_header(jpeg, file);
   const Shape shape = shape_of(header);
   Image8 picture(shape.width, shape.height, 3);
-  decode(jpeg, header, picture.pixels.data(), std::size_t{shape.width} * 3, TJPF_RGB, file);
+  decode(jpeg, header, picture.pixels.data(), file);
   return picture;
 }
 
-void decode_jpeg_rgba(Bytes jpeg, std::uint32_t width, std::uint32_t height, std::uint8_t* rows,
-                      std::size_t stride, const std::string& file) {
+void decode_jpeg(Bytes jpeg, std::uint32_t width, std::uint32_t height,
+                 std::span<std::uint8_t> rgb, const std::string& file) {
+  EN_CHECK_EQ(rgb.size(), std::size_t{3} * width * height);
   const Header header = read_header(jpeg, file);
   const Shape shape = shape_of(header);
   if (shape.width != width || shape.height != height) {
     throw ArgumentError(fmt::format("{}: {} x {} pixels, not the {} x {} that were asked for", file,
                                     shape.width, shape.height, width, height));
   }
-  decode(jpeg, header, rows, stride, TJPF_RGBA, file);
+  decode(jpeg, header, rgb.data(), file);
 }
 
 std::vector<std::uint8_t> encode_jpeg(const Image8& picture, int quality, bool full_chroma) {

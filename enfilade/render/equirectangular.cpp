@@ -18,12 +18,15 @@ using scan::Layer;
 // A pixel as a row of one column.
 struct Pixel {
   CubeFace face;
-  cpu::FaceLine line;
+  PixelRays rays;
+  cpu::TexelPoint on(const Face& f) const {
+    return cpu::texel_point(cpu::face_line(rays, 0, face, f.size), 0);
+  }
 };
 
 Pixel pixel_towards(Vec3d direction) {
   const CubeFace face = face_towards(direction);
-  return {face, cpu::face_lines({direction, {}, {}}, 0)[index(face)]};
+  return {face, {direction, {}, {}}};
 }
 
 class Drawer {
@@ -70,7 +73,7 @@ class Drawer {
   void read(Layer layer, std::span<const Pixel> pixels, T* out) const {
     for (const Pixel& p : pixels) {
       const Face& f = face(layer, p.face);
-      *out++ = cpu::sample_nearest<T>(f, cpu::texel_point(p.line, f.size, 0));
+      *out++ = cpu::sample_nearest<T>(f, p.on(f));
     }
   }
 
@@ -81,8 +84,7 @@ class Drawer {
       std::uint32_t* out = rgba.data();
       for (const Pixel& p : pixels) {
         const Face& f = face(Layer::kColour, p.face);
-        *out++ = cpu::sample_colour(f, cpu::linear_range(f.size, false),
-                                    cpu::texel_point(p.line, f.size, 0));
+        *out++ = cpu::sample_colour(f.cells, cpu::tap_at(f.size, false, p.on(f)));
       }
     }
     if (outputs_.depth) read(Layer::kDepth, pixels, depth.data());

@@ -1,12 +1,13 @@
 #include "enfilade/render/face_cache.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <list>
 #include <mutex>
-#include <new>
 #include <thread>
 #include <unordered_map>
 #include <utility>
@@ -15,6 +16,8 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/threads.h"
+#include "enfilade/image/face_cells.h"
+#include "enfilade/render/detail/cell_pool.h"
 #include "enfilade/render/detail/layers.h"
 
 namespace enfilade::render {
@@ -22,31 +25,11 @@ namespace {
 
 using scan::Layer;
 
-// Rows begin on a multiple of what the widest registers hold; nothing depends on it but speed.
-constexpr std::size_t kAlignment = 64;
-
-struct Memory {
-  std::size_t bytes = 0;
-  std::uint8_t* address = nullptr;
-
-  explicit Memory(std::size_t n)
-      : bytes(n),
-        address(static_cast<std::uint8_t*>(::operator new(n, std::align_val_t{kAlignment}))) {}
-  ~Memory() { ::operator delete(address, std::align_val_t{kAlignment}); }
-  Memory(const Memory&) = delete;
-  Memory& operator=(const Memory&) = delete;
-};
-
-std::size_t row_bytes(Layer layer, std::uint32_t size) noexcept {
-  const std::size_t texels = size + 2 * detail::border_of(layer);
-  return (texels * detail::kTexelBytes[index(layer)] + 15) / 16 * 16;
-}
-
 enum class State : std::uint8_t { kLoading, kReady, kFailed };
 
 struct Entry {
   FaceKey key;
-  std::unique_ptr<Memory> memory;
+  detail::CellPool::Piece memory;
   std::uint32_t size = 0;
   State state = State::kLoading;
   std::uint32_t holders = 0;  // that have acquired it and not released it, loaders included
@@ -54,13 +37,7 @@ struct Entry {
   std::list<Entry*>::iterator place;  // in `idle` if holders == 0, else in `held`
 };
 
-Face face_of(const Entry& entry) {
-  const Layer layer = entry.key.layer;
-  const std::size_t stride = row_bytes(layer, entry.size);
-  const std::size_t before =
-      detail::border_of(layer) * (stride + detail::kTexelBytes[index(layer)]);
-  return {entry.memory->address + before, static_cast<std::uint32_t>(stride), entry.size};
-}
+Face face_of(const Entry& entry) { return {entry.memory.get(), entry.size}; }
 
 // Faces of one panorama and layer that are decoded by one call to the source.
 struct Unit {
@@ -68,22 +45,44 @@ struct Unit {
   FaceKey first;
 };
 
-template <class T>
-std::array<T*, kCubeFaces> addresses(const Unit& unit) {
+// Reads the values of a unit's faces in rows, and puts them into cells.
+template <class T, class Read>
+void read_values(const Unit& unit, const Read& read) {
+  thread_local std::vector<T> rows;
   std::array<T*, kCubeFaces> buffers{};
-  for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    if (unit.entries[k] != nullptr) {
-      buffers[k] = reinterpret_cast<T*>(unit.entries[k]->memory->address);
-    }
+  std::size_t size = 0;
+  for (const Entry* entry : unit.entries) {
+    if (entry != nullptr) size = entry->size;
   }
-  return buffers;
+  if (rows.size() < kCubeFaces * size * size) rows.resize(kCubeFaces * size * size);
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    if (unit.entries[k] != nullptr) buffers[k] = rows.data() + k * size * size;
+  }
+  read(buffers);
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    Entry* entry = unit.entries[k];
+    if (entry == nullptr) continue;
+    image::ValueCells<T>::from_rows(buffers[k], entry->size, entry->memory.get());
+  }
 }
 
 }  // namespace
 
 std::size_t face_bytes(Layer layer, std::uint32_t size) noexcept {
-  // The last term is for 8-byte loads at the last texel too, which reach beyond it.
-  return row_bytes(layer, size) * (size + 2 * detail::border_of(layer)) + kAlignment;
+  const auto bytes = [&] {
+    switch (layer) {
+      case Layer::kColour:
+        return image::ColourCells::bytes(size);
+      case Layer::kDepth:
+      case Layer::kClass:
+        return image::ValueCells<std::uint16_t>::bytes(size);
+      case Layer::kInstance:
+        break;
+    }
+    return image::ValueCells<std::uint32_t>::bytes(size);
+  }();
+  // An odd number of lines, so that the same rows of faces do not meet in the same cache sets.
+  return bytes % (2 * image::kCellBytes) == 0 ? bytes + image::kCellBytes : bytes;
 }
 
 struct FaceCache::Impl {
@@ -100,7 +99,7 @@ struct FaceCache::Impl {
   void plan_one(Lock& lock, const FaceKey& key, std::vector<Unit>& units);
   void load(const Unit& unit);
   void decode(const Unit& unit);
-  void make_room(const Lock&, std::size_t bytes, std::unique_ptr<Memory>& memory);
+  void make_room(const Lock&, std::size_t bytes);
   void forget(const Lock&, Entry& entry) noexcept;
   void work_ahead(const std::stop_token& stop);
 
@@ -109,6 +108,7 @@ struct FaceCache::Impl {
 
   std::mutex mutex;
   std::condition_variable_any changed;  // an entry became ready or failed; wishes came
+  detail::CellPool memory;  // before the entries, whose faces are in it
   std::unordered_map<FaceKey, std::unique_ptr<Entry>, detail::FaceKeyHash> entries;
   // Entries move between these as nodes, so that nothing is allocated.
   std::list<Entry*> held;
@@ -133,21 +133,17 @@ void FaceCache::Impl::release(const Lock& lock, Entry& entry) noexcept {
 
 // \pre nobody holds it any more, but it is in `held` still
 void FaceCache::Impl::forget(const Lock&, Entry& entry) noexcept {
-  counters.bytes -= entry.memory->bytes;
+  counters.bytes -= face_bytes(entry.key.layer, entry.size);
   held.erase(entry.place);
   entries.erase(FaceKey(entry.key));
 }
 
-// Removes faces until `bytes` more fit. The memory of a removed face is reused if it has exactly
-// that size.
-void FaceCache::Impl::make_room(const Lock& lock, std::size_t bytes,
-                                std::unique_ptr<Memory>& memory) {
-  while (counters.bytes + bytes > config.bytes && !idle.empty() && !memory) {
+// Removes faces until `bytes` more fit.
+void FaceCache::Impl::make_room(const Lock& lock, std::size_t bytes) {
+  while (counters.bytes + bytes > config.bytes && !idle.empty()) {
     Entry& oldest = *idle.front();
     idle.pop_front();
-    const std::size_t freed = oldest.memory->bytes;
-    if (freed == bytes) memory = std::move(oldest.memory);
-    counters.bytes -= freed;
+    counters.bytes -= face_bytes(oldest.key.layer, oldest.size);
     entries.erase(FaceKey(oldest.key));
   }
   static_cast<void>(lock);
@@ -156,8 +152,8 @@ void FaceCache::Impl::make_room(const Lock& lock, std::size_t bytes,
 Entry& FaceCache::Impl::add(Lock& lock, const FaceKey& key, std::uint32_t size) {
   auto entry = std::make_unique<Entry>();
   const std::size_t bytes = face_bytes(key.layer, size);
-  make_room(lock, bytes, entry->memory);
-  if (!entry->memory) entry->memory = std::make_unique<Memory>(bytes);
+  make_room(lock, bytes);
+  entry->memory = memory.take(bytes);
   counters.bytes += bytes;
   entry->key = key;
   entry->size = size;
@@ -172,6 +168,13 @@ void FaceCache::Impl::plan_one(Lock& lock, const FaceKey& key, std::vector<Unit>
   const scan::PanoramaSource& source = panoramas->source(key.scan);
   const std::uint32_t size = source.face_sizes(key.viewpoint)[index(key.layer)];
   if (size == 0) throw source.lacks(key.layer, key.viewpoint);
+  if (size > image::kLargestCellFace) {
+    throw Error(fmt::format("{}: scan {}, viewpoint {}: its {} faces have {} x {} texels; drawing "
+                            "takes at most {} x {}",
+                            source.origin(), source.scan(),
+                            source.poses()[key.viewpoint.at()].viewpoint, to_string(key.layer),
+                            size, size, image::kLargestCellFace, image::kLargestCellFace));
+  }
   Unit& unit = units.emplace_back();  // first, so that what follows is undone if it throws
   unit.first = key;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
@@ -216,22 +219,26 @@ void FaceCache::Impl::plan(Lock& lock, std::span<const FaceKey> keys, std::vecto
 void FaceCache::Impl::decode(const Unit& unit) {
   const scan::PanoramaSource& source = panoramas->source(unit.first.scan);
   scan::FaceMask mask = 0;
-  std::array<image::BorderedFace, kCubeFaces> colour;
+  scan::ColourFaces colour;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    if (unit.entries[k] == nullptr) continue;
+    const Entry* entry = unit.entries[k];
+    if (entry == nullptr) continue;
     mask = static_cast<scan::FaceMask>(mask | 1U << k);
-    const Face face = face_of(*unit.entries[k]);
-    colour[k] = {const_cast<std::uint8_t*>(face.origin), face.stride, face.size};
+    colour[k] = {entry->memory.get(), entry->size};
   }
+  const ViewpointIndex viewpoint = unit.first.viewpoint;
   switch (unit.first.layer) {
     case Layer::kColour:
-      return source.read_colour(unit.first.viewpoint, mask, colour);
+      return source.read_colour(viewpoint, mask, colour);
     case Layer::kDepth:
     case Layer::kClass:
-      return source.read_16(unit.first.layer, unit.first.viewpoint, mask,
-                            addresses<std::uint16_t>(unit));
+      return read_values<std::uint16_t>(unit, [&](const scan::Faces16& faces) {
+        source.read_16(unit.first.layer, viewpoint, mask, faces);
+      });
     case Layer::kInstance:
-      return source.read_instances(unit.first.viewpoint, mask, addresses<std::uint32_t>(unit));
+      return read_values<std::uint32_t>(unit, [&](const scan::Faces32& faces) {
+        source.read_instances(viewpoint, mask, faces);
+      });
   }
 }
 
@@ -355,7 +362,7 @@ FaceCacheCounters FaceCache::counters() const {
 void FaceCache::clear() {
   const Impl::Lock lock(impl_->mutex);
   for (Entry* entry : impl_->idle) {
-    impl_->counters.bytes -= entry->memory->bytes;
+    impl_->counters.bytes -= face_bytes(entry->key.layer, entry->size);
     impl_->entries.erase(FaceKey(entry->key));
   }
   impl_->idle.clear();

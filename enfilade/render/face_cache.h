@@ -19,21 +19,20 @@ struct FaceKey {
   friend constexpr bool operator==(FaceKey, FaceKey) = default;
 };
 
-/// A decoded face. Colour: RGBA, four bytes a texel, with a border of one texel (cube_border.h);
-/// depth and class: uint16; instances: uint32; these without a border.
+/// A decoded face, in the cells of face_cells.h: ColourCells for colour, ValueCells<std::uint16_t>
+/// for depth and class, ValueCells<std::uint32_t> for instances.
 struct Face {
-  const std::uint8_t* origin = nullptr;  ///< texel (0, 0)
-  std::uint32_t stride = 0;              ///< bytes from a row to the next
-  std::uint32_t size = 0;                ///< texels along an edge, border not counted
+  const std::uint8_t* cells = nullptr;
+  std::uint32_t size = 0;  ///< texels along an edge, border not counted
 };
 
-/// Bytes of a decoded face in a FaceCache, with colour's border and the alignment of rows.
+/// Bytes of a decoded face in a FaceCache.
 std::size_t face_bytes(scan::Layer layer, std::uint32_t size) noexcept;
 
 /// How much a cache keeps.
 struct FaceCacheConfig {
-  /// Limit of memory; faces in use are kept even beyond it. A face of 512 texels takes 1.06 MB of
-  /// colour and 0.5 MB of depth.
+  /// Limit of memory; faces in use are kept even beyond it. A face of 512 texels takes 0.95 MB of
+  /// colour and 0.52 MB of depth.
   std::size_t bytes = std::size_t{64} << 20;
   int threads = 0;              ///< for decoding in acquire(); 0: all cores
   bool prefetch_thread = true;  ///< whether prefetch() decodes, in one further thread

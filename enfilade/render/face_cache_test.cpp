@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/image/face_cells.h"
 #include "tests/support/made_panoramas.h"
 
 namespace enfilade::render {
@@ -19,6 +20,17 @@ FaceKey key(std::size_t viewpoint, Layer layer, std::size_t face) {
   return {ScanIndex(0), ViewpointIndex(viewpoint), layer, cube_face(face)};
 }
 
+std::array<std::uint8_t, 3> colour_at(const Face& face, std::ptrdiff_t x, std::size_t y) {
+  return image::colour_texel(face.cells, face.size, x, static_cast<std::ptrdiff_t>(y));
+}
+
+template <class T>
+T value_at(const Face& face, std::size_t x, std::size_t y) {
+  T value = 0;
+  std::memcpy(&value, face.cells + image::ValueCells<T>::offset(face.size, x, y), sizeof(T));
+  return value;
+}
+
 TEST(FaceCache, GivesFacesWithTheirBorders) {
   const scan::Panorama made = testing::made_panorama(8);
   const auto cache = testing::cache_of({made});
@@ -27,20 +39,16 @@ TEST(FaceCache, GivesFacesWithTheirBorders) {
   std::array<Face, 3> faces;
   cache->acquire(keys, faces);
   EXPECT_EQ(faces[0].size, 8U);
-  for (std::uint32_t y = 0; y < 8; ++y) {
-    for (std::uint32_t x = 0; x < 8; ++x) {
-      EXPECT_EQ(
-          std::memcmp(faces[0].origin + y * faces[0].stride + 4 * x, made.colour[2].at(x, y), 3),
-          0);
-      EXPECT_EQ(
-          std::memcmp(faces[1].origin + y * faces[1].stride + 2 * x, made.depth[1].at(x, y), 2), 0);
-      EXPECT_EQ(
-          std::memcmp(faces[2].origin + y * faces[2].stride + 4 * x, made.instances[5].at(x, y), 4),
-          0);
+  for (std::size_t y = 0; y < 8; ++y) {
+    for (std::size_t x = 0; x < 8; ++x) {
+      const auto rgb = colour_at(faces[0], static_cast<std::ptrdiff_t>(x), y);
+      EXPECT_TRUE(std::ranges::equal(rgb, std::span(made.colour[2].at(x, y), 3)));
+      EXPECT_EQ(value_at<std::uint16_t>(faces[1], x, y), *made.depth[1].at(x, y));
+      EXPECT_EQ(value_at<std::uint32_t>(faces[2], x, y), *made.instances[5].at(x, y));
     }
   }
   // Left of face 2 is the right column of face 1.
-  EXPECT_EQ(std::memcmp(faces[0].origin + 3 * faces[0].stride - 4, made.colour[1].at(7, 3), 3), 0);
+  EXPECT_TRUE(std::ranges::equal(colour_at(faces[0], -1, 3), std::span(made.colour[1].at(7, 3), 3)));
   cache->release(keys);
 }
 
@@ -75,9 +83,9 @@ TEST(FaceCache, WhatIsHeldStaysEvenBeyondItsBytes) {
   std::array<Face, 6> faces;
   for (std::size_t k = 0; k < 6; ++k) keys[k] = key(0, Layer::kColour, k);
   cache->acquire(keys, faces);
-  EXPECT_GT(cache->counters().bytes, 6U * 18 * 18 * 4);
+  EXPECT_GT(cache->counters().bytes, 6U * face_bytes(Layer::kColour, 16) - 1);
   cache->clear();  // forgets only what nobody holds
-  EXPECT_GT(cache->counters().bytes, 6U * 18 * 18 * 4);
+  EXPECT_GT(cache->counters().bytes, 6U * face_bytes(Layer::kColour, 16) - 1);
   cache->release(keys);
   cache->clear();
   EXPECT_EQ(cache->counters().bytes, 0U);

@@ -186,7 +186,7 @@ TEST_F(MatterportImagesTest, WritesWantedFacesWithTheirBorders) {
       image::write_face(expected.faces()[k], faces[k]);
       image::write_border(expected.faces()[k], image::border_of(faces, cube_face(k)));
     }
-    EXPECT_EQ(found.pixels(k), expected.pixels(k)) << "face " << k;
+    EXPECT_EQ(found.cells(k), expected.cells(k)) << "face " << k;
   }
 }
 

@@ -42,25 +42,24 @@ std::uint64_t checksum_of_faces(const image::CubeMap<T>& map, std::uint64_t seed
   return seed;
 }
 
-// The RGB part of a face, without its border.
-image::Image8 rgb_of(const image::BorderedFace& face) {
+// The texels of a face, without its border.
+image::Image8 rgb_of(const image::ColourCells& face) {
   image::Image8 picture(face.size, face.size, 3);
   std::uint8_t* to = picture.pixels.data();
   for (std::ptrdiff_t y = 0; y < std::ptrdiff_t{face.size}; ++y) {
-    const std::uint8_t* from = face.texel(0, y);
-    for (std::uint32_t x = 0; x < face.size; ++x, from += 4, to += 3) std::copy_n(from, 3, to);
+    for (std::ptrdiff_t x = 0; x < std::ptrdiff_t{face.size}; ++x, to += 3) {
+      std::ranges::copy(image::colour_texel(face.cells, face.size, x, y), to);
+    }
   }
   return picture;
 }
 
 image::CubeMap<std::uint8_t> read_colour_map(const PanoramaSource& source, ViewpointIndex viewpoint,
                                              std::uint32_t size) {
-  // Six faces with their borders, RGBA.
-  const std::size_t edge = std::size_t{size} + 2, stride = 4 * edge;
-  std::vector<std::uint8_t> pixels(kCubeFaces * edge * stride);
+  std::vector<std::uint8_t> cells(kCubeFaces * image::ColourCells::bytes(size));
   ColourFaces faces;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    faces[k] = {pixels.data() + k * edge * stride + stride + 4, stride, size};
+    faces[k] = {cells.data() + k * image::ColourCells::bytes(size), size};
   }
   source.read_colour(viewpoint, kAllFaces, faces);
   image::CubeMap<std::uint8_t> map;

@@ -49,7 +49,7 @@ inline constexpr FaceMask kAllFaces = 63;
 
 /// Where faces are written, by index(CubeFace): colour with its border, the others as n x n values
 /// in rows.
-using ColourFaces = std::array<image::BorderedFace, kCubeFaces>;
+using ColourFaces = std::array<image::ColourCells, kCubeFaces>;
 using Faces16 = std::array<std::uint16_t*, kCubeFaces>;
 using Faces32 = std::array<std::uint32_t*, kCubeFaces>;
 using FaceBuffers = std::variant<ColourFaces, Faces16, Faces32>;

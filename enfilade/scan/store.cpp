@@ -41,10 +41,9 @@ Diagnostic fault(const FaceName& name, std::string code, std::string message) {
   throw InvalidInput({fault(name, std::move(code), std::move(message))});
 }
 
-// Memory for a border, one per thread, as large as the largest border so far.
-std::span<std::uint8_t> border_room(std::uint32_t size) {
+// Memory of this thread, as large as the largest request so far; each call ends the last one's use.
+std::span<std::uint8_t> room(std::size_t bytes) {
   thread_local std::vector<std::uint8_t> memory;
-  const std::size_t bytes = 3 * image::border_texels(size);
   if (memory.size() < bytes) memory.resize(bytes);
   return {memory.data(), bytes};
 }
@@ -72,7 +71,7 @@ struct Store::Impl {
   }
 
   std::uint32_t size_of(const PanoramaSource& store, ViewpointIndex viewpoint, Layer layer) const;
-  void read_colour_face(const FaceName& name, const image::BorderedFace& face) const;
+  void read_colour_face(const FaceName& name, const image::ColourCells& face) const;
   template <class T>
   void read_face(const FaceName& name, std::uint32_t size, T* buffer) const;
   void verify_records(const std::string& origin, std::vector<Diagnostic>& faults) const;
@@ -90,7 +89,7 @@ std::uint32_t Store::Impl::size_of(const PanoramaSource& store, ViewpointIndex v
   return size;
 }
 
-void Store::Impl::read_colour_face(const FaceName& name, const image::BorderedFace& face) const {
+void Store::Impl::read_colour_face(const FaceName& name, const image::ColourCells& face) const {
   const FaceEntry& found = whole_entry(name);
   const image::Bytes bytes = bytes_of(found);
   const image::Bytes picture = bytes.first(found.bytes);
@@ -98,13 +97,14 @@ void Store::Impl::read_colour_face(const FaceName& name, const image::BorderedFa
     image::write_face(face, picture.data());
   } else {
     try {
-      image::decode_jpeg_rgba(picture, face.size, face.size, face.origin, face.stride,
-                              name.store.origin());
+      const std::span<std::uint8_t> rgb = room(3 * std::size_t{face.size} * face.size);
+      image::decode_jpeg(picture, face.size, face.size, rgb, name.store.origin());
+      image::write_face(face, rgb.data());
     } catch (const Error& error) {  // it does not name the viewpoint
       refuse_face(name, "damaged-face", error.what());
     }
   }
-  const std::span<std::uint8_t> border = border_room(face.size);
+  const std::span<std::uint8_t> border = room(3 * image::border_texels(face.size));
   if (!detail::decompress(bytes.subspan(found.bytes), border)) {
     refuse_face(name, "damaged-face", "its border cannot be decompressed");
   }

@@ -90,7 +90,7 @@ TEST(Store, GivesBackWhatWasPacked) {
     testing::BorderedMap here(16), there(16);
     store->read_colour(v, kAllFaces, here.faces());
     source->read_colour(v, kAllFaces, there.faces());
-    for (std::size_t k = 0; k < kCubeFaces; ++k) EXPECT_EQ(here.pixels(k), there.pixels(k));
+    for (std::size_t k = 0; k < kCubeFaces; ++k) EXPECT_EQ(here.cells(k), there.cells(k));
   }
   EXPECT_TRUE(store->verify().empty());
 }
@@ -114,7 +114,7 @@ TEST(Store, HasSeamlessJpegFaces) {
   testing::BorderedMap here(32), there(32);
   store->read_colour(ViewpointIndex(0), kAllFaces, here.faces());
   again.read_colour(ViewpointIndex(0), kAllFaces, there.faces());
-  for (std::size_t k = 0; k < kCubeFaces; ++k) EXPECT_EQ(here.pixels(k), there.pixels(k));
+  for (std::size_t k = 0; k < kCubeFaces; ++k) EXPECT_EQ(here.cells(k), there.cells(k));
 }
 
 TEST(Store, ReadsOneFaceAlone) {
@@ -125,7 +125,7 @@ TEST(Store, ReadsOneFaceAlone) {
   store->read_colour(ViewpointIndex(1), kAllFaces, all.faces());
   store->read_colour(ViewpointIndex(1), 1 << 4, one.faces());
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    EXPECT_EQ(one.pixels(k), (k == 4 ? all : untouched).pixels(k));
+    EXPECT_EQ(one.cells(k), (k == 4 ? all : untouched).cells(k));
   }
   std::vector<std::uint32_t> instances(256);
   std::array<std::uint32_t*, kCubeFaces> buffers{};

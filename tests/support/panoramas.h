@@ -68,22 +68,21 @@ inline std::shared_ptr<const MemoryPanoramas> memory_panoramas(const std::string
 class BorderedMap {
  public:
   explicit BorderedMap(std::uint32_t size) {
-    const std::size_t stride = 4 * (std::size_t{size} + 2);
     for (std::size_t k = 0; k < kCubeFaces; ++k) {
-      pixels_[k].resize(stride * (std::size_t{size} + 2));
-      faces_[k] = {pixels_[k].data() + stride + 4, stride, size};
+      cells_[k].resize(image::ColourCells::bytes(size));
+      faces_[k] = {cells_[k].data(), size};
     }
   }
   BorderedMap(const BorderedMap&) = delete;
   BorderedMap& operator=(const BorderedMap&) = delete;
 
-  const std::array<image::BorderedFace, kCubeFaces>& faces() const { return faces_; }
-  /// All texels of a face and of its border, RGBA.
-  const std::vector<std::uint8_t>& pixels(std::size_t face) const { return pixels_[face]; }
+  const std::array<image::ColourCells, kCubeFaces>& faces() const { return faces_; }
+  /// All texels of a face and of its border.
+  const std::vector<std::uint8_t>& cells(std::size_t face) const { return cells_[face]; }
 
  private:
-  std::array<std::vector<std::uint8_t>, kCubeFaces> pixels_;
-  std::array<image::BorderedFace, kCubeFaces> faces_;
+  std::array<std::vector<std::uint8_t>, kCubeFaces> cells_;
+  std::array<image::ColourCells, kCubeFaces> faces_;
 };
 
 }  // namespace enfilade::scan::testing

@@ -11,7 +11,7 @@
 namespace enfilade::render::cpu {
 
 /// Kernels work on pieces of a row of at most this many pixels, in buffers on the stack.
-inline constexpr std::size_t kBlock = 512;
+inline constexpr std::size_t kBlock = 1024;
 /// Kernels may write so many values beyond the pixels that they were asked for.
 inline constexpr std::size_t kSlack = 64;
 
@@ -28,10 +28,24 @@ struct Points {
   alignas(64) std::array<std::int32_t, kBlock + kSlack> x, y;
 };
 
+/// tap_at() of each pixel of a piece; offsets are from an address that the pieces of a row share.
+struct Taps {
+  alignas(64) std::array<std::int32_t, kBlock + kSlack> offset;
+  alignas(64) std::array<std::uint32_t, kBlock + kSlack> weights;
+};
+
 /// Columns begin .. end-1 of a row; at most kBlock of them.
 struct Piece {
   std::uint32_t begin = 0, end = 0;
   std::uint32_t size() const noexcept { return end - begin; }
+};
+
+/// The colour face that a piece lies on.
+struct ColourFace {
+  const std::uint8_t* base;  ///< what offsets are from
+  std::int32_t first;        ///< bytes from there to its cells
+  std::uint32_t size;
+  bool clamped;  ///< filtered within the face only
 };
 
 /// Multiplies and adds so that an 8-bit value becomes (value / 255 - mean) / deviation.
@@ -42,14 +56,21 @@ struct PlanarScale {
 struct Kernels {
   const char* name;
 
-  /// Where a piece that lies on one face meets it; `size` of the face, in texels. What follows
-  /// reads texels at these points, of faces of that size.
-  void (*points)(const FaceLine&, std::uint32_t size, Piece, Points& out);
-  /// Bilinear, 15-bit weights, through the face's border; clamped: not beyond the outer texels'
-  /// middles. RGBA, A = 255.
-  void (*colour)(const Points&, const Face&, bool clamped, std::size_t count, std::uint32_t* out);
-  void (*nearest16)(const Points&, const Face&, std::size_t count, std::uint16_t* out);
-  void (*nearest32)(const Points&, const Face&, std::size_t count, std::uint32_t* out);
+  /// Where the pixels of a piece meet the face that it lies on; written from the place `at` on.
+  void (*points)(const FaceLine&, Piece, std::size_t at, Points& out);
+  /// Where their colour is. Asks memory for it, too. May write beyond the piece's end, which the
+  /// next piece overwrites.
+  void (*taps)(const FaceLine&, Piece, const ColourFace&, std::size_t at, Taps& out);
+  /// Both at once, for layers of the same size.
+  void (*taps_and_points)(const FaceLine&, Piece, const ColourFace&, std::size_t at, Taps&,
+                          Points&);
+  /// Bilinear. RGBA, A = 255. Reads the taps `from` .. from + count - 1.
+  void (*colour)(const std::uint8_t* base, const Taps&, std::size_t from, std::size_t count,
+                 std::uint32_t* out);
+  void (*nearest16)(const Points&, std::size_t from, const Face&, std::size_t count,
+                    std::uint16_t* out);
+  void (*nearest32)(const Points&, std::size_t from, const Face&, std::size_t count,
+                    std::uint32_t* out);
 
   // From a block to the caller's memory, `count` pixels; never writes beyond them.
   void (*pack_rgb)(const std::uint32_t* rgba, std::size_t count, std::uint8_t* out);

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
+#include <cstdint>
+#include <limits>
 
 #include "enfilade/core/threads.h"
-#include "enfilade/render/cpu/footprint.h"
 #include "enfilade/render/cpu/pack.h"
 #include "enfilade/render/cpu/row_plan.h"
 #include "enfilade/render/detail/batch.h"
@@ -20,12 +20,19 @@ namespace {
 using detail::PreparedView;
 using scan::Layer;
 
-// Rows a task draws: enough work to be worth handing out, small enough to share one picture.
-constexpr std::uint32_t kTileRows = 120;
+// The rows that a task draws at least: enough work to be worth handing out.
+constexpr std::uint32_t kLeastRows = 60;
 
-// Above this the first pictures of a batch would have left the second-level cache when the caller
-// comes to read them, after pushing out the texels.
-constexpr std::size_t kStreamBytes = std::size_t{4} << 20;
+// Whole pictures where there are enough for all threads; else parts, so that all have work.
+std::uint32_t tile_rows(std::uint32_t height, std::size_t views, int threads) {
+  const auto wanted = 2 * static_cast<std::size_t>(threads_or_all(threads));
+  const std::size_t parts = (wanted + views - 1) / views;
+  return std::max(kLeastRows, static_cast<std::uint32_t>((height + parts - 1) / parts));
+}
+
+// Above this the first pictures of a batch have left the caches when the caller comes to read them,
+// after pushing out the texels.
+constexpr std::size_t kStreamBytes = std::size_t{16} << 20;
 
 std::size_t bytes_of(const Outputs& outputs) {
   return (outputs.colour ? outputs.colour->pixels.size() : 0) +
@@ -45,97 +52,170 @@ struct Job {
   std::span<const PreparedView> views;
   std::span<const Face> faces;
   bool stream;  // write past the caches
+  std::uint32_t tile_rows;
 };
 
-class RowDrawer {
+// Draws rows of a view, in blocks of columns: where the pixels of a block are on the faces is
+// computed before the block ahead of it is drawn, so that its texels are on their way.
+class BandDrawer {
  public:
-  RowDrawer(const Job& job, std::size_t view, std::uint32_t row, const PlannedRow& planned)
-      : job_(job),
-        view_(job.views[view]),
-        planned_(planned),
-        place_{view, std::size_t{row} * job.camera.width, 0,
-               std::size_t{job.camera.width} * job.camera.height, job.stream} {}
+  BandDrawer(const Job& job, std::size_t view)
+      : job_(job), view_(job.views[view]), number_(view), plan_(view_.rays) {
+    if (job_.outputs.colour) find_base();
+  }
 
-  void draw() {
+  void draw(std::uint32_t first_row, std::uint32_t rows) {
     const std::uint32_t width = job_.camera.width;
-    for (std::uint32_t begin = 0; begin < width; begin += kBlock) {
-      const Piece block{begin, std::min<std::uint32_t>(begin + kBlock, width)};
-      place_.count = block.size();
-      for (const Stretch& stretch : planned_.plan.stretches()) {
-        const Piece piece{std::max(stretch.begin, block.begin), std::min(stretch.end, block.end)};
-        if (piece.begin < piece.end) read(index(stretch.face), piece, piece.begin - block.begin);
+    std::size_t next = 0;
+    for (std::uint32_t row = first_row; row < first_row + rows; ++row) {
+      Stretches stretches;
+      plan_.plan(row, width, stretches);
+      for (std::uint32_t begin = 0; begin < width; begin += kBlock, ++next) {
+        prepare(blocks_[next % 2], row, {begin, std::min<std::uint32_t>(begin + kBlock, width)},
+                stretches);
+        if (next > 0) finish(blocks_[(next - 1) % 2]);
       }
-      pack();
-      place_.first += block.size();
     }
+    if (next > 0) finish(blocks_[(next - 1) % 2]);
   }
 
  private:
-  // The points of a piece, made again only for layers of another size.
-  const Points& points_for(const Face& face, std::size_t k, Piece piece) {
-    if (size_ != face.size) job_.kernels.points(planned_.lines[k], face.size, piece, points_);
-    size_ = face.size;
-    return points_;
+  // A block's part of a stretch.
+  struct Part {
+    Piece piece;
+    std::size_t at;  // in the block
+    CubeFace face;
+  };
+
+  struct Block {
+    std::uint32_t row = 0;
+    Piece columns;
+    std::array<Part, Stretches::kMost> parts;  // the first `count` are set
+    std::size_t count = 0;
+    Taps taps;
+    Points points;
+    std::span<const Part> all() const noexcept { return {parts.data(), count}; }
+  };
+
+  const Face& face(Layer layer, CubeFace face) const {
+    return job_.faces[view_.face[index(layer)][index(face)]];
   }
 
-  // Texels of face `k` for a piece, to place `at` of the block.
-  void read(std::size_t k, Piece piece, std::uint32_t at) {
-    const Kernels& kernels = job_.kernels;
-    const std::size_t count = piece.size();
-    size_ = 0;
-    const auto face = [&](Layer layer) { return job_.faces[view_.face[index(layer)][k]]; };
-    if (job_.outputs.colour) {
-      const Face f = face(Layer::kColour);
-      kernels.colour(points_for(f, k, piece), f, job_.legacy.clamped_edges, count,
-                     &colour_.values[at]);
+  // Offsets have 31 bits: from the lowest of the view's faces, if all are in reach.
+  void find_base() {
+    const std::uint8_t *lowest = nullptr, *highest = nullptr;
+    std::size_t bytes = 0;
+    for (std::size_t k = 0; k < kCubeFaces; ++k) {
+      if ((view_.mask >> k & 1U) == 0) continue;
+      const Face& one = face(Layer::kColour, cube_face(k));
+      if (lowest == nullptr || one.cells < lowest) lowest = one.cells;
+      if (one.cells > highest) highest = one.cells;
+      bytes = image::ColourCells::bytes(one.size);
+      same_size_ = same_size_ && has_size(one.size, cube_face(k));
     }
-    if (job_.outputs.depth) {
-      const Face f = face(Layer::kDepth);
-      kernels.nearest16(points_for(f, k, piece), f, count, &depth_.values[at]);
-    }
-    if (job_.outputs.classes) {
-      const Face f = face(Layer::kClass);
-      kernels.nearest16(points_for(f, k, piece), f, count, &classes_.values[at]);
-    }
-    if (job_.outputs.instances) {
-      const Face f = face(Layer::kInstance);
-      kernels.nearest32(points_for(f, k, piece), f, count, &instances_.values[at]);
+    const std::size_t reach = static_cast<std::size_t>(highest - lowest) + bytes;
+    if (reach <= std::numeric_limits<std::int32_t>::max()) base_ = lowest;
+  }
+
+  // Whether all layers that are drawn with the nearest texel have that size.
+  bool has_size(std::uint32_t size, CubeFace k) const {
+    const Outputs& out = job_.outputs;
+    return (!out.depth || face(Layer::kDepth, k).size == size) &&
+           (!out.classes || face(Layer::kClass, k).size == size) &&
+           (!out.instances || face(Layer::kInstance, k).size == size);
+  }
+
+  bool draws_nearest() const {
+    return job_.outputs.depth || job_.outputs.classes || job_.outputs.instances;
+  }
+
+  ColourFace colour_face(const Face& f, const std::uint8_t* base) const {
+    return {base, static_cast<std::int32_t>(f.cells - base), f.size, job_.legacy.clamped_edges};
+  }
+
+  void prepare(Block& block, std::uint32_t row, Piece columns, const Stretches& stretches) const {
+    block.row = row;
+    block.columns = columns;
+    block.count = 0;
+    for (const Stretch& stretch : stretches.all()) {
+      const Piece piece{std::max(stretch.begin, columns.begin),
+                        std::min(stretch.end, columns.end)};
+      if (piece.begin >= piece.end) continue;
+      const Part part{piece, piece.begin - columns.begin, stretch.face};
+      block.parts[block.count++] = part;
+      if (base_ == nullptr) continue;
+      const Face& f = face(Layer::kColour, part.face);
+      const FaceLine line = face_line(view_.rays, row, part.face, f.size);
+      const ColourFace colour = colour_face(f, base_);
+      if (draws_nearest() && same_size_) {
+        job_.kernels.taps_and_points(line, piece, colour, part.at, block.taps, block.points);
+      } else {
+        job_.kernels.taps(line, piece, colour, part.at, block.taps);
+      }
     }
   }
 
-  void pack() const {
+  void finish(Block& block) {
+    if (base_ != nullptr) {
+      job_.kernels.colour(base_, block.taps, 0, block.columns.size(), colour_.values.data());
+    } else if (job_.outputs.colour) {
+      for (const Part& part : block.all()) draw_colour_alone(block, part);
+    }
+    if (draws_nearest()) {
+      for (const Part& part : block.all()) draw_nearest(block, part);
+    }
+    pack(block);
+  }
+
+  // For faces that are too far apart in memory.
+  void draw_colour_alone(Block& block, const Part& part) {
+    const Face& f = face(Layer::kColour, part.face);
+    job_.kernels.taps(face_line(view_.rays, block.row, part.face, f.size), part.piece,
+                      colour_face(f, f.cells), part.at, block.taps);
+    job_.kernels.colour(f.cells, block.taps, part.at, part.piece.size(),
+                        colour_.values.data() + part.at);
+  }
+
+  void draw_nearest(Block& block, const Part& part) {
+    std::uint32_t size = base_ != nullptr && same_size_ ? face(Layer::kColour, part.face).size : 0;
+    const auto read = [&](Layer layer, auto kernel, auto& out) {
+      const Face& f = face(layer, part.face);
+      if (f.size != size) {  // points made for another layer do not fit
+        job_.kernels.points(face_line(view_.rays, block.row, part.face, f.size), part.piece, part.at,
+                            block.points);
+        size = f.size;
+      }
+      kernel(block.points, part.at, f, part.piece.size(), out.values.data() + part.at);
+    };
+    const Outputs& outputs = job_.outputs;
+    if (outputs.depth) read(Layer::kDepth, job_.kernels.nearest16, depth_);
+    if (outputs.classes) read(Layer::kClass, job_.kernels.nearest16, classes_);
+    if (outputs.instances) read(Layer::kInstance, job_.kernels.nearest32, instances_);
+  }
+
+  void pack(const Block& block) const {
+    const Camera& camera = job_.camera;
+    const Place place{number_, std::size_t{block.row} * camera.width + block.columns.begin,
+                      block.columns.size(), std::size_t{camera.width} * camera.height,
+                      job_.stream};
     const auto& depth = job_.outputs.depth;
     const bool scaled = depth && depth->measure == DepthMeasure::kZ;
     job_.packer.pack(
         {colour_.values.data(), depth_.values.data(), classes_.values.data(),
-         instances_.values.data(), scaled ? job_.depth_factor + place_.first : job_.depth_factor},
-        place_);
+         instances_.values.data(), scaled ? job_.depth_factor + place.first : job_.depth_factor},
+        place);
   }
 
   const Job& job_;
   const PreparedView& view_;
-  const PlannedRow& planned_;
-  Place place_;
-  std::uint32_t size_ = 0;  // of the face that points_ are on
-  Points points_;
+  std::size_t number_;
+  ViewPlan plan_;
+  const std::uint8_t* base_ = nullptr;  // of colour's offsets; null: each face has its own
+  bool same_size_ = true;               // as colour: all other layers that are drawn
+  std::array<Block, 2> blocks_;
   Block32 colour_, instances_;
   Block16 depth_, classes_;
 };
-
-void bring_texels(const Job& job, const PreparedView& view, std::span<const PlannedRow> rows) {
-  for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    if ((view.mask >> k & 1U) == 0) continue;
-    std::optional<Footprint> footprint;
-    for (const Layer layer : detail::kEachLayer) {
-      if (!detail::has(detail::layers_of(job.outputs), layer)) continue;
-      const Face& face = job.faces[view.face[index(layer)][k]];
-      if (!footprint || footprint->size() != face.size) {
-        footprint.emplace(rows, cube_face(k), face.size);
-      }
-      footprint->bring(face, detail::kTexelBytes[index(layer)]);
-    }
-  }
-}
 
 class CpuRenderer final : public Renderer {
  public:
@@ -178,8 +258,9 @@ class CpuRenderer final : public Renderer {
                   Packer(kernels_, outputs, config_.legacy.eight_bit_depth),
                   batch_.views(),
                   batch_.faces(),
-                  bytes_of(outputs) > kStreamBytes};
-    const std::size_t tiles = (camera.height + kTileRows - 1) / kTileRows;
+                  bytes_of(outputs) > kStreamBytes,
+                  tile_rows(camera.height, batch_.views().size(), config_.threads)};
+    const std::size_t tiles = (camera.height + job.tile_rows - 1) / job.tile_rows;
     parallel_for(batch_.views().size() * tiles, 1, config_.threads,
                  [&](std::size_t begin, std::size_t end) {
                    for (std::size_t k = begin; k < end; ++k) draw_tile(job, k / tiles, k % tiles);
@@ -187,15 +268,8 @@ class CpuRenderer final : public Renderer {
   }
 
   static void draw_tile(const Job& job, std::size_t view, std::size_t tile) {
-    const auto begin = static_cast<std::uint32_t>(tile) * kTileRows;
-    const std::uint32_t count = std::min(kTileRows, job.camera.height - begin);
-    std::array<PlannedRow, kTileRows> rows;
-    for (std::uint32_t k = 0; k < count; ++k) {
-      rows[k].lines = face_lines(job.views[view].rays, begin + k);
-      rows[k].plan = RowPlan(job.views[view].rays, begin + k, job.camera.width);
-    }
-    bring_texels(job, job.views[view], std::span(rows).first(count));
-    for (std::uint32_t k = 0; k < count; ++k) RowDrawer(job, view, begin + k, rows[k]).draw();
+    const auto begin = static_cast<std::uint32_t>(tile) * job.tile_rows;
+    BandDrawer(job, view).draw(begin, std::min(job.tile_rows, job.camera.height - begin));
     if (job.stream) job.kernels.stream_end();
   }
 

@@ -1,4 +1,4 @@
-/// \file  Splits a row of a picture into stretches on one face each.
+/// \file  Splits the rows of a picture into stretches on one face each.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -10,35 +10,53 @@
 namespace enfilade::render::cpu {
 
 /// A row's pixels as a face sees them. For column j, with D = d0 + j d1, the pixel's point on the
-/// face's plane is ((s0 + j s1) / D, (t0 + j t1) / D), each in [-1, 1] if the face is met, and D is
-/// positive. Single precision: what all kernels compute with, so that they agree to the bit.
+/// face is ((x0 + j x1) / D, (y0 + j y1) / D), in 65536ths of a texel from the middle of the first
+/// texel of the face's border; D is positive where the face is met. Single precision: what all
+/// kernels compute with, so that they agree to the bit.
 struct FaceLine {
-  float s0, s1, t0, t1, d0, d1;
+  float x0, x1, y0, y1, d0, d1;
 };
-using FaceLines = std::array<FaceLine, kCubeFaces>;
 
-FaceLines face_lines(const PixelRays& rays, std::uint32_t row);
+/// \param rays in the panorama frame  \param size of the face, in texels
+FaceLine face_line(const PixelRays& rays, std::uint32_t row, CubeFace face, std::uint32_t size);
 
 struct Stretch {
   std::uint32_t begin, end;  ///< columns, end excluded
   CubeFace face;
 };
 
-/// project_to_cube() for a whole row: stretches from left to right that cover it, found from where
-/// the row's line crosses from face to face instead of pixel by pixel.
-class RowPlan {
+/// The stretches of one row, from left to right.
+class Stretches {
  public:
-  RowPlan() = default;
-  RowPlan(const PixelRays& rays, std::uint32_t row, std::uint32_t width);
-  std::span<const Stretch> stretches() const noexcept { return {stretches_.data(), count_}; }
+  static constexpr std::size_t kMost = 7;  ///< pieces between six crossings
+  std::span<const Stretch> all() const noexcept { return {stretches_.data(), count_}; }
 
  private:
-  void add_piece(const PixelRays& rays, std::uint32_t row, std::uint32_t begin, std::uint32_t end);
+  friend class ViewPlan;
   void add(std::uint32_t begin, std::uint32_t end, CubeFace face);
 
-  // A straight line meets each face at most once, but rounding may let two faces alternate where
-  // a row runs along their edge: at most three for each of the 7 pieces between 6 crossings.
-  std::array<Stretch, 24> stretches_;  // the first count_ are set
+  std::array<Stretch, kMost> stretches_;  // the first count_ are set
+  std::size_t count_ = 0;
+};
+
+/// Where the faces of a cube are in a picture. Faces meet in straight lines, six at most, so a row
+/// crosses them at columns that are linear in its number.
+class ViewPlan {
+ public:
+  explicit ViewPlan(const PixelRays& rays);
+  /// project_to_cube() for a whole row: stretches that cover columns 0 .. width - 1.
+  void plan(std::uint32_t row, std::uint32_t width, Stretches& out) const;
+
+ private:
+  // The columns origin + row * slope at which the parts a and b of the direction are of equal size;
+  // no face ends there where part c is larger.
+  struct Crossing {
+    double origin, slope;
+    std::size_t a, c;
+  };
+
+  PixelRays rays_;
+  std::array<Crossing, 6> crossings_;  // the first count_ are set
   std::size_t count_ = 0;
 };
 

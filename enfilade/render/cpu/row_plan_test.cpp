@@ -10,11 +10,13 @@ namespace {
 // Pixels that the plan puts on another face than project_to_cube() does.
 std::size_t differing_pixels(const Camera& camera, const Mat3d& rotation) {
   const PixelRays rays = pixel_rays(camera, rotation);
+  const ViewPlan plan(rays);
   std::size_t differing = 0;
   for (std::uint32_t row = 0; row < camera.height; ++row) {
-    const RowPlan plan(rays, row, camera.width);
+    Stretches stretches;
+    plan.plan(row, camera.width, stretches);
     std::uint32_t column = 0;
-    for (const Stretch& stretch : plan.stretches()) {
+    for (const Stretch& stretch : stretches.all()) {
       EXPECT_EQ(stretch.begin, column);  // they cover the row, from left to right
       for (; column < stretch.end; ++column) {
         differing += project_to_cube(rays.at(row, column)).face != stretch.face ? 1 : 0;
@@ -25,7 +27,7 @@ std::size_t differing_pixels(const Camera& camera, const Mat3d& rotation) {
   return differing;
 }
 
-TEST(RowPlan, AgreesWithAskingEachPixel) {
+TEST(ViewPlan, AgreesWithAskingEachPixel) {
   Rng rng(7, 0);
   for (int k = 0; k < 300; ++k) {
     const Camera camera{1 + static_cast<std::uint32_t>(rng.below(200)),
@@ -38,7 +40,7 @@ TEST(RowPlan, AgreesWithAskingEachPixel) {
   }
 }
 
-TEST(RowPlan, HoldsWhereEdgesRunAlongRowsAndThroughCorners) {
+TEST(ViewPlan, HoldsWhereEdgesRunAlongRowsAndThroughCorners) {
   for (const double heading : {0., 45., 90., 135.}) {
     for (const double elevation : {-90., -45., 0., 45., 90.}) {
       const Camera camera{90, 90, degrees(90)};
@@ -49,19 +51,23 @@ TEST(RowPlan, HoldsWhereEdgesRunAlongRowsAndThroughCorners) {
   }
 }
 
-TEST(RowPlan, LinesMeetThePlaneOfTheirFace) {
+TEST(ViewPlan, LinesMeetTheirFace) {
   const Camera camera{64, 48, degrees(70)};
   const PixelRays rays = pixel_rays(camera, world_from_camera(Radians(0.4), Radians(0.2)));
+  const ViewPlan plan(rays);
+  constexpr std::uint32_t kSize = 512;
   for (std::uint32_t row = 0; row < camera.height; ++row) {
-    const FaceLines lines = face_lines(rays, row);
-    const RowPlan plan(rays, row, camera.width);
-    for (const Stretch& stretch : plan.stretches()) {
-      const FaceLine& line = lines[index(stretch.face)];
+    Stretches stretches;
+    plan.plan(row, camera.width, stretches);
+    for (const Stretch& stretch : stretches.all()) {
+      const FaceLine line = face_line(rays, row, stretch.face, kSize);
       const float j = static_cast<float>(stretch.begin), ahead = line.d0 + j * line.d1;
       const FacePoint point = project_to_cube(rays.at(row, stretch.begin));
-      // Single precision.
-      EXPECT_NEAR((line.s0 + j * line.s1) / ahead, 2 * point.s - 1, 1e-6);
-      EXPECT_NEAR((line.t0 + j * line.t1) / ahead, 2 * point.t - 1, 1e-6);
+      // From the middle of the border's texel, half a texel before the face's edge; in 65536ths.
+      const auto texels = [](float value, float d) { return value / d / 65536 - 0.5; };
+      // Single precision of numbers up to 2^25.
+      EXPECT_NEAR(texels(line.x0 + j * line.x1, ahead), point.s * kSize, 2e-4);
+      EXPECT_NEAR(texels(line.y0 + j * line.y1, ahead), point.t * kSize, 2e-4);
     }
   }
 }

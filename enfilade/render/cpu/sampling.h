@@ -1,83 +1,100 @@
 /// \file  One texel lookup, in the arithmetic that all kernels share; see docs/design/kernels.md.
 #pragma once
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 
+#include "enfilade/image/face_cells.h"
 #include "enfilade/render/cpu/row_plan.h"
 #include "enfilade/render/face_cache.h"
 
 namespace enfilade::render::cpu {
 
-/// A point of a face in 32768ths of a texel from its top left corner, 0 .. size << 15: a texel's
-/// number and the place in it are the upper and the lower bits of one whole number.
+/// A point of a face in 65536ths of a texel from the middle of the first texel of its border: a
+/// texel's number and the place between it and the next are the upper and the lower 16 bits of one
+/// number. Points of the face itself are at least half a texel away from where numbers end, so
+/// rounding needs no clamp.
 struct TexelPoint {
   std::int32_t x, y;
 };
 
-inline TexelPoint texel_point(const FaceLine& line, std::uint32_t size, std::uint32_t column) {
+inline TexelPoint texel_point(const FaceLine& line, std::uint32_t column) {
   const float j = static_cast<float>(column);
-  const float half = static_cast<float>(size) * 16384.0F, whole = half + half;
-  const float ratio = half / (line.d0 + j * line.d1);
-  const float x = (line.s0 + j * line.s1) * ratio + half;
-  const float y = (line.t0 + j * line.t1) * ratio + half;
-  // Values outside this range are rounding errors.
-  return {static_cast<std::int32_t>(std::min(std::max(x, 0.0F), whole)),
-          static_cast<std::int32_t>(std::min(std::max(y, 0.0F), whole))};
+  const float inverse = 1.0F / (line.d0 + j * line.d1);
+  return {static_cast<std::int32_t>((line.x0 + j * line.x1) * inverse),
+          static_cast<std::int32_t>((line.y0 + j * line.y1) * inverse)};
 }
 
-/// From texels' corners to their middles, and on to the border's first texel: what turns a point
-/// into the number of the left or upper of two texels, plus 1, and its weight.
-inline constexpr std::int32_t kLinearShift = 16384;
-
-/// What the shifted numbers are held to. Clamped: not beyond the middles of the outer texels.
-struct LinearRange {
-  std::int32_t low, high;
+/// The colour texels around a point, and how to weigh them.
+struct Tap {
+  std::int32_t offset;  ///< bytes from the face's cells to the left upper one
+  /// Bits 0-7 and 8-15: weights of the left and the right texels, 255 in all; bits 16-31: that of
+  /// the lower texels in 2^-15, times 128 / 255, of kWholeWeight in all.
+  std::uint32_t weights;
 };
-inline LinearRange linear_range(std::uint32_t size, bool clamped) {
-  const auto whole = static_cast<std::int32_t>(size << 15);
-  return clamped ? LinearRange{32768, whole} : LinearRange{0, whole + kLinearShift};
-}
+inline constexpr std::int32_t kWholeWeight = 16448;  ///< 2^15 * 128 / 255, rounded
 
-/// The texel (-1, -1), where the shifted numbers begin.
-inline const std::uint8_t* border_origin(const Face& face) { return face.origin - face.stride - 4; }
+/// What turns columns into strips: x / 18 = x * 3641 / 65536 for all x up to kLargestCellFace.
+inline constexpr std::int32_t kStripFactor = 3641;
+/// Bytes from the end of a strip's first line of 18 texels to the next strip's.
+inline std::int32_t strip_step(std::uint32_t size) {
+  return static_cast<std::int32_t>(image::ColourCells::pitch(size)) -
+         static_cast<std::int32_t>(image::ColourCells::kColumns * image::ColourCells::kTexelBytes);
+}
 
 /// (a * b) / 2^15, rounded to nearest: what one vector instruction does to 16-bit numbers.
 inline std::int32_t scale15(std::int32_t a, std::int32_t b) { return (a * b + (1 << 14)) >> 15; }
 
-/// a + (b - a) * weight / 2^15; a and b in 64ths of a level.
-inline std::int32_t mix15(std::int32_t a, std::int32_t b, std::int32_t weight) {
-  return a + scale15(b - a, weight);
+/// Clamped: no farther than to the middles of the outer texels.
+inline Tap tap_at(std::uint32_t size, bool clamped, TexelPoint p) {
+  if (clamped) {
+    const auto last = static_cast<std::int32_t>(size << 16);
+    p = {std::clamp(p.x, 65536, last), std::clamp(p.y, 65536, last)};
+  }
+  const std::int32_t x = p.x >> 16, y = p.y >> 16;
+  const std::int32_t strip = x * kStripFactor >> 16;
+  const std::uint32_t right = static_cast<std::uint32_t>(p.x) >> 8 & 255;
+  const auto below = static_cast<std::uint32_t>(scale15((p.y & 0xFFFF) >> 1, kWholeWeight));
+  return {strip * strip_step(size) + 3 * x + 64 * y, below << 16 | right << 8 | (255 - right)};
 }
 
 /// Bilinear; the texels around come from the face's border. RGBA in memory order, A = 255.
-inline std::uint32_t sample_colour(const Face& face, LinearRange range, TexelPoint p) {
-  const std::int32_t x = std::clamp(p.x + kLinearShift, range.low, range.high);
-  const std::int32_t y = std::clamp(p.y + kLinearShift, range.low, range.high);
-  const std::int32_t wx = x & 32767, wy = y & 32767;
-  const std::uint8_t* top = border_origin(face) + static_cast<std::size_t>(y >> 15) * face.stride +
-                            static_cast<std::size_t>(x >> 15) * 4;
-  const std::uint8_t* bottom = top + face.stride;
-  std::uint32_t rgba = 0;
-  for (unsigned c = 0; c < 4; ++c) {
-    const std::int32_t left = mix15(top[c] << 6, bottom[c] << 6, wy);
-    const std::int32_t right = mix15(top[c + 4] << 6, bottom[c + 4] << 6, wy);
-    const std::int32_t value = (mix15(left, right, wx) + 32) >> 6;
-    rgba |= static_cast<std::uint32_t>(value) << (8 * c);
+inline std::uint32_t sample_colour(const std::uint8_t* cells, Tap tap) {
+  const std::uint8_t* top = cells + tap.offset;
+  const std::uint8_t* bottom = top + image::kCellBytes;
+  const auto left = static_cast<std::int32_t>(tap.weights & 255);
+  const auto right = static_cast<std::int32_t>(tap.weights >> 8 & 255);
+  const auto below = static_cast<std::int32_t>(tap.weights >> 16);
+  const auto mix = [&](const std::uint8_t* texels, unsigned c) {
+    // Cells have texels less 128 as bytes with a sign.
+    return static_cast<std::int8_t>(texels[c]) * left +
+           static_cast<std::int8_t>(texels[c + 3]) * right;
+  };
+  std::uint32_t rgba = 0xFF000000U;
+  for (unsigned c = 0; c < 3; ++c) {
+    const std::int32_t value =
+        scale15(mix(top, c), kWholeWeight - below) + scale15(mix(bottom, c), below);
+    rgba |= static_cast<std::uint32_t>(scale15(value, 256) + 128) << (8 * c);
   }
   return rgba;
 }
 
-/// The texel that holds the point.
+/// Bytes from a face's cells to the texel that holds the point.
+template <class T>
+std::int32_t nearest_offset(std::uint32_t size, TexelPoint p) {
+  // From the middle of the border's texel to the face's edge; beyond are rounding errors.
+  const std::int32_t last = static_cast<std::int32_t>(size << 16) - 1;
+  const std::int32_t x = std::clamp(p.x - 32768, 0, last) >> 16;
+  const std::int32_t y = std::clamp(p.y - 32768, 0, last) >> 16;
+  return static_cast<std::int32_t>(image::ValueCells<T>::offset(
+      size, static_cast<std::size_t>(x), static_cast<std::size_t>(y)));
+}
+
 template <class T>
 T sample_nearest(const Face& face, TexelPoint p) {
-  const auto last = static_cast<std::int32_t>(face.size << 15) - 1;
-  const auto x = static_cast<std::size_t>(std::min(p.x, last) >> 15);
-  const auto y = static_cast<std::size_t>(std::min(p.y, last) >> 15);
   T value;
-  std::memcpy(&value, face.origin + y * face.stride + x * sizeof(T), sizeof(T));
+  std::memcpy(&value, face.cells + nearest_offset<T>(face.size, p), sizeof(T));
   return value;
 }
 

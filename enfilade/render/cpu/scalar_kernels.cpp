@@ -8,26 +8,39 @@
 namespace enfilade::render::cpu {
 namespace {
 
-void points(const FaceLine& line, std::uint32_t size, Piece piece, Points& out) {
-  for (std::uint32_t k = 0; k < piece.size(); ++k) {
-    const TexelPoint p = texel_point(line, size, piece.begin + k);
-    out.x[k] = p.x;
-    out.y[k] = p.y;
+void points(const FaceLine& line, Piece piece, std::size_t at, Points& out) {
+  for (std::uint32_t column = piece.begin; column < piece.end; ++column, ++at) {
+    const TexelPoint p = texel_point(line, column);
+    out.x[at] = p.x;
+    out.y[at] = p.y;
   }
 }
 
-void colour(const Points& points, const Face& face, bool clamped, std::size_t count,
+void taps(const FaceLine& line, Piece piece, const ColourFace& face, std::size_t at, Taps& out) {
+  for (std::uint32_t column = piece.begin; column < piece.end; ++column, ++at) {
+    const Tap tap = tap_at(face.size, face.clamped, texel_point(line, column));
+    out.offset[at] = face.first + tap.offset;
+    out.weights[at] = tap.weights;
+  }
+}
+
+void taps_and_points(const FaceLine& line, Piece piece, const ColourFace& face, std::size_t at,
+                     Taps& out, Points& out_points) {
+  taps(line, piece, face, at, out);
+  points(line, piece, at, out_points);
+}
+
+void colour(const std::uint8_t* base, const Taps& taps, std::size_t from, std::size_t count,
             std::uint32_t* out) {
-  const LinearRange range = linear_range(face.size, clamped);
-  for (std::size_t k = 0; k < count; ++k) {
-    out[k] = sample_colour(face, range, {points.x[k], points.y[k]});
+  for (std::size_t k = from; k < from + count; ++k) {
+    *out++ = sample_colour(base, {taps.offset[k], taps.weights[k]});
   }
 }
 
 template <class T>
-void nearest(const Points& points, const Face& face, std::size_t count, T* out) {
-  for (std::size_t k = 0; k < count; ++k) {
-    out[k] = sample_nearest<T>(face, {points.x[k], points.y[k]});
+void nearest(const Points& points, std::size_t from, const Face& face, std::size_t count, T* out) {
+  for (std::size_t k = from; k < from + count; ++k) {
+    *out++ = sample_nearest<T>(face, {points.x[k], points.y[k]});
   }
 }
 
@@ -108,9 +121,23 @@ void pack_legacy_metres(const std::uint16_t* units, const float* factor, std::si
 }
 
 constexpr Kernels kScalar{
-    "scalar",   points,      colour,        nearest<std::uint16_t>, nearest<std::uint32_t>,
-    pack_rgb,   pack_bgr,    pack_planar16, pack_planar32,          stream,
-    stream_end, pack_metres, pack_units,    pack_legacy_units,      pack_legacy_metres,
+    "scalar",
+    points,
+    taps,
+    taps_and_points,
+    colour,
+    nearest<std::uint16_t>,
+    nearest<std::uint32_t>,
+    pack_rgb,
+    pack_bgr,
+    pack_planar16,
+    pack_planar32,
+    stream,
+    stream_end,
+    pack_metres,
+    pack_units,
+    pack_legacy_units,
+    pack_legacy_metres,
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 // The kernels once for each instruction set that Highway knows, the best one chosen at run time.
 // Design: docs/design/kernels.md.
+// Highway leaves VNNI and VBMI out otherwise.
+#define HWY_WANT_AVX3_DL 1
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "enfilade/render/cpu/simd_kernels.cpp"
 #include <hwy/cache_control.h>
@@ -9,6 +11,7 @@
 #include "enfilade/render/cpu/kernels.h"
 #include "enfilade/render/cpu/sampling.h"
 
+#undef EN_X86_512
 HWY_BEFORE_NAMESPACE();
 namespace enfilade::render::cpu {
 namespace HWY_NAMESPACE {
@@ -27,10 +30,13 @@ using VF = hn::Vec<DF>;
 using VI = hn::Vec<DI>;
 using VU = hn::Vec<DU>;
 
+// AVX-512: Highway's targets from HWY_AVX3 on, the better ones have lower numbers.
+#define EN_X86_512 (HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3)
+
 // Converts numbers from 0 to 2^31 - 256. ConvertTo handles all others too, which costs four
 // instructions.
 HWY_INLINE VI truncated(VF v) {
-#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+#if EN_X86_512
   return VI{_mm512_cvttps_epi32(v.raw)};
 #elif HWY_TARGET == HWY_AVX2
   return VI{_mm256_cvttps_epi32(v.raw)};
@@ -41,156 +47,289 @@ HWY_INLINE VI truncated(VF v) {
 #endif
 }
 
+using DI16 = hn::Repartition<std::int16_t, DI>;
+using DU16 = hn::Repartition<std::uint16_t, DI>;
+using DI8 = hn::Repartition<std::int8_t, DI>;
+using DU8 = hn::Repartition<std::uint8_t, DI>;
+using DU64 = hn::Repartition<std::uint64_t, DI>;
+using VI16 = hn::Vec<DI16>;
+using VU64 = hn::Vec<DU64>;
+
+constexpr std::int32_t halves(std::int32_t high, std::int32_t low) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(high) << 16 |
+                                   (static_cast<std::uint32_t>(low) & 0xFFFFU));
+}
+
+// sum + a.low * b.low + a.high * b.high of the 16-bit halves of each lane, which have signs.
+HWY_INLINE VI add_products(VI sum, VI a, VI b) {
+#if EN_X86_512
+  return VI{_mm512_add_epi32(sum.raw, _mm512_madd_epi16(a.raw, b.raw))};
+#elif HWY_TARGET == HWY_AVX2
+  return VI{_mm256_add_epi32(sum.raw, _mm256_madd_epi16(a.raw, b.raw))};
+#elif HWY_ARCH_X86
+  return VI{_mm_add_epi32(sum.raw, _mm_madd_epi16(a.raw, b.raw))};
+#else
+  const VI low = hn::Mul(hn::ShiftRight<16>(hn::ShiftLeft<16>(a)),
+                         hn::ShiftRight<16>(hn::ShiftLeft<16>(b)));
+  return hn::Add(sum, hn::Add(low, hn::Mul(hn::ShiftRight<16>(a), hn::ShiftRight<16>(b))));
+#endif
+}
+
+// The upper 16 bits of the products of 16-bit halves without signs.
+HWY_INLINE VI upper_products(VI a, std::int32_t b) {
+  return hn::BitCast(DI(),
+                     hn::MulHigh(hn::BitCast(DU16(), a), hn::BitCast(DU16(), hn::Set(DI(), b))));
+}
+
+HWY_INLINE VI scale15(VI a, std::int32_t b) {
+  return hn::BitCast(
+      DI(), hn::MulFixedPoint15(hn::BitCast(DI16(), a), hn::BitCast(DI16(), hn::Set(DI(), b))));
+}
+
+// --- where pixels meet faces ---------------------------------------------------------------------
+
 // texel_point() for as many columns as a register holds. Multiplications and additions are
-// separate, as a fused one would round differently from the scalar kernel. Lanes beyond the piece's
-// end repeat the last column, so that none leaves the face.
-void points(const FaceLine& line, std::uint32_t size, Piece piece, Points& out) {
-  const DF d;
-  const DI di;
-  const float half = static_cast<float>(size) * 16384.0F;
-  const VF middle = hn::Set(d, half), whole = hn::Set(d, half + half), zero = hn::Zero(d);
-  const VF last = hn::Set(d, static_cast<float>(piece.end - 1));
-  const VF step = hn::Set(d, static_cast<float>(hn::Lanes(d)));
-  VF column =
-      hn::Add(hn::ConvertTo(d, hn::Iota(di, 0)), hn::Set(d, static_cast<float>(piece.begin)));
-  for (std::size_t k = 0; k < piece.size(); k += hn::Lanes(d)) {
+// separate, as a fused one would round differently from the scalar kernel.
+struct PointMaker {
+  HWY_INLINE PointMaker(const FaceLine& line, Piece piece)
+      : x0(hn::Set(DF(), line.x0)),
+        x1(hn::Set(DF(), line.x1)),
+        y0(hn::Set(DF(), line.y0)),
+        y1(hn::Set(DF(), line.y1)),
+        d0(hn::Set(DF(), line.d0)),
+        d1(hn::Set(DF(), line.d1)),
+        one(hn::Set(DF(), 1.0F)),
+        last(hn::Set(DF(), static_cast<float>(piece.end - 1))),
+        step(hn::Set(DF(), static_cast<float>(hn::Lanes(DF())))),
+        column(hn::Add(hn::ConvertTo(DF(), hn::Iota(DI(), 0)),
+                       hn::Set(DF(), static_cast<float>(piece.begin)))) {}
+
+  HWY_INLINE void next(VI& x, VI& y) {
+    // Lanes beyond the piece's end repeat the last column, so that none leaves the face.
     const VF j = hn::Min(column, last);
-    const VF ahead = hn::Add(hn::Set(d, line.d0), hn::Mul(j, hn::Set(d, line.d1)));
-    const VF ratio = hn::Div(middle, ahead);
-    const VF s = hn::Add(hn::Set(d, line.s0), hn::Mul(j, hn::Set(d, line.s1)));
-    const VF t = hn::Add(hn::Set(d, line.t0), hn::Mul(j, hn::Set(d, line.t1)));
-    const VF x = hn::Add(hn::Mul(s, ratio), middle), y = hn::Add(hn::Mul(t, ratio), middle);
-    hn::Store(truncated(hn::Min(hn::Max(x, zero), whole)), di, out.x.data() + k);
-    hn::Store(truncated(hn::Min(hn::Max(y, zero), whole)), di, out.y.data() + k);
+    const VF inverse = hn::Div(one, hn::Add(d0, hn::Mul(j, d1)));
+    x = truncated(hn::Mul(hn::Add(x0, hn::Mul(j, x1)), inverse));
+    y = truncated(hn::Mul(hn::Add(y0, hn::Mul(j, y1)), inverse));
     column = hn::Add(column, step);
+  }
+
+  VF x0, x1, y0, y1, d0, d1, one, last, step, column;
+};
+
+// tap_at(); docs/design/kernels.md has the formulas.
+template <bool kClamped>
+struct TapMaker {
+  HWY_INLINE explicit TapMaker(const ColourFace& face)
+      : first(hn::Set(DI(), face.first)),
+        strip_step(hn::Set(DI(), cpu::strip_step(face.size))),
+        low(hn::Set(DI(), 65536)),
+        high(hn::Set(DI(), static_cast<std::int32_t>(face.size << 16))) {}
+
+  HWY_INLINE void make(VI x, VI y, VI& offset, VI& weights) const {
+    if constexpr (kClamped) {
+      x = hn::Min(hn::Max(x, low), high);
+      y = hn::Min(hn::Max(y, low), high);
+    }
+    const VI strip = hn::ShiftRight<16>(upper_products(x, halves(kStripFactor, 0)));
+    const VI row = add_products(first, x, hn::Set(DI(), halves(3, 0)));
+    const VI place = add_products(row, y, hn::Set(DI(), halves(64, 0)));
+    offset = hn::Add(place, hn::Mul(strip, strip_step));
+    const VI right = upper_products(x, halves(0, 256));
+    const VI across = add_products(hn::Set(DI(), 255), right, hn::Set(DI(), halves(0, 255)));
+    const VI below = hn::And(hn::ShiftLeft<15>(y), hn::Set(DI(), 0x7FFF0000));
+    weights = hn::Or(across, scale15(below, halves(kWholeWeight, 0)));
+  }
+
+  VI first, strip_step, low, high;
+};
+
+void points(const FaceLine& line, Piece piece, std::size_t at, Points& out) {
+  PointMaker maker(line, piece);
+  for (std::size_t k = at; k < at + piece.size(); k += hn::Lanes(DI())) {
+    VI x, y;
+    maker.next(x, y);
+    hn::StoreU(x, DI(), out.x.data() + k);
+    hn::StoreU(y, DI(), out.y.data() + k);
   }
 }
 
-using Offsets = std::array<std::int32_t, kBlock + kSlack>;
+template <bool kClamped, bool kPoints>
+void make_taps(const FaceLine& line, Piece piece, const ColourFace& face, std::size_t at, Taps& out,
+               Points* points) {
+  PointMaker maker(line, piece);
+  const TapMaker<kClamped> taps(face);
+  for (std::size_t k = at; k < at + piece.size(); k += hn::Lanes(DI())) {
+    VI x, y, offset, weights;
+    maker.next(x, y);
+    taps.make(x, y, offset, weights);
+    hn::StoreU(offset, DI(), out.offset.data() + k);
+    hn::StoreU(hn::BitCast(DU(), weights), DU(), out.weights.data() + k);
+    if constexpr (kPoints) {
+      hn::StoreU(x, DI(), points->x.data() + k);
+      hn::StoreU(y, DI(), points->y.data() + k);
+    }
+    // These texels are read when this row is drawn, after the next one is prepared.
+    hwy::Prefetch(face.base + out.offset[k]);
+  }
+}
+
+void taps(const FaceLine& line, Piece piece, const ColourFace& face, std::size_t at, Taps& out) {
+  if (face.clamped) return make_taps<true, false>(line, piece, face, at, out, nullptr);
+  make_taps<false, false>(line, piece, face, at, out, nullptr);
+}
+
+void taps_and_points(const FaceLine& line, Piece piece, const ColourFace& face, std::size_t at,
+                     Taps& out, Points& points) {
+  if (face.clamped) return make_taps<true, true>(line, piece, face, at, out, &points);
+  make_taps<false, true>(line, piece, face, at, out, &points);
+}
 
 // --- colour -------------------------------------------------------------------------------------
 
-// Where the texels of a piece's pixels are, and how to weigh them. Written first, for the whole
-// piece, so that the loads that follow need not wait for the arithmetic.
-struct Taps {
-  alignas(64) Offsets offset;
-  alignas(64) std::array<std::uint32_t, kBlock + kSlack> wx, wy;  // twice in each lane
-};
-
-HWY_INLINE VU weight_twice(VI fixed) {
-  const VU w = hn::And(hn::BitCast(DU(), fixed), hn::Set(DU(), 32767));
-  return hn::Or(w, hn::ShiftLeft<16>(w));
-}
-
-void find_taps(const Points& points, const Face& face, LinearRange range, std::size_t count,
-               Taps& taps) {
-  const DI di;
-  const DU du;
-  const VI stride = hn::Set(di, static_cast<std::int32_t>(face.stride));
-  const VI low = hn::Set(di, range.low), high = hn::Set(di, range.high);
-  const VI shift = hn::Set(di, kLinearShift);
-  for (std::size_t k = 0; k < count; k += hn::Lanes(di)) {
-    const VI x = hn::Min(hn::Max(hn::Add(hn::Load(di, points.x.data() + k), shift), low), high);
-    const VI y = hn::Min(hn::Max(hn::Add(hn::Load(di, points.y.data() + k), shift), low), high);
-    const VI row = hn::Mul(hn::ShiftRight<15>(y), stride);
-    hn::Store(hn::Add(row, hn::ShiftLeft<2>(hn::ShiftRight<15>(x))), di, taps.offset.data() + k);
-    hn::Store(weight_twice(x), du, taps.wx.data() + k);
-    hn::Store(weight_twice(y), du, taps.wy.data() + k);
-  }
-}
-
-// Two texels lie side by side in 8 bytes: one load a row of texels. Written out pair by pair, as
-// gcc 12 emits more shuffles than loads otherwise.
+// Two neighbouring texels are 6 bytes of one cell: a load of 8 has both. Written out pair by pair,
+// as gcc 12 emits more shuffles than loads otherwise.
 template <std::size_t kPixels>
-HWY_INLINE hn::Vec<hn::FixedTag<std::uint64_t, kPixels>> load_pairs(const std::uint8_t* texels,
+HWY_INLINE hn::Vec<hn::FixedTag<std::uint64_t, kPixels>> load_pairs(const std::uint8_t* base,
                                                                     const std::int32_t* offset) {
   if constexpr (kPixels == 1) {
     const hn::Full64<std::uint64_t> d;
-    return hn::LoadU(d, reinterpret_cast<const std::uint64_t*>(texels + *offset));
+    return hn::LoadU(d, reinterpret_cast<const std::uint64_t*>(base + *offset));
   } else {
     const hn::FixedTag<std::uint64_t, kPixels> d;
-    return hn::Combine(d, load_pairs<kPixels / 2>(texels, offset + kPixels / 2),
-                       load_pairs<kPixels / 2>(texels, offset));
+    return hn::Combine(d, load_pairs<kPixels / 2>(base, offset + kPixels / 2),
+                       load_pairs<kPixels / 2>(base, offset));
   }
 }
 
-// mix15() of the 16-bit halves of each lane.
-HWY_INLINE VU mix(VU a, VU b, VU w) {
-  const hn::Repartition<std::int16_t, DU> d16;
-  const auto a16 = hn::BitCast(d16, a);
-  const auto part = hn::MulFixedPoint15(hn::Sub(hn::BitCast(d16, b), a16), hn::BitCast(d16, w));
-  return hn::BitCast(DU(), hn::Add(a16, part));
+constexpr std::size_t kHalf = hn::MaxLanes(DU64());  // pixels of which a register has the pairs
+
+template <bool kGather>
+HWY_INLINE VU64 pairs(const std::uint8_t* base, const std::int32_t* offset) {
+#if EN_X86_512
+  if constexpr (kGather) {
+    const __m256i at = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(offset));
+    // The zeroes break a dependency on what the register held before.
+    return VU64{_mm512_mask_i32gather_epi64(_mm512_setzero_si512(), 0xFF, at, base, 1)};
+  }
+#elif HWY_TARGET == HWY_AVX2
+  if constexpr (kGather) {
+    const __m128i at = _mm_loadu_si128(reinterpret_cast<const __m128i*>(offset));
+    return VU64{_mm256_mask_i32gather_epi64(_mm256_setzero_si256(),
+                                            reinterpret_cast<const long long*>(base), at,
+                                            _mm256_set1_epi64x(-1), 1)};
+  }
+#endif
+  return load_pairs<kHalf>(base, offset);
 }
 
-// The four texels around the pixels of a register.
-struct Quad {
-  VU left_top, right_top, left_bottom, right_bottom;
+// Of each pair of bytes: left * weight of the left + right * weight of the right.
+HWY_INLINE VI16 mix_across(hn::Vec<DU8> weights, hn::Vec<DU8> texels) {
+#if EN_X86_512
+  return VI16{_mm512_maddubs_epi16(weights.raw, texels.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  return VI16{_mm256_maddubs_epi16(weights.raw, texels.raw)};
+#elif HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_SSSE3
+  return VI16{_mm_maddubs_epi16(weights.raw, texels.raw)};
+#else
+  const VI16 w = hn::BitCast(DI16(), weights), t = hn::BitCast(DI16(), texels);
+  const VI16 left = hn::Mul(hn::And(w, hn::Set(DI16(), 255)), hn::ShiftRight<8>(hn::ShiftLeft<8>(t)));
+  const VI16 right = hn::Mul(
+      hn::BitCast(DI16(), hn::ShiftRight<8>(hn::BitCast(DU16(), w))), hn::ShiftRight<8>(t));
+  return hn::Add(left, right);
+#endif
+}
+
+// The texels and weights of the pixels of one register of pairs: four 16-bit values a pixel, red,
+// green, blue and 0, less 128.
+HWY_INLINE VI16 mix(VU64 top, VU64 bottom, hn::Vec<DU8> across, VI16 below) {
+  const DU8 d8;
+  // Left and right red, green, blue, nothing.
+  constexpr std::uint8_t kZ = 0x80;
+  alignas(16) static constexpr std::uint8_t kOrder[16] = {0, 3,  1, 4,  2,  5,  kZ, kZ,
+                                                          8, 11, 9, 12, 10, 13, kZ, kZ};
+  const auto order = hn::LoadDup128(d8, kOrder);
+  const VI16 a = mix_across(across, hn::TableLookupBytesOr0(hn::BitCast(d8, top), order));
+  const VI16 b = mix_across(across, hn::TableLookupBytesOr0(hn::BitCast(d8, bottom), order));
+  const VI16 above = hn::Sub(hn::Set(DI16(), static_cast<std::int16_t>(kWholeWeight)), below);
+  const VI16 sum = hn::Add(hn::MulFixedPoint15(a, above), hn::MulFixedPoint15(b, below));
+  return hn::MulFixedPoint15(sum, hn::Set(DI16(), 256));
+}
+
+// Spreads the weights of a register's pixels over the values of each: bytes 0 and 1, and 2 and 3.
+struct Weights {
+  hn::Vec<DU8> across;
+  VI16 below;
 };
-
-HWY_INLINE void load_row(const std::uint8_t* texels, const std::int32_t* offset, VU& left,
-                         VU& right) {
-  constexpr std::size_t kHalf = hn::MaxLanes(DU()) / 2;
-  const VU low = hn::BitCast(DU(), load_pairs<kHalf>(texels, offset));
-  const VU high = hn::BitCast(DU(), load_pairs<kHalf>(texels, offset + kHalf));
-  left = hn::ConcatEven(DU(), high, low);
-  right = hn::ConcatOdd(DU(), high, low);
+HWY_INLINE Weights weights_of(const std::uint32_t* weights) {
+  const DU8 d8;
+  alignas(16) static constexpr std::uint8_t kAcross[16] = {0, 1, 0, 1, 0, 1, 0, 1,
+                                                           8, 9, 8, 9, 8, 9, 8, 9};
+  alignas(16) static constexpr std::uint8_t kBelow[16] = {2,  3,  2,  3,  2,  3,  2,  3,
+                                                          10, 11, 10, 11, 10, 11, 10, 11};
+  const hn::Rebind<std::uint32_t, DU64> half;
+  const auto wide = hn::BitCast(d8, hn::PromoteTo(DU64(), hn::LoadU(half, weights)));
+  return {hn::TableLookupBytes(wide, hn::LoadDup128(d8, kAcross)),
+          hn::BitCast(DI16(), hn::TableLookupBytes(wide, hn::LoadDup128(d8, kBelow)))};
 }
 
-// Red and blue, or green and alpha, as 64ths of a level in 16-bit halves.
-HWY_INLINE VU red_blue(VU rgba) {
-  return hn::ShiftLeft<6>(hn::And(rgba, hn::Set(DU(), 0x00FF00FFU)));
-}
-HWY_INLINE VU green_alpha(VU rgba) {
-  return hn::ShiftRight<2>(hn::And(rgba, hn::Set(DU(), 0xFF00FF00U)));
-}
-
-template <class Split>
-HWY_INLINE VU mix_quad(const Quad& q, VU wx, VU wy, Split split) {
-  const VU left = mix(split(q.left_top), split(q.left_bottom), wy);
-  const VU right = mix(split(q.right_top), split(q.right_bottom), wy);
-  return hn::Add(mix(left, right, wx), hn::Set(DU(), 0x00200020U));
-}
-
-void filter(const Face& face, const Taps& taps, std::size_t count, std::uint32_t* out) {
-  const DU du;
-  const std::uint8_t* top = border_origin(face);
-  const std::uint8_t* bottom = top + face.stride;
-  for (std::size_t k = 0; k < count; k += hn::Lanes(du)) {
-    const VU wx = hn::Load(du, taps.wx.data() + k), wy = hn::Load(du, taps.wy.data() + k);
-    Quad quad;
-    load_row(top, taps.offset.data() + k, quad.left_top, quad.right_top);
-    load_row(bottom, taps.offset.data() + k, quad.left_bottom, quad.right_bottom);
-    const VU rb = mix_quad(quad, wx, wy, [](VU v) HWY_ATTR { return red_blue(v); });
-    const VU ga = mix_quad(quad, wx, wy, [](VU v) HWY_ATTR { return green_alpha(v); });
-    const VU low = hn::And(hn::ShiftRight<6>(rb), hn::Set(du, 0x00FF00FFU));
-    const VU high = hn::And(hn::ShiftLeft<2>(ga), hn::Set(du, 0xFF00FF00U));
-    hn::StoreU(hn::Or(low, high), du, out + k);
-  }
+// Values of the first and the second half of a register's pixels to bytes, with the 128 added that
+// texels lack, and A = 255.
+HWY_INLINE VU rgba_of(VI16 first, VI16 second) {
+#if EN_X86_512
+  const __m512i bytes = _mm512_packs_epi16(first.raw, second.raw);
+  const __m512i order = _mm512_setr_epi64(0, 2, 4, 6, 1, 3, 5, 7);
+  const VU pixels{_mm512_permutexvar_epi64(order, bytes)};
+#elif HWY_TARGET == HWY_AVX2
+  const VU pixels{_mm256_permute4x64_epi64(_mm256_packs_epi16(first.raw, second.raw), 0xD8)};
+#else
+  const hn::Half<DI8> half;
+  const VU pixels = hn::BitCast(
+      DU(), hn::Combine(DI8(), hn::DemoteTo(half, second), hn::DemoteTo(half, first)));
+#endif
+  return hn::Xor(pixels, hn::Set(DU(), 0xFF808080U));
 }
 
-void colour(const Points& points, const Face& face, bool clamped, std::size_t count,
+template <bool kGather>
+void colour(const std::uint8_t* base, const Taps& taps, std::size_t from, std::size_t count,
             std::uint32_t* out) {
-  Taps taps;
-  find_taps(points, face, linear_range(face.size, clamped), count, taps);
-  filter(face, taps, count, out);
+  const DU du;
+  const std::int32_t* offset = taps.offset.data() + from;
+  const std::uint32_t* weight = taps.weights.data() + from;
+  for (std::size_t k = 0; k < count; k += hn::Lanes(du)) {
+    const VU64 top1 = pairs<kGather>(base, offset + k);
+    const VU64 bottom1 = pairs<kGather>(base + image::kCellBytes, offset + k);
+    const VU64 top2 = pairs<kGather>(base, offset + k + kHalf);
+    const VU64 bottom2 = pairs<kGather>(base + image::kCellBytes, offset + k + kHalf);
+    const Weights first = weights_of(weight + k), second = weights_of(weight + k + kHalf);
+    hn::StoreU(rgba_of(mix(top1, bottom1, first.across, first.below),
+                       mix(top2, bottom2, second.across, second.below)),
+               du, out + k);
+  }
 }
 
 // --- nearest ------------------------------------------------------------------------------------
 
 template <class T>
-void nearest(const Points& points, const Face& face, std::size_t count, T* out) {
+void nearest(const Points& points, std::size_t from, const Face& face, std::size_t count, T* out) {
   const DI di;
-  alignas(64) Offsets offset;
-  const VI stride = hn::Set(di, static_cast<std::int32_t>(face.stride / sizeof(T)));
-  const VI last = hn::Set(di, static_cast<std::int32_t>(face.size << 15) - 1);
+  alignas(64) std::array<std::int32_t, kBlock + kSlack> offset;
+  constexpr int kShift = sizeof(T) == 2 ? 5 : 4;
+  static_assert(image::ValueCells<T>::kColumns == 1U << kShift);
+  const VI step = hn::Set(di, static_cast<std::int32_t>(image::ValueCells<T>::pitch(face.size)) -
+                                  static_cast<std::int32_t>(image::kCellBytes));
+  const VI last = hn::Set(di, static_cast<std::int32_t>(face.size << 16) - 1);
+  const VI half = hn::Set(di, 32768), zero = hn::Zero(di);
   for (std::size_t k = 0; k < count; k += hn::Lanes(di)) {
-    const VI x = hn::ShiftRight<15>(hn::Min(hn::Load(di, points.x.data() + k), last));
-    const VI y = hn::ShiftRight<15>(hn::Min(hn::Load(di, points.y.data() + k), last));
-    hn::Store(hn::Add(hn::Mul(y, stride), x), di, offset.data() + k);
+    const VI px = hn::Sub(hn::LoadU(di, points.x.data() + from + k), half);
+    const VI py = hn::Sub(hn::LoadU(di, points.y.data() + from + k), half);
+    const VI x = hn::ShiftRight<16>(hn::Min(hn::Max(px, zero), last));
+    const VI y = hn::ShiftRight<16>(hn::Min(hn::Max(py, zero), last));
+    const VI strip = hn::Mul(hn::ShiftRight<kShift>(x), step);
+    const VI texel = hn::ShiftLeft<sizeof(T) == 2 ? 1 : 2>(x);
+    hn::Store(hn::Add(hn::Add(strip, texel), hn::ShiftLeft<6>(y)), di, offset.data() + k);
   }
-  const T* texels = reinterpret_cast<const T*>(face.origin);
 #pragma GCC unroll 8
-  for (std::size_t k = 0; k < count; ++k) out[k] = texels[offset[k]];
+  for (std::size_t k = 0; k < count; ++k) std::memcpy(out + k, face.cells + offset[k], sizeof(T));
 }
 
 // --- packing ------------------------------------------------------------------------------------
@@ -244,7 +383,7 @@ void pack_planar32(const std::uint32_t* rgba, std::size_t count, const PlanarSca
 void pack_planar16(const std::uint32_t* rgba, std::size_t count, const PlanarScale& scale,
                    std::size_t plane, std::uint16_t* out) {
   std::size_t whole = 0;
-#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+#if HWY_TARGET == HWY_AVX2 || EN_X86_512
   // Only where the processor converts: Highway's own conversion rounds differently from the scalar
   // kernel.
   const hn::Rebind<hwy::float16_t, DF> d16;
@@ -346,7 +485,9 @@ const Kernels* kernels() {
   static constexpr Kernels kKernels{
       "",
       points,
-      colour,
+      taps,
+      taps_and_points,
+      colour<true>,
       nearest<std::uint16_t>,
       nearest<std::uint32_t>,
       pack_three<false>,

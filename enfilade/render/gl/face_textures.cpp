@@ -6,6 +6,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/image/face_cells.h"
 #include "enfilade/render/gl/program.h"
 
 namespace enfilade::render::gl {
@@ -112,15 +113,27 @@ void FacePool::grow() {
 }
 
 void FacePool::upload(std::int32_t slot, const Face& face) {
-  const std::size_t texel = detail::kTexelBytes[index(layer_)];
   const TexelFormat& format = kTexelFormats[index(layer_)];
-  EN_CHECK_EQ(face.stride % texel, 0U);
-  const std::size_t before = detail::border_of(layer_) * (face.stride + texel);
+  rows_.resize(slot_bytes());
+  switch (layer_) {
+    case scan::Layer::kColour:
+      image::colour_rows(face.cells, face.size, rows_);
+      break;
+    case scan::Layer::kDepth:
+    case scan::Layer::kClass:
+      image::ValueCells<std::uint16_t>::to_rows(face.cells, face.size,
+                                                reinterpret_cast<std::uint16_t*>(rows_.data()));
+      break;
+    case scan::Layer::kInstance:
+      image::ValueCells<std::uint32_t>::to_rows(face.cells, face.size,
+                                                reinterpret_cast<std::uint32_t*>(rows_.data()));
+      break;
+  }
   const auto width = static_cast<GLsizei>(edge());
   glBindTexture(GL_TEXTURE_2D_ARRAY, texture_);
-  glPixelStorei(GL_UNPACK_ROW_LENGTH, static_cast<GLint>(face.stride / texel));
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
   glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, slot, width, width, 1, format.format, format.type,
-                  face.origin - before);
+                  rows_.data());
 }
 
 void FacePool::drop(const FaceKey& key) {

@@ -1,0 +1,123 @@
+#include "enfilade/image/face_cells.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "enfilade/core/check.h"
+
+namespace enfilade::image {
+namespace {
+
+constexpr std::uint8_t kFlip = 0x80;
+
+// Copies texels and flips their upper bits, eight bytes at a time.
+void flip_copy(const std::uint8_t* from, std::size_t bytes, std::uint8_t* to) {
+  constexpr std::uint64_t kFlips = 0x8080808080808080U;
+  std::size_t k = 0;
+  for (; k + 8 <= bytes; k += 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, from + k, 8);
+    word ^= kFlips;
+    std::memcpy(to + k, &word, 8);
+  }
+  for (; k < bytes; ++k) to[k] = from[k] ^ kFlip;
+}
+
+// The columns of strip k that a value face has.
+template <class T>
+std::size_t columns_of(std::size_t strip, std::uint32_t size) {
+  return std::min<std::size_t>(ValueCells<T>::kColumns, size - strip * ValueCells<T>::kColumns);
+}
+
+}  // namespace
+
+void ColourCells::write(std::ptrdiff_t x, std::ptrdiff_t y, const std::uint8_t* rgb) const {
+  const auto column = static_cast<std::size_t>(x + 1), row = static_cast<std::size_t>(y + 1);
+  const std::size_t strip = column / kColumns, place = column % kColumns;
+  std::uint8_t* cell = cells + row * kCellBytes;
+  if (strip < strips(size)) {
+    flip_copy(rgb, kTexelBytes, cell + strip * pitch(size) + place * kTexelBytes);
+  }
+  if (place == 0 && strip > 0) {
+    flip_copy(rgb, kTexelBytes, cell + (strip - 1) * pitch(size) + kColumns * kTexelBytes);
+  }
+}
+
+void ColourCells::write_row(std::size_t y, const std::uint8_t* rgb) const {
+  constexpr std::size_t kWhole = (kColumns + 1) * kTexelBytes;
+  std::uint8_t* cell = cells + (y + 1) * kCellBytes;
+  // The first strip begins with a texel of the border.
+  const std::size_t first = std::min<std::size_t>(kColumns, size);
+  flip_copy(rgb, first * kTexelBytes, cell + kTexelBytes);
+  for (std::size_t strip = 1; strip < strips(size); ++strip) {
+    cell += pitch(size);
+    const std::size_t begin = strip * kColumns - 1;  // of the face's own texels
+    if (begin + kColumns + 1 <= size) {
+      flip_copy(rgb + begin * kTexelBytes, kWhole, cell);
+    } else {
+      flip_copy(rgb + begin * kTexelBytes, (size - begin) * kTexelBytes, cell);
+    }
+  }
+}
+
+std::array<std::uint8_t, 3> colour_texel(const std::uint8_t* cells, std::uint32_t size,
+                                         std::ptrdiff_t x, std::ptrdiff_t y) {
+  auto column = static_cast<std::size_t>(x + 1);
+  std::size_t last = 0;  // 1 for the last column of a face whose last strip it does not begin
+  if (column / ColourCells::kColumns == ColourCells::strips(size)) last = 1;
+  column -= last;
+  const std::uint8_t* texel =
+      cells + ColourCells::offset(size, column, static_cast<std::size_t>(y + 1)) +
+      last * ColourCells::kTexelBytes;
+  std::array<std::uint8_t, 3> rgb;
+  flip_copy(texel, 3, rgb.data());
+  return rgb;
+}
+
+void colour_rows(const std::uint8_t* cells, std::uint32_t size, std::span<std::uint8_t> rgba) {
+  const std::size_t edge = std::size_t{size} + 2;
+  EN_CHECK_EQ(rgba.size(), 4 * edge * edge);
+  for (std::size_t strip = 0; strip < ColourCells::strips(size); ++strip) {
+    const std::size_t begin = strip * ColourCells::kColumns;
+    // The last strip's 19th texel may be the face's last column.
+    const std::size_t end = std::min(edge, begin + ColourCells::kColumns + 1);
+    const std::uint8_t* cell = cells + strip * ColourCells::pitch(size);
+    for (std::size_t y = 0; y < edge; ++y, cell += kCellBytes) {
+      std::uint8_t* out = rgba.data() + 4 * (y * edge + begin);
+      const std::uint8_t* texel = cell;
+      for (std::size_t x = begin; x < end; ++x, texel += 3, out += 4) {
+        for (std::size_t c = 0; c < 3; ++c) out[c] = texel[c] ^ kFlip;
+        out[3] = 255;
+      }
+    }
+  }
+}
+
+template <class T>
+void ValueCells<T>::from_rows(const T* rows, std::uint32_t size, std::uint8_t* cells) {
+  for (std::size_t strip = 0; strip * kColumns < size; ++strip) {
+    const std::size_t bytes = columns_of<T>(strip, size) * sizeof(T);
+    const T* from = rows + strip * kColumns;
+    std::uint8_t* cell = cells + strip * pitch(size);
+    for (std::uint32_t y = 0; y < size; ++y, from += size, cell += kCellBytes) {
+      std::memcpy(cell, from, bytes);
+    }
+  }
+}
+
+template <class T>
+void ValueCells<T>::to_rows(const std::uint8_t* cells, std::uint32_t size, T* rows) {
+  for (std::size_t strip = 0; strip * kColumns < size; ++strip) {
+    const std::size_t bytes = columns_of<T>(strip, size) * sizeof(T);
+    T* to = rows + strip * kColumns;
+    const std::uint8_t* cell = cells + strip * pitch(size);
+    for (std::uint32_t y = 0; y < size; ++y, to += size, cell += kCellBytes) {
+      std::memcpy(to, cell, bytes);
+    }
+  }
+}
+
+template struct ValueCells<std::uint16_t>;
+template struct ValueCells<std::uint32_t>;
+
+}  // namespace enfilade::image

@@ -1,0 +1,74 @@
+/// \file  Decoded faces as drawing wants them: cells of 64 bytes, a cache line, that hold a few
+/// neighbouring texels of one row; cells of the same columns lie one below the other, in a strip. So
+/// no load crosses a cache line, and a view turned by any angle reads runs of lines. Why, and why
+/// these numbers: docs/design/kernels.md.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace enfilade::image {
+
+/// Bytes of a cell.
+inline constexpr std::size_t kCellBytes = 64;
+/// The longest edge of a face in cells, in texels: offsets in a face fit into 31 bits.
+inline constexpr std::uint32_t kLargestCellFace = 16384;
+
+/// A colour face with a border of one texel all around, in the caller's memory. A cell has the
+/// columns 18 k .. 18 k + 18, counted from the border's; the last is also the next strip's first, so
+/// that any two neighbours lie in one cell. A texel is R G B, each less 128 (exclusive or with 0x80).
+struct ColourCells {
+  std::uint8_t* cells = nullptr;  ///< bytes(size), aligned to kCellBytes
+  std::uint32_t size = 0;         ///< texels along an edge, border not counted
+
+  static constexpr std::uint32_t kColumns = 18;
+  static constexpr std::size_t kTexelBytes = 3;
+
+  static constexpr std::size_t strips(std::uint32_t size) { return size / kColumns + 1; }
+  /// Bytes from a strip to the next.
+  static constexpr std::size_t pitch(std::uint32_t size) {
+    return kCellBytes * (std::size_t{size} + 2);
+  }
+  static constexpr std::size_t bytes(std::uint32_t size) { return strips(size) * pitch(size); }
+  /// Where the texel at column x and row y begins, both counted from the border's.
+  static constexpr std::size_t offset(std::uint32_t size, std::size_t x, std::size_t y) {
+    const std::size_t strip = x / kColumns;
+    return strip * pitch(size) + y * kCellBytes + (x - strip * kColumns) * kTexelBytes;
+  }
+
+  /// \pre -1 <= x, y <= size, 0 being the face's first texel (here and below)
+  void write(std::ptrdiff_t x, std::ptrdiff_t y, const std::uint8_t* rgb) const;
+  /// Texels 0 .. size - 1 of a row, RGB.
+  void write_row(std::size_t y, const std::uint8_t* rgb) const;
+};
+
+/// The texel of a face in cells. \pre -1 <= x, y <= size
+std::array<std::uint8_t, 3> colour_texel(const std::uint8_t* cells, std::uint32_t size,
+                                         std::ptrdiff_t x, std::ptrdiff_t y);
+/// The rows -1 .. size of a face in cells as RGBA, border included, A = 255. \pre rgba has
+/// 4 (size + 2)^2 bytes
+void colour_rows(const std::uint8_t* cells, std::uint32_t size, std::span<std::uint8_t> rgba);
+
+/// A face of 16- or 32-bit values: cells of 32 or 16 texels, no border.
+template <class T>
+struct ValueCells {
+  static constexpr std::uint32_t kColumns = kCellBytes / sizeof(T);
+
+  static constexpr std::size_t pitch(std::uint32_t size) { return kCellBytes * std::size_t{size}; }
+  static constexpr std::size_t bytes(std::uint32_t size) {
+    return (size + kColumns - 1) / kColumns * pitch(size);
+  }
+  /// \pre x, y < size
+  static constexpr std::size_t offset(std::uint32_t size, std::size_t x, std::size_t y) {
+    const std::size_t strip = x / kColumns;
+    return strip * pitch(size) + y * kCellBytes + (x - strip * kColumns) * sizeof(T);
+  }
+  /// From size x size values in rows, and back. \pre cells are aligned to kCellBytes
+  static void from_rows(const T* rows, std::uint32_t size, std::uint8_t* cells);
+  static void to_rows(const std::uint8_t* cells, std::uint32_t size, T* rows);
+};
+extern template struct ValueCells<std::uint16_t>;
+extern template struct ValueCells<std::uint32_t>;
+
+}  // namespace enfilade::image
