@@ -34,6 +34,15 @@ struct Taps {
   alignas(64) std::array<std::uint32_t, kBlock + kSlack> weights;
 };
 
+/// Some of them, and the address that their offsets are from. Whole registers are read: the offsets
+/// of kTapsBeyond more taps must lead to texels, too.
+inline constexpr std::size_t kTapsBeyond = 15;
+struct TapRun {
+  const std::uint8_t* base;
+  const Taps& taps;
+  std::size_t from, count;
+};
+
 /// Columns begin .. end-1 of a row; at most kBlock of them.
 struct Piece {
   std::uint32_t begin = 0, end = 0;
@@ -58,15 +67,19 @@ struct Kernels {
 
   /// Where the pixels of a piece meet the face that it lies on; written from the place `at` on.
   void (*points)(const FaceLine&, Piece, std::size_t at, Points& out);
-  /// Where their colour is. Asks memory for it, too. May write beyond the piece's end, which the
-  /// next piece overwrites.
+  /// Where their colour is. Asks memory for it, too. Repeats the last
+  /// one beyond the piece's end, up to a whole register; the next piece overwrites that.
   void (*taps)(const FaceLine&, Piece, const ColourFace&, std::size_t at, Taps& out);
   /// Both at once, for layers of the same size.
   void (*taps_and_points)(const FaceLine&, Piece, const ColourFace&, std::size_t at, Taps&,
                           Points&);
-  /// Bilinear. RGBA, A = 255. Reads the taps `from` .. from + count - 1.
-  void (*colour)(const std::uint8_t* base, const Taps&, std::size_t from, std::size_t count,
-                 std::uint32_t* out);
+  // Bilinear colour of the taps `from` .. from + count - 1, in each of the formats; never writes
+  // beyond them. RGBA: A = 255.
+  void (*draw_rgb)(const TapRun&, std::uint8_t* out);
+  void (*draw_bgr)(const TapRun&, std::uint8_t* out);
+  void (*draw_rgba)(const TapRun&, std::uint32_t* out);
+  void (*draw_planar16)(const TapRun&, const PlanarScale&, std::size_t plane, std::uint16_t* out);
+  void (*draw_planar32)(const TapRun&, const PlanarScale&, std::size_t plane, float* out);
   void (*nearest16)(const Points&, std::size_t from, const Face&, std::size_t count,
                     std::uint16_t* out);
   void (*nearest32)(const Points&, std::size_t from, const Face&, std::size_t count,

@@ -49,6 +49,10 @@ Packer::Packer(const Kernels& kernels, const Outputs& outputs, bool eight_bit_de
 
 void Packer::pack(const Values& values, const Place& place) const {
   if (outputs_.colour) pack_colour(values.rgba, place);
+  pack_values(values, place);
+}
+
+void Packer::pack_values(const Values& values, const Place& place) const {
   if (outputs_.depth) pack_depth(values.depth, values.depth_factor, place);
   if (outputs_.classes) pack_classes(values.classes, place);
   if (outputs_.instances) {
@@ -57,29 +61,68 @@ void Packer::pack(const Values& values, const Place& place) const {
   }
 }
 
-void Packer::pack_colour(const std::uint32_t* rgba, const Place& place) const {
+template <class From>
+void Packer::put_colour(const From& from, const Place& place) const {
   const std::span<std::byte> pixels = outputs_.colour->pixels;
-  const auto interleaved = [&](auto kernel) {
+  const auto three = [&](const auto& write) {
     put(kernels_, place.stream, values_at<std::uint8_t>(pixels, 3 * place.pixel()), 3 * place.count,
-        [&](std::uint8_t* out) { kernel(rgba, place.count, out); });
+        write);
   };
-  const auto planar = [&]<class T>(auto kernel, T* first) {
-    put_planes(kernels_, place, first + 3 * place.view * place.pixels + place.first,
-               [&](T* out, std::size_t plane) { kernel(rgba, place.count, scale_, plane, out); });
+  const auto planar = [&]<class T>(const auto& write, T* first) {
+    put_planes(kernels_, place, first + 3 * place.view * place.pixels + place.first, write);
   };
   switch (outputs_.colour->format) {
     case ColourFormat::kRgb8:
-      return interleaved(kernels_.pack_rgb);
+      return three([&](std::uint8_t* out) { from.rgb(out); });
     case ColourFormat::kBgr8:
-      return interleaved(kernels_.pack_bgr);
+      return three([&](std::uint8_t* out) { from.bgr(out); });
     case ColourFormat::kRgba8:
-      std::memcpy(pixels.data() + 4 * place.pixel(), rgba, 4 * place.count);
-      return;
+      return put(kernels_, place.stream, values_at<std::uint32_t>(pixels, place.pixel()),
+                 place.count, [&](std::uint32_t* out) { from.rgba(out); });
     case ColourFormat::kPlanarFloat16:
-      return planar(kernels_.pack_planar16, values_at<std::uint16_t>(pixels, 0));
+      return planar([&](std::uint16_t* out, std::size_t plane) { from.planar16(plane, out); },
+                    values_at<std::uint16_t>(pixels, 0));
     case ColourFormat::kPlanarFloat32:
-      return planar(kernels_.pack_planar32, values_at<float>(pixels, 0));
+      return planar([&](float* out, std::size_t plane) { from.planar32(plane, out); },
+                    values_at<float>(pixels, 0));
   }
+}
+
+void Packer::pack_colour(const std::uint32_t* rgba, const Place& place) const {
+  struct Pixels {
+    const Kernels& kernels;
+    const PlanarScale& scale;
+    const std::uint32_t* pixels;
+    std::size_t count;
+    void rgb(std::uint8_t* out) const { kernels.pack_rgb(pixels, count, out); }
+    void bgr(std::uint8_t* out) const { kernels.pack_bgr(pixels, count, out); }
+    void rgba(std::uint32_t* out) const { std::memcpy(out, pixels, 4 * count); }
+    void planar16(std::size_t plane, std::uint16_t* out) const {
+      kernels.pack_planar16(pixels, count, scale, plane, out);
+    }
+    void planar32(std::size_t plane, float* out) const {
+      kernels.pack_planar32(pixels, count, scale, plane, out);
+    }
+  };
+  put_colour(Pixels{kernels_, scale_, rgba, place.count}, place);
+}
+
+void Packer::draw_colour(const TapRun& taps, const Place& place) const {
+  struct Drawn {
+    const Kernels& kernels;
+    const PlanarScale& scale;
+    const TapRun& run;
+    void rgb(std::uint8_t* out) const { kernels.draw_rgb(run, out); }
+    void bgr(std::uint8_t* out) const { kernels.draw_bgr(run, out); }
+    void rgba(std::uint32_t* out) const { kernels.draw_rgba(run, out); }
+    void planar16(std::size_t plane, std::uint16_t* out) const {
+      kernels.draw_planar16(run, scale, plane, out);
+    }
+    void planar32(std::size_t plane, float* out) const {
+      kernels.draw_planar32(run, scale, plane, out);
+    }
+  };
+  put_colour(Drawn{kernels_, scale_, taps}, place);
 }
 
 void Packer::pack_depth(const std::uint16_t* units, const float* factor, const Place& place) const {

@@ -153,18 +153,33 @@ class BandDrawer {
         job_.kernels.taps(line, piece, colour, part.at, block.taps);
       }
     }
+    if (base_ == nullptr) return;
+    const std::size_t last = columns.size() - 1;
+    std::fill_n(block.taps.offset.data() + last + 1, kTapsBeyond, block.taps.offset[last]);
   }
 
   void finish(Block& block) {
     if (base_ != nullptr) {
-      job_.kernels.colour(base_, block.taps, 0, block.columns.size(), colour_.values.data());
+      job_.packer.draw_colour({base_, block.taps, 0, block.columns.size()},
+                              place_of(block, block.columns));
     } else if (job_.outputs.colour) {
       for (const Part& part : block.all()) draw_colour_alone(block, part);
     }
-    if (draws_nearest()) {
-      for (const Part& part : block.all()) draw_nearest(block, part);
-    }
-    pack(block);
+    if (!draws_nearest()) return;
+    for (const Part& part : block.all()) draw_nearest(block, part);
+    const Place place = place_of(block, block.columns);
+    const auto& depth = job_.outputs.depth;
+    const bool scaled = depth && depth->measure == DepthMeasure::kZ;
+    job_.packer.pack_values(
+        {nullptr, depth_.values.data(), classes_.values.data(), instances_.values.data(),
+         scaled ? job_.depth_factor + place.first : job_.depth_factor},
+        place);
+  }
+
+  Place place_of(const Block& block, Piece piece) const {
+    const Camera& camera = job_.camera;
+    return {number_, std::size_t{block.row} * camera.width + piece.begin, piece.size(),
+            std::size_t{camera.width} * camera.height, job_.stream};
   }
 
   // For faces that are too far apart in memory.
@@ -172,8 +187,8 @@ class BandDrawer {
     const Face& f = face(Layer::kColour, part.face);
     job_.kernels.taps(face_line(view_.rays, block.row, part.face, f.size), part.piece,
                       colour_face(f, f.cells), part.at, block.taps);
-    job_.kernels.colour(f.cells, block.taps, part.at, part.piece.size(),
-                        colour_.values.data() + part.at);
+    job_.packer.draw_colour({f.cells, block.taps, part.at, part.piece.size()},
+                            place_of(block, part.piece));
   }
 
   void draw_nearest(Block& block, const Part& part) {
@@ -193,19 +208,6 @@ class BandDrawer {
     if (outputs.instances) read(Layer::kInstance, job_.kernels.nearest32, instances_);
   }
 
-  void pack(const Block& block) const {
-    const Camera& camera = job_.camera;
-    const Place place{number_, std::size_t{block.row} * camera.width + block.columns.begin,
-                      block.columns.size(), std::size_t{camera.width} * camera.height,
-                      job_.stream};
-    const auto& depth = job_.outputs.depth;
-    const bool scaled = depth && depth->measure == DepthMeasure::kZ;
-    job_.packer.pack(
-        {colour_.values.data(), depth_.values.data(), classes_.values.data(),
-         instances_.values.data(), scaled ? job_.depth_factor + place.first : job_.depth_factor},
-        place);
-  }
-
   const Job& job_;
   const PreparedView& view_;
   std::size_t number_;
@@ -213,7 +215,7 @@ class BandDrawer {
   const std::uint8_t* base_ = nullptr;  // of colour's offsets; null: each face has its own
   bool same_size_ = true;               // as colour: all other layers that are drawn
   std::array<Block, 2> blocks_;
-  Block32 colour_, instances_;
+  Block32 instances_;
   Block16 depth_, classes_;
 };
 

@@ -30,13 +30,6 @@ void taps_and_points(const FaceLine& line, Piece piece, const ColourFace& face, 
   points(line, piece, at, out_points);
 }
 
-void colour(const std::uint8_t* base, const Taps& taps, std::size_t from, std::size_t count,
-            std::uint32_t* out) {
-  for (std::size_t k = from; k < from + count; ++k) {
-    *out++ = sample_colour(base, {taps.offset[k], taps.weights[k]});
-  }
-}
-
 template <class T>
 void nearest(const Points& points, std::size_t from, const Face& face, std::size_t count, T* out) {
   for (std::size_t k = from; k < from + count; ++k) {
@@ -78,6 +71,40 @@ void pack_planar32(const std::uint32_t* rgba, std::size_t count, const PlanarSca
   for (unsigned c = 0; c < 3; ++c) {
     for (std::size_t k = 0; k < count; ++k) out[c * plane + k] = planar(rgba[k], c, scale);
   }
+}
+
+// Hands the pixels of a run to what packs them.
+template <class Pack>
+void draw(const TapRun& run, const Pack& pack) {
+  for (std::size_t k = 0; k < run.count; ++k) {
+    const std::size_t at = run.from + k;
+    pack(sample_colour(run.base, {run.taps.offset[at], run.taps.weights[at]}), k);
+  }
+}
+
+void draw_rgb(const TapRun& run, std::uint8_t* out) {
+  draw(run, [&](std::uint32_t rgba, std::size_t k) { pack_rgb(&rgba, 1, out + 3 * k); });
+}
+
+void draw_bgr(const TapRun& run, std::uint8_t* out) {
+  draw(run, [&](std::uint32_t rgba, std::size_t k) { pack_bgr(&rgba, 1, out + 3 * k); });
+}
+
+void draw_rgba(const TapRun& run, std::uint32_t* out) {
+  draw(run, [&](std::uint32_t rgba, std::size_t k) { out[k] = rgba; });
+}
+
+void draw_planar16(const TapRun& run, const PlanarScale& scale, std::size_t plane,
+                   std::uint16_t* out) {
+  draw(run, [&](std::uint32_t rgba, std::size_t k) {
+    pack_planar16(&rgba, 1, scale, plane, out + k);
+  });
+}
+
+void draw_planar32(const TapRun& run, const PlanarScale& scale, std::size_t plane, float* out) {
+  draw(run, [&](std::uint32_t rgba, std::size_t k) {
+    pack_planar32(&rgba, 1, scale, plane, out + k);
+  });
 }
 
 void stream(std::byte* out, const std::byte* from, std::size_t bytes) {
@@ -125,7 +152,11 @@ constexpr Kernels kScalar{
     points,
     taps,
     taps_and_points,
-    colour,
+    draw_rgb,
+    draw_bgr,
+    draw_rgba,
+    draw_planar16,
+    draw_planar32,
     nearest<std::uint16_t>,
     nearest<std::uint32_t>,
     pack_rgb,

@@ -12,7 +12,13 @@
 #include "enfilade/render/cpu/sampling.h"
 
 #undef EN_X86_512
+#undef EN_X86_DL
+#undef EN_HALVES
 HWY_BEFORE_NAMESPACE();
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL && HWY_COMPILER_GCC_ACTUAL
+// Highway 1.0 asks for VNNI when it chooses this target, but does not tell the compiler.
+#pragma GCC target("avx512vnni")
+#endif
 namespace enfilade::render::cpu {
 namespace HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
@@ -32,6 +38,11 @@ using VU = hn::Vec<DU>;
 
 // AVX-512: Highway's targets from HWY_AVX3 on, the better ones have lower numbers.
 #define EN_X86_512 (HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3)
+// Where the processor converts to half precision: Highway's own conversion rounds differently from
+// the scalar kernel.
+#define EN_HALVES (EN_X86_512 || HWY_TARGET == HWY_AVX2)
+// With VNNI and VBMI.
+#define EN_X86_DL (HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL)
 
 // Converts numbers from 0 to 2^31 - 256. ConvertTo handles all others too, which costs four
 // instructions.
@@ -62,7 +73,9 @@ constexpr std::int32_t halves(std::int32_t high, std::int32_t low) {
 
 // sum + a.low * b.low + a.high * b.high of the 16-bit halves of each lane, which have signs.
 HWY_INLINE VI add_products(VI sum, VI a, VI b) {
-#if EN_X86_512
+#if EN_X86_DL
+  return VI{_mm512_dpwssd_epi32(sum.raw, a.raw, b.raw)};
+#elif EN_X86_512
   return VI{_mm512_add_epi32(sum.raw, _mm512_madd_epi16(a.raw, b.raw))};
 #elif HWY_TARGET == HWY_AVX2
   return VI{_mm256_add_epi32(sum.raw, _mm256_madd_epi16(a.raw, b.raw))};
@@ -255,32 +268,53 @@ HWY_INLINE VI16 mix(VU64 top, VU64 bottom, hn::Vec<DU8> across, VI16 below) {
   return hn::MulFixedPoint15(sum, hn::Set(DI16(), 256));
 }
 
-// Spreads the weights of a register's pixels over the values of each: bytes 0 and 1, and 2 and 3.
+// The weights of the pixels of a register of pairs, once for each of their values.
 struct Weights {
   hn::Vec<DU8> across;
   VI16 below;
 };
-HWY_INLINE Weights weights_of(const std::uint32_t* weights) {
+
+// Of the first and of the second half of a register's pixels.
+HWY_INLINE void load_weights(const std::uint32_t* weights, Weights& first, Weights& second) {
+#if EN_X86_DL
+  const __m512i all = _mm512_loadu_si512(weights);
+  // For each of a pixel's four values its bytes 0 and 1, or 2 and 3.
+  alignas(64) static constexpr auto kAcross = [] {
+    std::array<std::uint8_t, 64> bytes{};
+    for (std::size_t k = 0; k < 64; ++k) bytes[k] = static_cast<std::uint8_t>(k / 8 * 4 + k % 2);
+    return bytes;
+  }();
+  const __m512i across = _mm512_load_si512(kAcross.data());
+  const __m512i below = _mm512_add_epi8(across, _mm512_set1_epi8(2));
+  const __m512i half = _mm512_set1_epi8(32);
+  first = {hn::Vec<DU8>{_mm512_permutexvar_epi8(across, all)},
+           VI16{_mm512_permutexvar_epi8(below, all)}};
+  second = {hn::Vec<DU8>{_mm512_permutexvar_epi8(_mm512_add_epi8(across, half), all)},
+            VI16{_mm512_permutexvar_epi8(_mm512_add_epi8(below, half), all)}};
+#else
   const DU8 d8;
   alignas(16) static constexpr std::uint8_t kAcross[16] = {0, 1, 0, 1, 0, 1, 0, 1,
                                                            8, 9, 8, 9, 8, 9, 8, 9};
   alignas(16) static constexpr std::uint8_t kBelow[16] = {2,  3,  2,  3,  2,  3,  2,  3,
                                                           10, 11, 10, 11, 10, 11, 10, 11};
-  const hn::Rebind<std::uint32_t, DU64> half;
-  const auto wide = hn::BitCast(d8, hn::PromoteTo(DU64(), hn::LoadU(half, weights)));
-  return {hn::TableLookupBytes(wide, hn::LoadDup128(d8, kAcross)),
-          hn::BitCast(DI16(), hn::TableLookupBytes(wide, hn::LoadDup128(d8, kBelow)))};
+  const auto spread = [&](const std::uint32_t* from) HWY_ATTR {
+    const hn::Rebind<std::uint32_t, DU64> half;
+    const auto wide = hn::BitCast(d8, hn::PromoteTo(DU64(), hn::LoadU(half, from)));
+    return Weights{hn::TableLookupBytes(wide, hn::LoadDup128(d8, kAcross)),
+                   hn::BitCast(DI16(), hn::TableLookupBytes(wide, hn::LoadDup128(d8, kBelow)))};
+  };
+  first = spread(weights);
+  second = spread(weights + kHalf);
+#endif
 }
 
 // Values of the first and the second half of a register's pixels to bytes, with the 128 added that
-// texels lack, and A = 255.
-HWY_INLINE VU rgba_of(VI16 first, VI16 second) {
+// texels lack, and A = 255; each 16 bytes have two pixels of the first half, then two of the second.
+HWY_INLINE VU interleaved_rgba(VI16 first, VI16 second) {
 #if EN_X86_512
-  const __m512i bytes = _mm512_packs_epi16(first.raw, second.raw);
-  const __m512i order = _mm512_setr_epi64(0, 2, 4, 6, 1, 3, 5, 7);
-  const VU pixels{_mm512_permutexvar_epi64(order, bytes)};
+  const VU pixels{_mm512_packs_epi16(first.raw, second.raw)};
 #elif HWY_TARGET == HWY_AVX2
-  const VU pixels{_mm256_permute4x64_epi64(_mm256_packs_epi16(first.raw, second.raw), 0xD8)};
+  const VU pixels{_mm256_packs_epi16(first.raw, second.raw)};
 #else
   const hn::Half<DI8> half;
   const VU pixels = hn::BitCast(
@@ -289,22 +323,102 @@ HWY_INLINE VU rgba_of(VI16 first, VI16 second) {
   return hn::Xor(pixels, hn::Set(DU(), 0xFF808080U));
 }
 
-template <bool kGather>
-void colour(const std::uint8_t* base, const Taps& taps, std::size_t from, std::size_t count,
-            std::uint32_t* out) {
-  const DU du;
-  const std::int32_t* offset = taps.offset.data() + from;
-  const std::uint32_t* weight = taps.weights.data() + from;
-  for (std::size_t k = 0; k < count; k += hn::Lanes(du)) {
-    const VU64 top1 = pairs<kGather>(base, offset + k);
-    const VU64 bottom1 = pairs<kGather>(base + image::kCellBytes, offset + k);
-    const VU64 top2 = pairs<kGather>(base, offset + k + kHalf);
-    const VU64 bottom2 = pairs<kGather>(base + image::kCellBytes, offset + k + kHalf);
-    const Weights first = weights_of(weight + k), second = weights_of(weight + k + kHalf);
-    hn::StoreU(rgba_of(mix(top1, bottom1, first.across, first.below),
-                       mix(top2, bottom2, second.across, second.below)),
-               du, out + k);
+// In the order of pixels.
+HWY_INLINE VU in_order(VU pixels) {
+#if EN_X86_512
+  return VU{_mm512_permutexvar_epi64(_mm512_setr_epi64(0, 2, 4, 6, 1, 3, 5, 7), pixels.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  return VU{_mm256_permute4x64_epi64(pixels.raw, 0xD8)};
+#else
+  return pixels;  // of 16 bytes
+#endif
+}
+
+// Hands the pixels of a run, a register at a time, to store(interleaved pixels, first pixel).
+template <bool kGather, class Store>
+HWY_INLINE void draw(const TapRun& run, const Store& store) {
+  const std::int32_t* offset = run.taps.offset.data() + run.from;
+  const std::uint32_t* weight = run.taps.weights.data() + run.from;
+  const std::uint8_t* top = run.base;
+  const std::uint8_t* bottom = run.base + image::kCellBytes;
+  for (std::size_t k = 0; k < run.count; k += 2 * kHalf) {
+    const VU64 top1 = pairs<kGather>(top, offset + k);
+    const VU64 bottom1 = pairs<kGather>(bottom, offset + k);
+    const VU64 top2 = pairs<kGather>(top, offset + k + kHalf);
+    const VU64 bottom2 = pairs<kGather>(bottom, offset + k + kHalf);
+    Weights first, second;
+    load_weights(weight + k, first, second);
+    store(interleaved_rgba(mix(top1, bottom1, first.across, first.below),
+                           mix(top2, bottom2, second.across, second.below)),
+          k);
   }
+}
+
+// The three bytes of each of a register's pixels, one after the other, in its lower three quarters.
+template <bool kSwap>
+HWY_INLINE hn::Vec<DU8> three_bytes(VU interleaved) {
+#if EN_X86_DL
+  alignas(64) static constexpr auto kOrder = [] {
+    std::array<std::uint8_t, 64> order{};
+    for (std::size_t p = 0; p < 16; ++p) {
+      // Pixel p of the second half is two places behind its like of the first, in 16 bytes of each.
+      const std::size_t q = p % 8, place = q / 2 * 4 + q % 2 + (p < 8 ? 0 : 2);
+      for (std::size_t c = 0; c < 3; ++c) {
+        order[3 * p + c] = static_cast<std::uint8_t>(4 * place + (kSwap ? 2 - c : c));
+      }
+    }
+    return order;
+  }();
+  return hn::Vec<DU8>{
+      _mm512_permutexvar_epi8(_mm512_load_si512(kOrder.data()), interleaved.raw)};
+#else
+  const DU8 d8;
+  constexpr std::uint8_t kZ = 0x80;
+  alignas(16) static constexpr std::uint8_t kRgb[16] = {0,  1,  2,  4,  5,  6,  8,  9,
+                                                        10, 12, 13, 14, kZ, kZ, kZ, kZ};
+  alignas(16) static constexpr std::uint8_t kBgr[16] = {2, 1,  0,  6,  5,  4,  10, 9,
+                                                        8, 14, 13, 12, kZ, kZ, kZ, kZ};
+  const auto bytes = hn::TableLookupBytesOr0(hn::BitCast(d8, in_order(interleaved)),
+                                             hn::LoadDup128(d8, kSwap ? kBgr : kRgb));
+#if EN_X86_512
+  const __m512i places = _mm512_setr_epi32(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 3, 7, 11, 15);
+  return hn::Vec<DU8>{_mm512_permutexvar_epi32(places, bytes.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  const __m256i places = _mm256_setr_epi32(0, 1, 2, 4, 5, 6, 3, 7);
+  return hn::Vec<DU8>{_mm256_permutevar8x32_epi32(bytes.raw, places)};
+#else
+  return bytes;
+#endif
+#endif
+}
+
+template <bool kGather, bool kSwap>
+void draw_three(const TapRun& run, std::uint8_t* out) {
+  constexpr std::size_t kPixels = 2 * kHalf, kBytes = hn::MaxLanes(DU8());
+  const std::size_t all = 3 * run.count;
+  draw<kGather>(run, [&](VU pixels, std::size_t k) HWY_ATTR {
+    const auto bytes = three_bytes<kSwap>(pixels);
+    if (3 * k + kBytes <= all) {
+      hn::StoreU(bytes, DU8(), out + 3 * k);  // the next ones overwrite what is too much
+    } else {
+      alignas(64) std::array<std::uint8_t, kBytes> last;
+      hn::Store(bytes, DU8(), last.data());
+      std::memcpy(out + 3 * k, last.data(), std::min(3 * kPixels, all - 3 * k));
+    }
+  });
+}
+
+template <bool kGather>
+void draw_rgba(const TapRun& run, std::uint32_t* out) {
+  draw<kGather>(run, [&](VU pixels, std::size_t k) HWY_ATTR {
+    if (k + 2 * kHalf <= run.count) {
+      hn::StoreU(in_order(pixels), DU(), out + k);
+    } else {
+      alignas(64) std::array<std::uint32_t, 2 * kHalf> last;
+      hn::Store(in_order(pixels), DU(), last.data());
+      std::memcpy(out + k, last.data(), 4 * (run.count - k));
+    }
+  });
 }
 
 // --- nearest ------------------------------------------------------------------------------------
@@ -383,9 +497,7 @@ void pack_planar32(const std::uint32_t* rgba, std::size_t count, const PlanarSca
 void pack_planar16(const std::uint32_t* rgba, std::size_t count, const PlanarScale& scale,
                    std::size_t plane, std::uint16_t* out) {
   std::size_t whole = 0;
-#if HWY_TARGET == HWY_AVX2 || EN_X86_512
-  // Only where the processor converts: Highway's own conversion rounds differently from the scalar
-  // kernel.
+#if EN_HALVES
   const hn::Rebind<hwy::float16_t, DF> d16;
   const std::size_t n = hn::Lanes(DF());
   whole = count - count % n;
@@ -401,6 +513,56 @@ void pack_planar16(const std::uint32_t* rgba, std::size_t count, const PlanarSca
   if (whole < count) {
     scalar_kernels().pack_planar16(rgba + whole, count - whole, scale, plane, out + whole);
   }
+}
+
+// Pixels in the formats of numbers: by whole registers straight to the planes, the last ones through
+// the kernels that pack.
+template <bool kGather, class T, class Whole, class Rest>
+HWY_INLINE void draw_planar(const TapRun& run, std::size_t plane, T* out, const Whole& whole,
+                            const Rest& rest) {
+  draw<kGather>(run, [&](VU pixels, std::size_t k) HWY_ATTR {
+    const VU rgba = in_order(pixels);
+    if (k + 2 * kHalf <= run.count) {
+      for (int c = 0; c < 3; ++c) {
+        whole(rgba, c, out + static_cast<std::size_t>(c) * plane + k);
+      }
+    } else {
+      alignas(64) std::array<std::uint32_t, 2 * kHalf> last;
+      hn::Store(rgba, DU(), last.data());
+      rest(last.data(), run.count - k, out + k);
+    }
+  });
+}
+
+template <bool kGather>
+void draw_planar32(const TapRun& run, const PlanarScale& scale, std::size_t plane, float* out) {
+  draw_planar<kGather>(
+      run, plane, out,
+      [&](VU rgba, int c, float* to) HWY_ATTR { hn::StoreU(planar(rgba, c, scale), DF(), to); },
+      [&](const std::uint32_t* rgba, std::size_t count, float* to) {
+        scalar_kernels().pack_planar32(rgba, count, scale, plane, to);
+      });
+}
+
+template <bool kGather>
+void draw_planar16(const TapRun& run, const PlanarScale& scale, std::size_t plane,
+                   std::uint16_t* out) {
+#if EN_HALVES
+  const hn::Rebind<hwy::float16_t, DF> d16;
+  draw_planar<kGather>(
+      run, plane, out,
+      [&](VU rgba, int c, std::uint16_t* to) HWY_ATTR {
+        hn::StoreU(hn::DemoteTo(d16, planar(rgba, c, scale)), d16,
+                   reinterpret_cast<hwy::float16_t*>(to));
+      },
+      [&](const std::uint32_t* rgba, std::size_t count, std::uint16_t* to) {
+        scalar_kernels().pack_planar16(rgba, count, scale, plane, to);
+      });
+#else
+  alignas(64) std::array<std::uint32_t, kBlock> rgba;
+  draw_rgba<kGather>(run, rgba.data());
+  scalar_kernels().pack_planar16(rgba.data(), run.count, scale, plane, out);
+#endif
 }
 
 void stream(std::byte* out, const std::byte* from, std::size_t bytes) {
@@ -481,13 +643,18 @@ void pack_legacy_metres(const std::uint16_t* units, const float* factor, std::si
   pack_depth(units, factor, count, out, value, scalar_kernels().pack_legacy_metres);
 }
 
-const Kernels* kernels() {
-  static constexpr Kernels kKernels{
+template <bool kGather>
+constexpr Kernels make_kernels() {
+  return {
       "",
       points,
       taps,
       taps_and_points,
-      colour<true>,
+      draw_three<kGather, false>,
+      draw_three<kGather, true>,
+      draw_rgba<kGather>,
+      draw_planar16<kGather>,
+      draw_planar32<kGather>,
       nearest<std::uint16_t>,
       nearest<std::uint32_t>,
       pack_three<false>,
@@ -501,6 +668,10 @@ const Kernels* kernels() {
       pack_legacy_units,
       pack_legacy_metres,
   };
+}
+
+const Kernels* kernels() {
+  static constexpr Kernels kKernels = make_kernels<true>();
   return &kKernels;
 }
 
