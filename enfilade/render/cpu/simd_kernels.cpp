@@ -323,6 +323,12 @@ HWY_INLINE VU interleaved_rgba(VI16 first, VI16 second) {
   return hn::Xor(pixels, hn::Set(DU(), 0xFF808080U));
 }
 
+#if EN_X86_DL
+// Where interleaved_rgba() has pixel p of 16: those of the second half are two places behind their
+// likes of the first, in each four.
+constexpr std::size_t place_of(std::size_t p) { return p % 8 / 2 * 4 + p % 2 + (p < 8 ? 0 : 2); }
+#endif
+
 // In the order of pixels.
 HWY_INLINE VU in_order(VU pixels) {
 #if EN_X86_512
@@ -361,10 +367,8 @@ HWY_INLINE hn::Vec<DU8> three_bytes(VU interleaved) {
   alignas(64) static constexpr auto kOrder = [] {
     std::array<std::uint8_t, 64> order{};
     for (std::size_t p = 0; p < 16; ++p) {
-      // Pixel p of the second half is two places behind its like of the first, in 16 bytes of each.
-      const std::size_t q = p % 8, place = q / 2 * 4 + q % 2 + (p < 8 ? 0 : 2);
       for (std::size_t c = 0; c < 3; ++c) {
-        order[3 * p + c] = static_cast<std::uint8_t>(4 * place + (kSwap ? 2 - c : c));
+        order[3 * p + c] = static_cast<std::uint8_t>(4 * place_of(p) + (kSwap ? 2 - c : c));
       }
     }
     return order;
@@ -396,7 +400,7 @@ template <bool kGather, bool kSwap>
 void draw_three(const TapRun& run, std::uint8_t* out) {
   constexpr std::size_t kPixels = 2 * kHalf, kBytes = hn::MaxLanes(DU8());
   const std::size_t all = 3 * run.count;
-  draw<kGather>(run, [&](VU pixels, std::size_t k) HWY_ATTR {
+  draw<kGather>(run, [=](VU pixels, std::size_t k) HWY_ATTR {
     const auto bytes = three_bytes<kSwap>(pixels);
     if (3 * k + kBytes <= all) {
       hn::StoreU(bytes, DU8(), out + 3 * k);  // the next ones overwrite what is too much
@@ -410,40 +414,89 @@ void draw_three(const TapRun& run, std::uint8_t* out) {
 
 template <bool kGather>
 void draw_rgba(const TapRun& run, std::uint32_t* out) {
-  draw<kGather>(run, [&](VU pixels, std::size_t k) HWY_ATTR {
-    if (k + 2 * kHalf <= run.count) {
+  const std::size_t count = run.count;
+  draw<kGather>(run, [=](VU pixels, std::size_t k) HWY_ATTR {
+    if (k + 2 * kHalf <= count) {
       hn::StoreU(in_order(pixels), DU(), out + k);
     } else {
       alignas(64) std::array<std::uint32_t, 2 * kHalf> last;
       hn::Store(in_order(pixels), DU(), last.data());
-      std::memcpy(out + k, last.data(), 4 * (run.count - k));
+      std::memcpy(out + k, last.data(), 4 * (count - k));
     }
   });
 }
 
 // --- nearest ------------------------------------------------------------------------------------
 
+// Bytes from a face's cells to the texels that hold points: nearest_offset().
 template <class T>
-void nearest(const Points& points, std::size_t from, const Face& face, std::size_t count, T* out) {
-  const DI di;
-  alignas(64) std::array<std::int32_t, kBlock + kSlack> offset;
-  constexpr int kShift = sizeof(T) == 2 ? 5 : 4;
-  static_assert(image::ValueCells<T>::kColumns == 1U << kShift);
-  const VI step = hn::Set(di, static_cast<std::int32_t>(image::ValueCells<T>::pitch(face.size)) -
-                                  static_cast<std::int32_t>(image::kCellBytes));
-  const VI last = hn::Set(di, static_cast<std::int32_t>(face.size << 16) - 1);
-  const VI half = hn::Set(di, 32768), zero = hn::Zero(di);
-  for (std::size_t k = 0; k < count; k += hn::Lanes(di)) {
-    const VI px = hn::Sub(hn::LoadU(di, points.x.data() + from + k), half);
-    const VI py = hn::Sub(hn::LoadU(di, points.y.data() + from + k), half);
-    const VI x = hn::ShiftRight<16>(hn::Min(hn::Max(px, zero), last));
-    const VI y = hn::ShiftRight<16>(hn::Min(hn::Max(py, zero), last));
-    const VI strip = hn::Mul(hn::ShiftRight<kShift>(x), step);
-    const VI texel = hn::ShiftLeft<sizeof(T) == 2 ? 1 : 2>(x);
-    hn::Store(hn::Add(hn::Add(strip, texel), hn::ShiftLeft<6>(y)), di, offset.data() + k);
+struct NearestMaker {
+  HWY_INLINE explicit NearestMaker(std::uint32_t size)
+      : step(hn::Set(DI(), static_cast<std::int32_t>(image::ValueCells<T>::pitch(size)) -
+                               static_cast<std::int32_t>(image::kCellBytes))),
+        last(hn::Set(DI(), static_cast<std::int32_t>(size << 16) - 1)) {}
+
+  HWY_INLINE VI make(VI x, VI y) const {
+    constexpr int kShift = sizeof(T) == 2 ? 5 : 4;
+    static_assert(image::ValueCells<T>::kColumns == 1U << kShift);
+    const VI column = hn::ShiftRight<16>(inside(x)), row = hn::ShiftRight<16>(inside(y));
+    const VI strip = hn::Mul(hn::ShiftRight<kShift>(column), step);
+    const VI texel = hn::ShiftLeft<sizeof(T) == 2 ? 1 : 2>(column);
+    return hn::Add(hn::Add(strip, texel), hn::ShiftLeft<6>(row));
   }
-#pragma GCC unroll 8
-  for (std::size_t k = 0; k < count; ++k) std::memcpy(out + k, face.cells + offset[k], sizeof(T));
+
+ private:
+  HWY_INLINE VI inside(VI v) const {
+    return hn::Min(hn::Max(hn::Sub(v, hn::Set(DI(), 32768)), hn::Zero(DI())), last);
+  }
+  VI step, last;
+};
+
+// The values at offsets, in the lower bits of each lane; what is above is not theirs.
+template <bool kGather, class T>
+HWY_INLINE VI values_at(const std::uint8_t* cells, VI offset) {
+#if EN_X86_512
+  if constexpr (kGather) {
+    return VI{_mm512_mask_i32gather_epi32(_mm512_setzero_si512(), 0xFFFF, offset.raw, cells, 1)};
+  }
+#elif HWY_TARGET == HWY_AVX2
+  if constexpr (kGather) {
+    return VI{_mm256_mask_i32gather_epi32(_mm256_setzero_si256(),
+                                          reinterpret_cast<const int*>(cells), offset.raw,
+                                          _mm256_set1_epi32(-1), 1)};
+  }
+#endif
+  alignas(64) std::array<std::int32_t, hn::MaxLanes(DI())> at, values;
+  hn::Store(offset, DI(), at.data());
+#pragma GCC unroll 16
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    T value;
+    std::memcpy(&value, cells + at[k], sizeof(T));
+    values[k] = static_cast<std::int32_t>(value);
+  }
+  return hn::Load(DI(), values.data());
+}
+
+HWY_INLINE void store_values(VI values, std::uint32_t* out) {
+  hn::StoreU(hn::BitCast(DU(), values), DU(), out);
+}
+HWY_INLINE void store_values(VI values, std::uint16_t* out) {
+#if EN_X86_512
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm512_cvtepi32_epi16(values.raw));
+#else
+  const hn::Rebind<std::uint16_t, DI> d16;
+  hn::StoreU(hn::DemoteTo(d16, hn::And(values, hn::Set(DI(), 0xFFFF))), d16, out);
+#endif
+}
+
+template <bool kGather, class T>
+void nearest(const Points& points, std::size_t from, const Face& face, std::size_t count, T* out) {
+  const NearestMaker<T> maker(face.size);
+  for (std::size_t k = 0; k < count; k += hn::Lanes(DI())) {
+    const VI offset = maker.make(hn::LoadU(DI(), points.x.data() + from + k),
+                                 hn::LoadU(DI(), points.y.data() + from + k));
+    store_values(values_at<kGather, T>(face.cells, offset), out + k);
+  }
 }
 
 // --- packing ------------------------------------------------------------------------------------
@@ -471,93 +524,118 @@ void pack_three(const std::uint32_t* rgba, std::size_t count, std::uint8_t* out)
   }
 }
 
-HWY_INLINE VF planar(VU rgba, int c, const PlanarScale& scale) {
-  const VU shifted = c == 0 ? rgba : c == 1 ? hn::ShiftRight<8>(rgba) : hn::ShiftRight<16>(rgba);
-  const VU value = hn::And(shifted, hn::Set(DU(), 0xFFU));
-  const VF v = hn::ConvertTo(DF(), hn::BitCast(DI(), value));
-  return hn::Add(hn::Mul(v, hn::Set(DF(), scale.factor[static_cast<std::size_t>(c)])),
-                 hn::Set(DF(), scale.offset[static_cast<std::size_t>(c)]));
+// Channels as numbers; constants stay in registers.
+struct Planar {
+  HWY_INLINE explicit Planar(const PlanarScale& scale)
+      : factor0(hn::Set(DF(), scale.factor[0])),
+        factor1(hn::Set(DF(), scale.factor[1])),
+        factor2(hn::Set(DF(), scale.factor[2])),
+        offset0(hn::Set(DF(), scale.offset[0])),
+        offset1(hn::Set(DF(), scale.offset[1])),
+        offset2(hn::Set(DF(), scale.offset[2])) {}
+
+  // Of pixels in order.
+  template <int kChannel>
+  HWY_INLINE VF of(VU rgba) const {
+    return scaled<kChannel>(hn::And(hn::ShiftRight<8 * kChannel>(rgba), hn::Set(DU(), 0xFFU)));
+  }
+  // Of pixels as interleaved_rgba() has them.
+  template <int kChannel>
+  HWY_INLINE VF of_interleaved(VU rgba) const {
+#if EN_X86_DL
+    alignas(64) static constexpr auto kPlaces = [] {
+      std::array<std::uint8_t, 64> places{};
+      for (std::size_t p = 0; p < 16; ++p) {
+        places[4 * p] = static_cast<std::uint8_t>(4 * place_of(p) + kChannel);
+      }
+      return places;
+    }();
+    return scaled<kChannel>(VU{_mm512_maskz_permutexvar_epi8(
+        0x1111111111111111U, _mm512_load_si512(kPlaces.data()), rgba.raw)});
+#else
+    return of<kChannel>(in_order(rgba));
+#endif
+  }
+
+ private:
+  template <int kChannel>
+  HWY_INLINE VF scaled(VU value) const {
+    const VF v = hn::ConvertTo(DF(), hn::BitCast(DI(), value));
+    if constexpr (kChannel == 0) return hn::Add(hn::Mul(v, factor0), offset0);
+    if constexpr (kChannel == 1) return hn::Add(hn::Mul(v, factor1), offset1);
+    return hn::Add(hn::Mul(v, factor2), offset2);
+  }
+
+  VF factor0, factor1, factor2, offset0, offset1, offset2;
+};
+
+HWY_INLINE void store_planar(VF value, float* out) { hn::StoreU(value, DF(), out); }
+#if EN_HALVES
+HWY_INLINE void store_planar(VF value, std::uint16_t* out) {
+  const hn::Rebind<hwy::float16_t, DF> d16;
+  hn::StoreU(hn::DemoteTo(d16, value), d16, reinterpret_cast<hwy::float16_t*>(out));
+}
+#endif
+
+// The whole registers among `count` pixels. Returns how many pixels they have.
+template <class T>
+HWY_INLINE std::size_t pack_planar_whole(const std::uint32_t* rgba, std::size_t count,
+                                         const PlanarScale& scale, std::size_t plane, T* out) {
+  const Planar planar(scale);
+  const std::size_t n = hn::Lanes(DF()), whole = count - count % n;
+  for (std::size_t k = 0; k < whole; k += n) {
+    const VU pixels = hn::LoadU(DU(), rgba + k);
+    store_planar(planar.of<0>(pixels), out + k);
+    store_planar(planar.of<1>(pixels), out + plane + k);
+    store_planar(planar.of<2>(pixels), out + 2 * plane + k);
+  }
+  return whole;
 }
 
 void pack_planar32(const std::uint32_t* rgba, std::size_t count, const PlanarScale& scale,
                    std::size_t plane, float* out) {
-  const DF d;
-  const std::size_t n = hn::Lanes(d), whole = count - count % n;
-  for (std::size_t k = 0; k < whole; k += n) {
-    const VU pixels = hn::LoadU(DU(), rgba + k);
-    for (int c = 0; c < 3; ++c) {
-      hn::StoreU(planar(pixels, c, scale), d, out + static_cast<std::size_t>(c) * plane + k);
-    }
-  }
-  if (whole < count) {
-    scalar_kernels().pack_planar32(rgba + whole, count - whole, scale, plane, out + whole);
-  }
+  const std::size_t whole = pack_planar_whole(rgba, count, scale, plane, out);
+  scalar_kernels().pack_planar32(rgba + whole, count - whole, scale, plane, out + whole);
 }
 
 void pack_planar16(const std::uint32_t* rgba, std::size_t count, const PlanarScale& scale,
                    std::size_t plane, std::uint16_t* out) {
   std::size_t whole = 0;
 #if EN_HALVES
-  const hn::Rebind<hwy::float16_t, DF> d16;
-  const std::size_t n = hn::Lanes(DF());
-  whole = count - count % n;
-  for (std::size_t k = 0; k < whole; k += n) {
-    const VU pixels = hn::LoadU(DU(), rgba + k);
-    for (int c = 0; c < 3; ++c) {
-      auto* place =
-          reinterpret_cast<hwy::float16_t*>(out + static_cast<std::size_t>(c) * plane + k);
-      hn::StoreU(hn::DemoteTo(d16, planar(pixels, c, scale)), d16, place);
-    }
-  }
+  whole = pack_planar_whole(rgba, count, scale, plane, out);
 #endif
-  if (whole < count) {
-    scalar_kernels().pack_planar16(rgba + whole, count - whole, scale, plane, out + whole);
-  }
+  scalar_kernels().pack_planar16(rgba + whole, count - whole, scale, plane, out + whole);
 }
 
-// Pixels in the formats of numbers: by whole registers straight to the planes, the last ones through
-// the kernels that pack.
-template <bool kGather, class T, class Whole, class Rest>
-HWY_INLINE void draw_planar(const TapRun& run, std::size_t plane, T* out, const Whole& whole,
+// Pixels as numbers: whole registers straight to the planes, the last ones through `rest`.
+template <bool kGather, class T, class Rest>
+HWY_INLINE void draw_planar(const TapRun& run, const PlanarScale& scale, std::size_t plane, T* out,
                             const Rest& rest) {
-  draw<kGather>(run, [&](VU pixels, std::size_t k) HWY_ATTR {
-    const VU rgba = in_order(pixels);
-    if (k + 2 * kHalf <= run.count) {
-      for (int c = 0; c < 3; ++c) {
-        whole(rgba, c, out + static_cast<std::size_t>(c) * plane + k);
-      }
+  const Planar planar(scale);
+  const std::size_t count = run.count;
+  draw<kGather>(run, [=](VU pixels, std::size_t k) HWY_ATTR {
+    if (k + 2 * kHalf <= count) {
+      store_planar(planar.template of_interleaved<0>(pixels), out + k);
+      store_planar(planar.template of_interleaved<1>(pixels), out + plane + k);
+      store_planar(planar.template of_interleaved<2>(pixels), out + 2 * plane + k);
     } else {
       alignas(64) std::array<std::uint32_t, 2 * kHalf> last;
-      hn::Store(rgba, DU(), last.data());
-      rest(last.data(), run.count - k, out + k);
+      hn::Store(in_order(pixels), DU(), last.data());
+      rest(last.data(), count - k, scale, plane, out + k);
     }
   });
 }
 
 template <bool kGather>
 void draw_planar32(const TapRun& run, const PlanarScale& scale, std::size_t plane, float* out) {
-  draw_planar<kGather>(
-      run, plane, out,
-      [&](VU rgba, int c, float* to) HWY_ATTR { hn::StoreU(planar(rgba, c, scale), DF(), to); },
-      [&](const std::uint32_t* rgba, std::size_t count, float* to) {
-        scalar_kernels().pack_planar32(rgba, count, scale, plane, to);
-      });
+  draw_planar<kGather>(run, scale, plane, out, scalar_kernels().pack_planar32);
 }
 
 template <bool kGather>
 void draw_planar16(const TapRun& run, const PlanarScale& scale, std::size_t plane,
                    std::uint16_t* out) {
 #if EN_HALVES
-  const hn::Rebind<hwy::float16_t, DF> d16;
-  draw_planar<kGather>(
-      run, plane, out,
-      [&](VU rgba, int c, std::uint16_t* to) HWY_ATTR {
-        hn::StoreU(hn::DemoteTo(d16, planar(rgba, c, scale)), d16,
-                   reinterpret_cast<hwy::float16_t*>(to));
-      },
-      [&](const std::uint32_t* rgba, std::size_t count, std::uint16_t* to) {
-        scalar_kernels().pack_planar16(rgba, count, scale, plane, to);
-      });
+  draw_planar<kGather>(run, scale, plane, out, scalar_kernels().pack_planar16);
 #else
   alignas(64) std::array<std::uint32_t, kBlock> rgba;
   draw_rgba<kGather>(run, rgba.data());
@@ -655,8 +733,8 @@ constexpr Kernels make_kernels() {
       draw_rgba<kGather>,
       draw_planar16<kGather>,
       draw_planar32<kGather>,
-      nearest<std::uint16_t>,
-      nearest<std::uint32_t>,
+      nearest<kGather, std::uint16_t>,
+      nearest<kGather, std::uint32_t>,
       pack_three<false>,
       pack_three<true>,
       pack_planar16,
