@@ -19,7 +19,9 @@ struct GlDevice {
 /// EGL library.
 std::vector<GlDevice> gl_devices();
 
-/// The instruction set that Backend::kCpu would use here: "AVX3", "AVX2", "SSE4", "NEON", ...
+/// The instruction set that Backend::kCpu uses here: "AVX3_DL gathers", "AVX2", "SSE4", "NEON", ...
 std::string cpu_target();
+/// All that it can use here, for RendererConfig::cpu_target.
+std::vector<std::string> cpu_targets();
 
 }  // namespace enfilade::render

@@ -142,6 +142,9 @@ struct RendererConfig {
   int threads = 0;  ///< of the cpu back ends; 0: all cores
   Legacy legacy;
   std::string gl_device;  ///< index or UUID of an EGL device ("0"); empty: the first that works
+  /// Backend::kCpu: one of cpu_targets() (gl_devices.h); empty: the fastest here. The pictures are
+  /// the same to the bit.
+  std::string cpu_target = {};
 };
 
 /// \throws ArgumentError for a backend that this build lacks, or a null cache; Error with EGL's or

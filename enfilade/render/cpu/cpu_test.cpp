@@ -1,6 +1,9 @@
 // The vector kernels against their plain twin; threads; allocations.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
@@ -8,8 +11,9 @@
 #include <new>
 #include <thread>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/render/cpu/kernels.h"
-#include "enfilade/render/cpu/sampling.h"
+#include "enfilade/render/gl_devices.h"
 #include "tests/support/made_panoramas.h"
 
 namespace enfilade::render {
@@ -31,14 +35,23 @@ scan::Panorama noise(std::uint32_t size, std::uint64_t seed) {
   return p;
 }
 
-TEST(CpuRenderer, VectorsAndTheirTwinGiveTheSameBytes) {
-  for (const std::uint32_t size : {1U, 2U, 31U, 256U}) {
+// All instruction sets that this machine has, with gathers and without.
+class EachTarget : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(CpuRenderer, EachTarget, ::testing::ValuesIn(cpu_targets()),
+                         [](const auto& each) {
+                           std::string name = each.param;
+                           std::ranges::replace(name, ' ', '_');
+                           return name;
+                         });
+
+TEST_P(EachTarget, GivesTheBytesOfItsPlainTwin) {
+  for (const std::uint32_t size : {1U, 2U, 17U, 31U, 256U}) {
     const auto cache = cache_of({noise(size, 1), noise(size, 2)});
     for (const Legacy legacy : {Legacy{}, Legacy{true, true}}) {
-      const auto simd = make_renderer(cache, {Backend::kCpu, 1, legacy, {}});
+      const auto simd = make_renderer(cache, {Backend::kCpu, 1, legacy, {}, GetParam()});
       const auto twin = make_renderer(cache, {Backend::kCpuScalar, 1, legacy, {}});
       Rng rng(21, size);
-      for (int k = 0; k < 60; ++k) {
+      for (int k = 0; k < 30; ++k) {
         const Camera camera{1 + static_cast<std::uint32_t>(rng.below(700)),
                             1 + static_cast<std::uint32_t>(rng.below(30)),
                             degrees(1 + 170 * rng.uniform())};
@@ -52,8 +65,77 @@ TEST(CpuRenderer, VectorsAndTheirTwinGiveTheSameBytes) {
   }
 }
 
-TEST(CpuRenderer, PackersAgreeAtEveryLengthAndAlignment) {
-  const cpu::Kernels& simd = cpu::simd_kernels();
+TEST_P(EachTarget, DrawsEachFormatAsItsPlainTwin) {
+  const auto cache = cache_of({noise(64, 1)});
+  const auto simd = make_renderer(cache, {Backend::kCpu, 1, {}, {}, GetParam()});
+  const auto twin = make_renderer(cache, {Backend::kCpuScalar, 1, {}, {}});
+  Rng rng(26, 0);
+  for (const ColourFormat format :
+       {ColourFormat::kRgb8, ColourFormat::kBgr8, ColourFormat::kRgba8,
+        ColourFormat::kPlanarFloat16, ColourFormat::kPlanarFloat32}) {
+    for (std::uint32_t width = 1; width < 40; ++width) {
+      const Camera camera{width, 5, degrees(100)};
+      const View view = random_view(rng);
+      const auto drawn = [&](Renderer& renderer) {
+        std::vector<std::byte> pixels(std::size_t{5} * width * pixel_bytes(format));
+        Outputs outputs;
+        outputs.colour = ColourOutput{format, kImageNet, pixels};
+        renderer.render(camera, {&view, 1}, outputs);
+        return pixels;
+      };
+      ASSERT_EQ(drawn(*simd), drawn(*twin)) << "width " << width;
+    }
+  }
+}
+
+// A view's faces may be farther apart in memory than offsets of 31 bits reach.
+TEST(CpuRenderer, FacesThatAreFarApartMakeTheSamePictures) {
+  constexpr std::uint32_t kSize = 256;  // 16 faces fill a block of the cache's memory
+  const auto make = [] { return cache_of({noise(kSize, 1), noise(kSize, 2), noise(kSize, 3)}); };
+  const auto near = make(), far = make();
+  std::vector<FaceKey> keys;
+  for (std::size_t k = 0; k < 18; ++k) {
+    keys.push_back({ScanIndex(0), ViewpointIndex(k / 6), scan::Layer::kColour, cube_face(k % 6)});
+  }
+  std::vector<Face> faces(keys.size());
+  constexpr std::size_t kHole = std::size_t{3} << 30;
+  const auto load = [&](std::size_t begin, std::size_t end) {
+    const std::span some = std::span(keys).subspan(begin, end - begin);
+    far->acquire(some, std::span(faces).subspan(begin, end - begin));
+    far->release(some);
+  };
+  load(0, 15);
+  void* hole = mmap(nullptr, kHole, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  ASSERT_NE(hole, MAP_FAILED);
+  load(15, 18);
+  const auto address = [&](std::size_t k) { return reinterpret_cast<std::intptr_t>(faces[k].cells); };
+  const bool apart = std::abs(address(12) - address(17)) > std::intptr_t{1} << 31;
+  if (!apart) {
+    munmap(hole, kHole);
+    GTEST_SKIP() << "this system maps memory in another order";
+  }
+  const Camera camera{200, 200, degrees(100)};
+  Rng rng(27, 0);
+  for (int k = 0; k < 20; ++k) {
+    View view = random_view(rng);
+    view.viewpoint = ViewpointIndex(2);
+    Pictures a(camera, 1), b(camera, 1);
+    make_renderer(far, {Backend::kCpu, 1, {}, {}})->render(camera, {&view, 1}, a.outputs());
+    make_renderer(near, {Backend::kCpu, 1, {}, {}})->render(camera, {&view, 1}, b.outputs());
+    EXPECT_EQ(a, b) << "view " << k;
+  }
+  munmap(hole, kHole);
+}
+
+TEST(CpuRenderer, RefusesAnInstructionSetThatIsNotThere) {
+  EXPECT_THAT([] { make_renderer(cache_of({noise(2, 1)}), {Backend::kCpu, 1, {}, {}, "MMX"}); },
+              ::testing::ThrowsMessage<ArgumentError>(
+                  ::testing::AllOf(::testing::HasSubstr("\"MMX\""),
+                                   ::testing::HasSubstr(cpu_targets().back()))));
+}
+
+TEST_P(EachTarget, PacksAsItsPlainTwinAtEveryLengthAndAlignment) {
+  const cpu::Kernels& simd = cpu::simd_kernels(GetParam());
   const cpu::Kernels& twin = cpu::scalar_kernels();
   Rng rng(22, 0);
   cpu::Block32 block;
@@ -141,10 +223,10 @@ TEST(CpuRenderer, TwoInTwoThreadsShareASmallCacheInPeace) {
 TEST(CpuRenderer, LargeBatchesAreStreamedToTheSameBytes) {
   const auto cache = cache_of({noise(32, 1)});
   const auto renderer = make_renderer(cache, {Backend::kCpu, 1, {}, {}});
-  const Camera camera{256, 256, degrees(60)};  // above 4 MiB at 30 views; rows of whole lines
+  const Camera camera{256, 256, degrees(60)};  // above 16 MiB at 50 views; rows of whole lines
   Rng rng(25, 0);
   std::vector<View> views;
-  for (int k = 0; k < 30; ++k) views.push_back(random_view(rng));
+  for (int k = 0; k < 50; ++k) views.push_back(random_view(rng));
   Pictures all(camera, views.size()), one(camera, 1);
   renderer->render(camera, views, all.outputs());
   for (std::size_t k = 0; k < views.size(); ++k) {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "enfilade/render/cpu/row_plan.h"
 #include "enfilade/render/face_cache.h"
@@ -109,7 +111,17 @@ struct Kernels {
 };
 
 const Kernels& scalar_kernels() noexcept;
-/// For the best instruction set that this machine has.
+/// The fastest ones here: for the best instruction set that this machine has, with gathers or
+/// without, as a short measurement at the first call says. All give the same bytes.
 const Kernels& simd_kernels() noexcept;
+/// Those of one of cpu_targets(); empty: the fastest. \throws ArgumentError for another name
+const Kernels& simd_kernels(const std::string& target);
+
+struct KernelVariant {
+  std::string name;  ///< "AVX2", "AVX2 gathers", ...
+  const Kernels* kernels;
+};
+/// All that this machine can run, the best instruction set first.
+const std::vector<KernelVariant>& kernel_variants();
 
 }  // namespace enfilade::render::cpu

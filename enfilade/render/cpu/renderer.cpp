@@ -167,13 +167,17 @@ class BandDrawer {
     }
     if (!draws_nearest()) return;
     for (const Part& part : block.all()) draw_nearest(block, part);
-    const Place place = place_of(block, block.columns);
+    job_.packer.pack_values({nullptr, depth_.values.data(), classes_.values.data(),
+                             instances_.values.data(), depth_factors(block)},
+                            place_of(block, block.columns));
+  }
+
+  const float* depth_factors(const Block& block) const {
     const auto& depth = job_.outputs.depth;
-    const bool scaled = depth && depth->measure == DepthMeasure::kZ;
-    job_.packer.pack_values(
-        {nullptr, depth_.values.data(), classes_.values.data(), instances_.values.data(),
-         scaled ? job_.depth_factor + place.first : job_.depth_factor},
-        place);
+    if (!depth || depth->measure == DepthMeasure::kRay) return job_.depth_factor;
+    // The lower rows are the upper ones in a mirror: half of the table stays in the caches.
+    const std::uint32_t row = std::min(block.row, job_.camera.height - 1 - block.row);
+    return job_.depth_factor + std::size_t{row} * job_.camera.width + block.columns.begin;
   }
 
   Place place_of(const Block& block, Piece piece) const {
@@ -223,7 +227,8 @@ class CpuRenderer final : public Renderer {
  public:
   CpuRenderer(std::shared_ptr<FaceCache> faces, const RendererConfig& config)
       : config_(config),
-        kernels_(config.backend == Backend::kCpu ? simd_kernels() : scalar_kernels()),
+        kernels_(config.backend == Backend::kCpu ? simd_kernels(config.cpu_target)
+                                                 : scalar_kernels()),
         batch_(std::move(faces)),
         ones_(kBlock, 1.0F) {}
 
@@ -246,7 +251,7 @@ class CpuRenderer final : public Renderer {
     const int threads = threads_or_all(config_.threads);
     const bool simd = config_.backend == Backend::kCpu;
     return fmt::format("{} ({}, {} thread{})", to_string(config_.backend),
-                       simd ? cpu_target() : "no SIMD", threads, threads == 1 ? "" : "s");
+                       !simd ? "no SIMD" : config_.cpu_target.empty() ? cpu_target() : config_.cpu_target, threads, threads == 1 ? "" : "s");
   }
 
  private:

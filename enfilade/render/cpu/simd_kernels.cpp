@@ -4,10 +4,13 @@
 #define HWY_WANT_AVX3_DL 1
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "enfilade/render/cpu/simd_kernels.cpp"
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/render/cpu/kernels.h"
 #include "enfilade/render/cpu/sampling.h"
 
@@ -24,7 +27,7 @@ namespace HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
 
 // A machine with no instruction set that Highway knows.
-const Kernels* kernels() { return &scalar_kernels(); }
+const Kernels* kernels(bool /*gathers*/) { return &scalar_kernels(); }
 
 #else
 namespace hn = hwy::HWY_NAMESPACE;
@@ -748,9 +751,15 @@ constexpr Kernels make_kernels() {
   };
 }
 
-const Kernels* kernels() {
-  static constexpr Kernels kKernels = make_kernels<true>();
-  return &kKernels;
+const Kernels* kernels(bool gathers) {
+  static constexpr Kernels kLoads = make_kernels<false>();
+#if EN_HALVES  // these targets have gathers, too
+  static constexpr Kernels kGathers = make_kernels<true>();
+  if (gathers) return &kGathers;
+#else
+  static_cast<void>(gathers);
+#endif
+  return &kLoads;
 }
 
 #endif
@@ -760,22 +769,97 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 
+#include <chrono>
+
 #include "enfilade/render/gl_devices.h"
 
 namespace enfilade::render {
 namespace cpu {
 namespace {
+
 HWY_EXPORT(kernels);
+
+std::vector<KernelVariant> find_variants() {
+  std::vector<KernelVariant> found;
+  // Highway numbers the targets so that the better ones have the lower bits. Another thread that
+  // dispatches meanwhile may get a lesser target, which works as well.
+  std::int64_t supported = hwy::SupportedTargets() & HWY_TARGETS;
+  for (; supported != 0; supported &= supported - 1) {
+    const std::int64_t target = supported & -supported;
+    hwy::GetChosenTarget().Update(target);
+    const Kernels* loads = HWY_DYNAMIC_DISPATCH(kernels)(false);
+    const Kernels* gathers = HWY_DYNAMIC_DISPATCH(kernels)(true);
+    const std::string name = hwy::TargetName(target);
+    if (gathers != loads) found.push_back({name + " gathers", gathers});
+    found.push_back({name, loads});
+  }
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  return found;
+}
+
+// Seconds that kernels take for a row of pixels, at best.
+double time_row(const Kernels& kernels) {
+  constexpr std::size_t kPixels = 512, kLines = 512;
+  alignas(64) static std::array<std::uint8_t, kLines * image::kCellBytes + image::kCellBytes> cells;
+  Taps taps;
+  for (std::size_t k = 0; k < taps.offset.size(); ++k) {  // as a row that runs through many lines
+    taps.offset[k] = static_cast<std::int32_t>(k * 5 % kLines * image::kCellBytes + k % 18 * 3);
+    taps.weights[k] = static_cast<std::uint32_t>(k << 16 | 0x80 << 8 | 0x7F);
+  }
+  std::array<std::uint32_t, kPixels> out;
+  double best = 1;
+  for (int k = 0; k < 16; ++k) {
+    const auto begin = std::chrono::steady_clock::now();
+    kernels.draw_rgba({cells.data(), taps, 0, kPixels}, out.data());
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
+    best = std::min(best, spent.count());
+  }
+  return best;
+}
+
+const KernelVariant& choose() {
+  const auto& variants = kernel_variants();
+  // Of the best target: some processors gather quickly, others load one by one as fast.
+  const bool choice = variants.size() > 1 && variants[0].name.starts_with(variants[1].name);
+  if (choice && time_row(*variants[1].kernels) < time_row(*variants[0].kernels)) {
+    return variants[1];
+  }
+  return variants[0];
+}
+
+const KernelVariant& chosen() {
+  static const KernelVariant& variant = choose();
+  return variant;
+}
+
 }  // namespace
 
-const Kernels& simd_kernels() noexcept { return *HWY_DYNAMIC_DISPATCH(kernels)(); }
+const std::vector<KernelVariant>& kernel_variants() {
+  static const std::vector<KernelVariant> variants = find_variants();
+  return variants;
+}
+
+const Kernels& simd_kernels() noexcept { return *chosen().kernels; }
+
+const Kernels& simd_kernels(const std::string& target) {
+  if (target.empty()) return simd_kernels();
+  const auto& variants = kernel_variants();
+  const auto found = std::ranges::find(variants, target, &KernelVariant::name);
+  if (found == variants.end()) {
+    throw ArgumentError(fmt::format("config.cpu_target: {:?} is none of this machine's: {}", target,
+                                    fmt::join(cpu_targets(), ", ")));
+  }
+  return *found->kernels;
+}
 
 }  // namespace cpu
 
-std::string cpu_target() {
-  // Highway numbers the targets so that the better one has the lower bit.
-  const auto best = hwy::SupportedTargets() & HWY_TARGETS;
-  return hwy::TargetName(best & -best);
+std::string cpu_target() { return cpu::chosen().name; }
+
+std::vector<std::string> cpu_targets() {
+  std::vector<std::string> names;
+  for (const auto& variant : cpu::kernel_variants()) names.push_back(variant.name);
+  return names;
 }
 
 }  // namespace enfilade::render
