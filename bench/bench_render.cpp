@@ -9,10 +9,12 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/common/program.h"
+#include "bench/machine_limits.h"
 #include "bench/render_speed.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
@@ -113,6 +115,61 @@ Json conditions(const Options& o, const Buildings& buildings) {
           {"prefetch", o.settings.prefetch},    {"vfov_degrees", o.vfov}};
 }
 
+Json json_of(const MemoryRates& rates) {
+  return {{"bytes", rates.bytes},
+          {"read", rates.read},
+          {"read_pieces", rates.read_pieces},
+          {"write", rates.write},
+          {"write_past_caches", rates.write_past_caches}};
+}
+
+Json json_of(const MachineLimits& limits) {
+  return {{"clock_hz", limits.clock_hz},
+          {"cache_size", limits.cache_size},
+          {"cache", json_of(limits.cache)},
+          {"memory", json_of(limits.memory)}};
+}
+
+void print_rates(const char* name, const MemoryRates& rates) {
+  const auto giga = [](double rate) { return rate / 1e9; };
+  fmt::print("{:<14}{:>7} MiB{:>11.1f}{:>14.1f}{:>9.1f}{:>20.1f}\n", name, rates.bytes >> 20,
+             giga(rates.read), giga(rates.read_pieces), giga(rates.write),
+             giga(rates.write_past_caches));
+}
+
+void print_limits(const MachineLimits& limits) {
+  fmt::print("one thread    {:.2f} GHz (chains of additions, in this run); GB/s, in this run:\n",
+             limits.clock_hz / 1e9);
+  fmt::print("{:<25}{:>11}{:>14}{:>9}{:>20}\n", "", "read", "1 KiB pieces", "write",
+             "write past caches");
+  print_rates("last level", limits.cache);
+  print_rates("memory", limits.memory);
+  fmt::print("\n");
+}
+
+// Beside the clock and the memory of the machine; none for back ends that aren't one thread.
+struct Shares {
+  double nanoseconds = 0, cycles = 0;  // a pixel
+  bool texels_in_cache = false;        // all decoded faces fit into half of the last level
+  double bound = 0;                    // time that memory alone takes, of the time that it took
+};
+
+std::optional<Shares> shares_of(const Measurement& m, std::uint32_t face_size,
+                                const MachineLimits& limits) {
+  if (m.cpu_seconds <= 0) return std::nullopt;
+  const Camera& camera = m.combination.camera;
+  const double pixels = static_cast<double>(camera.width) * camera.height;
+  const OutputMemory one(m.combination.outputs, camera, 1);
+  const PictureTraffic traffic = picture_traffic(camera, face_size, one.outputs(), 1);
+  Shares shares;
+  shares.nanoseconds = 1e9 * m.cpu_seconds / pixels;
+  shares.cycles = m.cpu_seconds * limits.clock_hz / pixels;
+  shares.texels_in_cache = m.cache_bytes <= limits.cache_size / 2;
+  const MemoryRates& texels_in = shares.texels_in_cache ? limits.cache : limits.memory;
+  shares.bound = memory_bound(traffic, texels_in, limits) / m.cpu_seconds;
+  return shares;
+}
+
 void print_conditions(const Json& conditions) {
   for (const auto& [name, value] : conditions.items()) {
     fmt::print("{:<14}{}\n", name, value.is_string() ? value.get<std::string>() : value.dump());
@@ -120,42 +177,57 @@ void print_conditions(const Json& conditions) {
   fmt::print("\n");
 }
 
-void finish(const Options& o, const Buildings& buildings, const Json& rows) {
+void finish(const Options& o, const Buildings& buildings, const Json& rows,
+            const Json& limits = nullptr) {
   if (o.json.empty()) return;
-  const Json report{{"mode", o.mode}, {"conditions", conditions(o, buildings)}, {"rows", rows}};
+  Json report{{"mode", o.mode}, {"conditions", conditions(o, buildings)}, {"rows", rows}};
+  if (!limits.is_null()) report["one_thread"] = limits;
   write_output(o.json, report.dump(1) + "\n");
 }
 
-Json row_of(const Measurement& m) {
+Json row_of(const Measurement& m, const std::optional<Shares>& shares) {
   const Combination& c = m.combination;
-  return {{"renderer", m.renderer},
-          {"width", c.camera.width},
-          {"height", c.camera.height},
-          {"outputs", c.outputs},
-          {"batch", c.batch},
-          {"threads", c.threads},
-          {"cache", c.cold ? "cold" : "hot"},
-          {"median", m.median()},
-          {"per_second", m.per_second},
-          {"decoding_share", m.decoding_share},
-          {"faces_per_frame", m.faces_per_frame},
-          {"cache_bytes", m.cache_bytes}};
+  Json row{{"renderer", m.renderer},
+           {"width", c.camera.width},
+           {"height", c.camera.height},
+           {"outputs", c.outputs},
+           {"batch", c.batch},
+           {"threads", c.threads},
+           {"cache", c.cold ? "cold" : "hot"},
+           {"median", m.median()},
+           {"per_second", m.per_second},
+           {"decoding_share", m.decoding_share},
+           {"faces_per_frame", m.faces_per_frame},
+           {"cache_bytes", m.cache_bytes}};
+  if (shares) {
+    row["cpu_ns_per_pixel"] = shares->nanoseconds;
+    row["cycles_per_pixel"] = shares->cycles;
+    row["memory_bound_share"] = shares->bound;
+    row["texels_in"] = shares->texels_in_cache ? "last level" : "memory";
+  }
+  return row;
 }
 
 void print_header() {
-  fmt::print("{:<10}{:<14}{:>6}{:>8}{:>6}{:>11}{:>20}{:>10}{:>12}{:>10}\n", "size", "outputs",
-             "batch", "threads", "cache", "frames/s", "min .. max", "decoding", "faces/frame",
-             "cache MB");
+  fmt::print("{:>71}{:>11}{:>35}\n", "", "", "one pinned thread, CPU time:");
+  fmt::print("{:<10}{:<14}{:>6}{:>8}{:>6}{:>10}{:>17}{:>10}{:>12}{:>9}{:>10}{:>9}  {}\n", "size",
+             "outputs", "batch", "threads", "cache", "frames/s", "min .. max", "decoding",
+             "faces/frame", "ns/pixel", "cycles/px", "of bound", "texels in");
 }
 
-void print_row(const Measurement& m) {
+void print_row(const Measurement& m, const std::optional<Shares>& shares) {
   const Combination& c = m.combination;
-  fmt::print("{:<10}{:<14}{:>6}{:>8}{:>6}{:>11.0f}{:>20}{:>10}{:>12.2f}{:>10}\n",
+  fmt::print("{:<10}{:<14}{:>6}{:>8}{:>6}{:>10.0f}{:>17}{:>10}{:>12.2f}",
              fmt::format("{}x{}", c.camera.width, c.camera.height), c.outputs, c.batch,
              threads_or_all(c.threads), c.cold ? "cold" : "hot", m.median(),
              fmt::format("{:.0f} .. {:.0f}", m.per_second.front(), m.per_second.back()),
-             fmt::format("{:.1f} %", 100 * m.decoding_share), m.faces_per_frame,
-             m.cache_bytes >> 20);
+             fmt::format("{:.1f} %", 100 * m.decoding_share), m.faces_per_frame);
+  if (shares) {
+    fmt::print("{:>9.2f}{:>10.1f}{:>9}  {}", shares->nanoseconds, shares->cycles,
+               fmt::format("{:.0f} %", 100 * shares->bound),
+               shares->texels_in_cache ? "last level" : "memory");
+  }
+  fmt::print("\n");
   (void)std::fflush(stdout);
 }
 
@@ -170,16 +242,19 @@ void run_table(const Options& o) {
   for (const Combination& c : all) (void)OutputMemory(c.outputs, {1, 1, degrees(60)}, 1);
   const Buildings buildings = open(o);
   print_conditions(conditions(o, buildings));
+  const MachineLimits limits = measure_machine_limits();
+  print_limits(limits);
   print_header();
   Json rows = Json::array();
   for (const Combination& c : all) {
     const Measurement m =
         sweep ? measure_sweep(buildings, c, o.settings) : measure(buildings, c, o.settings);
     if (rows.empty()) fmt::print("{}\n", m.renderer);
-    print_row(m);
-    rows.push_back(row_of(m));
+    const std::optional<Shares> shares = shares_of(m, buildings.face_size(), limits);
+    print_row(m, shares);
+    rows.push_back(row_of(m, shares));
   }
-  finish(o, buildings, rows);
+  finish(o, buildings, rows, json_of(limits));
 }
 
 void run_walk_memory(const Options& o) {

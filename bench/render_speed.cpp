@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "apps/common/program.h"
+#include "bench/cpu_time.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/sim/observe.h"
@@ -103,45 +104,47 @@ std::size_t line_of_status(const std::string& status, const std::string& name) {
   return kilobytes * 1024;
 }
 
-// A cache and a renderer on it.
-struct Setup {
-  std::shared_ptr<render::FaceCache> faces;
-  std::unique_ptr<render::Renderer> renderer;
+std::shared_ptr<render::FaceCache> cache_of(
+    const std::shared_ptr<const scan::PanoramaSet>& panoramas, const Combination& c,
+    const BenchSettings& settings) {
+  render::FaceCacheConfig cache;
+  // What is hot keeps all that it has decoded.
+  cache.bytes = c.cold ? settings.cache_bytes : std::numeric_limits<std::size_t>::max() / 2;
+  cache.threads = c.threads;
+  cache.prefetch_thread = settings.prefetch;
+  return std::make_shared<render::FaceCache>(panoramas, cache);
+}
 
-  Setup(const std::shared_ptr<const scan::PanoramaSet>& panoramas, const Combination& combination,
-        const BenchSettings& settings, std::size_t cache_bytes) {
-    render::FaceCacheConfig cache;
-    cache.bytes = cache_bytes;
-    cache.threads = combination.threads;
-    cache.prefetch_thread = settings.prefetch;
-    faces = std::make_shared<render::FaceCache>(panoramas, cache);
-    render::RendererConfig config;
-    config.backend = settings.backend;
-    config.threads = combination.threads;
-    config.gl_device = settings.gl_device;
-    renderer = render::make_renderer(faces, config);
-  }
-};
+std::unique_ptr<render::Renderer> renderer_of(const std::shared_ptr<render::FaceCache>& faces,
+                                              const Combination& c, const BenchSettings& settings) {
+  render::RendererConfig config;
+  config.backend = settings.backend;
+  config.threads = c.threads;
+  config.gl_device = settings.gl_device;
+  return render::make_renderer(faces, config);
+}
 
-// Times `repeat`, which draws a number of frames and returns it.
-Measurement time_repetitions(const Combination& combination, const BenchSettings& settings,
-                             Setup& setup, const std::function<std::size_t()>& repeat) {
-  Measurement m{
-      .combination = combination, .renderer = setup.renderer->description(), .per_second = {}};
-  const render::FaceCacheCounters before = setup.faces->counters();
+using Repeat = std::size_t (*)(Drawing&);  // draws a number of frames and returns it
+
+// By the clock, with the threads that the combination has.
+Measurement time_by_clock(const Combination& combination, const BenchSettings& settings,
+                          Drawing& drawing, Repeat repeat) {
+  Measurement m{.combination = combination, .renderer = drawing.description(), .per_second = {}};
+  if (!combination.cold) repeat(drawing);  // decodes all that is seen, and grows what grows
+  const render::FaceCacheCounters before = drawing.faces().counters();
   double seconds = 0;
   std::size_t frames = 0;
   for (std::size_t i = 0; i < settings.repetitions; ++i) {
-    if (combination.cold) setup.faces->clear();
+    if (combination.cold) drawing.faces().clear();
     const Clock::time_point start = Clock::now();
-    const std::size_t drawn = repeat();
+    const std::size_t drawn = repeat(drawing);
     const double took = seconds_since(start);
     m.per_second.push_back(static_cast<double>(drawn) / took);
     seconds += took;
     frames += drawn;
   }
   std::ranges::sort(m.per_second);
-  const render::FaceCacheCounters after = setup.faces->counters();
+  const render::FaceCacheCounters after = drawing.faces().counters();
   const int threads = threads_or_all(combination.threads);
   m.decoding_share = static_cast<double>(after.decode_nanoseconds - before.decode_nanoseconds) /
                      1e9 / (seconds * threads);
@@ -152,22 +155,34 @@ Measurement time_repetitions(const Combination& combination, const BenchSettings
   return m;
 }
 
-// The whole walk, frame by frame; `each` sees every step.
-std::size_t walk(const Buildings& buildings, const Combination& c, const BenchSettings& settings,
-                 Setup& setup, const render::Outputs& outputs,
-                 const std::function<void(const Walk&)>& each = {}) {
-  Walk walk(buildings, c.camera, c.batch);
-  const std::vector<Layer> layers = layers_of(outputs);
-  const std::size_t steps = std::max<std::size_t>(settings.frames / c.batch, 1);
-  for (std::size_t i = 0; i < steps; ++i) {
-    if (i > 0) walk.step();
-    setup.renderer->render(c.camera, walk.views(), outputs);
-    if (settings.prefetch) {
-      sim::prefetch_neighbours(walk.state(), walk.max_navigable(), c.camera, layers, *setup.faces);
-    }
-    if (each) each(walk);
+// Processor time of a frame, of one pinned thread.
+double time_one_thread(const Buildings& buildings, Combination combination, BenchSettings settings,
+                       std::size_t views, Repeat repeat) {
+  const PinnedThread pinned;
+  combination.threads = 1;
+  settings.prefetch = false;  // would decode in another thread
+  Drawing drawing(buildings, combination, settings, views);
+  if (!combination.cold) repeat(drawing);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < settings.repetitions; ++i) {
+    if (combination.cold) drawing.faces().clear();
+    const double start = thread_cpu_seconds();
+    const std::size_t drawn = repeat(drawing);
+    least = std::min(least, (thread_cpu_seconds() - start) / static_cast<double>(drawn));
   }
-  return steps * c.batch;
+  return least;
+}
+
+Measurement time_both(const Buildings& buildings, const Combination& combination,
+                      const BenchSettings& settings, std::size_t views, Repeat repeat) {
+  Measurement m = [&] {
+    Drawing drawing(buildings, combination, settings, views);
+    return time_by_clock(combination, settings, drawing, repeat);
+  }();
+  if (settings.backend != render::Backend::kGl) {
+    m.cpu_seconds = time_one_thread(buildings, combination, settings, views, repeat);
+  }
+  return m;
 }
 
 }  // namespace
@@ -285,37 +300,56 @@ void Walk::step() {
 
 void Walk::look() { sim::views_of(buffer_.spans(), views_); }
 
+Drawing::Drawing(const Buildings& buildings, const Combination& combination,
+                 const BenchSettings& settings, std::size_t views)
+    : buildings_(buildings),
+      combination_(combination),
+      settings_(settings),
+      memory_(combination.outputs, combination.camera, views),
+      faces_(cache_of(buildings.panoramas, combination, settings)),
+      renderer_(renderer_of(faces_, combination, settings)) {}
+
+std::size_t Drawing::walk(const Look& each) {
+  const Combination& c = combination_;
+  Walk walk(buildings_, c.camera, c.batch);
+  const std::vector<Layer> layers = layers_of(memory_.outputs());
+  const std::size_t steps = std::max<std::size_t>(settings_.frames / c.batch, 1);
+  for (std::size_t i = 0; i < steps; ++i) {
+    if (i > 0) walk.step();
+    renderer_->render(c.camera, walk.views(), memory_.outputs());
+    if (settings_.prefetch) {
+      sim::prefetch_neighbours(walk.state(), walk.max_navigable(), c.camera, layers, *faces_);
+    }
+    if (each) each(walk, memory_.outputs());
+  }
+  return steps * c.batch;
+}
+
+std::size_t Drawing::sweep() {
+  std::size_t frames = 0;
+  for (std::size_t s = 0; s < buildings_.panoramas->size(); ++s) {
+    const ScanIndex scan(s);
+    const graph::NavGraph& graph = buildings_.graphs->graph(scan);
+    for (std::size_t v = 0; v < graph.size(); ++v) {
+      if (!graph.included(ViewpointIndex(v))) continue;
+      const auto views = render::discrete_views(scan, ViewpointIndex(v));
+      renderer_->render(combination_.camera, views, memory_.outputs());
+      frames += views.size();
+    }
+  }
+  return frames;
+}
+
 Measurement measure(const Buildings& buildings, const Combination& combination,
                     const BenchSettings& settings) {
-  const std::size_t cache =
-      combination.cold ? settings.cache_bytes : std::numeric_limits<std::size_t>::max() / 2;
-  Setup setup(buildings.panoramas, combination, settings, cache);
-  const OutputMemory memory(combination.outputs, combination.camera, combination.batch);
-  const auto repeat = [&] {
-    return walk(buildings, combination, settings, setup, memory.outputs());
-  };
-  repeat();  // decodes all that the walk sees, and grows what grows
-  return time_repetitions(combination, settings, setup, repeat);
+  return time_both(buildings, combination, settings, combination.batch,
+                   [](Drawing& drawing) { return drawing.walk(); });
 }
 
 Measurement measure_sweep(const Buildings& buildings, const Combination& combination,
                           const BenchSettings& settings) {
-  Setup setup(buildings.panoramas, combination, settings, settings.cache_bytes);
-  const OutputMemory memory(combination.outputs, combination.camera, render::kDiscreteViews);
-  return time_repetitions(combination, settings, setup, [&] {
-    std::size_t frames = 0;
-    for (std::size_t s = 0; s < buildings.panoramas->size(); ++s) {
-      const ScanIndex scan(s);
-      const graph::NavGraph& graph = buildings.graphs->graph(scan);
-      for (std::size_t v = 0; v < graph.size(); ++v) {
-        if (!graph.included(ViewpointIndex(v))) continue;
-        const auto views = render::discrete_views(scan, ViewpointIndex(v));
-        setup.renderer->render(combination.camera, views, memory.outputs());
-        frames += views.size();
-      }
-    }
-    return frames;
-  });
+  return time_both(buildings, combination, settings, render::kDiscreteViews,
+                   [](Drawing& drawing) { return drawing.sweep(); });
 }
 
 Memory memory_now() {
@@ -328,32 +362,33 @@ WalkMemory measure_walk_memory(const Buildings& buildings, const Combination& co
                                const BenchSettings& settings) {
   WalkMemory result;
   result.before = memory_now();
-  Setup setup(buildings.panoramas, combination, settings, settings.cache_bytes);
-  const OutputMemory memory(combination.outputs, combination.camera, combination.batch);
+  Combination bounded = combination;
+  bounded.cold = true;  // keeps to the cache's limit
+  Drawing drawing(buildings, bounded, settings, bounded.batch);
   std::set<std::pair<ScanIndex, ViewpointIndex>> seen;
-  result.frames =
-      walk(buildings, combination, settings, setup, memory.outputs(), [&](const Walk& now) {
-        for (const render::View& view : now.views()) {
-          seen.emplace(view.scan, view.viewpoint);
-        }
-        const Memory used = memory_now();
-        result.most.anonymous = std::max(result.most.anonymous, used.anonymous);
-        result.most.file_backed = std::max(result.most.file_backed, used.file_backed);
-        result.most.peak = std::max(result.most.peak, used.peak);
-      });
+  result.frames = drawing.walk([&](Walk& now, const render::Outputs&) {
+    for (const render::View& view : now.views()) {
+      seen.emplace(view.scan, view.viewpoint);
+    }
+    const Memory used = memory_now();
+    result.most.anonymous = std::max(result.most.anonymous, used.anonymous);
+    result.most.file_backed = std::max(result.most.file_backed, used.file_backed);
+    result.most.peak = std::max(result.most.peak, used.peak);
+  });
   result.viewpoints_seen = seen.size();
   return result;
 }
 
 void draw_first_frame(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
                       const Combination& combination, const BenchSettings& settings) {
-  Setup setup(panoramas, combination, settings, settings.cache_bytes);
+  const auto renderer =
+      renderer_of(cache_of(panoramas, combination, settings), combination, settings);
   const OutputMemory memory(combination.outputs, combination.camera, 1);
   const scan::PanoramaSource& source = panoramas->source(ScanIndex());
   for (std::size_t v = 0; v < source.size(); ++v) {
     if (source.face_sizes(ViewpointIndex(v))[index(Layer::kColour)] == 0) continue;
     const render::View view{ScanIndex(), ViewpointIndex(v), Radians(0), Radians(0)};
-    setup.renderer->render(combination.camera, std::span(&view, 1), memory.outputs());
+    renderer->render(combination.camera, std::span(&view, 1), memory.outputs());
     return;
   }
   throw LookupError(fmt::format("scan {} in {} has no panorama", source.scan(), source.origin()));

@@ -3,10 +3,12 @@
 /// Method of the old simulator's own figures, so that ours can stand beside them: agents with
 /// discretized views and an opening of 60 degrees walk at random (any navigable viewpoint or none,
 /// turn and tilt by -1, 0 or 1 step), the same walk in each repetition; a repetition is timed
-/// whole, its steps included.
+/// whole, its steps included. Then one pinned thread draws the same again, and its processor time
+/// is taken: what other programs on the machine disturb least.
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <random>
@@ -58,6 +60,8 @@ class Walk {
   Walk(const Buildings& buildings, const Camera& camera, std::size_t batch);
   void step();
   std::span<const render::View> views() const noexcept { return views_; }
+  /// What step() did last, by agent.
+  std::span<const sim::Action> actions() const noexcept { return actions_; }
   sim::StateSpans state() noexcept { return buffer_.spans(); }
   std::size_t max_navigable() const noexcept { return simulator_.config().max_navigable; }
 
@@ -92,9 +96,35 @@ struct Measurement {
   std::string renderer;            ///< its description
   std::vector<double> per_second;  ///< frames, one a repetition, ascending
   double decoding_share = 0;       ///< of the threads' time, over all repetitions
+  double cpu_seconds = 0;          ///< a frame, of one pinned thread, least of the repetitions;
+                                   ///< 0 for back ends that have threads of their own
   double faces_per_frame = 0;      ///< decoded
   std::size_t cache_bytes = 0;     ///< in memory at the end
   double median() const { return per_second[per_second.size() / 2]; }
+};
+
+/// A renderer with a cache of its own, and memory for what it draws.
+class Drawing {
+ public:
+  /// \param views the most that one call of the renderer draws
+  Drawing(const Buildings& buildings, const Combination& combination, const BenchSettings& settings,
+          std::size_t views);
+  /// The whole walk, from the same start each time; `each`, where given, sees every step's views
+  /// and what was drawn. Returns how many frames.
+  using Look = std::function<void(Walk& walk, const render::Outputs& outputs)>;
+  std::size_t walk(const Look& each = {});
+  /// All 36 views of every panorama. Likewise.
+  std::size_t sweep();
+  render::FaceCache& faces() noexcept { return *faces_; }
+  std::string description() const { return renderer_->description(); }
+
+ private:
+  const Buildings& buildings_;
+  Combination combination_;
+  const BenchSettings& settings_;
+  OutputMemory memory_;
+  std::shared_ptr<render::FaceCache> faces_;
+  std::unique_ptr<render::Renderer> renderer_;
 };
 
 Measurement measure(const Buildings& buildings, const Combination& combination,

@@ -57,12 +57,14 @@ TEST(Measure, CountsFramesAndWhatWasDecoded) {
   EXPECT_EQ(hot.per_second.size(), 3U);
   EXPECT_TRUE(std::ranges::is_sorted(hot.per_second));
   EXPECT_GT(hot.median(), 0);
+  EXPECT_GT(hot.cpu_seconds, 0);
   EXPECT_EQ(hot.faces_per_frame, 0);
   EXPECT_EQ(hot.decoding_share, 0);
   const Measurement cold = measure(buildings(), {kSmall, "rgb", 4, 1, true}, settings);
   EXPECT_GT(cold.faces_per_frame, 0);
   EXPECT_GT(cold.decoding_share, 0);
   EXPECT_LE(cold.decoding_share, 1);
+  EXPECT_GT(cold.cpu_seconds, hot.cpu_seconds);  // decodes in the same thread
 }
 
 TEST(Measure, SweepDrawsEveryView) {

@@ -51,6 +51,8 @@ const std::vector<ThirdParty>& third_parties() {
       {"hdf5.h", {"enfilade/features/"}},
       {"CLI/", {"apps/", "bench/", "tests/conformance/"}},
       {"benchmark/", {"bench/"}},
+      {"opencv2/", {"bench/peer/"}},
+      {"MatterSim.hpp", {"bench/peer/"}},
       {"gtest/", {"tests/"}},
       {"gmock/", {"tests/"}},
   };
