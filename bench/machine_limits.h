@@ -27,9 +27,9 @@ struct MachineLimits {
   MemoryRates cache, memory;   ///< a buffer well within the last level; one well beyond
 };
 
-/// Measures in CPU time of the calling thread, best of a few passes: about half a second. Takes
-/// twice the last level's size of memory, at least 256 MiB, at most 1 GiB or an eighth of what the
-/// machine has.
+/// Measures in CPU time of the calling thread, best of a few passes, in less than a second. Takes
+/// twice the last level's size of memory, at least 256 MiB, at most 512 MiB or an eighth of what
+/// the machine has.
 MachineLimits measure_machine_limits();
 
 /// Different texels that a view reads, each counted once.

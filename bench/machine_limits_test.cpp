@@ -26,14 +26,17 @@ TEST(MachineLimits, AreThoseOfAComputer) {
   }
 }
 
-TEST(TexelsSeen, AreAllOfAFaceWhereOnePixelIsOneTexel) {
-  // Cameras of 90 degrees whose axis is a face's see that face alone. Of the nine views three look
-  // level, one of them along an axis: so the mean lies between a ninth of a face and more.
+// A picture of 90 degrees shows a sixth of all directions, as a face does; turned ones show more
+// small texels or fewer large ones.
+TEST(TexelsSeen, OfASixthOfTheDirectionsAreAboutAFace) {
   constexpr std::uint32_t kSize = 32;
-  const TexelsSeen seen = texels_seen({kSize, kSize, degrees(90)}, kSize);
-  EXPECT_GT(seen.linear, kSize * kSize * 0.7);
-  EXPECT_LT(seen.linear, kSize * kSize * 2.0);
-  EXPECT_LE(seen.nearest, kSize * kSize);  // one a pixel at most
+  const TexelsSeen seen = texels_seen({4 * kSize, 4 * kSize, degrees(90)}, kSize);
+  EXPECT_NEAR(seen.nearest / (kSize * kSize), 1, 0.2);
+  EXPECT_GT(seen.linear, seen.nearest);
+}
+
+TEST(TexelsSeen, AreOneAPixelAtMostWhereNotFiltered) {
+  EXPECT_LE(texels_seen({32, 32, degrees(90)}, 512).nearest, 32 * 32);
 }
 
 TEST(TexelsSeen, OfANeedleAreFourAtMost) {
@@ -43,8 +46,6 @@ TEST(TexelsSeen, OfANeedleAreFourAtMost) {
   EXPECT_LE(seen.linear, 4);
 }
 
-// The share of the directions that a picture shows, times the texels of all: smaller texels make
-// the count come near to it.
 TEST(TexelsSeen, GrowWithTheFace) {
   const Camera camera{640, 480, degrees(60)};
   const TexelsSeen small = texels_seen(camera, 64), large = texels_seen(camera, 128);
@@ -73,7 +74,7 @@ TEST(CpuTime, GrowsWithWorkAlone) {
   const double thread = thread_cpu_seconds(), process = process_cpu_seconds();
   volatile double x = 1;
   while (thread_cpu_seconds() - thread < 0.01) x = std::sqrt(x + 1);
-  EXPECT_GE(process_cpu_seconds() - process, 0.01);
+  EXPECT_GE(process_cpu_seconds() - process, 0.009);  // the two clocks are not read at once
 }
 
 }  // namespace
