@@ -115,6 +115,12 @@ std::shared_ptr<render::FaceCache> cache_of(
   return std::make_shared<render::FaceCache>(panoramas, cache);
 }
 
+// With the cache that users have, whatever is measured.
+Combination within_limit(Combination c) {
+  c.cold = true;
+  return c;
+}
+
 std::unique_ptr<render::Renderer> renderer_of(const std::shared_ptr<render::FaceCache>& faces,
                                               const Combination& c, const BenchSettings& settings) {
   render::RendererConfig config;
@@ -130,7 +136,7 @@ using Repeat = std::size_t (*)(Drawing&);  // draws a number of frames and retur
 Measurement time_by_clock(const Combination& combination, const BenchSettings& settings,
                           Drawing& drawing, Repeat repeat) {
   Measurement m{.combination = combination, .renderer = drawing.description(), .per_second = {}};
-  if (!combination.cold) repeat(drawing);  // decodes all that is seen, and grows what grows
+  repeat(drawing);  // decodes what stays decoded, and grows what grows
   const render::FaceCacheCounters before = drawing.faces().counters();
   double seconds = 0;
   std::size_t frames = 0;
@@ -162,7 +168,7 @@ double time_one_thread(const Buildings& buildings, Combination combination, Benc
   combination.threads = 1;
   settings.prefetch = false;  // would decode in another thread
   Drawing drawing(buildings, combination, settings, views);
-  if (!combination.cold) repeat(drawing);
+  repeat(drawing);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < settings.repetitions; ++i) {
     if (combination.cold) drawing.faces().clear();
@@ -362,8 +368,7 @@ WalkMemory measure_walk_memory(const Buildings& buildings, const Combination& co
                                const BenchSettings& settings) {
   WalkMemory result;
   result.before = memory_now();
-  Combination bounded = combination;
-  bounded.cold = true;  // keeps to the cache's limit
+  const Combination bounded = within_limit(combination);
   Drawing drawing(buildings, bounded, settings, bounded.batch);
   std::set<std::pair<ScanIndex, ViewpointIndex>> seen;
   result.frames = drawing.walk([&](Walk& now, const render::Outputs&) {
@@ -381,8 +386,8 @@ WalkMemory measure_walk_memory(const Buildings& buildings, const Combination& co
 
 void draw_first_frame(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
                       const Combination& combination, const BenchSettings& settings) {
-  const auto renderer =
-      renderer_of(cache_of(panoramas, combination, settings), combination, settings);
+  const Combination bounded = within_limit(combination);
+  const auto renderer = renderer_of(cache_of(panoramas, bounded, settings), bounded, settings);
   const OutputMemory memory(combination.outputs, combination.camera, 1);
   const scan::PanoramaSource& source = panoramas->source(ScanIndex());
   for (std::size_t v = 0; v < source.size(); ++v) {
