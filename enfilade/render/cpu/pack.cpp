@@ -4,6 +4,8 @@
 #include <array>
 #include <cstring>
 
+#include "enfilade/core/check.h"
+
 namespace enfilade::render::cpu {
 namespace {
 
@@ -12,30 +14,49 @@ T* values_at(std::span<std::byte> pixels, std::size_t first) {
   return reinterpret_cast<T*>(pixels.data()) + first;
 }
 
-// Lets `pack` write `count` values to `out`, straight or through a buffer in the first cache.
+// Lets `pack` write a block's values to `out`, straight or by way of the staging.
 template <class T, class Pack>
-void put(const Kernels& kernels, bool stream, T* out, std::size_t count, const Pack& pack) {
-  if (!stream) return pack(out);
-  alignas(64) std::array<T, 4 * kBlock> buffer;
-  pack(buffer.data());
-  kernels.stream(reinterpret_cast<std::byte*>(out),
-                 reinterpret_cast<const std::byte*>(buffer.data()), count * sizeof(T));
+void put(const Place& place, T* out, std::size_t count, const Pack& pack) {
+  if (place.staging == nullptr) return pack(out);
+  std::byte* room = place.staging->take(count * sizeof(T));
+  pack(reinterpret_cast<T*>(room));
+  place.staging->send(reinterpret_cast<std::byte*>(out), room, count * sizeof(T));
 }
 
 // A block's three planes.
 template <class T, class Pack>
-void put_planes(const Kernels& kernels, const Place& place, T* out, const Pack& pack) {
-  if (!place.stream) return pack(out, place.pixels);
-  alignas(64) std::array<T, 3 * kBlock> buffer;
-  pack(buffer.data(), kBlock);
+void put_planes(const Place& place, T* out, const Pack& pack) {
+  if (place.staging == nullptr) return pack(out, place.pixels);
+  constexpr std::size_t kLine = 64 / sizeof(T);
+  const std::size_t plane = (place.count + kLine - 1) / kLine * kLine;
+  std::byte* room = place.staging->take(3 * plane * sizeof(T));
+  pack(reinterpret_cast<T*>(room), plane);
   for (std::size_t c = 0; c < 3; ++c) {
-    kernels.stream(reinterpret_cast<std::byte*>(out + c * place.pixels),
-                   reinterpret_cast<const std::byte*>(buffer.data() + c * kBlock),
-                   place.count * sizeof(T));
+    place.staging->send(reinterpret_cast<std::byte*>(out + c * place.pixels),
+                        room + c * plane * sizeof(T), place.count * sizeof(T));
   }
 }
 
 }  // namespace
+
+std::byte* Staging::take(std::size_t bytes) {
+  std::byte* room = memory_.data() + used_;
+  used_ += (bytes + kLine - 1) / kLine * kLine;
+  EN_CHECK_LE(used_, memory_.size());
+  return room;
+}
+
+void Staging::send(std::byte* to, const std::byte* from, std::size_t bytes) {
+  EN_CHECK_LT(count_, copies_.size());
+  copies_[count_++] = {to, from, bytes};
+}
+
+void Staging::flush() {
+  for (std::size_t k = 0; k < count_; ++k) {
+    kernels_.stream(copies_[k].to, copies_[k].from, copies_[k].bytes);
+  }
+  used_ = count_ = 0;
+}
 
 Packer::Packer(const Kernels& kernels, const Outputs& outputs, bool eight_bit_depth) noexcept
     : kernels_(kernels), outputs_(outputs), eight_bit_depth_(eight_bit_depth) {
@@ -65,11 +86,10 @@ template <class From>
 void Packer::put_colour(const From& from, const Place& place) const {
   const std::span<std::byte> pixels = outputs_.colour->pixels;
   const auto three = [&](const auto& write) {
-    put(kernels_, place.stream, values_at<std::uint8_t>(pixels, 3 * place.pixel()), 3 * place.count,
-        write);
+    put(place, values_at<std::uint8_t>(pixels, 3 * place.pixel()), 3 * place.count, write);
   };
   const auto planar = [&]<class T>(const auto& write, T* first) {
-    put_planes(kernels_, place, first + 3 * place.view * place.pixels + place.first, write);
+    put_planes(place, first + 3 * place.view * place.pixels + place.first, write);
   };
   switch (outputs_.colour->format) {
     case ColourFormat::kRgb8:
@@ -77,8 +97,7 @@ void Packer::put_colour(const From& from, const Place& place) const {
     case ColourFormat::kBgr8:
       return three([&](std::uint8_t* out) { from.bgr(out); });
     case ColourFormat::kRgba8:
-      return put(kernels_, place.stream, values_at<std::uint32_t>(pixels, place.pixel()),
-                 place.count, [&](std::uint32_t* out) { from.rgba(out); });
+      return put(place, values_at<std::uint32_t>(pixels, place.pixel()), place.count, [&](std::uint32_t* out) { from.rgba(out); });
     case ColourFormat::kPlanarFloat16:
       return planar([&](std::uint16_t* out, std::size_t plane) { from.planar16(plane, out); },
                     values_at<std::uint16_t>(pixels, 0));
@@ -127,8 +146,7 @@ void Packer::draw_colour(const TapRun& taps, const Place& place) const {
 
 void Packer::pack_depth(const std::uint16_t* units, const float* factor, const Place& place) const {
   const auto with = [&]<class T>(auto kernel, T* first) {
-    put(kernels_, place.stream, first + place.pixel(), place.count,
-        [&](T* out) { kernel(units, factor, place.count, out); });
+    put(place, first + place.pixel(), place.count, [&](T* out) { kernel(units, factor, place.count, out); });
   };
   const std::span<std::byte> pixels = outputs_.depth->pixels;
   if (outputs_.depth->format == DepthFormat::kMetresFloat32) {

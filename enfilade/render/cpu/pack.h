@@ -1,6 +1,7 @@
 /// \file  Conversion of blocks of pixels to the output formats; also used by the GL back end and
 /// for equirectangular pictures.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -10,13 +11,42 @@
 
 namespace enfilade::render::cpu {
 
+/// Where blocks are written before they go to memory past the caches, which takes whole cache lines.
+/// Copied only when the next block is being prepared: a load that reads what several stores have
+/// just written waits until they all have left the processor's store buffer.
+class Staging {
+ public:
+  explicit Staging(const Kernels& kernels) : kernels_(kernels) {}
+  /// Memory for this block, aligned to 64. \pre all of a block are of kBlock pixels at most
+  std::byte* take(std::size_t bytes);
+  /// Has flush() copy that.
+  void send(std::byte* to, const std::byte* from, std::size_t bytes);
+  /// Copies what was sent, and ends the block.
+  void flush();
+
+ private:
+  struct Copy {
+    std::byte* to;
+    const std::byte* from;
+    std::size_t bytes;
+  };
+  static constexpr std::size_t kLine = 64;
+  static constexpr std::size_t kCopies = 32;  // three planes and depth of seven stretches
+
+  const Kernels& kernels_;
+  std::size_t used_ = 0, count_ = 0;
+  std::array<Copy, kCopies> copies_;
+  // A block's colour as three planes of floats and its depth, each piece from a new line on.
+  alignas(kLine) std::array<std::byte, 16 * kBlock + kCopies * kLine> memory_;
+};
+
 /// Where a block's pixels go: `first` is the place of its first pixel in its view, row-major.
 struct Place {
   std::size_t view = 0;
   std::size_t first = 0;
   std::size_t count = 0;
-  std::size_t pixels = 0;  ///< of a view
-  bool stream = false;     ///< past the caches: the batch is larger than they are
+  std::size_t pixels = 0;      ///< of a view
+  Staging* staging = nullptr;  ///< if the batch is larger than the caches; null: straight to memory
 
   std::size_t pixel() const { return view * pixels + first; }  ///< place in the whole batch
 };

@@ -60,7 +60,11 @@ struct Job {
 class BandDrawer {
  public:
   BandDrawer(const Job& job, std::size_t view)
-      : job_(job), view_(job.views[view]), number_(view), plan_(view_.rays) {
+      : job_(job),
+        view_(job.views[view]),
+        number_(view),
+        plan_(view_.rays),
+        staging_(job.kernels) {
     if (job_.outputs.colour) find_base();
   }
 
@@ -73,10 +77,13 @@ class BandDrawer {
       for (std::uint32_t begin = 0; begin < width; begin += kBlock, ++next) {
         prepare(blocks_[next % 2], row, {begin, std::min<std::uint32_t>(begin + kBlock, width)},
                 stretches);
+        staging_.flush();
         if (next > 0) finish(blocks_[(next - 1) % 2]);
       }
     }
+    staging_.flush();
     if (next > 0) finish(blocks_[(next - 1) % 2]);
+    staging_.flush();
   }
 
  private:
@@ -180,10 +187,10 @@ class BandDrawer {
     return job_.depth_factor + std::size_t{row} * job_.camera.width + block.columns.begin;
   }
 
-  Place place_of(const Block& block, Piece piece) const {
+  Place place_of(const Block& block, Piece piece) {
     const Camera& camera = job_.camera;
     return {number_, std::size_t{block.row} * camera.width + piece.begin, piece.size(),
-            std::size_t{camera.width} * camera.height, job_.stream};
+            std::size_t{camera.width} * camera.height, job_.stream ? &staging_ : nullptr};
   }
 
   // For faces that are too far apart in memory.
@@ -219,6 +226,7 @@ class BandDrawer {
   const std::uint8_t* base_ = nullptr;  // of colour's offsets; null: each face has its own
   bool same_size_ = true;               // as colour: all other layers that are drawn
   std::array<Block, 2> blocks_;
+  Staging staging_;
   Block32 instances_;
   Block16 depth_, classes_;
 };

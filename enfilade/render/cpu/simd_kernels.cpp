@@ -442,10 +442,10 @@ struct NearestMaker {
   HWY_INLINE VI make(VI x, VI y) const {
     constexpr int kShift = sizeof(T) == 2 ? 5 : 4;
     static_assert(image::ValueCells<T>::kColumns == 1U << kShift);
-    const VI column = hn::ShiftRight<16>(inside(x)), row = hn::ShiftRight<16>(inside(y));
-    const VI strip = hn::Mul(hn::ShiftRight<kShift>(column), step);
-    const VI texel = hn::ShiftLeft<sizeof(T) == 2 ? 1 : 2>(column);
-    return hn::Add(hn::Add(strip, texel), hn::ShiftLeft<6>(row));
+    const VI column = inside(x), row = inside(y);
+    const VI strip = hn::Mul(hn::ShiftRight<16 + kShift>(column), step);
+    const VI texel = add_products(strip, column, hn::Set(DI(), halves(sizeof(T), 0)));
+    return add_products(texel, row, hn::Set(DI(), halves(64, 0)));
   }
 
  private:
@@ -537,29 +537,10 @@ struct Planar {
         offset1(hn::Set(DF(), scale.offset[1])),
         offset2(hn::Set(DF(), scale.offset[2])) {}
 
-  // Of pixels in order.
   template <int kChannel>
   HWY_INLINE VF of(VU rgba) const {
     return scaled<kChannel>(hn::And(hn::ShiftRight<8 * kChannel>(rgba), hn::Set(DU(), 0xFFU)));
   }
-  // Of pixels as interleaved_rgba() has them.
-  template <int kChannel>
-  HWY_INLINE VF of_interleaved(VU rgba) const {
-#if EN_X86_DL
-    alignas(64) static constexpr auto kPlaces = [] {
-      std::array<std::uint8_t, 64> places{};
-      for (std::size_t p = 0; p < 16; ++p) {
-        places[4 * p] = static_cast<std::uint8_t>(4 * place_of(p) + kChannel);
-      }
-      return places;
-    }();
-    return scaled<kChannel>(VU{_mm512_maskz_permutexvar_epi8(
-        0x1111111111111111U, _mm512_load_si512(kPlaces.data()), rgba.raw)});
-#else
-    return of<kChannel>(in_order(rgba));
-#endif
-  }
-
  private:
   template <int kChannel>
   HWY_INLINE VF scaled(VU value) const {
@@ -610,40 +591,20 @@ void pack_planar16(const std::uint32_t* rgba, std::size_t count, const PlanarSca
   scalar_kernels().pack_planar16(rgba + whole, count - whole, scale, plane, out + whole);
 }
 
-// Pixels as numbers: whole registers straight to the planes, the last ones through `rest`.
-template <bool kGather, class T, class Rest>
-HWY_INLINE void draw_planar(const TapRun& run, const PlanarScale& scale, std::size_t plane, T* out,
-                            const Rest& rest) {
-  const Planar planar(scale);
-  const std::size_t count = run.count;
-  draw<kGather>(run, [=](VU pixels, std::size_t k) HWY_ATTR {
-    if (k + 2 * kHalf <= count) {
-      store_planar(planar.template of_interleaved<0>(pixels), out + k);
-      store_planar(planar.template of_interleaved<1>(pixels), out + plane + k);
-      store_planar(planar.template of_interleaved<2>(pixels), out + 2 * plane + k);
-    } else {
-      alignas(64) std::array<std::uint32_t, 2 * kHalf> last;
-      hn::Store(in_order(pixels), DU(), last.data());
-      rest(last.data(), count - k, scale, plane, out + k);
-    }
-  });
+// In two loops: one that draws and converts would run out of registers.
+template <bool kGather>
+void draw_planar16(const TapRun& run, const PlanarScale& scale, std::size_t plane,
+                   std::uint16_t* out) {
+  Block32 rgba;
+  draw_rgba<kGather>(run, rgba.values.data());
+  pack_planar16(rgba.values.data(), run.count, scale, plane, out);
 }
 
 template <bool kGather>
 void draw_planar32(const TapRun& run, const PlanarScale& scale, std::size_t plane, float* out) {
-  draw_planar<kGather>(run, scale, plane, out, scalar_kernels().pack_planar32);
-}
-
-template <bool kGather>
-void draw_planar16(const TapRun& run, const PlanarScale& scale, std::size_t plane,
-                   std::uint16_t* out) {
-#if EN_HALVES
-  draw_planar<kGather>(run, scale, plane, out, scalar_kernels().pack_planar16);
-#else
-  alignas(64) std::array<std::uint32_t, kBlock> rgba;
-  draw_rgba<kGather>(run, rgba.data());
-  scalar_kernels().pack_planar16(rgba.data(), run.count, scale, plane, out);
-#endif
+  Block32 rgba;
+  draw_rgba<kGather>(run, rgba.values.data());
+  pack_planar32(rgba.values.data(), run.count, scale, plane, out);
 }
 
 void stream(std::byte* out, const std::byte* from, std::size_t bytes) {
