@@ -256,7 +256,7 @@ double memory_bound(const PictureTraffic& traffic, const MemoryRates& texels_in,
                     const MachineLimits& limits) {
   const double write = std::max({limits.cache.write, limits.cache.write_past_caches,
                                  limits.memory.write, limits.memory.write_past_caches});
-  return traffic.texels / texels_in.read_pieces + traffic.output / write;
+  return traffic.texels / texels_in.read + traffic.output / write;
 }
 
 }  // namespace enfilade::bench

@@ -15,7 +15,7 @@ namespace enfilade::bench {
 struct MemoryRates {
   std::size_t bytes = 0;
   double read = 0;               ///< in order
-  double read_pieces = 0;        ///< pieces of 1 KiB in random order, as texels of a view are read
+  double read_pieces = 0;        ///< pieces of 1 KiB in random order, about as texels are
   double write = 0;              ///< in order, by ordinary stores
   double write_past_caches = 0;  ///< in order, by stores that leave the caches alone
 };
@@ -50,8 +50,8 @@ struct PictureTraffic {
 PictureTraffic picture_traffic(const Camera& camera, std::uint32_t face_size,
                                const render::Outputs& outputs, std::size_t views);
 
-/// Seconds that memory alone takes for a view: its texels read in pieces, its output written in the
-/// quickest way.
+/// Seconds that memory alone takes for a view: its texels read in order, which is quicker than any
+/// order that a view can have, its output written in the quickest way.
 double memory_bound(const PictureTraffic& traffic, const MemoryRates& texels_in,
                     const MachineLimits& limits);
 

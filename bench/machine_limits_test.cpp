@@ -65,8 +65,8 @@ TEST(MemoryBound, AddsReadingAndTheQuickestWriting) {
   EXPECT_DOUBLE_EQ(traffic.texels, 3 * texels_seen(camera, 512).linear + 2);
 
   const MachineLimits limits{.cache = {1, 10, 8, 5, 4}, .memory = {1, 5, 2, 4, 20}};
-  EXPECT_DOUBLE_EQ(memory_bound({16, 40}, limits.cache, limits), 16.0 / 8 + 40.0 / 20);
-  EXPECT_DOUBLE_EQ(memory_bound({16, 40}, limits.memory, limits), 16.0 / 2 + 40.0 / 20);
+  EXPECT_DOUBLE_EQ(memory_bound({16, 40}, limits.cache, limits), 16.0 / 10 + 40.0 / 20);
+  EXPECT_DOUBLE_EQ(memory_bound({16, 40}, limits.memory, limits), 16.0 / 5 + 40.0 / 20);
 }
 
 TEST(CpuTime, GrowsWithWorkAlone) {
