@@ -44,9 +44,10 @@ Shape jpeg_shape(Bytes jpeg, const std::string& file);
 /// RGB; greyscale becomes three equal channels. \throws InvalidInput, also for CMYK
 Image8 decode_jpeg(Bytes jpeg, const std::string& file);
 /// The same, into the caller's 3 x width x height bytes. After a thread's first call only
-/// libjpeg-turbo allocates. \throws InvalidInput; ArgumentError if the picture is not width x height
-void decode_jpeg(Bytes jpeg, std::uint32_t width, std::uint32_t height,
-                 std::span<std::uint8_t> rgb, const std::string& file);
+/// libjpeg-turbo allocates. \throws InvalidInput; ArgumentError if the picture is not width x
+/// height
+void decode_jpeg(Bytes jpeg, std::uint32_t width, std::uint32_t height, std::span<std::uint8_t> rgb,
+                 const std::string& file);
 /// From this quality on, writers keep chroma at full resolution (4:4:4). Below it, halving the
 /// resolution (4:2:0) is not visible.
 inline constexpr int kFullChromaQuality = 90;

@@ -66,9 +66,9 @@ std::array<std::uint8_t, 3> colour_texel(const std::uint8_t* cells, std::uint32_
   std::size_t last = 0;  // 1 for the last column of a face whose last strip it does not begin
   if (column / ColourCells::kColumns == ColourCells::strips(size)) last = 1;
   column -= last;
-  const std::uint8_t* texel =
-      cells + ColourCells::offset(size, column, static_cast<std::size_t>(y + 1)) +
-      last * ColourCells::kTexelBytes;
+  const std::uint8_t* texel = cells +
+                              ColourCells::offset(size, column, static_cast<std::size_t>(y + 1)) +
+                              last * ColourCells::kTexelBytes;
   std::array<std::uint8_t, 3> rgb;
   flip_copy(texel, 3, rgb.data());
   return rgb;

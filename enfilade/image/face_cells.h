@@ -1,7 +1,7 @@
 /// \file  Decoded faces as drawing wants them: cells of 64 bytes, a cache line, that hold a few
-/// neighbouring texels of one row; cells of the same columns lie one below the other, in a strip. So
-/// no load crosses a cache line, and a view turned by any angle reads runs of lines. Why, and why
-/// these numbers: docs/design/kernels.md.
+/// neighbouring texels of one row; cells of the same columns lie one below the other, in a strip.
+/// So no load crosses a cache line, and a view turned by any angle reads runs of lines. Why, and
+/// why these numbers: docs/design/kernels.md.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -16,8 +16,9 @@ inline constexpr std::size_t kCellBytes = 64;
 inline constexpr std::uint32_t kLargestCellFace = 16384;
 
 /// A colour face with a border of one texel all around, in the caller's memory. A cell has the
-/// columns 18 k .. 18 k + 18, counted from the border's; the last is also the next strip's first, so
-/// that any two neighbours lie in one cell. A texel is R G B, each less 128 (exclusive or with 0x80).
+/// columns 18 k .. 18 k + 18, counted from the border's; the last is also the next strip's first,
+/// so that any two neighbours lie in one cell. A texel is R G B, each less 128 (exclusive or with
+/// 0x80).
 struct ColourCells {
   std::uint8_t* cells = nullptr;  ///< bytes(size), aligned to kCellBytes
   std::uint32_t size = 0;         ///< texels along an edge, border not counted

@@ -31,8 +31,8 @@ std::vector<std::uint8_t> labelled(std::uint32_t size) {
     face.write_row(static_cast<std::size_t>(y), row.data());
   }
   for (std::ptrdiff_t k = -1; k <= n; ++k) {
-    for (const auto& [x, y] : {std::pair{k, std::ptrdiff_t{-1}}, {k, n}, {std::ptrdiff_t{-1}, k},
-                               {n, k}}) {
+    for (const auto& [x, y] :
+         {std::pair{k, std::ptrdiff_t{-1}}, {k, n}, {std::ptrdiff_t{-1}, k}, {n, k}}) {
       face.write(x, y, label(x, y).data());
     }
   }
@@ -58,8 +58,8 @@ TEST(ColourCells, HaveEachTexelAndItsRightNeighbourInOneCell) {
     for (std::uint32_t y = 0; y < size + 2; ++y) {
       for (std::uint32_t x = 0; x <= size; ++x) {
         const std::size_t at = ColourCells::offset(size, x, y);
-        ASSERT_LE(at + 8, memory.size());                      // what a load of a pair reads
-        ASSERT_EQ(at / kCellBytes, (at + 7) / kCellBytes);     // within one line
+        ASSERT_LE(at + 8, memory.size());                   // what a load of a pair reads
+        ASSERT_EQ(at / kCellBytes, (at + 7) / kCellBytes);  // within one line
         const auto right = label(std::ptrdiff_t{x}, std::ptrdiff_t{y} - 1);
         for (std::size_t c = 0; c < 3; ++c) {
           EXPECT_EQ(memory[at + 3 + c] ^ 0x80, right[c]) << "size " << size << " at " << x;

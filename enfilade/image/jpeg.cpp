@@ -89,8 +89,8 @@ Image8 decode_jpeg(Bytes jpeg, const std::string& file) {
   return picture;
 }
 
-void decode_jpeg(Bytes jpeg, std::uint32_t width, std::uint32_t height,
-                 std::span<std::uint8_t> rgb, const std::string& file) {
+void decode_jpeg(Bytes jpeg, std::uint32_t width, std::uint32_t height, std::span<std::uint8_t> rgb,
+                 const std::string& file) {
   EN_CHECK_EQ(rgb.size(), std::size_t{3} * width * height);
   const Header header = read_header(jpeg, file);
   const Shape shape = shape_of(header);

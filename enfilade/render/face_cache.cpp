@@ -15,6 +15,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/memory.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/image/face_cells.h"
 #include "enfilade/render/detail/cell_pool.h"
@@ -85,6 +86,11 @@ std::size_t face_bytes(Layer layer, std::uint32_t size) noexcept {
   return bytes % (2 * image::kCellBytes) == 0 ? bytes + image::kCellBytes : bytes;
 }
 
+std::size_t default_cache_bytes() {
+  constexpr std::uint64_t kLeast = std::uint64_t{64} << 20, kMost = std::uint64_t{1} << 30;
+  return static_cast<std::size_t>(std::clamp(available_memory() / 16, kLeast, kMost));
+}
+
 struct FaceCache::Impl {
   Impl(std::shared_ptr<const scan::PanoramaSet> set, const FaceCacheConfig& c)
       : panoramas(std::move(set)), config(c) {}
@@ -108,7 +114,7 @@ struct FaceCache::Impl {
 
   std::mutex mutex;
   std::condition_variable_any changed;  // an entry became ready or failed; wishes came
-  detail::CellPool memory;  // before the entries, whose faces are in it
+  detail::CellPool memory;              // before the entries, whose faces are in it
   std::unordered_map<FaceKey, std::unique_ptr<Entry>, detail::FaceKeyHash> entries;
   // Entries move between these as nodes, so that nothing is allocated.
   std::list<Entry*> held;
@@ -169,11 +175,11 @@ void FaceCache::Impl::plan_one(Lock& lock, const FaceKey& key, std::vector<Unit>
   const std::uint32_t size = source.face_sizes(key.viewpoint)[index(key.layer)];
   if (size == 0) throw source.lacks(key.layer, key.viewpoint);
   if (size > image::kLargestCellFace) {
-    throw Error(fmt::format("{}: scan {}, viewpoint {}: its {} faces have {} x {} texels; drawing "
-                            "takes at most {} x {}",
-                            source.origin(), source.scan(),
-                            source.poses()[key.viewpoint.at()].viewpoint, to_string(key.layer),
-                            size, size, image::kLargestCellFace, image::kLargestCellFace));
+    throw Error(fmt::format(
+        "{}: scan {}, viewpoint {}: its {} faces have {} x {} texels; drawing "
+        "takes at most {} x {}",
+        source.origin(), source.scan(), source.poses()[key.viewpoint.at()].viewpoint,
+        to_string(key.layer), size, size, image::kLargestCellFace, image::kLargestCellFace));
   }
   Unit& unit = units.emplace_back();  // first, so that what follows is undone if it throws
   unit.first = key;
@@ -236,9 +242,8 @@ void FaceCache::Impl::decode(const Unit& unit) {
         source.read_16(unit.first.layer, viewpoint, mask, faces);
       });
     case Layer::kInstance:
-      return read_values<std::uint32_t>(unit, [&](const scan::Faces32& faces) {
-        source.read_instances(viewpoint, mask, faces);
-      });
+      return read_values<std::uint32_t>(
+          unit, [&](const scan::Faces32& faces) { source.read_instances(viewpoint, mask, faces); });
   }
 }
 

@@ -29,11 +29,15 @@ struct Face {
 /// Bytes of a decoded face in a FaceCache.
 std::size_t face_bytes(scan::Layer layer, std::uint32_t size) noexcept;
 
+/// A sixteenth of available_memory() (core/memory.h), at least 64 MiB and at most 1 GiB: a
+/// building's panoramas on most machines, and room for a dozen processes that do the same.
+std::size_t default_cache_bytes();
+
 /// How much a cache keeps.
 struct FaceCacheConfig {
   /// Limit of memory; faces in use are kept even beyond it. A face of 512 texels takes 0.95 MB of
   /// colour and 0.52 MB of depth.
-  std::size_t bytes = std::size_t{64} << 20;
+  std::size_t bytes = default_cache_bytes();
   int threads = 0;              ///< for decoding in acquire(); 0: all cores
   bool prefetch_thread = true;  ///< whether prefetch() decodes, in one further thread
 };

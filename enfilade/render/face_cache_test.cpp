@@ -48,14 +48,15 @@ TEST(FaceCache, GivesFacesWithTheirBorders) {
     }
   }
   // Left of face 2 is the right column of face 1.
-  EXPECT_TRUE(std::ranges::equal(colour_at(faces[0], -1, 3), std::span(made.colour[1].at(7, 3), 3)));
+  EXPECT_TRUE(
+      std::ranges::equal(colour_at(faces[0], -1, 3), std::span(made.colour[1].at(7, 3), 3)));
   cache->release(keys);
 }
 
 TEST(FaceCache, KeepsToItsBytesAndForgetsTheOldestFirst) {
   std::vector<scan::Panorama> panoramas(4, testing::made_panorama(32));
   FaceCacheConfig config;
-  config.bytes = 3 * 5200;  // three colour faces of 34 x 34 texels
+  config.bytes = 3 * face_bytes(Layer::kColour, 32);
   const auto cache = testing::cache_of(std::move(panoramas), config);
   const auto touch = [&](std::size_t viewpoint) {
     const FaceKey k = key(viewpoint, Layer::kColour, 0);
@@ -118,6 +119,11 @@ TEST(FaceCache, AFailureLeavesNothingHeldAndCanBeTriedAgain) {
     EXPECT_EQ(cache->counters().bytes, 0U);
   }
   cache->prefetch(keys);  // not there: passed over
+}
+
+TEST(FaceCache, KeepsAShareOfTheMachinesMemoryIfNotTold) {
+  EXPECT_GE(default_cache_bytes(), std::size_t{64} << 20);
+  EXPECT_LE(default_cache_bytes(), std::size_t{1} << 30);
 }
 
 TEST(FaceCache, NeedsPanoramas) { EXPECT_THROW(FaceCache(nullptr), ArgumentError); }

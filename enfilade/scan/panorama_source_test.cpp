@@ -99,8 +99,7 @@ TEST(MemoryPanoramas, PutTheNeighboursTexelsAroundAFace) {
   source->read_colour(ViewpointIndex(0), kAllFaces, map.faces());
   const Panorama truth = read_panorama(*source, ViewpointIndex(0));
   // Right of the front face begins the right face.
-  const auto beyond =
-      image::colour_texel(map.cells(index(CubeFace::kFront)).data(), 4, 4, 2);
+  const auto beyond = image::colour_texel(map.cells(index(CubeFace::kFront)).data(), 4, 4, 2);
   const std::uint8_t* neighbour = truth.colour[index(CubeFace::kRight)].at(0, 2);
   EXPECT_TRUE(std::ranges::equal(beyond, std::span(neighbour, 3)));
 }

@@ -70,9 +70,8 @@ TEST_P(EachTarget, DrawsEachFormatAsItsPlainTwin) {
   const auto simd = make_renderer(cache, {Backend::kCpu, 1, {}, {}, GetParam()});
   const auto twin = make_renderer(cache, {Backend::kCpuScalar, 1, {}, {}});
   Rng rng(26, 0);
-  for (const ColourFormat format :
-       {ColourFormat::kRgb8, ColourFormat::kBgr8, ColourFormat::kRgba8,
-        ColourFormat::kPlanarFloat16, ColourFormat::kPlanarFloat32}) {
+  for (const ColourFormat format : {ColourFormat::kRgb8, ColourFormat::kBgr8, ColourFormat::kRgba8,
+                                    ColourFormat::kPlanarFloat16, ColourFormat::kPlanarFloat32}) {
     for (std::uint32_t width = 1; width < 40; ++width) {
       const Camera camera{width, 5, degrees(100)};
       const View view = random_view(rng);
@@ -112,7 +111,8 @@ TEST(CpuRenderer, FacesThatAreFarApartMakeTheSamePictures) {
     return at;
   };
   const void* hole = take(std::size_t{3} << 30);
-  while (taken.size() < 2000 && take(std::size_t{8} << 20) > hole) {}
+  while (taken.size() < 2000 && take(std::size_t{8} << 20) > hole) {
+  }
   load(15, 18);
   for (const auto& [at, bytes] : taken) munmap(at, bytes);
   const auto apart = [&](std::size_t k) { return std::abs(faces[k].cells - faces[12].cells); };
@@ -132,10 +132,12 @@ TEST(CpuRenderer, FacesThatAreFarApartMakeTheSamePictures) {
 }
 
 TEST(CpuRenderer, RefusesAnInstructionSetThatIsNotThere) {
-  EXPECT_THAT([] { make_renderer(cache_of({noise(2, 1)}), {Backend::kCpu, 1, {}, {}, "MMX"}); },
-              ::testing::ThrowsMessage<ArgumentError>(
-                  ::testing::AllOf(::testing::HasSubstr("\"MMX\""),
-                                   ::testing::HasSubstr(cpu_targets().back()))));
+  EXPECT_THAT(
+      [] {
+        make_renderer(cache_of({noise(2, 1)}), {Backend::kCpu, 1, {}, {}, "MMX"});
+      },
+      ::testing::ThrowsMessage<ArgumentError>(::testing::AllOf(
+          ::testing::HasSubstr("\"MMX\""), ::testing::HasSubstr(cpu_targets().back()))));
 }
 
 TEST_P(EachTarget, PacksAsItsPlainTwinAtEveryLengthAndAlignment) {

@@ -97,7 +97,8 @@ void Packer::put_colour(const From& from, const Place& place) const {
     case ColourFormat::kBgr8:
       return three([&](std::uint8_t* out) { from.bgr(out); });
     case ColourFormat::kRgba8:
-      return put(place, values_at<std::uint32_t>(pixels, place.pixel()), place.count, [&](std::uint32_t* out) { from.rgba(out); });
+      return put(place, values_at<std::uint32_t>(pixels, place.pixel()), place.count,
+                 [&](std::uint32_t* out) { from.rgba(out); });
     case ColourFormat::kPlanarFloat16:
       return planar([&](std::uint16_t* out, std::size_t plane) { from.planar16(plane, out); },
                     values_at<std::uint16_t>(pixels, 0));
@@ -146,7 +147,8 @@ void Packer::draw_colour(const TapRun& taps, const Place& place) const {
 
 void Packer::pack_depth(const std::uint16_t* units, const float* factor, const Place& place) const {
   const auto with = [&]<class T>(auto kernel, T* first) {
-    put(place, first + place.pixel(), place.count, [&](T* out) { kernel(units, factor, place.count, out); });
+    put(place, first + place.pixel(), place.count,
+        [&](T* out) { kernel(units, factor, place.count, out); });
   };
   const std::span<std::byte> pixels = outputs_.depth->pixels;
   if (outputs_.depth->format == DepthFormat::kMetresFloat32) {

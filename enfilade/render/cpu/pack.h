@@ -11,9 +11,9 @@
 
 namespace enfilade::render::cpu {
 
-/// Where blocks are written before they go to memory past the caches, which takes whole cache lines.
-/// Copied only when the next block is being prepared: a load that reads what several stores have
-/// just written waits until they all have left the processor's store buffer.
+/// Where blocks are written before they go to memory past the caches, which takes whole cache
+/// lines. Copied only when the next block is being prepared: a load that reads what several stores
+/// have just written waits until they all have left the processor's store buffer.
 class Staging {
  public:
   explicit Staging(const Kernels& kernels) : kernels_(kernels) {}

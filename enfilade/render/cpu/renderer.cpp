@@ -60,11 +60,7 @@ struct Job {
 class BandDrawer {
  public:
   BandDrawer(const Job& job, std::size_t view)
-      : job_(job),
-        view_(job.views[view]),
-        number_(view),
-        plan_(view_.rays),
-        staging_(job.kernels) {
+      : job_(job), view_(job.views[view]), number_(view), plan_(view_.rays), staging_(job.kernels) {
     if (job_.outputs.colour) find_base();
   }
 
@@ -145,8 +141,7 @@ class BandDrawer {
     block.columns = columns;
     block.count = 0;
     for (const Stretch& stretch : stretches.all()) {
-      const Piece piece{std::max(stretch.begin, columns.begin),
-                        std::min(stretch.end, columns.end)};
+      const Piece piece{std::max(stretch.begin, columns.begin), std::min(stretch.end, columns.end)};
       if (piece.begin >= piece.end) continue;
       const Part part{piece, piece.begin - columns.begin, stretch.face};
       block.parts[block.count++] = part;
@@ -207,8 +202,8 @@ class BandDrawer {
     const auto read = [&](Layer layer, auto kernel, auto& out) {
       const Face& f = face(layer, part.face);
       if (f.size != size) {  // points made for another layer do not fit
-        job_.kernels.points(face_line(view_.rays, block.row, part.face, f.size), part.piece, part.at,
-                            block.points);
+        job_.kernels.points(face_line(view_.rays, block.row, part.face, f.size), part.piece,
+                            part.at, block.points);
         size = f.size;
       }
       kernel(block.points, part.at, f, part.piece.size(), out.values.data() + part.at);
@@ -259,7 +254,10 @@ class CpuRenderer final : public Renderer {
     const int threads = threads_or_all(config_.threads);
     const bool simd = config_.backend == Backend::kCpu;
     return fmt::format("{} ({}, {} thread{})", to_string(config_.backend),
-                       !simd ? "no SIMD" : config_.cpu_target.empty() ? cpu_target() : config_.cpu_target, threads, threads == 1 ? "" : "s");
+                       !simd                        ? "no SIMD"
+                       : config_.cpu_target.empty() ? cpu_target()
+                                                    : config_.cpu_target,
+                       threads, threads == 1 ? "" : "s");
   }
 
  private:

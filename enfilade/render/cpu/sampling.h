@@ -87,8 +87,8 @@ std::int32_t nearest_offset(std::uint32_t size, TexelPoint p) {
   const std::int32_t last = static_cast<std::int32_t>(size << 16) - 1;
   const std::int32_t x = std::clamp(p.x - 32768, 0, last) >> 16;
   const std::int32_t y = std::clamp(p.y - 32768, 0, last) >> 16;
-  return static_cast<std::int32_t>(image::ValueCells<T>::offset(
-      size, static_cast<std::size_t>(x), static_cast<std::size_t>(y)));
+  return static_cast<std::int32_t>(
+      image::ValueCells<T>::offset(size, static_cast<std::size_t>(x), static_cast<std::size_t>(y)));
 }
 
 template <class T>

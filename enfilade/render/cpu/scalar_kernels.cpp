@@ -96,15 +96,13 @@ void draw_rgba(const TapRun& run, std::uint32_t* out) {
 
 void draw_planar16(const TapRun& run, const PlanarScale& scale, std::size_t plane,
                    std::uint16_t* out) {
-  draw(run, [&](std::uint32_t rgba, std::size_t k) {
-    pack_planar16(&rgba, 1, scale, plane, out + k);
-  });
+  draw(run,
+       [&](std::uint32_t rgba, std::size_t k) { pack_planar16(&rgba, 1, scale, plane, out + k); });
 }
 
 void draw_planar32(const TapRun& run, const PlanarScale& scale, std::size_t plane, float* out) {
-  draw(run, [&](std::uint32_t rgba, std::size_t k) {
-    pack_planar32(&rgba, 1, scale, plane, out + k);
-  });
+  draw(run,
+       [&](std::uint32_t rgba, std::size_t k) { pack_planar32(&rgba, 1, scale, plane, out + k); });
 }
 
 void stream(std::byte* out, const std::byte* from, std::size_t bytes) {

@@ -85,8 +85,8 @@ HWY_INLINE VI add_products(VI sum, VI a, VI b) {
 #elif HWY_ARCH_X86
   return VI{_mm_add_epi32(sum.raw, _mm_madd_epi16(a.raw, b.raw))};
 #else
-  const VI low = hn::Mul(hn::ShiftRight<16>(hn::ShiftLeft<16>(a)),
-                         hn::ShiftRight<16>(hn::ShiftLeft<16>(b)));
+  const VI low =
+      hn::Mul(hn::ShiftRight<16>(hn::ShiftLeft<16>(a)), hn::ShiftRight<16>(hn::ShiftLeft<16>(b)));
   return hn::Add(sum, hn::Add(low, hn::Mul(hn::ShiftRight<16>(a), hn::ShiftRight<16>(b))));
 #endif
 }
@@ -248,27 +248,12 @@ HWY_INLINE VI16 mix_across(hn::Vec<DU8> weights, hn::Vec<DU8> texels) {
   return VI16{_mm_maddubs_epi16(weights.raw, texels.raw)};
 #else
   const VI16 w = hn::BitCast(DI16(), weights), t = hn::BitCast(DI16(), texels);
-  const VI16 left = hn::Mul(hn::And(w, hn::Set(DI16(), 255)), hn::ShiftRight<8>(hn::ShiftLeft<8>(t)));
-  const VI16 right = hn::Mul(
-      hn::BitCast(DI16(), hn::ShiftRight<8>(hn::BitCast(DU16(), w))), hn::ShiftRight<8>(t));
+  const VI16 left =
+      hn::Mul(hn::And(w, hn::Set(DI16(), 255)), hn::ShiftRight<8>(hn::ShiftLeft<8>(t)));
+  const VI16 right =
+      hn::Mul(hn::BitCast(DI16(), hn::ShiftRight<8>(hn::BitCast(DU16(), w))), hn::ShiftRight<8>(t));
   return hn::Add(left, right);
 #endif
-}
-
-// The texels and weights of the pixels of one register of pairs: four 16-bit values a pixel, red,
-// green, blue and 0, less 128.
-HWY_INLINE VI16 mix(VU64 top, VU64 bottom, hn::Vec<DU8> across, VI16 below) {
-  const DU8 d8;
-  // Left and right red, green, blue, nothing.
-  constexpr std::uint8_t kZ = 0x80;
-  alignas(16) static constexpr std::uint8_t kOrder[16] = {0, 3,  1, 4,  2,  5,  kZ, kZ,
-                                                          8, 11, 9, 12, 10, 13, kZ, kZ};
-  const auto order = hn::LoadDup128(d8, kOrder);
-  const VI16 a = mix_across(across, hn::TableLookupBytesOr0(hn::BitCast(d8, top), order));
-  const VI16 b = mix_across(across, hn::TableLookupBytesOr0(hn::BitCast(d8, bottom), order));
-  const VI16 above = hn::Sub(hn::Set(DI16(), static_cast<std::int16_t>(kWholeWeight)), below);
-  const VI16 sum = hn::Add(hn::MulFixedPoint15(a, above), hn::MulFixedPoint15(b, below));
-  return hn::MulFixedPoint15(sum, hn::Set(DI16(), 256));
 }
 
 // The weights of the pixels of a register of pairs, once for each of their values.
@@ -277,8 +262,30 @@ struct Weights {
   VI16 below;
 };
 
-// Of the first and of the second half of a register's pixels.
-HWY_INLINE void load_weights(const std::uint32_t* weights, Weights& first, Weights& second) {
+// The texels and weights of the pixels of one register of pairs: four 16-bit values a pixel, red,
+// green, blue and 0, less 128.
+HWY_INLINE VI16 mix(VU64 top, VU64 bottom, const Weights& weights) {
+  const DU8 d8;
+  // Left and right red, green, blue, nothing.
+  constexpr std::uint8_t kZ = 0x80;
+  alignas(16) static constexpr std::uint8_t kOrder[16] = {0, 3,  1, 4,  2,  5,  kZ, kZ,
+                                                          8, 11, 9, 12, 10, 13, kZ, kZ};
+  const auto order = hn::LoadDup128(d8, kOrder);
+  const VI16 a = mix_across(weights.across, hn::TableLookupBytesOr0(hn::BitCast(d8, top), order));
+  const VI16 b =
+      mix_across(weights.across, hn::TableLookupBytesOr0(hn::BitCast(d8, bottom), order));
+  const VI16 above =
+      hn::Sub(hn::Set(DI16(), static_cast<std::int16_t>(kWholeWeight)), weights.below);
+  const VI16 sum = hn::Add(hn::MulFixedPoint15(a, above), hn::MulFixedPoint15(b, weights.below));
+  return hn::MulFixedPoint15(sum, hn::Set(DI16(), 256));
+}
+
+// Of the first and of the second half of a register's pixels. (Made in one go: a constructor
+// without arguments would be compiled for no instruction set, and could not call NEON's.)
+struct BothWeights {
+  Weights first, second;
+};
+HWY_INLINE BothWeights load_weights(const std::uint32_t* weights) {
 #if EN_X86_DL
   const __m512i all = _mm512_loadu_si512(weights);
   // For each of a pixel's four values its bytes 0 and 1, or 2 and 3.
@@ -290,10 +297,10 @@ HWY_INLINE void load_weights(const std::uint32_t* weights, Weights& first, Weigh
   const __m512i across = _mm512_load_si512(kAcross.data());
   const __m512i below = _mm512_add_epi8(across, _mm512_set1_epi8(2));
   const __m512i half = _mm512_set1_epi8(32);
-  first = {hn::Vec<DU8>{_mm512_permutexvar_epi8(across, all)},
-           VI16{_mm512_permutexvar_epi8(below, all)}};
-  second = {hn::Vec<DU8>{_mm512_permutexvar_epi8(_mm512_add_epi8(across, half), all)},
-            VI16{_mm512_permutexvar_epi8(_mm512_add_epi8(below, half), all)}};
+  return {{hn::Vec<DU8>{_mm512_permutexvar_epi8(across, all)},
+           VI16{_mm512_permutexvar_epi8(below, all)}},
+          {hn::Vec<DU8>{_mm512_permutexvar_epi8(_mm512_add_epi8(across, half), all)},
+           VI16{_mm512_permutexvar_epi8(_mm512_add_epi8(below, half), all)}}};
 #else
   const DU8 d8;
   alignas(16) static constexpr std::uint8_t kAcross[16] = {0, 1, 0, 1, 0, 1, 0, 1,
@@ -306,13 +313,13 @@ HWY_INLINE void load_weights(const std::uint32_t* weights, Weights& first, Weigh
     return Weights{hn::TableLookupBytes(wide, hn::LoadDup128(d8, kAcross)),
                    hn::BitCast(DI16(), hn::TableLookupBytes(wide, hn::LoadDup128(d8, kBelow)))};
   };
-  first = spread(weights);
-  second = spread(weights + kHalf);
+  return {spread(weights), spread(weights + kHalf)};
 #endif
 }
 
 // Values of the first and the second half of a register's pixels to bytes, with the 128 added that
-// texels lack, and A = 255; each 16 bytes have two pixels of the first half, then two of the second.
+// texels lack, and A = 255; each 16 bytes have two pixels of the first half, then two of the
+// second.
 HWY_INLINE VU interleaved_rgba(VI16 first, VI16 second) {
 #if EN_X86_512
   const VU pixels{_mm512_packs_epi16(first.raw, second.raw)};
@@ -320,8 +327,8 @@ HWY_INLINE VU interleaved_rgba(VI16 first, VI16 second) {
   const VU pixels{_mm256_packs_epi16(first.raw, second.raw)};
 #else
   const hn::Half<DI8> half;
-  const VU pixels = hn::BitCast(
-      DU(), hn::Combine(DI8(), hn::DemoteTo(half, second), hn::DemoteTo(half, first)));
+  const VU pixels =
+      hn::BitCast(DU(), hn::Combine(DI8(), hn::DemoteTo(half, second), hn::DemoteTo(half, first)));
 #endif
   return hn::Xor(pixels, hn::Set(DU(), 0xFF808080U));
 }
@@ -355,10 +362,8 @@ HWY_INLINE void draw(const TapRun& run, const Store& store) {
     const VU64 bottom1 = pairs<kGather>(bottom, offset + k);
     const VU64 top2 = pairs<kGather>(top, offset + k + kHalf);
     const VU64 bottom2 = pairs<kGather>(bottom, offset + k + kHalf);
-    Weights first, second;
-    load_weights(weight + k, first, second);
-    store(interleaved_rgba(mix(top1, bottom1, first.across, first.below),
-                           mix(top2, bottom2, second.across, second.below)),
+    const BothWeights weights = load_weights(weight + k);
+    store(interleaved_rgba(mix(top1, bottom1, weights.first), mix(top2, bottom2, weights.second)),
           k);
   }
 }
@@ -376,8 +381,7 @@ HWY_INLINE hn::Vec<DU8> three_bytes(VU interleaved) {
     }
     return order;
   }();
-  return hn::Vec<DU8>{
-      _mm512_permutexvar_epi8(_mm512_load_si512(kOrder.data()), interleaved.raw)};
+  return hn::Vec<DU8>{_mm512_permutexvar_epi8(_mm512_load_si512(kOrder.data()), interleaved.raw)};
 #else
   const DU8 d8;
   constexpr std::uint8_t kZ = 0x80;
@@ -541,6 +545,7 @@ struct Planar {
   HWY_INLINE VF of(VU rgba) const {
     return scaled<kChannel>(hn::And(hn::ShiftRight<8 * kChannel>(rgba), hn::Set(DU(), 0xFFU)));
   }
+
  private:
   template <int kChannel>
   HWY_INLINE VF scaled(VU value) const {
@@ -742,9 +747,11 @@ HWY_EXPORT(kernels);
 
 std::vector<KernelVariant> find_variants() {
   std::vector<KernelVariant> found;
-  // Highway numbers the targets so that the better ones have the lower bits. Another thread that
-  // dispatches meanwhile may get a lesser target, which works as well.
-  std::int64_t supported = hwy::SupportedTargets() & HWY_TARGETS;
+  // Highway numbers the targets so that the better ones have the lower bits. The one compiled for
+  // every machine of this kind counts even where an extension that Highway wants with it, and we do
+  // not use, is missing (the Raspberry Pi 4 has no AES). Another thread that dispatches meanwhile
+  // may get a lesser target, which works as well.
+  std::int64_t supported = (hwy::SupportedTargets() | HWY_STATIC_TARGET) & HWY_TARGETS;
   for (; supported != 0; supported &= supported - 1) {
     const std::int64_t target = supported & -supported;
     hwy::GetChosenTarget().Update(target);

@@ -47,9 +47,8 @@ CellPool::CellPool() = default;
 CellPool::~CellPool() = default;
 
 CellPool::Piece CellPool::take(std::size_t bytes) {
-  auto block = std::ranges::find_if(blocks_, [&](const Block& b) {
-    return b.piece_bytes == bytes && !b.free.empty();
-  });
+  auto block = std::ranges::find_if(
+      blocks_, [&](const Block& b) { return b.piece_bytes == bytes && !b.free.empty(); });
   if (block == blocks_.end()) block = blocks_.emplace(blocks_.end(), bytes);
   std::uint8_t* piece = block->free.back();
   block->free.pop_back();

@@ -54,7 +54,7 @@ class FacePool {
   std::size_t limit_ = 0;
   GLuint texture_ = 0;
   std::vector<std::uint8_t> rows_;  // a face on its way
-  std::list<Slot> slots_;  // the most recently used first, free ones last
+  std::list<Slot> slots_;           // the most recently used first, free ones last
   std::unordered_map<FaceKey, std::list<Slot>::iterator, detail::FaceKeyHash> places_;
 };
 
