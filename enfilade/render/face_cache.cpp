@@ -30,7 +30,9 @@ enum class State : std::uint8_t { kLoading, kReady, kFailed };
 
 struct Entry {
   FaceKey key;
-  detail::CellPool::Piece memory;
+  detail::CellPool::Piece memory;  // null if the source has it in memory
+  const std::uint8_t* cells = nullptr;
+  std::size_t bytes = 0;  // that it takes in the cache
   std::uint32_t size = 0;
   State state = State::kLoading;
   std::uint32_t holders = 0;  // that have acquired it and not released it, loaders included
@@ -38,7 +40,7 @@ struct Entry {
   std::list<Entry*>::iterator place;  // in `idle` if holders == 0, else in `held`
 };
 
-Face face_of(const Entry& entry) { return {entry.memory.get(), entry.size}; }
+Face face_of(const Entry& entry) { return {entry.cells, entry.size}; }
 
 // Faces of one panorama and layer that are decoded by one call to the source.
 struct Unit {
@@ -100,7 +102,7 @@ struct FaceCache::Impl {
   void acquire(std::span<const FaceKey> keys, std::span<Face> faces, int threads, bool ahead);
   void release(const Lock&, Entry& entry) noexcept;
   void hold(const Lock&, Entry& entry);
-  Entry& add(Lock& lock, const FaceKey& key, std::uint32_t size);
+  Entry& add(Lock& lock, const FaceKey& key, std::uint32_t size, std::size_t bytes);
   void plan(Lock& lock, std::span<const FaceKey> keys, std::vector<Unit>& units, bool ahead);
   void plan_one(Lock& lock, const FaceKey& key, std::vector<Unit>& units);
   void load(const Unit& unit);
@@ -139,7 +141,7 @@ void FaceCache::Impl::release(const Lock& lock, Entry& entry) noexcept {
 
 // \pre nobody holds it any more, but it is in `held` still
 void FaceCache::Impl::forget(const Lock&, Entry& entry) noexcept {
-  counters.bytes -= face_bytes(entry.key.layer, entry.size);
+  counters.bytes -= entry.bytes;
   held.erase(entry.place);
   entries.erase(FaceKey(entry.key));
 }
@@ -149,17 +151,21 @@ void FaceCache::Impl::make_room(const Lock& lock, std::size_t bytes) {
   while (counters.bytes + bytes > config.bytes && !idle.empty()) {
     Entry& oldest = *idle.front();
     idle.pop_front();
-    counters.bytes -= face_bytes(oldest.key.layer, oldest.size);
+    counters.bytes -= oldest.bytes;
     entries.erase(FaceKey(oldest.key));
   }
   static_cast<void>(lock);
 }
 
-Entry& FaceCache::Impl::add(Lock& lock, const FaceKey& key, std::uint32_t size) {
+// With `bytes` of memory of its own; 0: the source has it.
+Entry& FaceCache::Impl::add(Lock& lock, const FaceKey& key, std::uint32_t size, std::size_t bytes) {
   auto entry = std::make_unique<Entry>();
-  const std::size_t bytes = face_bytes(key.layer, size);
-  make_room(lock, bytes);
-  entry->memory = memory.take(bytes);
+  if (bytes > 0) {
+    make_room(lock, bytes);
+    entry->memory = memory.take(bytes);
+  }
+  entry->cells = entry->memory.get();
+  entry->bytes = bytes;
   counters.bytes += bytes;
   entry->key = key;
   entry->size = size;
@@ -181,12 +187,14 @@ void FaceCache::Impl::plan_one(Lock& lock, const FaceKey& key, std::vector<Unit>
         source.origin(), source.scan(), source.poses()[key.viewpoint.at()].viewpoint,
         to_string(key.layer), size, size, image::kLargestCellFace, image::kLargestCellFace));
   }
+  const bool in_memory = source.has_cells(key.layer, key.viewpoint);
+  const std::size_t bytes = in_memory ? 0 : face_bytes(key.layer, size);
   Unit& unit = units.emplace_back();  // first, so that what follows is undone if it throws
   unit.first = key;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     const FaceKey face{key.scan, key.viewpoint, key.layer, cube_face(k)};
     const bool wanted = face == key || source.reads_whole_panoramas();
-    if (wanted && !entries.contains(face)) unit.entries[k] = &add(lock, face, size);
+    if (wanted && !entries.contains(face)) unit.entries[k] = &add(lock, face, size, bytes);
   }
 }
 
@@ -224,6 +232,13 @@ void FaceCache::Impl::plan(Lock& lock, std::span<const FaceKey> keys, std::vecto
 
 void FaceCache::Impl::decode(const Unit& unit) {
   const scan::PanoramaSource& source = panoramas->source(unit.first.scan);
+  if (source.has_cells(unit.first.layer, unit.first.viewpoint)) {
+    for (Entry* entry : unit.entries) {
+      if (entry == nullptr) continue;
+      entry->cells = source.cells(entry->key.layer, entry->key.viewpoint, entry->key.face);
+    }
+    return;
+  }
   scan::FaceMask mask = 0;
   scan::ColourFaces colour;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
@@ -347,7 +362,7 @@ void FaceCache::prefetch(std::span<const FaceKey> keys) {
     if (impl_->entries.contains(key)) continue;
     const scan::PanoramaSource& source = impl_->panoramas->source(key.scan);
     const std::uint32_t size = source.face_sizes(key.viewpoint)[index(key.layer)];
-    bytes += face_bytes(key.layer, size);
+    if (!source.has_cells(key.layer, key.viewpoint)) bytes += face_bytes(key.layer, size);
     if (size == 0 || bytes > impl_->config.bytes / 2) continue;
     impl_->wishes.push_back(key);
   }
@@ -367,7 +382,7 @@ FaceCacheCounters FaceCache::counters() const {
 void FaceCache::clear() {
   const Impl::Lock lock(impl_->mutex);
   for (Entry* entry : impl_->idle) {
-    impl_->counters.bytes -= face_bytes(entry->key.layer, entry->size);
+    impl_->counters.bytes -= entry->bytes;
     impl_->entries.erase(FaceKey(entry->key));
   }
   impl_->idle.clear();

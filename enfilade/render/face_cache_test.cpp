@@ -9,7 +9,10 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/image/face_cells.h"
+#include "enfilade/scan/store.h"
 #include "tests/support/made_panoramas.h"
+#include "tests/support/panoramas.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::render {
 namespace {
@@ -119,6 +122,28 @@ TEST(FaceCache, AFailureLeavesNothingHeldAndCanBeTriedAgain) {
     EXPECT_EQ(cache->counters().bytes, 0U);
   }
   cache->prefetch(keys);  // not there: passed over
+}
+
+TEST(FaceCache, TakesNoMemoryForFacesThatTheirStoreHasInCells) {
+  const tests::TemporaryFolder folder("cache_of_cells");
+  const auto made = scan::testing::memory_panoramas("house", 2, 24);
+  scan::PackOptions options;
+  options.decoded = true;
+  options.colour = scan::ColourCoding::kRaw;
+  const auto store = scan::Store::open(scan::pack(*made, folder.path(), options).file);
+  const auto cells = std::make_shared<FaceCache>(scan::PanoramaSet::of({store}));
+  const auto decoded = std::make_shared<FaceCache>(scan::PanoramaSet::of({made}));
+  const Camera camera{90, 70, degrees(80)};
+  Rng rng(31, 0);
+  for (int k = 0; k < 10; ++k) {
+    const View view = testing::random_view(rng, 2);
+    testing::Pictures a(camera, 1), b(camera, 1);
+    make_renderer(cells)->render(camera, {&view, 1}, a.outputs());
+    make_renderer(decoded)->render(camera, {&view, 1}, b.outputs());
+    EXPECT_EQ(a, b) << "view " << k;
+  }
+  EXPECT_EQ(cells->counters().bytes, 0U);
+  EXPECT_GT(decoded->counters().bytes, 0U);
 }
 
 TEST(FaceCache, KeepsAShareOfTheMachinesMemoryIfNotTold) {

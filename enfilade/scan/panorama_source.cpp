@@ -129,6 +129,11 @@ LookupError PanoramaSource::lacks(Layer layer, ViewpointIndex viewpoint) const {
                                  tried(layer, viewpoint)));
 }
 
+const std::uint8_t* PanoramaSource::cells(Layer layer, ViewpointIndex viewpoint,
+                                          CubeFace /*face*/) const {
+  throw lacks(layer, viewpoint);
+}
+
 std::string PanoramaSource::state() const { return {}; }
 
 std::vector<PanoramaPose> poses_of(const Connectivity& connectivity) {

@@ -119,6 +119,13 @@ class PanoramaSource {
   virtual std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
       ViewpointIndex viewpoint) const;
 
+  /// Whether the source has the faces of a layer in memory as drawing wants them: cells() then
+  /// gives them without decoding.
+  virtual bool has_cells(Layer /*layer*/, ViewpointIndex /*viewpoint*/) const { return false; }
+  /// A face in cells (image/face_cells.h), aligned to 64 bytes; the 16 bytes after it can be read,
+  /// too. Valid as long as the source. \pre has_cells()  \throws as read_colour()
+  virtual const std::uint8_t* cells(Layer layer, ViewpointIndex viewpoint, CubeFace face) const;
+
   /// Says that this viewpoint's pictures will not be read again soon. A source that maps its file
   /// gives their memory back to the system; others do nothing. What is read stays the same, also
   /// for threads that are reading. Without it, all that was ever read may stay resident.

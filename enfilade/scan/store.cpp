@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 #include <utility>
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/mapped_file.h"
 #include "enfilade/core/threads.h"
+#include "enfilade/image/face_cells.h"
 #include "enfilade/scan/detail/store_format.h"
 
 namespace enfilade::scan {
@@ -52,7 +54,9 @@ std::span<std::uint8_t> room(std::size_t bytes) {
 
 struct Store::Impl {
   explicit Impl(const std::filesystem::path& path)
-      : file(path), catalogue(detail::read_catalogue(file.bytes(), path.string())) {}
+      : file(path),
+        catalogue(detail::read_catalogue(file.bytes(), path.string())),
+        compared(catalogue.faces.size() * kLayers * kCubeFaces) {}
 
   const FaceEntry& entry(const FaceName& name) const {
     return catalogue.faces[name.viewpoint.at()][detail::entry_index(name.layer, name.face)];
@@ -80,6 +84,7 @@ struct Store::Impl {
 
   MappedFile file;
   detail::Catalogue catalogue;
+  std::vector<std::atomic<bool>> compared;  // faces in cells that have the checksum they should
 };
 
 std::uint32_t Store::Impl::size_of(const PanoramaSource& store, ViewpointIndex viewpoint,
@@ -92,6 +97,10 @@ std::uint32_t Store::Impl::size_of(const PanoramaSource& store, ViewpointIndex v
 void Store::Impl::read_colour_face(const FaceName& name, const image::ColourCells& face) const {
   const FaceEntry& found = whole_entry(name);
   const image::Bytes bytes = bytes_of(found);
+  if (found.coding == Coding::kCells) {
+    std::ranges::copy(bytes, face.cells);
+    return;
+  }
   const image::Bytes picture = bytes.first(found.bytes);
   if (found.coding == Coding::kRawRgb) {
     image::write_face(face, picture.data());
@@ -114,6 +123,9 @@ void Store::Impl::read_colour_face(const FaceName& name, const image::ColourCell
 template <class T>
 void Store::Impl::read_face(const FaceName& name, std::uint32_t size, T* buffer) const {
   const FaceEntry& found = whole_entry(name);
+  if (found.coding == Coding::kCells) {
+    return image::ValueCells<T>::to_rows(bytes_of(found).data(), size, buffer);
+  }
   if (!detail::decode_texels(found.coding, bytes_of(found), size, buffer)) {
     refuse_face(name, "damaged-face",
                 fmt::format("cannot be decompressed to {} x {} values", size, size));
@@ -230,6 +242,25 @@ std::optional<std::array<std::string, kCubeFaces>> Store::colour_jpegs(
     jpegs[k].assign(reinterpret_cast<const char*>(bytes.data()), found.bytes);
   }
   return jpegs;
+}
+
+bool Store::has_cells(Layer layer, ViewpointIndex viewpoint) const {
+  return impl_->entry({*this, viewpoint, layer, 0}).coding == Coding::kCells;
+}
+
+const std::uint8_t* Store::cells(Layer layer, ViewpointIndex viewpoint, CubeFace face) const {
+  const FaceName name{*this, viewpoint, layer, index(face)};
+  const FaceEntry& found = impl_->entry(name);
+  EN_CHECK(found.coding == Coding::kCells);
+  // The whole face is read for its checksum, so once is enough: a change of the file after that is
+  // as one of the memory of any other program.
+  auto& compared = impl_->compared[viewpoint.at() * kLayers * kCubeFaces +
+                                   detail::entry_index(layer, index(face))];
+  if (!compared.load(std::memory_order_relaxed)) {
+    impl_->whole_entry(name);
+    compared.store(true, std::memory_order_relaxed);
+  }
+  return impl_->bytes_of(found).data();  // the catalogue follows the faces
 }
 
 // The faces of a viewpoint follow each other in its record.

@@ -42,9 +42,10 @@ std::uint64_t fingerprint_of(const PanoramaSource& source, const Connectivity& g
                              const PackOptions& options) {
   const std::string state = source.state();
   if (state.empty()) return 0;
-  const std::string all = fmt::format(
-      "{}\n{}\n{} {} {} {}\n{}\n{}", kStoreVersion, source.scan(), static_cast<int>(options.colour),
-      options.face_size, options.jpeg_quality, options.included_only, to_json(graph), state);
+  const std::string all =
+      fmt::format("{}\n{}\n{} {} {} {}{}\n{}\n{}", kStoreVersion, source.scan(),
+                  static_cast<int>(options.colour), options.face_size, options.jpeg_quality,
+                  options.included_only, options.decoded ? " decoded" : "", to_json(graph), state);
   // 0 means unknown.
   return std::max<std::uint64_t>(1, detail::checksum(image::bytes_of(all)));
 }
@@ -164,10 +165,31 @@ image::CubeMap<T> resampled(image::CubeMap<T> map, std::uint32_t size) {
 }
 
 template <class T>
-void append_texels(EncodedPanorama& to, Layer layer, image::CubeMap<T> map) {
+CodedFace values_in_cells(const image::Image<T>& picture) {
+  CodedFace coded{Coding::kCells, {}};
+  coded.bytes.resize(image::ValueCells<T>::bytes(picture.width));
+  image::ValueCells<T>::from_rows(picture.pixels.data(), picture.width, coded.bytes.data());
+  return coded;
+}
+
+template <class T>
+void append_texels(EncodedPanorama& to, Layer layer, image::CubeMap<T> map, bool decoded) {
   map = resampled(std::move(map), to.header.sizes[index(layer)]);
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    append_face(to, layer, k, detail::encode_texels<T>(map[k].pixels, map[k].width), {});
+    const CodedFace coded =
+        decoded ? values_in_cells(map[k]) : detail::encode_texels<T>(map[k].pixels, map[k].width);
+    append_face(to, layer, k, coded, {});
+  }
+}
+
+void append_colour_cells(EncodedPanorama& to, const image::CubeMap<std::uint8_t>& faces) {
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    CodedFace coded{Coding::kCells, {}};
+    coded.bytes.resize(image::ColourCells::bytes(faces[k].width));
+    const image::ColourCells cells{coded.bytes.data(), faces[k].width};
+    image::write_face(cells, faces[k]);
+    image::write_border(cells, image::border_of(faces, cube_face(k)));
+    append_face(to, Layer::kColour, k, coded, {});
   }
 }
 
@@ -229,6 +251,7 @@ void append_colour(EncodedPanorama& to, const PanoramaSource& source,
   }
   // Borders must match the pixels that a reader decodes, which differ from those encoded.
   if (jpegs) faces = decoded(*jpegs, source, planned);
+  if (options.decoded) return append_colour_cells(to, faces);
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     CodedFace coded = jpegs ? CodedFace{Coding::kJpeg, std::move((*jpegs)[k])}
                             : CodedFace{Coding::kRawRgb, faces[k].pixels};
@@ -247,9 +270,13 @@ EncodedPanorama encode_panorama(const PanoramaSource& source, const PlannedPanor
   if (has(Layer::kColour)) append_colour(result, source, planned, options);
   constexpr LayerMask kNotColour = kAllLayers & ~(1 << index(Layer::kColour));
   Panorama rest = read_panorama(source, planned.viewpoint, kNotColour);
-  if (has(Layer::kDepth)) append_texels(result, Layer::kDepth, std::move(rest.depth));
-  if (has(Layer::kClass)) append_texels(result, Layer::kClass, std::move(rest.classes));
-  if (has(Layer::kInstance)) append_texels(result, Layer::kInstance, std::move(rest.instances));
+  if (has(Layer::kDepth))
+    append_texels(result, Layer::kDepth, std::move(rest.depth), options.decoded);
+  if (has(Layer::kClass))
+    append_texels(result, Layer::kClass, std::move(rest.classes), options.decoded);
+  if (has(Layer::kInstance)) {
+    append_texels(result, Layer::kInstance, std::move(rest.instances), options.decoded);
+  }
   return result;
 }
 

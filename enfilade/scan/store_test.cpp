@@ -117,6 +117,69 @@ TEST(Store, HasSeamlessJpegFaces) {
   for (std::size_t k = 0; k < kCubeFaces; ++k) EXPECT_EQ(here.cells(k), there.cells(k));
 }
 
+// Sizes at which cells, records and pages do and do not end together.
+TEST(Store, DecodedStoresAreDrawnFromAsTheyStand) {
+  for (const std::uint32_t size : {1U, 18U, 33U}) {
+    const TemporaryFolder folder("store_decoded");
+    const auto source = testing::memory_panoramas("house", 3, size);
+    PackOptions options;
+    options.colour = ColourCoding::kRaw;
+    options.decoded = true;
+    pack(*source, folder.path(), options);
+    const auto store = Store::open(folder.path() / "house.enfilade");
+    EXPECT_TRUE(store->verify().empty());
+    for (std::size_t i = 0; i < 3; ++i) {
+      const ViewpointIndex v(i);
+      expect_equal(read_panorama(*store, v), read_panorama(*source, v));
+      testing::BorderedMap expected(size);
+      source->read_colour(v, kAllFaces, expected.faces());
+      for (std::size_t l = 0; l < kLayers; ++l) {
+        EXPECT_TRUE(store->has_cells(static_cast<Layer>(l), v));
+        for (std::size_t k = 0; k < kCubeFaces; ++k) {
+          const std::uint8_t* cells = store->cells(static_cast<Layer>(l), v, cube_face(k));
+          EXPECT_EQ(reinterpret_cast<std::uintptr_t>(cells) % image::kCellBytes, 0U);
+          if (l > 0) continue;
+          for (std::ptrdiff_t y = -1; y <= std::ptrdiff_t{size}; ++y) {
+            for (std::ptrdiff_t x = -1; x <= std::ptrdiff_t{size}; ++x) {
+              ASSERT_EQ(image::colour_texel(cells, size, x, y),
+                        image::colour_texel(expected.cells(k).data(), size, x, y));
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(Store, DecodedStoresOfJpegsHaveTheTexelsThatReadersDecode) {
+  const TemporaryFolder folder("store_decoded_jpeg");
+  const auto source = testing::memory_panoramas("house", 1, 32);
+  const auto jpeg = packed(*source, folder.path(), ColourCoding::kJpeg);
+  PackOptions options;
+  options.decoded = true;
+  pack(*jpeg, folder.path() / "decoded", options);
+  const auto store = Store::open(folder.path() / "decoded" / "house.enfilade");
+  expect_equal(read_panorama(*store, ViewpointIndex(0)), read_panorama(*jpeg, ViewpointIndex(0)));
+  EXPECT_FALSE(store->colour_jpegs(ViewpointIndex(0)).has_value());
+}
+
+TEST(Store, ADamagedFaceInCellsIsRefused) {
+  const TemporaryFolder folder("store_decoded_damaged");
+  const auto source = testing::memory_panoramas("house", 1, 16);
+  PackOptions options;
+  options.decoded = true;
+  const auto file = pack(*source, folder.path(), options).file;
+  {
+    std::fstream out(file, std::ios::in | std::ios::out | std::ios::binary);
+    out.seekp(2000);  // in the first face's cells
+    out.put(static_cast<char>(0x5A));
+  }
+  const auto store = Store::open(file);
+  EXPECT_THAT([&] { store->cells(Layer::kColour, ViewpointIndex(0), CubeFace::kUp); },
+              ThrowsMessage<InvalidInput>(HasSubstr("face 0")));
+  EXPECT_NE(store->cells(Layer::kColour, ViewpointIndex(0), CubeFace::kBack), nullptr);
+}
+
 TEST(Store, ReadsOneFaceAlone) {
   const TemporaryFolder folder("store_one_face");
   const auto source = testing::memory_panoramas("house", 2, 16);

@@ -19,6 +19,7 @@ enum class Coding : std::uint8_t {
   kAbsent = 0,     ///< the panorama lacks the layer
   kJpeg = 1,       ///< colour
   kRawRgb = 2,     ///< colour
+  kCells = 3,      ///< any layer: cells as image/face_cells.h has them, aligned to 64 bytes
   kPlain = 16,     ///< no prediction: steps 3 and 4 only
   kLeft = 17,      ///< by the texel to the left
   kUp = 18,        ///< by the texel above

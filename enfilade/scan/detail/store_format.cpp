@@ -7,6 +7,7 @@
 #include <set>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/image/face_cells.h"
 #include "enfilade/scan/store.h"
 
 namespace enfilade::scan::detail {
@@ -109,6 +110,7 @@ std::string fault_of(const ViewpointRow& row, std::string_view name) {
 }
 
 bool is_possible(Coding coding, Layer layer) {
+  if (coding == Coding::kCells) return true;
   if (layer == Layer::kColour) return coding == Coding::kJpeg || coding == Coding::kRawRgb;
   return coding >= Coding::kPlain && coding <= Coding::kGradient;
 }
@@ -124,6 +126,13 @@ std::string fault_of(const FaceEntry& entry, Layer layer, std::uint64_t size, st
   }
   if (entry.coding == Coding::kRawRgb && entry.bytes != 3 * size * size) {
     return fmt::format("is {} bytes of raw colour, not {}", entry.bytes, 3 * size * size);
+  }
+  if (entry.coding == Coding::kCells) {
+    const std::uint64_t cells = cells_bytes(layer, static_cast<std::uint32_t>(size));
+    if (entry.bytes != cells || entry.border_bytes != 0) {
+      return fmt::format("is {} bytes of cells, not {}", all, cells);
+    }
+    if (entry.offset % image::kCellBytes != 0) return "has cells that are not aligned to 64 bytes";
   }
   if (layer != Layer::kColour && entry.border_bytes != 0) return "has a border, as colour only may";
   return {};
@@ -147,6 +156,12 @@ std::string fault_of(const FaceSizes& sizes, const FaceEntries& faces, std::uint
 }
 
 }  // namespace
+
+std::size_t cells_bytes(Layer layer, std::uint32_t size) {
+  if (layer == Layer::kColour) return image::ColourCells::bytes(size);
+  if (layer == Layer::kInstance) return image::ValueCells<std::uint32_t>::bytes(size);
+  return image::ValueCells<std::uint16_t>::bytes(size);
+}
 
 std::uint64_t checksum(image::Bytes bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
@@ -189,7 +204,8 @@ std::optional<RecordHeader> read_record(image::Bytes bytes, std::uint64_t offset
   const auto record = read_at<RecordHeader>(bytes, offset);
   if (record.magic != kRecordMagic || record.checksum != checksum_of(record)) return std::nullopt;
   if (!fault_of(record.sizes, record.faces, bytes.size()).empty()) return std::nullopt;
-  std::uint64_t next = offset + sizeof(RecordHeader);
+  if (record.padding >= image::kCellBytes) return std::nullopt;
+  std::uint64_t next = offset + sizeof(RecordHeader) + record.padding;
   for (const FaceEntry& entry : record.faces) {
     if (entry.coding == Coding::kAbsent) continue;
     if (entry.offset != next) return std::nullopt;

@@ -58,11 +58,12 @@ constexpr std::size_t entry_index(Layer layer, std::size_t face) {
   return index(layer) * kCubeFaces + face;
 }
 
-/// Begins the record of a panorama; its faces follow without gaps, in the order of the entries.
+/// Begins the record of a panorama; after the padding its faces follow without gaps, in the order
+/// of the entries.
 struct RecordHeader {
   std::array<char, 8> magic = kRecordMagic;
   std::uint32_t viewpoint = 0;
-  std::uint32_t reserved = 0;
+  std::uint32_t padding = 0;  ///< bytes, so that cells are aligned; part of payload_bytes
   FaceSizes sizes{};
   std::uint64_t payload_bytes = 0;
   FaceEntries faces{};
@@ -91,6 +92,9 @@ struct Catalogue {
   std::vector<FaceEntries> faces;
   image::Bytes graph;  ///< a view of the file
 };
+
+/// Bytes of a face in cells.
+std::size_t cells_bytes(Layer layer, std::uint32_t size);
 
 /// XXH3, 64 bits, seed 0.
 std::uint64_t checksum(image::Bytes bytes);

@@ -1,8 +1,10 @@
 #include "enfilade/scan/detail/store_writer.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "enfilade/core/mapped_file.h"
+#include "enfilade/image/face_cells.h"
 #include "enfilade/scan/store.h"
 
 namespace enfilade::scan::detail {
@@ -103,14 +105,20 @@ void StoreWriter::write_at(std::uint64_t offset, image::Bytes bytes) {
 
 void StoreWriter::append(EncodedPanorama panorama) {
   RecordHeader& header = panorama.header;
-  for (FaceEntry& face : header.faces) {
-    if (face.coding != Coding::kAbsent) face.offset += end_ + sizeof(RecordHeader);
+  std::uint64_t payload = end_ + sizeof(RecordHeader);
+  if (std::ranges::find(header.faces, Coding::kCells, &FaceEntry::coding) != header.faces.end()) {
+    header.padding = static_cast<std::uint32_t>((image::kCellBytes - payload % image::kCellBytes) %
+                                                image::kCellBytes);
+    payload += header.padding;
   }
-  header.payload_bytes = panorama.payload.size();
+  for (FaceEntry& face : header.faces) {
+    if (face.coding != Coding::kAbsent) face.offset += payload;
+  }
+  header.payload_bytes = header.padding + panorama.payload.size();
   header.checksum = checksum_of(header);
   write_at(end_, object_bytes(header));
-  write_at(end_ + sizeof(RecordHeader), panorama.payload);
-  end_ += sizeof(RecordHeader) + panorama.payload.size();
+  write_at(payload, panorama.payload);
+  end_ = payload + panorama.payload.size();
   records_.push_back(header);
 }
 
