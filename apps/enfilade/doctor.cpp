@@ -16,6 +16,7 @@
 #include "enfilade/core/threads.h"
 #include "enfilade/render/gl_devices.h"
 #include "enfilade/render/renderer.h"
+#include "enfilade/render/sample.h"
 
 namespace enfilade::apps {
 namespace {
@@ -59,62 +60,49 @@ void examine_machine(Report& report) {
                           gigabytes(page * static_cast<double>(sysconf(_SC_AVPHYS_PAGES)))));
 }
 
-// A panorama of one colour, to try back ends on.
-std::shared_ptr<render::FaceCache> sample_faces() {
-  scan::Connectivity connectivity{"doctor", "<memory>", {}};
-  scan::ConnectivityEntry entry;
-  entry.id = "here";
-  entry.pose = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-  connectivity.entries.push_back(entry);
-  scan::Panorama panorama;
-  for (image::Image8& face : panorama.colour) {
-    face = image::Image8(16, 16, 3);
-    std::ranges::fill(face.pixels, std::uint8_t{200});
-  }
-  return std::make_shared<render::FaceCache>(scan::PanoramaSet::of(
-      {std::make_shared<scan::MemoryPanoramas>(connectivity, std::vector{panorama})}));
-}
+constexpr const char* kBrokenDriver =
+    "update or remove that driver; other devices and the cpu back end work without it";
 
-// Draws a picture. Returns the renderer's description. \throws Error
-std::string try_backend(render::Backend backend) {
+// True if it draws.
+bool examine_cpu(Report& report, render::Backend backend) {
   render::RendererConfig config;
   config.backend = backend;
-  const auto renderer = render::make_renderer(sample_faces(), config);
-  const Camera camera{64, 48, degrees(60)};
-  const render::View view{ScanIndex(0), ViewpointIndex(0), Radians(1), Radians(0.5)};
-  std::vector<std::uint8_t> pixels(std::size_t{3} * 64 * 48);
-  render::Outputs outputs;
-  outputs.colour = render::ColourOutput{
-      render::ColourFormat::kRgb8, {}, std::as_writable_bytes(std::span(pixels))};
-  renderer->render(camera, {&view, 1}, outputs);
-  if (std::ranges::count(pixels, 200) != std::ssize(pixels)) {
-    throw Error(renderer->description() + " draws a plain picture wrong");
+  const std::string name(to_string(backend));
+  try {
+    const auto renderer = render::make_renderer(render::sample_faces(), config);
+    render::check_sample(*renderer);
+    report.add(name, true, renderer->description());
+    return true;
+  } catch (const Error& error) {
+    report.add(name, false, error.what(), "please report this");
+    return false;
   }
-  return renderer->description();
 }
 
-// True if at least one back end draws.
-bool examine_backends(Report& report) {
+// True if at least one back end draws. OpenGL's draws where one of its devices does: each was tried
+// by another process, as a driver may crash or hang.
+bool examine_backends(Report& report, const std::vector<render::GlDevice>& devices) {
   report.begin("rendering");
   bool works = false;
   for (const render::Backend backend : render::backends()) {
-    const std::string name(to_string(backend));
-    try {
-      report.add(name, true, try_backend(backend));
-      works = true;
-    } catch (const Error& error) {
-      const bool gl = backend == render::Backend::kGl;
-      report.add(name, false, error.what(),
-                 gl ? fmt::format("use the cpu back end, which needs no OpenGL, or: apt-get "
-                                  "install {}",
-                                  kMesaPackages)
-                    : "please report this");
+    if (backend != render::Backend::kGl) {
+      works = examine_cpu(report, backend) || works;
+      continue;
     }
+    const auto device = std::ranges::find_if(devices, &render::GlDevice::works);
+    if (device != devices.end()) {
+      report.add("gl", true, fmt::format("{}, OpenGL {}", device->renderer, device->version));
+      works = true;
+      continue;
+    }
+    report.add("gl", false, "no OpenGL device works: see below",
+               fmt::format("use the cpu back end, which needs no OpenGL, or: apt-get install {}",
+                           kMesaPackages));
   }
   return works;
 }
 
-void examine_gl(Report& report) {
+void examine_gl(Report& report, const std::vector<render::GlDevice>& devices) {
   report.begin("OpenGL through EGL");
   const auto backends = render::backends();
   if (std::ranges::find(backends, render::Backend::kGl) == backends.end()) {
@@ -122,7 +110,6 @@ void examine_gl(Report& report) {
                "for OpenGL, build with -DEN_WITH_GL=ON (needs libepoxy-dev and libegl-dev)");
     return;
   }
-  const auto devices = render::gl_devices();
   if (devices.empty()) {
     report.add("EGL", false, "libEGL.so.1 cannot be loaded",
                fmt::format("for OpenGL: apt-get install {}, or the driver of your graphics card",
@@ -135,7 +122,7 @@ void examine_gl(Report& report) {
         device.works ? fmt::format("{}, OpenGL {}", device.renderer, device.version) : device.error;
     if (!device.uuid.empty()) text += ", UUID " + device.uuid;
     // No advice if one of several does not work: "default" never works without a display.
-    report.add(name, device.works, std::move(text));
+    report.add(name, device.works, std::move(text), device.broken ? kBrokenDriver : "");
   }
 }
 
@@ -228,8 +215,9 @@ struct Arguments {
 int examine(const Arguments& arguments) {
   Report report;
   examine_machine(report);
-  const bool works = examine_backends(report);
-  examine_gl(report);
+  const std::vector<render::GlDevice> devices = render::gl_devices();
+  const bool works = examine_backends(report, devices);
+  examine_gl(report, devices);
   examine_cuda(report);
   examine_networks(report);
   examine_data(report, arguments.data);

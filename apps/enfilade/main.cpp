@@ -1,9 +1,25 @@
 // The command line of Enfilade.
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/render/gl_devices.h"
+
+namespace {
+
+// A verb that no user gives: this program starts itself with it, to try drivers of OpenGL.
+constexpr const char* kTryGl = "try-gl";
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace enfilade::apps;
+  if (argc > 1 && std::string_view(argv[1]) == kTryGl) {
+    return enfilade::render::try_gl(std::vector<std::string>(argv + 2, argv + argc));
+  }
+  enfilade::render::set_gl_trial({"/proc/self/exe", kTryGl});
   CLI::App app("Vision-and-language navigation: walk real buildings, run agents, score them.",
                "enfilade");
   app.set_version_flag("--version", EN_VERSION);

@@ -1,5 +1,6 @@
 /// \file  OpenGL devices and instruction set of this machine, for diagnosis and error messages.
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,15 +10,33 @@ namespace enfilade::render {
 struct GlDevice {
   std::string name;      ///< "0", "1", ... for EGL devices; "surfaceless"; "default"
   std::string uuid;      ///< 32 hex digits; empty if the driver has none
-  bool works = false;    ///< a context of the required version could be made
+  bool works = false;    ///< a context of the required version could be made, and draws right
   std::string renderer;  ///< GL_RENDERER, GL_VERSION if it works
   std::string version;
-  std::string error;  ///< message of EGL or OpenGL if it does not work
+  std::string error;    ///< message of EGL or OpenGL if it does not work
+  bool broken = false;  ///< its driver crashed or hung; only a trial (set_gl_trial()) can tell
 };
 
 /// Tries all devices; takes up to a second each. Empty if built without OpenGL or if there is no
-/// EGL library.
+/// EGL library. With a trial set, no driver is loaded into this process; if already listing the
+/// devices ends the trial, that is told of one device "all". \throws ArgumentError if
+/// ENFILADE_GL_SECONDS is no number
 std::vector<GlDevice> gl_devices();
+
+/// The command of a process in which OpenGL devices are tried before they are used here, as a
+/// driver may crash or hang: a program (its file, not looked up on PATH) and its first arguments,
+/// which passes all further ones to try_gl(). The process that asks for a renderer of Backend::kGl
+/// then gets an Error that names device, driver and signal. A trial costs the start of that program
+/// and the making of a context, once a device and process; nothing where OpenGL is not asked for.
+/// The environment variable ENFILADE_GL_SECONDS is how long a driver may be silent (30; 0: no
+/// trials). Without this call, and where the command cannot be started, drivers are loaded untried.
+/// The program `enfilade` and the Python module make it. Thread-safe; not to be made during a trial
+/// of another thread.
+void set_gl_trial(std::vector<std::string> command);
+
+/// The other side: tries devices and ends the process. Returns only for arguments that are not a
+/// trial's: 2, an exit status. To be called before anything else uses OpenGL.
+int try_gl(std::span<const std::string> arguments);
 
 /// The instruction set that Backend::kCpu uses here: "AVX3_DL gathers", "AVX2", "SSE4", "NEON", ...
 std::string cpu_target();

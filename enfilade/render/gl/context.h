@@ -3,11 +3,14 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "enfilade/render/gl_devices.h"
 
 namespace enfilade::render::gl {
 
@@ -71,9 +74,18 @@ class Current {
   EGLSurface previous_draw_, previous_read_;
 };
 
+/// Makes the context of a way, or throws an Error that says why not.
+using Open = std::function<std::shared_ptr<Context>(const Way&)>;
+
 /// The context of a device by index or UUID, or, if `device` is empty, of the first way that works.
 /// \throws ArgumentError listing the devices if there is none of that name; Error
-std::unique_ptr<Context> make_context(const std::string& device);
+std::shared_ptr<Context> find_context(const std::string& device, const Open& open);
+
+/// Likewise, after another process has tried the device (set_gl_trial()). \throws as find_context()
+std::shared_ptr<Context> make_context(const std::string& device);
+
+/// All ways, opened one after the other; see gl_devices().
+std::vector<GlDevice> list_devices(const Open& open);
 
 /// \throws Error if OpenGL has noted one, naming it and what was being done
 void check_gl(std::string_view doing);

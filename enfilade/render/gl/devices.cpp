@@ -5,6 +5,8 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/render/gl/context.h"
+#include "enfilade/render/gl/mesa.h"
+#include "enfilade/render/gl/trial.h"
 #include "enfilade/render/gl_devices.h"
 
 namespace enfilade::render {
@@ -75,11 +77,12 @@ std::string digits_of(std::string text) {
 }
 
 // If only OpenGL has the UUIDs, this makes a context for each device.
-std::unique_ptr<Context> find_by_uuid(const std::vector<Way>& all, const std::string& uuid) {
+std::shared_ptr<Context> find_by_uuid(const std::vector<Way>& all, const std::string& uuid,
+                                      const Open& open) {
   for (const Way& way : all) {
     if (way.kind != Way::Kind::kDevice || (!way.uuid.empty() && way.uuid != uuid)) continue;
     try {
-      auto context = std::make_unique<Context>(way);
+      auto context = open(way);
       if (context->uuid() == uuid) return context;
     } catch (const Error&) {
       if (way.uuid == uuid) throw;
@@ -88,11 +91,11 @@ std::unique_ptr<Context> find_by_uuid(const std::vector<Way>& all, const std::st
   return nullptr;
 }
 
-std::unique_ptr<Context> first_that_works(const std::vector<Way>& all) {
+std::shared_ptr<Context> first_that_works(const std::vector<Way>& all, const Open& open) {
   std::string faults;
   for (const Way& way : all) {
     try {
-      return std::make_unique<Context>(way);
+      return open(way);
     } catch (const Error& error) {
       faults += fmt::format("\n  {}", error.what());
     }
@@ -100,9 +103,12 @@ std::unique_ptr<Context> first_that_works(const std::vector<Way>& all) {
   throw Error("no OpenGL device works:" + faults);
 }
 
+std::shared_ptr<Context> open_here(const Way& way) { return std::make_shared<Context>(way); }
+
 }  // namespace
 
 std::vector<Way> ways() {
+  keep_mesa_to_its_llvm();
   if (!epoxy_has_egl()) return {};
   std::vector<Way> all = devices();
   std::ranges::stable_sort(all, {}, &Way::software);
@@ -114,40 +120,49 @@ std::vector<Way> ways() {
   return all;
 }
 
-std::unique_ptr<Context> make_context(const std::string& device) {
+std::shared_ptr<Context> find_context(const std::string& device, const Open& open) {
   const std::vector<Way> all = ways();
   if (all.empty()) throw Error(std::string(kNoEgl));
-  if (device.empty()) return first_that_works(all);
+  if (device.empty()) return first_that_works(all, open);
   const auto named = std::ranges::find(all, device, &Way::name);
-  if (named != all.end()) return std::make_unique<Context>(*named);
+  if (named != all.end()) return open(*named);
   const std::string uuid = digits_of(device);
   if (uuid.size() == 32) {
-    if (auto context = find_by_uuid(all, uuid)) return context;
+    if (auto context = find_by_uuid(all, uuid, open)) return context;
   }
   throw ArgumentError(fmt::format(
       "gl_device {:?}: no index or UUID of an EGL device; there are: {}", device, list_of(all)));
 }
 
-}  // namespace gl
+std::shared_ptr<Context> make_context(const std::string& device) {
+  return find_context(tried_way(device).value_or(device), open_here);
+}
 
-std::vector<GlDevice> gl_devices() {
+std::vector<GlDevice> list_devices(const Open& open) {
   std::vector<GlDevice> found;
-  for (const gl::Way& way : gl::ways()) {
+  for (const Way& way : ways()) {
     GlDevice device;
     device.name = way.name;
     device.uuid = way.uuid;
     try {
-      const gl::Context context(way);
+      const auto context = open(way);
       device.works = true;
-      device.uuid = context.uuid();
-      device.renderer = context.renderer();
-      device.version = context.version();
+      device.uuid = context->uuid();
+      device.renderer = context->renderer();
+      device.version = context->version();
     } catch (const Error& error) {
       device.error = error.what();
     }
     found.push_back(std::move(device));
   }
   return found;
+}
+
+}  // namespace gl
+
+std::vector<GlDevice> gl_devices() {
+  if (auto tried = gl::tried_devices()) return std::move(*tried);
+  return gl::list_devices(gl::open_here);
 }
 
 }  // namespace enfilade::render

@@ -45,7 +45,8 @@ const T* values_of(const std::array<const std::byte*, scan::kLayers>& pixels, La
 
 class GlRenderer final : public Renderer {
  public:
-  GlRenderer(std::shared_ptr<FaceCache> faces, const RendererConfig& config);
+  GlRenderer(std::shared_ptr<FaceCache> faces, const RendererConfig& config,
+             std::shared_ptr<Context> context);
   void render(const Camera& camera, std::span<const View> views, const Outputs& outputs) override;
   std::string description() const override;
 
@@ -83,7 +84,7 @@ class GlRenderer final : public Renderer {
 
   std::shared_ptr<FaceCache> faces_;
   Legacy legacy_;
-  std::unique_ptr<Context> context_;
+  std::shared_ptr<Context> context_;
   Programs programs_;
   FaceTextures textures_;
   std::array<Target, 2> targets_;
@@ -96,10 +97,11 @@ class GlRenderer final : public Renderer {
   std::vector<float> depth_factors_;  // what a ray's length is multiplied with, for each pixel
 };
 
-GlRenderer::GlRenderer(std::shared_ptr<FaceCache> faces, const RendererConfig& config)
+GlRenderer::GlRenderer(std::shared_ptr<FaceCache> faces, const RendererConfig& config,
+                       std::shared_ptr<Context> context)
     : faces_(std::move(faces)),
       legacy_(config.legacy),
-      context_(make_context(config.gl_device)),
+      context_(std::move(context)),
       textures_(faces_, faces_->config().bytes) {
   const Current current(*context_);
   GLuint array = 0, buffer = 0;
@@ -310,7 +312,13 @@ void GlRenderer::finish(const Frame& frame, const Part& part, Target& target) {
 
 std::unique_ptr<Renderer> make_gl_renderer(std::shared_ptr<FaceCache> faces,
                                            const RendererConfig& config) {
-  return std::make_unique<GlRenderer>(std::move(faces), config);
+  return make_gl_renderer(std::move(faces), config, make_context(config.gl_device));
+}
+
+std::unique_ptr<Renderer> make_gl_renderer(std::shared_ptr<FaceCache> faces,
+                                           const RendererConfig& config,
+                                           std::shared_ptr<Context> context) {
+  return std::make_unique<GlRenderer>(std::move(faces), config, std::move(context));
 }
 
 }  // namespace enfilade::render::gl

@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 
+#include "enfilade/render/gl/context.h"
 #include "enfilade/render/renderer.h"
 
 namespace enfilade::render::gl {
@@ -11,5 +12,9 @@ namespace enfilade::render::gl {
 /// with EGL's or OpenGL's words if no device, context or shader can be had
 std::unique_ptr<Renderer> make_gl_renderer(std::shared_ptr<FaceCache> faces,
                                            const RendererConfig& config);
+/// Likewise, with this context; config.gl_device does not matter.
+std::unique_ptr<Renderer> make_gl_renderer(std::shared_ptr<FaceCache> faces,
+                                           const RendererConfig& config,
+                                           std::shared_ptr<Context> context);
 
 }  // namespace enfilade::render::gl

@@ -1,0 +1,29 @@
+#include "enfilade/render/gl/mesa.h"
+
+#include <dlfcn.h>
+
+#if defined(__has_feature)
+#define EN_CLANG_ADDRESS_SANITIZER __has_feature(address_sanitizer)
+#else
+#define EN_CLANG_ADDRESS_SANITIZER 0
+#endif
+
+namespace enfilade::render::gl {
+namespace {
+
+bool load_mesa() {
+#if defined(__SANITIZE_ADDRESS__) || EN_CLANG_ADDRESS_SANITIZER
+  return false;  // its runtime refuses RTLD_DEEPBIND
+#else
+  const bool llvm = dlsym(RTLD_DEFAULT, "LLVMInitializeX86TargetInfo") != nullptr ||
+                    dlsym(RTLD_DEFAULT, "LLVMInitializeAArch64TargetInfo") != nullptr;
+  // Stays loaded: EGL loads it later, and by then all its libraries are bound.
+  return llvm && dlopen("libEGL_mesa.so.0", RTLD_LAZY | RTLD_LOCAL | RTLD_DEEPBIND) != nullptr;
+#endif
+}
+
+}  // namespace
+
+void keep_mesa_to_its_llvm() { [[maybe_unused]] static const bool kDone = load_mesa(); }
+
+}  // namespace enfilade::render::gl

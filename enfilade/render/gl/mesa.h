@@ -1,0 +1,14 @@
+/// \file  Mesa's drivers beside other libraries that carry LLVM.
+#pragma once
+
+namespace enfilade::render::gl {
+
+/// If the program is linked to a copy of LLVM, loads Mesa so that it finds its own copy first.
+///
+/// Debian 13's libtorch 2.6 has a copy of LLVM 19 in itself and shows 200 of its functions, without
+/// a version, to everyone. In a program linked to it, llvmpipe then announces the processor to
+/// libtorch's copy, asks its own copy for it, gets nothing and crashes. To be called before
+/// anything else loads EGL; does nothing at a second call.
+void keep_mesa_to_its_llvm();
+
+}  // namespace enfilade::render::gl

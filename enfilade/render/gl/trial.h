@@ -1,0 +1,19 @@
+/// \file  OpenGL devices that another process has tried, as a driver may crash or hang.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "enfilade/render/gl_devices.h"
+
+namespace enfilade::render::gl {
+
+/// The name of the way that draws on this device (empty: on the first that works); no value if
+/// there is nobody to try it (set_gl_trial()). Each device is tried once; further calls remember.
+/// \throws Error, ArgumentError as make_context(); Error if its driver crashed or hung
+std::optional<std::string> tried_way(const std::string& device);
+
+/// All devices, tried each time; no value as tried_way().
+std::optional<std::vector<GlDevice>> tried_devices();
+
+}  // namespace enfilade::render::gl

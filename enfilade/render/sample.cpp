@@ -1,0 +1,43 @@
+#include "enfilade/render/sample.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade::render {
+namespace {
+
+constexpr std::uint8_t kGrey = 200;
+
+}  // namespace
+
+std::shared_ptr<FaceCache> sample_faces() {
+  scan::Connectivity connectivity{"sample", "<memory>", {}};
+  scan::ConnectivityEntry entry;
+  entry.id = "here";
+  entry.pose = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  connectivity.entries.push_back(entry);
+  scan::Panorama panorama;
+  for (image::Image8& face : panorama.colour) {
+    face = image::Image8(16, 16, 3);
+    std::ranges::fill(face.pixels, kGrey);
+  }
+  return std::make_shared<FaceCache>(scan::PanoramaSet::of(
+      {std::make_shared<scan::MemoryPanoramas>(connectivity, std::vector{std::move(panorama)})}));
+}
+
+void check_sample(Renderer& renderer) {
+  const Camera camera{64, 48, degrees(60)};
+  const View view{ScanIndex(0), ViewpointIndex(0), Radians(1), Radians(0.5)};
+  std::vector<std::uint8_t> pixels(std::size_t{3} * camera.width * camera.height);
+  Outputs outputs;
+  outputs.colour = ColourOutput{ColourFormat::kRgb8, {}, std::as_writable_bytes(std::span(pixels))};
+  renderer.render(camera, {&view, 1}, outputs);
+  if (std::ranges::count(pixels, kGrey) != std::ssize(pixels)) {
+    throw Error(renderer.description() + " draws a plain picture wrong");
+  }
+}
+
+}  // namespace enfilade::render
