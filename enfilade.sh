@@ -47,8 +47,8 @@ usage: ./enfilade.sh COMMAND [ARGUMENTS]
                                 --fix lays the sources out instead of complaining
   help                          this text
 
-Each command first installs what it needs and the machine lacks, from the packages of Debian 12 or
-Ubuntu 24.04; it asks for nothing. Presets (CMakePresets.json): release, dev, ci, asan, tsan, fuzz.
+Each command first installs what it needs and the machine lacks, from the packages of Debian 12 or 13
+(or of Ubuntu 24.04, where nobody has tried it yet); it asks for nothing. Presets (CMakePresets.json): release, dev, ci, asan, tsan, fuzz.
 
 environment:
   ENFILADE_DATA                 folder of the real data; demo and test use it where it is set

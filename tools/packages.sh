@@ -1,7 +1,7 @@
 # Part of enfilade.sh: what the machine lacks, and getting it from its package manager.
 # shellcheck shell=bash
 
-# What each job needs: job, package on Debian 12 and Ubuntu 24.04, and how to see that it is there
+# What each job needs: job, package on Debian 12 and 13, and how to see that it is there
 # on any other system (a command on the PATH, or a header that the compiler finds).
 readonly needs='
 build g++                command c++

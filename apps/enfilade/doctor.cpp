@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,6 +13,7 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/advice.h"
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/core/threads.h"
@@ -20,6 +23,8 @@
 
 namespace enfilade::apps {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr const char* kMesaPackages = "libegl1 libegl-mesa0 libgl1-mesa-dri";
 
@@ -38,6 +43,9 @@ class Report {
   void add(std::string name, std::optional<bool> works, std::string text, std::string advice = {}) {
     findings_.push_back({section_, std::move(name), works, std::move(text), std::move(advice)});
   }
+  void add(std::string name, Judgement found) {
+    add(std::move(name), found.good, std::move(found.text), std::move(found.advice));
+  }
   const std::vector<Finding>& findings() const { return findings_; }
 
  private:
@@ -52,7 +60,7 @@ void examine_machine(Report& report) {
   report.fact("enfilade", EN_VERSION);
   report.fact("processor", processor_name());
   report.fact("cores", fmt::format("{} for this process", available_threads()));
-  report.fact("SIMD", render::cpu_target());
+  report.add("SIMD", judge_simd(render::cpu_target(), processor_flags()));
   const double page = static_cast<double>(sysconf(_SC_PAGESIZE));
   report.fact("memory",
               fmt::format("{:.1f} GiB, {:.1f} GiB free",
@@ -150,15 +158,41 @@ void examine_networks(Report& report) {
   }
   report.add("libtorch", true, torch->version);
   report.fact("BLAS", torch->blas.empty() ? "inside libtorch" : torch->blas);
-  const bool slow = torch->product_speed < neural::kSlowBlas;
-  report.add("products", !slow,
-             fmt::format("{:.0f} GFLOP/s on {} threads, (100, 2592) x (2592, 2048)",
-                         torch->product_speed, torch->threads),
-             slow ? "training crawls: apt-get install libopenblas0-pthread; `update-alternatives "
-                    "--display libblas.so.3-x86_64-linux-gnu` then tells which BLAS is used"
-                  : "");
+  report.add("products", judge_blas(*torch));
   const bool cuda = torch->cuda == "works";
   report.add("cuda", cuda, torch->cuda);
+}
+
+// What is written where, and how much the demo, the largest of the verbs' usual jobs, writes there.
+void examine_space(Report& report) {
+  report.begin("disk");
+  constexpr std::uint64_t kMebi = std::uint64_t{1} << 20U;
+  const auto examine = [&](const char* name, const fs::path& folder, std::uint64_t needed,
+                           const char* for_what, const char* change) {
+    try {
+      report.add(name, judge_space(space_of(folder), needed, for_what, change));
+    } catch (const Error& error) {
+      report.add(name, false, error.what(), change);
+    }
+  };
+  std::error_code code;
+  examine("working folder", fs::current_path(code), 1024 * kMebi,
+          "model homes, features and models", "start in a folder on another disk, or give -o one");
+  const char* temporary = std::getenv("TMPDIR");
+  examine("temporary folder", temporary == nullptr ? "/tmp" : temporary, 256 * kMebi,
+          "temporary files", "name a folder on another disk by the environment variable TMPDIR");
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  const char* home = std::getenv("HOME");
+  fs::path caches =
+      cache != nullptr ? fs::path(cache) : fs::path(home == nullptr ? "/" : home) / ".cache";
+  while (!fs::exists(caches, code) && caches.has_relative_path()) caches = caches.parent_path();
+  examine("caches", caches, 256 * kMebi, "drivers' caches of programs, and pip's",
+          "name a folder on another disk by the environment variable XDG_CACHE_HOME");
+  if (fs::exists("/dev/shm", code)) {
+    examine("shared memory", "/dev/shm", 256 * kMebi,
+            "batches that Python's processes pass to each other",
+            "in a container, give it more (docker run --shm-size=2g)");
+  }
 }
 
 void examine_data(Report& report, const std::string& folder) {
@@ -220,6 +254,7 @@ int examine(const Arguments& arguments) {
   examine_gl(report, devices);
   examine_cuda(report);
   examine_networks(report);
+  examine_space(report);
   examine_data(report, arguments.data);
   write_output("-", arguments.json ? to_json(report, works) : to_text(report));
   return works ? kSuccess : kFaultsFound;
@@ -231,8 +266,9 @@ void add_doctor(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "doctor",
       "Print what this machine can do: processor, renderers, EGL devices, CUDA, libtorch and its "
-      "BLAS, data that are "
-      "found, and what to do about what is missing. Exit code 1 if no renderer works.");
+      "BLAS, space on disks, data that are found, and what to do about what is missing. Exit code "
+      "1 "
+      "if no renderer works.");
   const auto arguments = std::make_shared<Arguments>();
   add_data_option(verb, arguments->data);
   verb.add_flag("--json", arguments->json, "Print it as JSON");

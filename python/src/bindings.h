@@ -56,6 +56,7 @@ ViewpointIndex find_viewpoint(const graph::NavGraph& graph, const std::string& i
 nb::dict metrics_dict(const r2r::EpisodeMetrics& metrics);
 
 void bind_features(nb::module_& module);
+void bind_gl_trial(nb::module_& module);
 void bind_graphs(nb::module_& module);
 void bind_dataset(nb::module_& module);
 void bind_simulator(nb::module_& module);

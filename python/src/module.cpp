@@ -13,6 +13,7 @@ NB_MODULE(_core, m) {
   enfilade::python::bind_graphs(m);
   enfilade::python::bind_simulator(m);
   enfilade::python::bind_renderer(m);
+  enfilade::python::bind_gl_trial(m);
   enfilade::python::bind_r2r(m);
   enfilade::python::bind_dataset(m);
   enfilade::python::bind_environment(m);

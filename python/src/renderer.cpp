@@ -133,6 +133,7 @@ class ViewRenderer {
     // Without the prefetch thread, which would not survive a fork.
     const auto faces = std::make_shared<render::FaceCache>(
         panoramas, render::FaceCacheConfig{.bytes = cache_bytes, .prefetch_thread = false});
+    const nb::gil_scoped_release unlocked;  // trying a driver of OpenGL takes a while
     renderer_ =
         render::make_renderer(faces, {*parsed, threads, {clamped_edges, eight_bit_depth}, device});
   }

@@ -45,15 +45,8 @@ void* get_platform_display(unsigned, void*, const std::intptr_t*) {
   return nullptr;
 }
 
-const char* query_string(void*, int) {
-  return "EGL_EXT_client_extensions EGL_EXT_platform_base EGL_MESA_platform_surfaceless";
-}
-unsigned no() { return 0; }
-
-AnyFunction get_proc_address(const char* name) {
-  if (std::strcmp(name, "eglQueryString") == 0) return reinterpret_cast<AnyFunction>(query_string);
-  return reinterpret_cast<AnyFunction>(no);
-}
+void* no() { return nullptr; }
+AnyFunction get_proc_address(const char*) { return reinterpret_cast<AnyFunction>(no); }
 
 }  // namespace
 

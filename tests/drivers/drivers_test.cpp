@@ -44,7 +44,10 @@ class BadDriver {
  public:
   explicit BadDriver(const std::string& behaviour, const std::string& beside = "")
       : vendors_("__EGL_VENDOR_LIBRARY_FILENAMES", description_of(folder_) + beside),
-        behaviour_("EN_BAD_DRIVER", behaviour) {}
+        behaviour_("EN_BAD_DRIVER", behaviour),
+        // Of those that end by themselves, a process on a busy machine may take its time.
+        seconds_("ENFILADE_GL_SECONDS",
+                 behaviour == "hang" || behaviour == "chatter" ? "5" : "100") {}
 
  private:
   static std::string description_of(const tests::TemporaryFolder& folder) {
@@ -56,8 +59,7 @@ class BadDriver {
   }
 
   tests::TemporaryFolder folder_{"bad_driver"};
-  Variable vendors_, behaviour_;
-  Variable seconds_{"ENFILADE_GL_SECONDS", "5"};
+  Variable vendors_, behaviour_, seconds_;
 };
 
 /// What `enfilade doctor --json` says. \pre it exits with `status`
@@ -70,24 +72,27 @@ nlohmann::json doctor(int status = 0) {
 
 constexpr const char* kSection = "OpenGL through EGL";
 
-/// Without a driver that only refuses, this machine's EGL loads none of our making.
+/// Skipped where EGL does not load drivers that a variable names (all of GLVND's does).
 class Drivers : public testing::Test {
  protected:
   void SetUp() override {
     const BadDriver driver("refuse");
-    if (!doctor()[kSection].contains("surfaceless")) {
-      GTEST_SKIP() << "this machine's EGL does not load drivers by __EGL_VENDOR_LIBRARY_FILENAMES";
+    const nlohmann::json said = doctor();
+    if (said[kSection].contains("EGL")) GTEST_SKIP() << said[kSection]["EGL"]["text"];
+    if (said["rendering"]["gl"]["works"]) {
+      GTEST_SKIP() << "this machine's EGL loads its own drivers in spite of "
+                      "__EGL_VENDOR_LIBRARY_FILENAMES";
     }
   }
 };
 
-/// What doctor says of the surfaceless platform.
+/// What doctor says of the one device there is.
 std::string told_by_doctor(const std::string& behaviour) {
   const BadDriver driver(behaviour);
   const nlohmann::json said = doctor();
   EXPECT_TRUE(said["rendering"]["cpu"]["works"]);
   EXPECT_FALSE(said["rendering"]["gl"]["works"]);
-  const nlohmann::json& device = said[kSection]["surfaceless"];
+  const nlohmann::json& device = said[kSection]["default"];
   EXPECT_FALSE(device["works"]);
   EXPECT_THAT(device["advice"], HasSubstr("cpu back end"));
   return device["text"];
@@ -96,10 +101,10 @@ std::string told_by_doctor(const std::string& behaviour) {
 TEST_F(Drivers, DoctorSurvivesEveryBehaviour) {
   constexpr const char* kLoaded = "; drivers that were loaded: libEGL_bad.so";
   const auto fault = [](const std::string& what) {
-    return "EGL device surfaceless: the OpenGL driver " + what + kLoaded;
+    return "EGL device default: the OpenGL driver " + what + kLoaded;
   };
   EXPECT_EQ(told_by_doctor("crash"), fault("crashed (SIGSEGV in libEGL_bad.so)"));
-  EXPECT_THAT(told_by_doctor("abort"), HasSubstr("crashed (SIGABRT"));
+  EXPECT_EQ(told_by_doctor("abort"), fault("crashed (SIGABRT)"));
   EXPECT_EQ(told_by_doctor("exit"), fault("ended the process that tried it (exit status 7)"));
   EXPECT_EQ(told_by_doctor("hang"), fault("hung (no answer for 5 s)"));
   EXPECT_EQ(told_by_doctor("chatter"), fault("hung (no answer for 5 s)"));
@@ -122,7 +127,7 @@ TEST_F(Drivers, OneThatCrashesDoesNotHideAnotherThatWorks) {
     GTEST_SKIP() << "Mesa's own device does not work: " << said[kSection].dump();
   }
   EXPECT_TRUE(said["rendering"]["gl"]["works"]);
-  EXPECT_THAT(said[kSection]["surfaceless"]["text"], HasSubstr("SIGSEGV in libEGL_bad.so"));
+  EXPECT_THAT(said[kSection]["default"]["text"], HasSubstr("SIGSEGV in libEGL_bad.so"));
 }
 
 RendererConfig on_gl(const std::string& device = "") {
@@ -153,7 +158,7 @@ class Library : public Drivers {
 TEST_F(Library, GetsAnErrorThatNamesDeviceDriverAndSignal) {
   const BadDriver driver("crash");
   const std::string text = refusal_of(on_gl());
-  EXPECT_THAT(text, HasSubstr("EGL device surfaceless: the OpenGL driver crashed (SIGSEGV in "
+  EXPECT_THAT(text, HasSubstr("EGL device default: the OpenGL driver crashed (SIGSEGV in "
                               "libEGL_bad.so)"));
   EXPECT_THAT(text, HasSubstr("the cpu back end needs no OpenGL"));
   draw_on_cpu();

@@ -2,6 +2,9 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
+#include <array>
+
 #if defined(__has_feature)
 #define EN_CLANG_ADDRESS_SANITIZER __has_feature(address_sanitizer)
 #else
@@ -15,8 +18,11 @@ bool load_mesa() {
 #if defined(__SANITIZE_ADDRESS__) || EN_CLANG_ADDRESS_SANITIZER
   return false;  // its runtime refuses RTLD_DEEPBIND
 #else
-  const bool llvm = dlsym(RTLD_DEFAULT, "LLVMInitializeX86TargetInfo") != nullptr ||
-                    dlsym(RTLD_DEFAULT, "LLVMInitializeAArch64TargetInfo") != nullptr;
+  // Of Debian's libtorch; the last one of PyTorch's own.
+  constexpr std::array kNamesOfLlvm{"LLVMInitializeX86TargetInfo",
+                                    "LLVMInitializeAArch64TargetInfo", "llvm_regexec"};
+  const bool llvm = std::ranges::any_of(
+      kNamesOfLlvm, [](const char* name) { return dlsym(RTLD_DEFAULT, name) != nullptr; });
   // Stays loaded: EGL loads it later, and by then all its libraries are bound.
   return llvm && dlopen("libEGL_mesa.so.0", RTLD_LAZY | RTLD_LOCAL | RTLD_DEEPBIND) != nullptr;
 #endif

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
-#include <cstring>
 #include <map>
 
 #include "enfilade/core/errors.h"
@@ -34,6 +33,8 @@ void write_all(std::string_view text) {
 
 void tell(const std::vector<std::string_view>& words) { write_all(line_of(words)); }
 
+std::string_view file_of(std::string_view path) { return path.substr(path.rfind('/') + 1); }
+
 const void* place_of_crash([[maybe_unused]] const void* context) {
 #if defined(__x86_64__)
   const auto* state = static_cast<const ucontext_t*>(context);
@@ -50,9 +51,9 @@ const void* place_of_crash([[maybe_unused]] const void* context) {
 void tell_crash(int signal, siginfo_t*, void* context) {
   std::signal(signal, SIG_DFL);
   Dl_info info{};
-  if (dladdr(place_of_crash(context), &info) != 0 && info.dli_fname != nullptr) {
-    const char* slash = std::strrchr(info.dli_fname, '/');
-    tell({kPlace, slash == nullptr ? info.dli_fname : slash + 1});
+  // abort() is the C library's, which is no news.
+  if (signal != SIGABRT && dladdr(place_of_crash(context), &info) != 0) {
+    tell({kPlace, file_of(info.dli_fname)});
   }
   std::raise(signal);  // comes when this returns
 }
@@ -79,8 +80,7 @@ void prepare_to_crash() {
 std::string loaded_drivers() {
   std::string list;
   const auto add = [](dl_phdr_info* info, std::size_t, void* to) {
-    const std::string_view path(info->dlpi_name);
-    const std::string_view file = path.substr(path.rfind('/') + 1);
+    const std::string_view file = file_of(info->dlpi_name);
     auto& names = *static_cast<std::string*>(to);
     if (file.starts_with("libEGL_")) names += fmt::format("{}{}", names.empty() ? "" : ", ", file);
     return 0;

@@ -1,0 +1,44 @@
+/// \file  What `enfilade doctor` makes of what it measured: is it good enough, and if not, what to
+/// do.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/neural/device.h"
+
+namespace enfilade::apps {
+
+/// Is it good enough?
+struct Judgement {
+  bool good = true;
+  std::string text;    ///< what was found
+  std::string advice;  ///< what to do; empty if it is good
+};
+
+/// \param target the instruction set in use, as render::cpu_target() \param processor_flags what
+/// the system says that the processor can do, separated by spaces: "fpu sse4_2 avx2"
+Judgement judge_simd(std::string_view target, std::string_view processor_flags);
+
+/// Of the speed of matrix products.
+Judgement judge_blas(const neural::TorchReport& report);
+
+/// A folder that something is written to.
+struct Space {
+  std::filesystem::path folder;
+  std::uint64_t free = 0, total = 0;  ///< bytes, for this user
+  bool has_entries = true;            ///< new files can still be named (inodes)
+  bool writable = true;
+};
+/// \param needed bytes \param for_what what takes them \param change how to take another folder
+Judgement judge_space(const Space& space, std::uint64_t needed, std::string_view for_what,
+                      std::string_view change);
+/// Of a folder of this machine. \throws FileError if it cannot be looked at
+Space space_of(const std::filesystem::path& folder);
+
+/// The processor's abilities in the system's words; empty where it does not say.
+std::string processor_flags();
+
+}  // namespace enfilade::apps
