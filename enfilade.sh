@@ -123,6 +123,20 @@ duration_of() {  # a guess in words, for STEPS steps on JOBS jobs at about four 
   fi
 }
 
+# Says so where the disk has little room: what a compiler or linker then says has many forms.
+tell_space() {
+  local preset=$1 needed=6144 folder free
+  [[ $preset != release ]] || needed=1024
+  for folder in build "${TMPDIR:-/tmp}"; do
+    free=$(df -Pk "$folder" 2>/dev/null | awk 'NR == 2 { print int($4 / 1024) }') || free=
+    if [[ -n $free ]] && ((free < needed)); then
+      say "the disk of $folder has $free MiB left, and a whole build takes up to $needed:" \
+        "if it fails, make room there, or set TMPDIR (for /tmp) to a folder on another disk"
+    fi
+    needed=512  # what two compilers leave in the folder for temporary files, at most
+  done
+}
+
 # build_preset PRESET [CMAKE ARGS]: configures and builds. Nothing is said if all is up to date.
 build_preset() {
   local preset=$1 directory log jobs steps launcher
@@ -142,6 +156,7 @@ build_preset() {
     sed -n 's|^\[[0-9]*/\([0-9]*\)\].*|\1|p' | tail -n 1)
   [[ -n $steps ]] || return 0
   jobs=$(job_count)
+  tell_space "$preset"
   say "building in $directory ($steps steps, $jobs at a time: $(duration_of "$steps" "$jobs"))"
   log_to "$log" cmake --build "$directory" --parallel "$jobs" || {
     show_failure "$log"

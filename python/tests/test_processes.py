@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import concurrent.futures
 import gc
+import json
 import multiprocessing
 import os
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 import enfilade
@@ -120,6 +124,40 @@ class Walks:
 
     def __getitem__(self, seed: int) -> Any:
         return np.array(walk(self.folder, seed))
+
+
+CHOOSE_GL = """
+import sys
+import enfilade
+
+graphs = enfilade.Graphs(f"{sys.argv[1]}/connectivity")
+panoramas = enfilade.open_panoramas(sys.argv[1], graphs)
+try:
+    enfilade.Renderer(graphs, panoramas, backend="gl")
+except enfilade.Error as error:
+    print(error)
+print(enfilade.Renderer(graphs, panoramas, backend="cpu").description)
+"""
+
+
+def test_a_driver_that_crashes_is_an_error_and_not_the_end(small: str, tmp_path: Path) -> None:
+    driver = os.environ.get("ENFILADE_BAD_DRIVER")
+    if not driver or "gl" not in enfilade.backends():
+        pytest.skip("no driver that crashes was built, or no OpenGL")
+    vendor = tmp_path / "bad.json"
+    vendor.write_text(json.dumps({"file_format_version": "1.0.0", "ICD": {"library_path": driver}}))
+    variables = {"__EGL_VENDOR_LIBRARY_FILENAMES": str(vendor), "EN_BAD_DRIVER": "crash"}
+    done = subprocess.run(
+        [sys.executable, "-c", CHOOSE_GL, small],
+        env={**os.environ, **variables},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    if "libEGL.so.1" in done.stdout:
+        pytest.skip("this machine has no EGL")
+    assert "the OpenGL driver crashed (SIGSEGV in libEGL_bad.so)" in done.stdout
+    assert "cpu (" in done.stdout
 
 
 def resident_bytes() -> int:

@@ -15,13 +15,13 @@ namespace {
 using How = ChildEnd::How;
 
 /// What a shell did with a script, and the lines it printed; those that begin with "+" count.
-struct Run {
+struct Outcome {
   ChildEnd end;
   std::vector<std::string> lines;
   double seconds = 0;
 };
-Run run(const std::vector<std::string>& command, double seconds = 20) {
-  Run run;
+Outcome run(const std::vector<std::string>& command, double seconds = 20) {
+  Outcome run;
   const auto start = std::chrono::steady_clock::now();
   run.end = run_child(command, seconds, [&](std::string_view line) {
     run.lines.emplace_back(line);
@@ -30,19 +30,19 @@ Run run(const std::vector<std::string>& command, double seconds = 20) {
   run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return run;
 }
-Run run_script(const std::string& script, double seconds = 20) {
+Outcome run_script(const std::string& script, double seconds = 20) {
   return run({"/bin/sh", "-c", script}, seconds);
 }
 
 TEST(Child, GivesItsLinesAndItsExitStatus) {
-  const Run ran = run_script("echo one; echo two >&2; cat; printf 'three\\nrest'; exit 5");
+  const Outcome ran = run_script("echo one; echo two >&2; cat; printf 'three\\nrest'; exit 5");
   EXPECT_EQ(ran.end.how, How::kExited);
   EXPECT_EQ(ran.end.code, 5);
   EXPECT_EQ(ran.lines, (std::vector<std::string>{"one", "three"}));
 }
 
 TEST(Child, TellsTheSignalThatKilledIt) {
-  const Run ran = run_script("kill -BUS $$");
+  const Outcome ran = run_script("kill -BUS $$");
   EXPECT_EQ(ran.end.how, How::kKilled);
   EXPECT_EQ(ran.end.code, SIGBUS);
 }
@@ -53,7 +53,7 @@ TEST(Child, LeavesItNoHandlerAndNoMaskOfSignals) {
   sigemptyset(&term);
   sigaddset(&term, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &term, &old);
-  const Run ran = run_script("kill -TERM $$; sleep 5");
+  const Outcome ran = run_script("kill -TERM $$; sleep 5");
   pthread_sigmask(SIG_SETMASK, &old, nullptr);
   std::signal(SIGTERM, before);
   EXPECT_EQ(ran.end.how, How::kKilled);
@@ -63,27 +63,27 @@ TEST(Child, LeavesItNoHandlerAndNoMaskOfSignals) {
 TEST(Child, IsKilledWhereItIsSilentForTooLong) {
   for (const char* script :
        {"exec sleep 60", "while :; do echo no; sleep 0.02; done", "exec >/dev/null; sleep 60"}) {
-    const Run ran = run_script(script, 0.3);
+    const Outcome ran = run_script(script, 0.3);
     EXPECT_EQ(ran.end.how, How::kSilent) << script;
     EXPECT_LT(ran.seconds, 30) << script;
   }
 }
 
 TEST(Child, HasTimeAnewAfterEachLineThatCounts) {
-  const Run ran = run_script("for i in 1 2 3 4; do sleep 0.5; echo +; done", 1.5);
+  const Outcome ran = run_script("for i in 1 2 3 4; do sleep 0.5; echo +; done", 1.5);
   EXPECT_EQ(ran.end.how, How::kExited);
   EXPECT_EQ(ran.lines.size(), 4U);
 }
 
 TEST(Child, ThatIsNoProgramIsNotStarted) {
-  const Run ran = run({"/nowhere/enfilade"});
+  const Outcome ran = run({"/nowhere/enfilade"});
   EXPECT_EQ(ran.end.how, How::kNotStarted);
   EXPECT_EQ(ran.end.code, ENOENT);
 }
 
 TEST(Child, OfAProcessThatDoesNotWaitForItsOwnEndsToo) {
   const auto before = std::signal(SIGCHLD, SIG_IGN);  // the system then forgets exit statuses
-  const Run ran = run_script("echo +; exit 5");
+  const Outcome ran = run_script("echo +; exit 5");
   std::signal(SIGCHLD, before);
   EXPECT_EQ(ran.end.how, How::kExited);
   EXPECT_EQ(ran.end.code, -1);
