@@ -5,19 +5,20 @@
 #include <algorithm>
 #include <array>
 
-#if defined(__has_feature)
-#define EN_CLANG_ADDRESS_SANITIZER __has_feature(address_sanitizer)
+// Sanitizers' runtimes end the program where RTLD_DEEPBIND is used.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define EN_DEEPBIND 0
+#elif defined(__has_feature)
+#define EN_DEEPBIND !(__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
 #else
-#define EN_CLANG_ADDRESS_SANITIZER 0
+#define EN_DEEPBIND 1
 #endif
 
 namespace enfilade::render::gl {
 namespace {
 
 bool load_mesa() {
-#if defined(__SANITIZE_ADDRESS__) || EN_CLANG_ADDRESS_SANITIZER
-  return false;  // its runtime refuses RTLD_DEEPBIND
-#else
+#if EN_DEEPBIND
   // Of Debian's libtorch; the last one of PyTorch's own.
   constexpr std::array kNamesOfLlvm{"LLVMInitializeX86TargetInfo",
                                     "LLVMInitializeAArch64TargetInfo", "llvm_regexec"};
@@ -25,6 +26,8 @@ bool load_mesa() {
       kNamesOfLlvm, [](const char* name) { return dlsym(RTLD_DEFAULT, name) != nullptr; });
   // Stays loaded: EGL loads it later, and by then all its libraries are bound.
   return llvm && dlopen("libEGL_mesa.so.0", RTLD_LAZY | RTLD_LOCAL | RTLD_DEEPBIND) != nullptr;
+#else
+  return false;
 #endif
 }
 

@@ -1,7 +1,7 @@
 // What a driver of OpenGL that crashes or hangs does to the program and to the library: nothing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <stdlib.h>
+#include <cstdlib>
 
 #include <chrono>
 #include <filesystem>
