@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <fstream>
 #include <system_error>
+#include <utility>
 
 #include "enfilade/core/errors.h"
 
@@ -37,8 +38,8 @@ Judgement judge_simd(std::string_view target, std::string_view processor_flags) 
   }
   if (target == "EMU128") {
     return {false, "EMU128: none, plain C++",
-            "pictures are drawn about ten times slower than with AVX2 or NEON: build for this "
-            "processor with g++ 12 or newer, or use another machine"};
+            "pictures take many times as long as with AVX2 or NEON: build for this processor with "
+            "g++ 12 or newer, or use another machine"};
   }
   return {
       false, fmt::format("{}; no AVX2", target),

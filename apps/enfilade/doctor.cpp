@@ -186,7 +186,7 @@ void examine_space(Report& report) {
   fs::path caches =
       cache != nullptr ? fs::path(cache) : fs::path(home == nullptr ? "/" : home) / ".cache";
   while (!fs::exists(caches, code) && caches.has_relative_path()) caches = caches.parent_path();
-  examine("caches", caches, 256 * kMebi, "drivers' caches of programs, and pip's",
+  examine("caches", caches, 256 * kMebi, "what drivers and pip keep there",
           "name a folder on another disk by the environment variable XDG_CACHE_HOME");
   if (fs::exists("/dev/shm", code)) {
     examine("shared memory", "/dev/shm", 256 * kMebi,
