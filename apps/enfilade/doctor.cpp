@@ -266,9 +266,8 @@ void add_doctor(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "doctor",
       "Print what this machine can do: processor, renderers, EGL devices, CUDA, libtorch and its "
-      "BLAS, space on disks, data that are found, and what to do about what is missing. Exit code "
-      "1 "
-      "if no renderer works.");
+      "BLAS, disks, data that are found, and what to do about what is missing. Exit code 1 if no "
+      "renderer works.");
   const auto arguments = std::make_shared<Arguments>();
   add_data_option(verb, arguments->data);
   verb.add_flag("--json", arguments->json, "Print it as JSON");

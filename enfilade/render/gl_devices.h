@@ -8,9 +8,10 @@ namespace enfilade::render {
 
 /// A way to make an OpenGL context.
 struct GlDevice {
-  std::string name;      ///< "0", "1", ... for EGL devices; "surfaceless"; "default"
-  std::string uuid;      ///< 32 hex digits; empty if the driver has none
-  bool works = false;    ///< a context of the required version could be made, and draws right
+  std::string name;  ///< "0", "1", ... for EGL devices; "surfaceless"; "default"
+  std::string uuid;  ///< 32 hex digits; empty if the driver has none
+  bool works =
+      false;  ///< a context of the required version could be made; after a trial: and draws
   std::string renderer;  ///< GL_RENDERER, GL_VERSION if it works
   std::string version;
   std::string error;    ///< message of EGL or OpenGL if it does not work
@@ -30,8 +31,7 @@ std::vector<GlDevice> gl_devices();
 /// and the making of a context, once a device and process; nothing where OpenGL is not asked for.
 /// The environment variable ENFILADE_GL_SECONDS is how long a driver may be silent (30; 0: no
 /// trials). Without this call, and where the command cannot be started, drivers are loaded untried.
-/// The program `enfilade` and the Python module make it. Thread-safe; not to be made during a trial
-/// of another thread.
+/// The program `enfilade` and the Python module make it. Thread-safe.
 void set_gl_trial(std::vector<std::string> command);
 
 /// The other side: tries devices and ends the process. Returns only for arguments that are not a
