@@ -14,7 +14,7 @@ if [[ -n "${ENFILADE_DATA:-}" && $ENFILADE_DATA != /* ]]; then
 fi
 cd "$root"
 
-for part in packages environments summary; do
+for part in packages environments sysroot summary; do
   # shellcheck source=/dev/null
   source "tools/$part.sh"
 done
@@ -48,7 +48,9 @@ usage: ./enfilade.sh COMMAND [ARGUMENTS]
   help                          this text
 
 Each command first installs what it needs and the machine lacks, from the packages of Debian 12 or 13
-(or of Ubuntu 24.04, where nobody has tried it yet); it asks for nothing. Presets (CMakePresets.json): release, dev, ci, asan, tsan, fuzz.
+(or of Ubuntu 24.04, where nobody has tried it yet); it asks for nothing. Presets (CMakePresets.json):
+release, dev, ci, asan, tsan, fuzz, and aarch64, which compiles for 64-bit ARM on another machine and
+tests in qemu-user.
 
 environment:
   ENFILADE_DATA                 folder of the real data; demo and test use it where it is set
@@ -172,7 +174,7 @@ parse_preset() {
   while (($# > 0)); do
     case $1 in
       --preset)
-        (($# > 1)) || die 2 "--preset wants a name: release, dev, ci, asan, tsan or fuzz"
+        (($# > 1)) || die 2 "--preset wants a name: release, dev, ci, asan, tsan, fuzz or aarch64"
         preset=$2
         shift 2
         ;;
@@ -187,8 +189,8 @@ parse_preset() {
     esac
   done
   case $preset in
-    release | dev | ci | asan | tsan | fuzz) ;;
-    *) die 2 "no preset '$preset'; there are release, dev, ci, asan, tsan and fuzz" ;;
+    release | dev | ci | asan | tsan | fuzz | aarch64) ;;
+    *) die 2 "no preset '$preset'; there are release, dev, ci, asan, tsan, fuzz and aarch64" ;;
   esac
 }
 
@@ -206,10 +208,16 @@ command_build() {
   case $preset in
     release) ensure_packages "build Enfilade" build ;;
     fuzz) ensure_packages "build Enfilade's fuzzers" build fuzz ;;
+    aarch64) ensure_aarch64 ;;
     *) ensure_packages "build Enfilade and its tests" build test ;;
   esac
   ((${#server[@]} == 0)) || ensure_web
   build_preset "$preset" ${server[@]+"${server[@]}"}
+}
+
+ensure_aarch64() {
+  ensure_packages "build Enfilade for ARM" build cross
+  ensure_sysroot build/sysroot-aarch64
 }
 
 ensure_web() {
@@ -243,6 +251,7 @@ command_test() {
   [[ -z "${CI:-}" ]] || preset=ci
   parse_preset "$preset" "$@"
   [[ $preset != fuzz ]] || die 2 "the preset 'fuzz' has no tests: its programs are run by hand"
+  [[ $preset != aarch64 ]] || ensure_aarch64
   if [[ " ${rest[*]-} " == *" --quick "* ]]; then
     command_test_quick "$preset" "${rest[@]}"
   fi
@@ -319,7 +328,7 @@ conditions() {  # what a figure is worth nothing without
     commit=$(git describe --always --abbrev=12 --dirty 2>/dev/null || echo 'none yet')
   fi
   printf 'machine:  %s, %s cores\n' \
-    "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1)" \
+    "$(LC_ALL=C lscpu 2>/dev/null | sed -n 's/^Model name: *//p' | head -n 1)" \
     "$(getconf _NPROCESSORS_ONLN)"
   printf 'system:   %s\n' "$(uname -srm)"
   printf 'compiler: %s\n' "$("$compiler" --version | head -n 1)"

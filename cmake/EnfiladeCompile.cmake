@@ -26,6 +26,9 @@ endif()
 # library can't follow exceptions. What leaks at its end is the interpreter's own.
 set(EN_PYTHON_ENVIRONMENT "")
 set(EN_TIMEOUT_FACTOR 1)  # of tests' time limits
+if(CMAKE_CROSSCOMPILING_EMULATOR)
+  set(EN_TIMEOUT_FACTOR 10)
+endif()
 if(EN_SANITIZE)
   set(EN_TIMEOUT_FACTOR 4)
   if(EN_SANITIZE MATCHES "thread")

@@ -46,6 +46,8 @@ python python3-torch     package -
 docs  doxygen          command doxygen
 docs  python3-venv     package -
 bench libbenchmark-dev   header  benchmark/benchmark.h
+cross g++-aarch64-linux-gnu command aarch64-linux-gnu-g++
+cross qemu-user          command qemu-aarch64
 fuzz  clang-16           command clang++-16
 fuzz  libclang-rt-16-dev package -
 lint  clang-format-16    command clang-format-16

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -184,11 +185,33 @@ std::filesystem::path own_program() {
 
 std::string processor_name() {
   std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    const std::size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  return processor_name_in(text);
+}
+
+std::string processor_name_in(std::string_view cpuinfo) {
+  const auto field = [cpuinfo](std::string_view name) {
+    for (std::size_t at = 0; at < cpuinfo.size();) {
+      const std::string_view line = cpuinfo.substr(at, cpuinfo.find('\n', at) - at);
+      const std::size_t colon = line.find(": ");
+      if (line.starts_with(name) && colon != std::string_view::npos) return line.substr(colon + 2);
+      at += line.size() + 1;
+    }
+    return std::string_view();
+  };
+  if (const std::string_view name = field("model name"); !name.empty()) return std::string(name);
+  const std::string_view maker = field("CPU implementer"), part = field("CPU part");
+  if (maker.empty() || part.empty()) return "unknown processor";
+  // From the MIDR_EL1 pages of Arm's manuals; those that our users' machines have.
+  constexpr std::pair<std::string_view, std::string_view> kArm[] = {
+      {"0xd07", "Cortex-A57"},  {"0xd08", "Cortex-A72"},  {"0xd0b", "Cortex-A76"},
+      {"0xd0c", "Neoverse-N1"}, {"0xd40", "Neoverse-V1"}, {"0xd42", "Cortex-A78AE"},
+      {"0xd49", "Neoverse-N2"}, {"0xd4f", "Neoverse-V2"}};
+  std::string name = fmt::format("ARM {}/{}", maker, part);
+  for (const auto& [number, known] : kArm) {
+    if (maker == "0x41" && part == number) name += fmt::format(" ({})", known);
   }
-  return "unknown processor";
+  return name;
 }
 
 void write_output(const std::string& path, const std::string& content) {

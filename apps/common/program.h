@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "enfilade/core/errors.h"
@@ -107,6 +108,10 @@ std::filesystem::path own_program();
 
 /// The first processor, as the system calls it; "unknown processor" where it does not say.
 std::string processor_name();
+/// The same from the text of /proc/cpuinfo. ARM's has numbers of maker and part instead of a name:
+/// they are named if they are known, "ARM 0x41/0xd4f (Neoverse-V2)", and given as they stand if
+/// not.
+std::string processor_name_in(std::string_view cpuinfo);
 
 /// Writes to a file (atomically) or, if `path` is "-", to stdout. \throws FileError
 void write_output(const std::string& path, const std::string& content);

@@ -16,11 +16,20 @@ cmake --install "$build" --prefix "$work/prefix" >"$work/install.log" ||
 
 # A static library with sanitizers wants them in the program too.
 sanitize=$(cached EN_SANITIZE)
+
+# Compiled for another machine, the project is too, and runs emulated.
+cross=() run=()
+toolchain=$(cached CMAKE_TOOLCHAIN_FILE)
+if [[ -n $toolchain ]]; then
+  sysroot=$(cached EN_SYSROOT)
+  cross=(-DCMAKE_TOOLCHAIN_FILE="$toolchain" -DEN_SYSROOT="$sysroot" -DCMAKE_FIND_ROOT_PATH="$work/prefix")
+  run=("$(cached EN_QEMU)" -L "$sysroot")
+fi
 cmake -S "$here" -B "$work/build" -G "$(cached CMAKE_GENERATOR)" \
   -DCMAKE_PREFIX_PATH="$work/prefix" \
   -DCMAKE_BUILD_TYPE="$(cached CMAKE_BUILD_TYPE)" \
   -DCMAKE_CXX_COMPILER="$(cached CMAKE_CXX_COMPILER)" \
-  -DCMAKE_CXX_FLAGS="${sanitize:+-fsanitize=$sanitize}"
+  -DCMAKE_CXX_FLAGS="${sanitize:+-fsanitize=$sanitize}" ${cross[@]+"${cross[@]}"}
 cmake --build "$work/build"
 
 if grep -rlF -e "$build" "$work/prefix" --include='*.cmake'; then
@@ -29,7 +38,7 @@ if grep -rlF -e "$build" "$work/prefix" --include='*.cmake'; then
 fi
 
 expected=$'a b c 7.0 m\n1 fault'
-output=$("$work/build/consumer")
+output=$(${run[@]+"${run[@]}"} "$work/build/consumer")
 if [[ $output != "$expected" ]]; then
   printf 'expected:\n%s\nbut the program printed:\n%s\n' "$expected" "$output"
   exit 1

@@ -1,0 +1,31 @@
+#include "apps/common/program.h"
+
+#include <gtest/gtest.h>
+
+namespace enfilade::apps {
+namespace {
+
+TEST(ProcessorName, IsTheFirstOfTheSystemsList) {
+  EXPECT_EQ(processor_name_in("processor\t: 0\nmodel name\t: A CPU @ 2 GHz\nflags\t\t: fpu\n\n"
+                              "processor\t: 1\nmodel name\t: Another\n"),
+            "A CPU @ 2 GHz");
+  EXPECT_EQ(processor_name_in("model name\t: Without an end of line"), "Without an end of line");
+}
+
+TEST(ProcessorName, OfArmIsMadeOfMakerAndPart) {
+  const std::string head = "processor\t: 0\nFeatures\t: fp asimd\nCPU implementer\t: ";
+  const std::string middle = "\nCPU architecture: 8\nCPU variant\t: 0x0\nCPU part\t: ";
+  EXPECT_EQ(processor_name_in(head + "0x41" + middle + "0xd4f\nCPU revision\t: 0\n"),
+            "ARM 0x41/0xd4f (Neoverse-V2)");
+  EXPECT_EQ(processor_name_in(head + "0x4e" + middle + "0xd4f\nCPU revision\t: 0\n"),
+            "ARM 0x4e/0xd4f");
+}
+
+TEST(ProcessorName, IsUnknownWhereTheSystemDoesNotSay) {
+  EXPECT_EQ(processor_name_in(""), "unknown processor");
+  EXPECT_EQ(processor_name_in("processor\t: 0\nCPU implementer\t: 0x41\n"), "unknown processor");
+  EXPECT_NE(processor_name(), "");
+}
+
+}  // namespace
+}  // namespace enfilade::apps
