@@ -28,6 +28,10 @@ if(EN_WITH_TBB)
   enfilade_require(TBB libtbb-dev)
 endif()
 enfilade_require(hwy libhwy-dev)
+# Registers whose width is not known when compiling (of ARM's SVE and of RISC-V) cannot be members of a struct,
+# nor be put together from halves, as our kernels do: ARM with SVE runs what is compiled for NEON.
+target_compile_definitions(hwy::hwy INTERFACE
+  "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV)")
 enfilade_require(embree libembree-dev)
 enfilade_require(TinyGLTF libtinygltf-dev)
 list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR})

@@ -41,6 +41,14 @@ class EachBackend : public ::testing::TestWithParam<Backend> {
 
 TEST_P(EachBackend, DirectionsComeBackAsTheCamerasRays) {
   constexpr std::uint32_t kSize = 128;
+  // Texels rounded (0.5) and the result too (0.5); between texels of 1/64 rad the colour's
+  // curvature adds less than 127.5 (1/64)^2 / 8; at corners three texels stand for four.
+  double tolerance = 1.6;
+#if !defined(__x86_64__)
+  // Without SSSE3, Mesa's llvmpipe rounds down (1 instead of 0.5) after each of its two steps from
+  // four texels to one (lp_build_lerp_simple).
+  if (GetParam() == Backend::kGl) tolerance = 2.6;
+#endif
   const auto renderer = make(made_cache(kSize));
   EN_SKIP_WITHOUT_DEVICE(renderer);
   Rng rng(11, 0);
@@ -55,9 +63,7 @@ TEST_P(EachBackend, DirectionsComeBackAsTheCamerasRays) {
       for (std::uint32_t j = 0; j < camera.width; ++j) {
         const auto expected = direction_colour(ray_of(camera, view, i, j));
         for (std::size_t c = 0; c < 3; ++c) {
-          // Texels rounded (0.5) and the result too (0.5); between texels of 1/64 rad the colour's
-          // curvature adds less than 127.5 (1/64)^2 / 8; at corners three texels stand for four.
-          ASSERT_NEAR(out.channel(i * camera.width + j, c), expected[c], 1.6)
+          ASSERT_NEAR(out.channel(i * camera.width + j, c), expected[c], tolerance)
               << "view " << k << ", pixel " << i << ' ' << j;
         }
       }
