@@ -46,6 +46,9 @@ python python3-torch     package -
 docs  doxygen          command doxygen
 docs  python3-venv     package -
 bench libbenchmark-dev   header  benchmark/benchmark.h
+cross cmake              command cmake
+cross ninja-build        command ninja
+cross pkg-config         command pkg-config
 cross g++-aarch64-linux-gnu command aarch64-linux-gnu-g++
 cross qemu-user          command qemu-aarch64
 fuzz  clang-16           command clang++-16
