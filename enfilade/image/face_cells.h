@@ -26,11 +26,13 @@ struct ColourCells {
   static constexpr std::uint32_t kColumns = 18;
   static constexpr std::size_t kTexelBytes = 3;
 
+  /// How many strips a face has.
   static constexpr std::size_t strips(std::uint32_t size) { return size / kColumns + 1; }
   /// Bytes from a strip to the next.
   static constexpr std::size_t pitch(std::uint32_t size) {
     return kCellBytes * (std::size_t{size} + 2);
   }
+  /// Of a face, a multiple of kCellBytes.
   static constexpr std::size_t bytes(std::uint32_t size) { return strips(size) * pitch(size); }
   /// Where the texel at column x and row y begins, both counted from the border's.
   static constexpr std::size_t offset(std::uint32_t size, std::size_t x, std::size_t y) {
@@ -56,17 +58,20 @@ template <class T>
 struct ValueCells {
   static constexpr std::uint32_t kColumns = kCellBytes / sizeof(T);
 
+  /// Bytes from a strip to the next.
   static constexpr std::size_t pitch(std::uint32_t size) { return kCellBytes * std::size_t{size}; }
+  /// Of a face, a multiple of kCellBytes.
   static constexpr std::size_t bytes(std::uint32_t size) {
     return (size + kColumns - 1) / kColumns * pitch(size);
   }
-  /// \pre x, y < size
+  /// Where the texel at column x and row y begins. \pre x, y < size
   static constexpr std::size_t offset(std::uint32_t size, std::size_t x, std::size_t y) {
     const std::size_t strip = x / kColumns;
     return strip * pitch(size) + y * kCellBytes + (x - strip * kColumns) * sizeof(T);
   }
-  /// From size x size values in rows, and back. \pre cells are aligned to kCellBytes
+  /// Writes a face from size x size values in rows. \pre cells are aligned to kCellBytes
   static void from_rows(const T* rows, std::uint32_t size, std::uint8_t* cells);
+  /// \pre rows has room for size x size values
   static void to_rows(const std::uint8_t* cells, std::uint32_t size, T* rows);
 };
 extern template struct ValueCells<std::uint16_t>;
