@@ -1,21 +1,31 @@
 # What Enfilade is built on: found on the system, never downloaded. docs/dependencies.md says why each.
 
-# Fails with the package to install instead of CMake's "could not find a configuration file".
+# All that is missing is told in one message, at the end of this file, with the packages to install.
+set(EN_MISSING "")
+set(EN_MISSING_PACKAGES "")
+macro(enfilade_missing name packages)
+  list(APPEND EN_MISSING "${name}")
+  list(APPEND EN_MISSING_PACKAGES "${packages}")
+endmacro()
 macro(enfilade_require name package)
   find_package(${name} ${ARGN} QUIET)
   if(NOT ${name}_FOUND)
-    message(FATAL_ERROR "Enfilade needs ${name}, which is not on this machine. "
-      "On Debian and Ubuntu: apt-get install ${package} (or let ./enfilade.sh build do it).")
+    enfilade_missing(${name} "${package}")
   endif()
 endmacro()
 
 # The same for libraries that come with a pkg-config file only; makes the target PkgConfig::<name>.
-find_package(PkgConfig REQUIRED)
+enfilade_require(PkgConfig pkg-config)
 macro(enfilade_require_pc name package)
-  pkg_check_modules(${name} IMPORTED_TARGET ${name})
+  set(module ${name})
+  if(${ARGC} GREATER 2)  # its file has another name
+    set(module ${ARGV2})
+  endif()
+  if(PkgConfig_FOUND)
+    pkg_check_modules(${name} QUIET IMPORTED_TARGET ${module})
+  endif()
   if(NOT ${name}_FOUND)
-    message(FATAL_ERROR "Enfilade needs ${name}, which is not on this machine. "
-      "On Debian and Ubuntu: apt-get install ${package} (or let ./enfilade.sh build do it).")
+    enfilade_missing(${name} "${package}")
   endif()
 endmacro()
 
@@ -50,12 +60,12 @@ endif()
 set(EN_D3_FILE "")
 if(EN_WITH_D3)
   # Becomes part of the program: nobody who runs it needs the file.
+  # The last place is that of a source distribution, which brings the file.
   find_file(D3_SCRIPT d3.min.js PATHS /usr/share/nodejs/d3/dist /usr/share/javascript/d3
+    ${PROJECT_SOURCE_DIR}/packaging/made NO_CMAKE_FIND_ROOT_PATH
     DOC "d3.min.js, version 5 or newer, in one file")
   if(NOT D3_SCRIPT)
-    message(FATAL_ERROR "Enfilade needs D3, which is not on this machine. On Debian and Ubuntu: "
-      "apt-get install --no-install-recommends node-d3 (or let ./enfilade.sh build do it). "
-      "Elsewhere: -DD3_SCRIPT=FILE names a d3.min.js. -DEN_WITH_D3=OFF does without the report.")
+    enfilade_missing("D3 (-DD3_SCRIPT=FILE names a d3.min.js)" node-d3)
   endif()
   set(EN_D3_FILE ${D3_SCRIPT})
 endif()
@@ -65,12 +75,8 @@ endif()
 if(EN_WITH_WEB)
   enfilade_require(SQLiteCpp "libsqlitecpp-dev libsqlite3-dev")
   enfilade_require(ZLIB zlib1g-dev)
-  pkg_check_modules(httplib IMPORTED_TARGET cpp-httplib)
+  enfilade_require_pc(httplib libcpp-httplib-dev cpp-httplib)
   enfilade_require_pc(openssl libssl-dev)
-  if(NOT httplib_FOUND)
-    message(FATAL_ERROR "Enfilade needs cpp-httplib, which is not on this machine. On Debian and "
-      "Ubuntu: apt-get install libcpp-httplib-dev. -DEN_WITH_WEB=OFF does without the server.")
-  endif()
 endif()
 if(EN_BUILD_APPS)
   enfilade_require(CLI11 libcli11-dev)
@@ -82,4 +88,11 @@ if(EN_BUILD_TESTS)
 endif()
 if(EN_BUILD_BENCH)
   enfilade_require(benchmark libbenchmark-dev)
+endif()
+if(EN_MISSING)
+  list(JOIN EN_MISSING ", " missing)
+  list(JOIN EN_MISSING_PACKAGES " " packages)
+  message(FATAL_ERROR "Enfilade needs what is not on this machine: ${missing}.\n"
+    "On Debian and Ubuntu (or let ./enfilade.sh build do it):\n"
+    "  apt-get install --no-install-recommends ${packages}")
 endif()

@@ -1,10 +1,22 @@
 # libtorch as Debian and Ubuntu ship it, or the one inside a PyTorch that pip installed
 # (-DCMAKE_PREFIX_PATH=.../site-packages/torch). Its own CMake files are not asked: those of a PyTorch for
 # CUDA want the CUDA compiler, which nobody needs who has no kernel of his own.
-find_path(Torch_INCLUDE_DIR ATen/ATen.h)
-find_library(Torch_LIBRARY torch)
-find_library(Torch_CPU_LIBRARY torch_cpu)
-find_library(Torch_C10_LIBRARY c10)
+set(Torch_PYTHON_DIR "")
+set(Torch_PYTHON_VERSION "")
+if(SKBUILD)  # pip: the PyTorch of the environment that it builds in, if it has one
+  find_package(Python COMPONENTS Interpreter QUIET)
+  execute_process(COMMAND ${Python_EXECUTABLE} -c
+    "import importlib.metadata as m, importlib.util as u; print(*u.find_spec('torch').submodule_search_locations, m.version('torch'), sep=';')"
+    OUTPUT_VARIABLE found OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+  if(found)
+    list(GET found 0 Torch_PYTHON_DIR)
+    list(GET found -1 Torch_PYTHON_VERSION)
+  endif()
+endif()
+find_path(Torch_INCLUDE_DIR ATen/ATen.h HINTS ${Torch_PYTHON_DIR}/include)
+find_library(Torch_LIBRARY torch HINTS ${Torch_PYTHON_DIR}/lib)
+find_library(Torch_CPU_LIBRARY torch_cpu HINTS ${Torch_PYTHON_DIR}/lib)
+find_library(Torch_C10_LIBRARY c10 HINTS ${Torch_PYTHON_DIR}/lib)
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(Torch REQUIRED_VARS Torch_LIBRARY Torch_CPU_LIBRARY
   Torch_C10_LIBRARY Torch_INCLUDE_DIR)

@@ -1,10 +1,14 @@
 # Builds the web client with npm, where there is one, and makes a C++ source out of its files:
-# sets web_files_source. Without npm the source is an empty list, and the server has no pages.
+# sets web_files_source. Without npm the source is an empty list, and the server has no pages. A source
+# distribution brings that source instead of the client's.
 set(web_files_source ${CMAKE_CURRENT_BINARY_DIR}/web_files.cpp)
+set(web_files_made ${PROJECT_SOURCE_DIR}/packaging/made/web_files.cpp)
 set(web ${PROJECT_SOURCE_DIR}/web)
 set(web_dist ${CMAKE_CURRENT_BINARY_DIR}/web)
 find_program(NPM_PROGRAM npm DOC "npm, which builds the web client; OFF: without web client")
-if(NPM_PROGRAM)
+if(NOT EXISTS ${web}/src AND EXISTS ${web_files_made})
+  set(web_files_source ${web_files_made})
+elseif(NPM_PROGRAM)
   # Looked up when CMake runs, which ./enfilade.sh has it do each time: with CONFIGURE_DEPENDS a build
   # would not know its steps before it begins.
   file(GLOB_RECURSE web_sources ${web}/src/* ${web}/pages/*)

@@ -5,8 +5,8 @@ namespace {
 
 [[noreturn]] void wrong_type(PyObject* o, const char* name, const char* wanted) {
   PyErr_Clear();
-  PyErr_Format(PyExc_TypeError, "%s: %R of type %s; %s is wanted", name, o, Py_TYPE(o)->tp_name,
-               wanted);
+  PyErr_Format(PyExc_TypeError, "%s: %R of type %s; %s is wanted", name, o,
+               type_name(Py_TYPE(o)).c_str(), wanted);
   throw nb::python_error();
 }
 
@@ -60,7 +60,10 @@ bool is_list(PyObject* o) {
 
 std::string to_text(PyObject* o, const char* name) {
   if (PyBytes_Check(o)) {
-    return {PyBytes_AS_STRING(o), static_cast<std::size_t>(PyBytes_GET_SIZE(o))};
+    char* data = nullptr;
+    Py_ssize_t size = 0;
+    if (PyBytes_AsStringAndSize(o, &data, &size) != 0) throw nb::python_error();
+    return {data, static_cast<std::size_t>(size)};
   }
   if (!PyUnicode_Check(o)) wrong_type(o, name, "a str");
   Py_ssize_t size = 0;
@@ -70,8 +73,8 @@ std::string to_text(PyObject* o, const char* name) {
 }
 
 bool to_flag(PyObject* o, const char* name) {
-  const PyNumberMethods* number = Py_TYPE(o)->tp_as_number;
-  if (o != Py_None && (number == nullptr || number->nb_bool == nullptr)) {
+  if (PyBool_Check(o)) return o == Py_True;
+  if (o != Py_None && !PyObject_HasAttrString(reinterpret_cast<PyObject*>(Py_TYPE(o)), "__bool__")) {
     wrong_type(o, name, "True or False");
   }
   const int value = PyObject_IsTrue(o);
@@ -80,7 +83,6 @@ bool to_flag(PyObject* o, const char* name) {
 }
 
 double to_angle(PyObject* o, const char* name) {
-  if (PyFloat_CheckExact(o)) return PyFloat_AS_DOUBLE(o);
   double value = PyFloat_AsDouble(o);
   if (value != -1 || PyErr_Occurred() == nullptr) return value;
   const nb::object item = only_element(o);

@@ -1,7 +1,10 @@
-/// \file  References to Python objects, for code that is written against CPython.
+/// \file  References to Python objects, for code that is written against CPython; against its stable ABI,
+/// so that one module serves all Pythons from 3.12 on.
 #pragma once
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
 
+#include <string>
 #include <utility>
 
 namespace enfilade::python {
@@ -13,6 +16,15 @@ namespace nb = nanobind;
 inline nb::object own(PyObject* o) {
   if (o == nullptr) throw nb::python_error();
   return nb::steal(o);
+}
+
+/// A type's name as CPython's own messages have it: "int", "numpy.ndarray". The stable ABI does not show
+/// the field with it.
+inline std::string type_name(PyTypeObject* type) {
+  const nb::handle object(reinterpret_cast<PyObject*>(type));
+  const auto name = nb::cast<std::string>(object.attr("__qualname__"));
+  const auto module = nb::cast<std::string>(object.attr("__module__"));
+  return module == "builtins" ? name : module + "." + name;
 }
 
 /// Puts a new reference into `slot` and releases the one that was there.

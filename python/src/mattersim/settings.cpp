@@ -138,9 +138,9 @@ nb::object Simulator::get_state() {
   const Busy busy(busy_);
   if (api_ != Api::kV1) {  // before initialize(): []
     if (!states_) return own(PyList_New(0));
-    return own(PyList_GetSlice(states_.ptr(), 0, PyList_GET_SIZE(states_.ptr())));
+    return own(PyList_GetSlice(states_.ptr(), 0, PyList_Size(states_.ptr())));
   }
-  const nb::object state = nb::borrow(PyList_GET_ITEM(states_.ptr(), 0));
+  const nb::object state = nb::borrow(PyList_GetItem(states_.ptr(), 0));
   const SimStateObject& fields = as_state(state.ptr());
   if (fields.location == Py_None) {
     throw WrongOrder("MatterSim: newEpisode must be called before getState");

@@ -173,7 +173,7 @@ void Simulator::preload() {
 void Simulator::show_pictures() {
   if (!pictures_ || shown_) return;
   for (std::size_t i = 0; i < active_.batch_size; ++i) {
-    SimStateObject& state = as_state(PyList_GET_ITEM(states_.ptr(), static_cast<Py_ssize_t>(i)));
+    SimStateObject& state = as_state(PyList_GetItem(states_.ptr(), static_cast<Py_ssize_t>(i)));
     const Pixels colour = pictures_->colour_of(i);
     put(state.rgb, make_mat(colour));
     put(state.depth, make_mat(pictures_->depth_of(i)));
@@ -421,13 +421,13 @@ void Simulator::write_states(bool moved) {
 }
 
 void Simulator::write_state(std::size_t agent, bool moved) {
-  SimStateObject& state = as_state(PyList_GET_ITEM(states_.ptr(), static_cast<Py_ssize_t>(agent)));
+  SimStateObject& state = as_state(PyList_GetItem(states_.ptr(), static_cast<Py_ssize_t>(agent)));
   const sim::StateSpans& now = walk_->native.state();
   const std::vector<ViewpointNames>& names = walk_->graphs->names(now.scan[agent]);
   const bool live = api_ == Api::kV2;
   nb::object here;
   if (moved && live) {  // the same object as in the previous list
-    here = nb::borrow(PyList_GET_ITEM(state.navigable, static_cast<Py_ssize_t>(indices_[agent])));
+    here = nb::borrow(PyList_GetItem(state.navigable, static_cast<Py_ssize_t>(indices_[agent])));
     become_here(as_viewpoint(here.ptr()));
   } else {
     here = make_viewpoint(names[now.viewpoint[agent].at()], {});
@@ -435,12 +435,12 @@ void Simulator::write_state(std::size_t agent, bool moved) {
   const std::size_t row = agent * now.max_navigable();
   const std::uint32_t count = now.navigable_count[agent];
   nb::object list = own(PyList_New(count));
-  PyList_SET_ITEM(
+  PyList_SetItem(
       list.ptr(), 0,
       (live ? here : make_viewpoint(names[now.viewpoint[agent].at()], {})).release().ptr());
   for (std::uint32_t k = 1; k < count; ++k) {
     const std::size_t at = row + k;
-    PyList_SET_ITEM(list.ptr(), k,
+    PyList_SetItem(list.ptr(), k,
                     make_viewpoint(names[now.navigable_viewpoint[at].at()],
                                    {now.navigable_rel_heading[at], now.navigable_rel_elevation[at],
                                     now.navigable_distance[at]})

@@ -49,7 +49,7 @@ void free_object(PyObject* self) {
 
 PyObject* refuse_new(PyTypeObject* type, PyObject*, PyObject*) {
   PyErr_Format(PyExc_TypeError, "%s: No constructor defined! A Simulator makes them.",
-               type->tp_name);
+               type_name(type).c_str());
   return nullptr;
 }
 
@@ -161,7 +161,7 @@ PyObject* get_depth(PyObject* self, void*) {
 // v0.2 makes a new list at each access, so that readers may change theirs.
 PyObject* get_navigable(PyObject* self, void*) {
   const SimStateObject& s = as_state(self);
-  if (!s.is_copy) return PyList_GetSlice(s.navigable, 0, PyList_GET_SIZE(s.navigable));
+  if (!s.is_copy) return PyList_GetSlice(s.navigable, 0, PyList_Size(s.navigable));
   return shared(s.navigable);
 }
 
@@ -293,7 +293,7 @@ nb::object copy_state(const SimStateObject& state, nb::object rgb) {
   s->heading = shared(state.heading);
   s->elevation = shared(state.elevation);
   s->view_index = shared(state.view_index);
-  s->navigable = PyList_GetSlice(state.navigable, 0, PyList_GET_SIZE(state.navigable));
+  s->navigable = PyList_GetSlice(state.navigable, 0, PyList_Size(state.navigable));
   s->width = state.width;
   s->height = state.height;
   s->is_copy = true;

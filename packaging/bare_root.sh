@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Runs a command on a bare Debian that has Python, venv and pip, as somebody who installs a wheel there.
+#
+#   packaging/bare_root.sh SUITE FOLDER COMMAND...
+#
+# SUITE is bullseye, bookworm, trixie or another of the archive. The root is made once by debootstrap and kept
+# as a tar file in ROOTS (default: build/roots); each run unpacks a new one, and leaves nothing. FOLDER is
+# copied to /given there, where COMMAND runs, as root, with an environment of its own but for pip's settings.
+# Needs root, debootstrap and 1 GB of disk. MIRROR names a mirror of Debian's archive.
+set -euo pipefail
+[[ $# -ge 3 ]] || { sed -n '2,10p' "$0"; exit 2; }
+if [[ -z "${BARE_ROOT_INSIDE:-}" ]]; then  # mounts vanish with this process
+  exec env BARE_ROOT_INSIDE=1 unshare --mount --propagation private -- "$0" "$@"
+fi
+suite=$1 folder=$2
+shift 2
+roots=${ROOTS:-build/roots}
+mkdir -p "$roots"
+base=$roots/$suite.tar
+
+if [[ ! -e $base ]]; then
+  root=$(mktemp -d -p "$roots")
+  debootstrap --variant=minbase --include=ca-certificates,python3,python3-venv,python3-pip \
+    "$suite" "$root" "${MIRROR:-http://deb.debian.org/debian}" >"$base.log" 2>&1 || {
+    tail -n 5 "$base.log" >&2
+    exit 1
+  }
+  rm -rf "$root"/var/cache/apt/archives/*.deb
+  tar -C "$root" -cf "$base.new" . && mv "$base.new" "$base"
+  rm -rf --one-file-system "$root"
+fi
+
+root=$(mktemp -d -p "$roots")
+clean() {
+  umount -R -l "$root/proc" "$root/dev" 2>/dev/null || true
+  grep -q " $root/" /proc/mounts || rm -rf --one-file-system "$root"
+}
+trap clean EXIT
+tar -C "$root" -xf "$base"
+chmod 755 "$root"
+# How this machine reaches the network: names, certificates, pip's settings.
+for file in /etc/resolv.conf /etc/hosts /etc/ssl/certs /etc/pip.conf /root/.config/pip; do
+  [[ ! -e $file ]] || { mkdir -p "$root${file%/*}" && cp -aL "$file" "$root${file%/*}/" 2>/dev/null; } || true
+done
+mapfile -t settings < <(env | grep -E '^(PIP_|https?_proxy=|HTTPS?_PROXY=|SSL_CERT)' || true)
+mount -t proc proc "$root/proc"
+mount --rbind /dev "$root/dev"
+mount --make-rslave "$root/dev"
+cp -a "$folder" "$root/given"
+chroot "$root" /usr/bin/env -i HOME=/root LANG=C.UTF-8 PATH=/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin \
+  "${settings[@]}" sh -c 'cd /given && exec "$@"' sh "$@"

@@ -1,0 +1,173 @@
+"""Checks an installed wheel: run by the Python of the environment, which needs nothing else.
+
+    python packaging/check_wheel.py [unittest's options]
+
+What it needs of the machine is what a user's has: no compiler, no libtorch, no GPU, no display.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import time
+import unittest
+import urllib.request
+from pathlib import Path
+
+PROGRAM = Path(sysconfig.get_path("scripts"), "enfilade")
+# Those of the C library and the compiler, which every Linux has; manylinux allows them.
+SYSTEM_LIBRARIES = re.compile(r"(linux-vdso|ld-linux|lib(c|m|dl|rt|pthread|gcc_s))[-.\w]*$")
+LEARNING = ("evaluate", "features", "pretrain", "train")
+HOMES_SECONDS = 60  # from the start of the server to a page; `serve` with nothing makes two homes
+IMPORT_MILLISECONDS = 50
+
+
+def run(*words: str, **options) -> subprocess.CompletedProcess:
+    environment = {k: v for k, v in os.environ.items() if k not in ("ENFILADE_DATA", "PYTHONPATH")}
+    return subprocess.run(
+        [str(word) for word in words], capture_output=True, text=True, env=environment, check=False, **options
+    )
+
+
+def fetch(address: str) -> bytes:
+    with urllib.request.urlopen(address, timeout=30) as answer:  # noqa: S310
+        return answer.read()
+
+
+class Program(unittest.TestCase):
+    def test_it_is_of_the_package_s_version(self):
+        version = importlib.metadata.version("enfilade")
+        self.assertEqual(run(PROGRAM, "--version").stdout.strip(), version)
+        self.assertEqual(run(sys.executable, "-m", "enfilade", "--version").stdout.strip(), version)
+        code = "import enfilade; print(enfilade.__version__)"
+        self.assertEqual(run(sys.executable, "-c", code).stdout.strip(), version)
+
+    def test_each_verb_has_help(self):
+        listed = run(PROGRAM, "--help").stdout
+        verbs = re.findall(r"^  ([a-z][a-z-]+) ", listed[listed.lower().index("subcommands") :], re.M)
+        self.assertGreaterEqual(
+            set(verbs),
+            {"demo", "doctor", "graph", "homes", "import", "pack", "render", "report", "run", "scan-mesh",
+             "score", "serve", "stats", "submit", "table"},
+        )  # fmt: skip
+        for verb in verbs:
+            if verb in LEARNING and shutil.which("enfilade-learn", path=str(PROGRAM.parent)) is None:
+                continue
+            with self.subTest(verb=verb):
+                told = run(PROGRAM, verb, "--help")
+                self.assertEqual(told.returncode, 0, told.stderr)
+                self.assertIn("Usage", told.stdout)
+                self.assertNotIn("not in this build", told.stdout)
+
+    def test_it_needs_no_library_but_the_system_s(self):
+        files = [PROGRAM, *Path(sysconfig.get_path("platlib"), "enfilade").glob("*.so")]
+        self.assertEqual(len(files), 3)
+        for file in files:
+            with self.subTest(file=file.name):
+                for line in run("ldd", file).stdout.splitlines():
+                    self.assertRegex(Path(line.split()[0]).name, SYSTEM_LIBRARIES)
+
+    def test_train_says_what_it_lacks(self):
+        if shutil.which("enfilade-learn", path=str(PROGRAM.parent)):
+            self.skipTest("enfilade-learn is installed")
+        for verb in LEARNING:
+            with self.subTest(verb=verb):
+                told = run(PROGRAM, verb, "--help")
+                self.assertEqual(told.returncode, 2, told.stdout)
+                self.assertIn("enfilade-learn", told.stderr)
+                self.assertIn("PyTorch", told.stderr)
+                self.assertIn("pip install", told.stderr)
+
+    def test_doctor_looks_at_this_machine(self):
+        told = run(PROGRAM, "doctor", timeout=120)
+        self.assertIn(told.returncode, (0, 1), told.stderr)
+        self.assertIn("render", told.stdout.lower())
+
+
+class Module(unittest.TestCase):
+    def test_walks_draws_and_scores(self):
+        code = """if True:
+            import sys, enfilade
+            folder = sys.argv[1]
+            enfilade.write_small_dataset(folder)
+            d = enfilade.Dataset(folder)
+            scan = d.graphs.scans[0]
+            viewpoint = d.graphs[scan].viewpoints[0]
+            picture = d.render(scan, viewpoint, heading=1.0)
+            assert picture.shape == (480, 640, 3) and picture.std() > 5, picture.shape
+            sim = d.simulator(batch_size=2)
+            sim.new_random_episodes([scan, scan])
+            sim.step([0, 0], heading_changes=[0.5, -0.5])
+            assert 'torch' not in sys.modules
+            print(len(d.graphs), 'scans')
+        """
+        with tempfile.TemporaryDirectory() as folder:
+            done = run(sys.executable, "-c", code, f"{folder}/data")
+            self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_old_code_imports_the_drop_in(self):
+        code = "import MatterSim; s = MatterSim.Simulator(); s.setCameraResolution(640, 480); print(s)"
+        done = run(sys.executable, "-c", code)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_import_takes_milliseconds(self):
+        taken = []
+        for _ in range(5):
+            told = run(sys.executable, "-X", "importtime", "-c", "import enfilade").stderr
+            whole = re.search(r"\|\s*(\d+) \| enfilade$", told, re.M)
+            self.assertIsNotNone(whole, told)
+            taken.append(int(whole[1]) / 1000)
+        print(f"import enfilade: {min(taken):.1f} ms (best of {len(taken)})", file=sys.stderr)
+        self.assertLessEqual(min(taken), IMPORT_MILLISECONDS)
+
+
+class Server(unittest.TestCase):
+    def test_with_nothing_it_serves_homes_and_their_pages(self):
+        with tempfile.TemporaryDirectory() as folder:
+            started = time.monotonic()
+            environment = {k: v for k, v in os.environ.items() if k != "ENFILADE_DATA"}
+            server = subprocess.Popen(
+                [PROGRAM, "serve", "--port", "0"],
+                cwd=folder, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            )  # fmt: skip
+            try:
+                said, address = [], None
+                for line in server.stdout:
+                    said.append(line)
+                    address = re.search(r" at (http://\S+/)$", line)
+                    if address:
+                        break
+                self.assertTrue(address, "".join(said))
+                self.look_at(address[1])
+                taken = time.monotonic() - started
+                print(f"serve: a home and its page after {taken:.1f} s", file=sys.stderr)
+                self.assertLessEqual(taken, HOMES_SECONDS)
+                server.send_signal(signal.SIGTERM)
+                self.assertEqual(server.wait(timeout=30), 0)
+            finally:
+                server.kill()
+                server.wait()
+                server.stdout.close()
+
+    def look_at(self, address: str):
+        page = fetch(address).decode()
+        self.assertIn("<script", page)
+        script = re.search(r'src="/?(\S+?\.js)"', page)
+        self.assertGreater(len(fetch(address + script[1])), 1000)
+        scans = json.loads(fetch(address + "api/v1/scans"))
+        scan = (scans["scans"] if isinstance(scans, dict) else scans)[0]
+        name = scan["id"] if "id" in scan else scan["scan"]
+        plan = fetch(f"{address}api/v1/scans/{name}/plan")
+        self.assertIn(b"{", plan[:200])
+
+
+if __name__ == "__main__":
+    unittest.main()

