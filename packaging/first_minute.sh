@@ -15,7 +15,13 @@ until grep -q ' at http://' serve.log; do
   sleep 0.1
 done
 address=$(sed -n 's/.* at \(http:[^ ]*\)$/\1/p' serve.log)
-/tmp/env/bin/python -c "import sys, urllib.request as u; u.urlopen(sys.argv[1]).read()" "$address"
+/tmp/env/bin/python - "$address" <<'PYTHON'
+import json, sys, urllib.request
+read = lambda path: urllib.request.urlopen(sys.argv[1] + path).read()
+read("")
+scan = json.loads(read("api/v1/scans"))["scans"][0]["scan"]
+read(f"api/v1/scans/{scan}/picture.jpg")
+PYTHON
 served=$(date +%s%N)
 kill $server
 wait $server || true
