@@ -44,7 +44,7 @@ T* allocate(PyTypeObject* type) {
 void free_object(PyObject* self) {
   PyTypeObject* type = Py_TYPE(self);
   PyObject_Free(self);
-  Py_DECREF(type);
+  Py_DECREF(reinterpret_cast<PyObject*>(type));
 }
 
 PyObject* refuse_new(PyTypeObject* type, PyObject*, PyObject*) {
@@ -232,8 +232,9 @@ PyTypeObject* make_mat_type() {
 
 int add_type(PyObject* module, const char* name, PyTypeObject* type) {
   if (type == nullptr) return -1;
-  Py_INCREF(type);  // the module takes one reference, ours stays
-  return PyModule_AddObject(module, name, reinterpret_cast<PyObject*>(type));
+  auto* object = reinterpret_cast<PyObject*>(type);
+  Py_INCREF(object);  // the module takes one reference, ours stays
+  return PyModule_AddObject(module, name, object);
 }
 
 }  // namespace
