@@ -39,7 +39,7 @@ T converted(PyObject* o, const char* name) {
 
 // An argument of any type. None too: it is a flag that is not set.
 template <class>
-nb::arg anything() {
+auto anything() {
   return nb::arg().none();
 }
 
