@@ -17,6 +17,7 @@ out=$(cd "$1" && pwd)
 mirror=${MIRROR:-http://deb.debian.org/debian}
 sysroot=$out/sysroot prefix=$out/prefix
 triple=x86_64-linux-gnu
+readonly httplib_options='-DCPPHTTPLIB_OPENSSL_SUPPORT -DCPPHTTPLIB_ZLIB_SUPPORT'
 
 say() { printf 'libraries: %s\n' "$*" >&2; }
 
@@ -59,7 +60,7 @@ make_sysroot() {
   (cd "$apt/packages" && rm -f ./*.deb &&
     apt_private apt-get download libc6/bullseye libc6-dev/bullseye libgcc-s1/bullseye \
       linux-libc-dev/bullseye zlib1g-dev libzstd-dev libsqlite3-dev libsqlitecpp-dev libssl-dev \
-      libturbojpeg0-dev libxxhash-dev nlohmann-json3-dev libcli11-dev libnanoflann-dev \
+      libturbojpeg0-dev libxxhash-dev nlohmann-json3-dev libcli11-dev libnanoflann-dev libstb-dev \
       libhdf5-dev libegl-dev libgl-dev)
   for package in "$apt/packages"/*.deb; do dpkg-deb -x "$package" "$sysroot"; done
   # Of the libraries, only the archives are to be found; the C library is the exception.
@@ -127,6 +128,7 @@ build_highway() {
     -DHWY_ENABLE_TESTS=OFF
 }
 build_embree() {  # triangles alone, on its own threads: 4 MB in place of 40
+  touch "$out/src/embree/readme.pdf"  # Debian's source is without it, and it is installed
   with_cmake embree -DEMBREE_STATIC_LIB=ON -DEMBREE_TUTORIALS=OFF -DEMBREE_ISPC_SUPPORT=OFF \
     -DEMBREE_TASKING_SYSTEM=INTERNAL -DEMBREE_MAX_ISA=NONE -DEMBREE_ISA_SSE2=ON \
     -DEMBREE_ISA_SSE42=OFF -DEMBREE_ISA_AVX=OFF -DEMBREE_ISA_AVX2=ON -DEMBREE_ISA_AVX512=OFF \
@@ -134,7 +136,8 @@ build_embree() {  # triangles alone, on its own threads: 4 MB in place of 40
     -DEMBREE_GEOMETRY_SUBDIVISION=OFF -DEMBREE_GEOMETRY_USER=OFF -DEMBREE_GEOMETRY_INSTANCE=OFF \
     -DEMBREE_GEOMETRY_GRID=OFF -DEMBREE_GEOMETRY_POINT=OFF
 }
-build_tinygltf() {
+build_tinygltf() {  # Debian's source is without the two libraries that it brings
+  ln -sf "$sysroot"/usr/include/nlohmann/json.hpp "$sysroot"/usr/include/stb/stb_image*.h "$out/src/tinygltf/"
   with_cmake tinygltf -DTINYGLTF_BUILD_LOADER_EXAMPLE=OFF -DTINYGLTF_INSTALL=ON \
     -DTINYGLTF_HEADER_ONLY=OFF
 }
@@ -156,7 +159,15 @@ build_epoxy() {  # opens libGL and libEGL when they are called
     --buildtype release -Ddefault_library=static -Dglx=no -Dx11=false -Dtests=false
   "$tools/bin/meson" install -C "$out/build/epoxy"
 }
-build_httplib() { install -m 644 "$out/src/httplib/httplib.h" "$prefix/include/"; }
+build_httplib() {  # compiled once, as Debian does, and not in each source that includes it
+  local split=$out/build/httplib
+  (cd "$out/src/httplib" && python3 split.py -o "$split")
+  # shellcheck disable=SC2086  # several words
+  "${CXX:-g++}" --sysroot="$sysroot" $httplib_options -std=c++17 -O2 -fPIC -ffunction-sections \
+    -fdata-sections -I"$split" -c "$split/httplib.cc" -o "$split/httplib.o"
+  ar rcs "$prefix/lib/libcpp-httplib.a" "$split/httplib.o"
+  install -m 644 "$split/httplib.h" "$prefix/include/"
+}
 
 build_all() {
   local name
@@ -191,8 +202,8 @@ write_pkg_config() {
   pkg_config hdf5 1.10.8 "-I$sysroot/usr/include/hdf5/serial" ''
   pkg_config egl 1.5 '' ''
   pkg_config openssl 3.0 '' "$libraries/libssl.a $libraries/libcrypto.a"
-  pkg_config cpp-httplib 0.11.4 "-I$prefix/include -DCPPHTTPLIB_OPENSSL_SUPPORT -DCPPHTTPLIB_ZLIB_SUPPORT" \
-    "$libraries/libssl.a $libraries/libcrypto.a $libraries/libz.a"
+  pkg_config cpp-httplib 0.11.4 "-I$prefix/include $httplib_options" \
+    "$prefix/lib/libcpp-httplib.a $libraries/libssl.a $libraries/libcrypto.a $libraries/libz.a"
 }
 
 # The licences of all that is linked in, one after the other.

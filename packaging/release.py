@@ -14,8 +14,8 @@ given, and checked by all. A free-threaded Python has a wheel of its own, as tho
 
 steps, all by default, in this order:
   libraries  what the wheels are linked with
-  wheels     OUT/dist/*.whl
   sdist      OUT/dist/*.tar.gz
+  wheels     OUT/dist/*.whl, from it
   check      each wheel in a fresh environment of each Python: packaging/check_wheel.py
   roots      wheels in bare Debians, by their own Pythons: as root, with debootstrap
   notes      SHA256SUMS and changes.md
@@ -24,6 +24,7 @@ steps, all by default, in this order:
 from __future__ import annotations
 
 import argparse
+import filecmp
 import hashlib
 import json
 import os
@@ -134,9 +135,44 @@ class Release:
         shared = [p for p in self.pythons if p.stable_abi]
         return [p for p in self.pythons if not p.stable_abi or p is shared[0]]
 
+    def pages(self) -> Path:
+        """The server's pages as a C++ source, as web/bundle.cmake would have npm make it."""
+        web, built = SOURCE / "web", self.out / "pages"
+        node = {**os.environ, "PATH": f"{self.tools() / 'bin'}:{os.environ['PATH']}"}
+        run("cmake", f"-DWEB={web}", "-DNPM=npm", "-P", web / "install.cmake", env=node)
+        run("npm", "run", "--silent", "build", cwd=web, env={**node, "ENFILADE_WEB_DIST": str(built)})
+        run("node", web / "embed.mjs", built, self.out / "web_files.cpp", cwd=web, env=node)
+        return self.out / "web_files.cpp"
+
+    def sdist(self) -> None:
+        """From the repository, with the built pages and D3 in place of what they are made from."""
+        MADE.mkdir(exist_ok=True)
+        shutil.copy(self.pages(), MADE)
+        shutil.copy(next(file for file in D3_FILES if Path(file).exists()), MADE)
+        for old in self.dist.glob("*.tar.gz"):
+            old.unlink()
+        run(self.tools() / "bin/python", "-m", "build", "--sdist", "-o", self.dist, SOURCE)
+
+    def unpacked(self) -> Path:
+        """The source distribution: wheels are made from what is released."""
+        (archive,) = self.dist.glob("*.tar.gz")
+        fresh, source = self.out / "fresh", self.out / "source"
+        shutil.rmtree(fresh, ignore_errors=True)
+        run("tar", "-C", self.out, "--one-top-level=fresh", "--strip-components=1", "-xmf", archive)
+        # What is the same keeps its time, so that a second run compiles what has changed and no more.
+        for file in [f for f in source.rglob("*") if f.is_file() and not (fresh / f.relative_to(source)).exists()]:
+            file.unlink()
+        for file in filter(Path.is_file, fresh.rglob("*")):
+            old = source / file.relative_to(fresh)
+            if not old.exists() or not filecmp.cmp(file, old, shallow=False):
+                old.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(file, old)
+        return source
+
     def wheels(self) -> None:
         for old in self.dist.glob("*.whl"):
             old.unlink()
+        source = self.unpacked()
         for python in self.builders():
             started = time.monotonic()
             plain = self.out / "plain"
@@ -144,14 +180,13 @@ class Release:
             settings = {
                 "build-dir": self.out / "build",
                 "cmake.define.EN_NOTICES": self.out / "libraries/THIRD_PARTY.txt",
-                "cmake.define.NPM_PROGRAM": self.tools() / "bin/npm",
             }
             if python.stable_abi:
                 settings["wheel.py-api"] = "cp312"
             run(
                 self.made_for(python) / "bin/pip", "wheel", "-q", "--no-deps", "--no-build-isolation",
                 "--no-cache-dir", "-w", plain,
-                *(f"-C{key}={value}" for key, value in settings.items()), SOURCE,
+                *(f"-C{key}={value}" for key, value in settings.items()), source,
                 env=self.environment(),
             )  # fmt: skip
             (wheel,) = plain.glob("*.whl")
@@ -165,16 +200,6 @@ class Release:
                 raise SystemExit(f"release: {wheel.name} has {size:.1f} MB; at most {MEGABYTES} are allowed")
         for wheel in self.dist.glob("*abi3*.whl"):
             run(self.tools() / "bin/abi3audit", "--strict", wheel)
-
-    def sdist(self) -> None:
-        """From the repository, with the pages that the build of the wheels has made, and D3."""
-        MADE.mkdir(exist_ok=True)
-        (pages,) = (self.out / "build").glob("**/web_files.cpp")
-        shutil.copy(pages, MADE)
-        shutil.copy(next(file for file in D3_FILES if Path(file).exists()), MADE)
-        for old in self.dist.glob("*.tar.gz"):
-            old.unlink()
-        run(self.tools() / "bin/python", "-m", "build", "--sdist", "-o", self.dist, SOURCE)
 
     def check(self) -> None:
         for python in self.pythons:
@@ -215,7 +240,7 @@ def changes(changelog: str) -> str:
 
 
 def main() -> None:
-    steps = ["libraries", "wheels", "sdist", "check", "roots", "notes"]
+    steps = ["libraries", "sdist", "wheels", "check", "roots", "notes"]
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
