@@ -161,7 +161,8 @@ build_epoxy() {  # opens libGL and libEGL when they are called
 }
 build_httplib() {  # compiled once, as Debian does, and not in each source that includes it
   local split=$out/build/httplib
-  (cd "$out/src/httplib" && python3 split.py -o "$split")
+  mkdir -p "$split"
+  python3 "$out/src/httplib/split.py" -o "$split"
   # shellcheck disable=SC2086  # several words
   "${CXX:-g++}" --sysroot="$sysroot" $httplib_options -std=c++17 -O2 -fPIC -ffunction-sections \
     -fdata-sections -I"$split" -c "$split/httplib.cc" -o "$split/httplib.o"
