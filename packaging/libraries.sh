@@ -150,7 +150,12 @@ build_libzip() {
     -DENABLE_OPENSSL=OFF -DENABLE_BZIP2=OFF -DENABLE_LZMA=OFF -DBUILD_TOOLS=OFF \
     -DBUILD_REGRESS=OFF -DBUILD_EXAMPLES=OFF -DBUILD_DOC=OFF
 }
-build_spng() { with_cmake spng -DSPNG_SHARED=OFF -DSPNG_STATIC=ON -DBUILD_EXAMPLES=OFF; }
+build_spng() {  # its CMake file cannot do without the shared library
+  "${CC:-gcc}" --sysroot="$sysroot" -O3 -fPIC -ffunction-sections -fdata-sections -DSPNG_STATIC \
+    -c "$out/src/spng/spng/spng.c" -o "$out/build/spng.o"
+  ar rcs "$prefix/lib/libspng_static.a" "$out/build/spng.o"
+  install -m 644 "$out/src/spng/spng/spng.h" "$prefix/include/"
+}
 build_epoxy() {  # opens libGL and libEGL when they are called
   local tools=$out/tools
   [[ -x $tools/bin/meson ]] || { python3 -m venv "$tools" && "$tools/bin/pip" install -q 'meson==1.6.*'; }
