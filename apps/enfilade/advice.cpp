@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -15,10 +14,6 @@
 
 namespace enfilade::apps {
 namespace {
-
-bool has_word(std::string_view list, std::string_view word) {
-  return fmt::format(" {} ", list).find(fmt::format(" {} ", word)) != std::string::npos;
-}
 
 std::string mebibytes(std::uint64_t bytes) {
   constexpr double kMebi = 1 << 20, kGibi = 1 << 30;
@@ -29,10 +24,10 @@ std::string mebibytes(std::uint64_t bytes) {
 
 }  // namespace
 
-Judgement judge_simd(std::string_view target, std::string_view processor_flags) {
+Judgement judge_simd(std::string_view target, bool has_avx2) {
   constexpr std::array<std::string_view, 4> kSlow{"SSE4", "SSSE3", "SSE2", "EMU128"};
   if (std::ranges::find(kSlow, target) == kSlow.end()) return {true, std::string(target), ""};
-  if (has_word(processor_flags, "avx2")) {
+  if (has_avx2) {
     return {false, fmt::format("{}; the processor has AVX2, this build does not use it", target),
             "build again with g++ 12 or newer (or clang 16), without options that forbid AVX2"};
   }
@@ -46,6 +41,16 @@ Judgement judge_simd(std::string_view target, std::string_view processor_flags) 
       "pictures and networks take several times as long as with AVX2, which processors have "
       "since Intel's Haswell (2013) and AMD's Zen (2017): use such a one; in a virtual machine, "
       "show it the processor of its host (QEMU: -cpu host)"};
+}
+
+// Not from /proc/cpuinfo, which in an emulator is that of another processor.
+bool processor_has_avx2() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2") &&
+         __builtin_cpu_supports("fma");
+#else
+  return false;
+#endif
 }
 
 Judgement judge_blas(const neural::TorchReport& report) {
@@ -97,18 +102,6 @@ Space space_of(const std::filesystem::path& folder) {
   const bool has_entries = disk.f_files == 0 || disk.f_favail > 0;
   return {folder, unit * disk.f_bavail, unit * disk.f_blocks, has_entries,
           ::access(folder.c_str(), W_OK) == 0};
-}
-
-std::string processor_flags() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    const std::size_t colon = line.find(':');
-    // "flags" of x86, "Features" of ARM
-    if ((line.starts_with("flags") || line.starts_with("Features")) && colon != std::string::npos) {
-      return line.substr(colon + 1);
-    }
-  }
-  return "";
 }
 
 }  // namespace enfilade::apps

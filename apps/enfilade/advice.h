@@ -17,9 +17,13 @@ struct Judgement {
   std::string advice;  ///< what to do; empty if it is good
 };
 
-/// \param target the instruction set in use, as render::cpu_target() \param processor_flags what
-/// the system says that the processor can do, separated by spaces: "fpu sse4_2 avx2"
-Judgement judge_simd(std::string_view target, std::string_view processor_flags);
+/// \param target the instruction set in use, as render::cpu_target() \param has_avx2 as
+/// processor_has_avx2()
+Judgement judge_simd(std::string_view target, bool has_avx2);
+
+/// Whether this processor has AVX2 and what compilers expect with it. False for other makes than
+/// x86.
+bool processor_has_avx2();
 
 /// Of the speed of matrix products.
 Judgement judge_blas(const neural::TorchReport& report);
@@ -36,8 +40,4 @@ Judgement judge_space(const Space& space, std::uint64_t needed, std::string_view
                       std::string_view change);
 /// Of a folder of this machine. \throws FileError if it cannot be looked at
 Space space_of(const std::filesystem::path& folder);
-
-/// The processor's abilities in the system's words; empty where it does not say.
-std::string processor_flags();
-
 }  // namespace enfilade::apps

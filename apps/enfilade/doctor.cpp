@@ -60,7 +60,7 @@ void examine_machine(Report& report) {
   report.fact("enfilade", EN_VERSION);
   report.fact("processor", processor_name());
   report.fact("cores", fmt::format("{} for this process", available_threads()));
-  report.add("SIMD", judge_simd(render::cpu_target(), processor_flags()));
+  report.add("SIMD", judge_simd(render::cpu_target(), processor_has_avx2()));
   const double page = static_cast<double>(sysconf(_SC_PAGESIZE));
   report.fact("memory",
               fmt::format("{:.1f} GiB, {:.1f} GiB free",
