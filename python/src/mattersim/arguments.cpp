@@ -74,7 +74,8 @@ std::string to_text(PyObject* o, const char* name) {
 
 bool to_flag(PyObject* o, const char* name) {
   if (PyBool_Check(o)) return o == Py_True;
-  if (o != Py_None && !PyObject_HasAttrString(reinterpret_cast<PyObject*>(Py_TYPE(o)), "__bool__")) {
+  if (o != Py_None &&
+      !PyObject_HasAttrString(reinterpret_cast<PyObject*>(Py_TYPE(o)), "__bool__")) {
     wrong_type(o, name, "True or False");
   }
   const int value = PyObject_IsTrue(o);

@@ -1,5 +1,5 @@
-/// \file  References to Python objects, for code that is written against CPython; against its stable ABI,
-/// so that one module serves all Pythons from 3.12 on.
+/// \file  References to Python objects, for code that is written against CPython; against its
+/// stable ABI, so that one module serves all Pythons from 3.12 on.
 #pragma once
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
@@ -18,8 +18,8 @@ inline nb::object own(PyObject* o) {
   return nb::steal(o);
 }
 
-/// A type's name as CPython's own messages have it: "int", "numpy.ndarray". The stable ABI does not show
-/// the field with it.
+/// A type's name as CPython's own messages have it: "int", "numpy.ndarray". The stable ABI does not
+/// show the field with it.
 inline std::string type_name(PyTypeObject* type) {
   const nb::handle object(reinterpret_cast<PyObject*>(type));
   const auto name = nb::cast<std::string>(object.attr("__qualname__"));

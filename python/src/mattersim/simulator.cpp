@@ -441,11 +441,11 @@ void Simulator::write_state(std::size_t agent, bool moved) {
   for (std::uint32_t k = 1; k < count; ++k) {
     const std::size_t at = row + k;
     PyList_SetItem(list.ptr(), k,
-                    make_viewpoint(names[now.navigable_viewpoint[at].at()],
-                                   {now.navigable_rel_heading[at], now.navigable_rel_elevation[at],
-                                    now.navigable_distance[at]})
-                        .release()
-                        .ptr());
+                   make_viewpoint(names[now.navigable_viewpoint[at].at()],
+                                  {now.navigable_rel_heading[at], now.navigable_rel_elevation[at],
+                                   now.navigable_distance[at]})
+                       .release()
+                       .ptr());
   }
   const long step = moved ? PyLong_AsLong(state.step) + 1 : 0;
   if (!moved) put(state.scan_id, walk_->graphs->scan_name(now.scan[agent]));
