@@ -1,5 +1,6 @@
 // bench_render: frames a second, time to the first frame, memory of a walk.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <algorithm>
@@ -392,6 +393,9 @@ void add_combination_options(CLI::App& app, Options& o) {
       ->check(CLI::IsMember({"cpu", "cpu-scalar", "gl"}))
       ->capture_default_str();
   app.add_option("--gl-device", o.settings.gl_device, "Index or UUID of an EGL device");
+  app.add_option("--cpu-target", o.settings.cpu_target,
+                 fmt::format("Instruction set of the cpu back end, instead of the fastest: {}",
+                             fmt::join(render::cpu_targets(), ", ")));
   app.add_option("--size", o.sizes, "Pixels, commas between")
       ->capture_default_str()
       ->type_name("WxH,...");

@@ -127,6 +127,7 @@ std::unique_ptr<render::Renderer> renderer_of(const std::shared_ptr<render::Face
   config.backend = settings.backend;
   config.threads = c.threads;
   config.gl_device = settings.gl_device;
+  config.cpu_target = settings.cpu_target;
   return render::make_renderer(faces, config);
 }
 

@@ -86,6 +86,7 @@ struct Combination {
 struct BenchSettings {
   render::Backend backend = render::Backend::kCpu;
   std::string gl_device;
+  std::string cpu_target = {};  ///< as RendererConfig's
   std::size_t frames = 600, repetitions = 5;
   std::size_t cache_bytes = render::FaceCacheConfig().bytes;  ///< of cold runs; hot ones keep all
   bool prefetch = false;  ///< the faces of neighbours, after each step

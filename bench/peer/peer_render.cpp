@@ -339,8 +339,8 @@ ExitCode run(const Options& o) {
   }
   if (!remap_built()) {
     fmt::print("{}\n", remap_description());
-  } else if (print_remap(o)) {
-    return kSuccess;
+  } else {
+    (void)print_remap(o);
   }
   return kSuccess;
 }
@@ -363,6 +363,8 @@ int main(int argc, char** argv) {
   apps::add_whole_number(app, "--passes", o.passes, "Of each, in turn");
   apps::add_whole_number(app, "--frames", o.settings.frames, "A pass");
   apps::add_threads_option(app, o.threads, "That draw, on both sides; 0: all cores");
+  apps::add_value(app, "--cpu-target", o.settings.cpu_target, "NAME",
+                  "Our instruction set, instead of the fastest (bench_render --help lists them)");
   apps::set_examples(app, {"enfilade homes -o homes --homes 2 --size 512 --samples 1 --paths 0 "
                            "--parts strips",
                            "peer_render --data homes"});
