@@ -30,19 +30,25 @@ if [[ ! -e $base ]]; then
   rm -rf --one-file-system "$root"
 fi
 
-root=$(mktemp -d -p "$roots")
+root=$(realpath "$(mktemp -d -p "$roots")")
 clean() {
-  umount -R -l "$root/proc" "$root/dev" 2>/dev/null || true
-  grep -q " $root/" /proc/mounts || rm -rf --one-file-system "$root"
+  local place
+  for place in "$root/proc" "$root/dev"; do
+    if mountpoint -q "$place"; then umount -R -l "$place"; fi
+  done
+  rm -rf --one-file-system "$root"
 }
 trap clean EXIT
 tar -C "$root" -xf "$base"
 chmod 755 "$root"
 # How this machine reaches the network: names, certificates, pip's settings.
 for file in /etc/resolv.conf /etc/hosts /etc/ssl/certs /etc/pip.conf /root/.config/pip; do
-  [[ ! -e $file ]] || { mkdir -p "$root${file%/*}" && cp -aL "$file" "$root${file%/*}/" 2>/dev/null; } || true
+  [[ -e $file ]] || continue
+  mkdir -p "$root${file%/*}"
+  # Links to certificates that have gone cannot be followed; the others are enough.
+  cp -aL "$file" "$root${file%/*}/" || echo "bare_root: not all of $file could be copied" >&2
 done
-mapfile -t settings < <(env | grep -E '^(PIP_|https?_proxy=|HTTPS?_PROXY=|SSL_CERT)' || true)
+mapfile -t settings < <(env | sed -nE '/^(PIP_|https?_proxy=|HTTPS?_PROXY=|SSL_CERT)/p')
 mount -t proc proc "$root/proc"
 mount --rbind /dev "$root/dev"
 mount --make-rslave "$root/dev"

@@ -24,6 +24,6 @@ read(f"api/v1/scans/{scan}/picture.jpg")
 PYTHON
 served=$(date +%s%N)
 kill $server
-wait $server || true
+wait $server  # it ends in order: 0
 echo "pip install: $(((installed - start) / 1000000)) ms; a home in the browser after $(((served - start) / 1000000)) ms"
 /tmp/env/bin/python /given/check_wheel.py

@@ -97,6 +97,7 @@ class Release:
             "CMAKE_TOOLCHAIN_FILE": str(libraries / "toolchain.cmake"),
             "PKG_CONFIG_LIBDIR": str(libraries / "prefix/lib/pkgconfig"),
             "SOURCE_DATE_EPOCH": self.commit_time(),
+            "ENFILADE_WHEEL": "1",  # pyproject.toml: with the program
         }
         return {**os.environ, **own}
 
@@ -153,7 +154,7 @@ class Release:
             old.unlink()
         run(
             self.tools() / "bin/python", "-m", "build", "--sdist", "--no-isolation",
-            "--skip-dependency-check", "-o", self.dist, SOURCE,
+            "--skip-dependency-check", "-o", self.dist, SOURCE, env=self.environment(),
         )  # fmt: skip
 
     def unpacked(self) -> Path:
