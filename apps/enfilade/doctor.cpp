@@ -16,6 +16,7 @@
 #include "apps/enfilade/advice.h"
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/core/memory.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/render/gl_devices.h"
 #include "enfilade/render/renderer.h"
@@ -62,10 +63,9 @@ void examine_machine(Report& report) {
   report.fact("cores", fmt::format("{} for this process", available_threads()));
   report.add("SIMD", judge_simd(render::cpu_target(), processor_has_avx2()));
   const double page = static_cast<double>(sysconf(_SC_PAGESIZE));
-  report.fact("memory",
-              fmt::format("{:.1f} GiB, {:.1f} GiB free",
-                          gigabytes(page * static_cast<double>(sysconf(_SC_PHYS_PAGES))),
-                          gigabytes(page * static_cast<double>(sysconf(_SC_AVPHYS_PAGES)))));
+  report.fact("memory", fmt::format("{:.1f} GiB, {:.1f} GiB free",
+                                    gigabytes(page * static_cast<double>(sysconf(_SC_PHYS_PAGES))),
+                                    gigabytes(static_cast<double>(available_memory()))));
 }
 
 constexpr const char* kBrokenDriver =

@@ -23,6 +23,28 @@ void flip_copy(const std::uint8_t* from, std::size_t bytes, std::uint8_t* to) {
   for (; k < bytes; ++k) to[k] = from[k] ^ kFlip;
 }
 
+// Columns and rows first .. end - 1 of a face, counted from its border's, as RGB or RGBA.
+template <std::size_t kChannels>
+void write_rows(const std::uint8_t* cells, std::uint32_t size, std::size_t first, std::size_t end,
+                std::uint8_t* out) {
+  const std::size_t width = end - first;
+  for (std::size_t strip = 0; strip < ColourCells::strips(size); ++strip) {
+    const std::size_t left = strip * ColourCells::kColumns;
+    // The last strip's 19th texel may be the face's last column.
+    const std::size_t from = std::max(first, left);
+    const std::size_t to = std::min(end, left + ColourCells::kColumns + 1);
+    for (std::size_t y = first; y < end; ++y) {
+      const std::uint8_t* texel = cells + strip * ColourCells::pitch(size) + y * kCellBytes +
+                                  (from - left) * ColourCells::kTexelBytes;
+      std::uint8_t* pixel = out + kChannels * ((y - first) * width + from - first);
+      for (std::size_t x = from; x < to; ++x, texel += 3, pixel += kChannels) {
+        for (std::size_t c = 0; c < 3; ++c) pixel[c] = texel[c] ^ kFlip;
+        if constexpr (kChannels == 4) pixel[3] = 255;
+      }
+    }
+  }
+}
+
 // The columns of strip k that a value face has.
 template <class T>
 std::size_t columns_of(std::size_t strip, std::uint32_t size) {
@@ -74,23 +96,14 @@ std::array<std::uint8_t, 3> colour_texel(const std::uint8_t* cells, std::uint32_
   return rgb;
 }
 
-void colour_rows(const std::uint8_t* cells, std::uint32_t size, std::span<std::uint8_t> rgba) {
-  const std::size_t edge = std::size_t{size} + 2;
-  EN_CHECK_EQ(rgba.size(), 4 * edge * edge);
-  for (std::size_t strip = 0; strip < ColourCells::strips(size); ++strip) {
-    const std::size_t begin = strip * ColourCells::kColumns;
-    // The last strip's 19th texel may be the face's last column.
-    const std::size_t end = std::min(edge, begin + ColourCells::kColumns + 1);
-    const std::uint8_t* cell = cells + strip * ColourCells::pitch(size);
-    for (std::size_t y = 0; y < edge; ++y, cell += kCellBytes) {
-      std::uint8_t* out = rgba.data() + 4 * (y * edge + begin);
-      const std::uint8_t* texel = cell;
-      for (std::size_t x = begin; x < end; ++x, texel += 3, out += 4) {
-        for (std::size_t c = 0; c < 3; ++c) out[c] = texel[c] ^ kFlip;
-        out[3] = 255;
-      }
-    }
-  }
+void bordered_rgba(const std::uint8_t* cells, std::uint32_t size, std::span<std::uint8_t> rgba) {
+  EN_CHECK_EQ(rgba.size(), 4 * (std::size_t{size} + 2) * (std::size_t{size} + 2));
+  write_rows<4>(cells, size, 0, std::size_t{size} + 2, rgba.data());
+}
+
+void plain_rgb(const std::uint8_t* cells, std::uint32_t size, std::span<std::uint8_t> rgb) {
+  EN_CHECK_EQ(rgb.size(), 3 * std::size_t{size} * size);
+  write_rows<3>(cells, size, 1, std::size_t{size} + 1, rgb.data());
 }
 
 template <class T>

@@ -12,7 +12,8 @@ namespace enfilade::image {
 
 /// Bytes of a cell.
 inline constexpr std::size_t kCellBytes = 64;
-/// The longest edge of a face in cells, in texels: offsets in a face fit into 31 bits.
+/// The longest edge of a face, in texels: above any panorama's, offsets in a face fit into 31 bits,
+/// and a hostile index of a store cannot ask for all memory.
 inline constexpr std::uint32_t kLargestCellFace = 16384;
 
 /// A colour face with a border of one texel all around, in the caller's memory. A cell has the
@@ -51,7 +52,9 @@ std::array<std::uint8_t, 3> colour_texel(const std::uint8_t* cells, std::uint32_
                                          std::ptrdiff_t x, std::ptrdiff_t y);
 /// The rows -1 .. size of a face in cells as RGBA, border included, A = 255. \pre rgba has
 /// 4 (size + 2)^2 bytes
-void colour_rows(const std::uint8_t* cells, std::uint32_t size, std::span<std::uint8_t> rgba);
+void bordered_rgba(const std::uint8_t* cells, std::uint32_t size, std::span<std::uint8_t> rgba);
+/// Its rows 0 .. size - 1 as RGB, without the border. \pre rgb has 3 size^2 bytes
+void plain_rgb(const std::uint8_t* cells, std::uint32_t size, std::span<std::uint8_t> rgb);
 
 /// A face of 16- or 32-bit values: cells of 32 or 16 texels, no border.
 template <class T>

@@ -69,10 +69,24 @@ TEST(ColourCells, HaveEachTexelAndItsRightNeighbourInOneCell) {
   }
 }
 
+TEST(ColourCells, BecomePlainRows) {
+  for (const std::uint32_t size : kSizes) {
+    const auto memory = labelled(size);
+    std::vector<std::uint8_t> rgb(3 * std::size_t{size} * size);
+    plain_rgb(memory.data(), size, rgb);
+    const std::uint8_t* pixel = rgb.data();
+    for (std::ptrdiff_t y = 0; y < std::ptrdiff_t{size}; ++y) {
+      for (std::ptrdiff_t x = 0; x < std::ptrdiff_t{size}; ++x, pixel += 3) {
+        ASSERT_TRUE(std::ranges::equal(label(x, y), std::span(pixel, 3))) << size;
+      }
+    }
+  }
+}
+
 TEST(ColourCells, BecomeRowsWithTheirBorder) {
   const auto memory = labelled(19);
   std::vector<std::uint8_t> rgba(4 * 21 * 21);
-  colour_rows(memory.data(), 19, rgba);
+  bordered_rgba(memory.data(), 19, rgba);
   for (std::ptrdiff_t y = -1; y <= 19; ++y) {
     for (std::ptrdiff_t x = -1; x <= 19; ++x) {
       const std::uint8_t* texel = rgba.data() + 4 * ((y + 1) * 21 + x + 1);

@@ -51,15 +51,19 @@ struct Unit {
 // Reads the values of a unit's faces in rows, and puts them into cells.
 template <class T, class Read>
 void read_values(const Unit& unit, const Read& read) {
-  thread_local std::vector<T> rows;
-  std::array<T*, kCubeFaces> buffers{};
-  std::size_t size = 0;
+  thread_local std::vector<T> rows;  // of the faces that are read, one after the other
+  std::size_t needed = 0;
   for (const Entry* entry : unit.entries) {
-    if (entry != nullptr) size = entry->size;
+    if (entry != nullptr) needed += std::size_t{entry->size} * entry->size;
   }
-  if (rows.size() < kCubeFaces * size * size) rows.resize(kCubeFaces * size * size);
+  if (rows.size() < needed) rows.resize(needed);
+  std::array<T*, kCubeFaces> buffers{};
+  T* next = rows.data();
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    if (unit.entries[k] != nullptr) buffers[k] = rows.data() + k * size * size;
+    const Entry* entry = unit.entries[k];
+    if (entry == nullptr) continue;
+    buffers[k] = next;
+    next += std::size_t{entry->size} * entry->size;
   }
   read(buffers);
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
@@ -72,18 +76,7 @@ void read_values(const Unit& unit, const Read& read) {
 }  // namespace
 
 std::size_t face_bytes(Layer layer, std::uint32_t size) noexcept {
-  const auto bytes = [&] {
-    switch (layer) {
-      case Layer::kColour:
-        return image::ColourCells::bytes(size);
-      case Layer::kDepth:
-      case Layer::kClass:
-        return image::ValueCells<std::uint16_t>::bytes(size);
-      case Layer::kInstance:
-        break;
-    }
-    return image::ValueCells<std::uint32_t>::bytes(size);
-  }();
+  const std::size_t bytes = scan::cells_bytes(layer, size);
   // An odd number of lines, so that the same rows of faces do not meet in the same cache sets.
   return bytes % (2 * image::kCellBytes) == 0 ? bytes + image::kCellBytes : bytes;
 }

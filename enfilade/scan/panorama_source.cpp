@@ -45,12 +45,7 @@ std::uint64_t checksum_of_faces(const image::CubeMap<T>& map, std::uint64_t seed
 // The texels of a face, without its border.
 image::Image8 rgb_of(const image::ColourCells& face) {
   image::Image8 picture(face.size, face.size, 3);
-  std::uint8_t* to = picture.pixels.data();
-  for (std::ptrdiff_t y = 0; y < std::ptrdiff_t{face.size}; ++y) {
-    for (std::ptrdiff_t x = 0; x < std::ptrdiff_t{face.size}; ++x, to += 3) {
-      std::ranges::copy(image::colour_texel(face.cells, face.size, x, y), to);
-    }
-  }
+  image::plain_rgb(face.cells, face.size, picture.pixels);
   return picture;
 }
 
@@ -82,6 +77,19 @@ std::array<T*, kCubeFaces> make_faces(image::CubeMap<T>& map, std::uint32_t size
 std::string_view to_string(Layer layer) {
   constexpr std::array<std::string_view, kLayers> kNames{"colour", "depth", "class", "instance"};
   return kNames.at(index(layer));
+}
+
+std::size_t cells_bytes(Layer layer, std::uint32_t size) noexcept {
+  switch (layer) {
+    case Layer::kColour:
+      return image::ColourCells::bytes(size);
+    case Layer::kDepth:
+    case Layer::kClass:
+      return image::ValueCells<std::uint16_t>::bytes(size);
+    case Layer::kInstance:
+      break;
+  }
+  return image::ValueCells<std::uint32_t>::bytes(size);
 }
 
 PanoramaSource::PanoramaSource(std::string scan, std::string origin,
@@ -131,7 +139,8 @@ LookupError PanoramaSource::lacks(Layer layer, ViewpointIndex viewpoint) const {
 
 const std::uint8_t* PanoramaSource::cells(Layer layer, ViewpointIndex viewpoint,
                                           CubeFace /*face*/) const {
-  throw lacks(layer, viewpoint);
+  EN_CHECK(has_cells(layer, viewpoint));
+  return nullptr;  // a source that has cells has its own function
 }
 
 std::string PanoramaSource::state() const { return {}; }

@@ -32,6 +32,9 @@ inline constexpr std::size_t kLayers = 4;
 constexpr std::size_t index(Layer layer) { return static_cast<std::size_t>(layer); }
 std::string_view to_string(Layer layer);  ///< "colour", "depth", "class", "instance"
 
+/// Bytes of a face of a layer in cells (image/face_cells.h). \param size texels along an edge
+std::size_t cells_bytes(Layer layer, std::uint32_t size) noexcept;
+
 /// Units of Layer::kDepth per metre: 4000.
 using image::kDepthUnitsPerMetre;
 

@@ -89,11 +89,11 @@ std::vector<PlannedPanorama> make_plan(const PanoramaSource& source, const PackO
     plan.push_back({ViewpointIndex(i), sizes[i], packed_sizes(sizes[i], options)});
     colour = colour || sizes[i][index(Layer::kColour)] > 0;
     const std::uint32_t largest = std::ranges::max(plan.back().sizes);
-    if (largest > detail::kLargestFace) {
+    if (largest > image::kLargestCellFace) {
       throw ArgumentError(
           fmt::format("face_size: viewpoint {:?} has faces of {} texels; a store "
                       "holds at most {}",
-                      source.poses()[i].viewpoint, largest, detail::kLargestFace));
+                      source.poses()[i].viewpoint, largest, image::kLargestCellFace));
     }
   }
   if (!colour) {

@@ -418,7 +418,7 @@ TEST_F(Damage, OfTheIndexIsRefusedThoughChecksumsAreRight) {
       [](Row& row, Faces&) { row.name_offset += 2; },  // v1's id
       [](Row& row, Faces&) { row.included = 2; },
       [](Row& row, Faces&) { row.position[1] = std::numeric_limits<double>::quiet_NaN(); },
-      [](Row& row, Faces&) { row.sizes[0] = detail::kLargestFace + 1; },
+      [](Row& row, Faces&) { row.sizes[0] = image::kLargestCellFace + 1; },
       [](Row& row, Faces&) { row.sizes[3] = 0; },
       [](Row&, Faces& faces) { faces[0].offset = 100; },
       [](Row&, Faces& faces) { faces[0].offset = ~std::uint64_t{0}; },

@@ -65,8 +65,6 @@ struct PlanarScale {
 };
 
 struct Kernels {
-  const char* name;
-
   /// Where the pixels of a piece meet the face that it lies on; written from the place `at` on.
   void (*points)(const FaceLine&, Piece, std::size_t at, Points& out);
   /// Where their colour is. Asks memory for it, too. Repeats the last

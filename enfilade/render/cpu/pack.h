@@ -66,11 +66,11 @@ class Packer {
   void pack(const Values& values, const Place& place) const;
   /// Draws colour from a run of taps, as many as place.count, straight into the output's format.
   void draw_colour(const TapRun& run, const Place& place) const;
-  void pack_colour(const std::uint32_t* rgba, const Place& place) const;
   /// All but colour.
   void pack_values(const Values& values, const Place& place) const;
 
  private:
+  void pack_colour(const std::uint32_t* rgba, const Place& place) const;
   template <class From>
   void put_colour(const From& from, const Place& place) const;
   void pack_depth(const std::uint16_t* units, const float* factor, const Place& place) const;

@@ -117,7 +117,7 @@ void FacePool::upload(std::int32_t slot, const Face& face) {
   rows_.resize(slot_bytes());
   switch (layer_) {
     case scan::Layer::kColour:
-      image::colour_rows(face.cells, face.size, rows_);
+      image::bordered_rgba(face.cells, face.size, rows_);
       break;
     case scan::Layer::kDepth:
     case scan::Layer::kClass:

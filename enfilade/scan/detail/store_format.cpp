@@ -143,9 +143,9 @@ std::string fault_of(const FaceEntry& entry, Layer layer, std::uint64_t size, st
 std::string fault_of(const FaceSizes& sizes, const FaceEntries& faces, std::uint64_t end) {
   for (std::size_t l = 0; l < kLayers; ++l) {
     const auto layer = static_cast<Layer>(l);
-    if (sizes[l] > kLargestFace) {
+    if (sizes[l] > image::kLargestCellFace) {
       return fmt::format("{}: faces of {} texels, more than {}", to_string(layer), sizes[l],
-                         kLargestFace);
+                         image::kLargestCellFace);
     }
     for (std::size_t k = 0; k < kCubeFaces; ++k) {
       const std::string fault = fault_of(faces[entry_index(layer, k)], layer, sizes[l], end);
@@ -156,12 +156,6 @@ std::string fault_of(const FaceSizes& sizes, const FaceEntries& faces, std::uint
 }
 
 }  // namespace
-
-std::size_t cells_bytes(Layer layer, std::uint32_t size) {
-  if (layer == Layer::kColour) return image::ColourCells::bytes(size);
-  if (layer == Layer::kInstance) return image::ValueCells<std::uint32_t>::bytes(size);
-  return image::ValueCells<std::uint16_t>::bytes(size);
-}
 
 std::uint64_t checksum(image::Bytes bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 

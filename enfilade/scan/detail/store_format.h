@@ -16,8 +16,6 @@ namespace enfilade::scan::detail {
 inline constexpr std::array<char, 8> kMagic{'\x89', 'E', 'N', 'F', '\r', '\n', '\x1a', '\n'};
 inline constexpr std::array<char, 8> kRecordMagic{'P', 'A', 'N', 'O', 'R', 'A', 'M', 'A'};
 inline constexpr std::uint32_t kByteOrder = 0x01020304;
-/// Texels; above any panorama, below what would let a hostile index ask for all memory.
-inline constexpr std::uint32_t kLargestFace = 16384;
 inline constexpr std::uint32_t kLongestName = 255;
 inline constexpr std::uint64_t kLargestGraph = std::uint64_t{1} << 30;
 
@@ -92,9 +90,6 @@ struct Catalogue {
   std::vector<FaceEntries> faces;
   image::Bytes graph;  ///< a view of the file
 };
-
-/// Bytes of a face in cells.
-std::size_t cells_bytes(Layer layer, std::uint32_t size);
 
 /// XXH3, 64 bits, seed 0.
 std::uint64_t checksum(image::Bytes bytes);
