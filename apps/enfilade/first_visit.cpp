@@ -73,7 +73,6 @@ fs::path make_first_homes() {
   two.homes = 2;
   two.stairs_every = 2;
   two.face_size = 512;
-  two.least_area = two.most_area = 60;  // square metres: a minute of two cores for both
   homes::write_homes(own, two, bar("two model homes"));
   homes::HomePathOptions paths;
   paths.test_split = false;

@@ -42,13 +42,10 @@ bool can_learn() { return access(learn_program().c_str(), X_OK) == 0; }
 void hand_over_to_learn() {
   const fs::path program = learn_program();
   if (!can_learn()) {
-    throw UsageError(fmt::format(
-        "this verb needs PyTorch's library, and so a second program, enfilade-learn. It would be "
-        "{}: "
-        "it is not there. If pip installed Enfilade: pip install torch, then pip install "
-        "--no-build-isolation ./packaging/learn in a clone, which builds it for this PyTorch. In a "
-        "build of your own: -DEN_WITH_TORCH=ON (docs/installing.md)",
-        program.string()));
+    throw UsageError(
+        fmt::format("this needs libtorch, which is in the program {}: it is not there. Build with "
+                    "-DEN_WITH_TORCH=ON (libtorch-dev, libopenblas0-pthread, libhdf5-dev)",
+                    program.string()));
   }
   std::vector<std::string> arguments = own_arguments();
   std::vector<char*> pointers;
