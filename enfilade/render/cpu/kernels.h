@@ -30,6 +30,11 @@ struct Points {
   alignas(64) std::array<std::int32_t, kBlock + kSlack> x, y;
 };
 
+/// nearest_offset() of each pixel of a piece: bytes from its face's cells to the texel there.
+struct Places {
+  alignas(64) std::array<std::int32_t, kBlock + kSlack> offset;
+};
+
 /// tap_at() of each pixel of a piece; offsets are from an address that the pieces of a row share.
 struct Taps {
   alignas(64) std::array<std::int32_t, kBlock + kSlack> offset;
@@ -80,10 +85,15 @@ struct Kernels {
   void (*draw_rgba)(const TapRun&, std::uint32_t* out);
   void (*draw_planar16)(const TapRun&, const PlanarScale&, std::size_t plane, std::uint16_t* out);
   void (*draw_planar32)(const TapRun&, const PlanarScale&, std::size_t plane, float* out);
-  void (*nearest16)(const Points&, std::size_t from, const Face&, std::size_t count,
-                    std::uint16_t* out);
-  void (*nearest32)(const Points&, std::size_t from, const Face&, std::size_t count,
-                    std::uint32_t* out);
+  /// Of layers of 16 and 32 bits, the texels that hold the points `from` .. from + count - 1; asks
+  /// memory for them. Writes the same places of `out`, and whole registers, as `taps` does.
+  void (*places16)(const Points&, std::size_t from, std::size_t count, const Face&, Places& out);
+  void (*places32)(const Points&, std::size_t from, std::size_t count, const Face&, Places& out);
+  /// Their values. Whole registers are read: what follows the places must be a face's places, too.
+  void (*values16)(const std::uint8_t* cells, const std::int32_t* places, std::size_t count,
+                   std::uint16_t* out);
+  void (*values32)(const std::uint8_t* cells, const std::int32_t* places, std::size_t count,
+                   std::uint32_t* out);
 
   // From a block to the caller's memory, `count` pixels; never writes beyond them.
   void (*pack_rgb)(const std::uint32_t* rgba, std::size_t count, std::uint8_t* out);

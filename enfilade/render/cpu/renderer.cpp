@@ -65,14 +65,13 @@ class BandDrawer {
   }
 
   void draw(std::uint32_t first_row, std::uint32_t rows) {
-    const std::uint32_t width = job_.camera.width;
+    const std::uint32_t width = job_.camera.width, end = first_row + rows;
+    const std::uint32_t at_once = rows_of_block(width);
     std::size_t next = 0;
-    for (std::uint32_t row = first_row; row < first_row + rows; ++row) {
-      Stretches stretches;
-      plan_.plan(row, width, stretches);
+    for (std::uint32_t row = first_row; row < end; row += at_once) {
       for (std::uint32_t begin = 0; begin < width; begin += kBlock, ++next) {
-        prepare(blocks_[next % 2], row, {begin, std::min<std::uint32_t>(begin + kBlock, width)},
-                stretches);
+        prepare(blocks_[next % 2], row, std::min(at_once, end - row),
+                {begin, std::min<std::uint32_t>(begin + kBlock, width)});
         staging_.flush();
         if (next > 0) finish(blocks_[(next - 1) % 2]);
       }
@@ -83,22 +82,34 @@ class BandDrawer {
   }
 
  private:
+  // More rows than these would not make a block's work much longer than what begins and ends it.
+  static constexpr std::uint32_t kMostRows = 8;
+
   // A block's part of a stretch.
   struct Part {
     Piece piece;
+    std::uint32_t row;
     std::size_t at;  // in the block
     CubeFace face;
   };
 
+  // Whole rows of a narrow picture, or some columns of one row of a wide one.
   struct Block {
-    std::uint32_t row = 0;
+    std::uint32_t row = 0, rows = 0;
     Piece columns;
-    std::array<Part, Stretches::kMost> parts;  // the first `count` are set
+    std::array<Part, kMostRows * Stretches::kMost> parts;  // the first `count` are set
     std::size_t count = 0;
     Taps taps;
-    Points points;
+    Places depth, classes, instances;
     std::span<const Part> all() const noexcept { return {parts.data(), count}; }
+    std::size_t pixels() const noexcept { return std::size_t{rows} * columns.size(); }
   };
+
+  // A memory's worth of pixels ahead is what hides its latency, however narrow the picture is.
+  std::uint32_t rows_of_block(std::uint32_t width) const {
+    if (job_.outputs.colour && base_ == nullptr) return 1;  // drawn part by part
+    return std::clamp<std::uint32_t>(static_cast<std::uint32_t>(kBlock) / width, 1, kMostRows);
+  }
 
   const Face& face(Layer layer, CubeFace face) const {
     return job_.faces[view_.face[index(layer)][index(face)]];
@@ -132,86 +143,119 @@ class BandDrawer {
     return job_.outputs.depth || job_.outputs.classes || job_.outputs.instances;
   }
 
+  // Calls each(layer, places of a block, values) for those that are drawn with the nearest texel.
+  template <class Each>
+  void nearest_layers(Block& block, const Each& each) {
+    const Outputs& outputs = job_.outputs;
+    if (outputs.depth) each(Layer::kDepth, block.depth, depth_);
+    if (outputs.classes) each(Layer::kClass, block.classes, classes_);
+    if (outputs.instances) each(Layer::kInstance, block.instances, instances_);
+  }
+
   ColourFace colour_face(const Face& f, const std::uint8_t* base) const {
     return {base, static_cast<std::int32_t>(f.cells - base), f.size, job_.legacy.clamped_edges};
   }
 
-  void prepare(Block& block, std::uint32_t row, Piece columns, const Stretches& stretches) const {
+  void prepare(Block& block, std::uint32_t row, std::uint32_t rows, Piece columns) {
     block.row = row;
+    block.rows = rows;
     block.columns = columns;
     block.count = 0;
-    for (const Stretch& stretch : stretches.all()) {
-      const Piece piece{std::max(stretch.begin, columns.begin), std::min(stretch.end, columns.end)};
-      if (piece.begin >= piece.end) continue;
-      const Part part{piece, piece.begin - columns.begin, stretch.face};
-      block.parts[block.count++] = part;
-      if (base_ == nullptr) continue;
-      const Face& f = face(Layer::kColour, part.face);
-      const FaceLine line = face_line(view_.rays, row, part.face, f.size);
-      const ColourFace colour = colour_face(f, base_);
-      if (draws_nearest() && same_size_) {
-        job_.kernels.taps_and_points(line, piece, colour, part.at, block.taps, block.points);
-      } else {
-        job_.kernels.taps(line, piece, colour, part.at, block.taps);
+    for (std::uint32_t k = 0; k < rows; ++k) {
+      Stretches stretches;
+      plan_.plan(row + k, job_.camera.width, stretches);
+      for (const Stretch& stretch : stretches.all()) {
+        const Piece piece{std::max(stretch.begin, columns.begin),
+                          std::min(stretch.end, columns.end)};
+        if (piece.begin >= piece.end) continue;
+        const std::size_t at = std::size_t{k} * columns.size() + piece.begin - columns.begin;
+        block.parts[block.count++] = {piece, row + k, at, stretch.face};
+        find_texels(block, block.parts[block.count - 1]);
       }
     }
     if (base_ == nullptr) return;
-    const std::size_t last = columns.size() - 1;
+    const std::size_t last = block.pixels() - 1;
     std::fill_n(block.taps.offset.data() + last + 1, kTapsBeyond, block.taps.offset[last]);
+  }
+
+  // Where a part's pixels are on the faces of all layers.
+  void find_texels(Block& block, const Part& part) {
+    std::uint32_t size = 0;  // of the faces that points_ are on
+    const auto line = [&](std::uint32_t face_size) {
+      return face_line(view_.rays, part.row, part.face, face_size);
+    };
+    if (base_ != nullptr) {
+      const Face& f = face(Layer::kColour, part.face);
+      const ColourFace colour = colour_face(f, base_);
+      if (draws_nearest() && same_size_) {
+        size = f.size;
+        job_.kernels.taps_and_points(line(size), part.piece, colour, part.at, block.taps, points_);
+      } else {
+        job_.kernels.taps(line(f.size), part.piece, colour, part.at, block.taps);
+      }
+    }
+    nearest_layers(block, [&](Layer layer, Places& places, auto& values) {
+      const Face& f = face(layer, part.face);
+      if (f.size != size) {  // points made for another layer do not fit
+        size = f.size;
+        job_.kernels.points(line(size), part.piece, part.at, points_);
+      }
+      const bool wide = sizeof(values.values[0]) == 4;
+      (wide ? job_.kernels.places32 : job_.kernels.places16)(points_, part.at, part.piece.size(), f,
+                                                             places);
+    });
   }
 
   void finish(Block& block) {
     if (base_ != nullptr) {
-      job_.packer.draw_colour({base_, block.taps, 0, block.columns.size()},
-                              place_of(block, block.columns));
+      job_.packer.draw_colour({base_, block.taps, 0, block.pixels()},
+                              place_of(block.row, block.columns.begin, block.pixels()));
     } else if (job_.outputs.colour) {
       for (const Part& part : block.all()) draw_colour_alone(block, part);
     }
     if (!draws_nearest()) return;
-    for (const Part& part : block.all()) draw_nearest(block, part);
-    job_.packer.pack_values({nullptr, depth_.values.data(), classes_.values.data(),
-                             instances_.values.data(), depth_factors(block)},
-                            place_of(block, block.columns));
+    nearest_layers(block, [&](Layer layer, const Places& places, auto& values) {
+      for (const Part& part : block.all()) read_values(layer, part, places, values);
+    });
+    for (std::uint32_t k = 0; k < block.rows; ++k) {
+      const std::size_t at = std::size_t{k} * block.columns.size();
+      const std::uint32_t row = block.row + k;
+      job_.packer.pack_values({nullptr, depth_.values.data() + at, classes_.values.data() + at,
+                               instances_.values.data() + at, depth_factors(row, block.columns)},
+                              place_of(row, block.columns.begin, block.columns.size()));
+    }
   }
 
-  const float* depth_factors(const Block& block) const {
+  const float* depth_factors(std::uint32_t row, Piece columns) const {
     const auto& depth = job_.outputs.depth;
     if (!depth || depth->measure == DepthMeasure::kRay) return job_.depth_factor;
     // The lower rows are the upper ones in a mirror: half of the table stays in the caches.
-    const std::uint32_t row = std::min(block.row, job_.camera.height - 1 - block.row);
-    return job_.depth_factor + std::size_t{row} * job_.camera.width + block.columns.begin;
+    const std::uint32_t upper = std::min(row, job_.camera.height - 1 - row);
+    return job_.depth_factor + std::size_t{upper} * job_.camera.width + columns.begin;
   }
 
-  Place place_of(const Block& block, Piece piece) {
+  Place place_of(std::uint32_t row, std::uint32_t column, std::size_t pixels) {
     const Camera& camera = job_.camera;
-    return {number_, std::size_t{block.row} * camera.width + piece.begin, piece.size(),
+    return {number_, std::size_t{row} * camera.width + column, pixels,
             std::size_t{camera.width} * camera.height, job_.stream ? &staging_ : nullptr};
   }
 
   // For faces that are too far apart in memory.
   void draw_colour_alone(Block& block, const Part& part) {
     const Face& f = face(Layer::kColour, part.face);
-    job_.kernels.taps(face_line(view_.rays, block.row, part.face, f.size), part.piece,
+    job_.kernels.taps(face_line(view_.rays, part.row, part.face, f.size), part.piece,
                       colour_face(f, f.cells), part.at, block.taps);
     job_.packer.draw_colour({f.cells, block.taps, part.at, part.piece.size()},
-                            place_of(block, part.piece));
+                            place_of(part.row, part.piece.begin, part.piece.size()));
   }
 
-  void draw_nearest(Block& block, const Part& part) {
-    std::uint32_t size = base_ != nullptr && same_size_ ? face(Layer::kColour, part.face).size : 0;
-    const auto read = [&](Layer layer, auto kernel, auto& out) {
-      const Face& f = face(layer, part.face);
-      if (f.size != size) {  // points made for another layer do not fit
-        job_.kernels.points(face_line(view_.rays, block.row, part.face, f.size), part.piece,
-                            part.at, block.points);
-        size = f.size;
-      }
-      kernel(block.points, part.at, f, part.piece.size(), out.values.data() + part.at);
-    };
-    const Outputs& outputs = job_.outputs;
-    if (outputs.depth) read(Layer::kDepth, job_.kernels.nearest16, depth_);
-    if (outputs.classes) read(Layer::kClass, job_.kernels.nearest16, classes_);
-    if (outputs.instances) read(Layer::kInstance, job_.kernels.nearest32, instances_);
+  void read_values(Layer layer, const Part& part, const Places& places, Block16& out) const {
+    job_.kernels.values16(face(layer, part.face).cells, places.offset.data() + part.at,
+                          part.piece.size(), out.values.data() + part.at);
+  }
+  void read_values(Layer layer, const Part& part, const Places& places, Block32& out) const {
+    job_.kernels.values32(face(layer, part.face).cells, places.offset.data() + part.at,
+                          part.piece.size(), out.values.data() + part.at);
   }
 
   const Job& job_;
@@ -221,6 +265,7 @@ class BandDrawer {
   const std::uint8_t* base_ = nullptr;  // of colour's offsets; null: each face has its own
   bool same_size_ = true;               // as colour: all other layers that are drawn
   std::array<Block, 2> blocks_;
+  Points points_;  // of the part that is being prepared
   Staging staging_;
   Block32 instances_;
   Block16 depth_, classes_;

@@ -31,10 +31,16 @@ void taps_and_points(const FaceLine& line, Piece piece, const ColourFace& face, 
 }
 
 template <class T>
-void nearest(const Points& points, std::size_t from, const Face& face, std::size_t count, T* out) {
+void places(const Points& points, std::size_t from, std::size_t count, const Face& face,
+            Places& out) {
   for (std::size_t k = from; k < from + count; ++k) {
-    *out++ = sample_nearest<T>(face, {points.x[k], points.y[k]});
+    out.offset[k] = nearest_offset<T>(face.size, {points.x[k], points.y[k]});
   }
+}
+
+template <class T>
+void values(const std::uint8_t* cells, const std::int32_t* places, std::size_t count, T* out) {
+  for (std::size_t k = 0; k < count; ++k) std::memcpy(out + k, cells + places[k], sizeof(T));
 }
 
 std::uint8_t channel(std::uint32_t rgba, unsigned c) {
@@ -154,8 +160,10 @@ constexpr Kernels kScalar{
     .draw_rgba = draw_rgba,
     .draw_planar16 = draw_planar16,
     .draw_planar32 = draw_planar32,
-    .nearest16 = nearest<std::uint16_t>,
-    .nearest32 = nearest<std::uint32_t>,
+    .places16 = places<std::uint16_t>,
+    .places32 = places<std::uint32_t>,
+    .values16 = values<std::uint16_t>,
+    .values32 = values<std::uint32_t>,
     .pack_rgb = pack_rgb,
     .pack_bgr = pack_bgr,
     .pack_planar16 = pack_planar16,
