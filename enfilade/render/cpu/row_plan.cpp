@@ -1,5 +1,6 @@
 #include "enfilade/render/cpu/row_plan.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "enfilade/core/check.h"
@@ -35,6 +36,18 @@ constexpr std::array<Axes, kCubeFaces> kAxes = [] {
 using Parts = std::array<double, 3>;
 Parts parts_of(Vec3d v) { return {v.x, v.y, v.z}; }
 
+// origin + row * slope
+struct Linear {
+  double origin, slope;
+  double at(double row) const { return origin + row * slope; }
+};
+
+constexpr double kMostRows = 1U << 31U;
+
+std::uint32_t row_number(double row) {
+  return static_cast<std::uint32_t>(std::clamp(row, 0.0, kMostRows));
+}
+
 }  // namespace
 
 void Stretches::add(std::uint32_t begin, std::uint32_t end, CubeFace face) {
@@ -61,6 +74,34 @@ FaceLine face_line(const PixelRays& rays, std::uint32_t row, CubeFace face, std:
           static_cast<float>(d1)};
 }
 
+// The rows in which |part| <= |limit|, and perhaps one more at each end: a cut too many does no
+// harm, and rounding must not hide a corner, where both are equal.
+std::array<ViewPlan::Rows, 2> ViewPlan::rows_within(double part0, double part1, double limit0,
+                                                    double limit1) {
+  const std::array<Linear, 2> factors{Linear{limit0 - part0, limit1 - part1},
+                                      Linear{limit0 + part0, limit1 + part1}};
+  std::array<double, 2> roots{0, 0};
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (factors[k].slope != 0) roots[k] = -factors[k].origin / factors[k].slope;
+  }
+  std::array<double, 4> ends{0, roots[0], roots[1], kMostRows};
+  std::ranges::sort(ends);
+  std::array<Rows, 2> rows{};
+  std::size_t count = 0;
+  for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
+    const double begin = std::max(ends[k], 0.0), end = std::min(ends[k + 1], kMostRows);
+    const double middle = begin + (end - begin) / 2;
+    if (begin > end || factors[0].at(middle) * factors[1].at(middle) < 0) continue;
+    const Rows found{row_number(std::floor(begin) - 1), row_number(std::ceil(end) + 2)};
+    if (count > 0 && found.begin <= rows[count - 1].end) {
+      rows[count - 1].end = found.end;
+    } else {
+      rows[count++] = found;
+    }
+  }
+  return rows;
+}
+
 ViewPlan::ViewPlan(const PixelRays& rays) : rays_(rays) {
   const Parts origin = parts_of(rays.origin), row = parts_of(rays.row);
   const Parts column = parts_of(rays.column);
@@ -70,23 +111,24 @@ ViewPlan::ViewPlan(const PixelRays& rays) : rays_(rays) {
     for (const double sign : {1.0, -1.0}) {
       const double slope = column[a] - sign * column[b];
       if (slope == 0) continue;  // no row crosses it
-      crossings_[count_++] = {-(origin[a] - sign * origin[b]) / slope,
-                              -(row[a] - sign * row[b]) / slope, a, c};
+      const Linear at{-(origin[a] - sign * origin[b]) / slope, -(row[a] - sign * row[b]) / slope};
+      crossings_[count_++] = {
+          at.origin, at.slope,
+          rows_within(origin[c] + at.origin * column[c], row[c] + at.slope * column[c],
+                      origin[a] + at.origin * column[a], row[a] + at.slope * column[a])};
     }
   }
 }
 
 void ViewPlan::plan(std::uint32_t row, std::uint32_t width, Stretches& out) const {
-  // Rounding must not hide a corner, where all three parts are equal; a cut too many does no harm.
-  constexpr double kMargin = 1 + 1e-9;
   std::array<std::uint32_t, 8> cuts{};
   std::size_t n = 1;
   for (const Crossing& crossing : std::span(crossings_).first(count_)) {
+    if (!crossing.rows[0].have(row) && !crossing.rows[1].have(row)) continue;
     const double column = crossing.origin + row * crossing.slope;
     if (!(column > 0 && column < width)) continue;
-    const Parts parts = parts_of(rays_.at(row, column));
-    if (std::abs(parts[crossing.c]) > kMargin * std::abs(parts[crossing.a])) continue;
-    const auto cut = static_cast<std::uint32_t>(std::ceil(column));
+    auto cut = static_cast<std::uint32_t>(column);
+    if (cut < column) ++cut;
     // Kept in order: six numbers at most, too few for a sorting function.
     std::size_t k = n++;
     for (; cuts[k - 1] > cut; --k) cuts[k] = cuts[k - 1];

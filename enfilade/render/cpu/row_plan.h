@@ -48,12 +48,20 @@ class ViewPlan {
   void plan(std::uint32_t row, std::uint32_t width, Stretches& out) const;
 
  private:
-  // The columns origin + row * slope at which the parts a and b of the direction are of equal size;
-  // no face ends there where part c is larger.
+  // Rows begin .. end - 1.
+  struct Rows {
+    std::uint32_t begin = 0, end = 0;
+    bool have(std::uint32_t row) const noexcept { return row >= begin && row < end; }
+  };
+
+  // The columns origin + row * slope at which two parts of the direction are of equal size, and the
+  // rows in which the third part is not larger: in the others no face ends there.
   struct Crossing {
     double origin, slope;
-    std::size_t a, c;
+    std::array<Rows, 2> rows;
   };
+
+  static std::array<Rows, 2> rows_within(double part0, double part1, double limit0, double limit1);
 
   PixelRays rays_;
   std::array<Crossing, 6> crossings_;  // the first count_ are set
