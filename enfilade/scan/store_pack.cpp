@@ -43,10 +43,12 @@ std::uint64_t fingerprint_of(const PanoramaSource& source, const Connectivity& g
                              const PackOptions& options) {
   const std::string state = source.state();
   if (state.empty()) return 0;
-  const std::string all = fmt::format(
-      "{}\n{}\n{} {} {} {}{}\n{}\n{}", kStoreVersion, source.scan(),
-      static_cast<int>(options.colour), options.face_size, options.jpeg_quality,
-      options.included_only, options.decoded ? " decoded" : " rows", to_json(graph), state);
+  const bool jpegs = options.colour != ColourCoding::kRaw;
+  const char* coding = options.decoded ? " decoded" : (jpegs ? " rows" : "");
+  const std::string all =
+      fmt::format("{}\n{}\n{} {} {} {}{}\n{}\n{}", kStoreVersion, source.scan(),
+                  static_cast<int>(options.colour), options.face_size, options.jpeg_quality,
+                  options.included_only, coding, to_json(graph), state);
   // 0 means unknown.
   return std::max<std::uint64_t>(1, detail::checksum(image::bytes_of(all)));
 }
