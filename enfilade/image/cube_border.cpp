@@ -96,14 +96,24 @@ std::vector<std::uint8_t> border_of(const CubeMap<std::uint8_t>& faces, CubeFace
 }
 
 void write_border(const ColourCells& face, std::span<const std::uint8_t> border) {
+  write_border_rows(face, border, 0, face.size);
+}
+
+void write_border_rows(const ColourCells& face, std::span<const std::uint8_t> border,
+                       std::uint32_t begin, std::uint32_t end) {
   EN_CHECK_EQ(border.size(), 3 * border_texels(face.size));
   const std::uint8_t* rgb = border.data();
   const auto size = static_cast<std::ptrdiff_t>(face.size);
   for (const std::ptrdiff_t y : {std::ptrdiff_t{-1}, size}) {
-    for (std::ptrdiff_t x = -1; x <= size; ++x, rgb += 3) face.write(x, y, rgb);
+    const bool wanted = y < 0 ? begin == 0 : end == face.size;
+    for (std::ptrdiff_t x = -1; x <= size; ++x, rgb += 3) {
+      if (wanted) face.write(x, y, rgb);
+    }
   }
   for (const std::ptrdiff_t x : {std::ptrdiff_t{-1}, size}) {
-    for (std::ptrdiff_t y = 0; y < size; ++y, rgb += 3) face.write(x, y, rgb);
+    for (std::ptrdiff_t y = 0; y < size; ++y, rgb += 3) {
+      if (y >= begin && y < end) face.write(x, y, rgb);
+    }
   }
 }
 

@@ -23,6 +23,10 @@ std::vector<std::uint8_t> border_of(const CubeMap<std::uint8_t>& faces, CubeFace
 
 /// Writes a border of border_of() around a face. \pre border.size() == 3 * border_texels(size)
 void write_border(const ColourCells& face, std::span<const std::uint8_t> border);
+/// The same, of rows begin .. end - 1 alone: the texels beside them, the row above the face if they
+/// begin with its first, the row below it if they end with its last.
+void write_border_rows(const ColourCells& face, std::span<const std::uint8_t> border,
+                       std::uint32_t begin, std::uint32_t end);
 
 /// Copies a face's pixels, RGB in rows, without a border. \pre of the face's size
 void write_face(const ColourCells& face, const std::uint8_t* rgb);

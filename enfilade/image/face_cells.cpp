@@ -10,17 +10,32 @@ namespace {
 
 constexpr std::uint8_t kFlip = 0x80;
 
-// Copies texels and flips their upper bits, eight bytes at a time.
+constexpr std::uint64_t kFlips = 0x8080808080808080U;
+
+// Sixteen bytes, which compilers make one register.
+void flip16(const std::uint8_t* from, std::uint8_t* to) {
+  std::array<std::uint64_t, 2> words;
+  std::memcpy(words.data(), from, sizeof(words));
+  words[0] ^= kFlips;
+  words[1] ^= kFlips;
+  std::memcpy(to, words.data(), sizeof(words));
+}
+
+// Copies texels and flips their upper bits.
 void flip_copy(const std::uint8_t* from, std::size_t bytes, std::uint8_t* to) {
-  constexpr std::uint64_t kFlips = 0x8080808080808080U;
   std::size_t k = 0;
-  for (; k + 8 <= bytes; k += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, from + k, 8);
-    word ^= kFlips;
-    std::memcpy(to + k, &word, 8);
-  }
+  for (; k + 16 <= bytes; k += 16) flip16(from + k, to + k);
   for (; k < bytes; ++k) to[k] = from[k] ^ kFlip;
+}
+
+// A whole row of a cell: the last sixteen bytes overlap those before.
+void flip_copy_cell(const std::uint8_t* from, std::uint8_t* to) {
+  constexpr std::size_t kLast = (ColourCells::kColumns + 1) * ColourCells::kTexelBytes - 16;
+  static_assert(kLast <= 48);
+  flip16(from, to);
+  flip16(from + 16, to + 16);
+  flip16(from + 32, to + 32);
+  flip16(from + kLast, to + kLast);
 }
 
 // Columns and rows first .. end - 1 of a face, counted from its border's, as RGB or RGBA.
@@ -66,7 +81,6 @@ void ColourCells::write(std::ptrdiff_t x, std::ptrdiff_t y, const std::uint8_t* 
 }
 
 void ColourCells::write_row(std::size_t y, const std::uint8_t* rgb) const {
-  constexpr std::size_t kWhole = (kColumns + 1) * kTexelBytes;
   std::uint8_t* cell = cells + (y + 1) * kCellBytes;
   // The first strip begins with a texel of the border.
   const std::size_t first = std::min<std::size_t>(kColumns, size);
@@ -75,7 +89,7 @@ void ColourCells::write_row(std::size_t y, const std::uint8_t* rgb) const {
     cell += pitch(size);
     const std::size_t begin = strip * kColumns - 1;  // of the face's own texels
     if (begin + kColumns + 1 <= size) {
-      flip_copy(rgb + begin * kTexelBytes, kWhole, cell);
+      flip_copy_cell(rgb + begin * kTexelBytes, cell);
     } else {
       flip_copy(rgb + begin * kTexelBytes, (size - begin) * kTexelBytes, cell);
     }

@@ -7,6 +7,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/image/detail/check_size.h"
+#include "enfilade/image/detail/to_baseline.h"
 
 namespace enfilade::image {
 
@@ -78,6 +79,20 @@ void decode(Bytes jpeg, const Header& header, std::uint8_t* rgb, const std::stri
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> detail::to_baseline(Bytes jpeg, const std::string& file) {
+  read_header(jpeg, file);  // refuses what no reader takes
+  tjtransform transform{};
+  transform.op = TJXOP_NONE;
+  transform.options = TJXOPT_COPYNONE;
+  unsigned char* data = nullptr;
+  unsigned long size = 0;  // NOLINT(google-runtime-int): TurboJPEG's type
+  const int result = tjTransform(thread_handle().get(), jpeg.data(), jpeg.size(), 1, &data, &size,
+                                 &transform, kFlags);
+  const Buffer owner(data);
+  check(result, file);
+  return {data, data + size};
+}
 
 Shape jpeg_shape(Bytes jpeg, const std::string& file) { return shape_of(read_header(jpeg, file)); }
 

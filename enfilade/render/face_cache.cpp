@@ -42,11 +42,50 @@ struct Entry {
 
 Face face_of(const Entry& entry) { return {entry.cells, entry.size}; }
 
-// Faces of one panorama and layer that are decoded by one call to the source.
+// Faces of one panorama and layer that are decoded by one call to the source, or one face that is
+// decoded in parts.
 struct Unit {
   std::array<Entry*, kCubeFaces> entries{};
   FaceKey first;
+  std::uint32_t parts = 1, missing = 1;  // that are not decoded yet
+  std::exception_ptr failure;
 };
+
+// What a thread decodes in one go.
+struct Task {
+  Unit* unit = nullptr;
+  std::uint32_t part = 0;  // < unit->parts
+};
+
+// A part needs rows beside it too, and all of them the same tables.
+constexpr std::uint32_t kMostParts = 4;
+
+// Whole units, as many for each thread; those left over in parts, so that no thread has to wait for
+// another's last face. The tasks of a thread follow each other.
+std::vector<Task> share_out(std::span<Unit> units, std::size_t threads,
+                            const scan::PanoramaSet& panoramas) {
+  const std::size_t whole = units.size() / threads, left = units.size() % threads;
+  std::vector<Task> rest;
+  for (Unit& unit : units.last(left)) {
+    const FaceKey& key = unit.first;
+    const scan::PanoramaSource& source = panoramas.source(key.scan);
+    const Entry* entry = unit.entries[index(key.face)];
+    if (key.layer == Layer::kColour && entry != nullptr && !source.reads_whole_panoramas() &&
+        source.reads_rows(key.viewpoint, key.face)) {
+      unit.parts = static_cast<std::uint32_t>(
+          std::min<std::size_t>({threads / left, kMostParts, entry->size}));
+      unit.missing = unit.parts;
+    }
+    for (std::uint32_t part = 0; part < unit.parts; ++part) rest.push_back({&unit, part});
+  }
+  std::vector<Task> tasks;
+  for (std::size_t t = 0; t < threads; ++t) {
+    for (Unit& unit : units.subspan(t * whole, whole)) tasks.push_back({&unit, 0});
+    const std::size_t end = rest.size() * (t + 1) / threads;
+    for (std::size_t k = rest.size() * t / threads; k < end; ++k) tasks.push_back(rest[k]);
+  }
+  return tasks;
+}
 
 // Reads the values of a unit's faces in rows, and puts them into cells.
 template <class T, class Read>
@@ -98,8 +137,8 @@ struct FaceCache::Impl {
   Entry& add(Lock& lock, const FaceKey& key, std::uint32_t size, std::size_t bytes);
   void plan(Lock& lock, std::span<const FaceKey> keys, std::vector<Unit>& units, bool ahead);
   void plan_one(Lock& lock, const FaceKey& key, std::vector<Unit>& units);
-  void load(const Unit& unit);
-  void decode(const Unit& unit);
+  void load(const Task& task);
+  void decode(const Task& task);
   void make_room(const Lock&, std::size_t bytes);
   void forget(const Lock&, Entry& entry) noexcept;
   void work_ahead(const std::stop_token& stop);
@@ -223,8 +262,16 @@ void FaceCache::Impl::plan(Lock& lock, std::span<const FaceKey> keys, std::vecto
   }
 }
 
-void FaceCache::Impl::decode(const Unit& unit) {
+void FaceCache::Impl::decode(const Task& task) {
+  const Unit& unit = *task.unit;
   const scan::PanoramaSource& source = panoramas->source(unit.first.scan);
+  if (unit.parts > 1) {
+    const Entry& entry = *unit.entries[index(unit.first.face)];
+    const std::uint32_t begin = entry.size * task.part / unit.parts,
+                        end = entry.size * (task.part + 1) / unit.parts;
+    return source.read_colour_rows(unit.first.viewpoint, unit.first.face, {begin, end},
+                                   {entry.memory.get(), entry.size});
+  }
   if (source.has_cells(unit.first.layer, unit.first.viewpoint)) {
     for (Entry* entry : unit.entries) {
       if (entry == nullptr) continue;
@@ -255,12 +302,13 @@ void FaceCache::Impl::decode(const Unit& unit) {
   }
 }
 
-// Decodes, and wakes those who wait. Does not throw: failures are stored in the entries.
-void FaceCache::Impl::load(const Unit& unit) {
+// Decodes, and wakes those who wait once no part is missing. Does not throw: failures are stored in
+// the entries.
+void FaceCache::Impl::load(const Task& task) {
   const auto begin = std::chrono::steady_clock::now();
   std::exception_ptr failure;
   try {
-    decode(unit);
+    decode(task);
   } catch (...) {
     failure = std::current_exception();
   }
@@ -268,10 +316,13 @@ void FaceCache::Impl::load(const Unit& unit) {
   const Lock lock(mutex);
   counters.decode_nanoseconds += static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::nanoseconds>(spent).count());
+  Unit& unit = *task.unit;
+  if (failure && !unit.failure) unit.failure = failure;
+  if (--unit.missing > 0) return;
   for (Entry* entry : unit.entries) {
     if (entry == nullptr) continue;
-    entry->state = failure ? State::kFailed : State::kReady;
-    entry->failure = failure;
+    entry->state = unit.failure ? State::kFailed : State::kReady;
+    entry->failure = unit.failure;
     release(lock, *entry);  // the loader's own hold
   }
   changed.notify_all();
@@ -284,8 +335,10 @@ void FaceCache::Impl::acquire(std::span<const FaceKey> keys, std::span<Face> fac
   plan(lock, keys, units, ahead);
   if (!units.empty()) {
     lock.unlock();
-    parallel_for(units.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) load(units[k]);
+    const std::vector<Task> tasks =
+        share_out(units, static_cast<std::size_t>(threads_or_all(threads)), *panoramas);
+    parallel_for(tasks.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) load(tasks[k]);
     });
     lock.lock();
   }

@@ -146,6 +146,43 @@ TEST(FaceCache, TakesNoMemoryForFacesThatTheirStoreHasInCells) {
   EXPECT_GT(decoded->counters().bytes, 0U);
 }
 
+// With 1 to 12 faces missing, of 1 to 8 threads: whole faces, and what is left over in parts.
+TEST(FaceCache, ThreadsShareAFaceWhoseRowsCanBeReadAlone) {
+  constexpr std::uint32_t kSize = 70;
+  const tests::TemporaryFolder folder("cache_of_rows");
+  const auto made = scan::testing::memory_panoramas("house", 2, kSize);
+  scan::PackOptions options;
+  options.colour = scan::ColourCoding::kJpeg;
+  const auto store = scan::Store::open(scan::pack(*made, folder.path(), options).file);
+  std::array<FaceKey, 12> keys;
+  for (std::size_t k = 0; k < keys.size(); ++k) keys[k] = key(k / 6, Layer::kColour, k % 6);
+  scan::testing::BorderedMap right(kSize);
+  for (const int threads : {1, 2, 3, 8}) {
+    FaceCacheConfig config;
+    config.threads = threads;
+    const auto cache = std::make_shared<FaceCache>(scan::PanoramaSet::of({store}), config);
+    for (std::size_t count = 1; count <= keys.size(); ++count) {
+      cache->clear();
+      std::array<Face, 12> faces;
+      const auto wanted = std::span(keys).first(count);
+      cache->acquire(wanted, std::span(faces).first(count));
+      for (std::size_t k = 0; k < count; ++k) {
+        if (k % 6 == 0) store->read_colour(ViewpointIndex(k / 6), scan::kAllFaces, right.faces());
+        const std::ptrdiff_t end = kSize;
+        for (std::ptrdiff_t y = -1; y <= end; ++y) {
+          for (std::ptrdiff_t x = -1; x <= end; ++x) {
+            ASSERT_EQ(image::colour_texel(faces[k].cells, kSize, x, y),
+                      image::colour_texel(right.faces()[k % 6].cells, kSize, x, y))
+                << threads << " threads, face " << k << " of " << count;
+          }
+        }
+      }
+      cache->release(wanted);
+      EXPECT_EQ(cache->counters().misses, count * (count + 1) / 2);
+    }
+  }
+}
+
 TEST(FaceCache, KeepsAShareOfTheMachinesMemoryIfNotTold) {
   EXPECT_GE(default_cache_bytes(), std::size_t{64} << 20);
   EXPECT_LE(default_cache_bytes(), std::size_t{1} << 30);

@@ -121,6 +121,12 @@ std::optional<std::array<std::string, kCubeFaces>> PanoramaSource::colour_jpegs(
   return std::nullopt;
 }
 
+void PanoramaSource::read_colour_rows(ViewpointIndex viewpoint, CubeFace face,
+                                      image::RowRange /*rows*/,
+                                      const image::ColourCells& /*buffer*/) const {
+  EN_CHECK(reads_rows(viewpoint, face));  // a source that reads rows has its own function
+}
+
 void PanoramaSource::read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
                              const Faces16& buffers) const {
   EN_CHECK(layer == Layer::kDepth || layer == Layer::kClass);

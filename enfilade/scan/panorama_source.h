@@ -15,6 +15,7 @@
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/image/cube_border.h"
 #include "enfilade/image/image.h"
+#include "enfilade/image/jpeg_rows.h"
 #include "enfilade/scan/connectivity.h"
 
 namespace enfilade::scan {
@@ -102,6 +103,14 @@ class PanoramaSource {
   void read_colour(ViewpointIndex viewpoint, FaceMask wanted, const ColourFaces& buffers) const {
     read(Layer::kColour, viewpoint, wanted, buffers);
   }
+  /// Whether rows of a colour face can be decoded in about their share of the face's time.
+  virtual bool reads_rows(ViewpointIndex /*viewpoint*/, CubeFace /*face*/) const { return false; }
+  /// Decodes rows of a colour face and the border that image::write_border_rows() gives them; the
+  /// rest is not touched. Threads may decode different rows of a face at the same time.
+  /// \pre reads_rows(); rows.begin < rows.end <= size; the buffer has the size of face_sizes()
+  /// \throws as read_colour()
+  virtual void read_colour_rows(ViewpointIndex viewpoint, CubeFace face, image::RowRange rows,
+                                const image::ColourCells& buffer) const;
   /// Depth or class: n x n values a face, row-major, no border. \throws as read_colour()
   void read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
                const Faces16& buffers) const;

@@ -75,7 +75,8 @@ struct Store::Impl {
   }
 
   std::uint32_t size_of(const PanoramaSource& store, ViewpointIndex viewpoint, Layer layer) const;
-  void read_colour_face(const FaceName& name, const image::ColourCells& face) const;
+  void read_colour_rows(const FaceName& name, image::RowRange rows,
+                        const image::ColourCells& face) const;
   template <class T>
   void read_face(const FaceName& name, std::uint32_t size, T* buffer) const;
   void verify_records(const std::string& origin, std::vector<Diagnostic>& faults) const;
@@ -94,21 +95,25 @@ std::uint32_t Store::Impl::size_of(const PanoramaSource& store, ViewpointIndex v
   return size;
 }
 
-void Store::Impl::read_colour_face(const FaceName& name, const image::ColourCells& face) const {
+void Store::Impl::read_colour_rows(const FaceName& name, image::RowRange rows,
+                                   const image::ColourCells& face) const {
   const FaceEntry& found = whole_entry(name);
   const image::Bytes bytes = bytes_of(found);
-  if (found.coding == Coding::kCells) {
+  if (found.coding == Coding::kCells) {  // whole faces only: reads_rows() is false
     std::ranges::copy(bytes, face.cells);
     return;
   }
   const image::Bytes picture = bytes.first(found.bytes);
+  const auto write = [&](const std::uint8_t* rgb) {
+    for (std::size_t y = rows.begin; y < rows.end; ++y) face.write_row(y, rgb + 3 * y * face.size);
+  };
   if (found.coding == Coding::kRawRgb) {
-    image::write_face(face, picture.data());
-  } else {
+    write(picture.data());
+  } else if (!image::decode_rows(picture, rows, face)) {
     try {
       const std::span<std::uint8_t> rgb = room(3 * std::size_t{face.size} * face.size);
       image::decode_jpeg(picture, face.size, face.size, rgb, name.store.origin());
-      image::write_face(face, rgb.data());
+      write(rgb.data());
     } catch (const Error& error) {  // it does not name the viewpoint
       refuse_face(name, "damaged-face", error.what());
     }
@@ -117,7 +122,7 @@ void Store::Impl::read_colour_face(const FaceName& name, const image::ColourCell
   if (!detail::decompress(bytes.subspan(found.bytes), border)) {
     refuse_face(name, "damaged-face", "its border cannot be decompressed");
   }
-  image::write_border(face, border);
+  image::write_border_rows(face, border, rows.begin, rows.end);
 }
 
 template <class T>
@@ -222,7 +227,7 @@ void Store::read(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
     const FaceName name{*this, viewpoint, layer, k};
     if (const auto* colour = std::get_if<ColourFaces>(&buffers)) {
       EN_CHECK_EQ((*colour)[k].size, size);
-      impl_->read_colour_face(name, (*colour)[k]);
+      impl_->read_colour_rows(name, {0, size}, (*colour)[k]);
     } else if (const auto* values = std::get_if<Faces16>(&buffers)) {
       impl_->read_face(name, size, (*values)[k]);
     } else {
@@ -242,6 +247,18 @@ std::optional<std::array<std::string, kCubeFaces>> Store::colour_jpegs(
     jpegs[k].assign(reinterpret_cast<const char*>(bytes.data()), found.bytes);
   }
   return jpegs;
+}
+
+bool Store::reads_rows(ViewpointIndex viewpoint, CubeFace face) const {
+  const FaceEntry& found = impl_->entry({*this, viewpoint, Layer::kColour, index(face)});
+  return found.coding == Coding::kJpeg &&
+         image::has_marked_rows(impl_->bytes_of(found).first(found.bytes));
+}
+
+void Store::read_colour_rows(ViewpointIndex viewpoint, CubeFace face, image::RowRange rows,
+                             const image::ColourCells& buffer) const {
+  EN_CHECK_EQ(buffer.size, impl_->size_of(*this, viewpoint, Layer::kColour));
+  impl_->read_colour_rows({*this, viewpoint, Layer::kColour, index(face)}, rows, buffer);
 }
 
 bool Store::has_cells(Layer layer, ViewpointIndex viewpoint) const {

@@ -70,6 +70,9 @@ class Store final : public PanoramaSource {
   FaceSizes face_sizes(ViewpointIndex viewpoint) const override;
   std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
       ViewpointIndex viewpoint) const override;
+  bool reads_rows(ViewpointIndex viewpoint, CubeFace face) const override;
+  void read_colour_rows(ViewpointIndex viewpoint, CubeFace face, image::RowRange rows,
+                        const image::ColourCells& buffer) const override;
   bool has_cells(Layer layer, ViewpointIndex viewpoint) const override;
   const std::uint8_t* cells(Layer layer, ViewpointIndex viewpoint, CubeFace face) const override;
   void release(ViewpointIndex viewpoint) const override;

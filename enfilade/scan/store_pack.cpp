@@ -6,6 +6,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/image/cube_border.h"
+#include "enfilade/image/jpeg_rows.h"
 #include "enfilade/scan/detail/store_writer.h"
 #include "enfilade/scan/store.h"
 
@@ -42,10 +43,12 @@ std::uint64_t fingerprint_of(const PanoramaSource& source, const Connectivity& g
                              const PackOptions& options) {
   const std::string state = source.state();
   if (state.empty()) return 0;
+  const bool jpegs = options.colour != ColourCoding::kRaw;
+  const char* coding = options.decoded ? " decoded" : (jpegs ? " rows" : "");
   const std::string all =
       fmt::format("{}\n{}\n{} {} {} {}{}\n{}\n{}", kStoreVersion, source.scan(),
                   static_cast<int>(options.colour), options.face_size, options.jpeg_quality,
-                  options.included_only, options.decoded ? " decoded" : "", to_json(graph), state);
+                  options.included_only, coding, to_json(graph), state);
   // 0 means unknown.
   return std::max<std::uint64_t>(1, detail::checksum(image::bytes_of(all)));
 }
@@ -224,13 +227,25 @@ Jpegs encoded(const image::CubeMap<std::uint8_t>& faces, int quality) {
   return jpegs;
 }
 
+std::string face_of(const PanoramaSource& source, const PlannedPanorama& planned, std::size_t k) {
+  return fmt::format("viewpoint {:?}, colour, face {}",
+                     source.poses()[planned.viewpoint.at()].viewpoint, k);
+}
+
+// With restart markers, which make reading quicker (image/jpeg_rows.h), where that is possible.
+void mark_rows(Jpegs& jpegs, const PanoramaSource& source, const PlannedPanorama& planned) {
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    auto marked = image::mark_rows(jpegs[k], source.origin() + ": " + face_of(source, planned, k));
+    if (marked) jpegs[k] = std::move(*marked);
+  }
+}
+
 image::CubeMap<std::uint8_t> decoded(const Jpegs& jpegs, const PanoramaSource& source,
                                      const PlannedPanorama& planned) {
   const std::uint32_t size = planned.sizes[index(Layer::kColour)];
-  const std::string& viewpoint = source.poses()[planned.viewpoint.at()].viewpoint;
   image::CubeMap<std::uint8_t> faces;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    const std::string where = fmt::format("viewpoint {:?}, colour, face {}", viewpoint, k);
+    const std::string where = face_of(source, planned, k);
     faces[k] = image::decode_jpeg(jpegs[k], source.origin() + ": " + where);
     if (faces[k].width == size && faces[k].height == size) continue;
     refuse(source.origin(), where, "wrong-size",
@@ -249,6 +264,7 @@ void append_colour(EncodedPanorama& to, const PanoramaSource& source,
                    planned.sizes[index(Layer::kColour)]);
     if (options.colour != ColourCoding::kRaw) jpegs = encoded(faces, options.jpeg_quality);
   }
+  if (jpegs && !options.decoded) mark_rows(*jpegs, source, planned);
   // Borders must match the pixels that a reader decodes, which differ from those encoded.
   if (jpegs) faces = decoded(*jpegs, source, planned);
   if (options.decoded) return append_colour_cells(to, faces);

@@ -10,6 +10,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/image/codecs.h"
+#include "enfilade/image/jpeg_rows.h"
 #include "enfilade/scan/matterport_images.h"
 #include "enfilade/scan/store.h"
 #include "tests/support/panoramas.h"
@@ -307,9 +308,17 @@ TEST(Pack, KeepsTheJpegsOfFilesAndNoticesWhenTheyChange) {
   EXPECT_EQ(report.panoramas, 2U);
   EXPECT_THAT(report.without, ElementsAre("v2"));
   const auto source = MatterportImages::open(input.path(), input.path(), "house");
-  ASSERT_TRUE(source->colour_jpegs(ViewpointIndex(1)).has_value());
-  EXPECT_EQ(Store::open(report.file)->colour_jpegs(ViewpointIndex(1)),
-            source->colour_jpegs(ViewpointIndex(1)));
+  const auto kept = Store::open(report.file)->colour_jpegs(ViewpointIndex(1));
+  const auto given = source->colour_jpegs(ViewpointIndex(1));
+  ASSERT_TRUE(kept.has_value() && given.has_value());
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    const auto theirs = image::bytes_of((*given)[k]);
+    const auto ours = image::bytes_of((*kept)[k]);
+    EXPECT_EQ(image::decode_jpeg(ours, "store"), image::decode_jpeg(theirs, "file"));
+    // The same coefficients, with restart markers.
+    EXPECT_EQ(image::mark_rows(theirs, "file"),
+              (std::vector<std::uint8_t>(ours.begin(), ours.end())));
+  }
   EXPECT_TRUE(run({}).was_complete);
   write_strip("v2", 3);
   report = run({});

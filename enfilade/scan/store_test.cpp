@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <fstream>
@@ -93,6 +94,29 @@ TEST(Store, GivesBackWhatWasPacked) {
     for (std::size_t k = 0; k < kCubeFaces; ++k) EXPECT_EQ(here.cells(k), there.cells(k));
   }
   EXPECT_TRUE(store->verify().empty());
+}
+
+TEST(Store, ReadsRowsOfJpegFaces) {
+  constexpr std::uint32_t kSize = 40;
+  const TemporaryFolder folder("store_rows"), other("store_rows_raw");
+  const auto source = testing::memory_panoramas("house", 1, kSize);
+  const auto store = packed(*source, folder.path(), ColourCoding::kJpeg);
+  const ViewpointIndex v(0);
+  testing::BorderedMap whole(kSize);
+  store->read_colour(v, kAllFaces, whole.faces());
+  for (const std::uint32_t step : {1U, 7U, 16U, 40U}) {
+    testing::BorderedMap parts(kSize);
+    for (std::size_t k = 0; k < kCubeFaces; ++k) {
+      ASSERT_TRUE(store->reads_rows(v, cube_face(k)));
+      for (std::uint32_t begin = 0; begin < kSize; begin += step) {
+        store->read_colour_rows(v, cube_face(k), {begin, std::min(begin + step, kSize)},
+                                parts.faces()[k]);
+      }
+      EXPECT_EQ(parts.cells(k), whole.cells(k)) << "step " << step;
+    }
+  }
+  EXPECT_FALSE(packed(*source, other.path())->reads_rows(v, CubeFace::kUp));  // raw
+  EXPECT_FALSE(source->reads_rows(v, CubeFace::kUp));
 }
 
 TEST(Store, HasSeamlessJpegFaces) {

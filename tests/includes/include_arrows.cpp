@@ -32,7 +32,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"httplib.h", {"enfilade/service/client.cpp", "enfilade/service/http/", "tests/"}},
       {"SQLiteCpp/", {"enfilade/service/store/", "tests/"}},
       {"openssl/", {"enfilade/service/detail/"}},
-      {"hwy/", {"enfilade/render/", "enfilade/neural/", "apps/"}},
+      {"hwy/", {"enfilade/image/", "enfilade/render/", "enfilade/neural/", "apps/"}},
       {"turbojpeg.h", {"enfilade/image/"}},
       {"jpeglib.h", {"enfilade/image/"}},
       {"spng.h", {"enfilade/image/"}},
