@@ -79,6 +79,18 @@ def interpreter(command: str) -> Interpreter:
     return Interpreter(executable, (version[0], version[1]), free_threaded)
 
 
+def builders(pythons: list[Interpreter]) -> list[Interpreter]:
+    """Of the Pythons that share the stable ABI, the first alone."""
+    shared = [p for p in pythons if p.stable_abi]
+    return [p for p in pythons if not p.stable_abi or p is shared[0]]
+
+
+def build_requirements(pyproject: str) -> list[str]:
+    """What pyproject.toml wants for building: Python 3.9 and 3.10 have no reader of TOML."""
+    lines = re.findall(r'^  ("[^"]+"),', pyproject[: pyproject.index("build-backend")], re.M)
+    return [json.loads(line) for line in lines]
+
+
 class Release:
     def __init__(self, out: Path, pythons: list[Interpreter], roots: list[str]):
         self.out = out.resolve()
@@ -119,10 +131,9 @@ class Release:
         """An environment with what builds a wheel, as pyproject.toml wants it."""
         folder = self.out / f"venv-{python.name}"
         if not (folder / "complete").exists():
-            text = (SOURCE / "pyproject.toml").read_text()
-            wanted = re.findall(r'^  ("[^"]+"),', text[: text.index("build-backend")], re.M)
+            wanted = build_requirements((SOURCE / "pyproject.toml").read_text())
             run(python.command, "-m", "venv", "--clear", folder)
-            run(folder / "bin/pip", "install", "-q", "--upgrade", "pip", *map(json.loads, wanted))
+            run(folder / "bin/pip", "install", "-q", "--upgrade", "pip", *wanted)
             (folder / "complete").touch()
         return folder
 
@@ -130,11 +141,6 @@ class Release:
 
     def libraries(self) -> None:
         run(HERE / "libraries.sh", self.out / "libraries")
-
-    def builders(self) -> list[Interpreter]:
-        """Of the Pythons that share the stable ABI, the oldest alone."""
-        shared = [p for p in self.pythons if p.stable_abi]
-        return [p for p in self.pythons if not p.stable_abi or p is shared[0]]
 
     def pages(self) -> Path:
         """The server's pages as a C++ source, as web/bundle.cmake would have npm make it."""
@@ -177,7 +183,7 @@ class Release:
         for old in self.dist.glob("*.whl"):
             old.unlink()
         source = self.unpacked()
-        for python in self.builders():
+        for python in builders(self.pythons):
             started = time.monotonic()
             plain = self.out / "plain"
             shutil.rmtree(plain, ignore_errors=True)
