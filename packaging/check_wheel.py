@@ -98,8 +98,9 @@ class Module(unittest.TestCase):
     def test_walks_draws_and_scores(self):
         code = """if True:
             import sys, enfilade
+            from enfilade.synth import write_homes
             folder = sys.argv[1]
-            enfilade.write_small_dataset(folder)
+            write_homes(folder, homes=1, face_size=128)
             d = enfilade.Dataset(folder)
             scan = d.graphs.scans[0]
             viewpoint = d.graphs[scan].viewpoints[0]
