@@ -87,7 +87,7 @@ set(CMAKE_PREFIX_PATH $prefix)
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
-set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE BOTH)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_C_FLAGS_INIT "-ffunction-sections -fdata-sections")
 set(CMAKE_CXX_FLAGS_INIT "-ffunction-sections -fdata-sections")
@@ -131,6 +131,13 @@ build_simdjson() { with_cmake simdjson; }
 build_highway() {
   with_cmake highway -DBUILD_TESTING=OFF -DHWY_ENABLE_EXAMPLES=OFF -DHWY_ENABLE_CONTRIB=OFF \
     -DHWY_ENABLE_TESTS=OFF
+  # The file that Debian adds, so that CMake finds it.
+  mkdir -p "$prefix/lib/cmake/hwy"
+  cat >"$prefix/lib/cmake/hwy/hwy-config.cmake" <<CMAKE
+add_library(hwy::hwy STATIC IMPORTED)
+set_target_properties(hwy::hwy PROPERTIES
+  IMPORTED_LOCATION $prefix/lib/libhwy.a INTERFACE_INCLUDE_DIRECTORIES $prefix/include)
+CMAKE
 }
 build_embree() {  # triangles alone, on its own threads: 4 MB in place of 40
   touch "$out/src/embree/readme.pdf"  # Debian's source is without it, and it is installed
@@ -153,6 +160,8 @@ build_embree() {  # triangles alone, on its own threads: 4 MB in place of 40
 }
 build_tinygltf() {  # Debian's source is without the two libraries that it brings
   ln -sf "$sysroot"/usr/include/nlohmann/json.hpp "$sysroot"/usr/include/stb/stb_image*.h "$out/src/tinygltf/"
+  # Into the folder where CMake looks.
+  sed -i 's,\(CMAKE_INSTALL_LIBDIR}/cmake\)),\1/TinyGLTF),' "$out/src/tinygltf/CMakeLists.txt"
   with_cmake tinygltf -DTINYGLTF_BUILD_LOADER_EXAMPLE=OFF -DTINYGLTF_INSTALL=ON \
     -DTINYGLTF_HEADER_ONLY=OFF
 }
@@ -213,18 +222,19 @@ pkg_config() {
 }
 
 write_pkg_config() {
-  local libraries=$sysroot/usr/lib/$triple
-  pkg_config libturbojpeg 2.1.5 '' "$libraries/libturbojpeg.a"
-  pkg_config libzstd 1.5.4 '' "$libraries/libzstd.a"
-  pkg_config libzip 1.7.3 "-I$prefix/include" "$prefix/lib/libzip.a $libraries/libz.a"
-  pkg_config spng 0.7.3 "-I$prefix/include -DSPNG_STATIC" "$prefix/lib/libspng_static.a $libraries/libz.a -lm"
-  pkg_config libxxhash 0.8.1 '' "$libraries/libxxhash.a"
+  local system=-L$sysroot/usr/lib/$triple own=-L$prefix/lib
+  # By -l: CMake takes a file's name for an option, and puts it before what needs it.
+  pkg_config libturbojpeg 2.1.5 '' "$system -lturbojpeg"
+  pkg_config libzstd 1.5.4 '' "$system -lzstd"
+  pkg_config libzip 1.7.3 "-I$prefix/include" "$own $system -lzip -lz"
+  pkg_config spng 0.7.3 "-I$prefix/include -DSPNG_STATIC" "$own $system -lspng_static -lz -lm"
+  pkg_config libxxhash 0.8.1 '' "$system -lxxhash"
   # Nothing without libtorch reads HDF5: the headers will do, and a program that links it does not link.
   pkg_config hdf5 1.10.8 "-I$sysroot/usr/include/hdf5/serial" ''
   pkg_config egl 1.5 '' ''
-  pkg_config openssl 3.0 '' "$libraries/libssl.a $libraries/libcrypto.a"
+  pkg_config openssl 3.0 '' "$system -lssl -lcrypto"
   pkg_config cpp-httplib 0.11.4 "-I$prefix/include $httplib_options" \
-    "$prefix/lib/libcpp-httplib.a $libraries/libssl.a $libraries/libcrypto.a $libraries/libz.a"
+    "$own $system -lcpp-httplib -lssl -lcrypto -lz"
 }
 
 # The licences of all that is linked in, one after the other.
