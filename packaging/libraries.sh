@@ -126,18 +126,22 @@ with_cmake() {
   cmake --build "$build" --target install
 }
 
+# cmake_config NAME TARGET ARCHIVE: what Debian's package brings for CMake, and the source does not.
+cmake_config() {
+  mkdir -p "$prefix/lib/cmake/$1"
+  cat >"$prefix/lib/cmake/$1/$1Config.cmake" <<CMAKE
+add_library($2 STATIC IMPORTED)
+set_target_properties($2 PROPERTIES
+  IMPORTED_LOCATION $prefix/lib/$3 INTERFACE_INCLUDE_DIRECTORIES $prefix/include)
+CMAKE
+}
+
 build_fmt() { with_cmake fmt -DFMT_TEST=OFF -DFMT_DOC=OFF; }
 build_simdjson() { with_cmake simdjson; }
 build_highway() {
   with_cmake highway -DBUILD_TESTING=OFF -DHWY_ENABLE_EXAMPLES=OFF -DHWY_ENABLE_CONTRIB=OFF \
     -DHWY_ENABLE_TESTS=OFF
-  # The file that Debian adds, so that CMake finds it.
-  mkdir -p "$prefix/lib/cmake/hwy"
-  cat >"$prefix/lib/cmake/hwy/hwy-config.cmake" <<CMAKE
-add_library(hwy::hwy STATIC IMPORTED)
-set_target_properties(hwy::hwy PROPERTIES
-  IMPORTED_LOCATION $prefix/lib/libhwy.a INTERFACE_INCLUDE_DIRECTORIES $prefix/include)
-CMAKE
+  cmake_config hwy hwy::hwy libhwy.a
 }
 build_embree() {  # triangles alone, on its own threads: 4 MB in place of 40
   touch "$out/src/embree/readme.pdf"  # Debian's source is without it, and it is installed
@@ -160,10 +164,9 @@ build_embree() {  # triangles alone, on its own threads: 4 MB in place of 40
 }
 build_tinygltf() {  # Debian's source is without the two libraries that it brings
   ln -sf "$sysroot"/usr/include/nlohmann/json.hpp "$sysroot"/usr/include/stb/stb_image*.h "$out/src/tinygltf/"
-  # Into the folder where CMake looks.
-  sed -i 's,\(CMAKE_INSTALL_LIBDIR}/cmake\)),\1/TinyGLTF),' "$out/src/tinygltf/CMakeLists.txt"
   with_cmake tinygltf -DTINYGLTF_BUILD_LOADER_EXAMPLE=OFF -DTINYGLTF_INSTALL=ON \
     -DTINYGLTF_HEADER_ONLY=OFF
+  cmake_config TinyGLTF TinyGLTF::TinyGLTF libtinygltf.a
 }
 build_recast() {
   with_cmake recast -DRECASTNAVIGATION_DEMO=OFF -DRECASTNAVIGATION_TESTS=OFF \
