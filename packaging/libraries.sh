@@ -9,7 +9,7 @@
 # OUT/toolchain.cmake   makes CMake use both, and nothing else of this machine but compiler and tools
 #
 # Runs on Debian 12 on x86-64, as any user; what is there already is kept. Needs g++ 12, cmake, ninja,
-# pkg-config, dpkg-dev, python3-venv, and PyPI for meson. MIRROR names a mirror of Debian's archive.
+# nasm, pkg-config, dpkg-dev, python3-venv, and PyPI for meson. MIRROR names a mirror of Debian's archive.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 mkdir -p "${1:?OUT: the folder to make}"
@@ -30,6 +30,7 @@ highway   h/highway/highway_1.0.3.orig.tar.gz                            566fc77
 embree    e/embree/embree_3.13.5+dfsg.orig.tar.xz                        1b7c5b6144230ad81b92ece884a2017fbbb433bf5416a6fca9257e0109501c63
 tinygltf  t/tinygltf/tinygltf_2.7.0+dfsg.orig.tar.xz                     d55bdecdc258be72041da3d7f5c8fd9faa0a93ad6cb42ff6893c82be713626d2
 recast    r/recastnavigation/recastnavigation_1.6.0+dfsg.orig.tar.gz     d2f4a25e6e21d72f0cea4dd45152c790ffb312d7675582126602242102bdfec7
+turbojpeg libj/libjpeg-turbo/libjpeg-turbo_2.1.5.orig.tar.gz             254f3642b04e309fee775123133c6464181addc150499561020312ec61c1bf7c
 libzip    libz/libzip/libzip_1.7.3.orig.tar.xz                           a60473ffdb7b4260c08bfa19c2ccea0438edac11193c3afbbb1f17fbcf6c6132
 spng      libs/libspng/libspng_0.7.3.orig.tar.gz                         a50cadbe808ffda1a7fab17d145f52a23b163f34b3eb3696c7ecb5a52340fc1d
 epoxy     libe/libepoxy/libepoxy_1.5.10.orig.tar.gz                      a7ced37f4102b745ac86d6a70a9da399cc139ff168ba6b8002b4d8d43c900c15
@@ -60,7 +61,7 @@ make_sysroot() {
   (cd "$apt/packages" && rm -f ./*.deb &&
     apt_private apt-get download libc6/bullseye libc6-dev/bullseye libgcc-s1/bullseye \
       linux-libc-dev/bullseye zlib1g-dev libzstd-dev libsqlite3-dev libsqlitecpp-dev libssl-dev \
-      libturbojpeg0-dev libxxhash-dev nlohmann-json3-dev libcli11-dev libnanoflann-dev libstb-dev \
+      libxxhash-dev nlohmann-json3-dev libcli11-dev libnanoflann-dev libstb-dev \
       libhdf5-dev libegl-dev libgl-dev)
   for package in "$apt/packages"/*.deb; do dpkg-deb -x "$package" "$sysroot"; done
   # Links to /lib/... mean the C library's own.
@@ -172,6 +173,10 @@ build_recast() {
   with_cmake recast -DRECASTNAVIGATION_DEMO=OFF -DRECASTNAVIGATION_TESTS=OFF \
     -DRECASTNAVIGATION_EXAMPLES=OFF
 }
+build_turbojpeg() {  # Debian's archive is for programs: its thread-local variable fits no module
+  with_cmake turbojpeg -DENABLE_SHARED=OFF -DWITH_JAVA=OFF -DREQUIRE_SIMD=ON \
+    -DCMAKE_INSTALL_LIBDIR="$prefix/lib" -DCMAKE_INSTALL_INCLUDEDIR="$prefix/include"  # it takes names for paths
+}
 build_libzip() {
   with_cmake libzip -DENABLE_COMMONCRYPTO=OFF -DENABLE_GNUTLS=OFF -DENABLE_MBEDTLS=OFF \
     -DENABLE_OPENSSL=OFF -DENABLE_BZIP2=OFF -DENABLE_LZMA=OFF -DBUILD_TOOLS=OFF \
@@ -227,7 +232,7 @@ pkg_config() {
 write_pkg_config() {
   local system=-L$sysroot/usr/lib/$triple own=-L$prefix/lib
   # By -l: CMake takes a file's name for an option, and puts it before what needs it.
-  pkg_config libturbojpeg 2.1.5 '' "$system -lturbojpeg"
+  pkg_config libturbojpeg 2.1.5 "-I$prefix/include" "$own -lturbojpeg"
   pkg_config libzstd 1.5.4 '' "$system -lzstd"
   pkg_config libzip 1.7.3 "-I$prefix/include" "$own $system -lzip -lz"
   pkg_config spng 0.7.3 "-I$prefix/include -DSPNG_STATIC" "$own $system -lspng_static -lz -lm"

@@ -21,7 +21,8 @@ def first(pattern, file):
 # CMake's packages that no wheel has: torch, and what is for developers.
 NOT_IN_WHEELS = {"libtbb-dev", "libtorch-dev", "libgtest-dev", "libgmock-dev", "libbenchmark-dev"}
 # Debian's names of what packaging/libraries.sh builds from source.
-BUILT = {"libhwy-dev": "highway", "libcpp-httplib-dev": "httplib", "librecast-dev": "recast", "libzip-dev": "libzip"}
+BUILT = {"libhwy-dev": "highway", "libcpp-httplib-dev": "httplib", "librecast-dev": "recast", "libzip-dev": "libzip",
+         "libturbojpeg0-dev": "turbojpeg"}  # fmt: skip
 
 
 def libraries_of_cmake():
