@@ -45,6 +45,7 @@ chmod 755 "$root"
 for file in /etc/resolv.conf /etc/hosts /etc/ssl/certs /etc/pip.conf /root/.config/pip; do
   [[ -e $file ]] || continue
   mkdir -p "$root${file%/*}"
+  rm -rf "${root:?}$file"  # its links lead out of the root
   # Links to certificates that have gone cannot be followed; the others are enough.
   cp -aL "$file" "$root${file%/*}/" || echo "bare_root: not all of $file could be copied" >&2
 done

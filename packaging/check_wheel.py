@@ -38,7 +38,7 @@ def run(*words: str, **options) -> subprocess.CompletedProcess:
 
 
 def fetch(address: str) -> bytes:
-    with urllib.request.urlopen(address, timeout=30) as answer:  # noqa: S310
+    with urllib.request.urlopen(address, timeout=30) as answer:
         return answer.read()
 
 
@@ -68,6 +68,8 @@ class Program(unittest.TestCase):
                 self.assertNotIn("not in this build", told.stdout)
 
     def test_it_needs_no_library_but_the_system_s(self):
+        if "manylinux" not in importlib.metadata.distribution("enfilade").read_text("WHEEL"):
+            self.skipTest("built on this machine, with its libraries")
         files = [PROGRAM, *Path(sysconfig.get_path("platlib"), "enfilade").glob("*.so")]
         self.assertEqual(len(files), 3)
         for file in files:
@@ -96,8 +98,9 @@ class Module(unittest.TestCase):
     def test_walks_draws_and_scores(self):
         code = """if True:
             import sys, enfilade
+            from enfilade.synth import write_homes
             folder = sys.argv[1]
-            enfilade.write_small_dataset(folder)
+            write_homes(folder, homes=1, face_size=128)
             d = enfilade.Dataset(folder)
             scan = d.graphs.scans[0]
             viewpoint = d.graphs[scan].viewpoints[0]

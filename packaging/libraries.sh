@@ -9,7 +9,7 @@
 # OUT/toolchain.cmake   makes CMake use both, and nothing else of this machine but compiler and tools
 #
 # Runs on Debian 12 on x86-64, as any user; what is there already is kept. Needs g++ 12, cmake, ninja,
-# pkg-config, dpkg-dev, python3-venv, and PyPI for meson. MIRROR names a mirror of Debian's archive.
+# nasm, pkg-config, dpkg-dev, python3-venv, and PyPI for meson. MIRROR names a mirror of Debian's archive.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 mkdir -p "${1:?OUT: the folder to make}"
@@ -30,6 +30,7 @@ highway   h/highway/highway_1.0.3.orig.tar.gz                            566fc77
 embree    e/embree/embree_3.13.5+dfsg.orig.tar.xz                        1b7c5b6144230ad81b92ece884a2017fbbb433bf5416a6fca9257e0109501c63
 tinygltf  t/tinygltf/tinygltf_2.7.0+dfsg.orig.tar.xz                     d55bdecdc258be72041da3d7f5c8fd9faa0a93ad6cb42ff6893c82be713626d2
 recast    r/recastnavigation/recastnavigation_1.6.0+dfsg.orig.tar.gz     d2f4a25e6e21d72f0cea4dd45152c790ffb312d7675582126602242102bdfec7
+turbojpeg libj/libjpeg-turbo/libjpeg-turbo_2.1.5.orig.tar.gz             254f3642b04e309fee775123133c6464181addc150499561020312ec61c1bf7c
 libzip    libz/libzip/libzip_1.7.3.orig.tar.xz                           a60473ffdb7b4260c08bfa19c2ccea0438edac11193c3afbbb1f17fbcf6c6132
 spng      libs/libspng/libspng_0.7.3.orig.tar.gz                         a50cadbe808ffda1a7fab17d145f52a23b163f34b3eb3696c7ecb5a52340fc1d
 epoxy     libe/libepoxy/libepoxy_1.5.10.orig.tar.gz                      a7ced37f4102b745ac86d6a70a9da399cc139ff168ba6b8002b4d8d43c900c15
@@ -60,7 +61,7 @@ make_sysroot() {
   (cd "$apt/packages" && rm -f ./*.deb &&
     apt_private apt-get download libc6/bullseye libc6-dev/bullseye libgcc-s1/bullseye \
       linux-libc-dev/bullseye zlib1g-dev libzstd-dev libsqlite3-dev libsqlitecpp-dev libssl-dev \
-      libturbojpeg0-dev libxxhash-dev nlohmann-json3-dev libcli11-dev libnanoflann-dev libstb-dev \
+      libxxhash-dev nlohmann-json3-dev libcli11-dev libnanoflann-dev libstb-dev \
       libhdf5-dev libegl-dev libgl-dev)
   for package in "$apt/packages"/*.deb; do dpkg-deb -x "$package" "$sysroot"; done
   # Links to /lib/... mean the C library's own.
@@ -87,7 +88,7 @@ set(CMAKE_PREFIX_PATH $prefix)
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
-set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE BOTH)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_C_FLAGS_INIT "-ffunction-sections -fdata-sections")
 set(CMAKE_CXX_FLAGS_INIT "-ffunction-sections -fdata-sections")
@@ -126,17 +127,35 @@ with_cmake() {
   cmake --build "$build" --target install
 }
 
+# cmake_config NAME TARGET ARCHIVE: what Debian's package brings for CMake, and the source does not.
+cmake_config() {
+  mkdir -p "$prefix/lib/cmake/$1"
+  cat >"$prefix/lib/cmake/$1/$1Config.cmake" <<CMAKE
+add_library($2 STATIC IMPORTED)
+set_target_properties($2 PROPERTIES
+  IMPORTED_LOCATION $prefix/lib/$3 INTERFACE_INCLUDE_DIRECTORIES $prefix/include)
+CMAKE
+}
+
 build_fmt() { with_cmake fmt -DFMT_TEST=OFF -DFMT_DOC=OFF; }
 build_simdjson() { with_cmake simdjson; }
 build_highway() {
   with_cmake highway -DBUILD_TESTING=OFF -DHWY_ENABLE_EXAMPLES=OFF -DHWY_ENABLE_CONTRIB=OFF \
     -DHWY_ENABLE_TESTS=OFF
+  cmake_config hwy hwy::hwy libhwy.a
 }
 build_embree() {  # triangles alone, on its own threads: 4 MB in place of 40
   touch "$out/src/embree/readme.pdf"  # Debian's source is without it, and it is installed
-  # Trees of eight, which AVX2 needs, are said to come with AVX.
+  local kernels=$out/src/embree/kernels
+  # One set beside the oldest: AVX2. Embree has trees of eight, which it wants there, come with AVX.
   # shellcheck disable=SC2016  # CMake's variables
-  sed -i 's/${ISA} EQUAL ${\(ISA_LOWEST_AVX\|AVX\)})/${ISA} EQUAL ${AVX2})/' "$out/src/embree/kernels/CMakeLists.txt"
+  sed -i 's/${ISA} EQUAL ${\(ISA_LOWEST_AVX\|AVX\)})/${ISA} EQUAL ${AVX2})/' "$kernels/CMakeLists.txt"
+  sed -i -e 's/(features & AVX) == AVX) intersector = avx::/(features \& AVX2) == AVX2) intersector = avx2::/' \
+    -e 's/defined(EMBREE_TARGET_AVX) ||/defined(EMBREE_TARGET_AVX2) ||/' "$kernels/common/isa.h"
+  sed -i 's/hasISA(AVX) &&/hasISA(AVX2) \&\&/' "$kernels/common/state.h"
+  # Of what is switched off below, it compiles these even so.
+  sed -i -E '/(curve_intersector_virtual_|scene_(user_geometry|instance|quad_mesh|curves|line_segments|grid_mesh|points)|bvh_builder_hair)/d' \
+    "$kernels/CMakeLists.txt"
   with_cmake embree -DEMBREE_STATIC_LIB=ON -DEMBREE_TUTORIALS=OFF -DEMBREE_ISPC_SUPPORT=OFF \
     -DEMBREE_TASKING_SYSTEM=INTERNAL -DEMBREE_MAX_ISA=NONE -DEMBREE_ISA_SSE2=ON \
     -DEMBREE_ISA_SSE42=OFF -DEMBREE_ISA_AVX=OFF -DEMBREE_ISA_AVX2=ON -DEMBREE_ISA_AVX512=OFF \
@@ -148,10 +167,15 @@ build_tinygltf() {  # Debian's source is without the two libraries that it bring
   ln -sf "$sysroot"/usr/include/nlohmann/json.hpp "$sysroot"/usr/include/stb/stb_image*.h "$out/src/tinygltf/"
   with_cmake tinygltf -DTINYGLTF_BUILD_LOADER_EXAMPLE=OFF -DTINYGLTF_INSTALL=ON \
     -DTINYGLTF_HEADER_ONLY=OFF
+  cmake_config TinyGLTF TinyGLTF::TinyGLTF libtinygltf.a
 }
 build_recast() {
   with_cmake recast -DRECASTNAVIGATION_DEMO=OFF -DRECASTNAVIGATION_TESTS=OFF \
     -DRECASTNAVIGATION_EXAMPLES=OFF
+}
+build_turbojpeg() {  # Debian's archive is for programs: its thread-local variable fits no module
+  with_cmake turbojpeg -DENABLE_SHARED=OFF -DWITH_JAVA=OFF -DREQUIRE_SIMD=ON \
+    -DCMAKE_INSTALL_LIBDIR="$prefix/lib" -DCMAKE_INSTALL_INCLUDEDIR="$prefix/include"  # it takes names for paths
 }
 build_libzip() {
   with_cmake libzip -DENABLE_COMMONCRYPTO=OFF -DENABLE_GNUTLS=OFF -DENABLE_MBEDTLS=OFF \
@@ -206,18 +230,19 @@ pkg_config() {
 }
 
 write_pkg_config() {
-  local libraries=$sysroot/usr/lib/$triple
-  pkg_config libturbojpeg 2.1.5 '' "$libraries/libturbojpeg.a"
-  pkg_config libzstd 1.5.4 '' "$libraries/libzstd.a"
-  pkg_config libzip 1.7.3 "-I$prefix/include" "$prefix/lib/libzip.a $libraries/libz.a"
-  pkg_config spng 0.7.3 "-I$prefix/include -DSPNG_STATIC" "$prefix/lib/libspng_static.a $libraries/libz.a -lm"
-  pkg_config libxxhash 0.8.1 '' "$libraries/libxxhash.a"
+  local system=-L$sysroot/usr/lib/$triple own=-L$prefix/lib
+  # By -l: CMake takes a file's name for an option, and puts it before what needs it.
+  pkg_config libturbojpeg 2.1.5 "-I$prefix/include" "$own -lturbojpeg"
+  pkg_config libzstd 1.5.4 '' "$system -lzstd"
+  pkg_config libzip 1.7.3 "-I$prefix/include" "$own $system -lzip -lz"
+  pkg_config spng 0.7.3 "-I$prefix/include -DSPNG_STATIC" "$own $system -lspng_static -lz -lm"
+  pkg_config libxxhash 0.8.1 '' "$system -lxxhash"
   # Nothing without libtorch reads HDF5: the headers will do, and a program that links it does not link.
   pkg_config hdf5 1.10.8 "-I$sysroot/usr/include/hdf5/serial" ''
   pkg_config egl 1.5 '' ''
-  pkg_config openssl 3.0 '' "$libraries/libssl.a $libraries/libcrypto.a"
+  pkg_config openssl 3.0 '' "$system -lssl -lcrypto"
   pkg_config cpp-httplib 0.11.4 "-I$prefix/include $httplib_options" \
-    "$prefix/lib/libcpp-httplib.a $libraries/libssl.a $libraries/libcrypto.a $libraries/libz.a"
+    "$own $system -lcpp-httplib -lssl -lcrypto -lz"
 }
 
 # The licences of all that is linked in, one after the other.

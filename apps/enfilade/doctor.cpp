@@ -151,9 +151,8 @@ void examine_networks(Report& report) {
   report.begin("networks");
   const auto torch = torch_report();
   if (!torch) {
-    report.add("libtorch", false, "this build has none",
-               "for features and training, build with -DEN_WITH_TORCH=ON (needs libtorch-dev, "
-               "libopenblas0-pthread and libhdf5-dev)");
+    report.add("libtorch", false, "no enfilade-learn beside this program",
+               fmt::format("for features and training: {}", kHowToLearn));
     return;
   }
   report.add("libtorch", true, torch->version);

@@ -43,9 +43,8 @@ void hand_over_to_learn() {
   const fs::path program = learn_program();
   if (!can_learn()) {
     throw UsageError(
-        fmt::format("this needs libtorch, which is in the program {}: it is not there. Build with "
-                    "-DEN_WITH_TORCH=ON (libtorch-dev, libopenblas0-pthread, libhdf5-dev)",
-                    program.string()));
+        fmt::format("this needs PyTorch's library, which is in the program {}: it is not there. {}",
+                    program.string(), kHowToLearn));
   }
   std::vector<std::string> arguments = own_arguments();
   std::vector<char*> pointers;
