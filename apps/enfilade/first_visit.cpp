@@ -71,7 +71,8 @@ fs::path make_first_homes() {
   std::fflush(stdout);
   homes::HomeSetOptions two = homes::home_set_preset("demo");
   two.homes = 2;
-  two.stairs_every = 2;
+  two.stairs_every = 0;
+  two.least_area = two.most_area = 60;  // square metres: less than a minute of two cores for both
   two.face_size = 512;
   homes::write_homes(own, two, bar("two model homes"));
   homes::HomePathOptions paths;

@@ -169,8 +169,11 @@ std::optional<std::vector<std::uint8_t>> marked(Bytes bytes) {
 
 std::optional<std::vector<std::uint8_t>> mark_rows(Bytes jpeg, const std::string& file) {
   auto result = marked(jpeg);
-  // Written again by libjpeg-turbo, a file is baseline and has tables with all codes.
-  if (!result) result = marked(to_baseline(jpeg, file));
+  if (result) return result;
+  // Written again by libjpeg-turbo, a file is baseline and has tables with all codes. But it cuts
+  // off coefficients that no encoder writes, and what follows the last block.
+  result = marked(to_baseline(jpeg, file));
+  if (result && decode_jpeg(*result, file).pixels != decode_jpeg(jpeg, file).pixels) return {};
   return result;
 }
 
