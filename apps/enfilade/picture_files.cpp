@@ -107,6 +107,12 @@ void add_renderer_options(CLI::App& verb, SceneOptions& options) {
   add_value(verb, "--gl-device", options.gl_device, "NAME",
             "Index or UUID of an EGL device, as enfilade doctor lists them (default: the "
             "first that works)");
+  add_setting(verb, "--cache", options.cache, "NAME",
+              "Where decoded pictures are kept: private (to this process) or shared (with all "
+              "processes of this user, in /dev/shm)",
+              CLI::IsMember({"private", "shared"}));
+  add_whole_number(verb, "--cache-mib", options.cache_mib,
+                   "Size of a shared cache, MiB; the same for all its processes");
   verb.add_flag("--legacy", options.legacy,
                 "As the old simulator drew: seams between faces, depth in steps of 64 mm");
 }
@@ -118,8 +124,12 @@ dataset::Dataset open_scene(const SceneOptions& options, const std::string& scan
         "no panoramas: give --images DIR (a folder of stores, or of Matterport3D's scans), or "
         "--data DIR or ENFILADE_DATA with a data set that has some");
   }
-  dataset::Dataset data(
-      {folder, options.connectivity, {options.images.begin(), options.images.end()}, {scan}});
+  dataset::DatasetConfig config{
+      folder, options.connectivity, {options.images.begin(), options.images.end()}, {scan}};
+  if (options.cache == "shared") {
+    config.shared_cache.emplace().bytes = options.cache_mib << 20U;
+  }
+  dataset::Dataset data(std::move(config));
   try {
     (void)source_of(data);
   } catch (const FileError& error) {

@@ -163,8 +163,9 @@ const std::shared_ptr<const scan::PanoramaSet>& Dataset::panoramas() const {
 
 const std::shared_ptr<render::FaceCache>& Dataset::faces() const {
   return opened_->faces.get([this] {
-    return std::make_shared<render::FaceCache>(panoramas(),
-                                               render::FaceCacheConfig{.prefetch_thread = false});
+    return std::make_shared<render::FaceCache>(
+        panoramas(),
+        render::FaceCacheConfig{.prefetch_thread = false, .shared = opened_->config.shared_cache});
   });
 }
 

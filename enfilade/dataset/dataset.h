@@ -22,6 +22,8 @@ struct DatasetConfig {
   std::filesystem::path connectivity;         ///< folder of `<scan>_connectivity.json`
   std::vector<std::filesystem::path> images;  ///< folders in which panoramas are looked for
   std::vector<std::string> scans;             ///< only these, in this order
+  /// Where decoded faces are shared with other processes (render/face_cache.h); no value: nowhere.
+  std::optional<render::SharedCacheConfig> shared_cache = {};
 };
 
 /// Room-to-Room's splits.
@@ -71,6 +73,7 @@ class Dataset {
   /// shows when it is used. \throws as graphs()
   const std::shared_ptr<const scan::PanoramaSet>& panoramas() const;
   /// Decoded faces of panoramas(), shared by everyone who draws from this data set.
+  /// \throws as graphs(); FileError for a shared cache, as render::FaceCache
   const std::shared_ptr<render::FaceCache>& faces() const;
   /// Which region each viewpoint is in. \throws FileError, InvalidInput
   const scan::RegionMap& regions() const;

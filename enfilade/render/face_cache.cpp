@@ -1,6 +1,7 @@
 #include "enfilade/render/face_cache.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -20,6 +21,8 @@
 #include "enfilade/image/face_cells.h"
 #include "enfilade/render/detail/cell_pool.h"
 #include "enfilade/render/detail/layers.h"
+#include "enfilade/render/detail/shared_cells.h"
+#include "enfilade/render/detail/shared_key.h"
 
 namespace enfilade::render {
 namespace {
@@ -28,16 +31,24 @@ using scan::Layer;
 
 enum class State : std::uint8_t { kLoading, kReady, kFailed };
 
+// Where faces are that the cache makes room for, each within a limit of its own.
+enum Place : std::uint8_t { kOwn, kShared, kPlaces };
+
 struct Entry {
   FaceKey key;
-  detail::CellPool::Piece memory;  // null if the source has it in memory
+  // Both null if the source has it in memory, or another process is decoding it.
+  detail::CellPool::Piece memory;
+  detail::SharedCells::Pin pin;
+  std::uint8_t* target = nullptr;  // where it is decoded
   const std::uint8_t* cells = nullptr;
-  std::size_t bytes = 0;  // that it takes in the cache
+  std::size_t bytes = 0;  // that it takes there
+  Place where = kOwn;
   std::uint32_t size = 0;
+  std::optional<detail::SharedKey> shared_key;
   State state = State::kLoading;
   std::uint32_t holders = 0;  // that have acquired it and not released it, loaders included
   std::exception_ptr failure;
-  std::list<Entry*>::iterator place;  // in `idle` if holders == 0, else in `held`
+  std::list<Entry*>::iterator place;  // in idle[where] if holders == 0, else in `held`
 };
 
 Face face_of(const Entry& entry) { return {entry.cells, entry.size}; }
@@ -51,11 +62,34 @@ struct Unit {
   std::exception_ptr failure;
 };
 
+bool is_empty(const Unit& unit) {
+  return std::ranges::all_of(unit.entries, [](const Entry* entry) { return entry == nullptr; });
+}
+
+std::uint64_t count_faces(std::span<const Unit> units) {
+  std::uint64_t count = 0;
+  for (const Unit& unit : units) {
+    count += kCubeFaces - static_cast<std::size_t>(std::ranges::count(unit.entries, nullptr));
+  }
+  return count;
+}
+
+// What has to be done for faces that are not in the cache.
+struct Plan {
+  std::vector<Unit> decode;
+  std::vector<Unit> await;  // that another process decodes; their entries have no memory yet
+  std::vector<Unit> found;  // in the shared file
+};
+
 // What a thread decodes in one go.
 struct Task {
   Unit* unit = nullptr;
   std::uint32_t part = 0;  // < unit->parts
 };
+
+// How long acquire() waits for another process that decodes a face, which takes some milliseconds,
+// before it decodes the face itself: that process may be stopped.
+constexpr std::chrono::seconds kPatience(1);
 
 // A part needs rows beside it too, and all of them the same tables.
 constexpr std::uint32_t kMostParts = 4;
@@ -108,7 +142,7 @@ void read_values(const Unit& unit, const Read& read) {
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     Entry* entry = unit.entries[k];
     if (entry == nullptr) continue;
-    image::ValueCells<T>::from_rows(buffers[k], entry->size, entry->memory.get());
+    image::ValueCells<T>::from_rows(buffers[k], entry->size, entry->target);
   }
 }
 
@@ -125,22 +159,43 @@ std::size_t default_cache_bytes() {
   return static_cast<std::size_t>(std::clamp(available_memory() / 16, kLeast, kMost));
 }
 
+std::filesystem::path shared_cache_path(std::size_t bytes) {
+  return fmt::format("/dev/shm/enfilade-cache-{}-{}-{}", geteuid(), bytes >> 20U,
+                     detail::SharedFile::kVersion);
+}
+
 struct FaceCache::Impl {
   Impl(std::shared_ptr<const scan::PanoramaSet> set, const FaceCacheConfig& c)
-      : panoramas(std::move(set)), config(c) {}
+      : panoramas(std::move(set)), config(c) {
+    if (!panoramas) throw ArgumentError("panoramas: null, but a cache needs a PanoramaSet");
+    if (config.threads < 0) throw ArgumentError("config.threads: below 0");
+    if (!config.shared) return;
+    shared = std::make_unique<detail::SharedCells>(*config.shared);
+    shared_keys.emplace(*panoramas);
+  }
 
   using Lock = std::unique_lock<std::mutex>;
+  using Time = std::chrono::steady_clock::time_point;
 
   void acquire(std::span<const FaceKey> keys, std::span<Face> faces, int threads, bool ahead);
   void release(const Lock&, Entry& entry) noexcept;
   void hold(const Lock&, Entry& entry);
-  Entry& add(Lock& lock, const FaceKey& key, std::uint32_t size, std::size_t bytes);
-  void plan(Lock& lock, std::span<const FaceKey> keys, std::vector<Unit>& units, bool ahead);
-  void plan_one(Lock& lock, const FaceKey& key, std::vector<Unit>& units);
+  Entry& add(Lock& lock, const FaceKey& key, std::uint32_t size, std::size_t bytes, Plan& plan);
+  void take_own(const Lock& lock, Entry& entry, std::size_t bytes);
+  void take_shared(const Lock& lock, Entry& entry, detail::SharedCells::Claim claim,
+                   std::size_t bytes);
+  void plan(Lock& lock, std::span<const FaceKey> keys, Plan& plan, bool ahead);
+  void plan_one(Lock& lock, const FaceKey& key, Plan& plan);
+  void fail(const Lock& lock, std::span<Unit> units) noexcept;
+  void settle(const Lock& lock, Unit& unit) noexcept;
+  void decode_all(std::span<Unit> units, int threads);
   void load(const Task& task);
+  void await(Unit& unit, Time limit);
   void decode(const Task& task);
-  void make_room(const Lock&, std::size_t bytes);
-  void forget(const Lock&, Entry& entry) noexcept;
+  void make_room(const Lock&, Place where, std::size_t bytes);
+  void forget(const Lock&, Entry& entry, std::list<Entry*>& from) noexcept;
+  void clear(const Lock& lock, Place where) noexcept;
+  void leave_parents_faces(const Lock& lock);
   void work_ahead(const std::stop_token& stop);
 
   std::shared_ptr<const scan::PanoramaSet> panoramas;
@@ -148,67 +203,115 @@ struct FaceCache::Impl {
 
   std::mutex mutex;
   std::condition_variable_any changed;  // an entry became ready or failed; wishes came
-  detail::CellPool memory;              // before the entries, whose faces are in it
+  // Before the entries, whose faces are in them.
+  detail::CellPool memory;
+  std::vector<std::unique_ptr<detail::SharedCells>> inherited;  // of processes that forked
+  std::unique_ptr<detail::SharedCells> shared;                  // null: nothing is shared
+  std::optional<detail::SharedKeys> shared_keys;
   std::unordered_map<FaceKey, std::unique_ptr<Entry>, detail::FaceKeyHash> entries;
   // Entries move between these as nodes, so that nothing is allocated.
   std::list<Entry*> held;
-  std::list<Entry*> idle;  // nobody holds these; the least recently used first
+  std::array<std::list<Entry*>, kPlaces> idle;  // nobody holds these; least recently used first
   FaceCacheCounters counters;
   std::vector<FaceKey> wishes;  // of prefetch(), the next one last
   std::jthread helper;          // last: it ends before what it uses
 };
 
 void FaceCache::Impl::hold(const Lock&, Entry& entry) {
-  if (entry.holders++ == 0) held.splice(held.end(), idle, entry.place);
+  if (entry.holders++ == 0) held.splice(held.end(), idle[entry.where], entry.place);
 }
 
 void FaceCache::Impl::release(const Lock& lock, Entry& entry) noexcept {
   if (--entry.holders > 0) return;
   if (entry.state == State::kFailed) {
-    forget(lock, entry);
+    forget(lock, entry, held);
     return;
   }
-  idle.splice(idle.end(), held, entry.place);
+  auto& list = idle[entry.where];
+  list.splice(list.end(), held, entry.place);
 }
 
-// \pre nobody holds it any more, but it is in `held` still
-void FaceCache::Impl::forget(const Lock&, Entry& entry) noexcept {
-  counters.bytes -= entry.bytes;
-  held.erase(entry.place);
+// \pre nobody holds it, but it is in `from` still
+void FaceCache::Impl::forget(const Lock&, Entry& entry, std::list<Entry*>& from) noexcept {
+  (entry.where == kShared ? counters.shared_bytes : counters.bytes) -= entry.bytes;
+  from.erase(entry.place);
   entries.erase(FaceKey(entry.key));
 }
 
 // Removes faces until `bytes` more fit.
-void FaceCache::Impl::make_room(const Lock& lock, std::size_t bytes) {
-  while (counters.bytes + bytes > config.bytes && !idle.empty()) {
-    Entry& oldest = *idle.front();
-    idle.pop_front();
-    counters.bytes -= oldest.bytes;
-    entries.erase(FaceKey(oldest.key));
+void FaceCache::Impl::make_room(const Lock& lock, Place where, std::size_t bytes) {
+  const std::size_t limit = where == kShared ? shared->fair_share() : config.bytes;
+  const std::size_t& used = where == kShared ? counters.shared_bytes : counters.bytes;
+  while (used + bytes > limit && !idle[where].empty()) {
+    forget(lock, *idle[where].front(), idle[where]);
   }
-  static_cast<void>(lock);
 }
 
-// With `bytes` of memory of its own; 0: the source has it.
-Entry& FaceCache::Impl::add(Lock& lock, const FaceKey& key, std::uint32_t size, std::size_t bytes) {
-  auto entry = std::make_unique<Entry>();
-  if (bytes > 0) {
-    make_room(lock, bytes);
-    entry->memory = memory.take(bytes);
+void FaceCache::Impl::clear(const Lock& lock, Place where) noexcept {
+  while (!idle[where].empty()) forget(lock, *idle[where].front(), idle[where]);
+}
+
+// In a child, where the parent's pins are not this process's: the parent may unpin at any time, and
+// the faces then change.
+void FaceCache::Impl::leave_parents_faces(const Lock& lock) {
+  if (!shared || !shared->is_forked()) return;
+  auto own = std::make_unique<detail::SharedCells>(*config.shared);
+  inherited.push_back(std::move(shared));
+  shared = std::move(own);
+  clear(lock, kShared);
+  for (Entry* entry : held) {
+    if (entry->where != kShared) continue;
+    entry->state = State::kFailed;
+    entry->failure = std::make_exception_ptr(
+        Error("the process forked while this face was in use: the child has to release it first"));
   }
-  entry->cells = entry->memory.get();
-  entry->bytes = bytes;
+}
+
+void FaceCache::Impl::take_own(const Lock& lock, Entry& entry, std::size_t bytes) {
+  make_room(lock, kOwn, bytes);
+  entry.memory = memory.take(bytes);
+  entry.target = entry.memory.get();
+  entry.cells = entry.target;
+  entry.bytes = bytes;
   counters.bytes += bytes;
+}
+
+void FaceCache::Impl::take_shared(const Lock& lock, Entry& entry, detail::SharedCells::Claim claim,
+                                  std::size_t bytes) {
+  make_room(lock, kShared, bytes);
+  entry.pin = std::move(claim.pin);
+  entry.target = claim.cells;
+  entry.cells = claim.cells;
+  entry.where = kShared;
+  entry.bytes = bytes;
+  counters.shared_bytes += bytes;
+}
+
+// With `bytes` of memory; 0: the source has it.
+Entry& FaceCache::Impl::add(Lock& lock, const FaceKey& key, std::uint32_t size, std::size_t bytes,
+                            Plan& plan) {
+  using Found = detail::SharedCells::Found;
+  auto entry = std::make_unique<Entry>();
+  std::vector<Unit>* units = &plan.decode;
   entry->key = key;
   entry->size = size;
   entry->holders = 1;
+  if (shared && bytes > 0) entry->shared_key = shared_keys->key(key, size);
+  if (entry->shared_key) {
+    auto claim = shared->claim(*entry->shared_key, bytes);
+    if (claim.found == Found::kReady) units = &plan.found;
+    if (claim.found == Found::kElsewhere) units = &plan.await;
+    if (claim.pin) take_shared(lock, *entry, std::move(claim), bytes);
+  }
+  if (bytes > 0 && !entry->pin && units == &plan.decode) take_own(lock, *entry, bytes);
   entry->place = held.insert(held.end(), entry.get());
   Entry& added = *entry;
   entries.emplace(key, std::move(entry));
+  units->back().entries[index(key.face)] = &added;
   return added;
 }
 
-void FaceCache::Impl::plan_one(Lock& lock, const FaceKey& key, std::vector<Unit>& units) {
+void FaceCache::Impl::plan_one(Lock& lock, const FaceKey& key, Plan& plan) {
   const scan::PanoramaSource& source = panoramas->source(key.scan);
   const std::uint32_t size = source.face_sizes(key.viewpoint)[index(key.layer)];
   if (size == 0) throw source.lacks(key.layer, key.viewpoint);
@@ -221,18 +324,27 @@ void FaceCache::Impl::plan_one(Lock& lock, const FaceKey& key, std::vector<Unit>
   }
   const bool in_memory = source.has_cells(key.layer, key.viewpoint);
   const std::size_t bytes = in_memory ? 0 : face_bytes(key.layer, size);
-  Unit& unit = units.emplace_back();  // first, so that what follows is undone if it throws
-  unit.first = key;
+  // First, so that what follows is undone if it throws.
+  for (auto* units : {&plan.decode, &plan.await, &plan.found}) units->emplace_back().first = key;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     const FaceKey face{key.scan, key.viewpoint, key.layer, cube_face(k)};
     const bool wanted = face == key || source.reads_whole_panoramas();
-    if (wanted && !entries.contains(face)) unit.entries[k] = &add(lock, face, size, bytes);
+    if (wanted && !entries.contains(face)) add(lock, face, size, bytes, plan);
+  }
+  for (auto* units : {&plan.decode, &plan.await, &plan.found}) {
+    if (is_empty(units->back())) units->pop_back();
+  }
+}
+
+void FaceCache::Impl::fail(const Lock& lock, std::span<Unit> units) noexcept {
+  for (Unit& unit : units) {
+    unit.failure = std::current_exception();
+    settle(lock, unit);
   }
 }
 
 // Decides what has to be decoded; each face is decoded by one thread only.
-void FaceCache::Impl::plan(Lock& lock, std::span<const FaceKey> keys, std::vector<Unit>& units,
-                           bool ahead) {
+void FaceCache::Impl::plan(Lock& lock, std::span<const FaceKey> keys, Plan& plan, bool ahead) {
   std::size_t done = 0;
   try {
     for (const FaceKey& key : keys) {
@@ -241,25 +353,19 @@ void FaceCache::Impl::plan(Lock& lock, std::span<const FaceKey> keys, std::vecto
         hold(lock, *found->second);
         if (!ahead) ++counters.hits;
       } else {
-        plan_one(lock, key, units);
+        plan_one(lock, key, plan);
         hold(lock, *entries.find(key)->second);
         ++(ahead ? counters.prefetched : counters.misses);
       }
       ++done;
     }
   } catch (...) {
-    for (const Unit& unit : units) {
-      for (Entry* entry : unit.entries) {
-        if (entry == nullptr) continue;
-        entry->state = State::kFailed;
-        entry->failure = std::current_exception();
-        release(lock, *entry);
-      }
-    }
+    for (auto* units : {&plan.decode, &plan.await, &plan.found}) fail(lock, *units);
     for (const FaceKey& key : keys.first(done)) release(lock, *entries.find(key)->second);
-    changed.notify_all();
     throw;
   }
+  counters.shared_hits += count_faces(plan.found);
+  for (Unit& unit : plan.found) settle(lock, unit);
 }
 
 void FaceCache::Impl::decode(const Task& task) {
@@ -270,7 +376,7 @@ void FaceCache::Impl::decode(const Task& task) {
     const std::uint32_t begin = entry.size * task.part / unit.parts,
                         end = entry.size * (task.part + 1) / unit.parts;
     return source.read_colour_rows(unit.first.viewpoint, unit.first.face, {begin, end},
-                                   {entry.memory.get(), entry.size});
+                                   {entry.target, entry.size});
   }
   if (source.has_cells(unit.first.layer, unit.first.viewpoint)) {
     for (Entry* entry : unit.entries) {
@@ -285,7 +391,7 @@ void FaceCache::Impl::decode(const Task& task) {
     const Entry* entry = unit.entries[k];
     if (entry == nullptr) continue;
     mask = static_cast<scan::FaceMask>(mask | 1U << k);
-    colour[k] = {entry->memory.get(), entry->size};
+    colour[k] = {entry->target, entry->size};
   }
   const ViewpointIndex viewpoint = unit.first.viewpoint;
   switch (unit.first.layer) {
@@ -302,8 +408,20 @@ void FaceCache::Impl::decode(const Task& task) {
   }
 }
 
-// Decodes, and wakes those who wait once no part is missing. Does not throw: failures are stored in
-// the entries.
+// The unit's faces are ready, or failed: wakes those who wait.
+void FaceCache::Impl::settle(const Lock& lock, Unit& unit) noexcept {
+  for (Entry* entry : unit.entries) {
+    if (entry == nullptr) continue;
+    if (entry->pin && !unit.failure) shared->finish(entry->pin);
+    if (unit.failure) entry->pin.reset();
+    entry->state = unit.failure ? State::kFailed : State::kReady;
+    entry->failure = unit.failure;
+    release(lock, *entry);  // the loader's own hold
+  }
+  changed.notify_all();
+}
+
+// Does not throw: failures are stored in the entries.
 void FaceCache::Impl::load(const Task& task) {
   const auto begin = std::chrono::steady_clock::now();
   std::exception_ptr failure;
@@ -319,29 +437,66 @@ void FaceCache::Impl::load(const Task& task) {
   Unit& unit = *task.unit;
   if (failure && !unit.failure) unit.failure = failure;
   if (--unit.missing > 0) return;
-  for (Entry* entry : unit.entries) {
-    if (entry == nullptr) continue;
-    entry->state = unit.failure ? State::kFailed : State::kReady;
-    entry->failure = unit.failure;
-    release(lock, *entry);  // the loader's own hold
+  if (!unit.failure) counters.decoded += count_faces({&unit, 1});
+  settle(lock, unit);
+}
+
+// Waits for the process that decodes the unit's faces, but decodes what that one does not. Does not
+// throw.
+void FaceCache::Impl::await(Unit& unit, Time limit) {
+  Unit found = unit;
+  found.entries = {};
+  try {
+    for (std::size_t k = 0; k < kCubeFaces; ++k) {
+      Entry* entry = unit.entries[k];
+      if (entry == nullptr) continue;
+      const std::size_t bytes = face_bytes(entry->key.layer, entry->size);
+      auto claim = shared->claim(*entry->shared_key, bytes, limit);
+      const Lock lock(mutex);
+      if (claim.found == detail::SharedCells::Found::kReady) {
+        std::swap(found.entries[k], unit.entries[k]);
+      }
+      claim.pin ? take_shared(lock, *entry, std::move(claim), bytes)
+                : take_own(lock, *entry, bytes);
+    }
+  } catch (...) {
+    const Lock lock(mutex);
+    unit.failure = std::current_exception();
+    settle(lock, unit);
   }
-  changed.notify_all();
+  {
+    const Lock lock(mutex);
+    counters.shared_hits += count_faces({&found, 1});
+    settle(lock, found);
+    if (unit.failure) return;
+  }
+  if (!is_empty(unit)) load({&unit, 0});
+}
+
+void FaceCache::Impl::decode_all(std::span<Unit> units, int threads) {
+  const std::vector<Task> tasks =
+      share_out(units, static_cast<std::size_t>(threads_or_all(threads)), *panoramas);
+  parallel_for(tasks.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) load(tasks[k]);
+  });
 }
 
 void FaceCache::Impl::acquire(std::span<const FaceKey> keys, std::span<Face> faces, int threads,
                               bool ahead) {
-  std::vector<Unit> units;  // allocates only if something is missing
+  Plan plan_of_all;  // allocates only if something is missing
   Lock lock(mutex);
-  plan(lock, keys, units, ahead);
-  if (!units.empty()) {
-    lock.unlock();
-    const std::vector<Task> tasks =
-        share_out(units, static_cast<std::size_t>(threads_or_all(threads)), *panoramas);
-    parallel_for(tasks.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) load(tasks[k]);
+  leave_parents_faces(lock);
+  plan(lock, keys, plan_of_all, ahead);
+  lock.unlock();
+  if (!plan_of_all.decode.empty()) decode_all(plan_of_all.decode, threads);
+  // Afterwards, so that processes that wait for each other all have done their own part.
+  if (auto& units = plan_of_all.await; !units.empty()) {
+    const Time limit = std::chrono::steady_clock::now() + kPatience;
+    parallel_for(units.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) await(units[k], limit);
     });
-    lock.lock();
   }
+  lock.lock();
   std::exception_ptr failure;
   for (std::size_t k = 0; k < keys.size(); ++k) {
     Entry& entry = *entries.find(keys[k])->second;
@@ -378,10 +533,7 @@ void FaceCache::Impl::work_ahead(const std::stop_token& stop) {
 
 FaceCache::FaceCache(std::shared_ptr<const scan::PanoramaSet> panoramas,
                      const FaceCacheConfig& config)
-    : impl_(std::make_unique<Impl>(std::move(panoramas), config)) {
-  if (!impl_->panoramas) throw ArgumentError("panoramas: null, but a cache needs a PanoramaSet");
-  if (config.threads < 0) throw ArgumentError("config.threads: below 0");
-}
+    : impl_(std::make_unique<Impl>(std::move(panoramas), config)) {}
 
 FaceCache::~FaceCache() = default;
 
@@ -401,6 +553,7 @@ void FaceCache::release(std::span<const FaceKey> keys) noexcept {
 void FaceCache::prefetch(std::span<const FaceKey> keys) {
   if (!impl_->config.prefetch_thread) return;
   const Impl::Lock lock(impl_->mutex);
+  impl_->leave_parents_faces(lock);
   // More than half of the memory would push out what is being looked at.
   std::size_t bytes = 0;
   impl_->wishes.clear();
@@ -427,11 +580,7 @@ FaceCacheCounters FaceCache::counters() const {
 
 void FaceCache::clear() {
   const Impl::Lock lock(impl_->mutex);
-  for (Entry* entry : impl_->idle) {
-    impl_->counters.bytes -= entry->bytes;
-    impl_->entries.erase(FaceKey(entry->key));
-  }
-  impl_->idle.clear();
+  for (const Place where : {kOwn, kShared}) impl_->clear(lock, where);
 }
 
 }  // namespace enfilade::render

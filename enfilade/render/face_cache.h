@@ -2,7 +2,9 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "enfilade/core/ids.h"
@@ -33,28 +35,53 @@ std::size_t face_bytes(scan::Layer layer, std::uint32_t size) noexcept;
 /// building's panoramas on most machines, and room for a dozen processes that do the same.
 std::size_t default_cache_bytes();
 
+/// A file in which the processes of a machine keep decoded faces together: each face is decoded
+/// once and is in memory once. They have to be of one user. The file is made by the first process
+/// that asks for it, and removed by the last; if that one is killed it stays, and is used again or
+/// may be removed by hand at any time. While it is used it must not be truncated.
+struct SharedCacheConfig {
+  /// The file, preferably on a disk in memory; empty: shared_cache_path(bytes).
+  std::filesystem::path path;
+  /// Of the file, all taken when it is made: a whole number of MiB, the same in all processes that
+  /// use the path. When the file is full, the face that was used least recently is replaced.
+  std::size_t bytes = std::size_t{1} << 30U;
+};
+/// "/dev/shm/enfilade-cache-USER-MIB-VERSION": the user's id, the size, the layout's version.
+std::filesystem::path shared_cache_path(std::size_t bytes);
+
 /// How much a cache keeps.
 struct FaceCacheConfig {
-  /// Limit of memory; faces in use are kept even beyond it. A face of 512 texels takes 0.95 MB of
-  /// colour and 0.52 MB of depth.
+  /// Limit of memory that is this cache's own; faces in use are kept even beyond it. A face of 512
+  /// texels takes 0.95 MB of colour and 0.52 MB of depth.
   std::size_t bytes = default_cache_bytes();
   int threads = 0;              ///< for decoding in acquire(); 0: all cores
   bool prefetch_thread = true;  ///< whether prefetch() decodes, in one further thread
+  /// Where faces are shared with other processes; no value: nowhere. What does not fit there is
+  /// kept in the cache's own memory, as are faces of sources whose state() is unknown.
+  std::optional<SharedCacheConfig> shared = {};
 };
 
 /// What a cache has done since it was made.
 struct FaceCacheCounters {
   std::uint64_t hits = 0, misses = 0;    ///< of acquire()
-  std::uint64_t prefetched = 0;          ///< faces decoded by prefetch()
+  std::uint64_t prefetched = 0;          ///< faces made ready by prefetch()
+  std::uint64_t decoded = 0;             ///< faces, by acquire() and prefetch()
+  std::uint64_t shared_hits = 0;         ///< faces that were in the shared file, likewise
   std::uint64_t decode_nanoseconds = 0;  ///< summed over threads
-  std::size_t bytes = 0;                 ///< in memory now
+  std::size_t bytes = 0;                 ///< in memory of its own now
+  std::size_t shared_bytes = 0;          ///< kept in the shared file now
 };
 
 /// Cache of decoded faces; the least recently used one is removed first. All functions may be
 /// called from any thread at once. Does not allocate while all requested faces are in memory.
+///
+/// In a forked child, faces that were acquired before the fork must be released, and not be read
+/// any more, if the cache is shared.
 class FaceCache {
  public:
   /// Empty. Faces are decoded when they are first asked for.
+  /// \throws ArgumentError for a configuration that is not allowed; FileError naming the shared
+  /// file, and what to do, if it cannot be used: another user's, another size, no room
   explicit FaceCache(std::shared_ptr<const scan::PanoramaSet> panoramas,
                      const FaceCacheConfig& config = {});
   ~FaceCache();

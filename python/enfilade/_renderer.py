@@ -19,6 +19,7 @@ from enfilade._simulator import Names, Simulator, scan_indices, viewpoint_indice
 _COLOURS = {"rgb8": "uint8", "bgr8": "uint8", "rgba8": "uint8", "planar": "float32",
             "imagenet": "float32"}  # fmt: skip
 _LAYERS = {"depth": "float32", "classes": "uint16", "instances": "uint32"}
+CACHES = ("private", "shared")
 
 
 def open_panoramas(folder: Union[str, os.PathLike[str]], graphs: Graphs) -> Panoramas:
@@ -38,10 +39,14 @@ class Renderer:
         backend: "cpu" (SIMD), "cpu-scalar" (slow, the reference), "gl" (OpenGL without a display).
         threads: that draw; 0: all cores.
         cache_bytes: of decoded faces that are kept; a panorama of 512 texels takes 6.4 MB of colour.
+        cache: "private", or "shared": faces are also kept in a file in /dev/shm that all renderers of
+            this user's processes share, so that each is decoded once and in memory once.
+        shared_bytes: of that file, whole MiB, the same for all its renderers.
         clamped_edges, eight_bit_depth: as the old simulator drew, for features made with it.
         device: an EGL device's index or UUID, for "gl"; empty: the first that works.
 
-    Raises ArgumentError for what is not allowed, and for graphs and panoramas of different scans.
+    Raises ArgumentError for what is not allowed, and for graphs and panoramas of different scans;
+    FileError if the shared file cannot be used, or has no room in /dev/shm.
     """
 
     def __init__(
@@ -52,18 +57,24 @@ class Renderer:
         backend: str = "cpu",
         threads: int = 0,
         cache_bytes: int = 256 << 20,
+        cache: str = "private",
+        shared_bytes: int = 1 << 30,
         clamped_edges: bool = False,
         eight_bit_depth: bool = False,
         device: str = "",
     ) -> None:
         if graphs.scans != panoramas.scans:
             raise ArgumentError("graphs and panoramas are of different scans")
+        if cache not in CACHES:
+            raise ArgumentError(f"cache '{cache}': one of {', '.join(CACHES)} is wanted")
+        shared = whole("shared_bytes", shared_bytes, 2**63 - 1)
         self.graphs, self.panoramas = graphs, panoramas
         self._core = ViewRenderer(
             panoramas,
             backend,
             threads,
             whole("cache_bytes", cache_bytes, 2**63 - 1),
+            shared if cache == "shared" else 0,
             clamped_edges,
             eight_bit_depth,
             device,

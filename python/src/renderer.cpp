@@ -119,12 +119,18 @@ render::InstanceOutput instance_output(const Buffer& buffer) {
   return {memory_of<std::uint32_t>(buffer)};
 }
 
+/// 0: nothing is shared.
+std::optional<render::SharedCacheConfig> shared_cache(std::size_t bytes) {
+  if (bytes == 0) return {};
+  return render::SharedCacheConfig{{}, bytes};
+}
+
 /// A renderer with its cache.
 class ViewRenderer {
  public:
   ViewRenderer(const std::shared_ptr<const PanoramaSet>& panoramas, const std::string& backend,
-               int threads, std::size_t cache_bytes, bool clamped_edges, bool eight_bit_depth,
-               const std::string& device) {
+               int threads, std::size_t cache_bytes, std::size_t shared_bytes, bool clamped_edges,
+               bool eight_bit_depth, const std::string& device) {
     const auto parsed = render::parse_backend(backend);
     if (!parsed) {
       throw ArgumentError(
@@ -132,7 +138,9 @@ class ViewRenderer {
     }
     // Without the prefetch thread, which would not survive a fork.
     const auto faces = std::make_shared<render::FaceCache>(
-        panoramas, render::FaceCacheConfig{.bytes = cache_bytes, .prefetch_thread = false});
+        panoramas,
+        render::FaceCacheConfig{
+            .bytes = cache_bytes, .prefetch_thread = false, .shared = shared_cache(shared_bytes)});
     const nb::gil_scoped_release unlocked;  // trying a driver of OpenGL takes a while
     renderer_ =
         render::make_renderer(faces, {*parsed, threads, {clamped_edges, eight_bit_depth}, device});
@@ -181,9 +189,9 @@ void bind_renderer(nb::module_& m) {
       .def("__len__", &ViewArrays::size);
   nb::class_<ViewRenderer>(m, "ViewRenderer", "What enfilade.Renderer is made of.")
       .def(nb::init<const std::shared_ptr<const PanoramaSet>&, const std::string&, int, std::size_t,
-                    bool, bool, const std::string&>(),
-           "panoramas"_a, "backend"_a, "threads"_a, "cache_bytes"_a, "clamped_edges"_a,
-           "eight_bit_depth"_a, "device"_a)
+                    std::size_t, bool, bool, const std::string&>(),
+           "panoramas"_a, "backend"_a, "threads"_a, "cache_bytes"_a, "shared_bytes"_a,
+           "clamped_edges"_a, "eight_bit_depth"_a, "device"_a)
       .def_prop_ro("description", &ViewRenderer::description)
       .def("memory", &ViewRenderer::memory, "shape"_a, "type"_a,
            "A new array to draw into; what it holds is left over.",

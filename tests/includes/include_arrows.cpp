@@ -39,7 +39,8 @@ const std::vector<ThirdParty>& third_parties() {
       {"zip.h", {"enfilade/scan/", "tests/"}},
       {"zstd.h", {"enfilade/scan/"}},
       {"xxhash.h",
-       {"enfilade/scan/", "enfilade/features/", "enfilade/models/", "enfilade/neural/", "tests/"}},
+       {"enfilade/scan/", "enfilade/render/", "enfilade/features/", "enfilade/models/",
+        "enfilade/neural/", "tests/"}},
       {"embree3/", {"enfilade/mesh/"}},
       {"embree4/", {"enfilade/mesh/"}},
       {"tiny_gltf.h", {"enfilade/mesh/"}},
@@ -67,8 +68,8 @@ bool is_standard(std::string_view name) {
 /// What a source may use of POSIX, but no public header.
 bool is_posix(std::string_view name) {
   static const std::set<std::string_view> kPosix{
-      "unistd.h", "fcntl.h",      "signal.h", "spawn.h", "dirent.h",    "poll.h",     "dlfcn.h",
-      "link.h",   "netinet/in.h", "malloc.h", "sched.h", "arpa/inet.h", "semaphore.h"};
+      "unistd.h", "fcntl.h",      "signal.h", "spawn.h", "dirent.h",    "poll.h",      "dlfcn.h",
+      "link.h",   "netinet/in.h", "malloc.h", "sched.h", "arpa/inet.h", "semaphore.h", "pthread.h"};
   return kPosix.contains(name) || name.starts_with("sys/");
 }
 

@@ -69,7 +69,7 @@ class Batch:
         if self._renderer is None:
             graphs = self.episodes.graphs
             panoramas = open_panoramas(os.fspath(self.config.data), graphs)
-            self._renderer = Renderer(graphs, panoramas, backend=self.config.backend)
+            self._renderer = Renderer(graphs, panoramas, backend=self.config.backend, cache=self.config.cache)
         return self._renderer
 
     def _observation_space(self) -> spaces.Dict:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from enfilade._arguments import whole
 from enfilade._errors import ArgumentError
+from enfilade._renderer import CACHES
 
 ACTIONS = ("viewpoint", "six")
 REWARDS = ("progress", "success", "none")
@@ -50,6 +51,7 @@ class EnvConfig:
         tokens: length of the row of ids.
         max_candidates: rows of the candidates, the present viewpoint included.
         backend: of the renderer: "cpu", "cpu-scalar" or "gl".
+        cache: of the renderer: "private", or "shared" by the environments of all processes.
         seed: of the episodes, until reset(seed=...) gives another.
     """
 
@@ -67,6 +69,7 @@ class EnvConfig:
     tokens: int = 80
     max_candidates: int = 16
     backend: str = "cpu"
+    cache: str = "private"
     seed: int = 1
 
     def __post_init__(self) -> None:
@@ -81,6 +84,8 @@ class EnvConfig:
         for layer in self.observe:
             if layer not in LAYERS:
                 raise ArgumentError(f"observe '{layer}': any of {', '.join(LAYERS)} are wanted")
+        if self.cache not in CACHES:
+            raise ArgumentError(f"cache '{self.cache}': one of {', '.join(CACHES)} is wanted")
         for name in ("max_steps", "width", "height", "tokens", "max_candidates"):
             whole(name, getattr(self, name))
         if self.tokens < 1:

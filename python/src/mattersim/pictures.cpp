@@ -44,11 +44,13 @@ auto shared_by(const Key& key, const Make& make) {
 }
 
 std::shared_ptr<render::FaceCache> shared_faces(
-    const std::shared_ptr<const scan::PanoramaSet>& panoramas, std::size_t bytes) {
-  return shared_by(std::pair(panoramas.get(), bytes), [&] {
+    const std::shared_ptr<const scan::PanoramaSet>& panoramas, std::size_t bytes,
+    bool with_other_processes) {
+  return shared_by(std::tuple(panoramas.get(), bytes, with_other_processes), [&] {
     // Without the prefetch thread, which would not survive a fork.
-    return std::make_shared<render::FaceCache>(
-        panoramas, render::FaceCacheConfig{.bytes = bytes, .prefetch_thread = false});
+    render::FaceCacheConfig config{.bytes = bytes, .prefetch_thread = false};
+    if (with_other_processes) config.shared.emplace();
+    return std::make_shared<render::FaceCache>(panoramas, config);
   });
 }
 
@@ -63,7 +65,7 @@ Pictures::Pictures(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
       agents_(settings.batch_size),
       views_(settings.batch_size) {
   validate(camera_);
-  faces_ = shared_faces(panoramas, cache_bytes(settings));
+  faces_ = shared_faces(panoramas, cache_bytes(settings), options.shared_cache);
   render::RendererConfig config;
   config.legacy = {!options.smooth_edges, options.eight_bit_depth};
   renderer_ = render::make_renderer(faces_, config);

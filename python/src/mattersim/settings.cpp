@@ -20,7 +20,8 @@ void set_option(Options& options, std::string_view word) {
                                      std::pair("smooth-edges", &Options::smooth_edges),
                                      std::pair("perspective-fov", &Options::perspective_view),
                                      std::pair("uniform-starts", &Options::uniform_starts),
-                                     std::pair("one-stream", &Options::one_stream)}) {
+                                     std::pair("one-stream", &Options::one_stream),
+                                     std::pair("shared-cache", &Options::shared_cache)}) {
     if (word == name) {
       options.*option = true;
       return;
@@ -28,7 +29,7 @@ void set_option(Options& options, std::string_view word) {
   }
   throw ArgumentError(
       fmt::format("{}: '{}': 8bit-depth, smooth-edges, perspective-fov, "
-                  "uniform-starts and one-stream are allowed, with commas between",
+                  "uniform-starts, one-stream and shared-cache are allowed, with commas between",
                   kVariable, word));
 }
 

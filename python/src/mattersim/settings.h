@@ -33,6 +33,7 @@ struct Options {
   bool perspective_view = false;  ///< "perspective-fov"
   bool uniform_starts = false;    ///< "uniform-starts"
   bool one_stream = false;        ///< "one-stream"
+  bool shared_cache = false;      ///< "shared-cache"
 
   /// \throws ArgumentError for a word that is none of them
   static Options from_environment();
