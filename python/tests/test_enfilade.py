@@ -397,6 +397,10 @@ def test_missing_pictures_are_named(graphs: enfilade.Graphs, small: str) -> None
         renderer.render(["home_0001"], [0], [0])
     with pytest.raises(ValueError, match="backend"):
         enfilade.Renderer(graphs, panoramas, backend="paint")
+    with pytest.raises(ValueError, match="cache 'public': one of private, shared"):
+        enfilade.Renderer(graphs, panoramas, cache="public")
+    with pytest.raises(ValueError, match="MiB"):
+        enfilade.Renderer(graphs, panoramas, cache="shared", shared_bytes=1000)
     assert "cpu" in enfilade.backends() and "cpu" in renderer.description
 
 

@@ -88,11 +88,22 @@ def draw_in_child(renderer: Any, view: Any, expected: Any) -> bool:
     return bool((drawn == expected).all())
 
 
-def test_a_forked_renderer_draws(data: Any, reference: Any) -> None:
+def room_in_shared_memory(size: int) -> bool:
+    if not os.path.isdir("/dev/shm"):
+        return False
+    disk = os.statvfs("/dev/shm")
+    return disk.f_bavail * disk.f_frsize > size
+
+
+@pytest.mark.parametrize("cache", ["private", "shared"])
+def test_a_forked_renderer_draws(data: Any, reference: Any, cache: str) -> None:
+    shared_bytes = 48 << 20
+    if cache == "shared" and not room_in_shared_memory(shared_bytes):
+        pytest.skip("/dev/shm has no room for 48 MiB")
     graphs = enfilade.Graphs(str(data / "connectivity"))
     scans = str(reference / "golden" / "scans")
     panoramas = enfilade.Panoramas([scans], str(data / "connectivity"), graphs)
-    renderer = enfilade.Renderer(graphs, panoramas, threads=2)
+    renderer = enfilade.Renderer(graphs, panoramas, threads=2, cache=cache, shared_bytes=shared_bytes)
     view = (["17DRP5sb8fy"], ["5b9b2794954e4694a45fc424a8643081"], [0.3])
     expected = renderer.render(*view, width=64, height=48)["colour"]
     child = os.fork()
