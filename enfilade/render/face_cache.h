@@ -52,7 +52,8 @@ std::filesystem::path shared_cache_path(std::size_t bytes);
 /// How much a cache keeps.
 struct FaceCacheConfig {
   /// Limit of memory that is this cache's own; faces in use are kept even beyond it. A face of 512
-  /// texels takes 0.95 MB of colour and 0.52 MB of depth.
+  /// texels takes 0.95 MB of colour and 0.52 MB of depth. Not of faces in a shared file: of that, a
+  /// process keeps its part of one half.
   std::size_t bytes = default_cache_bytes();
   int threads = 0;              ///< for decoding in acquire(); 0: all cores
   bool prefetch_thread = true;  ///< whether prefetch() decodes, in one further thread
