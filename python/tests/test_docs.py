@@ -103,4 +103,4 @@ def test_the_table_names_every_option(monkeypatch: pytest.MonkeyPatch) -> None:
         MatterSim.Simulator()
     words = re.findall(r"[\w-]+", str(error.value).split("'?': ")[1].split(" are allowed")[0])
     words.remove("and")
-    assert len(words) == 5 and all(f"| `{word}` |" in text for word in words)
+    assert len(words) == 6 and all(f"| `{word}` |" in text for word in words)

@@ -30,8 +30,8 @@ std::uint32_t tile_rows(std::uint32_t height, std::size_t views, int threads) {
   return std::max(kLeastRows, static_cast<std::uint32_t>((height + parts - 1) / parts));
 }
 
-// Above this the first pictures of a batch have left the caches, whatever their size, when the caller
-// comes to read them. Less is written in the ordinary way: docs/design/kernels.md.
+// Above this the first pictures of a batch have left the caches, whatever their size, when the
+// caller comes to read them. Less is written in the ordinary way: docs/design/kernels.md.
 constexpr std::size_t kStreamBytes = std::size_t{64} << 20;
 
 std::size_t bytes_of(const Outputs& outputs) {
