@@ -149,6 +149,13 @@ build_preset() {
   mkdir -p "$directory"
   : >"$log"
   launcher=${CMAKE_CXX_COMPILER_LAUNCHER-$(command -v ccache || true)}
+  if command -v apt-cache >/dev/null && is_out_of_reach libtorch-dev && ! have_package libtorch-dev &&
+    [[ -z ${Torch_DIR:-}${Torch_ROOT:-}${CMAKE_PREFIX_PATH:-} ]]; then
+    grep -qs '^EN_WITH_TORCH:[A-Z]*=OFF' "$directory/CMakeCache.txt" ||
+      say "this system's packages have no libtorch-dev: building without networks and training" \
+        "(if you have libtorch, name its folder in CMAKE_PREFIX_PATH)"
+    set -- -DEN_WITH_TORCH=OFF "$@"
+  fi
   log_to "$log" cmake --preset "$preset" "-DCMAKE_CXX_COMPILER_LAUNCHER:STRING=$launcher" "$@" || {
     show_failure "$log"
     die 1 "configuring the preset '$preset' failed (all of its output: $log)"

@@ -69,6 +69,18 @@ have_header() {
     "${CXX:-c++}" -std=c++20 -x c++ -E - >/dev/null 2>&1
 }
 
+# Debian has these; where a system's lists do not (Ubuntu 24.04), what needs them is left out.
+readonly wished='libtorch-dev python3-torch'
+
+lists_have() {
+  LC_ALL=C apt-cache policy "$1" 2>/dev/null | grep -q '^  Candidate: [^(]'
+}
+
+# Without any lists, as on a fresh machine, nothing is known.
+is_out_of_reach() {
+  [[ " $wished " == *" $1 "* ]] && lists_have g++ && ! lists_have "$1"
+}
+
 have_package() {
   [[ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" == installed* ]]
 }
@@ -78,7 +90,7 @@ missing_packages() {
   local package kind name
   needs_of "$@" | while read -r _ package kind name; do
     have_package "$package" || { [[ $kind == command ]] && command -v "$name" >/dev/null; } ||
-      printf '%s\n' "$package"
+      is_out_of_reach "$package" || printf '%s\n' "$package"
   done
 }
 
@@ -103,10 +115,16 @@ apt_get() {
 }
 
 install_packages() {  # install_packages LOG PACKAGE...
-  local log=$1 attempt
+  local log=$1 attempt package packages
   shift
   for attempt in 1 2 3; do
-    { apt_get update && apt_get install --no-install-recommends "$@"; } >"$log" 2>&1 && return 0
+    if apt_get update >"$log" 2>&1; then
+      packages=()
+      for package in "$@"; do
+        is_out_of_reach "$package" || packages+=("$package")
+      done
+      apt_get install --no-install-recommends "${packages[@]}" >>"$log" 2>&1 && return 0
+    fi
     # apt-get update only warns of a mirror out of reach, and then the lists lack everything.
     if ! grep -q 'Failed to fetch' "$log" &&
       grep -qE 'Unable to locate package|no installation candidate' "$log"; then

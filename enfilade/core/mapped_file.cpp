@@ -9,24 +9,11 @@
 #include <cerrno>
 #include <system_error>
 
+#include "enfilade/core/descriptor.h"
 #include "enfilade/core/errors.h"
 
 namespace enfilade {
 namespace {
-
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int number() const { return number_; }
-
- private:
-  int number_;
-};
 
 [[noreturn]] void fail(const std::filesystem::path& path, int reason) {
   throw FileError(fmt::format("{}: cannot be read: {}", path.string(),

@@ -188,7 +188,7 @@ struct FaceCache::Impl {
   void plan_one(Lock& lock, const FaceKey& key, Plan& plan);
   void fail(const Lock& lock, std::span<Unit> units) noexcept;
   void settle(const Lock& lock, Unit& unit) noexcept;
-  void decode_all(std::span<Unit> units, int threads);
+  void make_ready(Plan& plan, int threads);
   void load(const Task& task);
   void await(Unit& unit, Time limit);
   void decode(const Task& task);
@@ -473,11 +473,16 @@ void FaceCache::Impl::await(Unit& unit, Time limit) {
   if (!is_empty(unit)) load({&unit, 0});
 }
 
-void FaceCache::Impl::decode_all(std::span<Unit> units, int threads) {
-  const std::vector<Task> tasks =
-      share_out(units, static_cast<std::size_t>(threads_or_all(threads)), *panoramas);
+void FaceCache::Impl::make_ready(Plan& plan, int threads) {
+  const auto count = static_cast<std::size_t>(threads_or_all(threads));
+  const std::vector<Task> tasks = share_out(plan.decode, count, *panoramas);
   parallel_for(tasks.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) load(tasks[k]);
+  });
+  // Afterwards, so that processes that wait for each other all have done their own part.
+  const Time limit = std::chrono::steady_clock::now() + kPatience;
+  parallel_for(plan.await.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) await(plan.await[k], limit);
   });
 }
 
@@ -487,16 +492,11 @@ void FaceCache::Impl::acquire(std::span<const FaceKey> keys, std::span<Face> fac
   Lock lock(mutex);
   leave_parents_faces(lock);
   plan(lock, keys, plan_of_all, ahead);
-  lock.unlock();
-  if (!plan_of_all.decode.empty()) decode_all(plan_of_all.decode, threads);
-  // Afterwards, so that processes that wait for each other all have done their own part.
-  if (auto& units = plan_of_all.await; !units.empty()) {
-    const Time limit = std::chrono::steady_clock::now() + kPatience;
-    parallel_for(units.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) await(units[k], limit);
-    });
+  if (!plan_of_all.decode.empty() || !plan_of_all.await.empty()) {
+    lock.unlock();
+    make_ready(plan_of_all, threads);
+    lock.lock();
   }
-  lock.lock();
   std::exception_ptr failure;
   for (std::size_t k = 0; k < keys.size(); ++k) {
     Entry& entry = *entries.find(keys[k])->second;

@@ -24,12 +24,12 @@ inline constexpr const char* kPretrainHelp =
 inline constexpr const char* kTrainHelp =
     "Train the sequence-to-sequence agent; run again, it goes on where it was";
 
-/// How the second program gets beside the first, for those who lack it: a wheel has it not.
+/// What to do where the second program is missing: wheels do not have it.
 inline constexpr const char* kHowToLearn =
-    "In a Python environment that has PyTorch: pip install --no-build-isolation ./packaging/learn, "
-    "in a clone of Enfilade or in its unpacked source distribution, installs it (the package "
-    "enfilade-learn). Without Python: build with -DEN_WITH_TORCH=ON (libtorch-dev, "
-    "libopenblas0-pthread, libhdf5-dev). docs/installing.md tells more.";
+    "Build Enfilade with -DEN_WITH_TORCH=ON (libtorch-dev, libopenblas0-pthread, libhdf5-dev); or, "
+    "in a Python environment that has PyTorch, in a clone of Enfilade or its unpacked source "
+    "distribution: pip install --no-build-isolation ./packaging/learn (the package "
+    "enfilade-learn). docs/installing.md tells more.";
 
 /// Whether verbs that need libtorch work: true in `enfilade-learn`, and in `enfilade` if that lies
 /// beside it.

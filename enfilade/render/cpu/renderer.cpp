@@ -82,7 +82,7 @@ class BandDrawer {
   }
 
  private:
-  // More rows than these would not make a block's work much longer than what begins and ends it.
+  // Of pictures narrower than 128 pixels; more rows would gain little and make Block larger.
   static constexpr std::uint32_t kMostRows = 8;
 
   // A block's part of a stretch.

@@ -17,6 +17,7 @@
 #include <thread>
 #include <utility>
 
+#include "enfilade/core/descriptor.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/memory.h"
 
@@ -24,20 +25,6 @@ namespace enfilade::render::detail {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x6568636163'6e65;  // "encache"
-
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int number() const { return number_; }
-
- private:
-  int number_;
-};
 
 std::uint64_t mebibytes(std::size_t bytes) { return bytes >> 20U; }
 
