@@ -73,7 +73,8 @@ have_header() {
 readonly wished='libtorch-dev python3-torch'
 
 lists_have() {
-  LC_ALL=C apt-cache policy "$1" 2>/dev/null | grep -q '^  Candidate: [^(]'
+  # Not grep -q, which would end first and so fail the pipe.
+  LC_ALL=C apt-cache policy "$1" 2>/dev/null | grep '^  Candidate: [^(]' >/dev/null
 }
 
 # Without any lists, as on a fresh machine, nothing is known.
