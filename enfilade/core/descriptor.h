@@ -1,6 +1,5 @@
 /// \file  A file that the system has opened.
 #pragma once
-#include <unistd.h>
 
 namespace enfilade {
 
@@ -10,9 +9,7 @@ class Descriptor {
  public:
   /// Takes over `number`, as open() gives it.
   explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) close(number_);
-  }
+  ~Descriptor();
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   /// For system calls; negative if open() failed.
