@@ -237,7 +237,7 @@ bool BoundedServer::answer_request(Self& self, httplib::Stream& connection, bool
     connection.get_remote_ip_and_port(remote, remote_port);
     connection.get_local_ip_and_port(local, local_port);
     return self.process_request(connection, remote, remote_port, local, local_port, last, closed,
-                                  nullptr);
+                                nullptr);
   }
 }
 
