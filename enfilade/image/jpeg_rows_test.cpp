@@ -201,6 +201,56 @@ TEST(DecodeRows, NoFileThatIsCutOffIsAPicture) {
   }
 }
 
+// The largest sum of a column's coefficients, each without its sign.
+struct LargestColumn {
+  explicit LargestColumn(const Jpeg& jpeg) : parsed(*detail::parse_baseline(jpeg)) {
+    tjtransform transform{};
+    transform.op = TJXOP_NONE;
+    transform.options = TJXOPT_NOOUTPUT;
+    transform.data = this;
+    transform.customFilter = look;
+    const tjhandle handle = tjInitTransform();
+    unsigned char* none = nullptr;
+    unsigned long size = 0;  // NOLINT(google-runtime-int): TurboJPEG's type
+    EXPECT_EQ(tjTransform(handle, jpeg.data(), jpeg.size(), 1, &none, &size, &transform, 0), 0);
+    tjFree(none);
+    tjDestroy(handle);
+  }
+  static int look(short* coefficients, tjregion region, tjregion /*plane*/, int component,
+                  int /*transform*/, tjtransform* transform) {
+    auto& self = *static_cast<LargestColumn*>(transform->data);
+    const auto c = static_cast<std::size_t>(component);
+    const auto& quant = self.parsed.quant[self.parsed.component[c].quant];
+    const auto count = static_cast<std::size_t>(region.w) * static_cast<std::size_t>(region.h);
+    for (std::size_t first = 0; first < count; first += detail::kBlock) {
+      std::array<int, 8> sums{};
+      for (std::size_t k = 0; k < detail::kBlock; ++k) {
+        const std::size_t place = detail::kRowOrder[k];
+        sums[place % 8] += std::abs(coefficients[first + place] * quant[k]);
+      }
+      self.sum = std::max(self.sum, *std::ranges::max_element(sums));
+    }
+    return 0;
+  }
+
+  detail::BaselineJpeg parsed;
+  int sum = 0;
+};
+
+// Whether libjpeg-turbo makes the same of these coefficients on every processor. The transform's
+// first pass multiplies by up to 4 sqrt(2) cos(pi / 16) = 5.55, and keeps 16 bits: of what has
+// more, the nearest number that has 16 on x86, and in our kernels; its lower bits on ARM. No
+// picture comes near it: its coefficients are at most 1024, and those of a column are large one at
+// a time.
+bool is_plain(const Jpeg& jpeg) {
+#if defined(__x86_64__)
+  static_cast<void>(jpeg);
+  return true;
+#else
+  return LargestColumn(jpeg).sum < 32767 / 5.55;
+#endif
+}
+
 // Where it takes damaged codes (JPEG has no checksums), libjpeg-turbo takes them too, and sees the
 // same picture. Headers are not damaged here: libjpeg-turbo warns of numbers that mean nothing.
 TEST(DecodeRows, AgreesAboutDamagedFiles) {
@@ -216,7 +266,7 @@ TEST(DecodeRows, AgreesAboutDamagedFiles) {
       damaged[at] ^= static_cast<std::uint8_t>(1U << random() % 8);
     }
     Face face(40);
-    if (!decode_rows(damaged, {0, 40}, face.cells())) continue;
+    if (!decode_rows(damaged, {0, 40}, face.cells()) || !is_plain(damaged)) continue;
     ++taken;
     ASSERT_EQ(face.rgb(), decode_jpeg(damaged, "f")) << k;
   }

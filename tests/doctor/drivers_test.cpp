@@ -13,6 +13,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/render/gl_devices.h"
 #include "enfilade/render/sample.h"
+#include "tests/support/emulated.h"
 #include "tests/support/process.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
@@ -76,6 +77,9 @@ constexpr const char* kSection = "OpenGL through EGL";
 class Drivers : public testing::Test {
  protected:
   void SetUp() override {
+    if (tests::is_emulated()) {
+      GTEST_SKIP() << "the program cannot start itself to try a driver (qemu-user)";
+    }
     const BadDriver driver("refuse");
     const nlohmann::json said = doctor();
     if (said[kSection].contains("EGL")) GTEST_SKIP() << said[kSection]["EGL"]["text"];

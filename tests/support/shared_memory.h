@@ -1,8 +1,10 @@
 /// \file  Files and child processes for tests of memory that processes share.
 #pragma once
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -42,5 +44,15 @@ inline int wait_for(pid_t child) {
   waitpid(child, &status, 0);
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
+
+/// Whether a lock is freed with the process that holds it (robust futexes). qemu-user cannot: the
+/// kernel that sees the process end knows nothing of the locks of the program that is emulated.
+inline bool frees_locks_of_killed() {
+  void* head = nullptr;
+  std::size_t size = 0;
+  return syscall(SYS_get_robust_list, 0, &head, &size) == 0;
+}
+inline constexpr const char* kKeepsLocksOfKilled =
+    "here a killed process keeps its locks (no robust futexes: qemu-user)";
 
 }  // namespace enfilade::tests

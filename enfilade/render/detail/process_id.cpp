@@ -49,8 +49,10 @@ bool parse(std::string_view text, Life& life) {
 }
 
 Answer look_up(std::int32_t number, Life& life) noexcept {
-  std::array<char, 32> path{};
-  std::snprintf(path.data(), path.size(), "/proc/%d/stat", number);
+  // By way of its first thread, whose file says the same: emulated by qemu-user, a process reads
+  // another start in its own /proc/PID/stat than all others do.
+  std::array<char, 48> path{};
+  std::snprintf(path.data(), path.size(), "/proc/%d/task/%d/stat", number, number);
   const int file = open(path.data(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return errno == ENOENT ? Answer::kGone : Answer::kUnknown;
   std::array<char, 1024> text{};

@@ -119,6 +119,7 @@ int use_everything(const std::filesystem::path& path) {
 }
 
 TEST(SharedCells, AProcessMayBeKilledAtAnyStep) {
+  if (!tests::frees_locks_of_killed()) GTEST_SKIP() << tests::kKeepsLocksOfKilled;
   const tests::SharedName name("killed");
   SharedCells cells({name.path(), kMebi});
   int killed = 0;
@@ -165,6 +166,7 @@ void stop() {
 }
 
 TEST(SharedCells, NobodyWaitsForEverForAStoppedProcess) {
+  if (!tests::frees_locks_of_killed()) GTEST_SKIP() << tests::kKeepsLocksOfKilled;
   const tests::SharedName name("stopped");
   SharedCells cells({name.path(), kMebi});
   const pid_t child = in_child([&] {

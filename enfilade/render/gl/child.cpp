@@ -91,6 +91,14 @@ std::optional<ChildEnd> end_of(pid_t child, Clock::time_point until) {
   }
 }
 
+// POSIX lets posix_spawn() succeed where the program cannot be executed: the new process then exits
+// with 127. So it is in qemu-user, where the two share no memory for the error.
+ChildEnd unless_not_started(const ChildEnd& end) {
+  constexpr int kNotExecuted = 127;
+  if (end.how != ChildEnd::How::kExited || end.code != kNotExecuted) return end;
+  return {ChildEnd::How::kNotStarted, ENOENT};
+}
+
 }  // namespace
 
 ChildEnd run_child(const std::vector<std::string>& command, double seconds,
@@ -108,8 +116,10 @@ ChildEnd run_child(const std::vector<std::string>& command, double seconds,
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   Clock::time_point until = Clock::now() + limit;
   std::string text;
+  bool printed = false;
   for (;;) {
     const auto more = read_some(ends[0], text, until);
+    printed = printed || !text.empty();
     for (std::size_t end = 0; (end = text.find('\n')) != std::string::npos;) {
       if (line(std::string_view(text).substr(0, end))) until = Clock::now() + limit;
       text.erase(0, end + 1);
@@ -117,7 +127,7 @@ ChildEnd run_child(const std::vector<std::string>& command, double seconds,
     if (!more || !*more || Clock::now() >= until) break;
   }
   close(ends[0]);
-  if (const auto end = end_of(child, until)) return *end;
+  if (const auto end = end_of(child, until)) return printed ? *end : unless_not_started(*end);
   kill(child, SIGKILL);
   end_of(child, Clock::now() + std::chrono::seconds(2));
   return {ChildEnd::How::kSilent, 0};

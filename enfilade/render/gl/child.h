@@ -13,7 +13,7 @@ struct ChildEnd {
     kExited,      ///< by itself; code: its exit status, or -1 if somebody else asked for it first
     kKilled,      ///< code: the signal
     kSilent,      ///< it printed nothing for too long, and was killed
-    kNotStarted,  ///< code: errno
+    kNotStarted,  ///< code: errno; ENOENT where the system does not say
   };
   How how = How::kNotStarted;
   int code = 0;

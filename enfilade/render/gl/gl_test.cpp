@@ -249,6 +249,18 @@ TEST_F(Gl, ConstantColourStaysConstant) {
   }
 }
 
+// Mesa's llvmpipe interpolates between texels across and then down. It rounds both times where it
+// has pmulhrsw (SSSE3), and cuts off elsewhere: lp_build_lerp_simple() of Mesa 22.3. That is up to
+// a level lower.
+bool cuts_off(const Renderer& renderer) {
+#if defined(__x86_64__)
+  static_cast<void>(renderer);
+  return false;
+#else
+  return renderer.description().find("llvmpipe") != std::string::npos;
+#endif
+}
+
 TEST_F(Gl, AgreesWithTheScalarRenderer) {
   const auto cache = cache_of({noise(64, 1), noise(64, 2), noise(64, 3)});
   const auto gl = gl_renderer(cache);
@@ -268,7 +280,7 @@ TEST_F(Gl, AgreesWithTheScalarRenderer) {
   };
   // Noise: hardware's 8-bit weights are worth up to 1/256 of 255 levels in each direction, and a
   // texel's edge that falls on another side of a pixel by float rounding gives any other value.
-  EXPECT_LE(differing(a.rgb, b.rgb, 1), 1e-3);
+  EXPECT_LE(differing(a.rgb, b.rgb, cuts_off(*gl) ? 2 : 1), 1e-3);
   EXPECT_LE(differing(a.rgb, b.rgb, 2), 1e-4);
   EXPECT_LE(differing(a.depth, b.depth, 0), 1e-3);
   EXPECT_LE(differing(a.classes, b.classes, 0), 1e-3);

@@ -79,6 +79,8 @@ TEST(Child, ThatIsNoProgramIsNotStarted) {
   const Outcome ran = run({"/nowhere/enfilade"});
   EXPECT_EQ(ran.end.how, How::kNotStarted);
   EXPECT_EQ(ran.end.code, ENOENT);
+  EXPECT_EQ(run_script("exit 127").end.how, How::kNotStarted);  // as POSIX lets it be told
+  EXPECT_EQ(run_script("echo; exit 127").end.how, How::kExited);
 }
 
 TEST(Child, OfAProcessThatDoesNotWaitForItsOwnEndsToo) {
