@@ -69,6 +69,10 @@ struct PlanarScale {
   std::array<float, 3> factor, offset;
 };
 
+/// How many of a block's texels memory is asked for ahead: those of each 16th pixel, or of each 8th
+/// and of the row below.
+enum class Ask { kLittle, kMuch };
+
 struct Kernels {
   /// Where the pixels of a piece meet the face that it lies on; written from the place `at` on.
   void (*points)(const FaceLine&, Piece, std::size_t at, Points& out);
@@ -78,6 +82,9 @@ struct Kernels {
   /// Both at once, for layers of the same size.
   void (*taps_and_points)(const FaceLine&, Piece, const ColourFace&, std::size_t at, Taps&,
                           Points&);
+  /// Taps and what `places16` would make of the points: one pass where there is one such layer.
+  void (*taps_and_places16)(const FaceLine&, Piece, const ColourFace&, std::size_t at, Taps&,
+                            const Face& nearest, Places&);
   // Bilinear colour of the taps `from` .. from + count - 1, in each of the formats; never writes
   // beyond them. RGBA: A = 255.
   void (*draw_rgb)(const TapRun&, std::uint8_t* out);

@@ -143,6 +143,10 @@ class BandDrawer {
     return job_.outputs.depth || job_.outputs.classes || job_.outputs.instances;
   }
 
+  bool draws_depth_alone() const {
+    return job_.outputs.depth && !job_.outputs.classes && !job_.outputs.instances;
+  }
+
   // Calls each(layer, places of a block, values) for those that are drawn with the nearest texel.
   template <class Each>
   void nearest_layers(Block& block, const Each& each) {
@@ -187,6 +191,11 @@ class BandDrawer {
     if (base_ != nullptr) {
       const Face& f = face(Layer::kColour, part.face);
       const ColourFace colour = colour_face(f, base_);
+      if (draws_depth_alone() && same_size_) {
+        job_.kernels.taps_and_places16(line(f.size), part.piece, colour, part.at, block.taps,
+                                       face(Layer::kDepth, part.face), block.depth);
+        return;
+      }
       if (draws_nearest() && same_size_) {
         size = f.size;
         job_.kernels.taps_and_points(line(size), part.piece, colour, part.at, block.taps, points_);

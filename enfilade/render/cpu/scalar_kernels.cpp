@@ -30,6 +30,15 @@ void taps_and_points(const FaceLine& line, Piece piece, const ColourFace& face, 
   points(line, piece, at, out_points);
 }
 
+void taps_and_places16(const FaceLine& line, Piece piece, const ColourFace& face, std::size_t at,
+                       Taps& out, const Face& nearest, Places& places) {
+  taps(line, piece, face, at, out);
+  for (std::uint32_t j = piece.begin; j < piece.end; ++j) {
+    places.offset[at + j - piece.begin] =
+        nearest_offset<std::uint16_t>(nearest.size, texel_point(line, j));
+  }
+}
+
 template <class T>
 void places(const Points& points, std::size_t from, std::size_t count, const Face& face,
             Places& out) {
@@ -155,6 +164,7 @@ constexpr Kernels kScalar{
     .points = points,
     .taps = taps,
     .taps_and_points = taps_and_points,
+    .taps_and_places16 = taps_and_places16,
     .draw_rgb = draw_rgb,
     .draw_bgr = draw_bgr,
     .draw_rgba = draw_rgba,

@@ -27,7 +27,7 @@ namespace HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
 
 // A machine with no instruction set that Highway knows.
-const Kernels* kernels(bool /*gathers*/) { return &scalar_kernels(); }
+const Kernels* kernels(bool /*gathers*/, Ask /*ask*/) { return &scalar_kernels(); }
 
 #else
 namespace hn = hwy::HWY_NAMESPACE;
@@ -109,19 +109,20 @@ HWY_INLINE VI scale15(VI a, std::int32_t b) {
 #include "enfilade/render/cpu/simd_pack.inc"
 // clang-format on
 
-template <bool kGather>
+template <bool kGather, Ask kAsk>
 constexpr Kernels make_kernels() {
   return {
       .points = points,
-      .taps = taps,
-      .taps_and_points = taps_and_points,
+      .taps = taps<kAsk>,
+      .taps_and_points = taps_and_points<kAsk>,
+      .taps_and_places16 = taps_and_places16<kAsk>,
       .draw_rgb = draw_three<kGather, false>,
       .draw_bgr = draw_three<kGather, true>,
       .draw_rgba = draw_rgba<kGather>,
       .draw_planar16 = draw_planar16<kGather>,
       .draw_planar32 = draw_planar32<kGather>,
-      .places16 = places<std::uint16_t>,
-      .places32 = places<std::uint32_t>,
+      .places16 = places<kAsk, std::uint16_t>,
+      .places32 = places<kAsk, std::uint32_t>,
       .values16 = values<kGather, std::uint16_t>,
       .values32 = values<kGather, std::uint32_t>,
       .pack_rgb = pack_three<false>,
@@ -137,15 +138,21 @@ constexpr Kernels make_kernels() {
   };
 }
 
-const Kernels* kernels(bool gathers) {
-  static constexpr Kernels kLoads = make_kernels<false>();
+template <Ask kAsk>
+const Kernels* kernels_that(bool gathers) {
+  static constexpr Kernels kLoads = make_kernels<false, kAsk>();
 #if EN_HALVES  // these targets have gathers, too
-  static constexpr Kernels kGathers = make_kernels<true>();
+  static constexpr Kernels kGathers = make_kernels<true, kAsk>();
   if (gathers) return &kGathers;
 #else
   static_cast<void>(gathers);
 #endif
   return &kLoads;
+}
+
+const Kernels* kernels(bool gathers, Ask ask) {
+  return ask == Ask::kMuch ? kernels_that<Ask::kMuch>(gathers)
+                           : kernels_that<Ask::kLittle>(gathers);
 }
 
 #endif
@@ -165,7 +172,18 @@ namespace {
 
 HWY_EXPORT(kernels);
 
+// Intel's processors follow strips of texels by themselves, and asking for more than the first line
+// keeps them waiting; AMD's do not: docs/design/kernels.md has the figures. Others: not measured.
+Ask best_ask() {
+#if HWY_ARCH_X86
+  return __builtin_cpu_is("intel") ? Ask::kLittle : Ask::kMuch;
+#else
+  return Ask::kMuch;
+#endif
+}
+
 std::vector<KernelVariant> find_variants() {
+  const Ask ask = best_ask();
   std::vector<KernelVariant> found;
   // Highway numbers the targets so that the better ones have the lower bits. The one compiled for
   // every machine of this kind counts even where an extension that Highway wants with it, and we do
@@ -175,8 +193,8 @@ std::vector<KernelVariant> find_variants() {
   for (; supported != 0; supported &= supported - 1) {
     const std::int64_t target = supported & -supported;
     hwy::GetChosenTarget().Update(target);
-    const Kernels* loads = HWY_DYNAMIC_DISPATCH(kernels)(false);
-    const Kernels* gathers = HWY_DYNAMIC_DISPATCH(kernels)(true);
+    const Kernels* loads = HWY_DYNAMIC_DISPATCH(kernels)(false, ask);
+    const Kernels* gathers = HWY_DYNAMIC_DISPATCH(kernels)(true, ask);
     const std::string name = hwy::TargetName(target);
     if (gathers != loads) found.push_back({name + " gathers", gathers});
     found.push_back({name, loads});

@@ -224,6 +224,23 @@ void read_on(socket_t socket, double seconds, const Stops& stops) {
 
 void BoundedServer::lengthen_queue() { ::listen(svr_sock_, kQueue); }
 
+// A template, so that only the form that the installed cpp-httplib has is compiled: 0.18
+// takes the addresses that 0.11 asks the connection for.
+template <class Self>
+bool BoundedServer::answer_request(Self& self, httplib::Stream& connection, bool last,
+                                   bool& closed) {
+  if constexpr (requires { self.process_request(connection, last, closed, nullptr); }) {
+    return self.process_request(connection, last, closed, nullptr);
+  } else {
+    std::string remote, local;
+    int remote_port = 0, local_port = 0;
+    connection.get_remote_ip_and_port(remote, remote_port);
+    connection.get_local_ip_and_port(local, local_port);
+    return self.process_request(connection, remote, remote_port, local, local_port, last, closed,
+                                nullptr);
+  }
+}
+
 bool BoundedServer::process_and_close_socket(socket_t socket) {
   const auto stops = [this] { return svr_sock_ == INVALID_SOCKET; };
   Connection connection(socket, std::min(kHeadSeconds, body_seconds_));
@@ -231,7 +248,7 @@ bool BoundedServer::process_and_close_socket(socket_t socket) {
   for (int left = kKeepAliveRequests; good && !closed && left > 0 && !stops(); --left) {
     if (!connection.has_bytes() && !wait_for_bytes(socket, kKeepAliveTime, stops)) break;
     connection.begin_request();
-    good = process_request(connection, left == 1, closed, nullptr);
+    good = answer_request(*this, connection, left == 1, closed);
     good = connection.flush() && good;
   }
   if (connection.needs_answer()) refuse_line(connection);

@@ -24,6 +24,8 @@ class BoundedServer : public httplib::Server {
 
  private:
   bool process_and_close_socket(socket_t socket) override;
+  template <class Self>
+  static bool answer_request(Self& self, httplib::Stream& connection, bool last, bool& closed);
 
   double body_seconds_;
 };
