@@ -98,12 +98,18 @@ TEST_P(EachTarget, DrawsEachFormatAsItsPlainTwin) {
 
 // A view's faces may be farther apart in memory than offsets of 31 bits reach.
 TEST(CpuRenderer, FacesThatAreFarApartMakeTheSamePictures) {
-  constexpr std::uint32_t kSize = 512;  // 16 faces fill a block of the cache's memory
+  // A block of the cache's memory has 17 faces of colour, or 19 of 16 bits: depth and classes.
+  constexpr std::uint32_t kSize = 512;
   const auto make = [] { return cache_of({noise(kSize, 1), noise(kSize, 2), noise(kSize, 3)}); };
   const auto near = make(), far = make();
   std::vector<FaceKey> keys;
-  for (std::size_t k = 0; k < 18; ++k) {
-    keys.push_back({ScanIndex(0), ViewpointIndex(k / 6), scan::Layer::kColour, cube_face(k % 6)});
+  for (const scan::Layer layer : {scan::Layer::kColour, scan::Layer::kDepth}) {
+    for (std::size_t k = 0; k < 18; ++k) {
+      keys.push_back({ScanIndex(0), ViewpointIndex(k / 6), layer, cube_face(k % 6)});
+    }
+  }
+  for (std::size_t k = 0; k < 4; ++k) {
+    keys.push_back({ScanIndex(0), ViewpointIndex(0), scan::Layer::kClass, cube_face(k)});
   }
   std::vector<Face> faces(keys.size());
   const auto load = [&](std::size_t begin, std::size_t end) {
@@ -112,6 +118,8 @@ TEST(CpuRenderer, FacesThatAreFarApartMakeTheSamePictures) {
     far->release(some);
   };
   load(0, 15);
+  load(36, 40);
+  load(18, 33);
   // Address space without memory: a large hole, and whatever gaps are left above it.
   std::vector<std::pair<void*, std::size_t>> taken;
   const auto take = [&](std::size_t bytes) {
@@ -123,9 +131,12 @@ TEST(CpuRenderer, FacesThatAreFarApartMakeTheSamePictures) {
   while (taken.size() < 2000 && take(std::size_t{8} << 20) > hole) {
   }
   load(15, 18);
+  load(33, 36);
   for (const auto& [at, bytes] : taken) munmap(at, bytes);
-  const auto apart = [&](std::size_t k) { return std::abs(faces[k].cells - faces[12].cells); };
-  if (std::max(apart(16), apart(17)) < std::ptrdiff_t{1} << 31) {
+  const auto apart = [&](std::size_t a, std::size_t b) {
+    return std::abs(faces[a].cells - faces[b].cells) >= std::ptrdiff_t{1} << 31;
+  };
+  if (!apart(12, 17) || !apart(30, 35)) {
     GTEST_SKIP() << "this system maps memory in another order";
   }
   const Camera camera{200, 200, degrees(100)};

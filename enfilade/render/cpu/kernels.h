@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,7 @@ struct Points {
   alignas(64) std::array<std::int32_t, kBlock + kSlack> x, y;
 };
 
-/// nearest_offset() of each pixel of a piece: bytes from its face's cells to the texel there.
+/// Where each pixel's nearest texel is, in bytes from an address that the pieces of a row share.
 struct Places {
   alignas(64) std::array<std::int32_t, kBlock + kSlack> offset;
 };
@@ -41,12 +42,19 @@ struct Taps {
   alignas(64) std::array<std::uint32_t, kBlock + kSlack> weights;
 };
 
-/// Some of them, and the address that their offsets are from. Whole registers are read: the offsets
+/// Some taps, and the address that their offsets are from. Whole registers are read: the offsets
 /// of kTapsBeyond more taps must lead to texels, too.
 inline constexpr std::size_t kTapsBeyond = 15;
 struct TapRun {
   const std::uint8_t* base;
   const Taps& taps;
+  std::size_t from, count;
+};
+
+/// Some places, and the address that they are from; read like a TapRun's.
+struct PlaceRun {
+  const std::uint8_t* base;
+  const Places& places;
   std::size_t from, count;
 };
 
@@ -64,6 +72,30 @@ struct ColourFace {
   bool clamped;  ///< filtered within the face only
 };
 
+/// The face of a layer of 16 or 32 bits that a piece lies on.
+struct NearestFace {
+  const std::uint8_t* base = nullptr;  ///< what offsets are from
+  std::int32_t first = 0;              ///< bytes from there to its cells
+  std::uint32_t size = 0;
+};
+
+/// A piece of a block's row whose taps are to be made.
+struct TapPart {
+  FaceLine line;
+  Piece piece;
+  ColourFace face;
+  std::size_t at;  ///< where the block has the piece
+};
+
+/// A block whose taps are made while another one is drawn: their divisions keep a unit busy that
+/// drawing does not need. Asks memory for the texels, too. Writes whole registers: what comes
+/// beyond a part's end leads anywhere, and is overwritten by the next part.
+struct Ahead {
+  std::span<const TapPart> parts;
+  Taps& taps;      ///< not those that are drawn
+  Points* points;  ///< where the same pixels' points go; null: nowhere
+};
+
 /// Multiplies and adds so that an 8-bit value becomes (value / 255 - mean) / deviation.
 struct PlanarScale {
   std::array<float, 3> factor, offset;
@@ -76,31 +108,29 @@ enum class Ask { kLittle, kMuch };
 struct Kernels {
   /// Where the pixels of a piece meet the face that it lies on; written from the place `at` on.
   void (*points)(const FaceLine&, Piece, std::size_t at, Points& out);
-  /// Where their colour is. Asks memory for it, too. Repeats the last
-  /// one beyond the piece's end, up to a whole register; the next piece overwrites that.
-  void (*taps)(const FaceLine&, Piece, const ColourFace&, std::size_t at, Taps& out);
-  /// Both at once, for layers of the same size.
-  void (*taps_and_points)(const FaceLine&, Piece, const ColourFace&, std::size_t at, Taps&,
-                          Points&);
-  /// Taps and what `places16` would make of the points: one pass where there is one such layer.
-  void (*taps_and_places16)(const FaceLine&, Piece, const ColourFace&, std::size_t at, Taps&,
-                            const Face& nearest, Places&);
+  /// Where the colour of a block's pixels is.
+  void (*taps)(const Ahead&);
   // Bilinear colour of the taps `from` .. from + count - 1, in each of the formats; never writes
-  // beyond them. RGBA: A = 255.
-  void (*draw_rgb)(const TapRun&, std::uint8_t* out);
-  void (*draw_bgr)(const TapRun&, std::uint8_t* out);
-  void (*draw_rgba)(const TapRun&, std::uint32_t* out);
-  void (*draw_planar16)(const TapRun&, const PlanarScale&, std::size_t plane, std::uint16_t* out);
-  void (*draw_planar32)(const TapRun&, const PlanarScale&, std::size_t plane, float* out);
+  // beyond them. RGBA: A = 255. Does the work of `taps`, too.
+  void (*draw_rgb)(const TapRun&, const Ahead&, std::uint8_t* out);
+  void (*draw_bgr)(const TapRun&, const Ahead&, std::uint8_t* out);
+  void (*draw_rgba)(const TapRun&, const Ahead&, std::uint32_t* out);
+  void (*draw_planar16)(const TapRun&, const Ahead&, const PlanarScale&, std::size_t plane,
+                        std::uint16_t* out);
+  void (*draw_planar32)(const TapRun&, const Ahead&, const PlanarScale&, std::size_t plane,
+                        float* out);
   /// Of layers of 16 and 32 bits, the texels that hold the points `from` .. from + count - 1; asks
   /// memory for them. Writes the same places of `out`, and whole registers, as `taps` does.
-  void (*places16)(const Points&, std::size_t from, std::size_t count, const Face&, Places& out);
-  void (*places32)(const Points&, std::size_t from, std::size_t count, const Face&, Places& out);
-  /// Their values. Whole registers are read: what follows the places must be a face's places, too.
-  void (*values16)(const std::uint8_t* cells, const std::int32_t* places, std::size_t count,
-                   std::uint16_t* out);
-  void (*values32)(const std::uint8_t* cells, const std::int32_t* places, std::size_t count,
-                   std::uint32_t* out);
+  void (*places16)(const Points&, std::size_t from, std::size_t count, const NearestFace&,
+                   Places& out);
+  void (*places32)(const Points&, std::size_t from, std::size_t count, const NearestFace&,
+                   Places& out);
+  /// Their values. Writes whole registers.
+  void (*values16)(const PlaceRun&, std::uint16_t* out);
+  void (*values32)(const PlaceRun&, std::uint32_t* out);
+  // values16, and pack_metres or pack_units; never writes beyond the places.
+  void (*draw_metres)(const PlaceRun&, const float* factor, float* out);
+  void (*draw_units)(const PlaceRun&, const float* factor, std::uint16_t* out);
 
   // From a block to the caller's memory, `count` pixels; never writes beyond them.
   void (*pack_rgb)(const std::uint32_t* rgba, std::size_t count, std::uint8_t* out);

@@ -70,11 +70,11 @@ Packer::Packer(const Kernels& kernels, const Outputs& outputs, bool eight_bit_de
 
 void Packer::pack(const Values& values, const Place& place) const {
   if (outputs_.colour) pack_colour(values.rgba, place);
-  pack_values(values, place);
+  if (outputs_.depth) pack_depth(values.depth, values.depth_factor, place);
+  pack_ids(values, place);
 }
 
-void Packer::pack_values(const Values& values, const Place& place) const {
-  if (outputs_.depth) pack_depth(values.depth, values.depth_factor, place);
+void Packer::pack_ids(const Values& values, const Place& place) const {
   if (outputs_.classes) pack_classes(values.classes, place);
   if (outputs_.instances) {
     std::memcpy(outputs_.instances->pixels.data() + place.pixel(), values.instances,
@@ -127,22 +127,40 @@ void Packer::pack_colour(const std::uint32_t* rgba, const Place& place) const {
   put_colour(Pixels{kernels_, scale_, rgba, place.count}, place);
 }
 
-void Packer::draw_colour(const TapRun& taps, const Place& place) const {
+void Packer::draw_colour(const TapRun& taps, const Ahead& ahead, const Place& place) const {
   struct Drawn {
     const Kernels& kernels;
     const PlanarScale& scale;
     const TapRun& run;
-    void rgb(std::uint8_t* out) const { kernels.draw_rgb(run, out); }
-    void bgr(std::uint8_t* out) const { kernels.draw_bgr(run, out); }
-    void rgba(std::uint32_t* out) const { kernels.draw_rgba(run, out); }
+    const Ahead& ahead;
+    void rgb(std::uint8_t* out) const { kernels.draw_rgb(run, ahead, out); }
+    void bgr(std::uint8_t* out) const { kernels.draw_bgr(run, ahead, out); }
+    void rgba(std::uint32_t* out) const { kernels.draw_rgba(run, ahead, out); }
     void planar16(std::size_t plane, std::uint16_t* out) const {
-      kernels.draw_planar16(run, scale, plane, out);
+      kernels.draw_planar16(run, ahead, scale, plane, out);
     }
     void planar32(std::size_t plane, float* out) const {
-      kernels.draw_planar32(run, scale, plane, out);
+      kernels.draw_planar32(run, ahead, scale, plane, out);
     }
   };
-  put_colour(Drawn{kernels_, scale_, taps}, place);
+  put_colour(Drawn{kernels_, scale_, taps, ahead}, place);
+}
+
+void Packer::draw_depth(const PlaceRun& run, const float* factor, const Place& place) const {
+  if (eight_bit_depth_) {
+    Block16 units;
+    kernels_.values16(run, units.values.data());
+    return pack_depth(units.values.data(), factor, place);
+  }
+  const auto with = [&]<class T>(auto kernel, T* first) {
+    put(place, first + place.pixel(), place.count, [&](T* out) { kernel(run, factor, out); });
+  };
+  const std::span<std::byte> pixels = outputs_.depth->pixels;
+  if (outputs_.depth->format == DepthFormat::kMetresFloat32) {
+    with(kernels_.draw_metres, values_at<float>(pixels, 0));
+  } else {
+    with(kernels_.draw_units, values_at<std::uint16_t>(pixels, 0));
+  }
 }
 
 void Packer::pack_depth(const std::uint16_t* units, const float* factor, const Place& place) const {

@@ -64,10 +64,13 @@ class Packer {
  public:
   Packer(const Kernels& kernels, const Outputs& outputs, bool eight_bit_depth) noexcept;
   void pack(const Values& values, const Place& place) const;
-  /// Draws colour from a run of taps, as many as place.count, straight into the output's format.
-  void draw_colour(const TapRun& run, const Place& place) const;
-  /// All but colour.
-  void pack_values(const Values& values, const Place& place) const;
+  /// Draws colour from a run of taps, as many as place.count, straight into the output's format;
+  /// makes the taps of the block ahead.
+  void draw_colour(const TapRun& run, const Ahead& ahead, const Place& place) const;
+  /// The same for depth. `factor` as in Values.
+  void draw_depth(const PlaceRun& run, const float* factor, const Place& place) const;
+  /// Classes and instances.
+  void pack_ids(const Values& values, const Place& place) const;
 
  private:
   void pack_colour(const std::uint32_t* rgba, const Place& place) const;

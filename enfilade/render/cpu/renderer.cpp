@@ -56,12 +56,20 @@ struct Job {
 };
 
 // Draws rows of a view, in blocks of columns: where the pixels of a block are on the faces is
-// computed before the block ahead of it is drawn, so that its texels are on their way.
+// computed while the block before it is drawn, so that its texels are on their way.
 class BandDrawer {
  public:
   BandDrawer(const Job& job, std::size_t view)
       : job_(job), view_(job.views[view]), number_(view), plan_(view_.rays), staging_(job.kernels) {
-    if (job_.outputs.colour) find_base();
+    const Outputs& out = job_.outputs;
+    if (out.colour) find_base<image::ColourCells>(Layer::kColour);
+    if (out.depth) find_base<image::ValueCells<std::uint16_t>>(Layer::kDepth);
+    if (out.classes) find_base<image::ValueCells<std::uint16_t>>(Layer::kClass);
+    if (out.instances) find_base<image::ValueCells<std::uint32_t>>(Layer::kInstance);
+    for (std::size_t k = 0; k < kCubeFaces && out.colour; ++k) {
+      if ((view_.mask >> k & 1U) == 0) continue;
+      same_size_ = same_size_ && has_size(face(Layer::kColour, cube_face(k)).size, cube_face(k));
+    }
   }
 
   void draw(std::uint32_t first_row, std::uint32_t rows) {
@@ -70,14 +78,22 @@ class BandDrawer {
     std::size_t next = 0;
     for (std::uint32_t row = first_row; row < end; row += at_once) {
       for (std::uint32_t begin = 0; begin < width; begin += kBlock, ++next) {
-        prepare(blocks_[next % 2], row, std::min(at_once, end - row),
+        Block& block = blocks_[next % 2];
+        prepare(block, row, std::min(at_once, end - row),
                 {begin, std::min<std::uint32_t>(begin + kBlock, width)});
         staging_.flush();
-        if (next > 0) finish(blocks_[(next - 1) % 2]);
+        const Ahead ahead{block.taps_to_make(), block.taps, keeps_points() ? &points_ : nullptr};
+        if (next > 0) {
+          finish(blocks_[(next - 1) % 2], ahead);
+        } else {
+          job_.kernels.taps(ahead);
+        }
+        if (base(Layer::kColour)) end_at(block.taps, block.pixels());
+        find_places(block);
       }
     }
     staging_.flush();
-    if (next > 0) finish(blocks_[(next - 1) % 2]);
+    if (next > 0) finish(blocks_[(next - 1) % 2], {{}, blocks_[next % 2].taps, nullptr});
     staging_.flush();
   }
 
@@ -98,16 +114,18 @@ class BandDrawer {
     std::uint32_t row = 0, rows = 0;
     Piece columns;
     std::array<Part, kMostRows * Stretches::kMost> parts;  // the first `count` are set
-    std::size_t count = 0;
+    std::array<TapPart, kMostRows * Stretches::kMost> tap_parts;
+    std::size_t count = 0, tap_count = 0;
     Taps taps;
     Places depth, classes, instances;
     std::span<const Part> all() const noexcept { return {parts.data(), count}; }
     std::size_t pixels() const noexcept { return std::size_t{rows} * columns.size(); }
+    std::span<const TapPart> taps_to_make() const noexcept { return {tap_parts.data(), tap_count}; }
   };
 
   // A memory's worth of pixels ahead is what hides its latency, however narrow the picture is.
   std::uint32_t rows_of_block(std::uint32_t width) const {
-    if (job_.outputs.colour && base_ == nullptr) return 1;  // drawn part by part
+    if (part_by_part_) return 1;
     return std::clamp<std::uint32_t>(static_cast<std::uint32_t>(kBlock) / width, 1, kMostRows);
   }
 
@@ -116,20 +134,27 @@ class BandDrawer {
   }
 
   // Offsets have 31 bits: from the lowest of the view's faces, if all are in reach.
-  void find_base() {
+  template <class Cells>
+  void find_base(Layer layer) {
     const std::uint8_t *lowest = nullptr, *highest = nullptr;
     std::size_t bytes = 0;
     for (std::size_t k = 0; k < kCubeFaces; ++k) {
       if ((view_.mask >> k & 1U) == 0) continue;
-      const Face& one = face(Layer::kColour, cube_face(k));
+      const Face& one = face(layer, cube_face(k));
       if (lowest == nullptr || one.cells < lowest) lowest = one.cells;
       if (one.cells > highest) highest = one.cells;
-      bytes = image::ColourCells::bytes(one.size);
-      same_size_ = same_size_ && has_size(one.size, cube_face(k));
+      bytes = std::max(bytes, Cells::bytes(one.size));
     }
     const std::size_t reach = static_cast<std::size_t>(highest - lowest) + bytes;
-    if (reach <= std::numeric_limits<std::int32_t>::max()) base_ = lowest;
+    if (reach <= std::numeric_limits<std::int32_t>::max()) {
+      bases_[index(layer)] = lowest;
+    } else {
+      part_by_part_ = true;
+    }
   }
+
+  // What offsets in the faces of a layer are from; null: each face has its own.
+  const std::uint8_t* base(Layer layer) const { return bases_[index(layer)]; }
 
   // Whether all layers that are drawn with the nearest texel have that size.
   bool has_size(std::uint32_t size, CubeFace k) const {
@@ -143,28 +168,33 @@ class BandDrawer {
     return job_.outputs.depth || job_.outputs.classes || job_.outputs.instances;
   }
 
-  bool draws_depth_alone() const {
-    return job_.outputs.depth && !job_.outputs.classes && !job_.outputs.instances;
-  }
+  // Whether colour's points are those of the other layers, too.
+  bool keeps_points() const { return base(Layer::kColour) && draws_nearest() && same_size_; }
 
-  // Calls each(layer, places of a block, values) for those that are drawn with the nearest texel.
+  // Calls each(layer, places of a block) for those that are drawn with the nearest texel.
   template <class Each>
   void nearest_layers(Block& block, const Each& each) {
     const Outputs& outputs = job_.outputs;
-    if (outputs.depth) each(Layer::kDepth, block.depth, depth_);
-    if (outputs.classes) each(Layer::kClass, block.classes, classes_);
-    if (outputs.instances) each(Layer::kInstance, block.instances, instances_);
+    if (outputs.depth) each(Layer::kDepth, block.depth);
+    if (outputs.classes) each(Layer::kClass, block.classes);
+    if (outputs.instances) each(Layer::kInstance, block.instances);
   }
 
   ColourFace colour_face(const Face& f, const std::uint8_t* base) const {
     return {base, static_cast<std::int32_t>(f.cells - base), f.size, job_.legacy.clamped_edges};
   }
 
+  NearestFace nearest_face(Layer layer, CubeFace k) const {
+    const Face& f = face(layer, k);
+    const std::uint8_t* from = base(layer) ? base(layer) : f.cells;
+    return {from, static_cast<std::int32_t>(f.cells - from), f.size};
+  }
+
   void prepare(Block& block, std::uint32_t row, std::uint32_t rows, Piece columns) {
     block.row = row;
     block.rows = rows;
     block.columns = columns;
-    block.count = 0;
+    block.count = block.tap_count = 0;
     for (std::uint32_t k = 0; k < rows; ++k) {
       Stretches stretches;
       plan_.plan(row + k, job_.camera.width, stretches);
@@ -174,64 +204,73 @@ class BandDrawer {
         if (piece.begin >= piece.end) continue;
         const std::size_t at = std::size_t{k} * columns.size() + piece.begin - columns.begin;
         block.parts[block.count++] = {piece, row + k, at, stretch.face};
-        find_texels(block, block.parts[block.count - 1]);
+        if (const std::uint8_t* from = base(Layer::kColour)) {
+          const Face& f = face(Layer::kColour, stretch.face);
+          block.tap_parts[block.tap_count++] = {
+              face_line(view_.rays, row + k, stretch.face, f.size), piece, colour_face(f, from),
+              at};
+        }
       }
     }
-    if (base_ == nullptr) return;
-    const std::size_t last = block.pixels() - 1;
-    std::fill_n(block.taps.offset.data() + last + 1, kTapsBeyond, block.taps.offset[last]);
   }
 
-  // Where a part's pixels are on the faces of all layers.
-  void find_texels(Block& block, const Part& part) {
-    std::uint32_t size = 0;  // of the faces that points_ are on
-    const auto line = [&](std::uint32_t face_size) {
-      return face_line(view_.rays, part.row, part.face, face_size);
-    };
-    if (base_ != nullptr) {
-      const Face& f = face(Layer::kColour, part.face);
-      const ColourFace colour = colour_face(f, base_);
-      if (draws_depth_alone() && same_size_) {
-        job_.kernels.taps_and_places16(line(f.size), part.piece, colour, part.at, block.taps,
-                                       face(Layer::kDepth, part.face), block.depth);
-        return;
-      }
-      if (draws_nearest() && same_size_) {
-        size = f.size;
-        job_.kernels.taps_and_points(line(size), part.piece, colour, part.at, block.taps, points_);
-      } else {
-        job_.kernels.taps(line(f.size), part.piece, colour, part.at, block.taps);
-      }
+  // Kernels read whole registers of taps and places: what follows the last one repeats it.
+  template <class Some>
+  static void end_at(Some& some, std::size_t end) {
+    std::fill_n(some.offset.data() + end, kTapsBeyond, some.offset[end - 1]);
+  }
+
+  // Where the nearest texels of a block's pixels are, in all layers that want them.
+  void find_places(Block& block) {
+    if (!draws_nearest()) return;
+    for (const Part& part : block.all()) {
+      // Of the faces that points_ are on.
+      std::uint32_t size = keeps_points() ? face(Layer::kColour, part.face).size : 0;
+      nearest_layers(block, [&](Layer layer, Places& places) {
+        const NearestFace f = nearest_face(layer, part.face);
+        if (f.size != size) {  // points made for another layer do not fit
+          size = f.size;
+          job_.kernels.points(face_line(view_.rays, part.row, part.face, size), part.piece, part.at,
+                              points_);
+        }
+        const bool wide = layer == Layer::kInstance;
+        (wide ? job_.kernels.places32 : job_.kernels.places16)(points_, part.at, part.piece.size(),
+                                                               f, places);
+      });
     }
-    nearest_layers(block, [&](Layer layer, Places& places, auto& values) {
-      const Face& f = face(layer, part.face);
-      if (f.size != size) {  // points made for another layer do not fit
-        size = f.size;
-        job_.kernels.points(line(size), part.piece, part.at, points_);
-      }
-      const bool wide = sizeof(values.values[0]) == 4;
-      (wide ? job_.kernels.places32 : job_.kernels.places16)(points_, part.at, part.piece.size(), f,
-                                                             places);
-    });
+    nearest_layers(block, [&](Layer, Places& places) { end_at(places, block.pixels()); });
   }
 
-  void finish(Block& block) {
-    if (base_ != nullptr) {
-      job_.packer.draw_colour({base_, block.taps, 0, block.pixels()},
+  void finish(Block& block, const Ahead& ahead) {
+    if (const std::uint8_t* colour = base(Layer::kColour)) {
+      job_.packer.draw_colour({colour, block.taps, 0, block.pixels()}, ahead,
                               place_of(block.row, block.columns.begin, block.pixels()));
     } else if (job_.outputs.colour) {
       for (const Part& part : block.all()) draw_colour_alone(block, part);
     }
-    if (!draws_nearest()) return;
-    nearest_layers(block, [&](Layer layer, const Places& places, auto& values) {
-      for (const Part& part : block.all()) read_values(layer, part, places, values);
-    });
-    for (std::uint32_t k = 0; k < block.rows; ++k) {
-      const std::size_t at = std::size_t{k} * block.columns.size();
-      const std::uint32_t row = block.row + k;
-      job_.packer.pack_values({nullptr, depth_.values.data() + at, classes_.values.data() + at,
-                               instances_.values.data() + at, depth_factors(row, block.columns)},
-                              place_of(row, block.columns.begin, block.columns.size()));
+    if (job_.outputs.depth) draw_depth(block);
+    if (job_.outputs.classes) read_values(block, Layer::kClass, block.classes, classes_);
+    if (job_.outputs.instances) read_values(block, Layer::kInstance, block.instances, instances_);
+    job_.packer.pack_ids(
+        {nullptr, nullptr, classes_.values.data(), instances_.values.data(), nullptr},
+        place_of(block.row, block.columns.begin, block.pixels()));
+  }
+
+  // Row by row, as each has its own lengths of rays; part by part if each face has its own base.
+  void draw_depth(const Block& block) {
+    const auto draw = [&](const std::uint8_t* from, std::uint32_t row, Piece piece,
+                          std::size_t at) {
+      job_.packer.draw_depth({from, block.depth, at, piece.size()}, depth_factors(row, piece),
+                             place_of(row, piece.begin, piece.size()));
+    };
+    if (const std::uint8_t* from = base(Layer::kDepth)) {
+      for (std::uint32_t k = 0; k < block.rows; ++k) {
+        draw(from, block.row + k, block.columns, std::size_t{k} * block.columns.size());
+      }
+      return;
+    }
+    for (const Part& part : block.all()) {
+      draw(face(Layer::kDepth, part.face).cells, part.row, part.piece, part.at);
     }
   }
 
@@ -252,32 +291,42 @@ class BandDrawer {
   // For faces that are too far apart in memory.
   void draw_colour_alone(Block& block, const Part& part) {
     const Face& f = face(Layer::kColour, part.face);
-    job_.kernels.taps(face_line(view_.rays, part.row, part.face, f.size), part.piece,
-                      colour_face(f, f.cells), part.at, block.taps);
+    const TapPart taps{face_line(view_.rays, part.row, part.face, f.size), part.piece,
+                       colour_face(f, f.cells), part.at};
+    job_.kernels.taps({{&taps, 1}, block.taps, nullptr});
+    end_at(block.taps, part.at + part.piece.size());
     job_.packer.draw_colour({f.cells, block.taps, part.at, part.piece.size()},
+                            {{}, block.taps, nullptr},
                             place_of(part.row, part.piece.begin, part.piece.size()));
   }
 
-  void read_values(Layer layer, const Part& part, const Places& places, Block16& out) const {
-    job_.kernels.values16(face(layer, part.face).cells, places.offset.data() + part.at,
-                          part.piece.size(), out.values.data() + part.at);
-  }
-  void read_values(Layer layer, const Part& part, const Places& places, Block32& out) const {
-    job_.kernels.values32(face(layer, part.face).cells, places.offset.data() + part.at,
-                          part.piece.size(), out.values.data() + part.at);
+  template <class Values>
+  void read_values(const Block& block, Layer layer, const Places& places, Values& out) const {
+    const auto read = [&](const std::uint8_t* from, std::size_t at, std::size_t count) {
+      if constexpr (std::is_same_v<Values, Block32>) {
+        job_.kernels.values32({from, places, at, count}, out.values.data() + at);
+      } else {
+        job_.kernels.values16({from, places, at, count}, out.values.data() + at);
+      }
+    };
+    if (const std::uint8_t* from = base(layer)) return read(from, 0, block.pixels());
+    for (const Part& part : block.all()) {
+      read(face(layer, part.face).cells, part.at, part.piece.size());
+    }
   }
 
   const Job& job_;
   const PreparedView& view_;
   std::size_t number_;
   ViewPlan plan_;
-  const std::uint8_t* base_ = nullptr;  // of colour's offsets; null: each face has its own
-  bool same_size_ = true;               // as colour: all other layers that are drawn
+  std::array<const std::uint8_t*, scan::kLayers> bases_{};
+  bool part_by_part_ = false;  // a layer has no base
+  bool same_size_ = true;      // as colour: all other layers that are drawn
   std::array<Block, 2> blocks_;
-  Points points_;  // of the part that is being prepared
+  Points points_;  // of the block that is being prepared
   Staging staging_;
   Block32 instances_;
-  Block16 depth_, classes_;
+  Block16 classes_;
 };
 
 class CpuRenderer final : public Renderer {

@@ -16,40 +16,31 @@ void points(const FaceLine& line, Piece piece, std::size_t at, Points& out) {
   }
 }
 
-void taps(const FaceLine& line, Piece piece, const ColourFace& face, std::size_t at, Taps& out) {
-  for (std::uint32_t column = piece.begin; column < piece.end; ++column, ++at) {
-    const Tap tap = tap_at(face.size, face.clamped, texel_point(line, column));
-    out.offset[at] = face.first + tap.offset;
-    out.weights[at] = tap.weights;
-  }
-}
-
-void taps_and_points(const FaceLine& line, Piece piece, const ColourFace& face, std::size_t at,
-                     Taps& out, Points& out_points) {
-  taps(line, piece, face, at, out);
-  points(line, piece, at, out_points);
-}
-
-void taps_and_places16(const FaceLine& line, Piece piece, const ColourFace& face, std::size_t at,
-                       Taps& out, const Face& nearest, Places& places) {
-  taps(line, piece, face, at, out);
-  for (std::uint32_t j = piece.begin; j < piece.end; ++j) {
-    places.offset[at + j - piece.begin] =
-        nearest_offset<std::uint16_t>(nearest.size, texel_point(line, j));
+void taps(const Ahead& ahead) {
+  for (const TapPart& part : ahead.parts) {
+    for (std::uint32_t k = 0; k < part.piece.size(); ++k) {
+      const TexelPoint p = texel_point(part.line, part.piece.begin + k);
+      const Tap tap = tap_at(part.face.size, part.face.clamped, p);
+      ahead.taps.offset[part.at + k] = part.face.first + tap.offset;
+      ahead.taps.weights[part.at + k] = tap.weights;
+    }
+    if (ahead.points != nullptr) points(part.line, part.piece, part.at, *ahead.points);
   }
 }
 
 template <class T>
-void places(const Points& points, std::size_t from, std::size_t count, const Face& face,
+void places(const Points& points, std::size_t from, std::size_t count, const NearestFace& face,
             Places& out) {
   for (std::size_t k = from; k < from + count; ++k) {
-    out.offset[k] = nearest_offset<T>(face.size, {points.x[k], points.y[k]});
+    out.offset[k] = face.first + nearest_offset<T>(face.size, {points.x[k], points.y[k]});
   }
 }
 
 template <class T>
-void values(const std::uint8_t* cells, const std::int32_t* places, std::size_t count, T* out) {
-  for (std::size_t k = 0; k < count; ++k) std::memcpy(out + k, cells + places[k], sizeof(T));
+void values(const PlaceRun& run, T* out) {
+  for (std::size_t k = 0; k < run.count; ++k) {
+    std::memcpy(out + k, run.base + run.places.offset[run.from + k], sizeof(T));
+  }
 }
 
 std::uint8_t channel(std::uint32_t rgba, unsigned c) {
@@ -90,33 +81,35 @@ void pack_planar32(const std::uint32_t* rgba, std::size_t count, const PlanarSca
 
 // Hands the pixels of a run to what packs them.
 template <class Pack>
-void draw(const TapRun& run, const Pack& pack) {
+void draw(const TapRun& run, const Ahead& ahead, const Pack& pack) {
+  taps(ahead);
   for (std::size_t k = 0; k < run.count; ++k) {
     const std::size_t at = run.from + k;
     pack(sample_colour(run.base, {run.taps.offset[at], run.taps.weights[at]}), k);
   }
 }
 
-void draw_rgb(const TapRun& run, std::uint8_t* out) {
-  draw(run, [&](std::uint32_t rgba, std::size_t k) { pack_rgb(&rgba, 1, out + 3 * k); });
+void draw_rgb(const TapRun& run, const Ahead& ahead, std::uint8_t* out) {
+  draw(run, ahead, [&](std::uint32_t rgba, std::size_t k) { pack_rgb(&rgba, 1, out + 3 * k); });
 }
 
-void draw_bgr(const TapRun& run, std::uint8_t* out) {
-  draw(run, [&](std::uint32_t rgba, std::size_t k) { pack_bgr(&rgba, 1, out + 3 * k); });
+void draw_bgr(const TapRun& run, const Ahead& ahead, std::uint8_t* out) {
+  draw(run, ahead, [&](std::uint32_t rgba, std::size_t k) { pack_bgr(&rgba, 1, out + 3 * k); });
 }
 
-void draw_rgba(const TapRun& run, std::uint32_t* out) {
-  draw(run, [&](std::uint32_t rgba, std::size_t k) { out[k] = rgba; });
+void draw_rgba(const TapRun& run, const Ahead& ahead, std::uint32_t* out) {
+  draw(run, ahead, [&](std::uint32_t rgba, std::size_t k) { out[k] = rgba; });
 }
 
-void draw_planar16(const TapRun& run, const PlanarScale& scale, std::size_t plane,
-                   std::uint16_t* out) {
-  draw(run,
+void draw_planar16(const TapRun& run, const Ahead& ahead, const PlanarScale& scale,
+                   std::size_t plane, std::uint16_t* out) {
+  draw(run, ahead,
        [&](std::uint32_t rgba, std::size_t k) { pack_planar16(&rgba, 1, scale, plane, out + k); });
 }
 
-void draw_planar32(const TapRun& run, const PlanarScale& scale, std::size_t plane, float* out) {
-  draw(run,
+void draw_planar32(const TapRun& run, const Ahead& ahead, const PlanarScale& scale,
+                   std::size_t plane, float* out) {
+  draw(run, ahead,
        [&](std::uint32_t rgba, std::size_t k) { pack_planar32(&rgba, 1, scale, plane, out + k); });
 }
 
@@ -141,6 +134,18 @@ void pack_units(const std::uint16_t* units, const float* factor, std::size_t cou
   }
 }
 
+void draw_metres(const PlaceRun& run, const float* factor, float* out) {
+  Block16 units;
+  values(run, units.values.data());
+  pack_metres(units.values.data(), factor, run.count, out);
+}
+
+void draw_units(const PlaceRun& run, const float* factor, std::uint16_t* out) {
+  Block16 units;
+  values(run, units.values.data());
+  pack_units(units.values.data(), factor, run.count, out);
+}
+
 // Steps of an 8-bit colour buffer over the range of 16 bits.
 std::uint32_t step257(std::uint16_t units, float factor) {
   return static_cast<std::uint32_t>(scaled(units, factor) * (1.0F / 257.0F) + 0.5F) * 257U;
@@ -163,8 +168,6 @@ void pack_legacy_metres(const std::uint16_t* units, const float* factor, std::si
 constexpr Kernels kScalar{
     .points = points,
     .taps = taps,
-    .taps_and_points = taps_and_points,
-    .taps_and_places16 = taps_and_places16,
     .draw_rgb = draw_rgb,
     .draw_bgr = draw_bgr,
     .draw_rgba = draw_rgba,
@@ -174,6 +177,8 @@ constexpr Kernels kScalar{
     .places32 = places<std::uint32_t>,
     .values16 = values<std::uint16_t>,
     .values32 = values<std::uint32_t>,
+    .draw_metres = draw_metres,
+    .draw_units = draw_units,
     .pack_rgb = pack_rgb,
     .pack_bgr = pack_bgr,
     .pack_planar16 = pack_planar16,

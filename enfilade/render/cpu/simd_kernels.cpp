@@ -92,14 +92,37 @@ HWY_INLINE VI add_products(VI sum, VI a, VI b) {
 }
 
 // The upper 16 bits of the products of 16-bit halves without signs.
-HWY_INLINE VI upper_products(VI a, std::int32_t b) {
-  return hn::BitCast(DI(),
-                     hn::MulHigh(hn::BitCast(DU16(), a), hn::BitCast(DU16(), hn::Set(DI(), b))));
+HWY_INLINE VI upper_products(VI a, VI b) {
+  return hn::BitCast(DI(), hn::MulHigh(hn::BitCast(DU16(), a), hn::BitCast(DU16(), b)));
 }
 
-HWY_INLINE VI scale15(VI a, std::int32_t b) {
-  return hn::BitCast(
-      DI(), hn::MulFixedPoint15(hn::BitCast(DI16(), a), hn::BitCast(DI16(), hn::Set(DI(), b))));
+HWY_INLINE VI scale15(VI a, VI b) {
+  return hn::BitCast(DI(), hn::MulFixedPoint15(hn::BitCast(DI16(), a), hn::BitCast(DI16(), b)));
+}
+
+// Keeps a constant in a register or in memory: the compiler would make it anew in each round of a
+// loop that has many, and that takes the port of the shuffles.
+template <class V>
+HWY_INLINE V held(V constant) {
+#if HWY_ARCH_X86 && HWY_COMPILER_GCC
+  asm("" : "+v"(constant.raw));
+#endif
+  return constant;
+}
+// All lanes of a gather. The compiler must not know that they are all: it would leave out the
+// zeroes that a gather starts from, and each would wait for what its register held before.
+#if EN_X86_512
+template <class Mask>
+HWY_INLINE Mask all_lanes() {
+  auto all = static_cast<Mask>(-1);
+  asm("" : "+Yk"(all));
+  return all;
+}
+#elif HWY_TARGET == HWY_AVX2
+HWY_INLINE __m256i all_lanes() { return held(hn::Set(DI(), -1)).raw; }
+#endif
+HWY_INLINE VI held_halves(std::int32_t high, std::int32_t low) {
+  return held(hn::Set(DI(), halves(high, low)));
 }
 
 // Each uses what the ones before define.
@@ -114,17 +137,17 @@ constexpr Kernels make_kernels() {
   return {
       .points = points,
       .taps = taps<kAsk>,
-      .taps_and_points = taps_and_points<kAsk>,
-      .taps_and_places16 = taps_and_places16<kAsk>,
-      .draw_rgb = draw_three<kGather, false>,
-      .draw_bgr = draw_three<kGather, true>,
-      .draw_rgba = draw_rgba<kGather>,
-      .draw_planar16 = draw_planar16<kGather>,
-      .draw_planar32 = draw_planar32<kGather>,
+      .draw_rgb = draw_three<kAsk, kGather, false>,
+      .draw_bgr = draw_three<kAsk, kGather, true>,
+      .draw_rgba = draw_rgba<kAsk, kGather>,
+      .draw_planar16 = draw_planar16<kAsk, kGather>,
+      .draw_planar32 = draw_planar32<kAsk, kGather>,
       .places16 = places<kAsk, std::uint16_t>,
       .places32 = places<kAsk, std::uint32_t>,
       .values16 = values<kGather, std::uint16_t>,
       .values32 = values<kGather, std::uint32_t>,
+      .draw_metres = draw_metres<kGather>,
+      .draw_units = draw_units<kGather>,
       .pack_rgb = pack_three<false>,
       .pack_bgr = pack_three<true>,
       .pack_planar16 = pack_planar16,
@@ -207,7 +230,7 @@ std::vector<KernelVariant> find_variants() {
 double time_row(const Kernels& kernels) {
   constexpr std::size_t kPixels = 512, kLines = 512;
   alignas(64) static std::array<std::uint8_t, kLines * image::kCellBytes + image::kCellBytes> cells;
-  Taps taps;
+  Taps taps, no_taps;
   for (std::size_t k = 0; k < taps.offset.size(); ++k) {  // as a row that runs through many lines
     taps.offset[k] = static_cast<std::int32_t>(k * 5 % kLines * image::kCellBytes + k % 18 * 3);
     taps.weights[k] = static_cast<std::uint32_t>(k << 16 | 0x80 << 8 | 0x7F);
@@ -216,7 +239,7 @@ double time_row(const Kernels& kernels) {
   double best = 1;
   for (int k = 0; k < 16; ++k) {
     const auto begin = std::chrono::steady_clock::now();
-    kernels.draw_rgba({cells.data(), taps, 0, kPixels}, out.data());
+    kernels.draw_rgba({cells.data(), taps, 0, kPixels}, {{}, no_taps, nullptr}, out.data());
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
     best = std::min(best, spent.count());
   }
