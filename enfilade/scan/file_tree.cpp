@@ -100,6 +100,14 @@ struct Discard {
 };
 using Handle = std::unique_ptr<zip_t, Discard>;
 
+// libzip 1.11 has a code of its own for a file that is cut off.
+bool lacks_list_of_entries(int code) {
+#ifdef ZIP_ER_TRUNCATED_ZIP
+  if (code == ZIP_ER_TRUNCATED_ZIP) return true;
+#endif
+  return code == ZIP_ER_NOZIP;
+}
+
 bool is_of_the_system(const zip_error_t& error) {
   const int kind = zip_error_system_type(&error);
   const int code = zip_error_code_zip(&error);
@@ -112,7 +120,7 @@ bool is_of_the_system(const zip_error_t& error) {
   const int code = zip_error_code_zip(&error);
   zip_error_fini(&error);
   if (system) throw FileError(fmt::format("{}: cannot open: {}", name, words));
-  if (code == ZIP_ER_NOZIP) {
+  if (lacks_list_of_entries(code)) {
     refuse(name, "", "no-zip",
            "no zip file, or one that is cut off: the list of entries at its end is missing");
   }

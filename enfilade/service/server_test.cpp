@@ -109,7 +109,8 @@ TEST(Server, APlanIsASvgThatRunsNothing) {
 
 TEST(Server, LongTextsComeCompressedToWhoTakesThem) {
   Served served;
-  const auto plain = served.get("/api/v1/scans/row/plan.svg");
+  // Without the header, the client of newer versions of cpp-httplib asks for gzip.
+  const auto plain = served.get("/api/v1/scans/row/plan.svg", {{"Accept-Encoding", "identity"}});
   EXPECT_EQ(plain->get_header_value("Content-Encoding"), "");
   const auto packed = served.get("/api/v1/scans/row/plan.svg", {{"Accept-Encoding", "gzip"}});
   EXPECT_EQ(packed->get_header_value("Content-Encoding"), "gzip");

@@ -103,15 +103,17 @@ std::string told_by_doctor(const std::string& behaviour) {
 }
 
 TEST_F(Drivers, DoctorSurvivesEveryBehaviour) {
-  constexpr const char* kLoaded = "; drivers that were loaded: libEGL_bad.so";
+  // With LLVM of a libtorch in the program, Mesa's was loaded before: keep_mesa_to_its_llvm().
   const auto fault = [](const std::string& what) {
-    return "EGL device default: the OpenGL driver " + what + kLoaded;
+    const std::string before =
+        "EGL device default: the OpenGL driver " + what + "; drivers that were loaded: ";
+    return ::testing::AnyOf(before + "libEGL_bad.so", before + "libEGL_mesa.so.0, libEGL_bad.so");
   };
-  EXPECT_EQ(told_by_doctor("crash"), fault("crashed (SIGSEGV in libEGL_bad.so)"));
-  EXPECT_EQ(told_by_doctor("abort"), fault("crashed (SIGABRT)"));
-  EXPECT_EQ(told_by_doctor("exit"), fault("ended the process that tried it (exit status 7)"));
-  EXPECT_EQ(told_by_doctor("hang"), fault("hung (no answer for 5 s)"));
-  EXPECT_EQ(told_by_doctor("chatter"), fault("hung (no answer for 5 s)"));
+  EXPECT_THAT(told_by_doctor("crash"), fault("crashed (SIGSEGV in libEGL_bad.so)"));
+  EXPECT_THAT(told_by_doctor("abort"), fault("crashed (SIGABRT)"));
+  EXPECT_THAT(told_by_doctor("exit"), fault("ended the process that tried it (exit status 7)"));
+  EXPECT_THAT(told_by_doctor("hang"), fault("hung (no answer for 5 s)"));
+  EXPECT_THAT(told_by_doctor("chatter"), fault("hung (no answer for 5 s)"));
 }
 
 TEST_F(Drivers, DoctorSurvivesACrashWhileDevicesAreListed) {

@@ -11,7 +11,11 @@ for name in cmake ninja npm node apt-get sudo python3; do
   chmod +x "$tools/$name"
 done
 "$2" serve --help >"$tools/program.txt"
+# CLI11 writes a default as "TEXT=8080", or "TEXT [8080]" from version 2.4 on.
+plain() {
+  sed -E 's/ \[([^][ ]+)\]/=\1/; s/ +/ /g; s/ $//' "$1"
+}
 for option in --help -h; do
   PATH=$tools:$PATH "$1/enfilade.sh" serve "$option" >"$tools/script.txt"
-  diff -u "$tools/program.txt" "$tools/script.txt"
+  diff -u <(plain "$tools/program.txt") <(plain "$tools/script.txt")
 done
