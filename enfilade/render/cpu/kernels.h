@@ -87,9 +87,10 @@ struct TapPart {
   std::size_t at;  ///< where the block has the piece
 };
 
-/// A block whose taps are made while another one is drawn: their divisions keep a unit busy that
-/// drawing does not need. Asks memory for the texels, too. Writes whole registers: what comes
-/// beyond a part's end leads anywhere, and is overwritten by the next part.
+/// A block whose taps are made while another one is drawn, where there are registers enough: their
+/// divisions keep a unit busy that drawing does not need. Asks memory for the texels, too. Writes
+/// whole registers: what comes beyond a part's end leads anywhere, and is overwritten by the next
+/// part.
 struct Ahead {
   std::span<const TapPart> parts;
   Taps& taps;      ///< not those that are drawn
