@@ -6,7 +6,8 @@
 # SUITE is bullseye, bookworm, trixie or another of the archive. The root is made once by debootstrap and kept
 # as a tar file in ROOTS (default: build/roots); each run unpacks a new one, and leaves nothing. FOLDER is
 # copied to /given there, where COMMAND runs, as root, with an environment of its own but for pip's settings.
-# Needs root, debootstrap and 1 GB of disk. MIRROR names a mirror of Debian's archive.
+# Needs root, debootstrap and 1 GB of disk. MIRROR names a mirror of Debian's archive. ARCHITECTURE=arm64 makes
+# a Debian for that, which this machine's kernel must be able to run, as it can with qemu-user-static.
 set -euo pipefail
 [[ $# -ge 3 ]] || { sed -n '2,10p' "$0"; exit 2; }
 if [[ -z "${BARE_ROOT_INSIDE:-}" ]]; then  # mounts vanish with this process
@@ -16,11 +17,12 @@ suite=$1 folder=$2
 shift 2
 roots=${ROOTS:-build/roots}
 mkdir -p "$roots"
-base=$roots/$suite.tar
+architecture=${ARCHITECTURE:-$(dpkg --print-architecture)}
+base=$roots/$suite-$architecture.tar
 
 if [[ ! -e $base ]]; then
   root=$(mktemp -d -p "$roots")
-  debootstrap --variant=minbase --include=ca-certificates,python3,python3-venv,python3-pip \
+  debootstrap --arch="$architecture" --variant=minbase --include=ca-certificates,python3,python3-venv,python3-pip \
     "$suite" "$root" "${MIRROR:-http://deb.debian.org/debian}" >"$base.log" 2>&1 || {
     tail -n 5 "$base.log" >&2
     exit 1

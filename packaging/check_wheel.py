@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib.metadata
 import json
 import os
+import platform
 import re
 import shutil
 import signal
@@ -28,6 +29,17 @@ SYSTEM_LIBRARIES = re.compile(r"(linux-vdso|ld-linux|lib(c|m|dl|rt|pthread|gcc_s
 LEARNING = ("evaluate", "features", "pretrain", "train")
 HOMES_SECONDS = 60  # from the start of the server to a page; `serve` with nothing makes two homes
 IMPORT_MILLISECONDS = 50
+
+
+def is_emulated() -> bool:
+    """On another kind of processor, by qemu-user: the machine's own is what /proc tells of."""
+    return platform.machine() == "aarch64" and "vendor_id" in Path("/proc/cpuinfo").read_text()
+
+
+def assert_within(test: unittest.TestCase, taken: float, most: float) -> None:
+    """Emulation is slow, and shows nothing of speed."""
+    if not is_emulated():
+        test.assertLessEqual(taken, most)
 
 
 def run(*words: str, **options) -> subprocess.CompletedProcess:
@@ -89,7 +101,7 @@ class Program(unittest.TestCase):
                 self.assertIn("pip install", told.stderr)
 
     def test_doctor_looks_at_this_machine(self):
-        told = run(PROGRAM, "doctor", timeout=120)
+        told = run(PROGRAM, "doctor", timeout=600)
         self.assertIn(told.returncode, (0, 1), told.stderr)
         self.assertIn("render", told.stdout.lower())
 
@@ -129,7 +141,7 @@ class Module(unittest.TestCase):
             self.assertIsNotNone(whole, told)
             taken.append(int(whole[1]) / 1000)
         print(f"import enfilade: {min(taken):.1f} ms (best of {len(taken)})", file=sys.stderr)
-        self.assertLessEqual(min(taken), IMPORT_MILLISECONDS)
+        assert_within(self, min(taken), IMPORT_MILLISECONDS)
 
 
 class Server(unittest.TestCase):
@@ -152,9 +164,9 @@ class Server(unittest.TestCase):
                 self.look_at(address[1])
                 taken = time.monotonic() - started
                 print(f"serve: a home and its page after {taken:.1f} s", file=sys.stderr)
-                self.assertLessEqual(taken, HOMES_SECONDS)
+                assert_within(self, taken, HOMES_SECONDS)
                 server.send_signal(signal.SIGTERM)
-                self.assertEqual(server.wait(timeout=30), 0)
+                self.assertEqual(server.wait(timeout=120), 0)
             finally:
                 server.kill()
                 server.wait()

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes what wheels are linked with: static libraries, and the C library of an older Debian to link against.
 #
-#   packaging/libraries.sh OUT
+#   packaging/libraries.sh OUT [x86_64 | aarch64]
 #
 # OUT/sysroot    headers and libraries: the C library of Debian 11 (glibc 2.31), and static libraries of
 #                Debian 12 that it has, taken from their packages
@@ -9,14 +9,25 @@
 # OUT/toolchain.cmake   makes CMake use both, and nothing else of this machine but compiler and tools
 #
 # Runs on Debian 12 on x86-64, as any user; what is there already is kept. Needs g++ 12, cmake, ninja,
-# nasm, pkg-config, dpkg-dev, python3-venv, and PyPI for meson. MIRROR names a mirror of Debian's archive.
+# nasm, pkg-config, dpkg-dev, python3-venv, and PyPI for meson; for aarch64 g++-aarch64-linux-gnu too.
+# MIRROR names a mirror of Debian's archive.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 mkdir -p "${1:?OUT: the folder to make}"
 out=$(cd "$1" && pwd)
 mirror=${MIRROR:-http://deb.debian.org/debian}
 sysroot=$out/sysroot prefix=$out/prefix
-triple=x86_64-linux-gnu
+machine=${2:-x86_64}
+case $machine in
+  x86_64) architecture=amd64 cross='' ;;
+  aarch64) architecture=arm64 cross=aarch64-linux-gnu- ;;
+  *)
+    printf 'libraries: %s: for x86_64 or aarch64 alone\n' "$machine" >&2
+    exit 2
+    ;;
+esac
+triple=$machine-linux-gnu
+cc=${CC:-${cross}gcc} cxx=${CXX:-${cross}g++} ar=${cross}ar
 readonly httplib_options='-DCPPHTTPLIB_OPENSSL_SUPPORT -DCPPHTTPLIB_ZLIB_SUPPORT'
 
 say() { printf 'libraries: %s\n' "$*" >&2; }
@@ -45,7 +56,7 @@ apt_private() {
   shift
   "$tool" -qq -o Dir::Etc::SourceList="$apt/sources.list" -o Dir::Etc::SourceParts=/dev/null \
     -o Dir::State="$apt/state" -o Dir::Cache="$apt/cache" -o Dir::State::status="$apt/status" \
-    -o APT::Sandbox::User="$(id -un)" -o APT::Architecture=amd64 -o Acquire::Retries=3 "$@"
+    -o APT::Sandbox::User="$(id -un)" -o APT::Architecture=$architecture -o APT::Architectures=$architecture -o Acquire::Retries=3 "$@"
 }
 
 make_sysroot() {
@@ -76,11 +87,13 @@ make_sysroot() {
 
 write_toolchain() {
   mkdir -p "$prefix/lib/pkgconfig"
-  "${CC:-gcc}" --sysroot="$sysroot" -O2 -fPIC -c "$here/old_glibc.c" -o "$prefix/lib/old_glibc.o"
+  "$cc" --sysroot="$sysroot" -O2 -fPIC -c "$here/old_glibc.c" -o "$prefix/lib/old_glibc.o"
   cat >"$out/toolchain.cmake" <<CMAKE
 # Made by packaging/libraries.sh.
 set(CMAKE_SYSTEM_NAME Linux)
-set(CMAKE_SYSTEM_PROCESSOR x86_64)
+set(CMAKE_SYSTEM_PROCESSOR $machine)
+set(CMAKE_C_COMPILER $cc)
+set(CMAKE_CXX_COMPILER $cxx)
 set(CMAKE_LIBRARY_ARCHITECTURE $triple)
 set(CMAKE_SYSROOT $sysroot)
 set(CMAKE_FIND_ROOT_PATH $prefix $sysroot)
@@ -156,9 +169,11 @@ build_embree() {  # triangles alone, on its own threads: 4 MB in place of 40
   # Of what is switched off below, it compiles these even so.
   sed -i -E '/(curve_intersector_virtual_|scene_(user_geometry|instance|quad_mesh|curves|line_segments|grid_mesh|points)|bvh_builder_hair)/d' \
     "$kernels/CMakeLists.txt"
+  local sets='-DEMBREE_ISA_SSE2=ON -DEMBREE_ISA_SSE42=OFF -DEMBREE_ISA_AVX=OFF -DEMBREE_ISA_AVX2=ON -DEMBREE_ISA_AVX512=OFF'
+  [[ $machine == x86_64 ]] || sets='-DEMBREE_ARM=ON -DEMBREE_ISA_NEON=ON -DEMBREE_ISA_NEON2X=OFF -DEMBREE_IGNORE_CMAKE_CXX_FLAGS=OFF -DCMAKE_CXX_FLAGS=-flax-vector-conversions'
+  # shellcheck disable=SC2086  # several words
   with_cmake embree -DEMBREE_STATIC_LIB=ON -DEMBREE_TUTORIALS=OFF -DEMBREE_ISPC_SUPPORT=OFF \
-    -DEMBREE_TASKING_SYSTEM=INTERNAL -DEMBREE_MAX_ISA=NONE -DEMBREE_ISA_SSE2=ON \
-    -DEMBREE_ISA_SSE42=OFF -DEMBREE_ISA_AVX=OFF -DEMBREE_ISA_AVX2=ON -DEMBREE_ISA_AVX512=OFF \
+    -DEMBREE_TASKING_SYSTEM=INTERNAL -DEMBREE_MAX_ISA=NONE $sets \
     -DEMBREE_RAY_MASK=ON -DEMBREE_GEOMETRY_QUAD=OFF -DEMBREE_GEOMETRY_CURVE=OFF \
     -DEMBREE_GEOMETRY_SUBDIVISION=OFF -DEMBREE_GEOMETRY_USER=OFF -DEMBREE_GEOMETRY_INSTANCE=OFF \
     -DEMBREE_GEOMETRY_GRID=OFF -DEMBREE_GEOMETRY_POINT=OFF
@@ -183,17 +198,20 @@ build_libzip() {
     -DBUILD_REGRESS=OFF -DBUILD_EXAMPLES=OFF -DBUILD_DOC=OFF
 }
 build_spng() {  # its CMake file cannot do without the shared library
-  "${CC:-gcc}" --sysroot="$sysroot" -O3 -fPIC -ffunction-sections -fdata-sections -DSPNG_STATIC \
+  "$cc" --sysroot="$sysroot" -O3 -fPIC -ffunction-sections -fdata-sections -DSPNG_STATIC \
     -c "$out/src/spng/spng/spng.c" -o "$out/build/spng.o"
-  ar rcs "$prefix/lib/libspng_static.a" "$out/build/spng.o"
+  "$ar" rcs "$prefix/lib/libspng_static.a" "$out/build/spng.o"
   install -m 644 "$out/src/spng/spng/spng.h" "$prefix/include/"
 }
 build_epoxy() {  # opens libGL and libEGL when they are called
   local tools=$out/tools
   [[ -x $tools/bin/meson ]] || { python3 -m venv "$tools" && "$tools/bin/pip" install -q 'meson==1.6.*'; }
-  CFLAGS="--sysroot=$sysroot -fPIC" LDFLAGS="--sysroot=$sysroot" PKG_CONFIG_LIBDIR=$prefix/lib/pkgconfig \
-    "$tools/bin/meson" setup --wipe "$out/build/epoxy" "$out/src/epoxy" --prefix "$prefix" --libdir lib \
-    --buildtype release -Ddefault_library=static -Dglx=no -Dx11=false -Dtests=false
+  # A cross build always: its flags are then the sysroot's, whatever machine this is.
+  printf "[binaries]\nc = '%s'\nar = '%s'\npkg-config = 'pkg-config'\n[built-in options]\nc_args = ['--sysroot=%s', '-fPIC']
+c_link_args = ['--sysroot=%s']\n[properties]\npkg_config_libdir = '%s'\n[host_machine]\nsystem = 'linux'\ncpu_family = '%s'\ncpu = '%s'\nendian = 'little'\n" \
+    "$cc" "$ar" "$sysroot" "$sysroot" "$prefix/lib/pkgconfig" "$machine" "$machine" >"$out/meson.cross"
+  "$tools/bin/meson" setup --wipe "$out/build/epoxy" "$out/src/epoxy" --prefix "$prefix" --libdir lib \
+    --cross-file "$out/meson.cross" --buildtype release -Ddefault_library=static -Dglx=no -Dx11=false -Dtests=false
   "$tools/bin/meson" install -C "$out/build/epoxy"
 }
 build_httplib() {  # compiled once, as Debian does, and not in each source that includes it
@@ -201,9 +219,9 @@ build_httplib() {  # compiled once, as Debian does, and not in each source that 
   mkdir -p "$split"
   python3 "$out/src/httplib/split.py" -o "$split"
   # shellcheck disable=SC2086  # several words
-  "${CXX:-g++}" --sysroot="$sysroot" $httplib_options -std=c++17 -O2 -fPIC -ffunction-sections \
+  "$cxx" --sysroot="$sysroot" $httplib_options -std=c++17 -O2 -fPIC -ffunction-sections \
     -fdata-sections -I"$split" -c "$split/httplib.cc" -o "$split/httplib.o"
-  ar rcs "$prefix/lib/libcpp-httplib.a" "$split/httplib.o"
+  "$ar" rcs "$prefix/lib/libcpp-httplib.a" "$split/httplib.o"
   install -m 644 "$split/httplib.h" "$prefix/include/"
 }
 

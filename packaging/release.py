@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Makes a release: wheels, source distribution, checks of both, checksums, the changelog's part.
 
-    packaging/release.py OUT [--python PYTHON ...] [--roots SUITE ...] [--steps STEP ...]
+    packaging/release.py OUT [--python PYTHON ...] [--machine MACHINE] [--roots SUITE ...] [--steps STEP ...]
 
     packaging/release.py build/release-files --python python3.9 python3.10 python3.11 python3.12
+    packaging/release.py build/release-aarch64 --machine aarch64 --python python3.10 python3.11 python3.12
 
-Runs on Debian 12 on x86-64 with what `./enfilade.sh build --web` installs. Needs PyPI (tools, NumPy), npm's
+Runs on Debian 12 on x86-64 with what `./enfilade.sh build --web` installs; for aarch64, with the cross-compiler
+(g++-aarch64-linux-gnu) and, to check the wheels in emulation, qemu-user-static and its entry in binfmt_misc. Needs PyPI (tools, NumPy), npm's
 registry (the pages) and Debian's archive (libraries: packaging/libraries.sh). The C++ is compiled once; of
 each Python only the two extension modules are. OUT/dist has what is released, and SHA256SUMS.
 
@@ -16,7 +18,7 @@ steps, all by default, in this order:
   libraries  what the wheels are linked with
   sdist      OUT/dist/*.tar.gz
   wheels     OUT/dist/*.whl, from it
-  check      each wheel in a fresh environment of each Python: packaging/check_wheel.py
+  check      each wheel in a fresh environment of each Python: packaging/check_wheel.py (not for aarch64)
   roots      wheels in bare Debians, by their own Pythons: as root, with debootstrap
   sources    the source distribution in those of them that have a compiler for it, as docs/installing.md says
   notes      SHA256SUMS and changes.md
@@ -29,6 +31,7 @@ import filecmp
 import hashlib
 import json
 import os
+import platform
 import re
 import shutil
 import subprocess
@@ -99,9 +102,13 @@ def source_packages(page: str) -> list[str]:
     return line[1].replace("\\\n", " ").split()
 
 
+DEBIAN_NAMES = {"x86_64": "amd64", "aarch64": "arm64"}  # of the machines
+
+
 class Release:
-    def __init__(self, out: Path, pythons: list[Interpreter], roots: list[str]):
+    def __init__(self, out: Path, pythons: list[Interpreter], machine: str, roots: list[str]):
         self.out = out.resolve()
+        self.machine = machine
         self.dist = self.out / "dist"
         self.pythons = sorted(pythons, key=lambda p: (p.version, p.free_threaded))
         self.roots_wanted = roots
@@ -148,7 +155,7 @@ class Release:
     # --- steps ------------------------------------------------------------------------------------
 
     def libraries(self) -> None:
-        run(HERE / "libraries.sh", self.out / "libraries")
+        run(HERE / "libraries.sh", self.out / "libraries", self.machine)
 
     def pages(self) -> Path:
         """The server's pages as a C++ source, as web/bundle.cmake would have npm make it."""
@@ -187,6 +194,18 @@ class Release:
                 shutil.copy(file, old)
         return source
 
+    def of_the_machine(self, python: Interpreter) -> dict[str, str]:
+        """For a wheel of another machine, by a Python of this one: headers of both are the same but for
+        details of the C library that nothing here looks at; names are told."""
+        if self.machine == platform.machine():
+            return self.environment()
+        version = "".join(str(n) for n in python.version) + ("t" if python.free_threaded else "")
+        names = {
+            "_PYTHON_HOST_PLATFORM": f"linux-{self.machine}",
+            "SETUPTOOLS_EXT_SUFFIX": f".cpython-{version}-{self.machine}-linux-gnu.so",
+        }
+        return {**self.environment(), **names}
+
     def wheels(self) -> None:
         for old in self.dist.glob("*.whl"):
             old.unlink()
@@ -205,7 +224,7 @@ class Release:
                 self.made_for(python) / "bin/pip", "wheel", "-q", "--no-deps", "--no-build-isolation",
                 "--no-cache-dir", "-w", plain,
                 *(f"-C{key}={value}" for key, value in settings.items()), source,
-                env=self.environment(),
+                env=self.of_the_machine(python),
             )  # fmt: skip
             (wheel,) = plain.glob("*.whl")
             # Nothing is grafted, as nothing is dynamic: this finds the oldest C library, and says it in the name.
@@ -220,6 +239,9 @@ class Release:
             run(self.tools() / "bin/abi3audit", "--strict", wheel)
 
     def check(self) -> None:
+        if self.machine != platform.machine():
+            say(f"wheels of {self.machine} are checked in bare roots alone")
+            return
         for python in self.pythons:
             folder = self.out / f"check-{python.name}"
             run(python.command, "-m", "venv", "--clear", folder)
@@ -239,7 +261,11 @@ class Release:
         say(f"bare {suite}")
         run(
             HERE / "bare_root.sh", suite, given, "sh", script,
-            env={**os.environ, "ROOTS": str(self.out / "roots")},
+            env={
+                **os.environ,
+                "ROOTS": str(self.out / "roots"),
+                "ARCHITECTURE": DEBIAN_NAMES[self.machine],
+            },
         )  # fmt: skip
 
     def roots(self) -> None:
@@ -274,10 +300,11 @@ def main() -> None:
     )
     parser.add_argument("out", type=Path, help="folder for all of it")
     parser.add_argument("--python", nargs="+", default=["python3"], help="Pythons to make wheels with")
+    parser.add_argument("--machine", choices=DEBIAN_NAMES, default="x86_64", help="Whose wheels they are")
     parser.add_argument("--roots", nargs="*", default=["bullseye", "bookworm", "trixie"], metavar="SUITE")
     parser.add_argument("--steps", nargs="+", choices=steps, default=steps)
     given = parser.parse_args()
-    release = Release(given.out, [interpreter(p) for p in given.python], given.roots)
+    release = Release(given.out, [interpreter(p) for p in given.python], given.machine, given.roots)
     for step in steps:
         if step in given.steps:
             say(step)
