@@ -59,7 +59,7 @@ inline scan::Panorama made_panorama(std::uint32_t size) {
 
 /// A cache over panoramas of one scan, "v0", "v1", ... level and looking along +y.
 inline std::shared_ptr<FaceCache> cache_of(std::vector<scan::Panorama> panoramas,
-                                           FaceCacheConfig config = {}) {
+                                           const FaceCacheConfig& config = {}) {
   const std::size_t count = panoramas.size();
   return std::make_shared<FaceCache>(
       scan::PanoramaSet::of({std::make_shared<const scan::MemoryPanoramas>(
