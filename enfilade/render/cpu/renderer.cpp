@@ -82,7 +82,8 @@ class BandDrawer {
         prepare(block, row, std::min(at_once, end - row),
                 {begin, std::min<std::uint32_t>(begin + kBlock, width)});
         staging_.flush();
-        const Ahead ahead{block.taps_to_make(), block.taps, keeps_points() ? &points_ : nullptr};
+        const Ahead ahead{std::span(block.tap_parts).first(base(Layer::kColour) ? block.count : 0),
+                          block.taps, keeps_points() ? &points_ : nullptr};
         if (next > 0) {
           finish(blocks_[(next - 1) % 2], ahead);
         } else {
@@ -113,14 +114,13 @@ class BandDrawer {
   struct Block {
     std::uint32_t row = 0, rows = 0;
     Piece columns;
-    std::array<Part, kMostRows * Stretches::kMost> parts;  // the first `count` are set
-    std::array<TapPart, kMostRows * Stretches::kMost> tap_parts;
-    std::size_t count = 0, tap_count = 0;
+    std::array<Part, kMostRows * Stretches::kMost> parts;         // the first `count` are set
+    std::array<TapPart, kMostRows * Stretches::kMost> tap_parts;  // of colour; set if it has a base
+    std::size_t count = 0;
     Taps taps;
     Places depth, classes, instances;
     std::span<const Part> all() const noexcept { return {parts.data(), count}; }
     std::size_t pixels() const noexcept { return std::size_t{rows} * columns.size(); }
-    std::span<const TapPart> taps_to_make() const noexcept { return {tap_parts.data(), tap_count}; }
   };
 
   // A memory's worth of pixels ahead is what hides its latency, however narrow the picture is.
@@ -194,7 +194,7 @@ class BandDrawer {
     block.row = row;
     block.rows = rows;
     block.columns = columns;
-    block.count = block.tap_count = 0;
+    block.count = 0;
     for (std::uint32_t k = 0; k < rows; ++k) {
       Stretches stretches;
       plan_.plan(row + k, job_.camera.width, stretches);
@@ -203,13 +203,13 @@ class BandDrawer {
                           std::min(stretch.end, columns.end)};
         if (piece.begin >= piece.end) continue;
         const std::size_t at = std::size_t{k} * columns.size() + piece.begin - columns.begin;
-        block.parts[block.count++] = {piece, row + k, at, stretch.face};
+        block.parts[block.count] = {piece, row + k, at, stretch.face};
         if (const std::uint8_t* from = base(Layer::kColour)) {
           const Face& f = face(Layer::kColour, stretch.face);
-          block.tap_parts[block.tap_count++] = {
-              face_line(view_.rays, row + k, stretch.face, f.size), piece, colour_face(f, from),
-              at};
+          block.tap_parts[block.count] = {face_line(view_.rays, row + k, stretch.face, f.size),
+                                          piece, colour_face(f, from), at};
         }
+        ++block.count;
       }
     }
   }
