@@ -36,6 +36,10 @@ def is_emulated() -> bool:
     return platform.machine() == "aarch64" and "vendor_id" in Path("/proc/cpuinfo").read_text()
 
 
+# Where something is waited for; a limit of speed is not asked of emulation at all.
+SLOWNESS = 10 if is_emulated() else 1
+
+
 def assert_within(test: unittest.TestCase, taken: float, most: float) -> None:
     """Emulation is slow, and shows nothing of speed."""
     if not is_emulated():
@@ -101,7 +105,7 @@ class Program(unittest.TestCase):
                 self.assertIn("pip install", told.stderr)
 
     def test_doctor_looks_at_this_machine(self):
-        told = run(PROGRAM, "doctor", timeout=600)
+        told = run(PROGRAM, "doctor", timeout=120 * SLOWNESS)
         self.assertIn(told.returncode, (0, 1), told.stderr)
         self.assertIn("render", told.stdout.lower())
 
@@ -166,7 +170,7 @@ class Server(unittest.TestCase):
                 print(f"serve: a home and its page after {taken:.1f} s", file=sys.stderr)
                 assert_within(self, taken, HOMES_SECONDS)
                 server.send_signal(signal.SIGTERM)
-                self.assertEqual(server.wait(timeout=120), 0)
+                self.assertEqual(server.wait(timeout=30 * SLOWNESS), 0)
             finally:
                 server.kill()
                 server.wait()

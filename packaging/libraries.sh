@@ -56,7 +56,8 @@ apt_private() {
   shift
   "$tool" -qq -o Dir::Etc::SourceList="$apt/sources.list" -o Dir::Etc::SourceParts=/dev/null \
     -o Dir::State="$apt/state" -o Dir::Cache="$apt/cache" -o Dir::State::status="$apt/status" \
-    -o APT::Sandbox::User="$(id -un)" -o APT::Architecture=$architecture -o APT::Architectures=$architecture -o Acquire::Retries=3 "$@"
+    -o APT::Sandbox::User="$(id -un)" -o APT::Architecture="$architecture" \
+    -o APT::Architectures="$architecture" -o Acquire::Retries=3 "$@"
 }
 
 make_sysroot() {

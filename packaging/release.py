@@ -7,9 +7,10 @@
     packaging/release.py build/release-aarch64 --machine aarch64 --python python3.10 python3.11 python3.12
 
 Runs on Debian 12 on x86-64 with what `./enfilade.sh build --web` installs; for aarch64, with the cross-compiler
-(g++-aarch64-linux-gnu) and, to check the wheels in emulation, qemu-user-static and its entry in binfmt_misc. Needs PyPI (tools, NumPy), npm's
-registry (the pages) and Debian's archive (libraries: packaging/libraries.sh). The C++ is compiled once; of
-each Python only the two extension modules are. OUT/dist has what is released, and SHA256SUMS.
+(g++-aarch64-linux-gnu) and, to check the wheels in emulation, qemu-user-static and its entry in binfmt_misc.
+Needs PyPI (tools, NumPy), npm's registry (the pages) and Debian's archive (libraries: packaging/libraries.sh).
+The C++ is compiled once; of each Python only the two extension modules are. OUT/dist has what is released, and
+SHA256SUMS.
 
 One wheel serves Python 3.12 and all later ones by the stable ABI; it is made by the oldest of those that are
 given, and checked by all. A free-threaded Python has a wheel of its own, as those before 3.12 have.

@@ -11,7 +11,7 @@ for name in cmake ninja npm node apt-get sudo python3; do
   chmod +x "$tools/$name"
 done
 "$2" serve --help >"$tools/program.txt"
-# CLI11 writes a default as "TEXT=8080", or "TEXT [8080]" from version 2.4 on.
+# By its version, CLI11 writes a default as "TEXT=8080" or "TEXT [8080]".
 plain() {
   sed -E 's/ \[([^][ ]+)\]/=\1/; s/ +/ /g; s/ $//' "$1"
 }

@@ -74,9 +74,9 @@ struct ColourFace {
 
 /// The face of a layer of 16 or 32 bits that a piece lies on.
 struct NearestFace {
-  const std::uint8_t* base = nullptr;  ///< what offsets are from
-  std::int32_t first = 0;              ///< bytes from there to its cells
-  std::uint32_t size = 0;
+  const std::uint8_t* base;  ///< what offsets are from
+  std::int32_t first;        ///< bytes from there to its cells
+  std::uint32_t size;
 };
 
 /// A piece of a block's row whose taps are to be made.

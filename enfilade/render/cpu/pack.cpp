@@ -146,36 +146,52 @@ void Packer::draw_colour(const TapRun& taps, const Ahead& ahead, const Place& pl
   put_colour(Drawn{kernels_, scale_, taps, ahead}, place);
 }
 
+template <class From>
+void Packer::put_depth(const From& from, const Place& place) const {
+  const std::span<std::byte> pixels = outputs_.depth->pixels;
+  if (outputs_.depth->format == DepthFormat::kMetresFloat32) {
+    put(place, values_at<float>(pixels, place.pixel()), place.count,
+        [&](float* out) { from.metres(out); });
+  } else {
+    put(place, values_at<std::uint16_t>(pixels, place.pixel()), place.count,
+        [&](std::uint16_t* out) { from.units(out); });
+  }
+}
+
 void Packer::draw_depth(const PlaceRun& run, const float* factor, const Place& place) const {
   if (eight_bit_depth_) {
     Block16 units;
     kernels_.values16(run, units.values.data());
     return pack_depth(units.values.data(), factor, place);
   }
-  const auto with = [&]<class T>(auto kernel, T* first) {
-    put(place, first + place.pixel(), place.count, [&](T* out) { kernel(run, factor, out); });
+  struct Drawn {
+    const Kernels& kernels;
+    const PlaceRun& run;
+    const float* factor;
+    void metres(float* out) const { kernels.draw_metres(run, factor, out); }
+    void units(std::uint16_t* out) const { kernels.draw_units(run, factor, out); }
   };
-  const std::span<std::byte> pixels = outputs_.depth->pixels;
-  if (outputs_.depth->format == DepthFormat::kMetresFloat32) {
-    with(kernels_.draw_metres, values_at<float>(pixels, 0));
-  } else {
-    with(kernels_.draw_units, values_at<std::uint16_t>(pixels, 0));
-  }
+  put_depth(Drawn{kernels_, run, factor}, place);
 }
 
 void Packer::pack_depth(const std::uint16_t* units, const float* factor, const Place& place) const {
-  const auto with = [&]<class T>(auto kernel, T* first) {
-    put(place, first + place.pixel(), place.count,
-        [&](T* out) { kernel(units, factor, place.count, out); });
+  struct Packed {
+    const Packer& packer;
+    const std::uint16_t* values;
+    const float* factor;
+    std::size_t count;
+    void metres(float* out) const {
+      const Kernels& k = packer.kernels_;
+      const auto kernel = packer.eight_bit_depth_ ? k.pack_legacy_metres : k.pack_metres;
+      kernel(values, factor, count, out);
+    }
+    void units(std::uint16_t* out) const {
+      const Kernels& k = packer.kernels_;
+      const auto kernel = packer.eight_bit_depth_ ? k.pack_legacy_units : k.pack_units;
+      kernel(values, factor, count, out);
+    }
   };
-  const std::span<std::byte> pixels = outputs_.depth->pixels;
-  if (outputs_.depth->format == DepthFormat::kMetresFloat32) {
-    with(eight_bit_depth_ ? kernels_.pack_legacy_metres : kernels_.pack_metres,
-         values_at<float>(pixels, 0));
-  } else {
-    with(eight_bit_depth_ ? kernels_.pack_legacy_units : kernels_.pack_units,
-         values_at<std::uint16_t>(pixels, 0));
-  }
+  put_depth(Packed{*this, units, factor, place.count}, place);
 }
 
 void Packer::pack_classes(const std::uint16_t* values, const Place& place) const {

@@ -76,6 +76,8 @@ class Packer {
   void pack_colour(const std::uint32_t* rgba, const Place& place) const;
   template <class From>
   void put_colour(const From& from, const Place& place) const;
+  template <class From>
+  void put_depth(const From& from, const Place& place) const;
   void pack_depth(const std::uint16_t* units, const float* factor, const Place& place) const;
   void pack_classes(const std::uint16_t* values, const Place& place) const;
 
