@@ -226,13 +226,15 @@ def test_one_simulator_in_two_threads_is_refused_or_runs(small: str) -> None:
     assert sim.state.step.max() == 40 - len(refused)
 
 
-def drawing_simulator(homes: str, batch: int, vfov: float) -> Any:
-    """MatterSim in the synthetic homes, with pictures of 64 x 48."""
+def drawing_simulator(
+    homes: str, batch: int, vfov: float, size: tuple[int, int] = (64, 48)
+) -> Any:
+    """MatterSim in the synthetic homes, with pictures of ``size`` (width, height)."""
     scan = enfilade.Graphs(f"{homes}/connectivity").scans[0]
     sim = MatterSim.Simulator()
     sim.setNavGraphPath(f"{homes}/connectivity")
     sim.setDatasetPath(f"{homes}/store")
-    sim.setCameraResolution(64, 48)
+    sim.setCameraResolution(*size)
     sim.setCameraVFOV(vfov)
     sim.setBatchSize(batch)
     sim.initialize()
@@ -251,7 +253,8 @@ def test_states_show_the_pictures_of_a_new_field_of_view(homes: str) -> None:
 
 
 def test_setters_are_refused_while_another_thread_draws(homes: str) -> None:
-    sim = drawing_simulator(homes, 50, 1.0)
+    # A call must last longer than this thread needs to wake up on a busy machine: some milliseconds.
+    sim = drawing_simulator(homes, 50, 1.0, (320, 240))
     refused = []
     with concurrent.futures.ThreadPoolExecutor(1) as pool:
         drawn = 0
