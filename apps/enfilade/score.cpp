@@ -6,8 +6,8 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/results.h"
-#include "enfilade/r2r/score.h"
+#include "enfilade/tasks/results.h"
+#include "enfilade/tasks/score.h"
 
 namespace enfilade::apps {
 namespace {
@@ -25,7 +25,7 @@ struct Options {
   std::string spl = "shortest";
 };
 
-r2r::EpisodeSet load_episodes(const Options& options) {
+tasks::EpisodeSet load_episodes(const Options& options) {
   if (options.split.empty() && options.annotations.empty()) {
     throw UsageError("score: which split? Give --split NAME, or --annotations FILE");
   }
@@ -39,31 +39,32 @@ r2r::EpisodeSet load_episodes(const Options& options) {
                                     ? open_data(options.data).connectivity_folder()
                                     : fs::path(options.connectivity);
   const std::string split = options.split.empty() ? annotations.stem().string() : options.split;
-  return r2r::make_episodes(r2r::load_annotations(annotations, split),
-                            graph::GraphSet::open(connectivity));
+  return tasks::make_episodes(tasks::load_annotations(annotations, split),
+                              graph::GraphSet::open(connectivity));
 }
 
-void print_score(const Options& options, const r2r::Score& score, const r2r::EpisodeSet& episodes) {
+void print_score(const Options& options, const tasks::Score& score,
+                 const tasks::EpisodeSet& episodes) {
   if (!options.json.empty()) {
     write_output(options.json, options.per_episode ? to_json(score, episodes) : to_json(score));
   }
   if (options.json == "-") return;
   const bool reference = options.spl == "reference";
-  fmt::print("{}",
-             to_table(score, reference ? r2r::SplLength::kReference : r2r::SplLength::kShortest));
+  fmt::print("{}", to_table(score, reference ? tasks::SplLength::kReference
+                                             : tasks::SplLength::kShortest));
 }
 
 ExitCode score(const Options& options) {
-  const r2r::EpisodeSet episodes = load_episodes(options);
+  const tasks::EpisodeSet episodes = load_episodes(options);
   if (episodes.episodes.empty()) {  // means over none would be nothing that a table can show
     throw UsageError(fmt::format(
         "split {}: the annotations have no episode, so there is nothing to score; the export of a "
         "collection has the paths whose every instruction was walked",
         episodes.split));
   }
-  r2r::Results results;
+  tasks::Results results;
   try {
-    results = r2r::load_results(options.results, episodes);
+    results = tasks::load_results(options.results, episodes);
   } catch (const InvalidInput& refused) {  // what was to be checked has faults
     print_diagnostics(refused.diagnostics());
     return kFaultsFound;

@@ -68,7 +68,7 @@ Part look_for(std::string name, const Look& look, std::string advice) {
   }
 }
 
-std::string count_instructions(const r2r::Annotations& annotations) {
+std::string count_instructions(const tasks::Annotations& annotations) {
   std::size_t instructions = 0;
   for (const auto& path : annotations.paths) instructions += path.instructions.size();
   return fmt::format("{} paths, {} instructions", annotations.paths.size(), instructions);
@@ -185,12 +185,13 @@ bool Dataset::has_split(std::string_view split) const {
   return opened_->root && opened_->root->has_annotations(split);
 }
 
-r2r::Annotations Dataset::annotations(std::string_view split) const {
-  return r2r::load_annotations(annotations_file(split), std::string(split));
+tasks::Annotations Dataset::annotations(std::string_view split) const {
+  return tasks::load_annotations(annotations_file(split), std::string(split));
 }
 
-r2r::EpisodeSet Dataset::episodes(std::string_view split, r2r::Instructions instructions) const {
-  return r2r::make_episodes(annotations(split), graphs(), instructions);
+tasks::EpisodeSet Dataset::episodes(std::string_view split,
+                                    tasks::Instructions instructions) const {
+  return tasks::make_episodes(annotations(split), graphs(), instructions);
 }
 
 fs::path Dataset::connectivity_folder() const {

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/annotations.h"
 #include "enfilade/render/face_cache.h"
 #include "enfilade/scan/panorama_set.h"
 #include "enfilade/scan/regions.h"
+#include "enfilade/tasks/annotations.h"
 
 namespace enfilade::dataset {
 
@@ -43,7 +43,7 @@ struct Part {
 ///
 ///     const Dataset d("data");
 ///     sim::Simulator simulator(d.graphs(), sim::SimulatorConfig::room_to_room());
-///     const r2r::EpisodeSet episodes = d.episodes("val_unseen");
+///     const tasks::EpisodeSet episodes = d.episodes("val_unseen");
 ///
 /// A folder of stores alone is a data set too: stores bring their graphs. Making one looks at the
 /// folder only; each part is opened at its first use, once, and copies of a
@@ -83,11 +83,11 @@ class Dataset {
   bool has_split(std::string_view split) const;  ///< any name: `R2R_<split>.json`
   /// The split as its file has it. Read anew by each call.
   /// \throws FileError naming every place that was tried; InvalidInput
-  r2r::Annotations annotations(std::string_view split) const;
+  tasks::Annotations annotations(std::string_view split) const;
   /// The split's episodes, to be walked in graphs(). Read anew by each call.
-  /// \throws as annotations(), graphs() and r2r::make_episodes()
-  r2r::EpisodeSet episodes(std::string_view split,
-                           r2r::Instructions instructions = r2r::Instructions::kScored) const;
+  /// \throws as annotations(), graphs() and tasks::make_episodes()
+  tasks::EpisodeSet episodes(std::string_view split,
+                             tasks::Instructions instructions = tasks::Instructions::kScored) const;
 
   // Where the files are (scan::DataRoot). Each throws FileError naming every place that was tried.
   std::filesystem::path connectivity_folder() const;                     ///< with scans.txt

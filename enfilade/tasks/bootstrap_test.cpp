@@ -1,4 +1,4 @@
-#include "enfilade/r2r/bootstrap.h"
+#include "enfilade/tasks/bootstrap.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -142,4 +142,4 @@ TEST(Bootstrap, RefusesWhatHasNoAnswer) {
 }
 
 }  // namespace
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

@@ -1,4 +1,4 @@
-#include "enfilade/r2r/path_comparison.h"
+#include "enfilade/tasks/path_comparison.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 #include "enfilade/core/errors.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 constexpr double kBin = 2;  // metres
@@ -208,4 +208,4 @@ std::string to_table(const PathComparison& comparison) {
   return text;
 }
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

@@ -1,4 +1,4 @@
-#include "enfilade/r2r/statistics.h"
+#include "enfilade/tasks/statistics.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,9 +9,9 @@
 #include <unordered_map>
 
 #include "enfilade/core/check.h"
-#include "enfilade/r2r/tokenizer.h"
+#include "enfilade/tasks/tokenizer.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 constexpr std::size_t kLeastOccurrences = 5;  // occurrences of a word of the vocabulary
@@ -175,4 +175,4 @@ DatasetStatistics compute_statistics(std::span<const Annotations> splits,
   return result;
 }
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

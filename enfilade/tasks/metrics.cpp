@@ -1,4 +1,4 @@
-#include "enfilade/r2r/metrics.h"
+#include "enfilade/tasks/metrics.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include "enfilade/core/check.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -159,4 +159,4 @@ EpisodeMetrics compute_metrics(const graph::NavGraph& graph,
   return m;
 }
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

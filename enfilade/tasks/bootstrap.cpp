@@ -1,4 +1,4 @@
-#include "enfilade/r2r/bootstrap.h"
+#include "enfilade/tasks/bootstrap.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/core/threads.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 void validate(std::size_t values, std::size_t columns, std::size_t rows,
@@ -111,4 +111,4 @@ std::vector<MeanInterval> bootstrap_means(std::span<const double> values, std::s
   return intervals;
 }
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

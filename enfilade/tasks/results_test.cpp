@@ -1,4 +1,4 @@
-#include "enfilade/r2r/results.h"
+#include "enfilade/tasks/results.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -11,7 +11,7 @@
 #include "tests/support/graphs.h"
 #include "tests/support/temporary_folder.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 using ::testing::AllOf;
@@ -277,4 +277,4 @@ TEST(Results, AnEntryOfMegabytesIsRefusedAndTheRestIsRead) {
 }
 
 }  // namespace
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

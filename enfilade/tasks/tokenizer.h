@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 
 /// Splits on runs of characters that are not letters, digits or _, keeps the pieces, strips and
 /// lower-cases them; a piece of ASCII punctuation only becomes one token a character, but for a run
@@ -47,4 +47,4 @@ class Vocabulary {
   std::unordered_map<std::string, std::uint32_t> ids_;
 };
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

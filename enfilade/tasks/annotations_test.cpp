@@ -1,4 +1,4 @@
-#include "enfilade/r2r/annotations.h"
+#include "enfilade/tasks/annotations.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include "enfilade/scan/data_root.h"
 #include "tests/support/graphs.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 using ::testing::AllOf;
@@ -185,4 +185,4 @@ TEST(Episodes, OfRealSplits) {
 }
 
 }  // namespace
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

@@ -1,4 +1,4 @@
-#include "enfilade/r2r/annotations.h"
+#include "enfilade/tasks/annotations.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 #include "enfilade/core/detail/json.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 using json::Element;
@@ -204,4 +204,4 @@ EpisodeSet make_episodes(const Annotations& annotations,
   return set;
 }
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

@@ -7,10 +7,10 @@
 
 #include "enfilade/core/progress.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/annotations.h"
 #include "enfilade/scan/regions.h"
+#include "enfilade/tasks/annotations.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 
 /// Which start and goal are drawn. Both lie in rooms (regions), and in different ones.
 enum class PairRule {
@@ -63,4 +63,4 @@ struct SplitOptions {
 std::map<std::string, Annotations> split_by_building(const std::vector<PathAnnotation>& paths,
                                                      const SplitOptions& options);
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

@@ -1,4 +1,4 @@
-#include "enfilade/r2r/path_sampling.h"
+#include "enfilade/tasks/path_sampling.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 #include "enfilade/scan/data_root.h"
 #include "tests/support/graphs.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 using ::testing::ElementsAre;
@@ -316,4 +316,4 @@ TEST(SamplePaths, OfRealBuildingsObeyEveryRule) {
 }
 
 }  // namespace
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

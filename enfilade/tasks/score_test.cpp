@@ -1,4 +1,4 @@
-#include "enfilade/r2r/score.h"
+#include "enfilade/tasks/score.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include "enfilade/scan/data_root.h"
 #include "tests/support/graphs.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 using ::testing::HasSubstr;
@@ -193,4 +193,4 @@ TEST(Score, OfRealShortestPathsIsThePapersRow) {
 }
 
 }  // namespace
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

@@ -4,9 +4,9 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "enfilade/r2r/statistics.h"
+#include "enfilade/tasks/statistics.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -150,4 +150,4 @@ std::string to_json(const DatasetStatistics& statistics) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

@@ -8,9 +8,9 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/ids.h"
 #include "enfilade/geometry/angle.h"
-#include "enfilade/r2r/annotations.h"
+#include "enfilade/tasks/annotations.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 
 /// Where an agent was, and looked, after one of its actions.
 struct TrajectoryPoint {
@@ -46,4 +46,4 @@ Results parse_results(std::string_view json, const std::string& file, const Epis
 /// Results in the triples form, one episode a line; parse_results() reads it back equal.
 std::string to_json(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes);
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

@@ -5,7 +5,7 @@
 #include "enfilade/core/ids.h"
 #include "enfilade/graph/nav_graph.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 
 /// What counts as success.
 struct MetricOptions {
@@ -50,4 +50,4 @@ EpisodeMetrics compute_metrics(const graph::NavGraph& graph,
                                std::span<const ViewpointIndex> reference,
                                const MetricOptions& options = {});
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

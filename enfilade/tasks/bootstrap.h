@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 
 /// A mean with its interval.
 struct MeanInterval {
@@ -33,4 +33,4 @@ std::vector<MeanInterval> bootstrap_means(std::span<const double> values, std::s
                                           std::span<const std::size_t> groups,
                                           const BootstrapOptions& options = {});
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

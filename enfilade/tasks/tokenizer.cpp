@@ -1,4 +1,4 @@
-#include "enfilade/r2r/tokenizer.h"
+#include "enfilade/tasks/tokenizer.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,7 +12,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 constexpr std::array<std::string_view, 3> kSpecials{"<PAD>", "<UNK>", "<EOS>"};
@@ -155,4 +155,4 @@ std::string Vocabulary::decode(std::span<const std::uint32_t> ids) const {
   return text;
 }
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

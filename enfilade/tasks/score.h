@@ -5,12 +5,12 @@
 #include <string_view>
 #include <vector>
 
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/bootstrap.h"
-#include "enfilade/r2r/metrics.h"
-#include "enfilade/r2r/results.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/bootstrap.h"
+#include "enfilade/tasks/metrics.h"
+#include "enfilade/tasks/results.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 
 /// How a results file is scored.
 struct ScoreOptions {
@@ -69,4 +69,4 @@ enum class SplLength {
 /// cent. nDTW and sDTW are the collapsed ones (docs/design/dtw-of-turns.md).
 std::string to_table(const Score& score, SplLength spl = SplLength::kShortest);
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/statistics.h"
 #include "enfilade/scan/regions.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/statistics.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 
 /// What the paths with known goals of a set are like, and what tells by which rule they were drawn.
 struct PathFacts {
@@ -54,4 +54,4 @@ PathComparison compare_paths(const Annotations& drawn, std::span<const Annotatio
 /// Facts a line, the three sets in columns, then histograms and the distances between them.
 std::string to_table(const PathComparison& comparison);
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

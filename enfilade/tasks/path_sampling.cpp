@@ -1,4 +1,4 @@
-#include "enfilade/r2r/path_sampling.h"
+#include "enfilade/tasks/path_sampling.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -16,7 +16,7 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/core/threads.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 using graph::NavGraph;
@@ -273,4 +273,4 @@ std::map<std::string, Annotations> split_by_building(const std::vector<PathAnnot
   return splits;
 }
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

@@ -1,4 +1,4 @@
-#include "enfilade/r2r/results.h"
+#include "enfilade/tasks/results.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,7 +14,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 using json::Element;
@@ -353,4 +353,4 @@ std::string to_json(const std::vector<Trajectory>& trajectories, const EpisodeSe
   return text + "\n]\n";
 }
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

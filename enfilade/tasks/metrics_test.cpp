@@ -1,4 +1,4 @@
-#include "enfilade/r2r/metrics.h"
+#include "enfilade/tasks/metrics.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include "enfilade/core/rng.h"
 #include "tests/support/graphs.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 using graph::NavGraph;
@@ -242,4 +242,4 @@ TEST(Metrics, AgreeWithTheirDefinitionsOnRandomWalks) {
 }
 
 }  // namespace
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

@@ -1,4 +1,4 @@
-#include "enfilade/r2r/score.h"
+#include "enfilade/tasks/score.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,7 +9,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/threads.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 // A trajectory takes about 2 microseconds: the cost of starting a task must not matter.
@@ -207,4 +207,4 @@ std::string to_table(const Score& score, SplLength spl) {
   return text;
 }
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

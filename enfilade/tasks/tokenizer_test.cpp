@@ -1,4 +1,4 @@
-#include "enfilade/r2r/tokenizer.h"
+#include "enfilade/tasks/tokenizer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,11 +8,11 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/r2r/annotations.h"
 #include "enfilade/scan/data_root.h"
+#include "enfilade/tasks/annotations.h"
 #include "tests/support/temporary_folder.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 namespace fs = std::filesystem;
@@ -151,4 +151,4 @@ TEST(Vocabulary, IsTheReleasedOne) {
 }
 
 }  // namespace
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

@@ -12,7 +12,7 @@
 #include "enfilade/geometry/angle.h"
 #include "enfilade/graph/graph_set.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 
 /// Instructions of a path that are scored; a few paths have a fourth one, which is trained on only.
 inline constexpr std::size_t kScoredInstructions = 3;
@@ -100,4 +100,4 @@ EpisodeSet make_episodes(const Annotations& annotations,
                          std::shared_ptr<const graph::GraphSet> graphs,
                          Instructions instructions = Instructions::kScored);
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

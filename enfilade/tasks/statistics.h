@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/annotations.h"
+#include "enfilade/tasks/annotations.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 
 /// Of a sample of numbers.
 struct Summary {
@@ -69,4 +69,4 @@ DatasetStatistics compute_statistics(std::span<const Annotations> splits,
 std::string to_table(const DatasetStatistics& statistics);
 std::string to_json(const DatasetStatistics& statistics);
 
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks

@@ -1,14 +1,14 @@
-#include "enfilade/r2r/path_comparison.h"
+#include "enfilade/tasks/path_comparison.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/r2r/path_sampling.h"
 #include "enfilade/scan/data_root.h"
+#include "enfilade/tasks/path_sampling.h"
 #include "tests/support/graphs.h"
 
-namespace enfilade::r2r {
+namespace enfilade::tasks {
 namespace {
 
 using ::testing::ElementsAre;
@@ -114,4 +114,4 @@ TEST(ComparePaths, DrawnPathsAreNearRoomToRoom) {
 }
 
 }  // namespace
-}  // namespace enfilade::r2r
+}  // namespace enfilade::tasks
