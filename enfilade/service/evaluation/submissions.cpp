@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "enfilade/service/detail/fields.h"
-#include "enfilade/service/detail/gzip.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
@@ -104,7 +104,7 @@ Receipt Submissions::receive(const Delivery& delivery, const std::string& result
     if (!receipt.known) {
       check_open(*phase, delivery.team);
       check_limits(db_, *phase, sender);
-      const std::string content = detail::gzip(results, 1);
+      const std::string content = gzip(results, 1);
       id = db_.insert(
           "INSERT INTO submission (team, phase, method, created, state, digest, content, paper, "
           "code) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
@@ -276,7 +276,7 @@ bool Submissions::score_next() {
   const auto& [id, phase, content] = *next;
   std::optional<Outcome> outcome;
   try {
-    outcome = score(phase, detail::gunzip(content, kMostBytes));
+    outcome = score(phase, gunzip(content, kMostBytes));
   } catch (const std::exception&) {
     outcome.reset();  // the phase, its annotations or the graphs changed since it was received
   }

@@ -1,4 +1,4 @@
-#include "enfilade/service/detail/gzip.h"
+#include "enfilade/core/gzip.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -7,8 +7,9 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
 
-namespace enfilade::service::detail {
+namespace enfilade {
 namespace {
 
 constexpr int kGzipWindow = 15 + 16;  // zlib: + 16 selects the gzip format
@@ -64,6 +65,16 @@ std::string gunzip(std::string_view packed, std::size_t most) {
   return text;
 }
 
+std::string read_text_file(const std::filesystem::path& path, std::size_t most) {
+  std::string content = read_file(path);
+  if (!content.starts_with("\x1f\x8b")) return content;
+  try {
+    return gunzip(content, most);
+  } catch (const Error& error) {
+    throw FileError(fmt::format("{}: cannot unpack: {}", path.string(), error.what()));
+  }
+}
+
 struct Gunzip::Impl {
   z_stream stream{};
   bool ended = false;
@@ -97,4 +108,4 @@ void Gunzip::add(std::string_view packed, const Take& take) {
   }
 }
 
-}  // namespace enfilade::service::detail
+}  // namespace enfilade

@@ -1,11 +1,17 @@
-#include "enfilade/service/detail/gzip.h"
+#include "enfilade/core/gzip.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "tests/support/temporary_folder.h"
 
-namespace enfilade::service::detail {
+namespace enfilade {
 namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 std::string text_of(std::size_t bytes) {
   std::string text;
@@ -52,5 +58,19 @@ TEST(Gzip, IsUnpackedByTheByte) {
   EXPECT_EQ(unpacked, text);
 }
 
+TEST(Gzip, TextFilesAreReadPackedOrPlain) {
+  const tests::TemporaryFolder folder("gzip");
+  const std::string text = text_of(50'000);
+  write_file_atomically(folder.path() / "plain.json", text);
+  write_file_atomically(folder.path() / "packed.json.gz", gzip(text, 6));
+  EXPECT_EQ(read_text_file(folder.path() / "plain.json"), text);
+  EXPECT_EQ(read_text_file(folder.path() / "packed.json.gz"), text);
+  write_file_atomically(folder.path() / "cut.json.gz", gzip(text, 6).substr(0, 100));
+  EXPECT_THAT([&] { read_text_file(folder.path() / "cut.json.gz"); },
+              ThrowsMessage<FileError>(HasSubstr("cut.json.gz: cannot unpack")));
+  EXPECT_THAT([&] { read_text_file(folder.path() / "packed.json.gz", text.size() - 1); },
+              ThrowsMessage<FileError>(HasSubstr("more than 49999 bytes")));
+}
+
 }  // namespace
-}  // namespace enfilade::service::detail
+}  // namespace enfilade
