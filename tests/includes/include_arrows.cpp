@@ -303,6 +303,7 @@ const std::map<std::string, Arrows, std::less<>>& rooms() {
                            {"evaluation", {"accounts", "store"}},
                            {"collecting", {"store"}},
                            {"http", {"accounts", "browsing", "evaluation", "collecting"}}})},
+      {"tasks", {{"formats", {}}, {"scorers", {}}}},
   };
   return kRooms;
 }
