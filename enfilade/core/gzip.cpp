@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kGzipWindow = 15 + 16;  // zlib: + 16 selects the gzip format
 constexpr std::size_t kPiece = 1U << 15U;
+constexpr std::size_t kMostRatio = 1032;  // bytes that deflate can say with one
 
 // zlib takes a pointer to mutable bytes, but only reads them.
 Bytef* bytes_of(std::string_view text) {
@@ -53,7 +54,7 @@ std::string gzip(std::string_view text, int level) {
 
 std::string gunzip(std::string_view packed, std::size_t most) {
   std::string text;
-  text.reserve(std::min(claimed_size(packed), most));
+  text.reserve(std::min({claimed_size(packed), most, kMostRatio * packed.size()}));
   Gunzip unpacked;
   unpacked.add(packed, [&](std::string_view piece) {
     if (piece.size() > most - text.size()) {

@@ -11,6 +11,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/scan/data_root.h"
 #include "enfilade/scan/store.h"
+#include "enfilade/tasks/files.h"
 
 namespace enfilade::dataset {
 namespace {
@@ -105,6 +106,7 @@ struct Dataset::Opened {
   Lazy<std::shared_ptr<const scan::PanoramaSet>> panoramas;
   Lazy<std::shared_ptr<render::FaceCache>> faces;
   Lazy<scan::RegionMap> regions;
+  Lazy<tasks::ObjectBoxes> objects;
 
   const scan::DataRoot& files() const {
     if (root) return *root;
@@ -192,6 +194,31 @@ tasks::Annotations Dataset::annotations(std::string_view split) const {
 tasks::EpisodeSet Dataset::episodes(std::string_view split,
                                     tasks::Instructions instructions) const {
   return tasks::make_episodes(annotations(split), graphs(), instructions);
+}
+
+tasks::Annotations Dataset::annotations(tasks::Task task, std::string_view split) const {
+  return tasks::load_annotations(annotations_file(task, split), std::string(split), task);
+}
+
+tasks::EpisodeSet Dataset::episodes(tasks::Task task, std::string_view split,
+                                    tasks::Instructions instructions) const {
+  const bool seen = task == tasks::Task::kReverie;
+  return tasks::make_episodes(annotations(task, split), graphs(), instructions,
+                              seen ? &objects() : nullptr);
+}
+
+const tasks::ObjectBoxes& Dataset::objects() const {
+  return opened_->objects.get([this] {
+    return tasks::ObjectBoxes::load(
+        opened_->files().first_of("boxes of objects", tasks::object_places()));
+  });
+}
+
+fs::path Dataset::annotations_file(tasks::Task task, std::string_view split) const {
+  if (split.empty()) throw ArgumentError("annotations of a split without a name");
+  return opened_->files().first_of(
+      fmt::format("{} annotations of split {:?}", tasks::title_of(task), split),
+      tasks::annotation_places(task, split));
 }
 
 fs::path Dataset::connectivity_folder() const {

@@ -13,6 +13,7 @@
 #include "enfilade/scan/panorama_set.h"
 #include "enfilade/scan/regions.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::dataset {
 
@@ -89,9 +90,20 @@ class Dataset {
   tasks::EpisodeSet episodes(std::string_view split,
                              tasks::Instructions instructions = tasks::Instructions::kScored) const;
 
+  /// Of any benchmark: the same as of R2R, from the places of tasks::annotation_places(). REVERIE's
+  /// episodes need the boxes of objects, objects().
+  /// \throws as annotations(), episodes() and objects()
+  tasks::Annotations annotations(tasks::Task task, std::string_view split) const;
+  tasks::EpisodeSet episodes(tasks::Task task, std::string_view split,
+                             tasks::Instructions instructions = tasks::Instructions::kScored) const;
+  /// Which objects are seen from where: REVERIE's boxes.
+  /// \throws FileError naming every place that was tried; InvalidInput
+  const tasks::ObjectBoxes& objects() const;
+
   // Where the files are (scan::DataRoot). Each throws FileError naming every place that was tried.
   std::filesystem::path connectivity_folder() const;                     ///< with scans.txt
   std::filesystem::path annotations_file(std::string_view split) const;  ///< `R2R_<split>.json`
+  std::filesystem::path annotations_file(tasks::Task task, std::string_view split) const;
   std::filesystem::path regions_file() const;  ///< region_to_panorama.json
   /// Where panoramas are looked for; never throws.
   scan::PanoramaPlaces panorama_places() const;

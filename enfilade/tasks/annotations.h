@@ -15,10 +15,12 @@
 #include "enfilade/geometry/angle.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/tasks/goal.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::tasks {
 
-/// Instructions of a path that are scored; a few paths have a fourth one, which is trained on only.
+/// Instructions of a path of R2R that are scored; a few paths have a fourth one, which is trained
+/// on only. Other benchmarks score all.
 inline constexpr std::size_t kScoredInstructions = 3;
 
 /// A word of an instruction that was spoken, and when (RxR).
@@ -126,7 +128,7 @@ struct Episode {
 
 /// Which instructions of a path become episodes.
 enum class Instructions {
-  kScored,  ///< the first kScoredInstructions
+  kScored,  ///< of R2R the first kScoredInstructions, else all
   kAll,     ///< fourth ones too, for training
 };
 
@@ -146,16 +148,20 @@ struct EpisodeSet {
 /// Metres along the edges of a path. \pre graph is the path's, and look_up_paths() gave the path
 double length_of(const ReferencePath& path, const graph::NavGraph& graph);
 
-/// Looks up scans and viewpoints, in the order of the file.
-/// \throws InvalidInput listing every unknown scan, unknown or excluded viewpoint, and step between
-/// viewpoints that are not adjacent, with JSON paths; errors of graph files
+/// Looks up scans and viewpoints, of goals too, in the order of the file. Those of R2R, R2R-Last,
+/// R2R-Back, R4R and RxR have to be adjacent; other benchmarks have steps between any two
+/// viewpoints. \throws InvalidInput listing every unknown scan, unknown or excluded viewpoint, and
+/// step between viewpoints that are not adjacent, with JSON paths; errors of graph files
 std::vector<ReferencePath> look_up_paths(const Annotations& annotations,
-                                         const graph::GraphSet& graphs);
+                                         const graph::GraphSet& graphs,
+                                         const ObjectBoxes* objects = nullptr);
 
 /// look_up_paths() and the instructions to follow.
+/// \param objects  who sees the objects of REVERIE's goals; without them none is seen from anywhere
 /// \throws as look_up_paths(); InvalidInput also for each path without an instruction
 EpisodeSet make_episodes(const Annotations& annotations,
                          std::shared_ptr<const graph::GraphSet> graphs,
-                         Instructions instructions = Instructions::kScored);
+                         Instructions instructions = Instructions::kScored,
+                         const ObjectBoxes* objects = nullptr);
 
 }  // namespace enfilade::tasks

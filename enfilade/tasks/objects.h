@@ -37,13 +37,20 @@ class ObjectBoxes {
   ObjectBoxes() = default;
 
   /// One file of all viewpoints. Both forms in use: `{"<scan>_<viewpoint>": {"<viewpoint>":
-  /// {"<object>": {...}}}}`, and DUET's and HAMT's `BBoxes.json`, one level less.
-  /// \throws InvalidInput listing its faults with JSON paths
+  /// {"<object>": {...}}}}`, and DUET's and HAMT's `BBoxes.json`, one level less. The viewpoint's
+  /// id begins after the last underscore. Fields of objects other than `name`, `visible_pos` and
+  /// `bbox2d` are read over.
+  /// \throws InvalidInput listing its faults with JSON paths: not JSON, missing, repeated or
+  /// wrongly typed fields, other keys than those, a view beyond 35 or given twice, a box without
+  /// four numbers or of negative size, other numbers of boxes than of views
   static ObjectBoxes parse(std::string_view json, const std::string& file);
-  /// A packed or plain file of that kind, or a folder of `<scan>_<viewpoint>.json`, REVERIE's form.
-  /// \throws FileError; InvalidInput as above, of all files in one list
+  /// A packed or plain file of that kind, or a folder of `<scan>_<viewpoint>.json`, REVERIE's form,
+  /// packed (`.json.gz`) or plain. Other names in the folder are read over.
+  /// \throws FileError, also for a folder without such files; InvalidInput as above, of all files
+  /// in one list, in the order of their names
   static ObjectBoxes load(const std::filesystem::path& file_or_folder);
-  /// From what was made elsewhere. `objects[i]` belongs to viewpoints[i].
+  /// From what was made elsewhere: the objects around one viewpoint.
+  /// \throws ArgumentError for a viewpoint that is there already, and for what parse() refuses
   void add(const std::string& scan, const std::string& viewpoint,
            std::vector<ViewedObject> objects);
 
@@ -56,7 +63,8 @@ class ObjectBoxes {
   bool empty() const noexcept { return objects_.empty(); }
   Counts count() const;
 
-  /// As one file, REVERIE's form (`nested`) or DUET's. A reader gets equal boxes back.
+  /// As one file, REVERIE's form (`nested`) or DUET's, a viewpoint a line. parse() gets equal boxes
+  /// back. \throws ArgumentError for text that is not UTF-8
   std::string to_json(bool nested) const;
 
  private:

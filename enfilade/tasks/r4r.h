@@ -1,11 +1,10 @@
 /// \file  Longer episodes, joined from R2R's: R4R, R6R, R8R (Jain et al. 2019; Zhu et al. 2020).
 #pragma once
 #include <cstddef>
-#include <functional>
+#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "enfilade/geometry/vec.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/tasks/annotations.h"
 
@@ -32,7 +31,9 @@ struct JoinedPath {
 /// What came of it.
 struct Joined {
   std::vector<JoinedPath> paths;
-  std::size_t pairs = 0;  ///< ordered sequences that were looked at
+  /// Ordered sequences of JoinOptions::paths that were looked at: what the paths before the last
+  /// give, with every path.
+  std::size_t pairs = 0;
 };
 
 /// Joins the paths of a split by the rule of the published generator
@@ -44,14 +45,15 @@ struct Joined {
 /// instruction is x + y for each x of the first and y of the second, without a blank; the heading
 /// is the first's; path_ids are running numbers. For three and more it goes on in the same way: the
 /// pairs so far, each with every path. \throws InvalidInput as look_up_paths(); ArgumentError for a
-/// path with a hidden goal or without `distance`, fewer than 2 paths, or a gap that is negative or
-/// not finite
+/// path with a hidden goal or without `distance`, a joined one that would end out of reach from its
+/// start, fewer than 2 paths, or a gap that is negative or not finite
 Joined join_paths(const Annotations& annotations, const graph::GraphSet& graphs,
                   const JoinOptions& options = {});
 
 /// As the generator writes them, an entry a line: distance, first_path_id, second_path_id, heading,
 /// instructions, path, path_id, scan, shortest_path, shortest_path_distance; of three and more,
-/// `path_ids` instead of the two ids.
+/// `path_ids` instead of the two ids. formats::parse_r2r_family() reads it.
+/// \throws ArgumentError for what JSON cannot say: an infinite number, text that is not UTF-8
 std::string to_json(const Joined& joined);
 
 }  // namespace enfilade::tasks

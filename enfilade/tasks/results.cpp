@@ -29,8 +29,32 @@ constexpr std::size_t kMostEntryBytes = std::size_t{1} << 20U;
 constexpr const char* kEntryForms =
     "a viewpoint id, [viewpoint], [viewpoint, heading, elevation], or a list of those";
 
-enum FieldIndex : std::size_t { kInstructionId, kTrajectory, kFields };
-constexpr std::array<json::Field, kFields> kWanted{{{"instr_id"}, {"trajectory"}}};
+enum FieldIndex : std::size_t {
+  kInstrId,
+  kTrajectory,
+  kInstIdx,        // CVDN
+  kInstructionId,  // RxR
+  kPath,           // RxR, beside it
+  kMidstop,        // R2R-Back
+  kObject,         // REVERIE, as its own scorer and HAMT name it
+  kDuetObject,     // and DUET
+  kFields
+};
+using Fields = std::array<json::Field, kFields>;
+using Found = std::array<std::optional<Element>, kFields>;
+
+Fields fields_of(Task task) {
+  // Of these, other fields may stand in for both.
+  const bool own_id = task == Task::kCvdn || task == Task::kRxr;
+  return {{{"instr_id", !own_id},
+           {"trajectory", task != Task::kRxr},
+           {"inst_idx", false},
+           {"instruction_id", false},
+           {"path", false},
+           {"midstop", task == Task::kR2rBack},
+           {"predObjId", false},
+           {"pred_objid", false}}};
+}
 
 std::string shown(std::string_view text) {
   return fmt::format("{:?}{}", text.substr(0, kShownBytes), text.size() > kShownBytes ? "..." : "");
@@ -70,10 +94,23 @@ class TrajectoryReader {
     const std::size_t errors = faults_.errors();
     const auto entries = json::array(element, path, faults_);
     if (!entries) return;
+    entries_ = entries->size();
     read_list(*entries, path, 0);
     if (!started_ && faults_.errors() == errors) {
       faults_.error(path, "empty-trajectory", "no viewpoint; the start at least is expected");
     }
+  }
+
+  // An entry is an action, whatever it passes. No value if it passes one viewpoint each.
+  std::optional<std::size_t> actions() const {
+    if (entries_ == 0 || entries_ == points_.size()) return std::nullopt;
+    return entries_ - 1;
+  }
+
+  // A viewpoint that an agent names.
+  std::optional<ViewpointIndex> named(Element element, const Path& path) {
+    const auto id = json::string(element, path, faults_);
+    return id && graph_ != nullptr ? find(*id, path) : std::nullopt;
   }
 
  private:
@@ -178,6 +215,7 @@ class TrajectoryReader {
   const graph::NavGraph* graph_ = nullptr;
   std::optional<ViewpointIndex> last_;
   bool started_ = false;
+  std::size_t entries_ = 0;
   std::vector<TrajectoryPoint>& points_;
 };
 
@@ -185,11 +223,16 @@ class TrajectoryReader {
 class Reader {
  public:
   Reader(const EpisodeSet& episodes, const std::string& file)
-      : episodes_(episodes), faults_(file), places_(episodes.episodes.size()) {
+      : episodes_(episodes),
+        wanted_(fields_of(episodes.task)),
+        faults_(file),
+        places_(episodes.episodes.size()) {
     by_id_.reserve(places_.size());
     results_.trajectories.resize(places_.size());
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      by_id_.emplace(episodes.episodes[i].instruction_id, i);
+      const std::string_view id = episodes.episodes[i].instruction_id;
+      by_id_.emplace(id, i);
+      if (episodes.task == Task::kRxr) by_number_.emplace(id.substr(id.rfind('_') + 1), i);
       results_.trajectories[i].episode = i;
     }
   }
@@ -224,14 +267,14 @@ class Reader {
   }
 
   void read_entry(Element element, std::size_t place, const Path& path) {
-    std::array<std::optional<Element>, kFields> found;
-    json::fields(element, kWanted, found, path,
-                 faults_);  // what it lacks is reported; read the rest
+    Found found;
+    json::fields(element, wanted_, found, path, faults_);  // what it lacks is reported; go on
+    const auto [id_element, id_field] = id_of(found);
     std::optional<std::size_t> episode;
     bool keep = false;
-    if (found[kInstructionId]) {
-      const Path id_path(path, "instr_id");
-      const auto id = json::string(*found[kInstructionId], id_path, faults_);
+    if (id_element) {
+      const Path id_path(path, id_field);
+      const auto id = read_id(*id_element, id_field, id_path);
       if (id && is_unscored(*id)) {
         faults_.add(Severity::kWarning, id_path, "unscored-instruction",
                     fmt::format("{} is not scored (the first {} instructions of a path are); left "
@@ -239,28 +282,115 @@ class Reader {
                                 shown(*id), kScoredInstructions));
         return;
       }
-      if (id) episode = identify(*id, id_path);
+      if (id) episode = identify(*id, id_field, id_path);
       keep = episode && claim(*episode, place, id_path);
+    } else if (wanted_[kInstrId].required == false && element.is_object()) {
+      faults_.error(path, "missing-field", fmt::format("neither instr_id nor {}", own_id_field()));
     }
-    if (!found[kTrajectory]) return;
-    TrajectoryReader(episodes_, episode, faults_, points_)
-        .read(*found[kTrajectory], Path(path, "trajectory"));
+    Trajectory read;
+    read_trajectory(found, episode, path, read);
     // A copy, because a vector that grew has room for twice as many.
-    if (keep) results_.trajectories[*episode].points.assign(points_.begin(), points_.end());
+    if (!keep) return;
+    read.episode = *episode;
+    read.points.assign(points_.begin(), points_.end());
+    results_.trajectories[*episode] = std::move(read);
+  }
+
+  const char* own_id_field() const {
+    return episodes_.task == Task::kCvdn ? "inst_idx" : "instruction_id";
+  }
+
+  std::pair<std::optional<Element>, std::string_view> id_of(const Found& found) const {
+    if (found[kInstrId]) return {found[kInstrId], "instr_id"};
+    if (episodes_.task == Task::kCvdn) return {found[kInstIdx], "inst_idx"};
+    if (episodes_.task == Task::kRxr) return {found[kInstructionId], "instruction_id"};
+    return {std::nullopt, "instr_id"};
+  }
+
+  // An instr_id is a text; CVDN's and RxR's own ids are numbers.
+  std::optional<std::string> read_id(Element element, std::string_view field, const Path& path) {
+    if (field == "instr_id") {
+      const auto id = json::string(element, path, faults_);
+      return id ? std::optional<std::string>(*id) : std::nullopt;
+    }
+    const auto id = json::integer(element, path, faults_);
+    return id ? std::optional(std::to_string(*id)) : std::nullopt;
+  }
+
+  void read_trajectory(const Found& found, std::optional<std::size_t> episode, const Path& path,
+                       Trajectory& read) {
+    TrajectoryReader reader(episodes_, episode, faults_, points_);
+    if (found[kTrajectory] && episodes_.task == Task::kSoon) {
+      read_pointed(*found[kTrajectory], Path(path, "trajectory"), reader, read);
+    } else if (found[kTrajectory]) {
+      reader.read(*found[kTrajectory], Path(path, "trajectory"));
+    } else if (found[kPath]) {
+      reader.read(*found[kPath], Path(path, "path"));
+    } else if (episodes_.task == Task::kRxr) {
+      faults_.error(path, "missing-field", "neither trajectory nor path");
+    }
+    read.actions = reader.actions();
+    if (episodes_.task == Task::kR2rBack && found[kMidstop] && !found[kMidstop]->is_null()) {
+      read.turning_point = reader.named(*found[kMidstop], Path(path, "midstop"));
+    }
+    if (episodes_.task == Task::kReverie) read.object = read_object(found, path);
+  }
+
+  // REVERIE's scorers compare ids as texts: 66 and "66" are the same object. Null names none.
+  std::string read_object(const Found& found, const Path& path) {
+    if (!found[kObject] && !found[kDuetObject]) {
+      faults_.error(path, "missing-field",
+                    "neither predObjId nor pred_objid; null says that no object was named");
+      return {};
+    }
+    const Element element = found[kObject] ? *found[kObject] : *found[kDuetObject];
+    const Path place(path, found[kObject] ? "predObjId" : "pred_objid");
+    if (element.is_null()) return {};
+    if (element.is_string()) return std::string(json::string(element, place, faults_).value_or(""));
+    const auto id = json::integer(element, place, faults_);
+    return id ? std::to_string(*id) : std::string();
+  }
+
+  // SOON: {"path": [...], "obj_heading": [h], "obj_elevation": [e]}.
+  void read_pointed(Element element, const Path& path, TrajectoryReader& reader, Trajectory& read) {
+    constexpr std::array<json::Field, 3> kWanted{{{"path"}, {"obj_heading"}, {"obj_elevation"}}};
+    std::array<std::optional<Element>, 3> found;
+    json::fields(element, kWanted, found, path, faults_);
+    if (found[0]) reader.read(*found[0], Path(path, "path"));
+    if (!found[1] || !found[2]) return;
+    const auto heading = read_one(*found[1], Path(path, "obj_heading"));
+    const auto elevation = read_one(*found[2], Path(path, "obj_elevation"));
+    if (heading && elevation) read.point = SpherePoint{*heading, *elevation};
+  }
+
+  // [x], or null: the agent points nowhere.
+  std::optional<double> read_one(Element element, const Path& path) {
+    if (element.is_null()) return std::nullopt;
+    const auto list = json::array(element, path, faults_);
+    if (!list) return std::nullopt;
+    if (list->size() != 1) {
+      faults_.error(path, "bad-point",
+                    fmt::format("{}; a list of one number is expected", json::describe(element)));
+      return std::nullopt;
+    }
+    return json::number(list->at(0).value_unsafe(), Path(path, std::size_t{0}), faults_);
   }
 
   // "7_3" where "7_2" is scored: a fourth instruction, which data sets have for some paths and
   // nobody scores.
   bool is_unscored(std::string_view id) const {
+    if (episodes_.task != Task::kR2r) return false;
     const std::string fourth = fmt::format("_{}", kScoredInstructions);
     if (!id.ends_with(fourth)) return false;
     id.remove_suffix(fourth.size());
     return by_id_.contains(fmt::format("{}_{}", id, kScoredInstructions - 1));
   }
 
-  std::optional<std::size_t> identify(std::string_view id, const Path& path) {
-    const auto episode = by_id_.find(id);
-    if (episode != by_id_.end()) return episode->second;
+  std::optional<std::size_t> identify(std::string_view id, std::string_view field,
+                                      const Path& path) {
+    const auto& known = field == "instruction_id" ? by_number_ : by_id_;
+    const auto episode = known.find(id);
+    if (episode != known.end()) return episode->second;
     faults_.error(path, "unknown-instr-id",
                   fmt::format("{} is not one of the {} of split {}", shown(id), places_.size(),
                               episodes_.split));
@@ -301,8 +431,11 @@ class Reader {
   }
 
   const EpisodeSet& episodes_;
+  Fields wanted_;
   Faults faults_;
   std::unordered_map<std::string_view, std::size_t> by_id_;  // indices of episodes
+  // RxR's instruction_id, which ends its instr_id.
+  std::unordered_map<std::string_view, std::size_t> by_number_;
   std::vector<std::optional<std::size_t>> places_;  // of the entries in the file, by episode
   std::vector<TrajectoryPoint> points_;             // of the entry that is being read
   Results results_;

@@ -1,6 +1,7 @@
 /// \file  Results files: what agents hand in.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,10 +20,24 @@ struct TrajectoryPoint {
   Radians elevation;  ///< likewise
 };
 
+/// A point on a viewpoint's sphere, as SOON's results have it.
+struct SpherePoint {
+  double heading = 0;    ///< heading / 2 pi, [0, 1)
+  double elevation = 0;  ///< (elevation + pi) / 2 pi
+  friend bool operator==(const SpherePoint&, const SpherePoint&) = default;
+};
+
 /// What an agent did in one episode: the start, then one entry per action.
 struct Trajectory {
   std::size_t episode = 0;  ///< index into EpisodeSet::episodes
   std::vector<TrajectoryPoint> points;
+  /// Where one action may pass several viewpoints, or none (DUET's sub-paths): how many there were.
+  /// No value: an entry an action.
+  std::optional<std::size_t> actions = {};
+  // What some benchmarks ask for beside the path.
+  std::optional<ViewpointIndex> turning_point = {};  ///< R2R-Back: where it turned, as it says
+  std::string object = {};                           ///< REVERIE: the object's id; empty: none
+  std::optional<SpherePoint> point = {};             ///< SOON: where the object is
 };
 
 /// A results file, checked against its split.

@@ -157,8 +157,10 @@ Score compute_score(const std::vector<Trajectory>& trajectories, const EpisodeSe
 }
 
 bool goals_hidden(const EpisodeSet& episodes) noexcept {
-  return std::ranges::any_of(episodes.paths,
-                             [](const ReferencePath& path) { return path.viewpoints.size() < 2; });
+  return std::ranges::any_of(episodes.paths, [](const ReferencePath& path) {
+    return std::holds_alternative<HiddenGoal>(path.goal) ||
+           (std::holds_alternative<NearEnd>(path.goal) && path.viewpoints.size() < 2);
+  });
 }
 
 const MeanInterval& Score::mean(std::string_view metric) const {

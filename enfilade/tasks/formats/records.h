@@ -46,7 +46,9 @@ template <class Read>
 void for_each_record(std::string_view text, json::Faults& faults, const Read& read) {
   json::Records records(text, faults.file(), kMostRecordBytes);
   const json::Path root;
+  bool any = false;
   while (records.next()) {
+    any = true;
     const json::Path path(root, records.index());
     if (faults.full()) {
       faults.stop(path);
@@ -59,6 +61,9 @@ void for_each_record(std::string_view text, json::Faults& faults, const Read& re
                    std::to_string(records.bytes()) + " bytes; " + std::to_string(kMostRecordBytes) +
                        " are allowed");
     }
+  }
+  if (!any && records.is_lines()) {
+    faults.error(root, "not-json", "the file is empty; a list, or lines of JSON, are expected");
   }
 }
 
