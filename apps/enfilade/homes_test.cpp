@@ -16,6 +16,7 @@
 #include "enfilade/scan/matterport_images.h"
 #include "enfilade/scan/store.h"
 #include "enfilade/scan/undistorted_cameras.h"
+#include "tests/support/emulated.h"
 #include "tests/support/folder_content.h"
 #include "tests/support/process.h"
 #include "tests/support/temporary_folder.h"
@@ -90,6 +91,7 @@ void leave_halves(const fs::path& folder, const Reference& reference,
 
 // Both kinds of kills need what an uninterrupted run makes; so they are one test.
 TEST(KilledHomes, GoOnWherePicturesWereAndGetTheSameBytes) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
   const Reference reference = run_whole(pictures_in);
   ASSERT_THAT(reference.content, testing::Contains(testing::Key("store/home_0002.enfilade")));
   const TemporaryFolder steps("homes"), times("homes");
@@ -180,6 +182,7 @@ TEST(DrawnHomes, LookTheSameByAListOfAnEarlierVersion) {
 }
 
 TEST(HomeParts, AreReadByOurReaders) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
   const TemporaryFolder folder("homes");
   Process run({EN_PROGRAM, "homes", "-o", folder.path().string(), "--preset", "small", "--homes",
                "1", "--size", "8", "--image-width", "20", "--parts", "all", "--paths", "0"});

@@ -21,6 +21,7 @@
 #include "enfilade/scan/regions.h"
 #include "enfilade/scan/store.h"
 #include "enfilade/tasks/annotations.h"
+#include "tests/support/emulated.h"
 #include "tests/support/folder_content.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
@@ -54,6 +55,7 @@ graph::NavGraph graph_of(const fs::path& folder, const std::string& scan) {
 }
 
 TEST(HomeSet, HasPicturesAtEveryViewpointAndTheSameBytesAgain) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
   const TemporaryFolder a("homes_a"), b("homes_b");
   const auto homes = write_homes(a.path(), tiny(1, 8)).homes;
   ASSERT_EQ(homes.size(), 1U);

@@ -8,6 +8,7 @@
 
 #include "enfilade/homes/home_set.h"
 #include "tests/service/program.h"
+#include "tests/support/emulated.h"
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
@@ -125,6 +126,7 @@ TEST_F(FirstVisit, APortThatIsTakenIsToldBeforeHomesAreMade) {
 }
 
 TEST_F(FirstVisit, TwoHomesAreMadeAlsoAfterAKill) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "pictures of 512 texels take too long with a sanitizer";
 #endif
