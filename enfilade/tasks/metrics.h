@@ -1,4 +1,4 @@
-/// \file  How well a trajectory follows its reference. Docs with equations: docs/r2r.md.
+/// \file  How well a trajectory follows its reference. Docs with equations: docs/tasks.md.
 #pragma once
 #include <span>
 

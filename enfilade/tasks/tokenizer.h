@@ -13,7 +13,7 @@ namespace enfilade::tasks {
 /// Splits on runs of characters that are not letters, digits or _, keeps the pieces, strips and
 /// lower-cases them; a piece of ASCII punctuation only becomes one token a character, but for a run
 /// of full stops, which stays one. Bytes above 127 count as letters and are left as they are.
-/// reference: the rules of the released R2R code, stated in docs/r2r.md.
+/// reference: the rules of the released R2R code, stated in docs/tasks.md.
 std::vector<std::string> tokenize(std::string_view text);
 
 /// Words and their ids. Immutable: any thread.

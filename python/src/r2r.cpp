@@ -150,7 +150,7 @@ void bind_r2r(nb::module_& m) {
                 "reference: typing.Sequence[str], success_distance: float = 3.0) -> dict[str, "
                 "float]"),
         "All metrics of one trajectory against one reference path, both lists of viewpoint ids: "
-        "nav_error, success, spl, ndtw, cls, ... (docs/r2r.md has the equations). Raises "
+        "nav_error, success, spl, ndtw, cls, ... (docs/tasks.md has the equations). Raises "
         "UnknownNameError, and ArgumentError for a path without viewpoints.");
   bind_tokens(m);
 }
