@@ -80,12 +80,7 @@ TimedWord read_word(Element element, const Path& path, Faults& faults) {
   if (!json::fields(element, kOfWord, found, path, faults)) return word;
   word.word = json::string(*found[kWord], Path(path, "word"), faults).value_or("");
   if (found[kStart]) word.start = json::number(*found[kStart], Path(path, "start_time"), faults);
-  const Path end(path, "end_time");
-  if (found[kEnd]) word.end = json::number(*found[kEnd], end, faults);
-  if (word.start && word.end && *word.end < *word.start) {
-    faults.error(end, "bad-time",
-                 fmt::format("{} s is before the word's start at {} s", *word.end, *word.start));
-  }
+  if (found[kEnd]) word.end = json::number(*found[kEnd], Path(path, "end_time"), faults);
   return word;
 }
 

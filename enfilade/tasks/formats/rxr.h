@@ -16,8 +16,7 @@ namespace enfilade::tasks::formats {
 /// of one `path_id` are a group. `split`, `annotator_id` and `edit_distance` are read over.
 /// \throws InvalidInput listing its faults with JSON paths (the index counts records from 0):
 /// missing or wrongly typed fields, a negative id, an empty path, more than the start where there
-/// is no path_id, an unknown language, an instruction_id that another line has, a word that ends
-/// before it starts
+/// is no path_id, an unknown language, an instruction_id that another line has
 Annotations parse_rxr_guide(std::string_view lines, const std::string& file, std::string split);
 
 /// Reads follower annotations, a walk a line.
