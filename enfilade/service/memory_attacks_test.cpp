@@ -441,8 +441,8 @@ TEST(MemoryAttacks, TwoHundredFilesOfFaultsTakeLittleAndOthersAreServed) {
   const std::string list = list_of("{}", 30 * kMega);
   const std::string gzip = "Content-Encoding: gzip\r\n";
   const std::vector<Attack> attacks{{"", list},
-                                    {gzip, gzip(list, 9)},
-                                    {gzip, gzip(uneven_list(30 * kMega), 9)},
+                                    {gzip, enfilade::gzip(list, 9)},
+                                    {gzip, enfilade::gzip(uneven_list(30 * kMega), 9)},
                                     {"", std::string(30 * kMega, '[')},
                                     {"", R"({"a": )" + list + "}"},
                                     {"", "[" + list_of("[]", 30 * kMega) + "]"},
