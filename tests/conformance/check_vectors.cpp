@@ -8,6 +8,7 @@
 #include "apps/common/program.h"
 #include "tests/conformance/benchmarks.h"
 #include "tests/conformance/data_beside.h"
+#include "tests/conformance/doubtful.h"
 #include "tests/conformance/vectors.h"
 
 namespace enfilade::tests {
@@ -19,6 +20,7 @@ struct Options {
   std::vector<std::string> files;
   std::string data;
   VectorTolerances tolerances;
+  bool doubtful = false;
 };
 
 VectorReport check_file(const std::string& file, const Options& options) {
@@ -31,7 +33,20 @@ VectorReport check_file(const std::string& file, const Options& options) {
   return check_benchmark(file, data.folder(), data.graphs(), options.tolerances);
 }
 
+// As a table of Markdown.
+void print_doubtful(const std::string& file, const Options& options) {
+  const auto data = open_data_beside(options.data, std::filesystem::absolute(file).parent_path());
+  fmt::print("\n{}\n\n| input | scorer | it gives | ours |\n|---|---|---|---|\n", file);
+  for (const DoubtfulInput& row : doubtful_inputs(file, data.folder(), data.graphs())) {
+    fmt::print("| {} | `{}` | {} | {} |\n", row.input, row.scorer, row.theirs, row.ours);
+  }
+}
+
 ExitCode check(const Options& options) {
+  if (options.doubtful) {
+    for (const std::string& file : options.files) print_doubtful(file, options);
+    return kSuccess;
+  }
   VectorReport total;
   for (const std::string& file : options.files) {
     const VectorReport report = check_file(file, options);
@@ -65,6 +80,8 @@ int main(int argc, char** argv) {
                  "Data set: a folder with connectivity/ (default: ENFILADE_DATA, else ../data "
                  "beside the file's folder)")
       ->type_name("DIR");
+  app.add_flag("--doubtful", options.doubtful,
+               "Of recorded scores of a benchmark: print what ours does with doubtful inputs");
   app.add_option("--tolerance-metrics", options.tolerances.metrics,
                  "Largest difference of a metric")
       ->capture_default_str()
