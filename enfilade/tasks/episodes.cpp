@@ -82,7 +82,7 @@ class LookUp {
     return TurningPoint{turn.value_or(ViewpointIndex())};
   }
   // Viewpoints that the graph leaves out see objects, too; nobody can stand there.
-  Goal find(const NamedObject& goal, const Path& /*path*/, const ObjectBoxes* objects) {
+  Goal find(const NamedObject& goal, const Path& path, const ObjectBoxes* objects) {
     SeenObject seen{goal.id, {}};
     if (objects == nullptr) return seen;
     for (const std::string& id : objects->seen_from(entry_.scan, goal.id)) {
@@ -90,6 +90,10 @@ class LookUp {
       if (found && graph_.included(*found)) seen.seen_from.push_back(*found);
     }
     std::ranges::sort(seen.seen_from);
+    if (seen.seen_from.empty()) {
+      faults_.error(Path(path, "objId"), "unseen-object",
+                    fmt::format("no viewpoint of scan {} sees object {}", entry_.scan, goal.id));
+    }
     return seen;
   }
   Goal find(const NamedRegion& goal, const Path& path, const ObjectBoxes* /*objects*/) {

@@ -94,6 +94,18 @@ TEST(Episodes, AnObjectIsSeenFromWhereOneCanStandAndItHasAView) {
   EXPECT_FALSE(goals_hidden(set));
 }
 
+TEST(Episodes, AnObjectThatNobodySeesIsAFault) {
+  const ObjectBoxes boxes = objects();
+  const auto look_up = [&boxes](std::int64_t id, const ObjectBoxes* known) {
+    return make_episodes(of(Task::kReverie, entry({"v0", "v1"}, NamedObject{id})), graphs(),
+                         Instructions::kScored, known);
+  };
+  EXPECT_THAT([&] { look_up(99999, &boxes); },
+              ThrowsMessage<InvalidInput>(HasSubstr("$[0].objId: no viewpoint of scan square")));
+  EXPECT_THAT(std::get<SeenObject>(look_up(99999, nullptr).paths[0].goal).seen_from, IsEmpty())
+      << "without boxes nothing is known";
+}
+
 TEST(Episodes, GoalsAreLookedUpAndFaultsHaveTheirPlaces) {
   const auto fault = [](Task task, const PathAnnotation& path) {
     return [task, path] { make_episodes(of(task, path), graphs()); };
@@ -255,6 +267,16 @@ TEST(TaskFiles, AreToldApartByTheirFirstRecord) {
   EXPECT_EQ(find_task_of_results(R"([{"instr_id": "1", "trajectory": {"path": []}}])"),
             Task::kSoon);
   EXPECT_EQ(find_task_of_results(R"([{"instr_id": "1", "trajectory": []}])"), std::nullopt);
+}
+
+TEST(TaskFiles, AreWrittenInTheirOwnForm) {
+  Annotations annotations = of(Task::kR2rBack, entry({"v0", "v1"}, NamedTurningPoint{"v1"}));
+  annotations.paths[0].distance = 2.5;
+  const std::string text = to_text(annotations);
+  EXPECT_THAT(text, HasSubstr("\"midstop\""));
+  EXPECT_EQ(to_text(parse_annotations(text, "a.json", "val", Task::kR2rBack)), text);
+  EXPECT_THAT([] { to_text(of(Task::kReverie, entry({"v0"}))); },
+              ThrowsMessage<ArgumentError>(HasSubstr("REVERIE")));
 }
 
 TEST(TaskFiles, NamesAndPlaces) {

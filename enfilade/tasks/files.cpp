@@ -168,6 +168,26 @@ Annotations load_annotations(const std::filesystem::path& file, std::string spli
   return parse_annotations(read_text_file(file), file.string(), std::move(split), task);
 }
 
+std::string to_text(const Annotations& annotations) {
+  switch (annotations.task) {
+    case Task::kRxr:
+      return formats::to_rxr_guide(annotations);
+    case Task::kSoon:
+      return formats::to_soon_lines(annotations);
+    case Task::kReverie:
+    case Task::kCvdn:
+      throw ArgumentError(
+          fmt::format("annotations of {}: only their own authors' files are read, none are written",
+                      title_of(annotations.task)));
+    case Task::kR2r:
+    case Task::kR2rLast:
+    case Task::kR2rBack:
+    case Task::kR4r:
+      break;
+  }
+  return formats::to_r2r_family(annotations);
+}
+
 std::vector<std::filesystem::path> annotation_places(Task task, std::string_view split) {
   std::vector<std::filesystem::path> places;
   for (const std::string_view pattern : place_patterns(task)) {

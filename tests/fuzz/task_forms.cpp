@@ -1,5 +1,5 @@
 // Texts that our writers make of what our readers accept are read back equal. The first byte says
-// which reader and writer.
+// which benchmark, or in which form boxes of objects are written.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -7,60 +7,50 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/tasks/formats/fine_grained.h"
-#include "enfilade/tasks/formats/r2r_family.h"
-#include "enfilade/tasks/formats/rxr.h"
-#include "enfilade/tasks/formats/soon.h"
+#include "enfilade/tasks/files.h"
 #include "enfilade/tasks/objects.h"
 
 namespace {
 
 using namespace enfilade;
-namespace formats = tasks::formats;
+using tasks::Task;
 
-template <class Parse, class Write>
-void round_trip(std::string_view text, const Parse& parse, const Write& write) {
-  const auto read = parse(std::string(text));
-  const std::string written = write(read);
+void check_annotations(std::string_view text, Task task) {
+  const auto parse = [task](std::string_view of) {
+    return tasks::parse_annotations(of, "<fuzz>", "made", task);
+  };
+  const std::string written = to_text(parse(text));
   if (written.empty()) return;  // lines of nothing, which are no file
-  EN_CHECK_EQ(write(parse(written)), written);
+  EN_CHECK_EQ(to_text(parse(written)), written);
 }
 
-void check(std::uint8_t which, std::string_view text) {
-  const std::string file = "<fuzz>", split = "made";
-  switch (which) {
-    case '0':
-      return round_trip(
-          text,
-          [&](const std::string& t) {
-            return formats::parse_r2r_family(t, file, split, tasks::Task::kR2r);
-          },
-          [](const auto& a) { return formats::to_r2r_family(a); });
-    case '1':
-      return round_trip(
-          text, [&](const std::string& t) { return formats::parse_fine_grained(t, file, split); },
-          [](const auto& a) { return formats::to_r2r_family(a); });
-    case '2':
-      return round_trip(
-          text, [&](const std::string& t) { return formats::parse_rxr_guide(t, file, split); },
-          [](const auto& a) { return formats::to_rxr_guide(a); });
-    case '3':
-      return round_trip(
-          text, [&](const std::string& t) { return formats::parse_soon_lines(t, file, split); },
-          [](const auto& a) { return formats::to_soon_lines(a); });
-    default:
-      return round_trip(
-          text, [&](const std::string& t) { return tasks::ObjectBoxes::parse(t, file); },
-          [&](const auto& boxes) { return boxes.to_json(which == '4'); });
-  }
+void check_boxes(std::string_view text, bool nested) {
+  const std::string written = tasks::ObjectBoxes::parse(text, "<fuzz>").to_json(nested);
+  EN_CHECK_EQ(tasks::ObjectBoxes::parse(written, "<fuzz>").to_json(nested), written);
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
+  const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
   try {
-    check(data[0], std::string_view(reinterpret_cast<const char*>(data + 1), size - 1));
+    switch (data[0]) {
+      case '0':
+        check_annotations(text, Task::kR2r);
+        break;
+      case '1':
+        check_annotations(text, Task::kR2rBack);
+        break;
+      case '2':
+        check_annotations(text, Task::kRxr);
+        break;
+      case '3':
+        check_annotations(text, Task::kSoon);
+        break;
+      default:
+        check_boxes(text, data[0] == '4');
+    }
   } catch (const enfilade::Error&) {
   }
   return 0;

@@ -28,7 +28,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"nlohmann/", {"enfilade/", "apps/", "bench/", "tests/"}},
       {"tbb/", {"enfilade/core/"}},
       {"nanoflann.hpp", {"enfilade/"}},
-      {"zlib.h", {"enfilade/service/detail/", "apps/", "tests/"}},
+      {"zlib.h", {"enfilade/core/gzip", "apps/", "tests/"}},
       {"httplib.h", {"enfilade/service/client.cpp", "enfilade/service/http/", "tests/"}},
       {"SQLiteCpp/", {"enfilade/service/store/", "tests/"}},
       {"openssl/", {"enfilade/service/detail/"}},
