@@ -26,6 +26,7 @@ std::string read_text_file(const std::filesystem::path& path, std::size_t most =
 /// Unpacks gzip as it arrives, in 100 kB of memory. Belongs to one thread.
 class Gunzip {
  public:
+  /// Gets the next bytes that came out.
   using Take = std::function<void(std::string_view)>;
 
   Gunzip();

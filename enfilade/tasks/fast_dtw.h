@@ -6,6 +6,7 @@
 
 namespace enfilade::tasks {
 
+/// x, y, z in metres.
 using Point3 = std::array<double, 3>;
 
 /// Least sum of Euclidean distances over alignments with steps (1, 0), (0, 1), (1, 1), both ends

@@ -36,9 +36,9 @@ Annotations parse_annotations(std::string_view text, const std::string& file, st
                               Task task);
 
 /// The text of a file in the benchmark's own form, which parse_annotations() reads back equal: of
-/// R2R and what has grown out of it a list, with token ids and sub-instructions where there are any; of RxR
-/// a guide's lines; of SOON DUET's lines. Empty for no paths in lines.
-/// \throws ArgumentError for REVERIE and CVDN, which have no writer; for what the form cannot say
+/// R2R and what has grown out of it a list, with token ids and sub-instructions where there are
+/// any; of RxR a guide's lines; of SOON DUET's lines. Empty for no paths in lines. \throws
+/// ArgumentError for REVERIE and CVDN, which have no writer; for what the form cannot say
 std::string to_text(const Annotations& annotations);
 
 /// Where a split's annotations may be in a folder of data, relative to it, in the order in which

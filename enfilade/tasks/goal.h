@@ -69,6 +69,7 @@ struct NamedBoxes {
   std::vector<std::string> first_alternative;
   friend bool operator==(const NamedBoxes&, const NamedBoxes&) = default;
 };
+/// Any of them.
 using NamedGoal =
     std::variant<NearEnd, HiddenGoal, NamedTurningPoint, NamedObject, NamedRegion, NamedBoxes>;
 /// @}
@@ -76,26 +77,32 @@ using NamedGoal =
 /// \name Goals looked up in a graph
 /// @{
 
+/// R2R-Back's, as NamedTurningPoint.
 struct TurningPoint {
   ViewpointIndex viewpoint;
 };
+/// REVERIE's, as NamedObject, with who sees it.
 struct SeenObject {
   std::int64_t id = 0;
   std::vector<ViewpointIndex> seen_from;  ///< ascending; empty if no viewpoint sees it
 };
+/// CVDN's, as NamedRegion.
 struct Region {
   std::vector<ViewpointIndex> viewpoints;       ///< not empty
   std::vector<ViewpointIndex> player, planner;  ///< as NamedRegion
 };
+/// One of SOON's, as NamedBox.
 struct Box {
   ViewpointIndex viewpoint;
   Direction centre;
   std::array<Direction, 4> corners;  ///< as NamedBox
 };
+/// SOON's, as NamedBoxes.
 struct Boxes {
   std::vector<Box> boxes;
   std::vector<ViewpointIndex> first_alternative;  ///< as NamedBoxes
 };
+/// Any of them.
 using Goal = std::variant<NearEnd, HiddenGoal, TurningPoint, SeenObject, Region, Boxes>;
 /// @}
 

@@ -28,6 +28,7 @@ struct ViewedObject {
 /// The objects around the viewpoints of many scans. Immutable after reading: any thread.
 class ObjectBoxes {
  public:
+  /// What is there, for checks against published counts.
   struct Counts {
     std::size_t viewpoints = 0, without_objects = 0;  ///< of those
     std::size_t objects = 0, without_views = 0;       ///< entries by viewpoint
