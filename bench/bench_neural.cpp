@@ -92,8 +92,8 @@ class MadeFeatures final : public Environment {
 };
 
 struct Data {
-  r2r::EpisodeSet episodes;
-  r2r::Vocabulary vocabulary;
+  tasks::EpisodeSet episodes;
+  tasks::Vocabulary vocabulary;
   EncodedInstructions instructions;
 };
 
@@ -103,10 +103,10 @@ const Data& data(const char* split) {
     const auto root = *scan::DataRoot::from_environment();
     const auto graphs = graph::GraphSet::open(root.connectivity());
     const auto load = [&](const char* one) {
-      return make_episodes(r2r::load_annotations(root.annotations(one), one), graphs);
+      return make_episodes(tasks::load_annotations(root.annotations(one), one), graphs);
     };
-    r2r::EpisodeSet episodes = load(name);
-    r2r::Vocabulary vocabulary = training_vocabulary(load("train"));
+    tasks::EpisodeSet episodes = load(name);
+    tasks::Vocabulary vocabulary = training_vocabulary(load("train"));
     EncodedInstructions instructions(episodes, vocabulary);
     return Data{std::move(episodes), std::move(vocabulary), std::move(instructions)};
   };

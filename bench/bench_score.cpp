@@ -10,9 +10,9 @@
 #include "bench/main.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/results.h"
-#include "enfilade/r2r/score.h"
 #include "enfilade/scan/data_root.h"
+#include "enfilade/tasks/results.h"
+#include "enfilade/tasks/score.h"
 
 namespace enfilade {
 namespace {
@@ -20,18 +20,18 @@ namespace {
 constexpr std::size_t kTrajectories = 21567;
 
 struct Work {
-  r2r::EpisodeSet episodes;
-  std::vector<r2r::Trajectory> trajectories;
+  tasks::EpisodeSet episodes;
+  std::vector<tasks::Trajectory> trajectories;
 };
 
 // The splits as one, so that one call scores all of them.
-r2r::EpisodeSet known_goals() {
+tasks::EpisodeSet known_goals() {
   const auto data = *scan::DataRoot::from_environment();
-  r2r::EpisodeSet all{"all", graph::GraphSet::open(data.connectivity()), {}, {}};
+  tasks::EpisodeSet all{"all", graph::GraphSet::open(data.connectivity()), {}, {}};
   for (const char* split : {"train", "val_seen", "val_unseen"}) {
-    r2r::EpisodeSet one =
-        make_episodes(r2r::load_annotations(data.annotations(split), split), all.graphs);
-    for (r2r::Episode& episode : one.episodes) {
+    tasks::EpisodeSet one =
+        make_episodes(tasks::load_annotations(data.annotations(split), split), all.graphs);
+    for (tasks::Episode& episode : one.episodes) {
       episode.path += all.paths.size();
       all.episodes.push_back(std::move(episode));
     }
@@ -45,7 +45,7 @@ Work make_work() {
   Work work{known_goals(), {}};
   Rng rng(1);
   for (std::size_t i = 0; i < kTrajectories; ++i) {
-    r2r::Trajectory& trajectory = work.trajectories.emplace_back();
+    tasks::Trajectory& trajectory = work.trajectories.emplace_back();
     trajectory.episode = i % work.episodes.episodes.size();
     for (const auto v :
          work.episodes.path_of(work.episodes.episodes[trajectory.episode]).viewpoints) {
@@ -70,8 +70,8 @@ void report(benchmark::State& state, const Work& work) {
 void score(benchmark::State& state) {
   static const Work kWork = make_work();
   const auto run = [&] {
-    return r2r::score_trajectories(kWork.trajectories, kWork.episodes, {},
-                                   static_cast<int>(state.range(0)));
+    return tasks::score_trajectories(kWork.trajectories, kWork.episodes, {},
+                                     static_cast<int>(state.range(0)));
   };
   benchmark::DoNotOptimize(run());
   for (auto _ : state) benchmark::DoNotOptimize(run());
@@ -87,8 +87,8 @@ void score_first(benchmark::State& state) {
     work.episodes.graphs = graph::GraphSet::open(data.connectivity());
     work.episodes.graphs->load_all();
     state.ResumeTiming();
-    benchmark::DoNotOptimize(r2r::score_trajectories(work.trajectories, work.episodes, {},
-                                                     static_cast<int>(state.range(0))));
+    benchmark::DoNotOptimize(tasks::score_trajectories(work.trajectories, work.episodes, {},
+                                                       static_cast<int>(state.range(0))));
   }
   report(state, work);
 }
@@ -100,7 +100,7 @@ void score_with_intervals(benchmark::State& state) {
     work.trajectories.resize(work.episodes.episodes.size());
     return work;
   }();
-  r2r::ScoreOptions options;
+  tasks::ScoreOptions options;
   options.threads = static_cast<int>(state.range(0));
   for (auto _ : state) {
     benchmark::DoNotOptimize(compute_score(kWork.trajectories, kWork.episodes, options));
@@ -115,7 +115,7 @@ void read_results(benchmark::State& state) {
   work.trajectories.resize(work.episodes.episodes.size());
   const std::string text = to_json(work.trajectories, work.episodes);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(r2r::parse_results(text, "<memory>", work.episodes));
+    benchmark::DoNotOptimize(tasks::parse_results(text, "<memory>", work.episodes));
   }
   state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(text.size()));
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(work.trajectories.size()));

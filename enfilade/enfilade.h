@@ -11,11 +11,11 @@
 #include "enfilade/dataset/views.h"
 #include "enfilade/geometry/angle.h"
 #include "enfilade/image/codecs.h"
-#include "enfilade/r2r/results.h"
-#include "enfilade/r2r/score.h"
 #include "enfilade/render/renderer.h"
 #include "enfilade/sim/candidates.h"
 #include "enfilade/sim/simulator.h"
+#include "enfilade/tasks/results.h"
+#include "enfilade/tasks/score.h"
 
 namespace enfilade {
 
@@ -30,11 +30,11 @@ using dataset::render_colour;
 using dataset::render_depth;
 using dataset::render_panorama;
 using image::save;
-using r2r::compute_score;
-using r2r::load_results;
 using sim::Action;
 using sim::EpisodeStart;
 using sim::Simulator;
 using sim::SimulatorConfig;
+using tasks::compute_score;
+using tasks::load_results;
 
 }  // namespace enfilade

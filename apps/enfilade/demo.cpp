@@ -17,10 +17,10 @@
 #include "enfilade/core/file.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/homes/home_set.h"
-#include "enfilade/r2r/results.h"
-#include "enfilade/r2r/score.h"
-#include "enfilade/r2r/statistics.h"
 #include "enfilade/report/results_table.h"
+#include "enfilade/tasks/results.h"
+#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/statistics.h"
 
 namespace enfilade::apps {
 namespace {
@@ -43,9 +43,9 @@ struct Measured {
   Row deviation{};  // of the seeds' means
 };
 
-Row row_of(const std::vector<r2r::EpisodeMetrics>& episodes) {
+Row row_of(const std::vector<tasks::EpisodeMetrics>& episodes) {
   Row row{};
-  for (const r2r::EpisodeMetrics& m : episodes) {
+  for (const tasks::EpisodeMetrics& m : episodes) {
     row[0] += m.trajectory_length;
     row[1] += m.nav_error;
     row[2] += 100 * m.success;
@@ -60,7 +60,7 @@ Measured measure(const std::vector<Row>& rows) {
   for (std::size_t k = 0; k < kColumns; ++k) {
     std::vector<double> values;
     for (const Row& row : rows) values.push_back(row[k]);
-    const r2r::Summary summary = r2r::summarise(std::move(values));
+    const tasks::Summary summary = tasks::summarise(std::move(values));
     measured.mean[k] = summary.mean;
     measured.deviation[k] = summary.deviation;
   }
@@ -92,9 +92,9 @@ dataset::Dataset find_data(const Options& options) {
 }
 
 void print_dataset(const dataset::Dataset& data) {
-  std::vector<r2r::Annotations> splits;
+  std::vector<tasks::Annotations> splits;
   for (const auto split : dataset::kSplits) splits.push_back(data.annotations(split));
-  const auto s = r2r::compute_statistics(splits, data.graphs());
+  const auto s = tasks::compute_statistics(splits, data.graphs());
   const bool synthetic = data.synthetic();
   struct Line {
     const char* what;
@@ -152,13 +152,13 @@ void print_agent(const std::string& agent, const std::string& split, const Measu
 }
 
 // A floor plan with the reference path and where the random agent went.
-void draw_episode(const r2r::EpisodeSet& episodes, const r2r::Trajectory& trajectory,
+void draw_episode(const tasks::EpisodeSet& episodes, const tasks::Trajectory& trajectory,
                   const fs::path& data, const fs::path& file) {
-  const r2r::Episode& episode = episodes.episodes[trajectory.episode];
+  const tasks::Episode& episode = episodes.episodes[trajectory.episode];
   draw::PlannedPath reference{draw::PlannedPath::Role::kReference,
                               episodes.path_of(episode).viewpoints, "reference path"};
   draw::PlannedPath agent{draw::PlannedPath::Role::kAgent, {}, "random agent"};
-  for (const r2r::TrajectoryPoint& point : trajectory.points) {
+  for (const tasks::TrajectoryPoint& point : trajectory.points) {
     agent.viewpoints.push_back(point.viewpoint);
   }
   const graph::NavGraph& graph = episodes.graph_of(episode);
@@ -171,7 +171,7 @@ void draw_episode(const r2r::EpisodeSet& episodes, const r2r::Trajectory& trajec
 }
 
 void run_agents(const Options& options, const dataset::Dataset& data, const std::string& split) {
-  const r2r::EpisodeSet episodes = data.episodes(split);
+  const tasks::EpisodeSet episodes = data.episodes(split);
   for (const std::string& name : {std::string("shortest"), std::string("random")}) {
     const auto agent = agents::make_agent(name);
     const std::uint64_t seeds = name == "random" ? options.seeds : 1;
@@ -179,7 +179,7 @@ void run_agents(const Options& options, const dataset::Dataset& data, const std:
     std::vector<Row> rows;
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
       const auto trajectories = agents::run_agent(*agent, episodes, {.seed = seed});
-      rows.push_back(row_of(r2r::score_trajectories(trajectories, episodes, {}, 0)));
+      rows.push_back(row_of(tasks::score_trajectories(trajectories, episodes, {}, 0)));
       if (progress) progress(seed, seeds);
       if (seed > 1) continue;
       const fs::path folder(options.output);

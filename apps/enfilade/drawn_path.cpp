@@ -7,8 +7,8 @@
 namespace enfilade::apps {
 namespace {
 
-std::size_t place_of_path(const r2r::EpisodeSet& episodes, std::int64_t id) {
-  const auto path = std::ranges::find(episodes.paths, id, &r2r::ReferencePath::path_id);
+std::size_t place_of_path(const tasks::EpisodeSet& episodes, std::int64_t id) {
+  const auto path = std::ranges::find(episodes.paths, id, &tasks::ReferencePath::path_id);
   if (path != episodes.paths.end()) {
     return static_cast<std::size_t>(path - episodes.paths.begin());
   }
@@ -16,8 +16,8 @@ std::size_t place_of_path(const r2r::EpisodeSet& episodes, std::int64_t id) {
                                 episodes.paths.size(), episodes.split));
 }
 
-std::size_t place_of_instruction(const r2r::EpisodeSet& episodes, const std::string& id) {
-  const auto episode = std::ranges::find(episodes.episodes, id, &r2r::Episode::instruction_id);
+std::size_t place_of_instruction(const tasks::EpisodeSet& episodes, const std::string& id) {
+  const auto episode = std::ranges::find(episodes.episodes, id, &tasks::Episode::instruction_id);
   if (episode != episodes.episodes.end()) {
     return static_cast<std::size_t>(episode - episodes.episodes.begin());
   }
@@ -77,7 +77,7 @@ DrawnPath find_path(const PathOptions& options, const std::string& scan,
     throw UsageError(fmt::format("SCAN {}: that path is in {}", scan, found.graph().scan()));
   }
   if (!options.results.empty()) {
-    r2r::Results results = r2r::load_results(options.results, found.episodes);
+    tasks::Results results = tasks::load_results(options.results, found.episodes);
     found.walk = std::move(results.trajectories.at(*found.episode));
   }
   return found;

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "apps/common/program.h"
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/results.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::apps {
 
@@ -25,18 +25,18 @@ void validate(const PathOptions& options, const std::string& scan);
 
 /// A path of a split, and what is known about it.
 struct DrawnPath {
-  r2r::EpisodeSet episodes;
-  std::size_t place = 0;                ///< in episodes.paths
-  std::optional<std::size_t> episode;   ///< in episodes.episodes; for --instr
-  std::optional<r2r::Trajectory> walk;  ///< for --results
+  tasks::EpisodeSet episodes;
+  std::size_t place = 0;                  ///< in episodes.paths
+  std::optional<std::size_t> episode;     ///< in episodes.episodes; for --instr
+  std::optional<tasks::Trajectory> walk;  ///< for --results
 
-  const r2r::ReferencePath& path() const { return episodes.paths[place]; }
+  const tasks::ReferencePath& path() const { return episodes.paths[place]; }
   const graph::NavGraph& graph() const { return episodes.graphs->graph(path().scan); }
   std::string title() const;  ///< "17DRP5sb8fy, path 5 of test"
   std::string text() const;   ///< the instruction; empty without --instr
 };
 /// \param scan may be empty. \throws LookupError naming the option; UsageError if the path is in
-/// another scan; as Dataset::episodes(), r2r::load_results()
+/// another scan; as Dataset::episodes(), tasks::load_results()
 DrawnPath find_path(const PathOptions& options, const std::string& scan,
                     const dataset::Dataset& data);
 

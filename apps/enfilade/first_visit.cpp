@@ -9,8 +9,8 @@
 #include "apps/common/program.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/homes/home_set.h"
-#include "enfilade/r2r/results.h"
 #include "enfilade/service/client.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::apps {
 namespace {
@@ -88,7 +88,7 @@ void submit_first_agents(const fs::path& data, const service::Site& site, const 
     const auto agent = agents::make_agent(first.name);
     service::Client client(server, token_of(database, first.team));
     for (const service::Phase& phase : site.phases()) {
-      const r2r::EpisodeSet episodes = dataset.episodes(phase.split);
+      const tasks::EpisodeSet episodes = dataset.episodes(phase.split);
       const std::string results = to_json(agents::run_agent(*agent, episodes), episodes);
       wait_until_scored(client, client.submit(phase.name, first.method, results).id);
     }

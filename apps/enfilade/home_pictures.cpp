@@ -155,12 +155,12 @@ std::map<char, Look> best_rooms(const dataset::Dataset& data, render::Renderer& 
 
 // The views along the first path of val_unseen. False if there is none.
 bool draw_walk(const dataset::Dataset& data, const fs::path& file) {
-  const r2r::EpisodeSet episodes = data.episodes("val_unseen");
+  const tasks::EpisodeSet episodes = data.episodes("val_unseen");
   if (episodes.paths.empty()) return false;
-  const r2r::ReferencePath& path = episodes.paths.front();
+  const tasks::ReferencePath& path = episodes.paths.front();
   const graph::NavGraph& graph = data.graphs()->graph(path.scan);
   std::string title = fmt::format("{} (synthetic), path {}.", graph.scan(), path.path_id);
-  for (const r2r::Episode& episode : episodes.episodes) {
+  for (const tasks::Episode& episode : episodes.episodes) {
     if (&episodes.path_of(episode) == &path) title += "  *  " + episode.text;
   }
   std::vector<draw::SheetPicture> pictures{

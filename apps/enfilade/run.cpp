@@ -8,8 +8,8 @@
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
-#include "enfilade/r2r/results.h"
-#include "enfilade/r2r/score.h"
+#include "enfilade/tasks/results.h"
+#include "enfilade/tasks/score.h"
 
 namespace enfilade::apps {
 namespace {
@@ -24,7 +24,7 @@ void run(const Options& options) {
   const bool trained = std::filesystem::is_directory(options.agent);
   std::unique_ptr<agents::Agent> agent;
   if (!trained) agent = agents::make_agent(options.agent);
-  const r2r::EpisodeSet episodes = open_data(options.data).episodes(options.split);
+  const tasks::EpisodeSet episodes = open_data(options.data).episodes(options.split);
   if (trained) agent = load_trained_agent(options.agent, options.features, episodes);
   const auto trajectories = agents::run_agent(*agent, episodes, options.run,
                                               progress_bar(options.agent + ", " + options.split));

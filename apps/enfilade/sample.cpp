@@ -8,8 +8,8 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/core/file.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/path_comparison.h"
-#include "enfilade/r2r/path_sampling.h"
+#include "enfilade/tasks/path_comparison.h"
+#include "enfilade/tasks/path_sampling.h"
 
 namespace enfilade::apps {
 namespace {
@@ -21,7 +21,7 @@ struct Options {
   bool splits = false;
   std::vector<std::size_t> shares;
   bool compare = false;
-  r2r::SamplingOptions sampling;
+  tasks::SamplingOptions sampling;
 };
 
 void check(const Options& options) {
@@ -33,9 +33,9 @@ void check(const Options& options) {
   }
 }
 
-std::vector<r2r::PathAnnotation> draw(const Options& options, const graph::GraphSet& graphs,
-                                      const scan::RegionMap& regions) {
-  auto paths = r2r::sample_paths(graphs, regions, options.sampling, progress_bar("sampling"));
+std::vector<tasks::PathAnnotation> draw(const Options& options, const graph::GraphSet& graphs,
+                                        const scan::RegionMap& regions) {
+  auto paths = tasks::sample_paths(graphs, regions, options.sampling, progress_bar("sampling"));
   if (!paths.empty()) return paths;
   std::size_t known = 0;
   for (const std::string& scan : regions.scans()) known += graphs.find(scan) ? 1 : 0;
@@ -46,14 +46,14 @@ std::vector<r2r::PathAnnotation> draw(const Options& options, const graph::Graph
       graphs.size(), known));
 }
 
-std::size_t count_buildings(const std::vector<r2r::PathAnnotation>& paths) {
+std::size_t count_buildings(const std::vector<tasks::PathAnnotation>& paths) {
   std::set<std::string> scans;
-  for (const r2r::PathAnnotation& path : paths) scans.insert(path.scan);
+  for (const tasks::PathAnnotation& path : paths) scans.insert(path.scan);
   return scans.size();
 }
 
-void write_splits(const Options& options, const std::vector<r2r::PathAnnotation>& paths) {
-  r2r::SplitOptions split_options{.seed = options.sampling.seed};
+void write_splits(const Options& options, const std::vector<tasks::PathAnnotation>& paths) {
+  tasks::SplitOptions split_options{.seed = options.sampling.seed};
   if (!options.shares.empty()) {
     split_options.train_scans = options.shares[0];
     split_options.val_unseen_scans = options.shares[1];
@@ -69,7 +69,7 @@ void write_splits(const Options& options, const std::vector<r2r::PathAnnotation>
   }
 }
 
-void write_paths(const Options& options, const r2r::Annotations& drawn) {
+void write_paths(const Options& options, const tasks::Annotations& drawn) {
   if (options.splits) {
     write_splits(options, drawn.paths);
     return;
@@ -89,24 +89,25 @@ void sample(const Options& options) {
       options.regions.empty() ? open_data(options.data).regions_file() : fs::path(options.regions);
   const auto graphs = graph::GraphSet::open(connectivity);
   const auto regions = scan::RegionMap::load(regions_file);
-  std::vector<r2r::Annotations> reference;
+  std::vector<tasks::Annotations> reference;
   if (options.compare) {  // with the splits whose goals are known
     const dataset::Dataset data = open_data(options.data);
     for (const char* split : {"train", "val_seen", "val_unseen"}) {
       reference.push_back(data.annotations(split));
     }
   }
-  const r2r::Annotations drawn{"drawn", "drawn paths", draw(options, *graphs, regions)};
+  const tasks::Annotations drawn{"drawn", "drawn paths", draw(options, *graphs, regions)};
   if (!options.output.empty()) write_paths(options, drawn);
   if (options.compare)
     fmt::print("{}", to_table(compare_paths(drawn, reference, *graphs, regions)));
 }
 
-void add_limits(CLI::App& verb, r2r::SamplingOptions& sampling) {
+void add_limits(CLI::App& verb, tasks::SamplingOptions& sampling) {
   verb.add_option_function<std::string>(
           "--pairs",
           [&sampling](const std::string& rule) {
-            sampling.pairs = rule == "rooms" ? r2r::PairRule::kRooms : r2r::PairRule::kViewpoints;
+            sampling.pairs =
+                rule == "rooms" ? tasks::PairRule::kRooms : tasks::PairRule::kViewpoints;
           },
           "Draw pairs of rooms, each once at most, as R2R does (the default), or pairs of "
           "viewpoints, of which there are many more")

@@ -5,14 +5,20 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/results.h"
-#include "enfilade/r2r/score.h"
+#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/objects.h"
+#include "enfilade/tasks/results.h"
+#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/task_score.h"
 
 namespace enfilade::apps {
 namespace {
 
 namespace fs = std::filesystem;
+
+using tasks::Task;
 
 struct Options {
   std::string results;
@@ -20,50 +26,89 @@ struct Options {
   std::string data;
   std::string annotations;
   std::string connectivity;
+  std::string objects;
+  std::string task;
+  std::string scorer;
   std::string json;
   bool per_episode = false;
   std::string spl = "shortest";
 };
 
-r2r::EpisodeSet load_episodes(const Options& options) {
+// What --task says, or what the files look like: annotations first, as they tell more.
+Task task_of(const Options& options, const std::string& results) {
+  if (!options.task.empty()) return tasks::task_named(options.task);
+  std::optional<Task> found;
+  if (!options.annotations.empty()) found = tasks::find_task(read_text_file(options.annotations));
+  if (!found || *found == Task::kR2r) {
+    if (const auto by_results = tasks::find_task_of_results(results)) found = by_results;
+  }
+  return found.value_or(Task::kR2r);
+}
+
+tasks::ObjectBoxes load_objects(const Options& options, Task task) {
+  if (task != Task::kReverie) return {};
+  if (!options.objects.empty()) return tasks::ObjectBoxes::load(options.objects);
+  return open_data(options.data).objects();
+}
+
+tasks::EpisodeSet load_episodes(const Options& options, Task task) {
   if (options.split.empty() && options.annotations.empty()) {
     throw UsageError("score: which split? Give --split NAME, or --annotations FILE");
   }
-  if (options.annotations.empty() && options.connectivity.empty()) {
-    return open_data(options.data).episodes(options.split);
-  }
-  const fs::path annotations = options.annotations.empty()
-                                   ? open_data(options.data).annotations_file(options.split)
-                                   : fs::path(options.annotations);
-  const fs::path connectivity = options.connectivity.empty()
-                                    ? open_data(options.data).connectivity_folder()
-                                    : fs::path(options.connectivity);
+  const bool usual = options.annotations.empty() && options.connectivity.empty();
+  if (usual && task == Task::kR2r) return open_data(options.data).episodes(options.split);
+  const auto annotations_file = [&] {
+    const auto data = open_data(options.data);
+    return task == Task::kR2r ? data.annotations_file(options.split)
+                              : data.annotations_file(task, options.split);
+  };
+  const fs::path annotations =
+      options.annotations.empty() ? annotations_file() : fs::path(options.annotations);
+  const auto graphs = options.connectivity.empty() ? open_data(options.data).graphs()
+                                                   : graph::GraphSet::open(options.connectivity);
   const std::string split = options.split.empty() ? annotations.stem().string() : options.split;
-  return r2r::make_episodes(r2r::load_annotations(annotations, split),
-                            graph::GraphSet::open(connectivity));
+  const tasks::ObjectBoxes objects = load_objects(options, task);
+  return tasks::make_episodes(tasks::load_annotations(annotations, split, task), graphs,
+                              tasks::Instructions::kScored, &objects);
 }
 
-void print_score(const Options& options, const r2r::Score& score, const r2r::EpisodeSet& episodes) {
+// By the scorer that --scorer names, or the one behind the published tables.
+void print_task_score(const Options& options, const tasks::Results& results,
+                      const tasks::EpisodeSet& episodes) {
+  const tasks::PublicScorer& scorer = options.scorer.empty()
+                                          ? tasks::public_scorers(episodes.task).front()
+                                          : tasks::public_scorer(episodes.task, options.scorer);
+  const tasks::TaskScore score = tasks::compute_task_score(results.trajectories, episodes, scorer);
+  if (!options.json.empty()) {
+    write_output(options.json, to_json(score, episodes, options.per_episode));
+  }
+  if (options.json != "-") fmt::print("{}", to_table(score, episodes));
+}
+
+void print_score(const Options& options, const tasks::Score& score,
+                 const tasks::EpisodeSet& episodes) {
   if (!options.json.empty()) {
     write_output(options.json, options.per_episode ? to_json(score, episodes) : to_json(score));
   }
   if (options.json == "-") return;
   const bool reference = options.spl == "reference";
-  fmt::print("{}",
-             to_table(score, reference ? r2r::SplLength::kReference : r2r::SplLength::kShortest));
+  fmt::print("{}", to_table(score, reference ? tasks::SplLength::kReference
+                                             : tasks::SplLength::kShortest));
 }
 
 ExitCode score(const Options& options) {
-  const r2r::EpisodeSet episodes = load_episodes(options);
+  const std::string text = read_text_file(options.results);
+  const Task task = task_of(options, text);
+  const tasks::EpisodeSet episodes = load_episodes(options, task);
   if (episodes.episodes.empty()) {  // means over none would be nothing that a table can show
     throw UsageError(fmt::format(
         "split {}: the annotations have no episode, so there is nothing to score; the export of a "
         "collection has the paths whose every instruction was walked",
         episodes.split));
   }
-  r2r::Results results;
+  tasks::Results results;
   try {
-    results = r2r::load_results(options.results, episodes);
+    results = tasks::parse_results(text, options.results, episodes);
   } catch (const InvalidInput& refused) {  // what was to be checked has faults
     print_diagnostics(refused.diagnostics());
     return kFaultsFound;
@@ -72,11 +117,18 @@ ExitCode score(const Options& options) {
   if (goals_hidden(episodes)) {
     throw UsageError(fmt::format(
         "{}: the file is good (each of the {} instructions has a trajectory that can be walked), "
-        "but the goals of split {} are hidden, so it cannot be scored here. Those of R2R's test "
-        "are known to its leaderboard only: hand the file in at eval.ai, challenge 97",
-        options.results, episodes.episodes.size(), episodes.split));
+        "but the goals of split {} are hidden, so it cannot be scored here.{}",
+        options.results, episodes.episodes.size(), episodes.split,
+        task == Task::kR2r
+            ? " Those of R2R's test are known to its leaderboard only: hand the file "
+              "in at eval.ai, challenge 97"
+            : ""));
   }
-  print_score(options, compute_score(results.trajectories, episodes), episodes);
+  if (task != Task::kR2r || !options.scorer.empty()) {
+    print_task_score(options, results, episodes);
+  } else {
+    print_score(options, compute_score(results.trajectories, episodes), episodes);
+  }
   return kSuccess;
 }
 
@@ -86,8 +138,17 @@ void add_options(CLI::App& verb, Options& options) {
       ->required();
   add_value(verb, "--split", options.split, "NAME", "train, val_seen, val_unseen, ...");
   add_data_option(verb, options.data);
+  add_value(verb, "--task", options.task, "NAME",
+            "r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn or soon (default: what the files are "
+            "of; where results say nothing, r2r)");
+  add_value(
+      verb, "--scorer", options.scorer, "NAME",
+      "Whose formulas, by name: official, duet, hamt, valan, r4r_public, ... (docs/tasks.md). "
+      "Without it: of r2r our own table; else the scorer behind the published one");
   add_value(verb, "--annotations", options.annotations, "FILE",
-            "Annotations to score against, instead of the data set's R2R_<split>.json");
+            "Annotations to score against, instead of the data set's of that split; may be packed");
+  add_value(verb, "--objects", options.objects, "FILE",
+            "REVERIE's boxes, a file or a folder, instead of the data set's");
   add_value(verb, "--connectivity", options.connectivity, "DIR",
             "Navigation graphs, instead of the data set's");
   add_setting(verb, "--spl", options.spl, "PATH",
@@ -108,7 +169,10 @@ void add_score(CLI::App& app, int& status) {
   const auto options = std::make_shared<Options>();
   add_options(verb, *options);
   set_examples(verb, {"enfilade score results.json --split val_unseen",
-                      "enfilade score results.json --split val_seen --json - --per-episode"});
+                      "enfilade score results.json --split val_seen --json - --per-episode",
+                      "enfilade score results.json --task reverie --split val_unseen --scorer duet",
+                      "enfilade score results.json --task rxr --annotations "
+                      "rxr_val_unseen_guide.jsonl.gz"});
   verb.callback([options, &status] { status = score(*options); });
 }
 

@@ -4,7 +4,7 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/r2r/statistics.h"
+#include "enfilade/tasks/statistics.h"
 
 namespace enfilade::apps {
 namespace {
@@ -17,9 +17,9 @@ struct Options {
 };
 
 // What was asked for, or else those of R2R's four splits that the data set has.
-std::vector<r2r::Annotations> load_splits(const Options& options, const dataset::Dataset& data) {
+std::vector<tasks::Annotations> load_splits(const Options& options, const dataset::Dataset& data) {
   const bool named = !options.splits.empty();
-  std::vector<r2r::Annotations> splits;
+  std::vector<tasks::Annotations> splits;
   std::vector<std::string> names = options.splits;
   if (!named) names.assign(dataset::kSplits.begin(), dataset::kSplits.end());
   for (const std::string& split : names) {
@@ -41,7 +41,7 @@ std::vector<r2r::Annotations> load_splits(const Options& options, const dataset:
 void stats(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
   const auto statistics =
-      r2r::compute_statistics(load_splits(options, data), data.graphs(), options.top);
+      tasks::compute_statistics(load_splits(options, data), data.graphs(), options.top);
   if (!options.json.empty()) write_output(options.json, to_json(statistics));
   if (options.json != "-") fmt::print("{}", to_table(statistics));
 }

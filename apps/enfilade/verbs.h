@@ -21,6 +21,7 @@ void add_pretrain(CLI::App& app, int& status);       ///< trains a small encoder
 void add_render(CLI::App& app, int& status);         ///< what an agent sees
 void add_report(CLI::App& app, int& status);         ///< an HTML page about a run
 void add_run(CLI::App& app, int& status);            ///< runs an agent that does not learn
+void add_r4r(CLI::App& app, int& status);            ///< longer paths, joined from R2R's
 void add_sample(CLI::App& app, int& status);         ///< new paths from graphs and regions
 void add_scan_mesh(CLI::App& app, int& status);      ///< makes a scan from a mesh
 void add_score(CLI::App& app, int& status);          ///< scores a results file

@@ -30,7 +30,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 
-# Names on EvalAI's leaderboard, and ours (docs/r2r.md). Shares are from 0 to 1.
+# Names on EvalAI's leaderboard, and ours (docs/tasks.md). Shares are from 0 to 1.
 COLUMNS = {
     "length": "trajectory_length",
     "nav_error": "nav_error",

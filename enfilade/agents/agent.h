@@ -8,7 +8,7 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/geometry/angle.h"
 #include "enfilade/graph/nav_graph.h"
-#include "enfilade/r2r/annotations.h"
+#include "enfilade/tasks/annotations.h"
 
 namespace enfilade::agents {
 
@@ -23,7 +23,7 @@ struct NavigableView {
 
 /// What an agent sees in one episode. Valid during the call that it is passed to.
 struct Observation {
-  const r2r::Episode* episode = nullptr;      ///< the instruction
+  const tasks::Episode* episode = nullptr;    ///< the instruction
   const graph::NavGraph* graph = nullptr;     ///< of the building; only oracles may look at it
   std::span<const ViewpointIndex> reference;  ///< start to goal; only oracles may look at it
   ViewpointIndex viewpoint;

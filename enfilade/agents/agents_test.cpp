@@ -7,9 +7,9 @@
 #include "enfilade/agents/run.h"
 #include "enfilade/agents/shortest.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/r2r/score.h"
-#include "enfilade/r2r/statistics.h"
 #include "enfilade/scan/data_root.h"
+#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/statistics.h"
 #include "tests/support/graphs.h"
 
 namespace enfilade::agents {
@@ -21,43 +21,43 @@ using ::testing::ThrowsMessage;
 constexpr ViewpointIndex v(std::size_t i) { return ViewpointIndex(i); }
 
 // Episodes over one graph: path k from `starts[k]` to `goals[k]`.
-r2r::EpisodeSet episodes_on(const scan::Connectivity& connectivity,
-                            const std::vector<std::pair<int, int>>& ends) {
+tasks::EpisodeSet episodes_on(const scan::Connectivity& connectivity,
+                              const std::vector<std::pair<int, int>>& ends) {
   std::vector<graph::NavGraph> graphs;
   graphs.emplace_back(connectivity);
-  r2r::EpisodeSet set{"made", graph::GraphSet::of(std::move(graphs)), {}, {}};
+  tasks::EpisodeSet set{"made", graph::GraphSet::of(std::move(graphs)), {}, {}};
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const auto path = set.graphs->graph(ScanIndex(0))
                           .path(v(static_cast<std::size_t>(ends[i].first)),
                                 v(static_cast<std::size_t>(ends[i].second)));
     set.paths.push_back({static_cast<std::int64_t>(i), ScanIndex(0), Radians(0), path.value()});
-    set.episodes.push_back({r2r::instruction_id(static_cast<std::int64_t>(i), 0), i, 0, "walk"});
+    set.episodes.push_back({tasks::instruction_id(static_cast<std::int64_t>(i), 0), i, 0, "walk"});
   }
   return set;
 }
 
-std::vector<ViewpointIndex> moves(const r2r::Trajectory& trajectory) {
+std::vector<ViewpointIndex> moves(const tasks::Trajectory& trajectory) {
   std::vector<ViewpointIndex> places;
-  for (const r2r::TrajectoryPoint& point : trajectory.points) {
+  for (const tasks::TrajectoryPoint& point : trajectory.points) {
     if (places.empty() || places.back() != point.viewpoint) places.push_back(point.viewpoint);
   }
   return places;
 }
 
 TEST(ShortestAgent, TakesTheShortestPathWhateverItsHeading) {
-  const r2r::EpisodeSet set =
+  const tasks::EpisodeSet set =
       episodes_on(graph::testing::square(), {{0, 2}, {2, 0}, {1, 3}, {3, 1}, {0, 1}, {2, 3}});
   ShortestAgent agent;
   const auto trajectories = run_agent(agent, set);
   ASSERT_EQ(trajectories.size(), set.episodes.size());
-  for (const r2r::Trajectory& one : trajectories) {
+  for (const tasks::Trajectory& one : trajectories) {
     EXPECT_EQ(moves(one), set.paths[set.episodes[one.episode].path].viewpoints);
   }
 }
 
 TEST(ShortestAgent, LooksUpStairs) {
   // The goal is 60 degrees above the start: visible when level, reached after one look up.
-  const r2r::EpisodeSet set = episodes_on(
+  const tasks::EpisodeSet set = episodes_on(
       graph::testing::connectivity("s", {{0, 0, 0}, {0, 1, std::sqrt(3.0)}}, {{0, 1}}), {{0, 1}});
   ShortestAgent agent;
   const auto points = run_agent(agent, set).at(0).points;
@@ -69,7 +69,7 @@ TEST(ShortestAgent, LooksUpStairs) {
 TEST(ShortestAgent, TurnsTheShorterWayToWhatItCannotSee) {
   // From heading 0 the neighbour at 240 degrees is 4 views to the left, 8 to the right.
   const double a = degrees(240).value;
-  const r2r::EpisodeSet set =
+  const tasks::EpisodeSet set =
       episodes_on(graph::testing::connectivity(
                       "s", {{0, 0, 0}, {2 * std::sin(a), 2 * std::cos(a), 0}}, {{0, 1}}),
                   {{0, 1}});
@@ -81,7 +81,7 @@ TEST(ShortestAgent, TurnsTheShorterWayToWhatItCannotSee) {
 }
 
 TEST(ShortestAgent, NeedsTheGoal) {
-  r2r::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 2}});
+  tasks::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 2}});
   set.paths[0].viewpoints.resize(1);
   ShortestAgent agent;
   EXPECT_THAT([&] { run_agent(agent, set); },
@@ -89,10 +89,10 @@ TEST(ShortestAgent, NeedsTheGoal) {
 }
 
 TEST(RandomAgent, MakesFiveMovesAndTurnsRightOnly) {
-  const r2r::EpisodeSet set =
+  const tasks::EpisodeSet set =
       episodes_on(graph::testing::square(), std::vector<std::pair<int, int>>(40, std::pair(0, 2)));
   RandomAgent agent;
-  for (const r2r::Trajectory& one : run_agent(agent, set)) {
+  for (const tasks::Trajectory& one : run_agent(agent, set)) {
     int walked = 0;
     for (std::size_t i = 1; i < one.points.size(); ++i) {
       const bool moved = one.points[i].viewpoint != one.points[i - 1].viewpoint;
@@ -106,7 +106,7 @@ TEST(RandomAgent, MakesFiveMovesAndTurnsRightOnly) {
 }
 
 TEST(RandomAgent, IsEndedWhereThereIsNowhereToGo) {
-  const r2r::EpisodeSet set =
+  const tasks::EpisodeSet set =
       episodes_on(graph::testing::connectivity("s", {{0, 0, 0}}, {}), {{0, 0}});
   RandomAgent agent;
   RunOptions options;
@@ -115,14 +115,14 @@ TEST(RandomAgent, IsEndedWhereThereIsNowhereToGo) {
 }
 
 TEST(RunAgent, BatchSizeChangesNothingAndSeedsDo) {
-  const r2r::EpisodeSet set =
+  const tasks::EpisodeSet set =
       episodes_on(graph::testing::square(), std::vector<std::pair<int, int>>(30, std::pair(0, 2)));
   RandomAgent agent;
   const auto with = [&](std::size_t batch, std::uint64_t seed) {
     RunOptions options;
     options.batch_size = batch;
     options.seed = seed;
-    return r2r::to_json(run_agent(agent, set, options), set);
+    return tasks::to_json(run_agent(agent, set, options), set);
   };
   EXPECT_EQ(with(1, 1), with(7, 1));
   EXPECT_EQ(with(1, 1), with(100, 1));
@@ -140,7 +140,7 @@ class StubbornAgent : public Agent {
 };
 
 TEST(RunAgent, SaysWhatAnAgentDidWrong) {
-  const r2r::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 2}});
+  const tasks::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 2}});
   StubbornAgent agent;
   EXPECT_THAT([&] { run_agent(agent, set); }, ThrowsMessage<sim::ActionError>(HasSubstr("99")));
   RunOptions none;
@@ -149,14 +149,15 @@ TEST(RunAgent, SaysWhatAnAgentDidWrong) {
   EXPECT_THROW(make_agent("clever"), LookupError);
 }
 
-r2r::EpisodeSet real_split(const scan::DataRoot& data, const char* split) {
-  return r2r::make_episodes(r2r::load_annotations(data.annotations(split), split),
-                            graph::GraphSet::open_shared(data.connectivity()));
+tasks::EpisodeSet real_split(const scan::DataRoot& data, const char* split) {
+  return tasks::make_episodes(tasks::load_annotations(data.annotations(split), split),
+                              graph::GraphSet::open_shared(data.connectivity()));
 }
 
-double mean_of(const std::vector<r2r::EpisodeMetrics>& all, double r2r::EpisodeMetrics::*field) {
+double mean_of(const std::vector<tasks::EpisodeMetrics>& all,
+               double tasks::EpisodeMetrics::*field) {
   double sum = 0;
-  for (const r2r::EpisodeMetrics& one : all) sum += one.*field;
+  for (const tasks::EpisodeMetrics& one : all) sum += one.*field;
   return sum / static_cast<double>(all.size());
 }
 
@@ -165,13 +166,13 @@ TEST(PaperTable, Shortest) {
   if (!data) GTEST_SKIP() << "ENFILADE_DATA is not set: no R2R annotations";
   const std::vector<std::pair<const char*, double>> rows{{"val_seen", 10.19}, {"val_unseen", 9.48}};
   for (const auto& [split, length] : rows) {
-    const r2r::EpisodeSet set = real_split(*data, split);
+    const tasks::EpisodeSet set = real_split(*data, split);
     ShortestAgent agent;
-    const auto all = r2r::score_trajectories(run_agent(agent, set), set, {}, 0);
+    const auto all = tasks::score_trajectories(run_agent(agent, set), set, {}, 0);
     // The paper prints two digits.
-    EXPECT_NEAR(mean_of(all, &r2r::EpisodeMetrics::trajectory_length), length, 0.005) << split;
-    EXPECT_EQ(mean_of(all, &r2r::EpisodeMetrics::success), 1) << split;
-    EXPECT_EQ(mean_of(all, &r2r::EpisodeMetrics::nav_error), 0) << split;
+    EXPECT_NEAR(mean_of(all, &tasks::EpisodeMetrics::trajectory_length), length, 0.005) << split;
+    EXPECT_EQ(mean_of(all, &tasks::EpisodeMetrics::success), 1) << split;
+    EXPECT_EQ(mean_of(all, &tasks::EpisodeMetrics::nav_error), 0) << split;
   }
 }
 
@@ -184,21 +185,21 @@ TEST(PaperTable, RandomIsWithinTwoAndAHalfDeviations) {
   };
   for (const Expected& paper : {Expected{"val_seen", 9.58, 9.45, 0.159, 0.214},
                                 Expected{"val_unseen", 9.77, 9.23, 0.163, 0.220}}) {
-    const r2r::EpisodeSet set = real_split(*data, paper.split);
+    const tasks::EpisodeSet set = real_split(*data, paper.split);
     RandomAgent agent;
     std::vector<double> length, nav_error, success, oracle_success;
     for (std::uint64_t seed = 1; seed <= 25; ++seed) {
       RunOptions options;
       options.seed = seed;
-      const auto all = r2r::score_trajectories(run_agent(agent, set, options), set, {}, 0);
-      length.push_back(mean_of(all, &r2r::EpisodeMetrics::trajectory_length));
-      nav_error.push_back(mean_of(all, &r2r::EpisodeMetrics::nav_error));
-      success.push_back(mean_of(all, &r2r::EpisodeMetrics::success));
-      oracle_success.push_back(mean_of(all, &r2r::EpisodeMetrics::oracle_success));
+      const auto all = tasks::score_trajectories(run_agent(agent, set, options), set, {}, 0);
+      length.push_back(mean_of(all, &tasks::EpisodeMetrics::trajectory_length));
+      nav_error.push_back(mean_of(all, &tasks::EpisodeMetrics::nav_error));
+      success.push_back(mean_of(all, &tasks::EpisodeMetrics::success));
+      oracle_success.push_back(mean_of(all, &tasks::EpisodeMetrics::oracle_success));
     }
     // The paper's figure is one run: 2.5 standard deviations of a run hold 98.8 % of them.
     const auto expect = [&](std::vector<double> seeds, double published, const char* what) {
-      const r2r::Summary s = r2r::summarise(std::move(seeds));
+      const tasks::Summary s = tasks::summarise(std::move(seeds));
       EXPECT_NEAR(s.mean, published, 2.5 * s.deviation) << what << " on " << paper.split;
     };
     expect(length, paper.length, "TL");

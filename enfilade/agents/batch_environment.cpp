@@ -26,7 +26,7 @@ sim::SimulatorConfig simulator_config(const EnvironmentConfig& config) {
   return simulator;
 }
 
-void validate(const r2r::EpisodeSet& episodes, const EnvironmentConfig& config) {
+void validate(const tasks::EpisodeSet& episodes, const EnvironmentConfig& config) {
   if (episodes.episodes.empty()) {
     throw ArgumentError(fmt::format("split {} has no episodes", episodes.split));
   }
@@ -35,14 +35,14 @@ void validate(const r2r::EpisodeSet& episodes, const EnvironmentConfig& config) 
     throw ArgumentError(
         fmt::format("success_distance {}: more than 0 m is needed", config.success_distance));
   }
-  for (const r2r::ReferencePath& path : episodes.paths) {
+  for (const tasks::ReferencePath& path : episodes.paths) {
     const graph::NavGraph& graph = episodes.graphs->graph(path.scan);
     if (graph.max_degree() < config.max_navigable) continue;
     throw ArgumentError(fmt::format("max_navigable {}: scan {} has a viewpoint with {} neighbours",
                                     config.max_navigable, graph.scan(), graph.max_degree()));
   }
   if (config.reward == Reward::kNone) return;
-  for (const r2r::ReferencePath& path : episodes.paths) {
+  for (const tasks::ReferencePath& path : episodes.paths) {
     if (path.viewpoints.size() > 1) continue;
     throw ArgumentError(fmt::format("split {} hides its goals (path {}), so there is no reward",
                                     episodes.split, path.path_id));
@@ -56,7 +56,7 @@ void check_length(const char* name, std::size_t found, std::size_t wanted) {
 
 }  // namespace
 
-BatchEnvironment::BatchEnvironment(std::shared_ptr<const r2r::EpisodeSet> episodes,
+BatchEnvironment::BatchEnvironment(std::shared_ptr<const tasks::EpisodeSet> episodes,
                                    const EnvironmentConfig& config)
     : episodes_(std::move(episodes)),
       config_((validate(*episodes_, config), config)),
@@ -160,7 +160,7 @@ void BatchEnvironment::step(std::span<const std::int64_t> actions) {
 }
 
 void BatchEnvironment::judge(std::size_t agent, bool stopped) {
-  const std::vector<r2r::TrajectoryPoint>& points = batch_.trajectory(agent).points;
+  const std::vector<tasks::TrajectoryPoint>& points = batch_.trajectory(agent).points;
   const ViewpointIndex from = points[points.size() - 2].viewpoint, to = points.back().viewpoint;
   const bool moved = from != to;
   const double before = outcome_.distance[agent];
@@ -190,19 +190,19 @@ void BatchEnvironment::finish(std::size_t agent) {
   outcome_.spl[agent] = hidden ? distance : longest > 0 ? success * (shortest / longest) : success;
 }
 
-r2r::EpisodeMetrics BatchEnvironment::compute_metrics(std::size_t agent) const {
+tasks::EpisodeMetrics BatchEnvironment::compute_metrics(std::size_t agent) const {
   if (agent >= config_.batch_size || !started_) {
     throw ArgumentError(
         fmt::format("agent {} of {}: no episode was begun", agent, config_.batch_size));
   }
-  const r2r::ReferencePath& path = batch_.path(agent);
+  const tasks::ReferencePath& path = batch_.path(agent);
   if (path.viewpoints.size() < 2) {
     throw ArgumentError(fmt::format("path {} hides its goal", path.path_id));
   }
   std::vector<ViewpointIndex> walked;
   for (const auto& point : batch_.trajectory(agent).points) walked.push_back(point.viewpoint);
-  return r2r::compute_metrics(batch_.graph(agent), walked, path.viewpoints,
-                              {config_.success_distance});
+  return tasks::compute_metrics(batch_.graph(agent), walked, path.viewpoints,
+                                {config_.success_distance});
 }
 
 }  // namespace enfilade::agents

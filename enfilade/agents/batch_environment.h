@@ -7,9 +7,9 @@
 
 #include "enfilade/agents/episode_batch.h"
 #include "enfilade/core/rng.h"
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/metrics.h"
 #include "enfilade/sim/simulator.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/metrics.h"
 
 namespace enfilade::agents {
 
@@ -54,7 +54,7 @@ struct Outcome {
   std::vector<std::uint32_t> episode;    ///< index into EpisodeSet::episodes
   std::vector<std::uint8_t> began;       ///< 1: an episode began
   std::vector<double> success;           ///< of the episode that has ended: 1 or 0; NaN if hidden
-  std::vector<double> spl;               ///< likewise; as r2r::EpisodeMetrics has them
+  std::vector<double> spl;               ///< likewise; as tasks::EpisodeMetrics has them
 };
 
 /// step() allocates nothing but memory of growing trajectories. One thread at a time.
@@ -62,7 +62,7 @@ class BatchEnvironment {
  public:
   /// \throws ArgumentError naming the field for values out of range, max_navigable that a graph
   /// goes beyond too; if there are no episodes, or a reward is wanted but goals are hidden
-  BatchEnvironment(std::shared_ptr<const r2r::EpisodeSet> episodes,
+  BatchEnvironment(std::shared_ptr<const tasks::EpisodeSet> episodes,
                    const EnvironmentConfig& config);
 
   /// Begins episodes for all agents, or those with mask[i] != 0.
@@ -77,13 +77,13 @@ class BatchEnvironment {
   void step(std::span<const std::int64_t> actions);
 
   const EnvironmentConfig& config() const noexcept { return config_; }
-  const r2r::EpisodeSet& episodes() const noexcept { return *episodes_; }
+  const tasks::EpisodeSet& episodes() const noexcept { return *episodes_; }
   std::int64_t action_count() const noexcept;
   const sim::StateSpans& state() const noexcept { return batch_.state(); }
   const Outcome& outcome() const noexcept { return outcome_; }
   /// All metrics of what the agent has walked in its episode so far. O(steps * reference length).
   /// \throws ArgumentError for an agent beyond the batch, before reset(), or if the goal is hidden
-  r2r::EpisodeMetrics compute_metrics(std::size_t agent) const;
+  tasks::EpisodeMetrics compute_metrics(std::size_t agent) const;
 
  private:
   void check_actions(std::span<const std::int64_t> actions) const;
@@ -92,7 +92,7 @@ class BatchEnvironment {
   void judge(std::size_t agent, bool stopped);
   void finish(std::size_t agent);
 
-  std::shared_ptr<const r2r::EpisodeSet> episodes_;
+  std::shared_ptr<const tasks::EpisodeSet> episodes_;
   EnvironmentConfig config_;
   EpisodeBatch batch_;
   Outcome outcome_;

@@ -19,10 +19,10 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 // One path on a square of side 2 m from corner 0, heading north, to corner 2, and one to corner 1.
-std::shared_ptr<const r2r::EpisodeSet> square_episodes() {
+std::shared_ptr<const tasks::EpisodeSet> square_episodes() {
   std::vector<graph::NavGraph> graphs;
   graphs.emplace_back(graph::testing::square());
-  auto set = std::make_shared<r2r::EpisodeSet>();
+  auto set = std::make_shared<tasks::EpisodeSet>();
   set->split = "made";
   set->graphs = graph::GraphSet::of(std::move(graphs));
   const auto v = [](std::size_t i) { return ViewpointIndex(i); };
@@ -100,7 +100,7 @@ TEST(BatchEnvironment, JudgesAsTheMetricsDo) {
     const Outcome& out = environment.outcome();
     for (std::size_t i = 0; i < c.batch_size; ++i) {
       if ((out.terminated[i] | out.truncated[i]) == 0) continue;
-      const r2r::EpisodeMetrics metrics = environment.compute_metrics(i);
+      const tasks::EpisodeMetrics metrics = environment.compute_metrics(i);
       EXPECT_EQ(out.success[i], metrics.success);
       EXPECT_EQ(out.spl[i], metrics.spl);
       EXPECT_EQ(out.distance[i], metrics.nav_error);
@@ -196,7 +196,7 @@ TEST(BatchEnvironment, RefusesWhatCannotBe) {
   c = {};
   c.max_navigable = 2;
   refused(c, "2 neighbours");
-  auto hidden = std::make_shared<r2r::EpisodeSet>(*square_episodes());
+  auto hidden = std::make_shared<tasks::EpisodeSet>(*square_episodes());
   hidden->paths[1].viewpoints.resize(1);
   EXPECT_THAT([&] { BatchEnvironment(hidden, EnvironmentConfig{}); },
               ThrowsMessage<ArgumentError>(HasSubstr("hides its goals (path 1)")));

@@ -8,12 +8,12 @@
 
 namespace enfilade::agents {
 
-sim::EpisodeStart start_of(const r2r::EpisodeSet& episodes, std::size_t episode) {
-  const r2r::ReferencePath& path = episodes.path_of(episodes.episodes[episode]);
+sim::EpisodeStart start_of(const tasks::EpisodeSet& episodes, std::size_t episode) {
+  const tasks::ReferencePath& path = episodes.path_of(episodes.episodes[episode]);
   return {{path.scan, path.viewpoints.front()}, path.heading, Radians(0)};
 }
 
-EpisodeBatch::EpisodeBatch(const r2r::EpisodeSet& episodes, const sim::SimulatorConfig& config,
+EpisodeBatch::EpisodeBatch(const tasks::EpisodeSet& episodes, const sim::SimulatorConfig& config,
                            std::size_t reserved_steps)
     : episodes_(episodes),
       simulator_(episodes.graphs, config),
@@ -104,9 +104,9 @@ void EpisodeBatch::record(std::size_t slot) {
       {now.viewpoint[slot], Radians(now.heading[slot]), Radians(now.elevation[slot])});
 }
 
-std::vector<r2r::Trajectory> EpisodeBatch::take_trajectories() {
+std::vector<tasks::Trajectory> EpisodeBatch::take_trajectories() {
   for (std::size_t i = 0; i < size(); ++i) end(i);
-  return std::exchange(trajectories_, std::vector<r2r::Trajectory>(size()));
+  return std::exchange(trajectories_, std::vector<tasks::Trajectory>(size()));
 }
 
 }  // namespace enfilade::agents

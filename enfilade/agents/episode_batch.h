@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "enfilade/agents/agent.h"
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/results.h"
 #include "enfilade/sim/simulator.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::agents {
 
 /// Where an episode starts: its path's first viewpoint and heading, elevation 0.
-sim::EpisodeStart start_of(const r2r::EpisodeSet& episodes, std::size_t episode);
+sim::EpisodeStart start_of(const tasks::EpisodeSet& episodes, std::size_t episode);
 
 /// Episodes in slots 0 .. size() - 1: which episode each slot has, where its agent is, what it has
 /// walked, and whether it has ended. Agents, environments and training are built on it; what their
@@ -27,11 +27,11 @@ class EpisodeBatch {
   /// `episodes` has to outlive *this. `config.batch_size` is size(). Every slot has ended until
   /// begin(). \param reserved_steps that trajectories have memory for from the start
   /// \throws ArgumentError as sim::Simulator
-  EpisodeBatch(const r2r::EpisodeSet& episodes, const sim::SimulatorConfig& config,
+  EpisodeBatch(const tasks::EpisodeSet& episodes, const sim::SimulatorConfig& config,
                std::size_t reserved_steps = 0);
 
   std::size_t size() const noexcept { return simulator_.batch_size(); }
-  const r2r::EpisodeSet& episodes() const noexcept { return episodes_; }
+  const tasks::EpisodeSet& episodes() const noexcept { return episodes_; }
   const sim::SimulatorConfig& config() const noexcept { return simulator_.config(); }
   const sim::StateSpans& state() const noexcept { return simulator_.state(); }
 
@@ -55,8 +55,8 @@ class EpisodeBatch {
   /// Of a slot's episode: its index, the episode, its reference path, its graph.
   /// \pre begin() was called for the slot
   std::size_t index(std::size_t slot) const { return trajectories_[slot].episode; }
-  const r2r::Episode& episode(std::size_t slot) const { return episodes_.episodes[index(slot)]; }
-  const r2r::ReferencePath& path(std::size_t slot) const {
+  const tasks::Episode& episode(std::size_t slot) const { return episodes_.episodes[index(slot)]; }
+  const tasks::ReferencePath& path(std::size_t slot) const {
     return episodes_.path_of(episode(slot));
   }
   const graph::NavGraph& graph(std::size_t slot) const { return *graphs_[slot]; }
@@ -66,23 +66,23 @@ class EpisodeBatch {
   Observation observation(std::size_t slot) const;
 
   /// The start, then one entry per action until end(), as in results files.
-  const r2r::Trajectory& trajectory(std::size_t slot) const { return trajectories_[slot]; }
-  std::span<const r2r::Trajectory> trajectories() const noexcept { return trajectories_; }
+  const tasks::Trajectory& trajectory(std::size_t slot) const { return trajectories_[slot]; }
+  std::span<const tasks::Trajectory> trajectories() const noexcept { return trajectories_; }
   /// All of them, moved out; every slot has ended then.
-  std::vector<r2r::Trajectory> take_trajectories();
+  std::vector<tasks::Trajectory> take_trajectories();
 
  private:
   void check_episode(std::size_t episode) const;
   void began(std::size_t slot, std::size_t episode);
   void record(std::size_t slot);
 
-  const r2r::EpisodeSet& episodes_;
+  const tasks::EpisodeSet& episodes_;
   sim::Simulator simulator_;
   std::vector<const graph::NavGraph*> graphs_;
   std::vector<std::uint8_t> ended_;
   std::size_t running_ = 0;
   std::size_t reserved_steps_;
-  std::vector<r2r::Trajectory> trajectories_;
+  std::vector<tasks::Trajectory> trajectories_;
 };
 
 }  // namespace enfilade::agents

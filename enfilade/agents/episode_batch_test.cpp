@@ -19,10 +19,10 @@ using ::testing::ThrowsMessage;
 
 // On a square of side 2 m: from corner 0 to corner 2 by way of 1, heading east; and a start at
 // corner 1 whose goal is hidden.
-r2r::EpisodeSet square_episodes() {
+tasks::EpisodeSet square_episodes() {
   std::vector<graph::NavGraph> graphs;
   graphs.emplace_back(graph::testing::square());
-  r2r::EpisodeSet set;
+  tasks::EpisodeSet set;
   set.split = "made";
   set.graphs = graph::GraphSet::of(std::move(graphs));
   const auto v = [](std::size_t i) { return ViewpointIndex(i); };
@@ -42,7 +42,7 @@ sim::SimulatorConfig two_agents() {
 constexpr std::array<std::size_t, 2> kBoth{0, 1};
 
 TEST(EpisodeBatch, BeginsWhereThePathsBegin) {
-  const r2r::EpisodeSet episodes = square_episodes();
+  const tasks::EpisodeSet episodes = square_episodes();
   EpisodeBatch batch(episodes, two_agents());
   EXPECT_EQ(batch.running(), 0U);
   EXPECT_TRUE(batch.ended(0));
@@ -58,7 +58,7 @@ TEST(EpisodeBatch, BeginsWhereThePathsBegin) {
 }
 
 TEST(EpisodeBatch, RecordsWhatRunningSlotsDoAndNothingOfEndedOnes) {
-  const r2r::EpisodeSet episodes = square_episodes();
+  const tasks::EpisodeSet episodes = square_episodes();
   EpisodeBatch batch(episodes, two_agents());
   batch.begin(kBoth);
   batch.end(1);
@@ -74,7 +74,7 @@ TEST(EpisodeBatch, RecordsWhatRunningSlotsDoAndNothingOfEndedOnes) {
 }
 
 TEST(EpisodeBatch, ASlotBeginsAnewWithoutTheOthers) {
-  const r2r::EpisodeSet episodes = square_episodes();
+  const tasks::EpisodeSet episodes = square_episodes();
   EpisodeBatch batch(episodes, two_agents(), 5);
   batch.begin(kBoth);
   batch.step(std::array<sim::Action, 2>{});
@@ -84,13 +84,13 @@ TEST(EpisodeBatch, ASlotBeginsAnewWithoutTheOthers) {
   EXPECT_EQ(batch.index(0), 1U);
   EXPECT_EQ(batch.trajectory(0).points.size(), 1U);
   EXPECT_EQ(batch.trajectory(1).points.size(), 2U);
-  const std::vector<r2r::Trajectory> taken = batch.take_trajectories();
+  const std::vector<tasks::Trajectory> taken = batch.take_trajectories();
   EXPECT_EQ(taken[1].points.size(), 2U);
   EXPECT_EQ(batch.running(), 0U);
 }
 
 TEST(EpisodeBatch, ObservationsHaveTheNavigableRowOfTheirSlot) {
-  const r2r::EpisodeSet episodes = square_episodes();
+  const tasks::EpisodeSet episodes = square_episodes();
   EpisodeBatch batch(episodes, two_agents());
   batch.begin(kBoth);
   const Observation seen = batch.observation(1);
@@ -101,7 +101,7 @@ TEST(EpisodeBatch, ObservationsHaveTheNavigableRowOfTheirSlot) {
 }
 
 TEST(EpisodeBatch, RefusesEpisodesThatAreNotThere) {
-  const r2r::EpisodeSet episodes = square_episodes();
+  const tasks::EpisodeSet episodes = square_episodes();
   EpisodeBatch batch(episodes, two_agents());
   EXPECT_THAT([&] { batch.begin(0, 2); }, ThrowsMessage<ArgumentError>(HasSubstr("episode 2")));
   EXPECT_THAT([&] { batch.begin(std::array<std::size_t, 1>{0}); },

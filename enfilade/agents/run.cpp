@@ -14,8 +14,8 @@
 namespace enfilade::agents {
 namespace {
 
-using r2r::EpisodeSet;
-using r2r::Trajectory;
+using tasks::EpisodeSet;
+using tasks::Trajectory;
 
 // Runs the episodes [first, first + count) in one simulator, to the end of the last.
 std::vector<Trajectory> run_batch(Agent& agent, const EpisodeSet& episodes,
@@ -60,7 +60,7 @@ std::vector<Trajectory> run_batch(Agent& agent, const EpisodeSet& episodes,
 }
 
 void require_goals(const Agent& agent, const EpisodeSet& episodes) {
-  for (const r2r::ReferencePath& path : episodes.paths) {
+  for (const tasks::ReferencePath& path : episodes.paths) {
     if (path.viewpoints.size() > 1) continue;
     throw ArgumentError(fmt::format("agent {} needs the goal, which split {} hides (path {})",
                                     agent.name(), episodes.split, path.path_id));

@@ -8,9 +8,9 @@
 
 #include "enfilade/agents/agent.h"
 #include "enfilade/core/progress.h"
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/results.h"
 #include "enfilade/sim/simulator.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::agents {
 
@@ -29,9 +29,9 @@ struct RunOptions {
 /// elevation 0), then one entry per action. The same at any batch size. \throws ActionError if the
 /// agent goes where it cannot; ArgumentError if it needs goals that the split hides, or for a batch
 /// size of 0; errors of graph files
-std::vector<r2r::Trajectory> run_agent(Agent& agent, const r2r::EpisodeSet& episodes,
-                                       const RunOptions& options = {},
-                                       const Progress& progress = {});
+std::vector<tasks::Trajectory> run_agent(Agent& agent, const tasks::EpisodeSet& episodes,
+                                         const RunOptions& options = {},
+                                         const Progress& progress = {});
 
 /// An agent by its name: "random" or "shortest". \throws LookupError listing the names
 std::unique_ptr<Agent> make_agent(std::string_view name);

@@ -11,6 +11,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/scan/data_root.h"
 #include "enfilade/scan/store.h"
+#include "enfilade/tasks/files.h"
 
 namespace enfilade::dataset {
 namespace {
@@ -68,7 +69,7 @@ Part look_for(std::string name, const Look& look, std::string advice) {
   }
 }
 
-std::string count_instructions(const r2r::Annotations& annotations) {
+std::string count_instructions(const tasks::Annotations& annotations) {
   std::size_t instructions = 0;
   for (const auto& path : annotations.paths) instructions += path.instructions.size();
   return fmt::format("{} paths, {} instructions", annotations.paths.size(), instructions);
@@ -105,6 +106,7 @@ struct Dataset::Opened {
   Lazy<std::shared_ptr<const scan::PanoramaSet>> panoramas;
   Lazy<std::shared_ptr<render::FaceCache>> faces;
   Lazy<scan::RegionMap> regions;
+  Lazy<tasks::ObjectBoxes> objects;
 
   const scan::DataRoot& files() const {
     if (root) return *root;
@@ -185,12 +187,38 @@ bool Dataset::has_split(std::string_view split) const {
   return opened_->root && opened_->root->has_annotations(split);
 }
 
-r2r::Annotations Dataset::annotations(std::string_view split) const {
-  return r2r::load_annotations(annotations_file(split), std::string(split));
+tasks::Annotations Dataset::annotations(std::string_view split) const {
+  return tasks::load_annotations(annotations_file(split), std::string(split));
 }
 
-r2r::EpisodeSet Dataset::episodes(std::string_view split, r2r::Instructions instructions) const {
-  return r2r::make_episodes(annotations(split), graphs(), instructions);
+tasks::EpisodeSet Dataset::episodes(std::string_view split,
+                                    tasks::Instructions instructions) const {
+  return tasks::make_episodes(annotations(split), graphs(), instructions);
+}
+
+tasks::Annotations Dataset::annotations(tasks::Task task, std::string_view split) const {
+  return tasks::load_annotations(annotations_file(task, split), std::string(split), task);
+}
+
+tasks::EpisodeSet Dataset::episodes(tasks::Task task, std::string_view split,
+                                    tasks::Instructions instructions) const {
+  const bool seen = task == tasks::Task::kReverie;
+  return tasks::make_episodes(annotations(task, split), graphs(), instructions,
+                              seen ? &objects() : nullptr);
+}
+
+const tasks::ObjectBoxes& Dataset::objects() const {
+  return opened_->objects.get([this] {
+    return tasks::ObjectBoxes::load(
+        opened_->files().first_of("boxes of objects", tasks::object_places()));
+  });
+}
+
+fs::path Dataset::annotations_file(tasks::Task task, std::string_view split) const {
+  if (split.empty()) throw ArgumentError("annotations of a split without a name");
+  return opened_->files().first_of(
+      fmt::format("{} annotations of split {:?}", tasks::title_of(task), split),
+      tasks::annotation_places(task, split));
 }
 
 fs::path Dataset::connectivity_folder() const {

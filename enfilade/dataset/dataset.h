@@ -9,10 +9,11 @@
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/annotations.h"
 #include "enfilade/render/face_cache.h"
 #include "enfilade/scan/panorama_set.h"
 #include "enfilade/scan/regions.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::dataset {
 
@@ -43,7 +44,7 @@ struct Part {
 ///
 ///     const Dataset d("data");
 ///     sim::Simulator simulator(d.graphs(), sim::SimulatorConfig::room_to_room());
-///     const r2r::EpisodeSet episodes = d.episodes("val_unseen");
+///     const tasks::EpisodeSet episodes = d.episodes("val_unseen");
 ///
 /// A folder of stores alone is a data set too: stores bring their graphs. Making one looks at the
 /// folder only; each part is opened at its first use, once, and copies of a
@@ -83,15 +84,26 @@ class Dataset {
   bool has_split(std::string_view split) const;  ///< any name: `R2R_<split>.json`
   /// The split as its file has it. Read anew by each call.
   /// \throws FileError naming every place that was tried; InvalidInput
-  r2r::Annotations annotations(std::string_view split) const;
+  tasks::Annotations annotations(std::string_view split) const;
   /// The split's episodes, to be walked in graphs(). Read anew by each call.
-  /// \throws as annotations(), graphs() and r2r::make_episodes()
-  r2r::EpisodeSet episodes(std::string_view split,
-                           r2r::Instructions instructions = r2r::Instructions::kScored) const;
+  /// \throws as annotations(), graphs() and tasks::make_episodes()
+  tasks::EpisodeSet episodes(std::string_view split,
+                             tasks::Instructions instructions = tasks::Instructions::kScored) const;
+
+  /// Of any benchmark: the same as of R2R, from the places of tasks::annotation_places(). REVERIE's
+  /// episodes need the boxes of objects, objects().
+  /// \throws as annotations(), episodes() and objects()
+  tasks::Annotations annotations(tasks::Task task, std::string_view split) const;
+  tasks::EpisodeSet episodes(tasks::Task task, std::string_view split,
+                             tasks::Instructions instructions = tasks::Instructions::kScored) const;
+  /// Which objects are seen from where: REVERIE's boxes.
+  /// \throws FileError naming every place that was tried; InvalidInput
+  const tasks::ObjectBoxes& objects() const;
 
   // Where the files are (scan::DataRoot). Each throws FileError naming every place that was tried.
   std::filesystem::path connectivity_folder() const;                     ///< with scans.txt
   std::filesystem::path annotations_file(std::string_view split) const;  ///< `R2R_<split>.json`
+  std::filesystem::path annotations_file(tasks::Task task, std::string_view split) const;
   std::filesystem::path regions_file() const;  ///< region_to_panorama.json
   /// Where panoramas are looked for; never throws.
   scan::PanoramaPlaces panorama_places() const;

@@ -65,10 +65,10 @@ TEST(Dataset, HasGraphsEpisodesAndRegions) {
   EXPECT_TRUE(data.has_split("val_unseen"));
   EXPECT_FALSE(data.has_split("train"));
   EXPECT_FALSE(data.has_split(""));
-  const r2r::EpisodeSet episodes = data.episodes("val_unseen");
+  const tasks::EpisodeSet episodes = data.episodes("val_unseen");
   EXPECT_EQ(episodes.episodes.size(), 3U);
   EXPECT_EQ(episodes.graphs, data.graphs());
-  EXPECT_EQ(data.episodes("val_unseen", r2r::Instructions::kAll).episodes.size(), 4U);
+  EXPECT_EQ(data.episodes("val_unseen", tasks::Instructions::kAll).episodes.size(), 4U);
   EXPECT_EQ(data.regions().find("square", "v1"), 0U);
   EXPECT_EQ(data.panoramas()->scans(), data.graphs()->scans());
   EXPECT_EQ(data.panoramas()->find_source(ScanIndex(0)), nullptr);

@@ -54,7 +54,7 @@ std::vector<Shot> shots_of_scan(const scan::PanoramaSource& source, std::size_t 
   return shots;
 }
 
-std::vector<Shot> shots_of_path(const graph::NavGraph& graph, const r2r::ReferencePath& path) {
+std::vector<Shot> shots_of_path(const graph::NavGraph& graph, const tasks::ReferencePath& path) {
   const auto& places = path.viewpoints;
   const std::vector<Radians> headings = ahead(graph, places, path.heading);
   std::vector<Shot> shots{shot("start", graph.id(places[0]), path.heading)};
@@ -66,11 +66,11 @@ std::vector<Shot> shots_of_path(const graph::NavGraph& graph, const r2r::Referen
 }
 
 std::vector<Shot> shots_of_trajectory(const graph::NavGraph& graph,
-                                      const r2r::Trajectory& trajectory, Radians start) {
+                                      const tasks::Trajectory& trajectory, Radians start) {
   const auto& points = trajectory.points;
   std::vector<ViewpointIndex> places;
-  for (const r2r::TrajectoryPoint& point : points) places.push_back(point.viewpoint);
-  const bool unsaid = std::ranges::all_of(points, [](const r2r::TrajectoryPoint& point) {
+  for (const tasks::TrajectoryPoint& point : points) places.push_back(point.viewpoint);
+  const bool unsaid = std::ranges::all_of(points, [](const tasks::TrajectoryPoint& point) {
     return point.heading == Radians(0) && point.elevation == Radians(0);
   });
   const std::vector<Radians> headings = ahead(graph, places, start);

@@ -9,10 +9,10 @@
 #include "enfilade/draw/contact_sheet.h"
 #include "enfilade/geometry/angle.h"
 #include "enfilade/graph/nav_graph.h"
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/results.h"
 #include "enfilade/render/renderer.h"
 #include "enfilade/scan/panorama_source.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::draw {
 
@@ -27,11 +27,11 @@ struct Shot {
 std::vector<Shot> shots_of_scan(const scan::PanoramaSource& source, std::size_t headings,
                                 Radians first);
 /// The start as annotated, then each viewpoint of the path, looking at the next one.
-std::vector<Shot> shots_of_path(const graph::NavGraph& graph, const r2r::ReferencePath& path);
+std::vector<Shot> shots_of_path(const graph::NavGraph& graph, const tasks::ReferencePath& path);
 /// Each viewpoint of the trajectory, looking as the agent did; at the next viewpoint if the
 /// trajectory has no headings. \param start heading of the first then
 std::vector<Shot> shots_of_trajectory(const graph::NavGraph& graph,
-                                      const r2r::Trajectory& trajectory, Radians start);
+                                      const tasks::Trajectory& trajectory, Radians start);
 
 /// Draws the shots, in RGB. \param scan, source the scan that they are of, in the renderer's set
 /// \param camera of the small pictures; each is drawn three times as large and averaged, as a small

@@ -29,7 +29,7 @@ TEST(Shots, OfAScanGoAroundEachViewpoint) {
 }
 
 TEST(Shots, OfAPathLookAhead) {
-  r2r::ReferencePath path;
+  tasks::ReferencePath path;
   path.viewpoints = {ViewpointIndex(0), ViewpointIndex(1), ViewpointIndex(2)};
   path.heading = degrees(10);
   EXPECT_THAT(captions(shots_of_path(row(), path)),
@@ -38,12 +38,12 @@ TEST(Shots, OfAPathLookAhead) {
 }
 
 TEST(Shots, OfATrajectoryLookAsTheAgentDid) {
-  r2r::Trajectory walk;
+  tasks::Trajectory walk;
   walk.points = {{ViewpointIndex(0), degrees(180), degrees(-30)},
                  {ViewpointIndex(1), degrees(359.7), {}}};
   EXPECT_THAT(captions(shots_of_trajectory(row(), walk, {})),
               ElementsAre("0 v0\nheading 180, -30", "1 v1\nheading 0"));
-  for (r2r::TrajectoryPoint& point : walk.points) point.heading = point.elevation = Radians(0);
+  for (tasks::TrajectoryPoint& point : walk.points) point.heading = point.elevation = Radians(0);
   EXPECT_THAT(captions(shots_of_trajectory(row(), walk, {})),
               ElementsAre("0 v0\nheading 90", "1 v1\nheading 90"));
 }

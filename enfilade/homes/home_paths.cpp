@@ -10,16 +10,16 @@
 #include "enfilade/homes/home_set.h"
 #include "enfilade/homes/speaking/sights.h"
 #include "enfilade/homes/speaking/speaker.h"
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/path_sampling.h"
 #include "enfilade/scan/regions.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/path_sampling.h"
 
 namespace enfilade::homes {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<std::string> speak(const speaking::SpokenHome& home, const r2r::PathAnnotation& path,
+std::vector<std::string> speak(const speaking::SpokenHome& home, const tasks::PathAnnotation& path,
                                std::uint64_t seed) {
   std::vector<ViewpointIndex> viewpoints;
   for (const std::string& id : path.path) viewpoints.push_back(home.graph.find(id).value());
@@ -34,9 +34,9 @@ std::vector<std::string> speak(const speaking::SpokenHome& home, const r2r::Path
 
 // Instructions for all paths in one home, which is built again for it.
 void speak_in(const HomeEntry& entry, const graph::GraphSet& graphs, const HomePathOptions& options,
-              std::vector<r2r::PathAnnotation>& paths) {
+              std::vector<tasks::PathAnnotation>& paths) {
   const auto [begin, end] =
-      std::ranges::equal_range(paths, entry.scan, {}, &r2r::PathAnnotation::scan);
+      std::ranges::equal_range(paths, entry.scan, {}, &tasks::PathAnnotation::scan);
   if (begin == end) return;
   const BuiltHome built = build_home(entry.plan, Surfaces::kPlain);
   const graph::NavGraph& graph = graphs.graph(entry.scan);
@@ -47,7 +47,7 @@ void speak_in(const HomeEntry& entry, const graph::GraphSet& graphs, const HomeP
   }
 }
 
-void write_splits(const fs::path& folder, const std::map<std::string, r2r::Annotations>& splits,
+void write_splits(const fs::path& folder, const std::map<std::string, tasks::Annotations>& splits,
                   bool test_split) {
   const auto write = [&](const char* part, const char* name, const char* split) {
     make_folder(folder / part);
@@ -71,18 +71,18 @@ HomePathReport write_home_paths(const fs::path& folder, const HomePathOptions& o
                                 folder.string(), homes.size(), least));
   }
   const auto graphs = graph::GraphSet::open(folder / "connectivity");
-  const r2r::SamplingOptions sampling{
+  const tasks::SamplingOptions sampling{
       .per_building = options.per_home, .seed = options.seed, .threads = options.threads};
   const auto regions = scan::RegionMap::load(folder / "regions" / "region_to_panorama.json");
-  std::vector<r2r::PathAnnotation> paths = r2r::sample_paths(*graphs, regions, sampling);
+  std::vector<tasks::PathAnnotation> paths = tasks::sample_paths(*graphs, regions, sampling);
   for (std::size_t i = 0; i < homes.size(); ++i) {
     if (progress) progress(homes[i].scan, i, homes.size());
     speak_in(homes[i], *graphs, options, paths);
   }
   if (progress) progress("", homes.size(), homes.size());
-  r2r::SplitOptions split{.val_seen_share = options.val_seen_share, .seed = options.seed};
+  tasks::SplitOptions split{.val_seen_share = options.val_seen_share, .seed = options.seed};
   if (!options.test_split) split.test_scans = 0;
-  write_splits(folder, r2r::split_by_building(paths, split), options.test_split);
+  write_splits(folder, tasks::split_by_building(paths, split), options.test_split);
   return {paths.size(), paths.size() * speaking::kSpeakers.size()};
 }
 

@@ -16,11 +16,11 @@
 #include "enfilade/graph/corrections.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/graph/nav_graph.h"
-#include "enfilade/r2r/annotations.h"
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/data_root.h"
 #include "enfilade/scan/regions.h"
 #include "enfilade/scan/store.h"
+#include "enfilade/tasks/annotations.h"
 #include "tests/support/emulated.h"
 #include "tests/support/folder_content.h"
 #include "tests/support/refusal.h"
@@ -291,9 +291,9 @@ TEST(HomeSet, WithoutPicturesReadsBackWithNothingOdd) {
   for (const char* split : {"train", "val_seen", "val_unseen"}) {
     SCOPED_TRACE(split);
     const auto episodes =
-        r2r::make_episodes(r2r::load_annotations(data.annotations(split), split), graphs);
+        tasks::make_episodes(tasks::load_annotations(data.annotations(split), split), graphs);
     EXPECT_FALSE(episodes.paths.empty());
-    for (const r2r::ReferencePath& path : episodes.paths) {
+    for (const tasks::ReferencePath& path : episodes.paths) {
       const graph::NavGraph& graph = graphs->graph(path.scan);
       const ViewpointIndex from = path.viewpoints.front(), to = path.viewpoints.back();
       EXPECT_EQ(path.viewpoints.size(), std::clamp<std::size_t>(path.viewpoints.size(), 5, 7));
@@ -313,8 +313,8 @@ TEST(HomeSet, PathsHaveThreeInstructionsAndHiddenGoals) {
   EXPECT_GT(report.paths, 6U);
   EXPECT_EQ(report.instructions, 3 * report.paths);
   const scan::DataRoot data(folder.path());
-  const auto test = r2r::load_annotations(data.annotations("test"), "test");
-  const auto hidden = r2r::load_annotations(folder.path() / "hidden" / "R2R_test.json", "test");
+  const auto test = tasks::load_annotations(data.annotations("test"), "test");
+  const auto hidden = tasks::load_annotations(folder.path() / "hidden" / "R2R_test.json", "test");
   ASSERT_EQ(test.paths.size(), hidden.paths.size());
   for (std::size_t i = 0; i < test.paths.size(); ++i) {
     EXPECT_EQ(test.paths[i].path.size(), 1U);
@@ -337,7 +337,7 @@ TEST(HomeSet, TwoHomesAreEnoughWithoutATestSplit) {
   const scan::DataRoot data(folder.path());
   std::map<std::string, std::set<std::string>> scans;
   for (const char* split : {"train", "val_seen", "val_unseen"}) {
-    for (const auto& path : r2r::load_annotations(data.annotations(split), split).paths) {
+    for (const auto& path : tasks::load_annotations(data.annotations(split), split).paths) {
       scans[split].insert(path.scan);
       EXPECT_EQ(path.instructions.size(), 3U);
     }

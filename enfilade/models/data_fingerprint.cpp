@@ -43,13 +43,13 @@ std::string text_of(const Camera& camera) {
 
 }  // namespace
 
-void DataFingerprint::add(const r2r::Annotations& split) {
+void DataFingerprint::add(const tasks::Annotations& split) {
   annotations[split.split] = detail::hash_of(to_json(split));
 }
 
-void DataFingerprint::add_graphs(const r2r::EpisodeSet& episodes) {
+void DataFingerprint::add_graphs(const tasks::EpisodeSet& episodes) {
   std::set<ScanIndex> scans;
-  for (const r2r::ReferencePath& path : episodes.paths) scans.insert(path.scan);
+  for (const tasks::ReferencePath& path : episodes.paths) scans.insert(path.scan);
   for (const ScanIndex scan : scans) {
     std::string& hash = graphs[episodes.graphs->scans()[scan.at()]];
     if (hash.empty()) hash = hash_of_graph(episodes.graphs->graph(scan));

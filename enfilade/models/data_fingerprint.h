@@ -7,7 +7,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/features/feature_set.h"
-#include "enfilade/r2r/annotations.h"
+#include "enfilade/tasks/annotations.h"
 
 namespace enfilade::models {
 
@@ -17,8 +17,8 @@ struct DataFingerprint {
   std::map<std::string, std::string> graphs;       ///< by scan
   std::optional<features::FeatureInfo> features;   ///< none if the agent does not see
 
-  void add(const r2r::Annotations& split);           ///< the annotations of a split
-  void add_graphs(const r2r::EpisodeSet& episodes);  ///< of all scans that these are in
+  void add(const tasks::Annotations& split);           ///< the annotations of a split
+  void add_graphs(const tasks::EpisodeSet& episodes);  ///< of all scans that these are in
 };
 
 /// Differences between the data of training and the data of now, of splits, scans and features that

@@ -5,21 +5,22 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/tokenizer.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/tokenizer.h"
 
 namespace enfilade::models {
 
 /// The words that occur at least `least_count` times in the instructions of these episodes (5 in
 /// the released code: 991 entries with the special ones for R2R's train).
-r2r::Vocabulary training_vocabulary(const r2r::EpisodeSet& episodes, std::size_t least_count = 5);
+tasks::Vocabulary training_vocabulary(const tasks::EpisodeSet& episodes,
+                                      std::size_t least_count = 5);
 
 /// The instructions of a split as rows of ids (Vocabulary::encode()). Immutable: any thread may
 /// read.
 class EncodedInstructions {
  public:
   /// Encodes the instructions of all episodes; longer ones are cut to max_words.
-  EncodedInstructions(const r2r::EpisodeSet& episodes, const r2r::Vocabulary& vocabulary,
+  EncodedInstructions(const tasks::EpisodeSet& episodes, const tasks::Vocabulary& vocabulary,
                       std::size_t max_words = 80);
 
   std::size_t size() const noexcept { return size_; }  ///< rows: one per episode
@@ -48,6 +49,6 @@ struct ReadingOrder {
   std::vector<std::size_t> places;
 };
 /// Decodes a row. \pre each of its ids is in the vocabulary
-ReadingOrder reading_order(std::span<const std::uint32_t> row, const r2r::Vocabulary& vocabulary);
+ReadingOrder reading_order(std::span<const std::uint32_t> row, const tasks::Vocabulary& vocabulary);
 
 }  // namespace enfilade::models

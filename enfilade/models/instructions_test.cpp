@@ -11,23 +11,23 @@ namespace {
 
 using ::testing::ElementsAre;
 
-r2r::EpisodeSet episodes_of(const std::vector<std::string>& texts) {
-  r2r::EpisodeSet set{"made", graph::GraphSet::of({}), {}, {}};
+tasks::EpisodeSet episodes_of(const std::vector<std::string>& texts) {
+  tasks::EpisodeSet set{"made", graph::GraphSet::of({}), {}, {}};
   for (const std::string& text : texts) {
-    set.episodes.push_back({r2r::instruction_id(1, set.episodes.size()), 0, 0, text});
+    set.episodes.push_back({tasks::instruction_id(1, set.episodes.size()), 0, 0, text});
   }
   return set;
 }
 
 TEST(TrainingVocabulary, KeepsWordsThatOccurOftenEnough) {
-  const r2r::EpisodeSet set = episodes_of({"go left go", "go right left"});
+  const tasks::EpisodeSet set = episodes_of({"go left go", "go right left"});
   EXPECT_THAT(training_vocabulary(set, 2).words(),
               ElementsAre("<PAD>", "<UNK>", "<EOS>", "go", "left"));
 }
 
 TEST(EncodedInstructions, GathersRowsInTheOrderAskedFor) {
-  const r2r::EpisodeSet set = episodes_of({"go left", "stop"});
-  const r2r::Vocabulary words = training_vocabulary(set, 1);  // go 3, left 4, stop 5
+  const tasks::EpisodeSet set = episodes_of({"go left", "stop"});
+  const tasks::Vocabulary words = training_vocabulary(set, 1);  // go 3, left 4, stop 5
   const EncodedInstructions encoded(set, words, 4);
   EXPECT_EQ(encoded.size(), 2U);
   EXPECT_THAT(encoded.row(0), ElementsAre(4, 3, 2, 0));
@@ -37,8 +37,8 @@ TEST(EncodedInstructions, GathersRowsInTheOrderAskedFor) {
 }
 
 TEST(ReadingOrder, TurnsWordsRoundAndPutsTheEndLast) {
-  const r2r::EpisodeSet set = episodes_of({"go left", "go up left"});
-  const r2r::Vocabulary words = training_vocabulary(set, 2);
+  const tasks::EpisodeSet set = episodes_of({"go left", "go up left"});
+  const tasks::Vocabulary words = training_vocabulary(set, 2);
   const EncodedInstructions encoded(set, words, 4);
   const ReadingOrder order = reading_order(encoded.row(1), words);
   EXPECT_THAT(order.words, ElementsAre("go", "<UNK>", "left", "<EOS>"));
@@ -46,8 +46,8 @@ TEST(ReadingOrder, TurnsWordsRoundAndPutsTheEndLast) {
 }
 
 TEST(ReadingOrder, HasNoEndWhereItWasCutOff) {
-  const r2r::EpisodeSet set = episodes_of({"a b c d"});
-  const r2r::Vocabulary words = training_vocabulary(set, 1);
+  const tasks::EpisodeSet set = episodes_of({"a b c d"});
+  const tasks::Vocabulary words = training_vocabulary(set, 1);
   const EncodedInstructions encoded(set, words, 3);
   const ReadingOrder order = reading_order(encoded.row(0), words);
   EXPECT_THAT(order.words, ElementsAre("b", "c", "d"));
@@ -59,16 +59,17 @@ TEST(RealData, TrainingEpisodesAndVocabulariesHaveTheirKnownSizes) {
   const auto data = scan::DataRoot::from_environment();
   if (!data) GTEST_SKIP() << "ENFILADE_DATA is not set: no R2R annotations";
   const auto graphs = graph::GraphSet::open(data->connectivity());
-  const r2r::EpisodeSet set = make_episodes(
-      r2r::load_annotations(data->annotations("train"), "train"), graphs, r2r::Instructions::kAll);
+  const tasks::EpisodeSet set =
+      make_episodes(tasks::load_annotations(data->annotations("train"), "train"), graphs,
+                    tasks::Instructions::kAll);
   EXPECT_EQ(set.episodes.size(), 14'039U);
   EXPECT_EQ(training_vocabulary(set).size(), 991U);
-  const r2r::Vocabulary words = training_vocabulary(set);
+  const tasks::Vocabulary words = training_vocabulary(set);
   const EncodedInstructions encoded(set, words);
   std::size_t long_ones = 0;
   for (std::size_t i = 0; i < encoded.size(); ++i) {
-    long_ones += encoded.row(i).back() != r2r::Vocabulary::kPad &&
-                         encoded.row(i).back() != r2r::Vocabulary::kEnd
+    long_ones += encoded.row(i).back() != tasks::Vocabulary::kPad &&
+                         encoded.row(i).back() != tasks::Vocabulary::kEnd
                      ? 1
                      : 0;
   }

@@ -47,8 +47,8 @@ ModelConfig load_model_config(const fs::path& file) {
   return config;
 }
 
-r2r::Vocabulary load_vocabulary(const ModelFiles& files, const NetworkConfig& network) {
-  r2r::Vocabulary vocabulary = r2r::Vocabulary::load(files.vocabulary());
+tasks::Vocabulary load_vocabulary(const ModelFiles& files, const NetworkConfig& network) {
+  tasks::Vocabulary vocabulary = tasks::Vocabulary::load(files.vocabulary());
   if (vocabulary.size() != network.vocabulary) {
     refuse(files.vocabulary(), "", "wrong-size",
            fmt::format("{} words, but the network was made for {}", vocabulary.size(),

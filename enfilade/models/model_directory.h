@@ -8,7 +8,7 @@
 
 #include "enfilade/models/data_fingerprint.h"
 #include "enfilade/models/train_config.h"
-#include "enfilade/r2r/tokenizer.h"
+#include "enfilade/tasks/tokenizer.h"
 
 namespace enfilade::models {
 
@@ -43,7 +43,7 @@ std::string to_json(const ModelConfig& config);
 ModelConfig load_model_config(const std::filesystem::path& file);
 
 /// Reads vocabulary.txt. \throws FileError; InvalidInput, also if its size is not the network's
-r2r::Vocabulary load_vocabulary(const ModelFiles& files, const NetworkConfig& network);
+tasks::Vocabulary load_vocabulary(const ModelFiles& files, const NetworkConfig& network);
 
 /// `features` if the model sees, else null. \throws ArgumentError if it sees and there are none, or
 /// their size is not the network's

@@ -39,7 +39,7 @@ ModelConfig small_config() {
 class ModelDirectoryTest : public ::testing::Test {
  protected:
   ModelDirectoryTest() {
-    r2r::Vocabulary::build(std::vector<std::string>{"go left"}, 1).save(files_.vocabulary());
+    tasks::Vocabulary::build(std::vector<std::string>{"go left"}, 1).save(files_.vocabulary());
     write_file_atomically(files_.config(), to_json(config_));
   }
 

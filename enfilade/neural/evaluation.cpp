@@ -12,7 +12,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/models/attention.h"
-#include "enfilade/r2r/score.h"
+#include "enfilade/tasks/score.h"
 
 namespace enfilade::neural {
 namespace {
@@ -44,7 +44,7 @@ void for_each_batch(const PreparedSplit& split, R2rEnvironmentConfig config, con
 
 // The episodes whose attention write_walk() writes: the first ones, the best by SPL (of equal SPLs
 // those with the longest paths), and the worst by navigation error.
-std::set<std::size_t> shown_episodes(const GreedyWalk& walk, const r2r::EpisodeSet& episodes,
+std::set<std::size_t> shown_episodes(const GreedyWalk& walk, const tasks::EpisodeSet& episodes,
                                      std::size_t count) {
   const std::size_t total = walk.trajectories.size();
   std::set<std::size_t> shown;
@@ -68,13 +68,13 @@ std::set<std::size_t> shown_episodes(const GreedyWalk& walk, const r2r::EpisodeS
 
 models::EpisodeAttention episode_attention(const GreedyWalk& walk, std::size_t i,
                                            const PreparedSplit& split,
-                                           const r2r::Vocabulary& vocabulary) {
+                                           const tasks::Vocabulary& vocabulary) {
   const models::ReadingOrder order = models::reading_order(split.instructions.row(i), vocabulary);
   const graph::NavGraph& graph = split.episodes.graph_of(split.episodes.episodes[i]);
   const AttentionTrace& trace = walk.traces[i];
   models::EpisodeAttention episode{order.words, {}};
   for (std::size_t step = 0; step < trace.actions.size(); ++step) {
-    const r2r::TrajectoryPoint& point = walk.trajectories[i].points.at(step);
+    const tasks::TrajectoryPoint& point = walk.trajectories[i].points.at(step);
     const std::vector<float>& row = trace.attention[step];
     std::vector<double> attention;
     for (const std::size_t place : order.places) {
@@ -90,7 +90,7 @@ models::EpisodeAttention episode_attention(const GreedyWalk& walk, std::size_t i
 
 }  // namespace
 
-PreparedSplit prepare(r2r::EpisodeSet episodes, const r2r::Vocabulary& vocabulary,
+PreparedSplit prepare(tasks::EpisodeSet episodes, const tasks::Vocabulary& vocabulary,
                       std::size_t max_words, const features::FeatureSet* features) {
   models::EncodedInstructions instructions(episodes, vocabulary, max_words);
   std::optional<ViewFeatures> views;
@@ -146,7 +146,7 @@ double compute_loss(Network& network, const PreparedSplit& split, const LossOpti
 
 void write_walk(const std::filesystem::path& results, const std::filesystem::path& attention,
                 const GreedyWalk& walk, const PreparedSplit& split,
-                const r2r::Vocabulary& vocabulary, std::size_t attention_episodes) {
+                const tasks::Vocabulary& vocabulary, std::size_t attention_episodes) {
   for (const auto& file : {results, attention}) make_folder(file.parent_path());
   write_file_atomically(results, to_json(walk.trajectories, split.episodes));
   std::vector<std::pair<std::string, models::EpisodeAttention>> shown;

@@ -10,14 +10,14 @@
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/r2r_environment.h"
 #include "enfilade/neural/view_features.h"
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/results.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::neural {
 
 /// A split with its encoded instructions and features. Immutable: any thread may read.
 struct PreparedSplit {
-  r2r::EpisodeSet episodes;
+  tasks::EpisodeSet episodes;
   models::EncodedInstructions instructions;
   std::optional<ViewFeatures> features;  ///< none if the network does not see
 
@@ -26,7 +26,7 @@ struct PreparedSplit {
 };
 /// Encodes instructions and looks up features. \param features null if the network does not see
 /// \throws as ViewFeatures
-PreparedSplit prepare(r2r::EpisodeSet episodes, const r2r::Vocabulary& vocabulary,
+PreparedSplit prepare(tasks::EpisodeSet episodes, const tasks::Vocabulary& vocabulary,
                       std::size_t max_words, const features::FeatureSet* features);
 
 /// The actions of one episode, and the attention to the instruction before each.
@@ -38,8 +38,8 @@ struct AttentionTrace {
 
 /// The walks of all episodes of a split.
 struct GreedyWalk {
-  std::vector<r2r::Trajectory> trajectories;  ///< one per episode, in order
-  std::vector<AttentionTrace> traces;         ///< likewise
+  std::vector<tasks::Trajectory> trajectories;  ///< one per episode, in order
+  std::vector<AttentionTrace> traces;           ///< likewise
 };
 
 /// Sizes of a walk.
@@ -71,6 +71,6 @@ double compute_loss(Network& network, const PreparedSplit& split, const LossOpti
 /// \throws FileError
 void write_walk(const std::filesystem::path& results, const std::filesystem::path& attention,
                 const GreedyWalk& walk, const PreparedSplit& split,
-                const r2r::Vocabulary& vocabulary, std::size_t attention_episodes = 60);
+                const tasks::Vocabulary& vocabulary, std::size_t attention_episodes = 60);
 
 }  // namespace enfilade::neural

@@ -28,7 +28,7 @@ class EvaluationTest : public ::testing::Test {
   static void TearDownTestSuite() { small_.reset(); }
 
   static fs::path folder() { return small_->model("model"); }
-  r2r::EpisodeSet episodes(const std::string& split) const {
+  tasks::EpisodeSet episodes(const std::string& split) const {
     return make_episodes(small_->root().annotations(split), graphs_);
   }
   PreparedSplit prepared(const std::string& split) const {
@@ -44,8 +44,8 @@ class EvaluationTest : public ::testing::Test {
 };
 std::unique_ptr<tests::SmallTraining> EvaluationTest::small_;
 
-bool same(const std::vector<r2r::Trajectory>& a, const std::vector<r2r::Trajectory>& b,
-          const r2r::EpisodeSet& episodes) {
+bool same(const std::vector<tasks::Trajectory>& a, const std::vector<tasks::Trajectory>& b,
+          const tasks::EpisodeSet& episodes) {
   return to_json(a, episodes) == to_json(b, episodes);
 }
 
@@ -104,7 +104,7 @@ TEST_F(EvaluationTest, AttentionFilesSayWhatWasReadDoneAndSeen) {
   EXPECT_GE(json.size(), 6U);
   EXPECT_LE(json.size(), 10U);  // six, two of the best, two of the worst
   for (std::size_t i = 0; i < 6; ++i) {
-    const r2r::Episode& episode = split.episodes.episodes[i];
+    const tasks::Episode& episode = split.episodes.episodes[i];
     const auto& one = json.at(episode.instruction_id);
     const models::ReadingOrder order =
         models::reading_order(split.instructions.row(i), model_.vocabulary);
@@ -112,7 +112,7 @@ TEST_F(EvaluationTest, AttentionFilesSayWhatWasReadDoneAndSeen) {
     ASSERT_EQ(one["steps"].size(), walk.traces[i].actions.size());
     for (std::size_t step = 0; step < one["steps"].size(); ++step) {
       const auto& said = one["steps"][step];
-      const r2r::TrajectoryPoint& point = walk.trajectories[i].points[step];
+      const tasks::TrajectoryPoint& point = walk.trajectories[i].points[step];
       EXPECT_EQ(said["action"], to_string(SixAction{walk.traces[i].actions[step]}));
       EXPECT_EQ(said["viewpoint"], split.episodes.graph_of(episode).id(point.viewpoint));
       EXPECT_NEAR(said["heading"], point.heading.value, 1e-5);  // six digits are written

@@ -17,7 +17,7 @@ Model load_model(const fs::path& folder, const std::string& device) {
                                 folder.string(), file.filename().string()));
   }
   models::ModelConfig config = models::load_model_config(files.config());
-  r2r::Vocabulary vocabulary = models::load_vocabulary(files, config.training.network);
+  tasks::Vocabulary vocabulary = models::load_vocabulary(files, config.training.network);
   const models::StateFile state = models::open_state(files.weights());
   Network network(config.training.network, config.training.seed, device);
   network.load_weights(state.file);

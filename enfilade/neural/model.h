@@ -6,14 +6,14 @@
 
 #include "enfilade/models/model_directory.h"
 #include "enfilade/neural/network.h"
-#include "enfilade/r2r/tokenizer.h"
+#include "enfilade/tasks/tokenizer.h"
 
 namespace enfilade::neural {
 
 /// The content of a model directory, without the checkpoint.
 struct Model {
   models::ModelConfig config;
-  r2r::Vocabulary vocabulary;
+  tasks::Vocabulary vocabulary;
   std::uint64_t iteration = 0;  ///< of the weights
   Network network;
 };

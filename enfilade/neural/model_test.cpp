@@ -18,7 +18,7 @@ class ModelTest : public ::testing::Test {
  protected:
   ModelTest() {
     config_.training.network = {5, 8, 4, 6, 3, 7, 0.25, {true, true}};
-    r2r::Vocabulary::build(std::vector<std::string>{"go left"}, 1).save(files_.vocabulary());
+    tasks::Vocabulary::build(std::vector<std::string>{"go left"}, 1).save(files_.vocabulary());
     write_file_atomically(files_.config(), to_json(config_));
     models::write_state(files_.weights(), Network(config_.training.network, 1).weights().arrays,
                         40);
@@ -45,7 +45,7 @@ TEST_F(ModelTest, NamesTheFileThatIsMissing) {
 }
 
 TEST_F(ModelTest, AVocabularyOfAnotherSizeIsAnError) {
-  r2r::Vocabulary::build(std::vector<std::string>{"go left now"}, 1).save(files_.vocabulary());
+  tasks::Vocabulary::build(std::vector<std::string>{"go left now"}, 1).save(files_.vocabulary());
   EXPECT_THAT(
       [&] { load_model(folder_.path()); },
       ThrowsMessage<InvalidInput>(AllOf(HasSubstr("vocabulary.txt"),

@@ -5,7 +5,7 @@
 #include "enfilade/agents/shortest.h"
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/r2r/score.h"
+#include "enfilade/tasks/score.h"
 
 namespace enfilade::neural {
 namespace {
@@ -21,7 +21,7 @@ sim::SimulatorConfig simulator_config(const R2rEnvironmentConfig& config) {
 
 }  // namespace
 
-R2rEnvironment::R2rEnvironment(const r2r::EpisodeSet& episodes, const ViewFeatures* features,
+R2rEnvironment::R2rEnvironment(const tasks::EpisodeSet& episodes, const ViewFeatures* features,
                                const R2rEnvironmentConfig& config)
     : features_(features),
       config_(config),

@@ -8,8 +8,8 @@
 #include "enfilade/models/train_config.h"
 #include "enfilade/neural/environment.h"
 #include "enfilade/neural/view_features.h"
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/results.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::neural {
 
@@ -29,7 +29,7 @@ class R2rEnvironment : public Environment {
  public:
   /// `episodes` and `features` (null: none, dimensions() is 0) have to outlive *this.
   /// \throws ArgumentError for a batch_size of 0, or kIntended where goals are hidden
-  R2rEnvironment(const r2r::EpisodeSet& episodes, const ViewFeatures* features,
+  R2rEnvironment(const tasks::EpisodeSet& episodes, const ViewFeatures* features,
                  const R2rEnvironmentConfig& config);
 
   /// Begins these episodes (indices into EpisodeSet::episodes). Must come before the first
@@ -45,7 +45,7 @@ class R2rEnvironment : public Environment {
 
   /// What each agent has walked since start(), as results files want it: the start, then an entry
   /// an action until `end`, which adds none.
-  std::span<const r2r::Trajectory> trajectories() const noexcept { return batch_.trajectories(); }
+  std::span<const tasks::Trajectory> trajectories() const noexcept { return batch_.trajectories(); }
 
  private:
   agents::Decision teacher(std::size_t slot) const;

@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/r2r/score.h"
 #include "enfilade/scan/data_root.h"
+#include "enfilade/tasks/score.h"
 #include "tests/support/graphs.h"
 #include "tests/support/temporary_folder.h"
 
@@ -33,17 +33,17 @@ struct PathEnds {
   double heading;  // degrees
 };
 
-r2r::EpisodeSet episodes_on(const scan::Connectivity& connectivity,
-                            const std::vector<PathEnds>& ends) {
+tasks::EpisodeSet episodes_on(const scan::Connectivity& connectivity,
+                              const std::vector<PathEnds>& ends) {
   std::vector<graph::NavGraph> graphs;
   graphs.emplace_back(connectivity);
-  r2r::EpisodeSet set{"made", graph::GraphSet::of(std::move(graphs)), {}, {}};
+  tasks::EpisodeSet set{"made", graph::GraphSet::of(std::move(graphs)), {}, {}};
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const auto path = set.graphs->graph(ScanIndex(0))
                           .path(ViewpointIndex(ends[i].start), ViewpointIndex(ends[i].goal));
     set.paths.push_back(
         {static_cast<std::int64_t>(i), ScanIndex(0), degrees(ends[i].heading), path.value()});
-    set.episodes.push_back({r2r::instruction_id(static_cast<std::int64_t>(i), 0), i, 0, "walk"});
+    set.episodes.push_back({tasks::instruction_id(static_cast<std::int64_t>(i), 0), i, 0, "walk"});
   }
   return set;
 }
@@ -51,7 +51,7 @@ r2r::EpisodeSet episodes_on(const scan::Connectivity& connectivity,
 // An environment over all episodes of a set at once, and what it shows.
 class Walk {
  public:
-  Walk(const r2r::EpisodeSet& set, models::AfterEnd after_end = models::AfterEnd::kWalksOn,
+  Walk(const tasks::EpisodeSet& set, models::AfterEnd after_end = models::AfterEnd::kWalksOn,
        models::ForwardTo forward = models::ForwardTo::kNearest)
       : environment_(set, nullptr, {set.episodes.size(), 20, after_end, forward}) {
     std::vector<std::size_t> all(set.episodes.size());
@@ -91,7 +91,7 @@ class Walk {
 
 TEST(R2rEnvironment, SixActionsDoWhatTheySay) {
   // Corner 0 of the square, looking north at corner 3.
-  const r2r::EpisodeSet set = episodes_on(
+  const tasks::EpisodeSet set = episodes_on(
       graph::testing::square(), {{0, 3, 0}, {0, 3, 0}, {0, 3, 0}, {0, 3, 0}, {0, 3, 0}, {0, 3, 0}});
   Walk walk(set);
   EXPECT_TRUE(walk.step({kLeft, kRight, kUp, kDown, kForward, kEnd}));
@@ -105,7 +105,7 @@ TEST(R2rEnvironment, SixActionsDoWhatTheySay) {
 }
 
 TEST(R2rEnvironment, ElevationIsClampedAndTheHeadingOfTheStartSnapped) {
-  const r2r::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 44}, {0, 3, 46}});
+  const tasks::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 44}, {0, 3, 46}});
   Walk walk(set);
   EXPECT_NEAR(walk.heading(0), 30, 1e-9);
   EXPECT_NEAR(walk.heading(1), 60, 1e-9);
@@ -116,7 +116,7 @@ TEST(R2rEnvironment, ElevationIsClampedAndTheHeadingOfTheStartSnapped) {
 
 TEST(R2rEnvironment, ForwardIsClosedWhereNothingIsAheadAndThenStays) {
   // From corner 0 the others are north and east; south-west there is nothing.
-  const r2r::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 2, 0}, {0, 2, 210}});
+  const tasks::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 2, 0}, {0, 2, 210}});
   Walk walk(set);
   EXPECT_THAT(walk.open(), ElementsAre(1, 0));
   walk.step({kForward, kForward});
@@ -124,7 +124,7 @@ TEST(R2rEnvironment, ForwardIsClosedWhereNothingIsAheadAndThenStays) {
 }
 
 TEST(R2rEnvironment, InputsThatAreNoActionsStay) {
-  const r2r::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}, {0, 3, 0}});
+  const tasks::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}, {0, 3, 0}});
   Walk walk(set);
   EXPECT_TRUE(walk.step({kIgnoreInput, kStartInput}));
   EXPECT_THAT(walk.places(0), ElementsAre(0, 0));
@@ -132,7 +132,7 @@ TEST(R2rEnvironment, InputsThatAreNoActionsStay) {
 }
 
 TEST(R2rEnvironment, LabelsFollowTheTeacher) {
-  const r2r::EpisodeSet set = episodes_on(
+  const tasks::EpisodeSet set = episodes_on(
       graph::testing::square(), {{0, 3, 0}, {0, 3, 90}, {0, 3, 270}, {0, 0, 0}, {0, 3, 180}});
   Walk walk(set);
   // North is ahead; to the left; to the right; here; and as far either way, which is right.
@@ -141,7 +141,7 @@ TEST(R2rEnvironment, LabelsFollowTheTeacher) {
 
 TEST(R2rEnvironment, LabelsLookUpAndDownStairs) {
   const double rise = std::sqrt(3.0);  // 60 degrees over 1 m
-  const r2r::EpisodeSet set =
+  const tasks::EpisodeSet set =
       episodes_on(graph::testing::connectivity("s", {{0, 0, 0}, {0, 1, rise}, {0, -1, -rise}},
                                                {{0, 1}, {0, 2}}),
                   {{0, 1, 0}, {0, 2, 180}});
@@ -152,7 +152,7 @@ TEST(R2rEnvironment, LabelsLookUpAndDownStairs) {
 }
 
 TEST(R2rEnvironment, WhoEndedAwayFromTheGoalIsLabelledAndMovedAsInTheReleasedCode) {
-  const r2r::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}, {0, 3, 90}});
+  const tasks::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}, {0, 3, 90}});
   Walk walk(set);
   walk.step({kEnd, kLeft});
   EXPECT_EQ(walk.labels()[0], kForward);
@@ -165,7 +165,7 @@ TEST(R2rEnvironment, WhoEndedAwayFromTheGoalIsLabelledAndMovedAsInTheReleasedCod
 }
 
 TEST(R2rEnvironment, WhoEndedStaysIfSoWished) {
-  const r2r::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}, {0, 3, 90}});
+  const tasks::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}, {0, 3, 90}});
   Walk walk(set, models::AfterEnd::kStays);
   walk.step({kEnd, kLeft});
   EXPECT_EQ(walk.labels()[0], kIgnoreLabel);
@@ -177,7 +177,7 @@ TEST(R2rEnvironment, WhoEndedStaysIfSoWished) {
 TEST(R2rEnvironment, ForwardLeadsToTheNearestOrToTheIntendedNeighbour) {
   // From v0 v1 is straight ahead and v2 25 degrees to the right; the goal is v2, within 30 degrees.
   const double a = degrees(25).value;
-  const r2r::EpisodeSet set = episodes_on(
+  const tasks::EpisodeSet set = episodes_on(
       graph::testing::connectivity(
           "s", {{0, 0, 0}, {0, 2, 0}, {3 * std::sin(a), 3 * std::cos(a), 0}}, {{0, 1}, {0, 2}}),
       {{0, 2, 0}});
@@ -191,7 +191,7 @@ TEST(R2rEnvironment, ForwardLeadsToTheNearestOrToTheIntendedNeighbour) {
 }
 
 TEST(R2rEnvironment, HiddenGoalsLeaveNoTeacher) {
-  r2r::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}});
+  tasks::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}});
   set.paths[0].viewpoints.resize(1);
   EXPECT_FALSE(R2rEnvironment(set, nullptr, {1}).has_teacher());
   EXPECT_THAT(
@@ -203,7 +203,7 @@ TEST(R2rEnvironment, HiddenGoalsLeaveNoTeacher) {
 }
 
 TEST(R2rEnvironment, RefusesBatchesThatDoNotFit) {
-  const r2r::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}});
+  const tasks::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}});
   R2rEnvironment environment(set, nullptr, {2});
   EXPECT_THAT([&] { environment.start(std::vector<std::size_t>{0}); },
               ThrowsMessage<ArgumentError>(HasSubstr("1 episodes for a batch of 2")));
@@ -216,7 +216,7 @@ TEST(R2rEnvironment, RefusesBatchesThatDoNotFit) {
 
 TEST(R2rEnvironment, ShowsTheFeatureOfTheViewThatEachAgentHas) {
   const tests::TemporaryFolder folder("environment");
-  const r2r::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}, {2, 0, 0}});
+  const tasks::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}, {2, 0, 0}});
   const std::filesystem::path file = folder.path() / "f.safetensors";
   features::FeatureInfo info;
   info.dimensions = 2;
@@ -247,7 +247,7 @@ TEST(R2rEnvironment, ShowsTheFeatureOfTheViewThatEachAgentHas) {
 
 TEST(ViewFeatures, NamesViewpointsThatAreMissing) {
   const tests::TemporaryFolder folder("features");
-  const r2r::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}});
+  const tasks::EpisodeSet set = episodes_on(graph::testing::square(), {{0, 3, 0}});
   const std::filesystem::path file = folder.path() / "f.safetensors";
   features::FeatureInfo info;
   info.dimensions = 1;
@@ -266,9 +266,9 @@ struct Imitation {
   std::size_t most_actions = 0;
 };
 
-Imitation imitate(const r2r::EpisodeSet& set, models::ForwardTo forward, std::size_t max_steps) {
+Imitation imitate(const tasks::EpisodeSet& set, models::ForwardTo forward, std::size_t max_steps) {
   Imitation result;
-  std::vector<r2r::Trajectory> all;
+  std::vector<tasks::Trajectory> all;
   const std::size_t total = set.episodes.size();
   for (std::size_t first = 0; first < total; first += 500) {
     const std::size_t n = std::min<std::size_t>(500, total - first);
@@ -292,7 +292,7 @@ Imitation imitate(const r2r::EpisodeSet& set, models::ForwardTo forward, std::si
       result.most_actions = std::max(result.most_actions, actions);
     }
   }
-  for (const r2r::EpisodeMetrics& m : score_trajectories(all, set, {}, 0)) {
+  for (const tasks::EpisodeMetrics& m : score_trajectories(all, set, {}, 0)) {
     result.success += m.success;
     result.length += m.trajectory_length;
   }
@@ -317,8 +317,8 @@ TEST(RealData, APerfectImitatorReachesTheCeilingOfTheSixActions) {
   for (const Row& row :
        {Row{"train", 97.3, 10.79, 86, 12.0}, Row{"val_seen", 97.4, 11.05, 85, 11.9},
         Row{"val_unseen", 95.9, 10.17, 85, 12.8}}) {
-    const r2r::EpisodeSet set =
-        make_episodes(r2r::load_annotations(data->annotations(row.split), row.split), graphs);
+    const tasks::EpisodeSet set =
+        make_episodes(tasks::load_annotations(data->annotations(row.split), row.split), graphs);
     const Imitation six = imitate(set, models::ForwardTo::kNearest, 20);
     EXPECT_NEAR(100 * six.success, row.success, 0.05 + 1e-9) << row.split;
     EXPECT_NEAR(six.length, row.length, 0.005 + 1e-9) << row.split;

@@ -11,7 +11,7 @@
 #include "enfilade/models/model_directory.h"
 #include "enfilade/neural/detail/episode_order.h"
 #include "enfilade/neural/evaluation.h"
-#include "enfilade/r2r/score.h"
+#include "enfilade/tasks/score.h"
 
 namespace enfilade::neural {
 namespace {
@@ -51,13 +51,13 @@ class TimedEnvironment : public Environment {
 };
 
 // The episodes of several splits as one.
-r2r::EpisodeSet join(std::vector<r2r::EpisodeSet> sets) {
-  r2r::EpisodeSet all = std::move(sets.front());
+tasks::EpisodeSet join(std::vector<tasks::EpisodeSet> sets) {
+  tasks::EpisodeSet all = std::move(sets.front());
   for (std::size_t k = 1; k < sets.size(); ++k) {
     const std::size_t first = all.paths.size();
     all.split += "+" + sets[k].split;
     all.paths.insert(all.paths.end(), sets[k].paths.begin(), sets[k].paths.end());
-    for (r2r::Episode& episode : sets[k].episodes) {
+    for (tasks::Episode& episode : sets[k].episodes) {
       episode.path += first;
       all.episodes.push_back(std::move(episode));
     }
@@ -66,14 +66,14 @@ r2r::EpisodeSet join(std::vector<r2r::EpisodeSet> sets) {
 }
 
 models::TrainConfig completed(models::TrainConfig config, const TrainingData& data,
-                              const r2r::Vocabulary& vocabulary) {
+                              const tasks::Vocabulary& vocabulary) {
   config.network.vocabulary = vocabulary.size();
   config.network.features =
       config.network.inputs.vision && data.features ? data.features->info().dimensions : 0;
   return config;
 }
 
-void require_goals(const r2r::EpisodeSet& episodes) {
+void require_goals(const tasks::EpisodeSet& episodes) {
   if (!goals_hidden(episodes)) return;
   throw ArgumentError(
       fmt::format("split {}: its goals are hidden, so it cannot be trained on or validated with",
@@ -82,7 +82,7 @@ void require_goals(const r2r::EpisodeSet& episodes) {
 
 // Checks that the model in the directory has this config and data.
 void check_same_model(const models::ModelFiles& files, const models::ModelConfig& now,
-                      const r2r::Vocabulary& vocabulary) {
+                      const tasks::Vocabulary& vocabulary) {
   const models::ModelConfig there = models::load_model_config(files.config());
   std::vector<std::string> found = differences(there.training, now.training);
   for (const Diagnostic& one : differences(there.data, now.data, files.config().string())) {
@@ -179,7 +179,7 @@ class Training {
     const std::size_t words = config().network.max_words;
     training_.emplace(prepare(data_.training, vocabulary_, words, features()));
     if (config().evaluate_every > 0) {
-      for (const r2r::EpisodeSet& split : data_.validation) {
+      for (const tasks::EpisodeSet& split : data_.validation) {
         validation_.push_back(prepare(split, vocabulary_, words, features()));
       }
     }
@@ -257,9 +257,9 @@ class Training {
                                     compute_loss(network_, split, loss)};
     const GreedyWalk walk = walk_greedily(network_, split, walk_options);
     write_walk(files_.results(name), files_.attention(name), walk, split, vocabulary_);
-    r2r::ScoreOptions options;
+    tasks::ScoreOptions options;
     options.bootstrap_samples = 0;
-    const r2r::Score score = compute_score(walk.trajectories, split.episodes, options);
+    const tasks::Score score = compute_score(walk.trajectories, split.episodes, options);
     record.trajectory_length = score.mean("trajectory_length").mean;
     record.nav_error = score.mean("nav_error").mean;
     record.success_rate = score.mean("success").mean;
@@ -271,7 +271,7 @@ class Training {
   const TrainingData& data_;
   models::ModelFiles files_;
   const TrainingListener& listener_;
-  r2r::Vocabulary vocabulary_;
+  tasks::Vocabulary vocabulary_;
   models::ModelConfig model_;
   models::FolderLock lock_;
   Network network_;
@@ -298,21 +298,21 @@ TrainingData load_training_data(const dataset::Dataset& dataset, const models::T
     data.features = features::FeatureSet::open(*features);
     data.fingerprint.features = data.features->info();
   }
-  const auto load = [&](const std::string& split, r2r::Instructions instructions) {
-    const r2r::Annotations annotations = dataset.annotations(split);
-    r2r::EpisodeSet episodes = make_episodes(annotations, dataset.graphs(), instructions);
+  const auto load = [&](const std::string& split, tasks::Instructions instructions) {
+    const tasks::Annotations annotations = dataset.annotations(split);
+    tasks::EpisodeSet episodes = make_episodes(annotations, dataset.graphs(), instructions);
     require_goals(episodes);
     data.fingerprint.add(annotations);
     data.fingerprint.add_graphs(episodes);
     return episodes;
   };
-  std::vector<r2r::EpisodeSet> training;
+  std::vector<tasks::EpisodeSet> training;
   for (const std::string& split : config.splits) {
-    training.push_back(load(split, r2r::Instructions::kAll));
+    training.push_back(load(split, tasks::Instructions::kAll));
   }
   data.training = join(std::move(training));
   for (const std::string& split : config.validation) {
-    data.validation.push_back(load(split, r2r::Instructions::kScored));
+    data.validation.push_back(load(split, tasks::Instructions::kScored));
   }
   return data;
 }

@@ -11,7 +11,7 @@
 #include "enfilade/models/data_fingerprint.h"
 #include "enfilade/models/train_config.h"
 #include "enfilade/models/training_log.h"
-#include "enfilade/r2r/annotations.h"
+#include "enfilade/tasks/annotations.h"
 
 #include "enfilade/dataset/dataset.h"
 
@@ -19,8 +19,8 @@ namespace enfilade::neural {
 
 /// What an agent is trained and validated on.
 struct TrainingData {
-  r2r::EpisodeSet training;                 ///< of all splits trained on, fourth instructions too
-  std::vector<r2r::EpisodeSet> validation;  ///< scored instructions only
+  tasks::EpisodeSet training;                 ///< of all splits trained on, fourth instructions too
+  std::vector<tasks::EpisodeSet> validation;  ///< scored instructions only
   std::optional<features::FeatureSet> features;  ///< none: the agent does not see
   models::DataFingerprint fingerprint;
 };

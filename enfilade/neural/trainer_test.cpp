@@ -14,7 +14,7 @@
 #include "enfilade/models/folder_lock.h"
 #include "enfilade/neural/device.h"
 #include "enfilade/neural/model.h"
-#include "enfilade/r2r/score.h"
+#include "enfilade/tasks/score.h"
 #include "tests/support/refusal.h"
 #include "tests/support/small_training.h"
 
@@ -90,7 +90,7 @@ TEST_F(TrainerTest, ResultsAreThoseOfTheLastEvaluation) {
   train_into(folder, small_->config());
   const auto data = small_->load(small_->config());
   for (std::size_t k = 0; k < 2; ++k) {
-    const r2r::EpisodeSet& split = data.validation[k];
+    const tasks::EpisodeSet& split = data.validation[k];
     const auto results = load_results(models::ModelFiles{folder}.results(split.split), split);
     const auto score = compute_score(results.trajectories, split);
     const auto line = log(folder).at(5 + k);
@@ -301,8 +301,8 @@ TEST_F(TrainerTest, SplitsToTrainOnAreJoined) {
   EXPECT_EQ(data.training.episodes.size(), train_only + others);
   EXPECT_EQ(data.training.split, "train+val_seen+val_unseen");
   // Each episode still has its own path.
-  const r2r::Episode& last = data.training.episodes.back();
-  const r2r::Episode& same = data.validation[1].episodes.back();
+  const tasks::Episode& last = data.training.episodes.back();
+  const tasks::Episode& same = data.validation[1].episodes.back();
   EXPECT_EQ(last.instruction_id, same.instruction_id);
   EXPECT_EQ(data.training.path_of(last).viewpoints, data.validation[1].path_of(same).viewpoints);
 }

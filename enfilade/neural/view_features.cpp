@@ -31,14 +31,14 @@ std::vector<std::uint32_t> rows_of(const features::FeatureSet& features,
 
 }  // namespace
 
-ViewFeatures::ViewFeatures(features::FeatureSet features, const r2r::EpisodeSet& episodes)
+ViewFeatures::ViewFeatures(features::FeatureSet features, const tasks::EpisodeSet& episodes)
     : features_(std::move(features)), graphs_(episodes.graphs), rows_(episodes.graphs->size()) {
   if (features_.info().views != kViews) {
     refuse("features", "", "wrong-views",
            fmt::format("{} views a viewpoint, not {}", features_.info().views, kViews));
   }
   std::vector<std::string> missing;
-  for (const r2r::ReferencePath& path : episodes.paths) {
+  for (const tasks::ReferencePath& path : episodes.paths) {
     std::vector<std::uint32_t>& rows = rows_[path.scan.at()];
     if (rows.empty()) rows = rows_of(features_, episodes.graphs->graph(path.scan), missing);
   }

@@ -8,7 +8,7 @@
 
 #include "enfilade/core/ids.h"
 #include "enfilade/features/feature_set.h"
-#include "enfilade/r2r/annotations.h"
+#include "enfilade/tasks/annotations.h"
 
 namespace enfilade::neural {
 
@@ -21,7 +21,7 @@ class ViewFeatures {
   /// Looks up each included viewpoint of each scan that `episodes` use; reads their graphs.
   /// \throws InvalidInput if the set has not kViews views per viewpoint, or naming the viewpoints
   /// that are missing; errors of graph files
-  ViewFeatures(features::FeatureSet features, const r2r::EpisodeSet& episodes);
+  ViewFeatures(features::FeatureSet features, const tasks::EpisodeSet& episodes);
 
   std::size_t dimensions() const noexcept { return features_.info().dimensions; }
   ScanIndex scan(std::string_view name) const { return graphs_->at(name); }  ///< for copy()

@@ -87,7 +87,7 @@ class Reporter {
   Json gallery() {
     chosen_run_ = parts::choose_run(runs_, found_);
     if (!chosen_run_) return parts::missing("There are no results that can be scored.");
-    const r2r::EpisodeSet& episodes = runs_.splits.at(chosen_run_->run->split);
+    const tasks::EpisodeSet& episodes = runs_.splits.at(chosen_run_->run->split);
     chosen_ = choose_episodes(*chosen_run_, episodes, config_.episodes_of_a_kind);
     return gallery_part(*chosen_run_, episodes, chosen_, data_);
   }
@@ -112,9 +112,9 @@ class Reporter {
     add("data", fmt::format("{}, {} buildings{}", folder, runs_.graphs->size(),
                             synthetic_ ? " (synthetic model homes)" : ""));
     std::string instructions;
-    for (const r2r::Annotations& split : splits_) {
+    for (const tasks::Annotations& split : splits_) {
       std::size_t count = 0;
-      for (const r2r::PathAnnotation& path : split.paths) count += path.instructions.size();
+      for (const tasks::PathAnnotation& path : split.paths) count += path.instructions.size();
       instructions += fmt::format("{}{} {}", instructions.empty() ? "" : ", ", split.split, count);
     }
     if (!instructions.empty()) add("instructions", instructions);
@@ -136,7 +136,7 @@ class Reporter {
   const Progress& progress_;
   RunDirectory found_;
   ScoredRuns runs_;
-  std::vector<r2r::Annotations> splits_;
+  std::vector<tasks::Annotations> splits_;
   bool synthetic_;
   std::optional<parts::GalleryRun> chosen_run_;
   std::vector<parts::ChosenEpisode> chosen_;

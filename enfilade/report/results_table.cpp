@@ -47,11 +47,11 @@ double student_quantile(std::size_t freedom) {
   return 1.960 + 2.45 / static_cast<double>(freedom);  // within 0.001 of the table's next entries
 }
 
-r2r::MeanInterval value_of(const std::vector<const ScoredRun*>& runs, const TableColumn& column) {
+tasks::MeanInterval value_of(const std::vector<const ScoredRun*>& runs, const TableColumn& column) {
   if (runs.size() == 1) return runs.front()->score.mean(column.metric);
   std::vector<double> means;
   for (const ScoredRun* run : runs) means.push_back(run->score.mean(column.metric).mean);
-  r2r::MeanInterval interval = student_interval(means);
+  tasks::MeanInterval interval = student_interval(means);
   interval.low = std::max(interval.low, 0.0);
   if (column.scale != 1) interval.high = std::min(interval.high, 1.0);
   return interval;
@@ -75,7 +75,7 @@ TableRow make_row(const std::vector<const ScoredRun*>& runs, bool synthetic) {
 
 std::span<const TableColumn, kTableColumns> table_columns() noexcept { return kColumns; }
 
-r2r::MeanInterval student_interval(std::span<const double> samples) {
+tasks::MeanInterval student_interval(std::span<const double> samples) {
   EN_CHECK(!samples.empty());
   const auto n = static_cast<double>(samples.size());
   double mean = 0;

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "enfilade/r2r/bootstrap.h"
 #include "enfilade/report/scored_runs.h"
+#include "enfilade/tasks/bootstrap.h"
 
 namespace enfilade::report {
 
@@ -56,7 +56,7 @@ struct TableRow {
   /// interval over paths. Of several: the mean of their means and Student's interval of it over
   /// runs, clipped to the values that are possible. It shows how much runs differ by their seeds,
   /// not by the choice of paths.
-  std::array<r2r::MeanInterval, kTableColumns> values;
+  std::array<tasks::MeanInterval, kTableColumns> values;
   std::optional<PublishedRow> published;  ///< only where episodes are those of the paper's split
 };
 
@@ -72,7 +72,7 @@ ResultsTable make_table(const ScoredRuns& runs, bool synthetic);
 
 /// Mean and two-sided 95 % interval of a few independent samples by Student's distribution.
 /// \pre not empty; of one sample the interval is empty (low = high = mean)
-r2r::MeanInterval student_interval(std::span<const double> samples);
+tasks::MeanInterval student_interval(std::span<const double> samples);
 
 /// For people, in columns.
 std::string to_text(const ResultsTable& table);

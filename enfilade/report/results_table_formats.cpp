@@ -34,7 +34,7 @@ std::string shown(double value, const TableColumn& column) {
   return fmt::format("{:.{}f}", column.scale * value, column.digits);
 }
 
-std::string shown_interval(const r2r::MeanInterval& value, const TableColumn& column) {
+std::string shown_interval(const tasks::MeanInterval& value, const TableColumn& column) {
   if (value.low == value.high) return {};
   return fmt::format(" [{}, {}]", shown(value.low, column), shown(value.high, column));
 }
@@ -58,7 +58,7 @@ std::vector<std::string> notes_of(const ResultsTable& table) {
 }
 
 Json value_json(const TableRow& row, std::size_t k) {
-  const r2r::MeanInterval& value = row.values.at(k);
+  const tasks::MeanInterval& value = row.values.at(k);
   // Infinities become null.
   Json json{{"mean", value.mean}, {"low", value.low}, {"high", value.high}};
   if (!row.published) return json;
@@ -157,7 +157,7 @@ std::string to_csv(const ResultsTable& table) {
     text += fmt::format("{},{},{},{},{}", csv_cell(row.agent), csv_cell(row.split), row.runs.size(),
                         row.episodes, table.synthetic ? "yes" : "no");
     for (std::size_t k = 0; k < kTableColumns; ++k) {
-      const r2r::MeanInterval& value = row.values.at(k);
+      const tasks::MeanInterval& value = row.values.at(k);
       const auto published =
           row.published ? published_value(*row.published, table_columns()[k].metric) : std::nullopt;
       text += fmt::format(",{},{},{},{}", csv_number(value.mean), csv_number(value.low),

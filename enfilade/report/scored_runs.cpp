@@ -13,13 +13,13 @@ ScoredRuns score_runs(const RunDirectory& found, const dataset::Dataset& data,
     if (!scored.splits.contains(file.split)) {
       scored.splits.emplace(file.split, data.episodes(file.split));
     }
-    const r2r::EpisodeSet& episodes = scored.splits.at(file.split);
+    const tasks::EpisodeSet& episodes = scored.splits.at(file.split);
     if (goals_hidden(episodes)) {
       scored.left_out.push_back(
           fmt::format("{} on {}: the goals of this split are hidden", file.agent, file.split));
     } else {
-      r2r::Results results = r2r::load_results(file.file, episodes);
-      r2r::Score score = compute_score(results.trajectories, episodes);
+      tasks::Results results = tasks::load_results(file.file, episodes);
+      tasks::Score score = compute_score(results.trajectories, episodes);
       scored.runs.push_back(
           {file.agent, file.split, std::move(results.trajectories), std::move(score)});
     }

@@ -8,10 +8,10 @@
 #include "enfilade/core/progress.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/results.h"
-#include "enfilade/r2r/score.h"
 #include "enfilade/report/run_directory.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/results.h"
+#include "enfilade/tasks/score.h"
 
 namespace enfilade::report {
 
@@ -19,15 +19,15 @@ namespace enfilade::report {
 struct ScoredRun {
   std::string agent;  ///< "student-2"
   std::string split;
-  std::vector<r2r::Trajectory> trajectories;  ///< in the order of the split's episodes
-  r2r::Score score;
+  std::vector<tasks::Trajectory> trajectories;  ///< in the order of the split's episodes
+  tasks::Score score;
 };
 
 /// A plain value: any thread.
 struct ScoredRuns {
   std::shared_ptr<const graph::GraphSet> graphs;
-  std::map<std::string, r2r::EpisodeSet> splits;  ///< those that a run has
-  std::vector<ScoredRun> runs;                    ///< in the order of RunDirectory::results
+  std::map<std::string, tasks::EpisodeSet> splits;  ///< those that a run has
+  std::vector<ScoredRun> runs;                      ///< in the order of RunDirectory::results
   std::vector<std::string> left_out;  ///< a sentence for each file that could not be scored
 };
 

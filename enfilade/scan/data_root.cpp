@@ -77,6 +77,10 @@ bool DataRoot::has_annotations(std::string_view split) const {
 
 fs::path DataRoot::regions() const { return first_existing(folder_, "region map", kRegionMaps); }
 
+fs::path DataRoot::first_of(std::string_view what, Candidates places) const {
+  return first_existing(folder_, what, places);
+}
+
 PanoramaPlaces DataRoot::panoramas() const {
   PanoramaPlaces places;
   if (const auto list = find_first(folder_, kScanLists)) places.connectivity = list->parent_path();

@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "enfilade/scan/panorama_set.h"
@@ -29,6 +30,11 @@ class DataRoot {
   std::filesystem::path regions() const;                            ///< region_to_panorama.json
   /// Whether annotations() would find the split's file; false for "".
   bool has_annotations(std::string_view split) const;
+  /// The first of several files or folders, relative to folder(), that is there.
+  /// \param what  for messages: "boxes of objects"
+  /// \throws FileError naming every one that was tried
+  std::filesystem::path first_of(std::string_view what,
+                                 std::span<const std::filesystem::path> places) const;
   /// Where panoramas may be: those of `store`, `scans`, `v1/scans`, `data/v1/scans` and the folder
   /// itself that are folders, in this order, and connectivity(), or no folder if there is no list
   /// of scans.

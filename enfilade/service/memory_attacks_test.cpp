@@ -14,7 +14,7 @@
 #include <random>
 
 #include "enfilade/service/client.h"
-#include "enfilade/service/detail/gzip.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/service/server.h"
 #include "tests/support/emulated.h"
 #include "tests/support/process.h"
@@ -119,7 +119,7 @@ TEST(MemoryAttacks, CompressedBodiesUnpackWithinTheLimits) {
   config.most_submission_bytes = kMega;
   Served served(config);
   const auto team = served.team("A");
-  const std::string good = detail::gzip(row_results(3), 6);
+  const std::string good = gzip(row_results(3), 6);
   EXPECT_EQ(submit_packed(served, team, good), 202);
   EXPECT_EQ(submit_packed(served, team, good, "GZIP"), 200);  // the same file
   EXPECT_EQ(submit_packed(served, team, row_results(3), "identity"), 200);
@@ -129,13 +129,13 @@ TEST(MemoryAttacks, CompressedBodiesUnpackWithinTheLimits) {
   EXPECT_EQ(submit_packed(served, team, good.substr(0, good.size() - 1)), 400);
   EXPECT_EQ(submit_packed(served, team, good + "x"), 400);
   EXPECT_EQ(submit_packed(served, team, good + good), 400);
-  EXPECT_EQ(submit_packed(served, team, detail::gzip(uneven_list(kMega - 1000), 9)), 422);
-  EXPECT_EQ(submit_packed(served, team, detail::gzip(uneven_list(kMega + 1), 9)), 413);
+  EXPECT_EQ(submit_packed(served, team, gzip(uneven_list(kMega - 1000), 9)), 422);
+  EXPECT_EQ(submit_packed(served, team, gzip(uneven_list(kMega + 1), 9)), 413);
   // 1000 to 1, and far less than the limit: 64 KiB are enough to see it
-  EXPECT_EQ(submit_packed(served, team, detail::gzip(list_of("{}", 100'000), 9)), 413);
-  EXPECT_EQ(submit_packed(served, team, detail::gzip(list_of("{}", 60'000), 9)), 422);
+  EXPECT_EQ(submit_packed(served, team, gzip(list_of("{}", 100'000), 9)), 413);
+  EXPECT_EQ(submit_packed(served, team, gzip(list_of("{}", 60'000), 9)), 422);
   // Packed twice is a text like any other.
-  EXPECT_EQ(submit_packed(served, team, detail::gzip(detail::gzip(list_of("{}", kMega), 9), 9)),
+  EXPECT_EQ(submit_packed(served, team, gzip(gzip(list_of("{}", kMega), 9), 9)),
             422);
   EXPECT_EQ(served.get("/healthz")->status, 200);
 }
@@ -441,8 +441,8 @@ TEST(MemoryAttacks, TwoHundredFilesOfFaultsTakeLittleAndOthersAreServed) {
   const std::string list = list_of("{}", 30 * kMega);
   const std::string gzip = "Content-Encoding: gzip\r\n";
   const std::vector<Attack> attacks{{"", list},
-                                    {gzip, detail::gzip(list, 9)},
-                                    {gzip, detail::gzip(uneven_list(30 * kMega), 9)},
+                                    {gzip, enfilade::gzip(list, 9)},
+                                    {gzip, enfilade::gzip(uneven_list(30 * kMega), 9)},
                                     {"", std::string(30 * kMega, '[')},
                                     {"", R"({"a": )" + list + "}"},
                                     {"", "[" + list_of("[]", 30 * kMega) + "]"},

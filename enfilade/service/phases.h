@@ -27,7 +27,7 @@ constexpr std::array<std::string_view, 4> names_of(Scores /*enum*/) {
 
 /// The metric that decides which submission of a team is its best.
 enum class Primary : std::uint8_t { kSpl, kSuccess };
-/// The names are those of r2r::metric_fields().
+/// The names are those of tasks::metric_fields().
 constexpr std::array<std::string_view, 2> names_of(Primary /*enum*/) { return {"spl", "success"}; }
 
 /// A split to score on, and its rules. The limits count submissions that were accepted, withdrawn

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "enfilade/r2r/statistics.h"
+#include "enfilade/tasks/statistics.h"
 #include "tests/support/collecting.h"
 
 namespace enfilade::service {
@@ -188,10 +188,10 @@ TEST_F(Review, AcceptedInstructionsAreExportedAsR2r) {
   const std::int64_t third = written("c", "Third: \xC3\xA0 droite, puis stop.");
   EXPECT_THAT(exported(), HasSubstr("nothing to export"));
   for (const std::int64_t task : {first, third}) judge(task, {{"verdict", "accepted"}});
-  const auto annotations = r2r::parse_annotations(exported(), "export", "val_seen");
+  const auto annotations = tasks::parse_annotations(exported(), "export", "val_seen");
   ASSERT_EQ(annotations.paths.size(), 1U);
-  const r2r::PathAnnotation& path = annotations.paths[0];
-  const r2r::PathAnnotation source = testing::row_annotations("val_seen", true).paths[0];
+  const tasks::PathAnnotation& path = annotations.paths[0];
+  const tasks::PathAnnotation source = testing::row_annotations("val_seen", true).paths[0];
   EXPECT_EQ(path.path_id, source.path_id);
   EXPECT_EQ(path.scan, source.scan);
   EXPECT_EQ(path.heading, source.heading);
@@ -199,13 +199,13 @@ TEST_F(Review, AcceptedInstructionsAreExportedAsR2r) {
   EXPECT_EQ(path.distance, source.distance);
   EXPECT_THAT(path.instructions, ::testing::ElementsAre("First: walk past the table.\nThen stop.",
                                                         "Third: \xC3\xA0 droite, puis stop."));
-  const auto all = r2r::parse_annotations(exported("&state=all"), "export", "val_seen");
+  const auto all = tasks::parse_annotations(exported("&state=all"), "export", "val_seen");
   EXPECT_EQ(all.paths.at(0).instructions.size(), 3U);
   // What enfilade stats does with it.
-  const std::vector<r2r::Annotations> splits{annotations};
-  const auto statistics = r2r::compute_statistics(
+  const std::vector<tasks::Annotations> splits{annotations};
+  const auto statistics = tasks::compute_statistics(
       splits, graph::GraphSet::open(served_.root() / "data/connectivity"), 5);
-  EXPECT_THAT(r2r::to_json(statistics), HasSubstr("val_seen"));
+  EXPECT_THAT(tasks::to_json(statistics), HasSubstr("val_seen"));
   EXPECT_EQ(served_.get("/api/v1/collections/pilot/export?split=none", organiser_)->status, 404);
 }
 

@@ -11,7 +11,7 @@
 
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/nav_graph.h"
-#include "enfilade/r2r/metrics.h"
+#include "enfilade/tasks/metrics.h"
 #include "tests/support/secret_phase.h"
 
 namespace enfilade::service {
@@ -66,7 +66,7 @@ class WalkTable {
     std::vector<ViewpointIndex> reference;
     for (const std::size_t step : walk.steps()) trajectory.emplace_back(step);
     for (std::size_t v = 0; v <= kNearest + goal; ++v) reference.emplace_back(v);
-    const r2r::EpisodeMetrics metrics = r2r::compute_metrics(graph_, trajectory, reference);
+    const tasks::EpisodeMetrics metrics = tasks::compute_metrics(graph_, trajectory, reference);
     return {metrics.success, metrics.oracle_success, metrics.spl, metrics.sdtw_collapsed};
   }
 

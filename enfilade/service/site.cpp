@@ -7,15 +7,15 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
-#include "enfilade/r2r/score.h"
+#include "enfilade/tasks/score.h"
 
 namespace enfilade::service {
 namespace {
 
 namespace fs = std::filesystem;
 
-bool has_hidden_goal(const r2r::Annotations& annotations) {
-  return std::ranges::any_of(annotations.paths, &r2r::PathAnnotation::goal_hidden);
+bool has_hidden_goal(const tasks::Annotations& annotations) {
+  return std::ranges::any_of(annotations.paths, &tasks::PathAnnotation::goal_hidden);
 }
 
 /// Absolute and without links; of what cannot be looked up, its name as it is written.
@@ -95,8 +95,8 @@ void Site::read_splits(const dataset::Dataset& data) {
   }
   for (const std::string& name : names) {
     if (!data.has_split(name)) continue;  // a data set may lack any of the splits
-    r2r::Annotations annotations = data.annotations(name);
-    r2r::look_up_paths(annotations, *graphs_);  // throws if a path cannot be shown on a plan
+    tasks::Annotations annotations = data.annotations(name);
+    tasks::look_up_paths(annotations, *graphs_);  // throws if a path cannot be shown on a plan
     splits_.push_back({std::move(annotations), false});
   }
 }
@@ -131,8 +131,8 @@ void Site::read_phases(const dataset::Dataset& data) {
   for (const Phase& phase : phases_) {
     const fs::path file =
         phase.goals_secret() ? phase.annotations : data.annotations_file(phase.split);
-    secret_.push_back(r2r::make_episodes(r2r::load_annotations(file, phase.split), graphs_));
-    if (r2r::goals_hidden(secret_.back())) {
+    secret_.push_back(tasks::make_episodes(tasks::load_annotations(file, phase.split), graphs_));
+    if (tasks::goals_hidden(secret_.back())) {
       throw InvalidInput({{Severity::kError, file.string(), "$", "hidden-goal",
                            "phase " + phase.name + " cannot be scored: a path in it has no goal"}});
     }
@@ -146,7 +146,7 @@ void Site::hide_goals() {
       return phase.goals_secret() && phase.split == split.annotations.split;
     });
     if (secret) {
-      for (r2r::PathAnnotation& path : split.annotations.paths) {
+      for (tasks::PathAnnotation& path : split.annotations.paths) {
         path.path.resize(1);
         path.distance.reset();
       }
@@ -166,7 +166,7 @@ const Phase* Site::find_phase(std::string_view name) const noexcept {
   return found == phases_.end() ? nullptr : &*found;
 }
 
-const r2r::EpisodeSet& Site::secret_episodes(const Phase& phase) const {
+const tasks::EpisodeSet& Site::secret_episodes(const Phase& phase) const {
   const auto k = static_cast<std::size_t>(&phase - phases_.data());
   EN_CHECK_LT(k, phases_.size());
   return secret_[k];

@@ -8,15 +8,15 @@
 
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/annotations.h"
 #include "enfilade/scan/panorama_set.h"
 #include "enfilade/service/phases.h"
+#include "enfilade/tasks/annotations.h"
 
 namespace enfilade::service {
 
 /// A split as everybody may see it: if its goals are secret, each path has only its start.
 struct PublicSplit {
-  r2r::Annotations annotations;
+  tasks::Annotations annotations;
   bool goals_hidden = false;
 };
 
@@ -40,7 +40,7 @@ class Site {
   const std::vector<Phase>& phases() const noexcept { return phases_; }
   const Phase* find_phase(std::string_view name) const noexcept;  ///< null if there is none
   /// With goals. Never to be shown. \pre phase is one of phases()
-  const r2r::EpisodeSet& secret_episodes(const Phase& phase) const;
+  const tasks::EpisodeSet& secret_episodes(const Phase& phase) const;
   /// How many rooms of a scan have viewpoints; none if the data set does not say which those are.
   std::optional<std::size_t> rooms(ScanIndex scan) const;
   /// The data set's folder, and those in which its panoramas are looked for.
@@ -63,8 +63,8 @@ class Site {
   std::shared_ptr<const scan::PanoramaSet> panoramas_;
   std::vector<PublicSplit> splits_;
   std::vector<Phase> phases_;
-  std::vector<r2r::EpisodeSet> secret_;  // as phases_
-  std::vector<std::size_t> rooms_;       // by ScanIndex; empty if unknown
+  std::vector<tasks::EpisodeSet> secret_;  // as phases_
+  std::vector<std::size_t> rooms_;         // by ScanIndex; empty if unknown
   std::filesystem::path folder_;
   std::vector<std::filesystem::path> image_folders_;
   bool synthetic_ = false;

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/r2r/results.h"
-#include "enfilade/r2r/score.h"
+#include "enfilade/tasks/results.h"
+#include "enfilade/tasks/score.h"
 #include "tests/support/collecting.h"
 
 namespace enfilade::service {
@@ -155,13 +155,13 @@ TEST_F(Walk, HandingInTwiceIsOnce) {
 }
 
 // What enfilade score does with the files.
-r2r::Score score_of(const std::string& annotations, const std::string& results,
-                    const std::filesystem::path& data) {
-  const r2r::EpisodeSet episodes =
-      r2r::make_episodes(r2r::parse_annotations(annotations, "annotations", "val_seen"),
-                         graph::GraphSet::open(data / "connectivity"));
-  return r2r::compute_score(r2r::parse_results(results, "results", episodes).trajectories,
-                            episodes);
+tasks::Score score_of(const std::string& annotations, const std::string& results,
+                      const std::filesystem::path& data) {
+  const tasks::EpisodeSet episodes =
+      tasks::make_episodes(tasks::parse_annotations(annotations, "annotations", "val_seen"),
+                           graph::GraphSet::open(data / "connectivity"));
+  return tasks::compute_score(tasks::parse_results(results, "results", episodes).trajectories,
+                              episodes);
 }
 
 TEST_F(Walk, TheExportIsScoredLikeAnyAgents) {
@@ -197,10 +197,10 @@ TEST_F(Walk, TheExportIsScoredLikeAnyAgents) {
   EXPECT_EQ(report.at("left_out"),
             json({{"waiting", 0}, {"rejected", 0}, {"repeated", 0}, {"incomplete", 1}}));
   const std::string annotations = served_.get(target + "&state=all", organiser_)->body;
-  const r2r::Score score = score_of(annotations, file->body, served_.root() / "data");
+  const tasks::Score score = score_of(annotations, file->body, served_.root() / "data");
   EXPECT_EQ(json::parse(annotations).size(), 2U);
-  EXPECT_THAT(r2r::to_json(score), HasSubstr("success"));
-  const json means = json::parse(r2r::to_json(score)).at("means");
+  EXPECT_THAT(tasks::to_json(score), HasSubstr("success"));
+  const json means = json::parse(tasks::to_json(score)).at("means");
   EXPECT_DOUBLE_EQ(means.at("success").at("mean").get<double>(), 0.75);
   EXPECT_DOUBLE_EQ(means.at("nav_error").at("mean").get<double>(), 0.75);  // one of 3 m
   const json walks = json::parse(served_.get(target + "&what=walks&state=all", organiser_)->body);

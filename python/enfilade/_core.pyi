@@ -173,7 +173,7 @@ class EpisodeSet:
 
 def metrics(graphs: Graphs, scan: str, trajectory: Sequence[str], reference: Sequence[str], success_distance: float = 3.0) -> dict[str, float]:
     """
-    All metrics of one trajectory against one reference path, both lists of viewpoint ids: nav_error, success, spl, ndtw, cls, ... (docs/r2r.md has the equations). Raises UnknownNameError, and ArgumentError for a path without viewpoints.
+    All metrics of one trajectory against one reference path, both lists of viewpoint ids: nav_error, success, spl, ndtw, cls, ... (docs/tasks.md has the equations). Raises UnknownNameError, and ArgumentError for a path without viewpoints.
     """
 
 def tokenize(text: str) -> list[str]:

@@ -10,7 +10,7 @@
 
 #include "enfilade/core/ids.h"
 #include "enfilade/graph/nav_graph.h"
-#include "enfilade/r2r/metrics.h"
+#include "enfilade/tasks/metrics.h"
 
 namespace enfilade::python {
 
@@ -53,7 +53,7 @@ nb::object view_of(const Values& values, nb::handle owner, Sizes... sizes) {
 /// A viewpoint by its id. \throws LookupError
 ViewpointIndex find_viewpoint(const graph::NavGraph& graph, const std::string& id);
 /// {"nav_error": ..., "success": ..., ...}
-nb::dict metrics_dict(const r2r::EpisodeMetrics& metrics);
+nb::dict metrics_dict(const tasks::EpisodeMetrics& metrics);
 
 void bind_features(nb::module_& module);
 void bind_gl_trial(nb::module_& module);

@@ -25,7 +25,7 @@ constexpr std::size_t kCandidateValues = 3;  // rel_heading, rel_elevation, dist
 /// An environment, and its candidates as one array.
 class Environment {
  public:
-  Environment(std::shared_ptr<const r2r::EpisodeSet> episodes,
+  Environment(std::shared_ptr<const tasks::EpisodeSet> episodes,
               const agents::EnvironmentConfig& config)
       : native_(std::move(episodes), config),
         candidates_(config.batch_size * config.max_navigable * kCandidateValues),
@@ -107,7 +107,7 @@ class Environment {
   std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
 };
 
-std::unique_ptr<Environment> make_environment(std::shared_ptr<const r2r::EpisodeSet> episodes,
+std::unique_ptr<Environment> make_environment(std::shared_ptr<const tasks::EpisodeSet> episodes,
                                               std::size_t batch_size, bool six_actions,
                                               const std::string& reward, std::uint32_t max_steps,
                                               double success_distance, bool reset_at_next_step,

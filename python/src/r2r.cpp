@@ -13,31 +13,31 @@
 #include <vector>
 
 #include "enfilade/dataset/dataset.h"
-#include "enfilade/r2r/annotations.h"
-#include "enfilade/r2r/metrics.h"
-#include "enfilade/r2r/results.h"
-#include "enfilade/r2r/score.h"
-#include "enfilade/r2r/tokenizer.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/metrics.h"
+#include "enfilade/tasks/results.h"
+#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/tokenizer.h"
 #include "python/src/bindings.h"
 
 namespace enfilade::python {
 namespace {
 
-using r2r::EpisodeSet;
+using tasks::EpisodeSet;
 using namespace nb::literals;
 
 std::shared_ptr<const EpisodeSet> load_episodes(const std::filesystem::path& folder,
                                                 const std::string& split, bool all_instructions) {
   const nb::gil_scoped_release unlocked;
   return std::make_shared<EpisodeSet>(dataset::Dataset(folder).episodes(
-      split, all_instructions ? r2r::Instructions::kAll : r2r::Instructions::kScored));
+      split, all_instructions ? tasks::Instructions::kAll : tasks::Instructions::kScored));
 }
 
 // (instruction_id, path_id, scan, viewpoints, heading, text)
 nb::tuple episode(const EpisodeSet& set, std::size_t i) {
   if (i >= set.episodes.size()) throw nb::index_error("episode");
-  const r2r::Episode& e = set.episodes[i];
-  const r2r::ReferencePath& path = set.path_of(e);
+  const tasks::Episode& e = set.episodes[i];
+  const tasks::ReferencePath& path = set.path_of(e);
   const graph::NavGraph& graph = set.graph_of(e);
   nb::list viewpoints;
   for (const ViewpointIndex v : path.viewpoints) viewpoints.append(graph.id(v));
@@ -53,7 +53,7 @@ std::vector<ViewpointIndex> indices(const graph::NavGraph& graph,
   return found;
 }
 
-r2r::MetricOptions metric_options(double success_distance) {
+tasks::MetricOptions metric_options(double success_distance) {
   if (!(success_distance > 0)) {
     throw ArgumentError(
         fmt::format("success_distance {}: more than 0 m is needed", success_distance));
@@ -65,28 +65,28 @@ nb::dict metrics(const graph::GraphSet& graphs, const std::string& scan,
                  const std::vector<std::string>& trajectory,
                  const std::vector<std::string>& reference, double success_distance) {
   const graph::NavGraph& graph = graphs.graph(scan);
-  return metrics_dict(r2r::compute_metrics(graph, indices(graph, trajectory),
-                                           indices(graph, reference),
-                                           metric_options(success_distance)));
+  return metrics_dict(tasks::compute_metrics(graph, indices(graph, trajectory),
+                                             indices(graph, reference),
+                                             metric_options(success_distance)));
 }
 
 // ({metric: (mean, low, high)}, {instruction_id: {metric: value}}, warnings)
 nb::tuple score_file(const EpisodeSet& episodes, const std::filesystem::path& file,
                      double success_distance, int bootstrap_samples) {
-  r2r::Results results;
-  r2r::Score score;
+  tasks::Results results;
+  tasks::Score score;
   {
     const nb::gil_scoped_release unlocked;
-    r2r::ScoreOptions options;
+    tasks::ScoreOptions options;
     options.metrics = metric_options(success_distance);
-    results = r2r::load_results(file, episodes);
+    results = tasks::load_results(file, episodes);
     options.bootstrap_samples = bootstrap_samples;
-    score = r2r::compute_score(results.trajectories, episodes, options);
+    score = tasks::compute_score(results.trajectories, episodes, options);
   }
   nb::dict means, each;
   for (std::size_t i = 0; i < score.means.size(); ++i) {
     const auto& mean = score.means[i];
-    means[r2r::metric_fields()[i].name] = nb::make_tuple(mean.mean, mean.low, mean.high);
+    means[tasks::metric_fields()[i].name] = nb::make_tuple(mean.mean, mean.low, mean.high);
   }
   for (std::size_t i = 0; i < score.episodes.size(); ++i) {
     each[episodes.episodes[i].instruction_id.c_str()] = metrics_dict(score.episodes[i]);
@@ -97,8 +97,8 @@ nb::tuple score_file(const EpisodeSet& episodes, const std::filesystem::path& fi
 }
 
 void bind_tokens(nb::module_& m) {
-  using r2r::Vocabulary;
-  m.def("tokenize", &r2r::tokenize, "text"_a, "Words as R2R's released code splits them.");
+  using tasks::Vocabulary;
+  m.def("tokenize", &tasks::tokenize, "text"_a, "Words as R2R's released code splits them.");
   nb::class_<Vocabulary>(m, "Vocabulary", "Words and their ids: 0 <PAD>, 1 <UNK>, 2 <EOS>.")
       .def_static("load", &Vocabulary::load, "file"_a,
                   "One word a line, as R2R's train_vocab.txt. Raises FileError, InvalidInput.")
@@ -124,9 +124,10 @@ void bind_tokens(nb::module_& m) {
 
 }  // namespace
 
-nb::dict metrics_dict(const r2r::EpisodeMetrics& metrics) {
+nb::dict metrics_dict(const tasks::EpisodeMetrics& metrics) {
   nb::dict d;
-  for (const r2r::MetricField& field : r2r::metric_fields()) d[field.name] = metrics.*field.field;
+  for (const tasks::MetricField& field : tasks::metric_fields())
+    d[field.name] = metrics.*field.field;
   return d;
 }
 
@@ -149,7 +150,7 @@ void bind_r2r(nb::module_& m) {
                 "reference: typing.Sequence[str], success_distance: float = 3.0) -> dict[str, "
                 "float]"),
         "All metrics of one trajectory against one reference path, both lists of viewpoint ids: "
-        "nav_error, success, spl, ndtw, cls, ... (docs/r2r.md has the equations). Raises "
+        "nav_error, success, spl, ndtw, cls, ... (docs/tasks.md has the equations). Raises "
         "UnknownNameError, and ArgumentError for a path without viewpoints.");
   bind_tokens(m);
 }

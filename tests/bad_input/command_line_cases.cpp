@@ -14,7 +14,7 @@ std::vector<Case> command_line_cases() {
       line("no verb", "", 2, "A subcommand is required"),
       line("a verb that is none", "fly", 2,
            "\"fly\" is none of its verbs: contact-sheet, dataset, demo, doctor, evaluate, "
-           "features, graph, homes, import, pack, panorama, pretrain, render, report, run, "
+           "features, graph, homes, import, pack, panorama, pretrain, r4r, render, report, run, "
            "sample, scan-mesh, score, serve, stats, submit, synth, table, train"),
       line("an option that is none", "stats --data {} --colour", 2, "--colour"),
       line("an option without its value", "run --agent", 2, "--agent"),
@@ -27,6 +27,17 @@ std::vector<Case> command_line_cases() {
       line("a data set that is a file", "stats --data {}/results.json", 3, "not a folder"),
       line("a data set with no annotations of the split", "run --data {} --split val_9", 3,
            "holds no annotations of split \"val_9\"; tried: r2r/R2R_val_9.json"),
+      line("a task that is none", "score {}/results.json --data {} --split made --task r3r", 2,
+           "no task \"r3r\"; there are r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn, soon"),
+      line("a scorer that is none",
+           "score {}/results.json --data {} --split made --scorer official", 2,
+           "no scorer \"official\" for this task; there are duet, hamt, valan, r4r_public"),
+      line("a task of which there is no data",
+           "score {}/results.json --data {} --split made --task soon", 3,
+           "holds no SOON annotations of split \"made\"; tried: soon/made.json, soon/made.json.gz"),
+      line("paths to join without a split", "r4r --data {} -o -", 2,
+           "r4r: which split? Give --split NAME, or --annotations FILE"),
+      line("a gap that is no length", "r4r --data {} --split made --gap -1 -o -", 2, "--gap"),
       line("an agent that is none", "run --data {} --split made --agent clever", 2,
            "agent \"clever\": there is none of that name; there are: random, shortest"),
       line("a batch of none", "run --data {} --split made --batch 0", 2,

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "enfilade/core/file.h"
-#include "enfilade/r2r/annotations.h"
+#include "enfilade/tasks/annotations.h"
 #include "tests/support/graphs.h"
 #include "tests/support/temporary_folder.h"
 
@@ -27,9 +27,9 @@ scan::Connectivity row(const std::string& scan) {
 }
 
 std::string annotations(bool hidden) {
-  r2r::Annotations a;
+  tasks::Annotations a;
   for (std::int64_t id = 1; id <= 2; ++id) {
-    r2r::PathAnnotation path;
+    tasks::PathAnnotation path;
     path.path_id = id;
     path.scan = "one";
     path.heading = Radians(1.5);

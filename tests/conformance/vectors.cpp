@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "enfilade/core/detail/json.h"
-#include "enfilade/r2r/metrics.h"
 #include "enfilade/sim/simulator.h"
+#include "enfilade/tasks/metrics.h"
 
 namespace enfilade::tests {
 namespace {
@@ -102,19 +102,19 @@ struct MetricCase {
   std::string id;
   ScanIndex scan;
   std::vector<ViewpointIndex> trajectory, reference;
-  std::vector<std::pair<r2r::MetricField, double>> expected;
+  std::vector<std::pair<tasks::MetricField, double>> expected;
 };
 
-std::vector<std::pair<r2r::MetricField, double>> read_expected(Element element, const Path& path,
-                                                               CaseReader& reader) {
-  std::vector<std::pair<r2r::MetricField, double>> expected;
+std::vector<std::pair<tasks::MetricField, double>> read_expected(Element element, const Path& path,
+                                                                 CaseReader& reader) {
+  std::vector<std::pair<tasks::MetricField, double>> expected;
   const auto members = json::object(element, path, reader.faults());
   if (!members) return expected;
-  const auto known = r2r::metric_fields();
+  const auto known = tasks::metric_fields();
   for (const auto member : *members) {
     const Path place(path, member.key);
     const auto field = std::ranges::find_if(
-        known, [&member](const r2r::MetricField& f) { return member.key == f.name; });
+        known, [&member](const tasks::MetricField& f) { return member.key == f.name; });
     if (field == known.end()) {
       reader.faults().error(place, "unknown-metric", "there is no metric of this name");
     } else {
@@ -142,8 +142,8 @@ MetricCase read_metric_case(Element element, const Path& path, CaseReader& reade
 
 // What differs, or nothing.
 std::string compare(const MetricCase& one, const graph::GraphSet& graphs,
-                    const r2r::MetricOptions& options, double tolerance) {
-  const r2r::EpisodeMetrics m =
+                    const tasks::MetricOptions& options, double tolerance) {
+  const tasks::EpisodeMetrics m =
       compute_metrics(graphs.graph(one.scan), one.trajectory, one.reference, options);
   std::string text;
   for (const auto& [field, expected] : one.expected) {
@@ -298,7 +298,7 @@ void count(VectorReport& report, std::size_t place, const std::string& differenc
 }
 
 double read_threshold(Element root, Faults& faults) {
-  const r2r::MetricOptions usual;
+  const tasks::MetricOptions usual;
   std::array<std::optional<Element>, 1> found;
   constexpr std::array<json::Field, 1> kFields{{{"threshold", false}}};
   const Path path;
@@ -326,7 +326,7 @@ VectorReport check_vectors(const std::filesystem::path& file,
   if (top && faults.errors() == 0 && cases.size() == 0) {
     faults.error(Path(root, "cases"), "no-cases", "no case to compare");
   }
-  const r2r::MetricOptions options{read_threshold(document.root(), faults)};
+  const tasks::MetricOptions options{read_threshold(document.root(), faults)};
   faults.throw_if_errors();
   VectorReport report;
   Element first;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/annotations.h"
+#include "enfilade/tasks/annotations.h"
 #include "tests/support/graphs.h"
 
 namespace enfilade::fuzz {
@@ -16,11 +16,12 @@ inline std::shared_ptr<const graph::GraphSet> graphs() {
 }
 
 /// Path 1 over v0 v1 v2 with instructions 1_0 and 1_1.
-inline r2r::EpisodeSet episodes() {
-  return r2r::make_episodes(r2r::parse_annotations(R"([{"path_id": 1, "scan": "s", "heading": 0.5,
+inline tasks::EpisodeSet episodes() {
+  return tasks::make_episodes(
+      tasks::parse_annotations(R"([{"path_id": 1, "scan": "s", "heading": 0.5,
           "path": ["v0", "v1", "v2"], "instructions": ["Walk.", "Stop."]}])",
-                                                   "<made>", "made"),
-                            graphs());
+                               "<made>", "made"),
+      graphs());
 }
 
 }  // namespace enfilade::fuzz

@@ -46,8 +46,9 @@ TEST(IncludeArrows, FailOnUpwardInclude) {
   EXPECT_THAT(codes("enfilade/core/rng.cpp", "enfilade/geometry/vec.h"), ElementsAre("upward"));
   EXPECT_THAT(codes("enfilade/graph/nav_graph.h", "enfilade/sim/simulator.h"),
               ElementsAre("upward"));
-  EXPECT_THAT(codes("enfilade/sim/simulator.h", "enfilade/r2r/metrics.h"), ElementsAre("upward"));
-  EXPECT_THAT(codes("enfilade/r2r/metrics.h", "enfilade/render/renderer.h"), ElementsAre("upward"));
+  EXPECT_THAT(codes("enfilade/sim/simulator.h", "enfilade/tasks/metrics.h"), ElementsAre("upward"));
+  EXPECT_THAT(codes("enfilade/tasks/metrics.h", "enfilade/render/renderer.h"),
+              ElementsAre("upward"));
   EXPECT_THAT(codes("enfilade/sim/simulator_test.cpp", "enfilade/agents/agent.h"),
               ElementsAre("upward"));
 }
@@ -97,7 +98,7 @@ TEST(IncludeArrows, KeepDetailHeadersInTheirFolder) {
   EXPECT_THAT(codes("enfilade/scan/regions.cpp", "enfilade/core/detail/json.h"), IsEmpty());
   EXPECT_THAT(codes("enfilade/sim/simulator.cpp", "enfilade/graph/detail/grid.h"),
               ElementsAre("detail"));
-  EXPECT_THAT(codes("apps/enfilade/main.cpp", "enfilade/r2r/detail/reader.h"),
+  EXPECT_THAT(codes("apps/enfilade/main.cpp", "enfilade/tasks/detail/reader.h"),
               ElementsAre("detail"));
 }
 
@@ -129,10 +130,11 @@ TEST(IncludeArrows, KeepPublicHeadersToWhatIsInstalled) {
 
 TEST(IncludeArrows, KeepLibrariesWhereTheyBelong) {
   EXPECT_THAT(codes("enfilade/core/threads.cpp", "tbb/parallel_for.h"), IsEmpty());
-  EXPECT_THAT(codes("enfilade/r2r/metrics.cpp", "tbb/parallel_for.h"), ElementsAre("third-party"));
-  EXPECT_THAT(codes("enfilade/r2r/metrics.cpp", "CLI/CLI.hpp"), ElementsAre("third-party"));
-  EXPECT_THAT(codes("enfilade/r2r/metrics.cpp", "gtest/gtest.h"), ElementsAre("third-party"));
-  EXPECT_THAT(codes("enfilade/r2r/metrics_test.cpp", "gtest/gtest.h"), IsEmpty());
+  EXPECT_THAT(codes("enfilade/tasks/metrics.cpp", "tbb/parallel_for.h"),
+              ElementsAre("third-party"));
+  EXPECT_THAT(codes("enfilade/tasks/metrics.cpp", "CLI/CLI.hpp"), ElementsAre("third-party"));
+  EXPECT_THAT(codes("enfilade/tasks/metrics.cpp", "gtest/gtest.h"), ElementsAre("third-party"));
+  EXPECT_THAT(codes("enfilade/tasks/metrics_test.cpp", "gtest/gtest.h"), IsEmpty());
   EXPECT_THAT(codes("enfilade/image/png.cpp", "opencv2/core.hpp"), ElementsAre("third-party"));
 }
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "enfilade/core/file.h"
-#include "enfilade/r2r/annotations.h"
 #include "enfilade/scan/panorama_source.h"
 #include "enfilade/scan/store.h"
+#include "enfilade/tasks/annotations.h"
 #include "tests/support/graphs.h"
 #include "tests/support/panoramas.h"
 #include "tests/support/temporary_folder.h"
@@ -33,9 +33,9 @@ class MadeRun {
   /// Paths v0 ... v4 and v0 ... v3, with three instructions each.
   void write_split(const std::string& split, bool hidden,
                    const std::string& instruction = "Walk past the sofa and stop.") const {
-    r2r::Annotations annotations{split, "", {}};
+    tasks::Annotations annotations{split, "", {}};
     for (std::int64_t id = 1; id <= 2; ++id) {
-      r2r::PathAnnotation path{id, "row", Radians(1.5), {"v0", "v1", "v2", "v3", "v4"}, 8.0, {}};
+      tasks::PathAnnotation path{id, "row", Radians(1.5), {"v0", "v1", "v2", "v3", "v4"}, 8.0, {}};
       if (id == 2) path.path.pop_back();
       if (id == 2) path.distance = 6;
       if (hidden) path.path.resize(1);

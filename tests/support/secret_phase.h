@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/r2r/annotations.h"
+#include "enfilade/tasks/annotations.h"
 #include "tests/support/served_data.h"
 
 namespace enfilade::service::testing {
@@ -62,15 +62,15 @@ inline Goals draw_goals(std::uint64_t seed) {
   return goals;
 }
 
-inline r2r::Annotations annotations_of(const Goals& goals, bool with_goals) {
-  r2r::Annotations annotations{"hidden", "", {}};
+inline tasks::Annotations annotations_of(const Goals& goals, bool with_goals) {
+  tasks::Annotations annotations{"hidden", "", {}};
   for (std::size_t path = 0; path < kPaths; ++path) {
-    r2r::PathAnnotation one{static_cast<std::int64_t>(path) + 1,
-                            "hall",
-                            Radians(1.5),
-                            {},
-                            std::nullopt,
-                            {"Walk down the hall."}};
+    tasks::PathAnnotation one{static_cast<std::int64_t>(path) + 1,
+                              "hall",
+                              Radians(1.5),
+                              {},
+                              std::nullopt,
+                              {"Walk down the hall."}};
     const std::size_t metres = with_goals ? kNearest + goals[path] : 0;
     for (std::size_t v = path; v <= path + metres; ++v) one.path.push_back(viewpoint(v));
     if (with_goals) one.distance = static_cast<double>(metres);

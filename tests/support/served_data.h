@@ -13,19 +13,19 @@
 #include <vector>
 
 #include "enfilade/core/file.h"
-#include "enfilade/r2r/annotations.h"
 #include "enfilade/scan/store.h"
 #include "enfilade/service/server.h"
+#include "enfilade/tasks/annotations.h"
 #include "tests/support/panoramas.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::service::testing {
 
 /// Paths along the row of viewpoints v0 ... v5 of scan "row", two instructions each.
-inline r2r::Annotations row_annotations(const std::string& split, bool with_goals) {
-  r2r::Annotations annotations{split, "", {}};
+inline tasks::Annotations row_annotations(const std::string& split, bool with_goals) {
+  tasks::Annotations annotations{split, "", {}};
   for (std::int64_t id = 1; id <= 3; ++id) {
-    r2r::PathAnnotation path{id, "row", Radians(1.5), {}, std::nullopt, {}};
+    tasks::PathAnnotation path{id, "row", Radians(1.5), {}, std::nullopt, {}};
     const auto first = static_cast<std::size_t>(id - 1);
     for (std::size_t v = first; v < first + 4; ++v) path.path.push_back("v" + std::to_string(v));
     path.distance = 3.0;

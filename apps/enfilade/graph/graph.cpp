@@ -148,10 +148,10 @@ std::string quoted(const std::string& text) {
   return "\u201c" + text.substr(begin, end - begin) + "\u201d";
 }
 
-PlannedPath agent(const graph::NavGraph& graph, const r2r::ReferencePath& path,
-                  const r2r::Trajectory& trajectory) {
+PlannedPath agent(const graph::NavGraph& graph, const tasks::ReferencePath& path,
+                  const tasks::Trajectory& trajectory) {
   PlannedPath found;
-  for (const r2r::TrajectoryPoint& point : trajectory.points) {
+  for (const tasks::TrajectoryPoint& point : trajectory.points) {
     found.viewpoints.push_back(point.viewpoint);
   }
   found.label = fmt::format("agent\u2019s path, {:.1f} m", length_of(graph, found.viewpoints));

@@ -10,7 +10,7 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/neural/evaluation.h"
 #include "enfilade/neural/model.h"
-#include "enfilade/r2r/score.h"
+#include "enfilade/tasks/score.h"
 
 namespace enfilade::apps {
 namespace {
@@ -28,10 +28,10 @@ struct Options {
   std::size_t batch_size = 100;
 };
 
-r2r::EpisodeSet load_split(const std::string& split, const dataset::Dataset& data,
-                           models::DataFingerprint& fingerprint) {
-  const r2r::Annotations annotations = data.annotations(split);
-  r2r::EpisodeSet episodes = make_episodes(annotations, data.graphs());
+tasks::EpisodeSet load_split(const std::string& split, const dataset::Dataset& data,
+                             models::DataFingerprint& fingerprint) {
+  const tasks::Annotations annotations = data.annotations(split);
+  tasks::EpisodeSet episodes = make_episodes(annotations, data.graphs());
   fingerprint.add(annotations);
   fingerprint.add_graphs(episodes);
   return episodes;

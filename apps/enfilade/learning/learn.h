@@ -7,7 +7,7 @@
 
 #include "enfilade/agents/agent.h"
 #include "enfilade/neural/device.h"
-#include "enfilade/r2r/annotations.h"
+#include "enfilade/tasks/annotations.h"
 
 namespace enfilade::apps {
 
@@ -48,6 +48,6 @@ std::optional<neural::TorchReport> torch_report();
 /// the files
 std::unique_ptr<agents::Agent> load_trained_agent(const std::string& folder,
                                                   const std::string& features,
-                                                  const r2r::EpisodeSet& episodes);
+                                                  const tasks::EpisodeSet& episodes);
 
 }  // namespace enfilade::apps

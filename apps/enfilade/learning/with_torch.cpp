@@ -16,7 +16,7 @@ std::optional<neural::TorchReport> torch_report() { return neural::examine_torch
 
 std::unique_ptr<agents::Agent> load_trained_agent(const std::string& folder,
                                                   const std::string& features,
-                                                  const r2r::EpisodeSet& episodes) {
+                                                  const tasks::EpisodeSet& episodes) {
   neural::set_threads(0);
   neural::Model model = neural::load_model(folder);
   std::optional<features::FeatureSet> file;

@@ -58,7 +58,7 @@ std::optional<neural::TorchReport> torch_report() { return std::nullopt; }
 
 std::unique_ptr<agents::Agent> load_trained_agent(const std::string& /*folder*/,
                                                   const std::string& /*features*/,
-                                                  const r2r::EpisodeSet& /*episodes*/) {
+                                                  const tasks::EpisodeSet& /*episodes*/) {
   hand_over_to_learn();
   return nullptr;  // not reached
 }

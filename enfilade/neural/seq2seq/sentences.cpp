@@ -58,7 +58,7 @@ Sentences lay_out(const InstructionBatch& batch, const models::NetworkConfig& co
       const auto row = static_cast<std::size_t>(out.order[s]);
       const std::size_t place = row * config.max_words + static_cast<std::size_t>(p);
       out.last[row] = static_cast<std::int64_t>(out.words.size());
-      out.words.push_back(config.inputs.language ? batch.tokens[place] : r2r::Vocabulary::kEnd);
+      out.words.push_back(config.inputs.language ? batch.tokens[place] : tasks::Vocabulary::kEnd);
       out.masks.push_back({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(row)});
       out.places.push_back(out.order[s] * out.longest + p);
       if (p > 0) {

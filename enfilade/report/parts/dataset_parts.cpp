@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
-#include "enfilade/r2r/statistics.h"
-#include "enfilade/r2r/tokenizer.h"
+#include "enfilade/tasks/statistics.h"
+#include "enfilade/tasks/tokenizer.h"
 
 namespace enfilade::report::parts {
 namespace {
@@ -19,21 +19,21 @@ constexpr std::size_t kFirstWords = 4;
 constexpr double kThinnest = 0.003;  // of the circle: about a degree
 
 Json summary_json(std::vector<double> values) {
-  const r2r::Summary s = r2r::summarise(std::move(values));
+  const tasks::Summary s = tasks::summarise(std::move(values));
   return {{"mean", s.mean}, {"median", s.median}, {"min", s.min}, {"max", s.max}};
 }
 
-Json lengths_of(const r2r::Annotations& split, const graph::GraphSet& graphs) {
+Json lengths_of(const tasks::Annotations& split, const graph::GraphSet& graphs) {
   Histogram paths{kMetresABin, {}, 0}, words{kWordsABin, {}, 0};
   std::vector<double> metres, tokens;
-  for (const r2r::ReferencePath& path : look_up_paths(split, graphs)) {
+  for (const tasks::ReferencePath& path : look_up_paths(split, graphs)) {
     if (path.viewpoints.size() < 2) continue;  // the goal is hidden
     metres.push_back(length_of(path, graphs.graph(path.scan)));
     paths.add(metres.back());
   }
-  for (const r2r::PathAnnotation& path : split.paths) {
+  for (const tasks::PathAnnotation& path : split.paths) {
     for (const std::string& text : path.instructions) {
-      tokens.push_back(static_cast<double>(r2r::tokenize(text).size()));
+      tokens.push_back(static_cast<double>(tasks::tokenize(text).size()));
       words.add(tokens.back());
     }
   }
@@ -82,20 +82,20 @@ Json to_json(const Histogram& histogram) {
   return {{"width", histogram.width}, {"total", histogram.total}, {"counts", histogram.counts}};
 }
 
-Json lengths_part(const std::vector<r2r::Annotations>& splits,
+Json lengths_part(const std::vector<tasks::Annotations>& splits,
                   const std::shared_ptr<const graph::GraphSet>& graphs) {
   if (splits.empty()) return missing("There are no annotations in the data set.");
   Json all = Json::array();
-  for (const r2r::Annotations& split : splits) all.push_back(lengths_of(split, *graphs));
+  for (const tasks::Annotations& split : splits) all.push_back(lengths_of(split, *graphs));
   return {{"splits", all}};
 }
 
-Json words_part(const std::vector<r2r::Annotations>& splits) {
+Json words_part(const std::vector<tasks::Annotations>& splits) {
   Branch root;
-  for (const r2r::Annotations& split : splits) {
-    for (const r2r::PathAnnotation& path : split.paths) {
+  for (const tasks::Annotations& split : splits) {
+    for (const tasks::PathAnnotation& path : split.paths) {
       for (const std::string& text : path.instructions) {
-        const std::vector<std::string> words = r2r::tokenize(text);
+        const std::vector<std::string> words = tasks::tokenize(text);
         Branch* branch = &root;
         ++branch->count;
         for (std::size_t i = 0; i < std::min(words.size(), kFirstWords); ++i) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/r2r/annotations.h"
+#include "enfilade/tasks/annotations.h"
 
 namespace enfilade::report::parts {
 
@@ -28,10 +28,10 @@ struct Histogram {
 Json to_json(const Histogram& histogram);
 
 /// Lengths of paths (metres) and instructions (words) of each split, and their means.
-Json lengths_part(const std::vector<r2r::Annotations>& splits,
+Json lengths_part(const std::vector<tasks::Annotations>& splits,
                   const std::shared_ptr<const graph::GraphSet>& graphs);
 
 /// The tree of the first four words of all instructions; what would be too thin to see is left out.
-Json words_part(const std::vector<r2r::Annotations>& splits);
+Json words_part(const std::vector<tasks::Annotations>& splits);
 
 }  // namespace enfilade::report::parts

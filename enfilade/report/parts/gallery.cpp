@@ -13,8 +13,8 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/models/model_directory.h"
-#include "enfilade/r2r/tokenizer.h"
 #include "enfilade/report/parts/dataset_parts.h"
+#include "enfilade/tasks/tokenizer.h"
 
 namespace enfilade::report::parts {
 namespace {
@@ -38,7 +38,7 @@ std::tuple<bool, bool, std::size_t> run_rank(const ScoredRun& run,
 }
 
 // The action between two poses; results files do not contain actions.
-std::string action_between(const r2r::TrajectoryPoint& a, const r2r::TrajectoryPoint& b) {
+std::string action_between(const tasks::TrajectoryPoint& a, const tasks::TrajectoryPoint& b) {
   constexpr double kStill = 0.01;  // radians: files are written with a few digits
   if (a.viewpoint != b.viewpoint) return "forward";
   const double turn = wrap_difference(b.heading - a.heading).value;
@@ -48,7 +48,7 @@ std::string action_between(const r2r::TrajectoryPoint& a, const r2r::TrajectoryP
   return "wait";
 }
 
-std::vector<Moment> moments_of(const r2r::Trajectory& trajectory) {
+std::vector<Moment> moments_of(const tasks::Trajectory& trajectory) {
   std::vector<Moment> moments;
   const auto& points = trajectory.points;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -61,7 +61,7 @@ std::vector<Moment> moments_of(const r2r::Trajectory& trajectory) {
 
 // From the attention file. If the agent ran out of steps, its last pose is added.
 std::vector<Moment> moments_of(const models::EpisodeAttention& attention,
-                               const graph::NavGraph& graph, const r2r::Trajectory& trajectory) {
+                               const graph::NavGraph& graph, const tasks::Trajectory& trajectory) {
   std::vector<Moment> moments;
   for (const models::AttentionStep& step : attention.steps) {
     const auto v = graph.find(step.viewpoint);
@@ -74,7 +74,7 @@ std::vector<Moment> moments_of(const models::EpisodeAttention& attention,
         {*v, Radians(step.heading), Radians(step.elevation), step.action, &step.attention});
   }
   if (moments.empty() || moments.back().action != "end") {
-    const r2r::TrajectoryPoint& end = trajectory.points.back();
+    const tasks::TrajectoryPoint& end = trajectory.points.back();
     moments.push_back({end.viewpoint, end.heading, end.elevation, "", nullptr});
   }
   return moments;
@@ -85,7 +85,7 @@ std::vector<Moment> moments_of(const models::EpisodeAttention& attention,
 std::vector<std::string> readable_words(const std::vector<std::string>& words,
                                         const std::string& text, Json& unknown) {
   std::vector<std::string> readable = words;
-  const std::vector<std::string> tokens = r2r::tokenize(text);
+  const std::vector<std::string> tokens = tasks::tokenize(text);
   const bool ends = !words.empty() && words.back() == "<EOS>";
   const std::size_t count = words.size() - (ends ? 1 : 0);
   if (count > tokens.size()) return readable;  // of another text
@@ -154,12 +154,12 @@ Json moment_json(const Moment& m, const Json& frame) {
   return json;
 }
 
-Json episode_json(const GalleryRun& gallery, const r2r::EpisodeSet& episodes,
+Json episode_json(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
                   const ChosenEpisode& chosen, Frames& frames) {
-  const r2r::Episode& episode = episodes.episodes[chosen.episode];
+  const tasks::Episode& episode = episodes.episodes[chosen.episode];
   const graph::NavGraph& graph = episodes.graph_of(episode);
-  const r2r::EpisodeMetrics& m = gallery.run->score.episodes[chosen.episode];
-  const r2r::Trajectory& trajectory = gallery.run->trajectories[chosen.episode];
+  const tasks::EpisodeMetrics& m = gallery.run->score.episodes[chosen.episode];
+  const tasks::Trajectory& trajectory = gallery.run->trajectories[chosen.episode];
   const models::EpisodeAttention* attention = nullptr;
   if (gallery.attention) {
     const auto found = gallery.attention->find(episode.instruction_id);
@@ -222,7 +222,7 @@ std::optional<GalleryRun> choose_run(const ScoredRuns& runs, const RunDirectory&
 }
 
 std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
-                                           const r2r::EpisodeSet& episodes, std::size_t each) {
+                                           const tasks::EpisodeSet& episodes, std::size_t each) {
   const auto& metrics = gallery.run->score.episodes;
   std::vector<std::size_t> left;
   for (std::size_t i = 0; i < metrics.size(); ++i) {
@@ -243,17 +243,17 @@ std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
   std::ranges::stable_sort(left, std::ranges::greater{}, [&metrics](std::size_t i) {
     return std::tuple(metrics[i].success, std::round(20 * metrics[i].spl), metrics[i].shortest);
   });
-  take("best", [](const r2r::EpisodeMetrics& m) { return m.success == 1; });
+  take("best", [](const tasks::EpisodeMetrics& m) { return m.success == 1; });
   std::ranges::stable_sort(left, std::ranges::greater{},
                            [&metrics](std::size_t i) { return metrics[i].nav_error; });
-  take("worst", [](const r2r::EpisodeMetrics& m) { return m.success == 0; });
+  take("worst", [](const tasks::EpisodeMetrics& m) { return m.success == 0; });
   Rng rng(kRandomSeed);
   rng.shuffle(std::span(left));
-  take("random", [](const r2r::EpisodeMetrics&) { return true; });
+  take("random", [](const tasks::EpisodeMetrics&) { return true; });
   return chosen;
 }
 
-Json gallery_part(const GalleryRun& gallery, const r2r::EpisodeSet& episodes,
+Json gallery_part(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
                   const std::vector<ChosenEpisode>& chosen, const dataset::Dataset& data) {
   Frames frames{data};
   Json all = Json::array(), buildings = Json::object();

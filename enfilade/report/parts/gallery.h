@@ -26,10 +26,10 @@ std::optional<GalleryRun> choose_run(const ScoredRuns& runs, const RunDirectory&
 /// `each` of the best (arrived, by the shortest way, from afar), of the worst (stopped farthest
 /// from the goal) and at random; of each path once. Of those with attention, if any has.
 std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
-                                           const r2r::EpisodeSet& episodes, std::size_t each);
+                                           const tasks::EpisodeSet& episodes, std::size_t each);
 
 /// {"agent", "split", "buildings", "frames", "episodes"}.
-nlohmann::ordered_json gallery_part(const GalleryRun& gallery, const r2r::EpisodeSet& episodes,
+nlohmann::ordered_json gallery_part(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
                                     const std::vector<ChosenEpisode>& chosen,
                                     const dataset::Dataset& data);
 

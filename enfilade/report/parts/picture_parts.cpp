@@ -34,9 +34,9 @@ std::string encode(const image::Image8& large) {
   return data_uri("image/jpeg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
 }
 
-const r2r::Annotations* example_split(const std::vector<r2r::Annotations>& splits) {
+const tasks::Annotations* example_split(const std::vector<tasks::Annotations>& splits) {
   for (const char* wanted : {"val_unseen", "val_seen", "train"}) {
-    for (const r2r::Annotations& split : splits) {
+    for (const tasks::Annotations& split : splits) {
       if (split.split == wanted && !split.paths.empty()) return &split;
     }
   }
@@ -88,15 +88,15 @@ std::string no_pictures_of(std::string_view scan) {
   return fmt::format("The data set has no pictures of {}.", scan);
 }
 
-Json examples_part(const std::vector<r2r::Annotations>& splits, const dataset::Dataset& data,
+Json examples_part(const std::vector<tasks::Annotations>& splits, const dataset::Dataset& data,
                    std::size_t count) {
-  const r2r::Annotations* split = example_split(splits);
+  const tasks::Annotations* split = example_split(splits);
   if (split == nullptr) return missing("There are no annotations in the data set.");
   Json all = Json::array();
   std::string why;
   for (const std::size_t i : random_order(split->paths.size())) {
     if (all.size() == count) break;
-    const r2r::PathAnnotation& path = split->paths[i];
+    const tasks::PathAnnotation& path = split->paths[i];
     if (path.instructions.empty()) continue;
     const auto start = find_view(data, {path.scan, path.path.front(), path.heading, Radians(0)});
     const auto picture = view_uri(data, start, kExampleSize);
@@ -137,16 +137,16 @@ Json panoramas_part(const dataset::Dataset& data, std::size_t most) {
   return {{"buildings", buildings}, {"panoramas", std::move(all)}};
 }
 
-Json plans_part(const ScoredRun& run, const r2r::EpisodeSet& episodes,
+Json plans_part(const ScoredRun& run, const tasks::EpisodeSet& episodes,
                 const std::vector<ChosenEpisode>& chosen) {
   Json all = Json::array();
   for (const ChosenEpisode& one : chosen) {
-    const r2r::Episode& episode = episodes.episodes[one.episode];
+    const tasks::Episode& episode = episodes.episodes[one.episode];
     const graph::NavGraph& graph = episodes.graph_of(episode);
     draw::PlannedPath reference{draw::PlannedPath::Role::kReference,
                                 episodes.path_of(episode).viewpoints, "reference path"};
     draw::PlannedPath agent{draw::PlannedPath::Role::kAgent, {}, run.agent};
-    for (const r2r::TrajectoryPoint& point : run.trajectories[one.episode].points) {
+    for (const tasks::TrajectoryPoint& point : run.trajectories[one.episode].points) {
       agent.viewpoints.push_back(point.viewpoint);
     }
     draw::FloorPlanOptions options;

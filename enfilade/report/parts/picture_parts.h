@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "enfilade/dataset/dataset.h"
-#include "enfilade/r2r/annotations.h"
 #include "enfilade/render/renderer.h"
 #include "enfilade/report/scored_runs.h"
+#include "enfilade/tasks/annotations.h"
 
 namespace enfilade::report::parts {
 
@@ -33,7 +33,7 @@ std::string no_pictures_of(std::string_view scan);
 
 /// A few paths of a split at random, each with its instructions and the view from its start.
 /// `splits`: whole files; val_unseen is taken if it is there.
-nlohmann::ordered_json examples_part(const std::vector<r2r::Annotations>& splits,
+nlohmann::ordered_json examples_part(const std::vector<tasks::Annotations>& splits,
                                      const dataset::Dataset& data, std::size_t count);
 
 /// The panorama of each building's viewpoint with most neighbours, of at most `most` buildings,
@@ -47,7 +47,7 @@ struct ChosenEpisode {
 };
 
 /// Floor plans with the reference path and the agent's, of these episodes of a run.
-nlohmann::ordered_json plans_part(const ScoredRun& run, const r2r::EpisodeSet& episodes,
+nlohmann::ordered_json plans_part(const ScoredRun& run, const tasks::EpisodeSet& episodes,
                                   const std::vector<ChosenEpisode>& chosen);
 
 }  // namespace enfilade::report::parts

@@ -52,9 +52,9 @@ struct LengthBin {
 Json success_by_length(const std::vector<const ScoredRun*>& runs, const ScoredRuns& scored) {
   std::map<std::size_t, LengthBin> bins;
   for (const ScoredRun* run : runs) {
-    const r2r::EpisodeSet& episodes = scored.splits.at(run->split);
+    const tasks::EpisodeSet& episodes = scored.splits.at(run->split);
     for (std::size_t i = 0; i < run->score.episodes.size(); ++i) {
-      const r2r::EpisodeMetrics& m = run->score.episodes[i];
+      const tasks::EpisodeMetrics& m = run->score.episodes[i];
       if (!std::isfinite(m.shortest)) continue;
       LengthBin& bin = bins[static_cast<std::size_t>(m.shortest / kMetresABin)];
       ++bin.episodes;
@@ -124,7 +124,7 @@ Json errors_part(const ScoredRuns& scored) {
   return by_agent(scored, [](const std::vector<const ScoredRun*>& runs) {
     Histogram histogram{1, {}, 0};
     for (const ScoredRun* run : runs) {
-      for (const r2r::EpisodeMetrics& m : run->score.episodes) {
+      for (const tasks::EpisodeMetrics& m : run->score.episodes) {
         if (std::isfinite(m.nav_error)) histogram.add(m.nav_error);
       }
     }

@@ -44,8 +44,8 @@ bool contains(std::string_view text, std::string_view wanted) {
   return !std::ranges::search(text, wanted, {}, lower, lower).empty() || wanted.empty();
 }
 
-ordered_json episode_json(const r2r::PathAnnotation& path, std::size_t k) {
-  ordered_json one{{"instruction_id", r2r::instruction_id(path.path_id, k)},
+ordered_json episode_json(const tasks::PathAnnotation& path, std::size_t k) {
+  ordered_json one{{"instruction_id", tasks::instruction_id(path.path_id, k)},
                    {"path_id", path.path_id},
                    {"scan", path.scan},
                    {"heading", path.heading.value},
@@ -118,11 +118,11 @@ ordered_json split_list_json(const Site& site) {
 ordered_json episodes_json(const PublicSplit& split, const EpisodeFilter& filter) {
   std::int64_t matching = 0;
   auto list = ordered_json::array();
-  for (const r2r::PathAnnotation& path : split.annotations.paths) {
+  for (const tasks::PathAnnotation& path : split.annotations.paths) {
     if (!filter.scan.empty() && path.scan != filter.scan) continue;
     for (std::size_t k = 0; k < path.instructions.size(); ++k) {
       if (!contains(path.instructions[k], filter.words)) continue;
-      if (!filter.id.empty() && r2r::instruction_id(path.path_id, k) != filter.id) continue;
+      if (!filter.id.empty() && tasks::instruction_id(path.path_id, k) != filter.id) continue;
       const bool on_page = matching >= filter.offset && matching < filter.offset + filter.limit;
       if (on_page) list.push_back(episode_json(path, k));
       ++matching;

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include "enfilade/r2r/metrics.h"
 #include "enfilade/service/collecting/order.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
+#include "enfilade/tasks/metrics.h"
 
 namespace enfilade::service::collecting {
 namespace {
@@ -165,7 +165,7 @@ std::vector<VisitSummary> visits_of(store::Database& db, const Collection& colle
       "LEFT JOIN (SELECT task.visit AS by, task.state AS state, error, submitted, leased FROM task "
       "JOIN item ON item.id = task.item WHERE practice = 0) ON by = visit.id "
       "WHERE worker.collection = ?1 GROUP BY visit.id ORDER BY visit.id",
-      collection.id, r2r::MetricOptions{}.success_distance, collection.tasks_per_visit);
+      collection.id, tasks::MetricOptions{}.success_distance, collection.tasks_per_visit);
 }
 
 std::vector<Item> items_of(store::Database& db, std::int64_t collection, std::string_view split) {

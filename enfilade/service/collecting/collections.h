@@ -8,11 +8,11 @@
 #include <tuple>
 #include <vector>
 
-#include "enfilade/r2r/annotations.h"
 #include "enfilade/service/collecting/platforms.h"
 #include "enfilade/service/collecting/questions.h"
 #include "enfilade/service/site.h"
 #include "enfilade/service/store/database.h"
+#include "enfilade/tasks/annotations.h"
 
 namespace enfilade::service::collecting {
 

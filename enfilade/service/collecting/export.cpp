@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/r2r/annotations.h"
 #include "enfilade/service/collecting/collection_json.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/texts.h"
+#include "enfilade/tasks/annotations.h"
 
 namespace enfilade::service::collecting {
 namespace {
@@ -58,7 +58,7 @@ template <class Add>
 std::string list_walks(const Selection& selection, const Add& add) {
   std::vector<ordered_json> entries;
   for (const Task& task : tasks_of(selection)) {
-    ordered_json one{{"instr_id", r2r::instruction_id(task.item.path_id, task.item.number)}};
+    ordered_json one{{"instr_id", tasks::instruction_id(task.item.path_id, task.item.number)}};
     add(one, task);
     entries.push_back(std::move(one));
   }
@@ -134,7 +134,7 @@ ordered_json report_json(const ExportReport& report) {
 
 std::string annotations_json(const Selection& selection) {
   const bool written = selection.report.kind == Kind::kWrite;
-  r2r::Annotations annotations{selection.report.split, "", {}};
+  tasks::Annotations annotations{selection.report.split, "", {}};
   auto& paths = annotations.paths;
   for (const Task& task : tasks_of(selection)) {
     const Item& item = task.item;
@@ -143,7 +143,7 @@ std::string annotations_json(const Selection& selection) {
     }
     paths.back().instructions.push_back(written ? task.content : item.instruction);
   }
-  return r2r::to_json(annotations);
+  return tasks::to_json(annotations);
 }
 
 std::string results_json(const Selection& selection) {

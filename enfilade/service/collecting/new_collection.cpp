@@ -5,13 +5,13 @@
 #include <limits>
 #include <set>
 
-#include "enfilade/r2r/score.h"
 #include "enfilade/service/collecting/collections.h"
 #include "enfilade/service/collecting/order.h"
 #include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/json_limits.h"
 #include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
+#include "enfilade/tasks/score.h"
 
 namespace enfilade::service::collecting {
 namespace {
@@ -249,9 +249,9 @@ class Reader {
 
   void read_paths(Element element, const Path& path, const std::string& split) {
     try {
-      r2r::Annotations annotations =
-          r2r::parse_annotations(simdjson::minify(element), kFileName, split);
-      r2r::look_up_paths(annotations, site_.graphs());
+      tasks::Annotations annotations =
+          tasks::parse_annotations(simdjson::minify(element), kFileName, split);
+      tasks::look_up_paths(annotations, site_.graphs());
       add_annotations(annotations, path, false);
     } catch (const InvalidInput& error) {
       for (Diagnostic fault : error.diagnostics()) {  // their JSON paths begin at the list of paths
@@ -278,23 +278,23 @@ class Reader {
     }
   }
 
-  static r2r::Annotations annotations_of(const r2r::EpisodeSet& episodes) {
-    r2r::Annotations annotations{episodes.split, "", {}};
-    for (const r2r::ReferencePath& path : episodes.paths) {
+  static tasks::Annotations annotations_of(const tasks::EpisodeSet& episodes) {
+    tasks::Annotations annotations{episodes.split, "", {}};
+    for (const tasks::ReferencePath& path : episodes.paths) {
       const graph::NavGraph& graph = episodes.graphs->graph(path.scan);
-      r2r::PathAnnotation one{path.path_id, graph.scan(), path.heading, {}, std::nullopt, {}};
+      tasks::PathAnnotation one{path.path_id, graph.scan(), path.heading, {}, std::nullopt, {}};
       for (const ViewpointIndex v : path.viewpoints) one.path.push_back(graph.id(v));
       annotations.paths.push_back(std::move(one));
     }
-    for (const r2r::Episode& episode : episodes.episodes) {
+    for (const tasks::Episode& episode : episodes.episodes) {
       annotations.paths[episode.path].instructions.push_back(episode.text);
     }
     return annotations;
   }
 
-  void add_annotations(const r2r::Annotations& annotations, const Path& path, bool secret) {
+  void add_annotations(const tasks::Annotations& annotations, const Path& path, bool secret) {
     for (std::size_t k = 0; k < std::min(most_, annotations.paths.size()); ++k) {
-      const r2r::PathAnnotation& one = annotations.paths[k];
+      const tasks::PathAnnotation& one = annotations.paths[k];
       const Path here(path, k);
       if (faults_.full() || items_.size() > kMostItems) break;
       if (one.goal_hidden()) {
@@ -311,7 +311,7 @@ class Reader {
     }
   }
 
-  void add_items(const std::string& split, const r2r::PathAnnotation& one, bool secret) {
+  void add_items(const std::string& split, const tasks::PathAnnotation& one, bool secret) {
     Item item{0,        split,        one.path_id, 0,      one.scan, one.heading,
               one.path, one.distance, "",          secret, practice_};
     if (practice_ && !one.instructions.empty()) item.instruction = one.instructions.front();
@@ -319,7 +319,7 @@ class Reader {
       items_.push_back(std::move(item));
       return;
     }
-    for (; item.number < std::min(r2r::kScoredInstructions, one.instructions.size());
+    for (; item.number < std::min(tasks::kScoredInstructions, one.instructions.size());
          ++item.number) {
       item.instruction = one.instructions[item.number];
       items_.push_back(item);

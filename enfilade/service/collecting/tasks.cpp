@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include "enfilade/r2r/metrics.h"
 #include "enfilade/service/collecting/order.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
+#include "enfilade/tasks/metrics.h"
 
 namespace enfilade::service::collecting {
 namespace {
@@ -195,7 +195,7 @@ Visit get_visit(store::Database& db, std::int64_t visit) {
           "FROM visit JOIN worker ON worker.id = visit.worker "
           "JOIN collection ON collection.id = worker.collection WHERE visit.id = ?1",
           kDone),
-      visit, r2r::MetricOptions{}.success_distance);
+      visit, tasks::MetricOptions{}.success_distance);
 }
 
 void give_consent(store::Database& db, const Visit& visit) {
@@ -208,7 +208,7 @@ std::optional<std::int64_t> Task::server_seconds() const {
   return submitted - leased;
 }
 
-bool Task::bonus() const { return error && *error < r2r::MetricOptions{}.success_distance; }
+bool Task::bonus() const { return error && *error < tasks::MetricOptions{}.success_distance; }
 
 Lease lease_task(store::Database& db, const Collection& collection, const Visit& visit) {
   if (!visit.consented) {

@@ -61,9 +61,9 @@ double used_bits(const Phase& phase, std::span<const std::int64_t> submissions, 
   return bits;
 }
 
-double goal_bits(const r2r::EpisodeSet& episodes) {
+double goal_bits(const tasks::EpisodeSet& episodes) {
   double bits = 0;
-  for (const r2r::ReferencePath& path : episodes.paths) {
+  for (const tasks::ReferencePath& path : episodes.paths) {
     const std::size_t count =
         count_in_reach(episodes.graphs->graph(path.scan), path.viewpoints.front());
     if (count > 0) bits += std::log2(static_cast<double>(count));

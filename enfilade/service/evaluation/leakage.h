@@ -17,8 +17,8 @@
 #include <cstdint>
 #include <span>
 
-#include "enfilade/r2r/annotations.h"
 #include "enfilade/service/phases.h"
+#include "enfilade/tasks/annotations.h"
 
 namespace enfilade::service::evaluation {
 
@@ -43,6 +43,6 @@ double used_bits(const Phase& phase, std::span<const std::int64_t> submissions, 
 /// What it takes to write all goals down for somebody who knows the starts: the sum over paths of
 /// log2(viewpoints that the path could end at: those in reach of its start, without it). It counts
 /// all of them as equally likely; whoever knows how the paths were drawn needs less.
-double goal_bits(const r2r::EpisodeSet& episodes);
+double goal_bits(const tasks::EpisodeSet& episodes);
 
 }  // namespace enfilade::service::evaluation

@@ -95,13 +95,13 @@ TEST(Leakage, AGoalIsAnyViewpointInReachOfItsStart) {
                                    {{0, 1}, {1, 2}, {2, 3}, {3, 0}});
   std::vector<graph::NavGraph> graphs;
   graphs.emplace_back(graph);
-  r2r::Annotations annotations{"test", "", {}};
+  tasks::Annotations annotations{"test", "", {}};
   for (std::int64_t id = 1; id <= 2; ++id) {
     // Three instructions of a path have one goal.
     annotations.paths.push_back(
         {id, "scan", Radians(0), {"v0", "v1", "v2"}, 4.0, {"Walk.", "Go.", "Move."}});
   }
-  const auto episodes = r2r::make_episodes(annotations, graph::GraphSet::of(std::move(graphs)));
+  const auto episodes = tasks::make_episodes(annotations, graph::GraphSet::of(std::move(graphs)));
   EXPECT_EQ(episodes.episodes.size(), 6U);
   EXPECT_NEAR(goal_bits(episodes), 2 * std::log2(3), kRounding);
 }

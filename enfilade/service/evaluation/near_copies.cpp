@@ -13,10 +13,10 @@ constexpr int kRowsAtOnce = 16;
 
 }  // namespace
 
-std::string trajectory_ends(const std::vector<r2r::Trajectory>& trajectories) {
+std::string trajectory_ends(const std::vector<tasks::Trajectory>& trajectories) {
   std::string bytes;
   bytes.reserve(kBytes * trajectories.size());
-  for (const r2r::Trajectory& trajectory : trajectories) {
+  for (const tasks::Trajectory& trajectory : trajectories) {
     std::uint32_t end = trajectory.points.back().viewpoint.value;
     for (std::size_t k = 0; k < kBytes; ++k, end >>= 8U) {
       bytes.push_back(static_cast<char>(end & 0xFFU));

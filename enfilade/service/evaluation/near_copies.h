@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-#include "enfilade/r2r/results.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::service::store {
 class Database;
@@ -21,7 +21,7 @@ namespace enfilade::service::evaluation {
 /// Where each trajectory ends, 4 bytes an episode in their order: success and navigation error
 /// depend on nothing else of it, and detours, turns and another order of the file change nothing.
 /// The bytes of two files on the same graphs can be compared.
-std::string trajectory_ends(const std::vector<r2r::Trajectory>& trajectories);
+std::string trajectory_ends(const std::vector<tasks::Trajectory>& trajectories);
 
 /// How many episodes end elsewhere; none if the two are of different numbers of episodes.
 std::optional<std::size_t> count_differing(std::string_view ends, std::string_view other);

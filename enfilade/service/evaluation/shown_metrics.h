@@ -17,7 +17,7 @@ enum class Quantity : std::uint8_t {
 };
 
 struct ShownMetric {
-  const char* name;  ///< of r2r::metric_fields()
+  const char* name;  ///< of tasks::metric_fields()
   Quantity quantity;
 };
 

@@ -5,10 +5,8 @@
 #include <chrono>
 #include <utility>
 
-#include "enfilade/r2r/results.h"
-#include "enfilade/r2r/score.h"
 #include "enfilade/service/detail/fields.h"
-#include "enfilade/service/detail/gzip.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
@@ -17,6 +15,8 @@
 #include "enfilade/service/evaluation/limits.h"
 #include "enfilade/service/evaluation/shown_metrics.h"
 #include "enfilade/service/store/database.h"
+#include "enfilade/tasks/results.h"
+#include "enfilade/tasks/score.h"
 
 namespace enfilade::service::evaluation {
 namespace {
@@ -96,7 +96,7 @@ Receipt Submissions::receive(const Delivery& delivery, const std::string& result
     const std::scoped_lock lock(checking_);
     attempt = begin_attempt(db_, *phase, sender);
     receipt.warnings =
-        r2r::parse_results(results, kFileName, site_->secret_episodes(*phase)).warnings;
+        tasks::parse_results(results, kFileName, site_->secret_episodes(*phase)).warnings;
   }
   receipt.submission = db_.transact([&] {
     std::int64_t id = find_same(delivery, digest);  // the same file may have come twice at once
@@ -104,7 +104,7 @@ Receipt Submissions::receive(const Delivery& delivery, const std::string& result
     if (!receipt.known) {
       check_open(*phase, delivery.team);
       check_limits(db_, *phase, sender);
-      const std::string content = detail::gzip(results, 1);
+      const std::string content = gzip(results, 1);
       id = db_.insert(
           "INSERT INTO submission (team, phase, method, created, state, digest, content, paper, "
           "code) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
@@ -260,10 +260,10 @@ Submissions::Outcome Submissions::score(const std::string& phase_name,
                                         const std::string& results) const {
   const Phase* phase = site_->find_phase(phase_name);
   if (phase == nullptr) throw LookupError("the phase is gone");
-  const r2r::EpisodeSet& episodes = site_->secret_episodes(*phase);
-  const r2r::Results checked = r2r::parse_results(results, kFileName, episodes);
-  const r2r::Score all = r2r::compute_score(checked.trajectories, episodes);
-  return {phase, r2r::to_json(all), all.mean(detail::name_of(phase->primary)).mean,
+  const tasks::EpisodeSet& episodes = site_->secret_episodes(*phase);
+  const tasks::Results checked = tasks::parse_results(results, kFileName, episodes);
+  const tasks::Score all = tasks::compute_score(checked.trajectories, episodes);
+  return {phase, tasks::to_json(all), all.mean(detail::name_of(phase->primary)).mean,
           trajectory_ends(checked.trajectories)};
 }
 
@@ -276,7 +276,7 @@ bool Submissions::score_next() {
   const auto& [id, phase, content] = *next;
   std::optional<Outcome> outcome;
   try {
-    outcome = score(phase, detail::gunzip(content, kMostBytes));
+    outcome = score(phase, gunzip(content, kMostBytes));
   } catch (const std::exception&) {
     outcome.reset();  // the phase, its annotations or the graphs changed since it was received
   }

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "enfilade/service/detail/gzip.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/service/detail/hosts.h"
 
 namespace enfilade::service::http {
@@ -29,7 +29,7 @@ void compress(const Request& request, Response& response) {
   if (response.header("Content-Encoding")) return;
   response.add_header("Vary", "Accept-Encoding");
   if (!accepts_gzip(request)) return;
-  response.body = std::make_shared<const std::string>(detail::gzip(*response.body, 5));
+  response.body = std::make_shared<const std::string>(gzip(*response.body, 5));
   response.add_header("Content-Encoding", "gzip");
 }
 

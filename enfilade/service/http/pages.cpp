@@ -5,7 +5,7 @@
 
 #include "enfilade/draw/markup.h"
 #include "enfilade/service/collecting/collections.h"
-#include "enfilade/service/detail/gzip.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/service/http/headers.h"
 #include "enfilade/service/http/routes.h"
 #include "enfilade/service/http/web_files.h"
@@ -84,7 +84,7 @@ Response page(Context& context, const Request& request) {
   const bool packed = accepts_gzip(request);
   Response response =
       text_response(std::string(found->type),
-                    packed ? std::string(found->gzip) : detail::gunzip(found->gzip, kMostBytes));
+                    packed ? std::string(found->gzip) : gunzip(found->gzip, kMostBytes));
   if (packed) response.add_header("Content-Encoding", "gzip");
   response.add_header("Vary", "Accept-Encoding");
   response.add_header("ETag", fmt::format("\"{}\"", found->digest));

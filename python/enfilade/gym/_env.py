@@ -74,7 +74,7 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
         return self._batch.arrays
 
     def metrics(self) -> dict[str, float]:
-        """All metrics of the path in this episode so far (docs/r2r.md)."""
+        """All metrics of the path in this episode so far (docs/tasks.md)."""
         return self._batch.core.metrics(0)
 
     def render(self) -> Union[None, NDArray[np.uint8], str]:

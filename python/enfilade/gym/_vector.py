@@ -120,7 +120,7 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         return self._batch.arrays
 
     def metrics(self, agent: int) -> dict[str, float]:
-        """All metrics of the path of an agent in its episode so far (docs/r2r.md); with
+        """All metrics of the path of an agent in its episode so far (docs/tasks.md); with
         SAME_STEP that is the new episode already."""
         return self._batch.core.metrics(agent)
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "enfilade/core/numbers.h"
-#include "enfilade/service/detail/gzip.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/http/messages.h"
 
@@ -87,7 +87,7 @@ void Body::read_pieces(const std::function<void(std::string_view)>& take) {
 // The same, unpacked.
 void Body::read_packed(const std::function<void(std::string_view)>& take) {
   std::size_t packed = 0, unpacked = 0;
-  detail::Gunzip gunzip;
+  Gunzip gunzip;
   const auto take_checked = [&](std::string_view piece) {
     unpacked += piece.size();
     if (unpacked > kAnyRatio && unpacked / kMostRatio > packed) {

@@ -1,0 +1,87 @@
+// enfilade r4r: longer episodes, joined from R2R's.
+#include <fmt/format.h>
+#include <filesystem>
+#include <memory>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/r4r.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string split;
+  std::string data;
+  std::string annotations;
+  std::string connectivity;
+  std::string output;
+  tasks::JoinOptions join;
+};
+
+tasks::Annotations load_paths(const Options& options) {
+  if (options.split.empty() && options.annotations.empty()) {
+    throw UsageError("r4r: which split? Give --split NAME, or --annotations FILE");
+  }
+  const fs::path file = options.annotations.empty()
+                            ? open_data(options.data).annotations_file(options.split)
+                            : fs::path(options.annotations);
+  const std::string split = options.split.empty() ? file.stem().string() : options.split;
+  return tasks::load_annotations(file, split, tasks::Task::kR2r);
+}
+
+double mean_length(const tasks::Joined& joined) {
+  double sum = 0;
+  for (const tasks::JoinedPath& one : joined.paths) sum += one.path.distance.value_or(0);
+  return joined.paths.empty() ? 0 : sum / static_cast<double>(joined.paths.size());
+}
+
+void join(const Options& options) {
+  const tasks::Annotations paths = load_paths(options);
+  const auto graphs = options.connectivity.empty() ? open_data(options.data).graphs()
+                                                   : graph::GraphSet::open(options.connectivity);
+  const tasks::Joined joined = tasks::join_paths(paths, *graphs, options.join);
+  write_output(options.output, to_json(joined));
+  if (options.output == "-") return;
+  std::size_t instructions = 0;
+  for (const tasks::JoinedPath& one : joined.paths) instructions += one.path.instructions.size();
+  fmt::print("{}: {} of {} pairs joined, {} instructions, mean length {:.2f} m\n", options.output,
+             joined.paths.size(), joined.pairs, instructions, mean_length(joined));
+}
+
+void add_options(CLI::App& verb, Options& options) {
+  add_value(verb, "--split", options.split, "NAME", "train, val_seen, val_unseen");
+  add_value(verb, "-o,--output", options.output, "FILE", "File to write, - for standard output")
+      ->required();
+  add_data_option(verb, options.data);
+  add_value(verb, "--annotations", options.annotations, "FILE",
+            "Paths to join, in R2R's form, instead of the data set's R2R_<split>.json");
+  add_value(verb, "--connectivity", options.connectivity, "DIR",
+            "Navigation graphs, instead of the data set's");
+  add_setting(verb, "--gap", options.join.most_gap, "METRES",
+              "From the end of one path to the start of the next, along the graph, at most",
+              finite_number(0));
+  verb.add_option("--paths", options.join.paths,
+                  "Paths that make one: 2 (R4R), 3 (R6R), 4 (R8R). Of R2R's train, 3 and more are "
+                  "millions")
+      ->capture_default_str()
+      ->check(whole_number(2, 4));
+}
+
+}  // namespace
+
+void add_r4r(CLI::App& app, int& /*status*/) {
+  CLI::App& verb = *app.add_subcommand(
+      "r4r", "Join Room-to-Room paths into longer ones: R4R, R6R, R8R, as published");
+  const auto options = std::make_shared<Options>();
+  add_options(verb, *options);
+  set_examples(verb, {"enfilade r4r --split val_unseen -o r4r/R4R_val_unseen.json",
+                      "enfilade r4r --split val_seen --paths 3 -o r6r.json"});
+  verb.callback([options] { join(*options); });
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,50 @@
+#include "enfilade/core/detail/json_records.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace enfilade::json {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::ThrowsMessage;
+
+std::vector<std::int64_t> numbers_of(const std::string& text, std::size_t most_bytes = 100) {
+  Records records(text, "a.jsonl", most_bytes);
+  std::vector<std::int64_t> found;
+  while (records.next()) {
+    EXPECT_EQ(records.index(), found.size());
+    found.push_back(records.element() ? records.element()->at_key("n").get_int64().value_unsafe()
+                                      : -static_cast<std::int64_t>(records.bytes()));
+  }
+  return found;
+}
+
+TEST(JsonRecords, AListAndLinesGiveTheSame) {
+  EXPECT_THAT(numbers_of("[{\"n\": 1}, {\"n\": 2},\n {\"n\": 3}]"), ElementsAre(1, 2, 3));
+  EXPECT_THAT(numbers_of("{\"n\": 1}\n\n{\"n\": 2}\r\n{\"n\": 3}"), ElementsAre(1, 2, 3));
+  EXPECT_THAT(numbers_of("\xEF\xBB\xBF{\"n\": 1}\n"), ElementsAre(1));
+  EXPECT_THAT(numbers_of("\n [{\"n\": 7}]\n"), ElementsAre(7));
+  EXPECT_THAT(numbers_of("[]"), IsEmpty());
+  EXPECT_THAT(numbers_of(" \n\n"), IsEmpty());
+}
+
+TEST(JsonRecords, ALineThatIsNotJsonIsNamed) {
+  EXPECT_THAT([] { numbers_of("{\"n\": 1}\n\n{\"n\": }\n"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("a.jsonl:3")));
+  EXPECT_THAT([] { numbers_of("[{\"n\": 1}, {\"n\": }]"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("a.jsonl")));
+}
+
+TEST(JsonRecords, OneThatIsTooLargeIsCountedAndNotParsed) {
+  EXPECT_THAT(numbers_of("{\"n\": 1}\n{\"n\": 123456}\n{\"n\": 2}\n", 9), ElementsAre(1, -13, 2));
+}
+
+}  // namespace
+}  // namespace enfilade::json

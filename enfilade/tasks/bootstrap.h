@@ -1,0 +1,36 @@
+/// \file  Bootstrap intervals of means whose samples come in groups.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace enfilade::tasks {
+
+/// A mean with its interval.
+struct MeanInterval {
+  double mean = 0;
+  double low = 0;
+  double high = 0;
+};
+
+/// How intervals are computed.
+struct BootstrapOptions {
+  int samples = 1000;        ///< 0: no intervals, low = high = mean
+  double confidence = 0.95;  ///< in (0, 1)
+  std::uint64_t seed = 1;
+  int threads = 0;  ///< 0: all cores; never changes a result
+};
+
+/// The mean of each column and its percentile bootstrap interval. What is drawn, with replacement,
+/// is a *group* with all its rows: rows of one group (the three instructions of a path) are no
+/// independent samples, and drawing rows would give intervals that are too narrow
+/// (docs/design/bootstrap.md). All columns share the draws. Deterministic.
+/// `values`: shape (rows, columns), row-major; `groups`: shape (rows), equal numbers are one group.
+/// \throws ArgumentError for no rows, shapes that don't fit, a confidence outside (0, 1), a
+/// negative number of samples
+std::vector<MeanInterval> bootstrap_means(std::span<const double> values, std::size_t columns,
+                                          std::span<const std::size_t> groups,
+                                          const BootstrapOptions& options = {});
+
+}  // namespace enfilade::tasks

@@ -1,0 +1,59 @@
+/// \file  Scores of walks in continuous space (VLN-CE): those of its released measures, and of
+/// ETPNav's evaluation, which much later code copies. Formulas: docs/tasks.md.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "enfilade/tasks/fast_dtw.h"
+
+namespace enfilade::tasks {
+
+/// A walk as a simulator recorded it: n + 1 poses, n actions between them. Spans must outlive what
+/// is computed from it.
+struct ContinuousWalk {
+  static constexpr std::uint8_t kStop = 0;
+  std::span<const std::array<float, 3>> positions;  ///< metres, (n + 1)
+  std::span<const std::uint8_t> actions;            ///< (n): 0 stop, 1 forward, 2 left, 3 right
+  std::span<const double> goal_distances;  ///< geodesic, at each pose, (n + 1); infinite: no way
+  std::span<const std::uint8_t> collided;  ///< whether each action ended in a collision, (n)
+};
+
+/// The measures of VLN-CE with Habitat 0.1.7. Lengths and errors in metres, shares as fractions.
+struct ContinuousScore {
+  double distance_to_goal = 0;
+  double success = 0;  ///< 1 if stop was called and the distance is below 3
+  double spl = 0;      ///< NaN where the start is the goal: the measures divide by zero there
+  double path_length = 0;
+  double oracle_success = 0;           ///< 1 if the distance ever was below 3, stop or not
+  double oracle_navigation_error = 0;  ///< least distance
+  double oracle_spl = 0;               ///< largest SPL at any time
+  double steps_taken = 0;              ///< actions
+  std::optional<double> collisions;    ///< no value before the first action
+  double dtw = 0;                      ///< exact
+  double ndtw = 0;                     ///< exp(-dtw / (3 |reference|))
+  double ndtw_fastdtw = 0, ndtw_fastdtw_compiled = 0;  ///< with the approximations: FastDtw
+  double sdtw = 0;                                     ///< success * ndtw
+};
+
+/// The measures after `actions` of the walk's actions (all: n).
+/// \param reference  the expert's positions; \pre not empty, sizes of the walk as stated
+ContinuousScore score_continuous(const ContinuousWalk& walk, std::span<const Point3> reference,
+                                 std::size_t actions);
+inline ContinuousScore score_continuous(const ContinuousWalk& walk,
+                                        std::span<const Point3> reference) {
+  return score_continuous(walk, reference, walk.actions.size());
+}
+
+/// ETPNav's numbers of the same walk, which differ: success is an end within 3 m (inclusive), stop
+/// or not; collisions are divided by the number of different poses; time warping is
+/// FastDtw::kPlain; lengths are summed in single precision.
+struct EtpNavScore {
+  double steps_taken = 0, distance_to_goal = 0, success = 0, oracle_success = 0, path_length = 0,
+         collisions = 0, spl = 0, ndtw = 0, sdtw = 0;
+};
+EtpNavScore score_as_etpnav(const ContinuousWalk& walk, std::span<const Point3> reference);
+
+}  // namespace enfilade::tasks

@@ -1,0 +1,213 @@
+#include "enfilade/tasks/files.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <array>
+#include <initializer_list>
+
+#include "enfilade/core/detail/json_records.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/gzip.h"
+#include "enfilade/tasks/formats/cvdn.h"
+#include "enfilade/tasks/formats/fine_grained.h"
+#include "enfilade/tasks/formats/r2r_family.h"
+#include "enfilade/tasks/formats/records.h"
+#include "enfilade/tasks/formats/reverie.h"
+#include "enfilade/tasks/formats/rxr.h"
+#include "enfilade/tasks/formats/soon.h"
+
+namespace enfilade::tasks {
+namespace {
+
+struct Names {
+  Task task;
+  std::string_view name, title;
+};
+constexpr auto kNames = std::to_array<Names>({
+    {Task::kR2r, "r2r", "R2R"},
+    {Task::kR2rLast, "r2r-last", "R2R-Last"},
+    {Task::kR2rBack, "r2r-back", "R2R-Back"},
+    {Task::kR4r, "r4r", "R4R"},
+    {Task::kRxr, "rxr", "RxR"},
+    {Task::kReverie, "reverie", "REVERIE"},
+    {Task::kCvdn, "cvdn", "CVDN"},
+    {Task::kSoon, "soon", "SOON"},
+});
+
+// `{}` stands for the split.
+std::vector<std::string_view> place_patterns(Task task) {
+  switch (task) {
+    case Task::kR2r:
+      return {"r2r/R2R_{}.json", "tasks/R2R/data/R2R_{}.json", "R2R/R2R_{}.json", "R2R_{}.json",
+              "R2R/annotations/R2R_{}_enc.json"};
+    case Task::kR2rLast:
+      return {"r2r-last/R2R_{}.json", "R2R/annotations/LastSent/R2R_{}_enc.json",
+              "LastSent/R2R_{}_enc.json"};
+    case Task::kR2rBack:
+      return {"r2r-back/R2R_{}.json", "R2R/annotations/ReturnBack/R2R_{}_enc.json",
+              "ReturnBack/R2R_{}_enc.json"};
+    case Task::kR4r:
+      return {"r4r/R4R_{}.json", "R4R/annotations/R4R_{}_enc.json", "R4R/R4R_{}.json",
+              "R4R_{}.json"};
+    case Task::kRxr:
+      return {"rxr/rxr_{}_guide.jsonl", "RxR/annotations/rxr_{}_guide_enc_xlmr.jsonl",
+              "RxR/rxr_{}_guide.jsonl", "rxr_{}_guide.jsonl"};
+    case Task::kReverie:
+      return {"reverie/REVERIE_{}.json", "reverie/v2/REVERIE_{}.json",
+              "REVERIE/annotations/REVERIE_{}_enc.json", "tasks/REVERIE/data/REVERIE_{}.json",
+              "REVERIE_{}.json"};
+    case Task::kCvdn:
+      return {"cvdn/{}.json", "tasks/NDH/data/{}.json", "CVDN/annotations/{}.json",
+              "CVDN/annotations/{}_enc.json"};
+    case Task::kSoon:
+      return {"soon/{}.json", "SOON/annotations/{}.json",
+              "SOON/annotations/bert_enc/{}_enc_pseudo_obj_label.jsonl",
+              "SOON/annotations/bert_enc/{}_enc.jsonl"};
+  }
+  return {};
+}
+
+// The first record of a text; calls `look` with it if it is an object. Faults are left to readers.
+template <class Look>
+bool look_at_first(std::string_view text, const Look& look) {
+  try {
+    json::Records records(text, "", formats::kMostRecordBytes);
+    simdjson::dom::object object;
+    return records.next() && records.element() &&
+           records.element()->get_object().get(object) == simdjson::SUCCESS && look(object);
+  } catch (const InvalidInput&) {
+    return false;
+  }
+}
+
+bool first_has(std::string_view text, std::initializer_list<std::string_view> fields) {
+  return look_at_first(text, [&fields](const simdjson::dom::object& object) {
+    return std::ranges::any_of(fields, [&object](std::string_view field) {
+      return object.at_key(field).error() == simdjson::SUCCESS;
+    });
+  });
+}
+
+bool first_has_object(std::string_view text, std::string_view field) {
+  return look_at_first(text, [field](const simdjson::dom::object& object) {
+    return object.at_key(field).is_object();
+  });
+}
+
+bool is_record(std::string_view text) {
+  return first_has(text, {"scan", "path", "bboxes", "instr_id", "path_id", "id"});
+}
+
+}  // namespace
+
+std::string_view name_of(Task task) noexcept {
+  return std::ranges::find(kNames, task, &Names::task)->name;
+}
+
+std::string_view title_of(Task task) noexcept {
+  return std::ranges::find(kNames, task, &Names::task)->title;
+}
+
+Task task_named(std::string_view name) {
+  const auto* found = std::ranges::find(kNames, name, &Names::name);
+  if (found != kNames.end()) return found->task;
+  std::vector<std::string_view> known;
+  for (const Names& one : kNames) known.push_back(one.name);
+  throw LookupError(fmt::format("no task {:?}; there are {}", name, fmt::join(known, ", ")));
+}
+
+std::optional<Task> find_task(std::string_view text) {
+  if (!is_record(text)) return std::nullopt;
+  if (first_has(text, {"inst_idx", "start_pano"})) return Task::kCvdn;
+  if (first_has(text, {"bboxes"})) return Task::kSoon;
+  if (first_has(text, {"timed_instruction", "language"})) return Task::kRxr;
+  if (first_has(text, {"midstop"})) return Task::kR2rBack;
+  if (first_has(text, {"first_path_id"})) return Task::kR4r;
+  if (first_has(text, {"objId", "id"})) return Task::kReverie;
+  return Task::kR2r;
+}
+
+std::optional<Task> find_task_of_results(std::string_view text) {
+  if (first_has(text, {"predObjId", "pred_objid"})) return Task::kReverie;
+  if (first_has(text, {"inst_idx"})) return Task::kCvdn;
+  if (first_has(text, {"midstop"})) return Task::kR2rBack;
+  if (first_has(text, {"instruction_id"})) return Task::kRxr;
+  if (first_has_object(text, "trajectory")) return Task::kSoon;
+  return std::nullopt;
+}
+
+Annotations parse_annotations(std::string_view text, const std::string& file, std::string split,
+                              Task task) {
+  switch (task) {
+    case Task::kRxr:
+      return formats::parse_rxr_guide(text, file, std::move(split));
+    case Task::kReverie:
+      return formats::parse_reverie(text, file, std::move(split));
+    case Task::kCvdn:
+      return first_has(text, {"inst_idx"})
+                 ? formats::parse_cvdn(text, file, std::move(split))
+                 : formats::parse_cvdn_encoded(text, file, std::move(split));
+    case Task::kSoon:
+      return first_has(text, {"path_id"}) ? formats::parse_soon_lines(text, file, std::move(split))
+                                          : formats::parse_soon(text, file, std::move(split));
+    case Task::kR2r:
+      if (first_has(text, {"new_instructions"})) {
+        return formats::parse_fine_grained(text, file, std::move(split));
+      }
+      break;
+    case Task::kR2rLast:
+    case Task::kR2rBack:
+    case Task::kR4r:
+      break;
+  }
+  return formats::parse_r2r_family(text, file, std::move(split), task);
+}
+
+Annotations load_annotations(const std::filesystem::path& file, std::string split, Task task) {
+  return parse_annotations(read_text_file(file), file.string(), std::move(split), task);
+}
+
+std::string to_text(const Annotations& annotations) {
+  switch (annotations.task) {
+    case Task::kRxr:
+      return formats::to_rxr_guide(annotations);
+    case Task::kSoon:
+      return formats::to_soon_lines(annotations);
+    case Task::kReverie:
+    case Task::kCvdn:
+      throw ArgumentError(
+          fmt::format("annotations of {}: only their own authors' files are read, none are written",
+                      title_of(annotations.task)));
+    case Task::kR2r:
+    case Task::kR2rLast:
+    case Task::kR2rBack:
+    case Task::kR4r:
+      break;
+  }
+  return formats::to_r2r_family(annotations);
+}
+
+std::vector<std::filesystem::path> annotation_places(Task task, std::string_view split) {
+  std::vector<std::filesystem::path> places;
+  for (const std::string_view pattern : place_patterns(task)) {
+    std::string place(pattern);
+    place.replace(place.find("{}"), 2, split);
+    places.emplace_back(place);
+    places.emplace_back(place + ".gz");
+  }
+  return places;
+}
+
+std::vector<std::filesystem::path> object_places() {
+  return {"reverie/BBoxes.json", "reverie/BBoxes.json.gz",
+          "reverie/BBox.json",   "reverie/BBox.json.gz",
+          "reverie/BBox",        "REVERIE/annotations/BBoxes.json",
+          "BBoxes.json",         "BBox"};
+}
+
+std::vector<Demonstration> load_demonstrations(const std::filesystem::path& file) {
+  return formats::parse_rxr_followers(read_text_file(file), file.string());
+}
+
+}  // namespace enfilade::tasks

@@ -1,0 +1,55 @@
+/// \file  Annotation files of all benchmarks: finds the form, reads it, packed or not.
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/demonstrations.h"
+#include "enfilade/tasks/goal.h"
+
+namespace enfilade::tasks {
+
+/// A benchmark's name in commands and files: "r2r", "r2r-last", "r2r-back", "r4r", "rxr",
+/// "reverie", "cvdn", "soon".
+std::string_view name_of(Task task) noexcept;
+/// For people: "R2R-Last".
+std::string_view title_of(Task task) noexcept;
+/// By name_of(). \throws LookupError naming those that there are
+Task task_named(std::string_view name);
+
+/// Which benchmark a text of annotations is of, by the fields of its first record; R2R-Last looks
+/// like R2R. No value if it has no record, or the first is no object.
+std::optional<Task> find_task(std::string_view text);
+
+/// The same of results: by the fields that only one benchmark's have. No value also for those that
+/// could be of several: R2R's form is RxR's and R4R's, too.
+std::optional<Task> find_task_of_results(std::string_view text);
+
+/// Reads a file of a benchmark in any form that its public code reads: lists and lines, with token
+/// ids, fine-grained, HAMT's and DUET's forms. formats/ has a header for each.
+/// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths
+Annotations load_annotations(const std::filesystem::path& file, std::string split, Task task);
+Annotations parse_annotations(std::string_view text, const std::string& file, std::string split,
+                              Task task);
+
+/// The text of a file in the benchmark's own form, which parse_annotations() reads back equal: of
+/// R2R and what has grown out of it a list, with token ids and sub-instructions where there are
+/// any; of RxR a guide's lines; of SOON DUET's lines. Empty for no paths in lines. \throws
+/// ArgumentError for REVERIE and CVDN, which have no writer; for what the form cannot say
+std::string to_text(const Annotations& annotations);
+
+/// Where a split's annotations may be in a folder of data, relative to it, in the order in which
+/// they are looked for: Enfilade's layout ("reverie/REVERIE_val_unseen.json"), that of the public
+/// code
+/// ("REVERIE/annotations/REVERIE_val_unseen_enc.json"), side by side; each also packed (".gz").
+std::vector<std::filesystem::path> annotation_places(Task task, std::string_view split);
+/// The same of REVERIE's boxes: a file, or a folder.
+std::vector<std::filesystem::path> object_places();
+
+/// RxR's followers. \throws as load_annotations()
+std::vector<Demonstration> load_demonstrations(const std::filesystem::path& file);
+
+}  // namespace enfilade::tasks

@@ -1,0 +1,214 @@
+#include "enfilade/tasks/formats/r2r_family.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "enfilade/core/numbers.h"
+#include "enfilade/tasks/formats/python_literal.h"
+#include "enfilade/tasks/formats/r2r_entries.h"
+#include "enfilade/tasks/formats/records.h"
+
+namespace enfilade::tasks::formats {
+namespace {
+
+enum FamilyField : std::size_t { kFamilyEncodings, kFamilyMidstop, kFamilyFields };
+constexpr std::array<json::Field, kFamilyFields> kOfFamily{
+    {{"instr_encodings", false}, {"midstop", false}}};
+
+enum LineField : std::size_t {
+  kLineId,
+  kLineScan,
+  kLinePath,
+  kLineHeading,
+  kLineTokens,
+  kLineMidstop,
+  kLineFields
+};
+constexpr std::array<json::Field, kLineFields> kOfLine{
+    {{"instr_id"}, {"scan"}, {"path"}, {"heading", false}, {"instr_encoding"}, {"midstop", false}}};
+
+// \param path  of the record
+void read_midstop(const std::optional<json::Element>& midstop, Task task, PathAnnotation& entry,
+                  const json::Path& path, json::Faults& faults) {
+  const json::Path place(path, "midstop");
+  if (task != Task::kR2rBack) {
+    if (!midstop) return;
+    faults.error(place, "unexpected-field",
+                 "a turning point, as R2R-Back has them; this file is read as another task's");
+  } else if (midstop) {
+    entry.goal = NamedTurningPoint{std::string(json::string(*midstop, place, faults).value_or(""))};
+  } else if (entry.path.size() > 1) {
+    faults.error(path, "missing-field",
+                 "has no field \"midstop\", which paths of R2R-Back have, but for a start alone");
+  } else {
+    entry.goal = HiddenGoal{};
+  }
+}
+
+// "4332_0": 4332.
+std::optional<std::int64_t> path_id_of(std::string_view id) {
+  const std::size_t line = id.rfind('_');
+  if (line == id.npos || !parse_number<std::uint64_t>(id.substr(line + 1))) return std::nullopt;
+  return parse_number<std::int64_t>(id.substr(0, line));
+}
+
+// HAMT's form for pretraining: an instruction, with its path.
+class LineReader {
+ public:
+  PathAnnotation read(json::Element element, std::size_t record, Task task, const json::Path& path,
+                      json::Faults& faults) {
+    PathAnnotation entry;
+    std::array<std::optional<json::Element>, kLineFields> found;
+    if (!json::fields(element, kOfLine, found, path, faults)) return entry;
+    InstructionDetails& details = entry.details.emplace_back();
+    entry.instructions.emplace_back();
+    read_id(*found[kLineId], record, entry, json::Path(path, "instr_id"), faults);
+    entry.scan = json::string(*found[kLineScan], json::Path(path, "scan"), faults).value_or("");
+    entry.path = read_path(*found[kLinePath], json::Path(path, "path"), faults);
+    if (found[kLineHeading]) {
+      entry.heading = read_angle(*found[kLineHeading], json::Path(path, "heading"), faults);
+    }
+    details.tokens = read_tokens(*found[kLineTokens], json::Path(path, "instr_encoding"), faults);
+    read_midstop(found[kLineMidstop], task, entry, path, faults);
+    return entry;
+  }
+
+ private:
+  void read_id(json::Element element, std::size_t record, PathAnnotation& entry,
+               const json::Path& path, json::Faults& faults) {
+    const auto id = json::string(element, path, faults);
+    if (!id) return;
+    const auto path_id = path_id_of(*id);
+    if (!path_id) {
+      faults.error(
+          path, "bad-instruction-id",
+          fmt::format("{}, not <path_id>_<k>, such as \"4332_0\"", json::describe(element)));
+      return;
+    }
+    entry.path_id = *path_id;
+    entry.group = *path_id;
+    entry.details[0].id = *id;
+    ids_.check(entry.details[0].id, record, path, faults);
+  }
+
+  Once ids_{"repeated-id"};
+};
+
+bool has_instruction_id(json::Element element) {
+  return element.is_object() && !element["instr_id"].error();
+}
+
+// Whether the form for pretraining says all of it.
+bool is_line(const PathAnnotation& entry) {
+  return entry.instructions.size() == 1 && entry.instructions[0].empty() && !entry.distance &&
+         entry.details.size() == 1 && entry.details[0].parts.empty() &&
+         path_id_of(entry.details[0].id) == entry.path_id;
+}
+
+bool has_parts(const PathAnnotation& entry) {
+  return std::ranges::any_of(entry.details, [](const auto& one) { return !one.parts.empty(); });
+}
+
+bool has_tokens(const PathAnnotation& entry) {
+  return std::ranges::any_of(entry.details, [](const auto& one) { return !one.tokens.empty(); });
+}
+
+void add_midstop(const PathAnnotation& entry, nlohmann::ordered_json& fields) {
+  if (const auto* turn = std::get_if<NamedTurningPoint>(&entry.goal)) {
+    fields["midstop"] = turn->viewpoint;
+  }
+}
+
+nlohmann::ordered_json line_fields(const PathAnnotation& entry) {
+  nlohmann::ordered_json fields{{"instr_id", entry.details[0].id}};
+  fields.update(r2r_fields(entry));
+  for (const char* absent : {"path_id", "instructions", "distance"}) fields.erase(absent);
+  fields["instr_encoding"] = entry.details[0].tokens;
+  add_midstop(entry, fields);
+  return fields;
+}
+
+nlohmann::ordered_json family_fields(const PathAnnotation& entry) {
+  nlohmann::ordered_json fields = r2r_fields(entry);
+  if (!entry.details.empty()) add_encodings(entry, fields);
+  add_midstop(entry, fields);
+  return fields;
+}
+
+// `new_instructions`, and `chunk_view` unless places are hidden.
+void add_parts(const PathAnnotation& entry, nlohmann::ordered_json& fields) {
+  WordLists lists;
+  auto chunks = nlohmann::ordered_json::array();
+  std::size_t parts = 0, placed = 0, written = 0;
+  for (const InstructionDetails& details : entry.details) {
+    auto& pieces = lists.emplace_back();
+    auto& places = chunks.emplace_back(nlohmann::ordered_json::array());
+    for (const SubInstruction& part : details.parts) {
+      pieces.push_back(part.words);
+      ++parts;
+      if (!part.places) continue;
+      ++placed;
+      places.push_back({part.places->first + 1, part.places->second + 1});
+    }
+    if (!pieces.empty()) written = lists.size();
+  }
+  if (placed != 0 && placed != parts) {
+    throw ArgumentError(
+        fmt::format("path {}: {} of {} parts of instructions have places; all or none is allowed",
+                    entry.path_id, placed, parts));
+  }
+  lists.resize(written);  // instructions after the last one with parts have no list
+  fields["new_instructions"] = write_word_lists(lists);
+  if (placed == 0) return;
+  chunks.get_ref<nlohmann::ordered_json::array_t&>().resize(written);
+  fields["chunk_view"] = std::move(chunks);
+}
+
+nlohmann::ordered_json fine_fields(const PathAnnotation& entry) {
+  nlohmann::ordered_json fields = r2r_fields(entry);
+  if (has_tokens(entry)) add_encodings(entry, fields);
+  add_midstop(entry, fields);
+  add_parts(entry, fields);
+  return fields;
+}
+
+}  // namespace
+
+Annotations parse_r2r_family(std::string_view text, const std::string& file, std::string split,
+                             Task task) {
+  PathIds ids;
+  LineReader lines;
+  std::optional<bool> by_instruction;  // as the first record says
+  const auto read_more = [&](json::Element element, bool complete, PathAnnotation& entry,
+                             const json::Path& path, json::Faults& faults) {
+    std::array<std::optional<json::Element>, kFamilyFields> found;
+    if (!json::fields(element, kOfFamily, found, path, faults)) return;
+    if (found[kFamilyEncodings]) {
+      read_encodings(*found[kFamilyEncodings], complete, entry, json::Path(path, "instr_encodings"),
+                     faults);
+    }
+    read_midstop(found[kFamilyMidstop], task, entry, path, faults);
+  };
+  return read_records(
+      text, file, std::move(split), task,
+      [&](json::Element element, std::size_t record, const json::Path& path, json::Faults& faults) {
+        if (!by_instruction) by_instruction = has_instruction_id(element);
+        return *by_instruction ? lines.read(element, record, task, path, faults)
+                               : read_entry(element, record, read_more, ids, path, faults);
+      });
+}
+
+std::string to_r2r_family(const Annotations& annotations) {
+  const auto& paths = annotations.paths;
+  if (!paths.empty() && std::ranges::all_of(paths, is_line)) {
+    return lines_of_entries(annotations, line_fields);
+  }
+  const bool fine = std::ranges::any_of(paths, has_parts);
+  return list_of_entries(annotations, fine ? fine_fields : family_fields);
+}
+
+}  // namespace enfilade::tasks::formats

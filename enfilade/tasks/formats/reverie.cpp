@@ -1,0 +1,147 @@
+#include "enfilade/tasks/formats/reverie.h"
+
+#include <fmt/format.h>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "enfilade/core/numbers.h"
+#include "enfilade/tasks/formats/records.h"
+
+namespace enfilade::tasks::formats {
+namespace {
+
+using json::Element;
+using json::Faults;
+using json::Path;
+
+enum Wanted : std::size_t {
+  kId,
+  kScan,
+  kHeading,
+  kPath,
+  kInstructions,
+  kPathId,
+  kObject,
+  kEncodings,
+  kFields
+};
+constexpr std::array<json::Field, kFields> kWanted{{{"id"},
+                                                    {"scan"},
+                                                    {"heading"},
+                                                    {"path"},
+                                                    {"instructions"},
+                                                    {"path_id", false},
+                                                    {"objId", false},
+                                                    {"instr_encodings", false}}};
+using Found = std::array<std::optional<Element>, kFields>;
+
+// The number of a path or an object.
+std::optional<std::int64_t> read_number(Element element, const Path& path, Faults& faults) {
+  const auto number = json::integer(element, path, faults);
+  if (!number || *number >= 0) return number;
+  faults.error(path, "negative-id", fmt::format("{} is no id; 0 and more are", *number));
+  return std::nullopt;
+}
+
+void read_object_goal(const Found& found, const Path& path, Faults& faults, PathAnnotation& entry) {
+  const auto object = read_number(*found[kObject], Path(path, "objId"), faults);
+  if (!found[kPathId]) {
+    faults.error(path, "missing-field", "has \"objId\", but no field \"path_id\"");
+    return;
+  }
+  const auto path_id = read_number(*found[kPathId], Path(path, "path_id"), faults);
+  if (!object || !path_id) return;
+  entry.path_id = *path_id;
+  entry.group = *path_id;  // several objects are at the end of one path
+  entry.goal = NamedObject{*object};
+  const std::string expected = fmt::format("{}_{}", *path_id, *object);
+  if (entry.id.empty() || entry.id == expected) return;
+  faults.error(Path(path, "id"), "wrong-id",
+               fmt::format("{:?}, not {:?}, its path_id and objId", entry.id, expected));
+}
+
+void read_hidden_goal(const Found& found, const Path& path, Faults& faults, PathAnnotation& entry) {
+  entry.goal = HiddenGoal{};
+  const auto number = parse_number<std::int64_t>(entry.id);
+  const bool plain = number && *number >= 0 && fmt::to_string(*number) == entry.id;
+  if (plain) entry.path_id = *number;
+  if (!plain && !entry.id.empty()) {
+    faults.error(Path(path, "id"), "wrong-id",
+                 fmt::format("{:?}, not the number of a path, as there is no \"objId\"", entry.id));
+  }
+  if (found[kPathId]) {
+    const Path place(path, "path_id");
+    const auto path_id = read_number(*found[kPathId], place, faults);
+    if (path_id && plain && *path_id != *number) {
+      faults.error(place, "wrong-id", fmt::format("{}, not {}, its id", *path_id, *number));
+    }
+  }
+  if (entry.path.size() > 1) {
+    faults.error(Path(path, "path"), "open-path",
+                 fmt::format("{} viewpoints, not the start alone, as there is no \"objId\"",
+                             entry.path.size()));
+  }
+}
+
+std::vector<InstructionDetails> read_details(Element element, std::size_t instructions,
+                                             const Path& path, Faults& faults) {
+  std::vector<InstructionDetails> details;
+  const auto lists = json::array(element, path, faults);
+  if (!lists) return details;
+  for (const Element tokens : *lists) {
+    const Path place(path, details.size());
+    details.emplace_back().tokens = read_tokens(tokens, place, faults);
+  }
+  if (details.size() != instructions) {
+    faults.error(path, "encoding-count",
+                 fmt::format("{} lists of tokens, not {}, one for each instruction", details.size(),
+                             instructions));
+  }
+  return details;
+}
+
+PathAnnotation read_entry(Element element, const Path& path, Faults& faults) {
+  PathAnnotation entry;
+  Found found;
+  if (!json::fields(element, kWanted, found, path, faults)) return entry;
+  const Path id(path, "id");
+  if (const auto text = json::string(*found[kId], id, faults)) {
+    entry.id = *text;
+    if (entry.id.empty()) faults.error(id, "wrong-id", "an empty text, not the entry's id");
+  }
+  entry.scan = json::string(*found[kScan], Path(path, "scan"), faults).value_or("");
+  entry.heading = read_angle(*found[kHeading], Path(path, "heading"), faults);
+  entry.path = read_path(*found[kPath], Path(path, "path"), faults);
+  entry.instructions = json::strings(*found[kInstructions], Path(path, "instructions"), faults);
+  if (found[kEncodings]) {
+    entry.details = read_details(*found[kEncodings], entry.instructions.size(),
+                                 Path(path, "instr_encodings"), faults);
+  }
+  if (found[kObject]) {
+    read_object_goal(found, path, faults, entry);
+  } else {
+    read_hidden_goal(found, path, faults, entry);
+  }
+  return entry;
+}
+
+}  // namespace
+
+Annotations parse_reverie(std::string_view json, const std::string& file, std::string split) {
+  Annotations result{std::move(split), file, {}, Task::kReverie};
+  Faults faults(file);
+  Once once("repeated-id");
+  for_each_record(json, faults, [&](Element element, const Path& path) {
+    const std::size_t record = result.paths.size();
+    const PathAnnotation& entry = result.paths.emplace_back(read_entry(element, path, faults));
+    if (!entry.id.empty()) once.check(entry.id, record, Path(path, "id"), faults);
+  });
+  faults.throw_if_errors();
+  return result;
+}
+
+}  // namespace enfilade::tasks::formats

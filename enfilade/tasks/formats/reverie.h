@@ -1,0 +1,20 @@
+/// \file  REVERIE's annotations: `REVERIE_<split>.json`, versions 1 and 2. The boxes of objects in
+/// views are read by objects.h.
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "enfilade/tasks/annotations.h"
+
+namespace enfilade::tasks::formats {
+
+/// Reads a file of annotations: a list, or lines. Goals are NamedObject; a path of R2R with several
+/// objects is a group; hidden where an entry has no `objId`, as in the test split, whose `id` is
+/// the path's number and whose path is the start alone. `instr_encodings` become tokens. Other
+/// fields are read over, such as `distance`, `ix` and `instructions_l` of version 1. \throws
+/// InvalidInput listing its faults with JSON paths: missing or wrongly typed fields, an empty path,
+/// a negative id, an `id` that another entry has, or that is not `<path_id>_<objId>`, more than the
+/// start of a path whose goal is hidden, `instr_encodings` that are not as many as the instructions
+Annotations parse_reverie(std::string_view json, const std::string& file, std::string split);
+
+}  // namespace enfilade::tasks::formats

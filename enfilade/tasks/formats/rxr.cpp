@@ -1,0 +1,263 @@
+#include "enfilade/tasks/formats/rxr.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "enfilade/core/numbers.h"
+#include "enfilade/tasks/formats/records.h"
+
+namespace enfilade::tasks::formats {
+namespace {
+
+using json::Element;
+using json::Faults;
+using json::Path;
+
+constexpr std::array<std::string_view, 4> kLanguages{"en-IN", "en-US", "hi-IN", "te-IN"};
+
+enum Wanted : std::size_t {
+  kPathId,
+  kScan,
+  kHeading,
+  kPath,
+  kInstructionId,
+  kLanguage,
+  kInstruction,
+  kWords,
+  kTokens,
+  kFields
+};
+constexpr std::array<json::Field, kFields> kWanted{{{"path_id", false},
+                                                    {"scan"},
+                                                    {"heading"},
+                                                    {"path"},
+                                                    {"instruction_id"},
+                                                    {"language"},
+                                                    {"instruction"},
+                                                    {"timed_instruction", false},
+                                                    {"instr_encoding", false}}};
+
+enum OfWord : std::size_t { kWord, kStart, kEnd, kWordFields };
+constexpr std::array<json::Field, kWordFields> kOfWord{
+    {{"word"}, {"start_time", false}, {"end_time", false}}};
+
+enum OfWalk : std::size_t { kDemonstration, kFollowed, kAnnotator, kWalk, kMetrics, kWalkFields };
+constexpr std::array<json::Field, kWalkFields> kOfWalk{
+    {{"demonstration_id"}, {"instruction_id"}, {"annotator_id"}, {"path"}, {"metrics"}}};
+
+enum OfMetrics : std::size_t { kNe, kSr, kSpl, kDtw, kNdtw, kSdtw, kMetricFields };
+constexpr std::array<json::Field, kMetricFields> kOfMetrics{
+    {{"ne"}, {"sr"}, {"spl"}, {"dtw"}, {"ndtw"}, {"sdtw"}}};
+
+std::int64_t read_id(Element element, const Path& path, Faults& faults) {
+  const auto number = json::integer(element, path, faults);
+  if (number && *number < 0) {
+    faults.error(path, "negative-id", fmt::format("{} is no id; 0 and more are", *number));
+  }
+  return number.value_or(0);
+}
+
+std::string read_language(Element element, const Path& path, Faults& faults) {
+  const auto text = json::string(element, path, faults);
+  if (!text) return {};
+  if (std::ranges::find(kLanguages, *text) == kLanguages.end()) {
+    faults.error(
+        path, "unknown-language",
+        fmt::format("{:?} is no language of RxR; {} are", *text, fmt::join(kLanguages, ", ")));
+  }
+  return std::string(*text);
+}
+
+TimedWord read_word(Element element, const Path& path, Faults& faults) {
+  TimedWord word;
+  std::array<std::optional<Element>, kWordFields> found;
+  if (!json::fields(element, kOfWord, found, path, faults)) return word;
+  word.word = json::string(*found[kWord], Path(path, "word"), faults).value_or("");
+  if (found[kStart]) word.start = json::number(*found[kStart], Path(path, "start_time"), faults);
+  if (found[kEnd]) word.end = json::number(*found[kEnd], Path(path, "end_time"), faults);
+  return word;
+}
+
+std::vector<TimedWord> read_words(Element element, const Path& path, Faults& faults) {
+  std::vector<TimedWord> words;
+  const auto list = json::array(element, path, faults);
+  if (!list) return words;
+  words.reserve(list->size());
+  for (const Element one : *list) words.push_back(read_word(one, Path(path, words.size()), faults));
+  return words;
+}
+
+// Gives the instruction's id. Test lines go by it alone, as HAMT names them.
+std::int64_t read_ids(const std::array<std::optional<Element>, kFields>& found, const Path& path,
+                      Faults& faults, PathAnnotation& entry, InstructionDetails& details) {
+  const std::int64_t instruction =
+      read_id(*found[kInstructionId], Path(path, "instruction_id"), faults);
+  if (found[kPathId]) {
+    entry.path_id = read_id(*found[kPathId], Path(path, "path_id"), faults);
+    entry.group = entry.path_id;
+    details.id = fmt::format("{}_{}", entry.path_id, instruction);
+  } else {
+    entry.path_id = instruction;
+    details.id = fmt::to_string(instruction);
+    if (entry.path.size() > 1) {
+      faults.error(Path(path, "path"), "open-path",
+                   fmt::format("{} viewpoints, not the start alone, as there is no \"path_id\"",
+                               entry.path.size()));
+    }
+  }
+  entry.id = fmt::to_string(entry.path_id);
+  return instruction;
+}
+
+PathAnnotation read_line(Element element, const Path& path, Faults& faults, Once& once,
+                         std::size_t record) {
+  PathAnnotation entry;
+  std::array<std::optional<Element>, kFields> found;
+  if (!json::fields(element, kWanted, found, path, faults)) return entry;
+  const std::size_t errors = faults.errors();
+  entry.scan = json::string(*found[kScan], Path(path, "scan"), faults).value_or("");
+  entry.heading = read_angle(*found[kHeading], Path(path, "heading"), faults);
+  entry.path = read_path(*found[kPath], Path(path, "path"), faults);
+  const Path text(path, "instruction");
+  entry.instructions.emplace_back(json::string(*found[kInstruction], text, faults).value_or(""));
+  InstructionDetails& details = entry.details.emplace_back();
+  const std::int64_t id = read_ids(found, path, faults, entry, details);
+  details.language = read_language(*found[kLanguage], Path(path, "language"), faults);
+  if (found[kWords]) {
+    details.words = read_words(*found[kWords], Path(path, "timed_instruction"), faults);
+  }
+  if (found[kTokens]) {
+    details.tokens = read_tokens(*found[kTokens], Path(path, "instr_encoding"), faults);
+  }
+  if (faults.errors() == errors) {  // else it may have no id
+    once.check(fmt::to_string(id), record, Path(path, "instruction_id"), faults);
+  }
+  return entry;
+}
+
+void read_metrics(Element element, const Path& path, Faults& faults, Demonstration& walk) {
+  std::array<std::optional<Element>, kMetricFields> found;
+  if (!json::fields(element, kOfMetrics, found, path, faults)) return;
+  const std::array<double*, kMetricFields> values{&walk.ne,  &walk.sr,   &walk.spl,
+                                                  &walk.dtw, &walk.ndtw, &walk.sdtw};
+  for (std::size_t k = 0; k < kMetricFields; ++k) {
+    *values[k] = json::number(*found[k], Path(path, kOfMetrics[k].name), faults).value_or(0);
+  }
+}
+
+Demonstration read_walk(Element element, const Path& path, Faults& faults) {
+  Demonstration walk;
+  std::array<std::optional<Element>, kWalkFields> found;
+  if (!json::fields(element, kOfWalk, found, path, faults)) return walk;
+  walk.demonstration_id = read_id(*found[kDemonstration], Path(path, "demonstration_id"), faults);
+  walk.instruction_id = read_id(*found[kFollowed], Path(path, "instruction_id"), faults);
+  walk.annotator_id = read_id(*found[kAnnotator], Path(path, "annotator_id"), faults);
+  walk.path = read_path(*found[kWalk], Path(path, "path"), faults);
+  read_metrics(*found[kMetrics], Path(path, "metrics"), faults, walk);
+  return walk;
+}
+
+ArgumentError not_rxr(const PathAnnotation& entry, std::string_view why) {
+  return ArgumentError(fmt::format("path {}: {}", entry.path_id, why));
+}
+
+void check_finite(const PathAnnotation& entry, double number, std::string_view name) {
+  if (std::isfinite(number)) return;
+  throw not_rxr(entry, fmt::format("{} {}, not a finite number", name, number));
+}
+
+nlohmann::ordered_json words_json(const PathAnnotation& entry) {
+  auto list = nlohmann::ordered_json::array();
+  for (const TimedWord& word : entry.details[0].words) {
+    nlohmann::ordered_json one;
+    check_finite(entry, word.start.value_or(0), "start_time");
+    check_finite(entry, word.end.value_or(0), "end_time");
+    if (word.start) one["start_time"] = *word.start;
+    one["word"] = word.word;
+    if (word.end) one["end_time"] = *word.end;
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+// The number in the id of the instruction.
+std::int64_t number_of(const PathAnnotation& entry) {
+  const std::string& id = entry.details[0].id;
+  const std::string before = entry.group ? fmt::format("{}_", entry.path_id) : "";
+  const auto number = id.starts_with(before)
+                          ? parse_number<std::int64_t>(std::string_view(id).substr(before.size()))
+                          : std::nullopt;
+  if (number) return *number;
+  throw not_rxr(entry, fmt::format("instruction id {:?}, not {:?} and a number", id, before));
+}
+
+std::string line_of(const PathAnnotation& entry, const std::string& split) {
+  if (entry.instructions.size() != 1 || entry.details.size() != 1) {
+    throw not_rxr(entry, fmt::format("{} instructions with details of {}, not one with its details",
+                                     entry.instructions.size(), entry.details.size()));
+  }
+  check_finite(entry, entry.heading.value, "heading");
+  const InstructionDetails& details = entry.details[0];
+  nlohmann::ordered_json fields;
+  if (entry.group) fields["path_id"] = entry.path_id;
+  fields["split"] = split;
+  fields["scan"] = entry.scan;
+  fields["heading"] = entry.heading.value;
+  fields["path"] = entry.path;
+  fields["instruction_id"] = number_of(entry);
+  fields["language"] = details.language;
+  fields["instruction"] = entry.instructions[0];
+  fields["timed_instruction"] = words_json(entry);
+  if (!details.tokens.empty()) fields["instr_encoding"] = details.tokens;
+  try {
+    return fields.dump();
+  } catch (const nlohmann::json::type_error&) {
+    throw not_rxr(entry, "holds text that is not UTF-8");
+  }
+}
+
+}  // namespace
+
+Annotations parse_rxr_guide(std::string_view lines, const std::string& file, std::string split) {
+  Annotations result{std::move(split), file, {}, Task::kRxr};
+  Faults faults(file);
+  Once once("repeated-id");
+  for_each_record(lines, faults, [&](Element element, const Path& path) {
+    result.paths.push_back(read_line(element, path, faults, once, result.paths.size()));
+  });
+  faults.throw_if_errors();
+  return result;
+}
+
+std::vector<Demonstration> parse_rxr_followers(std::string_view lines, const std::string& file) {
+  std::vector<Demonstration> walks;
+  Faults faults(file);
+  Once once("repeated-id");
+  for_each_record(lines, faults, [&](Element element, const Path& path) {
+    const std::size_t errors = faults.errors();
+    const std::size_t record = walks.size();
+    const Demonstration& walk = walks.emplace_back(read_walk(element, path, faults));
+    if (faults.errors() != errors) return;  // it may have no id
+    once.check(fmt::to_string(walk.demonstration_id), record, Path(path, "demonstration_id"),
+               faults);
+  });
+  faults.throw_if_errors();
+  return walks;
+}
+
+std::string to_rxr_guide(const Annotations& annotations) {
+  std::string lines;
+  for (const PathAnnotation& entry : annotations.paths) {
+    lines += line_of(entry, annotations.split);
+    lines += '\n';
+  }
+  return lines;
+}
+
+}  // namespace enfilade::tasks::formats

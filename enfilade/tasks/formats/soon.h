@@ -1,0 +1,38 @@
+/// \file  SOON's files, as released (github.com/ZhuFengdaaa/SOON) and as DUET reads them.
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "enfilade/tasks/annotations.h"
+
+namespace enfilade::tasks::formats {
+
+/// Reads `<split>.json` as released: entries with several alternative paths. Each alternative
+/// becomes a path of its own, with id `<split number>-<running number>` as in DUET's files
+/// (numbers: train 0, val_seen_instrs 1, val_unseen_instrs 2, val_unseen_house 3, test 4; other
+/// splits 9); its path_id is the running number, its group the entry. Instruction k of an entry is
+/// its list of five texts: name, attribute, relation, region (details' fields `obj_name`,
+/// `attribute`, `relation`, `region`), and the whole, which is the text. Goals are NamedBoxes;
+/// hidden where there are no `bboxes`, or none in the list. The scan is that of the boxes, or the
+/// entry's own `scan`. The heading is 1.52, with which DUET evaluates. Of a box, `target` counts;
+/// its own `heading` and `elevation`, `mouse_*`, and an entry's `instr_id` are read over.
+/// \throws InvalidInput listing its faults with JSON paths: missing or wrongly typed fields, no
+/// path, an empty path, two scans in one entry, instructions that are no lists of five,
+/// alternatives that repeat more than 2 GiB of their entries
+Annotations parse_soon(std::string_view json, const std::string& file, std::string split);
+
+/// The same of DUET's lines (`<split>_enc.jsonl`, `<split>_enc_pseudo_obj_label.jsonl`): a path a
+/// line, `instructions` a list of objects with `full` and any of the other four texts,
+/// `instr_encodings` with the same keys (that of `full` becomes the tokens). `pseudo_label` is read
+/// over. Lines do not say which belong to one entry: there are no groups and first alternatives.
+/// \throws InvalidInput as above; also for a path_id that another line has or that is not two
+/// numbers with "-" between them, and for other numbers of encodings than of instructions
+Annotations parse_soon_lines(std::string_view lines, const std::string& file, std::string split);
+
+/// Lines in DUET's form: what parse_soon_lines() gave is read back equal, if it is not empty; what
+/// parse_soon() gave is too, but for groups and first alternatives. Encodings have `full` alone.
+/// \throws ArgumentError for other annotations than SOON's, and for what JSON cannot say: an
+/// infinite number, text that is not UTF-8
+std::string to_soon_lines(const Annotations& annotations);
+
+}  // namespace enfilade::tasks::formats

@@ -1,0 +1,489 @@
+#include "enfilade/tasks/results.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+#include "enfilade/core/detail/json_entries.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+
+namespace enfilade::tasks {
+namespace {
+
+using json::Element;
+using json::Faults;
+using json::Path;
+
+constexpr std::size_t kListedIds = 20;   // of missing ones; further ones are only counted
+constexpr std::size_t kShownBytes = 40;  // of an id in a message
+// Of an entry of the file. A step in the long form takes up to 100 bytes, so this is some 10,000
+// steps; published agents make at most some hundreds. simdjson takes up to 14 times as much.
+constexpr std::size_t kMostEntryBytes = std::size_t{1} << 20U;
+constexpr const char* kEntryForms =
+    "a viewpoint id, [viewpoint], [viewpoint, heading, elevation], or a list of those";
+
+enum FieldIndex : std::size_t {
+  kInstrId,
+  kTrajectory,
+  kInstIdx,        // CVDN
+  kInstructionId,  // RxR
+  kPath,           // RxR, beside it
+  kMidstop,        // R2R-Back
+  kObject,         // REVERIE, as its own scorer and HAMT name it
+  kDuetObject,     // and DUET
+  kFields
+};
+using Fields = std::array<json::Field, kFields>;
+using Found = std::array<std::optional<Element>, kFields>;
+
+Fields fields_of(Task task) {
+  // Of these, other fields may stand in for both.
+  const bool own_id = task == Task::kCvdn || task == Task::kRxr;
+  return {{{"instr_id", !own_id},
+           {"trajectory", task != Task::kRxr},
+           {"inst_idx", false},
+           {"instruction_id", false},
+           {"path", false},
+           {"midstop", task == Task::kR2rBack},
+           {"predObjId", false},
+           {"pred_objid", false}}};
+}
+
+std::string shown(std::string_view text) {
+  return fmt::format("{:?}{}", text.substr(0, kShownBytes), text.size() > kShownBytes ? "..." : "");
+}
+
+bool is_nested(Element element) { return element.is_array() || element.is_object(); }
+
+// [viewpoint] or [viewpoint, heading, elevation], or meant as one: a list with an element that
+// cannot be part of a sub-path.
+bool is_point(simdjson::dom::array list) {
+  std::size_t count = 0;
+  bool scalar = false;
+  bool text_first = false;
+  for (const Element element : list) {
+    if (count == 0 && is_nested(element)) return false;
+    if (count == 0) text_first = element.is_string();
+    scalar = scalar || (!element.is_string() && !is_nested(element));
+    ++count;
+  }
+  return scalar || (count == 1 && text_first);
+}
+
+// Reads one trajectory. If its episode is unknown, only the form is checked.
+class TrajectoryReader {
+ public:
+  /// \param points  what was read; overwritten
+  TrajectoryReader(const EpisodeSet& episodes, std::optional<std::size_t> episode, Faults& faults,
+                   std::vector<TrajectoryPoint>& points)
+      : faults_(faults), points_(points) {
+    points_.clear();
+    if (!episode) return;
+    reference_ = &episodes.path_of(episodes.episodes[*episode]);
+    graph_ = &episodes.graphs->graph(reference_->scan);
+  }
+
+  void read(Element element, const Path& path) {
+    const std::size_t errors = faults_.errors();
+    const auto entries = json::array(element, path, faults_);
+    if (!entries) return;
+    entries_ = entries->size();
+    read_list(*entries, path, 0);
+    if (!started_ && faults_.errors() == errors) {
+      faults_.error(path, "empty-trajectory", "no viewpoint; the start at least is expected");
+    }
+  }
+
+  // An entry is an action, whatever it passes. No value if it passes one viewpoint each.
+  std::optional<std::size_t> actions() const {
+    if (entries_ == 0 || entries_ == points_.size()) return std::nullopt;
+    return entries_ - 1;
+  }
+
+  // A viewpoint that an agent names.
+  std::optional<ViewpointIndex> named(Element element, const Path& path) {
+    const auto id = json::string(element, path, faults_);
+    return id && graph_ != nullptr ? find(*id, path) : std::nullopt;
+  }
+
+ private:
+  void read_list(simdjson::dom::array list, const Path& path, int depth) {
+    std::size_t i = 0;
+    for (const Element element : list) {
+      const Path place(path, i++);
+      if (faults_.full()) {
+        faults_.stop(place);
+        return;
+      }
+      read_entry(element, place, depth);
+    }
+  }
+
+  void read_entry(Element element, const Path& path, int depth) {
+    simdjson::dom::array list;
+    if (element.is_string()) {
+      add(element, path, {}, {});
+    } else if (element.get_array().get(list) != simdjson::SUCCESS) {
+      refuse(element, path);
+    } else if (is_point(list)) {
+      read_point(element, list, path);
+    } else if (depth == 0) {
+      read_list(list, path, depth + 1);
+    } else {
+      faults_.error(path, "bad-entry",
+                    fmt::format("{} inside a sub-path, not a viewpoint id, [viewpoint] or "
+                                "[viewpoint, heading, elevation]",
+                                json::describe(element)));
+    }
+  }
+
+  void read_point(Element element, simdjson::dom::array list, const Path& path) {
+    const std::size_t size = list.size();
+    if (size != 1 && size != 3) {
+      refuse(element, path);
+      return;
+    }
+    std::array<Radians, 2> angles{};
+    for (std::size_t k = 1; k < size; ++k) {
+      const auto angle = json::number(list.at(k).value_unsafe(), Path(path, k), faults_);
+      angles[k - 1] = Radians(angle.value_or(0));
+    }
+    add(list.at(0).value_unsafe(), Path(path, std::size_t{0}), angles[0], angles[1]);
+  }
+
+  void refuse(Element element, const Path& path) {
+    faults_.error(path, "bad-entry",
+                  fmt::format("{}, not {}", json::describe(element), kEntryForms));
+  }
+
+  void add(Element element, const Path& path, Radians heading, Radians elevation) {
+    const bool first = !std::exchange(started_, true);
+    const auto id = json::string(element, path, faults_);
+    const auto viewpoint = id && graph_ != nullptr ? find(*id, path) : std::nullopt;
+    if (viewpoint) {
+      if (first) check_start(*viewpoint, path);
+      if (last_) check_step(*viewpoint, path);
+      points_.push_back({*viewpoint, heading, elevation});
+    }
+    last_ = viewpoint;  // after a bad one, the next step is not checked
+  }
+
+  std::optional<ViewpointIndex> find(std::string_view id, const Path& path) {
+    const auto found = graph_->find(id);
+    if (!found) {
+      faults_.error(path, "unknown-viewpoint",
+                    fmt::format("viewpoint {} is not one of the {} of scan {}", shown(id),
+                                graph_->size(), graph_->scan()));
+    } else if (!graph_->included(*found)) {
+      faults_.error(path, "excluded-viewpoint",
+                    fmt::format("viewpoint {} of scan {} exists but is excluded from its graph",
+                                shown(id), graph_->scan()));
+      return std::nullopt;
+    }
+    return found;
+  }
+
+  void check_start(ViewpointIndex viewpoint, const Path& path) {
+    const ViewpointIndex start = reference_->viewpoints.front();
+    if (viewpoint == start) return;
+    faults_.error(
+        path, "wrong-start",
+        fmt::format("starts at {}, but path {} starts at {}", shown(graph_->id(viewpoint)),
+                    reference_->path_id, shown(graph_->id(start))));
+  }
+
+  void check_step(ViewpointIndex viewpoint, const Path& path) {
+    if (viewpoint == *last_ || graph_->edge(*last_, viewpoint) != nullptr) return;
+    const float apart = length(graph_->position(viewpoint) - graph_->position(*last_));
+    const double walk = graph_->distance(*last_, viewpoint);
+    faults_.error(path, "not-adjacent",
+                  fmt::format("no edge leads from {} to {}: {:.2f} m apart, {}",
+                              shown(graph_->id(*last_)), shown(graph_->id(viewpoint)), apart,
+                              std::isfinite(walk) ? fmt::format("{:.2f} m to walk", walk)
+                                                  : std::string("out of reach")));
+  }
+
+  Faults& faults_;
+  const ReferencePath* reference_ = nullptr;
+  const graph::NavGraph* graph_ = nullptr;
+  std::optional<ViewpointIndex> last_;
+  bool started_ = false;
+  std::size_t entries_ = 0;
+  std::vector<TrajectoryPoint>& points_;
+};
+
+// Reads a whole file, an entry at a time. Each episode may have one entry.
+class Reader {
+ public:
+  Reader(const EpisodeSet& episodes, const std::string& file)
+      : episodes_(episodes),
+        wanted_(fields_of(episodes.task)),
+        faults_(file),
+        places_(episodes.episodes.size()) {
+    by_id_.reserve(places_.size());
+    results_.trajectories.resize(places_.size());
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const std::string_view id = episodes.episodes[i].instruction_id;
+      by_id_.emplace(id, i);
+      if (episodes.task == Task::kRxr) by_number_.emplace(id.substr(id.rfind('_') + 1), i);
+      results_.trajectories[i].episode = i;
+    }
+  }
+
+  Results read(std::string_view text) {
+    json::Entries entries(text, faults_.file(), kMostEntryBytes);
+    if (entries.is_list(faults_) && read_entries(entries)) report_missing();
+    faults_.throw_if_errors();
+    results_.warnings = faults_.take();
+    return std::move(results_);
+  }
+
+ private:
+  // False if it stopped before the end: a file with so many faults is not what it was taken for.
+  bool read_entries(json::Entries& entries) {
+    const Path root;
+    while (entries.next()) {
+      const Path path(root, entries.index());
+      if (faults_.full()) {
+        faults_.stop(path);
+        return false;
+      }
+      if (entries.element()) {
+        read_entry(*entries.element(), entries.index(), path);
+      } else {
+        faults_.error(
+            path, "too-large",
+            fmt::format("an entry of {} bytes; {} are allowed", entries.bytes(), kMostEntryBytes));
+      }
+    }
+    return !faults_.stopped();
+  }
+
+  void read_entry(Element element, std::size_t place, const Path& path) {
+    Found found;
+    json::fields(element, wanted_, found, path, faults_);  // what it lacks is reported; go on
+    const auto [id_element, id_field] = id_of(found);
+    std::optional<std::size_t> episode;
+    bool keep = false;
+    if (id_element) {
+      const Path id_path(path, id_field);
+      const auto id = read_id(*id_element, id_field, id_path);
+      if (id && is_unscored(*id)) {
+        faults_.add(Severity::kWarning, id_path, "unscored-instruction",
+                    fmt::format("{} is not scored (the first {} instructions of a path are); left "
+                                "out",
+                                shown(*id), kScoredInstructions));
+        return;
+      }
+      if (id) episode = identify(*id, id_field, id_path);
+      keep = episode && claim(*episode, place, id_path);
+    } else if (wanted_[kInstrId].required == false && element.is_object()) {
+      faults_.error(path, "missing-field", fmt::format("neither instr_id nor {}", own_id_field()));
+    }
+    Trajectory read;
+    read_trajectory(found, episode, path, read);
+    // A copy, because a vector that grew has room for twice as many.
+    if (!keep) return;
+    read.episode = *episode;
+    read.points.assign(points_.begin(), points_.end());
+    results_.trajectories[*episode] = std::move(read);
+  }
+
+  const char* own_id_field() const {
+    return episodes_.task == Task::kCvdn ? "inst_idx" : "instruction_id";
+  }
+
+  std::pair<std::optional<Element>, std::string_view> id_of(const Found& found) const {
+    if (found[kInstrId]) return {found[kInstrId], "instr_id"};
+    if (episodes_.task == Task::kCvdn) return {found[kInstIdx], "inst_idx"};
+    if (episodes_.task == Task::kRxr) return {found[kInstructionId], "instruction_id"};
+    return {std::nullopt, "instr_id"};
+  }
+
+  // An instr_id is a text; CVDN's and RxR's own ids are numbers.
+  std::optional<std::string> read_id(Element element, std::string_view field, const Path& path) {
+    if (field == "instr_id") {
+      const auto id = json::string(element, path, faults_);
+      return id ? std::optional<std::string>(*id) : std::nullopt;
+    }
+    const auto id = json::integer(element, path, faults_);
+    return id ? std::optional(std::to_string(*id)) : std::nullopt;
+  }
+
+  void read_trajectory(const Found& found, std::optional<std::size_t> episode, const Path& path,
+                       Trajectory& read) {
+    TrajectoryReader reader(episodes_, episode, faults_, points_);
+    if (found[kTrajectory] && episodes_.task == Task::kSoon) {
+      read_pointed(*found[kTrajectory], Path(path, "trajectory"), reader, read);
+    } else if (found[kTrajectory]) {
+      reader.read(*found[kTrajectory], Path(path, "trajectory"));
+    } else if (found[kPath]) {
+      reader.read(*found[kPath], Path(path, "path"));
+    } else if (episodes_.task == Task::kRxr) {
+      faults_.error(path, "missing-field", "neither trajectory nor path");
+    }
+    read.actions = reader.actions();
+    if (episodes_.task == Task::kR2rBack && found[kMidstop] && !found[kMidstop]->is_null()) {
+      read.turning_point = reader.named(*found[kMidstop], Path(path, "midstop"));
+    }
+    if (episodes_.task == Task::kReverie) read.object = read_object(found, path);
+  }
+
+  // REVERIE's scorers compare ids as texts: 66 and "66" are the same object. Null names none.
+  std::string read_object(const Found& found, const Path& path) {
+    if (!found[kObject] && !found[kDuetObject]) {
+      faults_.error(path, "missing-field",
+                    "neither predObjId nor pred_objid; null says that no object was named");
+      return {};
+    }
+    const Element element = found[kObject] ? *found[kObject] : *found[kDuetObject];
+    const Path place(path, found[kObject] ? "predObjId" : "pred_objid");
+    if (element.is_null()) return {};
+    if (element.is_string()) return std::string(json::string(element, place, faults_).value_or(""));
+    const auto id = json::integer(element, place, faults_);
+    return id ? std::to_string(*id) : std::string();
+  }
+
+  // SOON: {"path": [...], "obj_heading": [h], "obj_elevation": [e]}.
+  void read_pointed(Element element, const Path& path, TrajectoryReader& reader, Trajectory& read) {
+    constexpr std::array<json::Field, 3> kWanted{{{"path"}, {"obj_heading"}, {"obj_elevation"}}};
+    std::array<std::optional<Element>, 3> found;
+    json::fields(element, kWanted, found, path, faults_);
+    if (found[0]) reader.read(*found[0], Path(path, "path"));
+    if (!found[1] || !found[2]) return;
+    const auto heading = read_one(*found[1], Path(path, "obj_heading"));
+    const auto elevation = read_one(*found[2], Path(path, "obj_elevation"));
+    if (heading && elevation) read.point = SpherePoint{*heading, *elevation};
+  }
+
+  // [x], or null: the agent points nowhere.
+  std::optional<double> read_one(Element element, const Path& path) {
+    if (element.is_null()) return std::nullopt;
+    const auto list = json::array(element, path, faults_);
+    if (!list) return std::nullopt;
+    if (list->size() != 1) {
+      faults_.error(path, "bad-point",
+                    fmt::format("{}; a list of one number is expected", json::describe(element)));
+      return std::nullopt;
+    }
+    return json::number(list->at(0).value_unsafe(), Path(path, std::size_t{0}), faults_);
+  }
+
+  // "7_3" where "7_2" is scored: a fourth instruction, which data sets have for some paths and
+  // nobody scores.
+  bool is_unscored(std::string_view id) const {
+    if (episodes_.task != Task::kR2r) return false;
+    const std::string fourth = fmt::format("_{}", kScoredInstructions);
+    if (!id.ends_with(fourth)) return false;
+    id.remove_suffix(fourth.size());
+    return by_id_.contains(fmt::format("{}_{}", id, kScoredInstructions - 1));
+  }
+
+  std::optional<std::size_t> identify(std::string_view id, std::string_view field,
+                                      const Path& path) {
+    const auto& known = field == "instruction_id" ? by_number_ : by_id_;
+    const auto episode = known.find(id);
+    if (episode != known.end()) return episode->second;
+    faults_.error(path, "unknown-instr-id",
+                  fmt::format("{} is not one of the {} of split {}", shown(id), places_.size(),
+                              episodes_.split));
+    return std::nullopt;
+  }
+
+  // Returns false and reports a fault if the file had an entry for this episode before.
+  bool claim(std::size_t episode, std::size_t place, const Path& path) {
+    if (!places_[episode]) {
+      places_[episode] = place;
+      return true;
+    }
+    faults_.error(path, "repeated-instr-id",
+                  fmt::format("{:?} stands at $[{}] already; one entry each is allowed",
+                              episodes_.episodes[episode].instruction_id, *places_[episode]));
+    return false;
+  }
+
+  void report_missing() {
+    std::vector<std::string> missing;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (places_[i] || ++count > kListedIds) continue;
+      missing.push_back(fmt::format("{:?}", episodes_.episodes[i].instruction_id));
+    }
+    if (count > kListedIds) {
+      faults_.error(
+          Path(), "missing-instr-id",
+          fmt::format("no entry for {} of the {} instr_ids of split {}: {} and {} more{}", count,
+                      places_.size(), episodes_.split, fmt::join(missing, ", "), count - kListedIds,
+                      count == places_.size() ? "; is it the file of another split?" : ""));
+      return;
+    }
+    for (const std::string& id : missing) {
+      faults_.error(Path(), "missing-instr-id",
+                    fmt::format("no entry for instr_id {} of split {}", id, episodes_.split));
+    }
+  }
+
+  const EpisodeSet& episodes_;
+  Fields wanted_;
+  Faults faults_;
+  std::unordered_map<std::string_view, std::size_t> by_id_;  // indices of episodes
+  // RxR's instruction_id, which ends its instr_id.
+  std::unordered_map<std::string_view, std::size_t> by_number_;
+  std::vector<std::optional<std::size_t>> places_;  // of the entries in the file, by episode
+  std::vector<TrajectoryPoint> points_;             // of the entry that is being read
+  Results results_;
+};
+
+std::string quoted(const std::string& text) {
+  try {
+    return nlohmann::json(text).dump();
+  } catch (const nlohmann::json::type_error&) {
+    throw ArgumentError(fmt::format("viewpoint {:?}: not UTF-8, which JSON is", text));
+  }
+}
+
+// The shortest text that is read back equal. Adding 0 turns -0, which JSON readers take for an
+// integer, into 0.
+std::string number_json(double value, const std::string& instruction_id) {
+  if (std::isfinite(value)) return fmt::format("{}", value + 0.0);
+  throw ArgumentError(
+      fmt::format("trajectory of {}: angle {}, not a finite number", instruction_id, value));
+}
+
+}  // namespace
+
+Results load_results(const std::filesystem::path& file, const EpisodeSet& episodes) {
+  return parse_results(read_file(file), file.string(), episodes);
+}
+
+Results parse_results(std::string_view json, const std::string& file, const EpisodeSet& episodes) {
+  return Reader(episodes, file).read(json);
+}
+
+std::string to_json(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes) {
+  std::string text = "[";
+  for (const Trajectory& trajectory : trajectories) {
+    const Episode& episode = episodes.episodes.at(trajectory.episode);
+    const graph::NavGraph& graph = episodes.graph_of(episode);
+    text += fmt::format("{}{{\"instr_id\": {}, \"trajectory\": [", text.size() == 1 ? "\n" : ",\n",
+                        quoted(episode.instruction_id));
+    bool first = true;
+    for (const TrajectoryPoint& point : trajectory.points) {
+      text += fmt::format("{}[{}, {}, {}]", std::exchange(first, false) ? "" : ", ",
+                          quoted(graph.id(point.viewpoint)),
+                          number_json(point.heading.value, episode.instruction_id),
+                          number_json(point.elevation.value, episode.instruction_id));
+    }
+    text += "]}";
+  }
+  return text + "\n]\n";
+}
+
+}  // namespace enfilade::tasks

@@ -1,0 +1,64 @@
+/// \file  Results files: what agents hand in.
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/ids.h"
+#include "enfilade/geometry/angle.h"
+#include "enfilade/tasks/annotations.h"
+
+namespace enfilade::tasks {
+
+/// Where an agent was, and looked, after one of its actions.
+struct TrajectoryPoint {
+  ViewpointIndex viewpoint;
+  Radians heading;    ///< 0 where the file gives none
+  Radians elevation;  ///< likewise
+};
+
+/// A point on a viewpoint's sphere, as SOON's results have it.
+struct SpherePoint {
+  double heading = 0;    ///< heading / 2 pi, [0, 1)
+  double elevation = 0;  ///< (elevation + pi) / 2 pi
+  friend bool operator==(const SpherePoint&, const SpherePoint&) = default;
+};
+
+/// What an agent did in one episode: the start, then one entry per action.
+struct Trajectory {
+  std::size_t episode = 0;  ///< index into EpisodeSet::episodes
+  std::vector<TrajectoryPoint> points;
+  /// Where one action may pass several viewpoints, or none (DUET's sub-paths): how many there were.
+  /// No value: an entry an action.
+  std::optional<std::size_t> actions = {};
+  // What some benchmarks ask for beside the path.
+  std::optional<ViewpointIndex> turning_point = {};  ///< R2R-Back: where it turned, as it says
+  std::string object = {};                           ///< REVERIE: the object's id; empty: none
+  std::optional<SpherePoint> point = {};             ///< SOON: where the object is
+};
+
+/// A results file, checked against its split.
+struct Results {
+  std::vector<Trajectory> trajectories;  ///< one an episode, in the order of the episodes
+  std::vector<Diagnostic> warnings;      ///< e.g. an unscored fourth instruction was left out
+};
+
+/// Reads [{"instr_id": "1_0", "trajectory": [...]}, ...] and checks all of it. A trajectory's
+/// entries may be [viewpoint, heading, elevation] triples, [viewpoint]
+/// singles, plain viewpoint ids, or lists of those (sub-paths, as of DUET), in any mixture. Entries
+/// are read one by one: beside the text it takes 24 bytes a trajectory point, and up to 14 times
+/// the largest entry, of at most 1 MiB.
+/// \throws FileError; InvalidInput with *every* problem and its JSON path: not JSON, wrong types,
+/// unknown, missing or repeated instr_id, an empty trajectory, a wrong start, unknown or excluded
+/// viewpoints, a jump between viewpoints that are not adjacent, an entry that is too large. After
+/// kMostFaultsKept errors the rest of the file is not read, and the last diagnostic says so
+Results load_results(const std::filesystem::path& file, const EpisodeSet& episodes);
+Results parse_results(std::string_view json, const std::string& file, const EpisodeSet& episodes);
+
+/// Results in the triples form, one episode a line; parse_results() reads it back equal.
+std::string to_json(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes);
+
+}  // namespace enfilade::tasks

@@ -1,0 +1,60 @@
+/// \file  The formulas of the public scorers. Internal: public_scorer.h lists them.
+#pragma once
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "enfilade/graph/nav_graph.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/results.h"
+
+namespace enfilade::tasks::scorers {
+
+/// What a formula gets. Metrics go to `out`, in the order of its table in public_scorer.cpp.
+struct Scored {
+  const graph::NavGraph& graph;
+  const ReferencePath& reference;
+  const Trajectory& trajectory;
+};
+using Out = std::span<double>;
+
+// R2R, R2R-Last, R4R, RxR; the last of them R2R-Back.
+void hamt(const Scored& scored, Out out);
+void duet(const Scored& scored, Out out);
+void valan(const Scored& scored, Out out);
+void r4r_public(const Scored& scored, Out out);
+void hamt_back(const Scored& scored, Out out);
+
+void reverie_official(const Scored& scored, Out out);
+void reverie_duet(const Scored& scored, Out out);
+void reverie_hamt(const Scored& scored, Out out);
+
+void cvdn_planner(const Scored& scored, Out out);
+void cvdn_player(const Scored& scored, Out out);
+void cvdn_trusted(const Scored& scored, Out out);
+void cvdn_hamt(const Scored& scored, Out out);
+void cvdn_valan(const Scored& scored, Out out);
+
+void soon_duet(const Scored& scored, Out out);
+void soon_official(const Scored& scored, Out out);
+
+/// \name What several of them use
+/// @{
+inline constexpr double kSuccessDistance = 3.0;  ///< metres
+inline constexpr double kGuard = 0.01;  ///< metres: the least divisor of SPL in some of them
+
+/// Where a scorer has no value.
+inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<ViewpointIndex> viewpoints_of(const Trajectory& trajectory);
+/// Sum of the shortest distances between consecutive viewpoints; a repeated one costs nothing.
+double walked(const graph::NavGraph& graph, std::span<const ViewpointIndex> path);
+/// Least distance from a viewpoint to any of several; infinite if there is none.
+double nearest(const graph::NavGraph& graph, ViewpointIndex from,
+               std::span<const ViewpointIndex> to);
+double action_steps(const Trajectory& trajectory);
+/// success * length / max(walked, length, guard); 0 if that is 0 / 0.
+double spl(bool success, double length, double walked, double guard);
+/// @}
+
+}  // namespace enfilade::tasks::scorers
