@@ -117,6 +117,9 @@ struct ReferencePath {
   std::size_t group = 0;  ///< for the bootstrap; the same for paths that belong together
 };
 
+/// Whether the file does not say where the path ends, so that it can be walked but not scored.
+bool goal_hidden(const ReferencePath& path) noexcept;
+
 /// One instruction to follow: what an agent is given, and what it is scored on.
 struct Episode {
   std::string instruction_id;

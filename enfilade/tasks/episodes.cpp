@@ -172,6 +172,11 @@ std::string id_of(const PathAnnotation& entry, std::size_t k) {
 
 }  // namespace
 
+bool goal_hidden(const ReferencePath& path) noexcept {
+  return std::holds_alternative<HiddenGoal>(path.goal) ||
+         (std::holds_alternative<NearEnd>(path.goal) && path.viewpoints.size() < 2);
+}
+
 double length_of(const ReferencePath& path, const graph::NavGraph& graph) {
   double length = 0;
   for (std::size_t k = 1; k < path.viewpoints.size(); ++k) {

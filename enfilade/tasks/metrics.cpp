@@ -94,14 +94,6 @@ class Pass {
   bool first_ = true;
 };
 
-double walked(const graph::NavGraph& graph, std::span<const ViewpointIndex> path) {
-  double sum = 0;
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    if (path[i] != path[i - 1]) sum += graph.distance(path[i - 1], path[i]);
-  }
-  return sum;
-}
-
 double coverage(std::span<const double> nearest, double success_distance) {
   double sum = 0;
   for (const double distance : nearest) sum += std::exp(-distance / success_distance);
@@ -118,6 +110,14 @@ double cls(const EpisodeMetrics& m) {
 }  // namespace
 
 std::span<const MetricField> metric_fields() noexcept { return kFields; }
+
+double walked(const graph::NavGraph& graph, std::span<const ViewpointIndex> path) {
+  double sum = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    if (path[i] != path[i - 1]) sum += graph.distance(path[i - 1], path[i]);
+  }
+  return sum;
+}
 
 EpisodeMetrics compute_metrics(const graph::NavGraph& graph,
                                std::span<const ViewpointIndex> trajectory,

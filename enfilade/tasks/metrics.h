@@ -43,6 +43,10 @@ struct MetricField {
 };
 std::span<const MetricField> metric_fields() noexcept;
 
+/// Sum of the shortest distances between consecutive viewpoints, metres; a repeated one costs
+/// nothing, one out of reach +inf. \pre viewpoints < graph.size()
+double walked(const graph::NavGraph& graph, std::span<const ViewpointIndex> path);
+
 /// Allocates nothing but the row of the time warping. O(|P| |R|).
 /// \pre neither is empty; viewpoints < graph.size(). Distances are +inf where out of reach.
 EpisodeMetrics compute_metrics(const graph::NavGraph& graph,

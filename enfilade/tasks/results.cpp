@@ -486,4 +486,44 @@ std::string to_json(const std::vector<Trajectory>& trajectories, const EpisodeSe
   return text + "\n]\n";
 }
 
+void check_trajectory(const Trajectory& trajectory, const EpisodeSet& episodes) {
+  if (trajectory.episode >= episodes.episodes.size()) {
+    throw ArgumentError(fmt::format("a trajectory of episode {}; split {} has {}",
+                                    trajectory.episode, episodes.split, episodes.episodes.size()));
+  }
+  const Episode& episode = episodes.episodes[trajectory.episode];
+  if (trajectory.points.empty()) {
+    throw ArgumentError(fmt::format("the trajectory of {} is empty", episode.instruction_id));
+  }
+  if (goal_hidden(episodes.path_of(episode))) {
+    throw ArgumentError(fmt::format("the goal of {} in split {} is hidden; it cannot be scored",
+                                    episode.instruction_id, episodes.split));
+  }
+  const std::size_t size = episodes.graph_of(episode).size();
+  for (const TrajectoryPoint& point : trajectory.points) {
+    if (point.viewpoint.at() < size) continue;
+    throw ArgumentError(fmt::format("the trajectory of {} goes to viewpoint {} of {}",
+                                    episode.instruction_id, point.viewpoint.value, size));
+  }
+}
+
+std::vector<std::size_t> trajectory_by_episode(const std::vector<Trajectory>& trajectories,
+                                               const EpisodeSet& episodes) {
+  if (trajectories.size() != episodes.episodes.size()) {
+    throw ArgumentError(fmt::format("{} trajectories for the {} episodes of split {}",
+                                    trajectories.size(), episodes.episodes.size(), episodes.split));
+  }
+  constexpr auto kNone = static_cast<std::size_t>(-1);
+  std::vector<std::size_t> places(trajectories.size(), kNone);
+  for (std::size_t i = 0; i < trajectories.size(); ++i) {
+    std::size_t& place = places[trajectories[i].episode];
+    if (place != kNone) {
+      throw ArgumentError(fmt::format("two trajectories of {}",
+                                      episodes.episodes[trajectories[i].episode].instruction_id));
+    }
+    place = i;
+  }
+  return places;
+}
+
 }  // namespace enfilade::tasks

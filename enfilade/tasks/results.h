@@ -61,4 +61,13 @@ Results parse_results(std::string_view json, const std::string& file, const Epis
 /// Results in the triples form, one episode a line; parse_results() reads it back equal.
 std::string to_json(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes);
 
+/// \throws ArgumentError if a trajectory names no episode, is empty or leaves its graph, or if the
+/// goal is hidden: then it cannot be scored
+void check_trajectory(const Trajectory& trajectory, const EpisodeSet& episodes);
+/// The place of each episode's trajectory, in the order of the episodes.
+/// \pre check_trajectory() accepts each
+/// \throws ArgumentError unless each episode has exactly one
+std::vector<std::size_t> trajectory_by_episode(const std::vector<Trajectory>& trajectories,
+                                               const EpisodeSet& episodes);
+
 }  // namespace enfilade::tasks

@@ -15,47 +15,6 @@ namespace {
 // A trajectory takes about 2 microseconds: the cost of starting a task must not matter.
 constexpr std::size_t kGrain = 256;
 
-void validate(const Trajectory& trajectory, const EpisodeSet& episodes) {
-  if (trajectory.episode >= episodes.episodes.size()) {
-    throw ArgumentError(fmt::format("a trajectory of episode {}; split {} has {}",
-                                    trajectory.episode, episodes.split, episodes.episodes.size()));
-  }
-  const Episode& episode = episodes.episodes[trajectory.episode];
-  if (trajectory.points.empty()) {
-    throw ArgumentError(fmt::format("the trajectory of {} is empty", episode.instruction_id));
-  }
-  if (episodes.path_of(episode).viewpoints.size() < 2) {
-    throw ArgumentError(fmt::format("the goal of {} in split {} is hidden; it cannot be scored",
-                                    episode.instruction_id, episodes.split));
-  }
-  const std::size_t size = episodes.graph_of(episode).size();
-  for (const TrajectoryPoint& point : trajectory.points) {
-    if (point.viewpoint.at() < size) continue;
-    throw ArgumentError(fmt::format("the trajectory of {} goes to viewpoint {} of {}",
-                                    episode.instruction_id, point.viewpoint.value, size));
-  }
-}
-
-// The place of each episode's trajectory. \throws ArgumentError unless each has exactly one
-std::vector<std::size_t> trajectory_by_episode(const std::vector<Trajectory>& trajectories,
-                                               const EpisodeSet& episodes) {
-  if (trajectories.size() != episodes.episodes.size()) {
-    throw ArgumentError(fmt::format("{} trajectories for the {} episodes of split {}",
-                                    trajectories.size(), episodes.episodes.size(), episodes.split));
-  }
-  constexpr auto kNone = static_cast<std::size_t>(-1);
-  std::vector<std::size_t> places(trajectories.size(), kNone);
-  for (std::size_t i = 0; i < trajectories.size(); ++i) {
-    std::size_t& place = places[trajectories[i].episode];
-    if (place != kNone) {
-      throw ArgumentError(fmt::format("two trajectories of {}",
-                                      episodes.episodes[trajectories[i].episode].instruction_id));
-    }
-    place = i;
-  }
-  return places;
-}
-
 std::vector<MeanInterval> means_of(const std::vector<EpisodeMetrics>& metrics,
                                    const EpisodeSet& episodes, const ScoreOptions& options) {
   const auto fields = metric_fields();
@@ -134,7 +93,7 @@ std::vector<EpisodeMetrics> score_trajectories(const std::vector<Trajectory>& tr
     std::vector<ViewpointIndex> viewpoints;
     for (std::size_t i = begin; i < end; ++i) {
       const Trajectory& trajectory = trajectories[i];
-      validate(trajectory, episodes);
+      check_trajectory(trajectory, episodes);
       const Episode& episode = episodes.episodes[trajectory.episode];
       viewpoints.clear();
       for (const TrajectoryPoint& point : trajectory.points) viewpoints.push_back(point.viewpoint);
@@ -157,10 +116,7 @@ Score compute_score(const std::vector<Trajectory>& trajectories, const EpisodeSe
 }
 
 bool goals_hidden(const EpisodeSet& episodes) noexcept {
-  return std::ranges::any_of(episodes.paths, [](const ReferencePath& path) {
-    return std::holds_alternative<HiddenGoal>(path.goal) ||
-           (std::holds_alternative<NearEnd>(path.goal) && path.viewpoints.size() < 2);
-  });
+  return std::ranges::any_of(episodes.paths, goal_hidden);
 }
 
 const MeanInterval& Score::mean(std::string_view metric) const {

@@ -1,8 +1,9 @@
 #include "enfilade/tasks/task_score.h"
 
 #include <fmt/format.h>
-#include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -15,66 +16,45 @@ namespace {
 
 constexpr std::size_t kTrajectoriesAtOnce = 256;  // some microseconds each
 
-void check_trajectory(const Trajectory& trajectory, const EpisodeSet& episodes) {
-  const Episode& episode = episodes.episodes[trajectory.episode];
-  if (trajectory.points.empty()) {
-    throw ArgumentError(fmt::format("the trajectory of {} is empty", episode.instruction_id));
-  }
-  if (std::holds_alternative<HiddenGoal>(episodes.path_of(episode).goal)) {
-    throw ArgumentError(fmt::format("the goal of {} in split {} is hidden; it cannot be scored",
-                                    episode.instruction_id, episodes.split));
-  }
-  const std::size_t size = episodes.graph_of(episode).size();
-  for (const TrajectoryPoint& point : trajectory.points) {
-    if (point.viewpoint.at() < size) continue;
-    throw ArgumentError(fmt::format("the trajectory of {} goes to viewpoint {} of {}",
-                                    episode.instruction_id, point.viewpoint.value, size));
-  }
-}
-
-// \throws ArgumentError unless each episode has one trajectory
-void check_all(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes) {
-  const std::size_t n = episodes.episodes.size();
-  if (trajectories.size() != n) {
-    throw ArgumentError(fmt::format("{} trajectories for the {} episodes of split {}",
-                                    trajectories.size(), n, episodes.split));
-  }
-  std::vector<bool> seen(n);
-  for (const Trajectory& trajectory : trajectories) {
-    if (trajectory.episode >= n) {
-      throw ArgumentError(fmt::format("a trajectory of episode {}; split {} has {}",
-                                      trajectory.episode, episodes.split, n));
-    }
-    if (seen[trajectory.episode]) {
-      throw ArgumentError(fmt::format("two trajectories of {}",
-                                      episodes.episodes[trajectory.episode].instruction_id));
-    }
-    seen[trajectory.episode] = true;
-    check_trajectory(trajectory, episodes);
-  }
-}
-
-// The interval of one metric's mean, over the episodes that its rule counts.
-MeanInterval interval(const TaskScore& score, const EpisodeSet& episodes, std::size_t metric,
-                      double mean) {
-  const ScorerMetric& of = score.scorer->metrics[metric];
+// The intervals of some metrics, over the episodes of which `row_counts` holds. All share the
+// draws.
+void add_intervals(TaskScore& score, const EpisodeSet& episodes,
+                   std::span<const std::size_t> metrics,
+                   const std::function<bool(std::span<const double>)>& row_counts) {
   std::vector<double> values;
   std::vector<std::size_t> groups;
   for (std::size_t i = 0; i < score.episodes(); ++i) {
-    const double value = score.row(i)[metric];
-    if (of.rule == MeanRule::kWhereDefined && std::isnan(value)) continue;
-    values.push_back(of.scale * value);
+    const auto row = score.row(i);
+    if (!row_counts(row)) continue;
+    for (const std::size_t k : metrics) values.push_back(score.scorer->metrics[k].scale * row[k]);
     groups.push_back(episodes.path_of(episodes.episodes[i]).group);
   }
-  if (values.empty() || of.rule == MeanRule::kNone || !std::isfinite(mean)) {
-    return {mean, mean, mean};
-  }
+  if (groups.empty() || metrics.empty()) return;
   const BootstrapOptions options{.samples = score.options.bootstrap_samples,
                                  .seed = score.options.bootstrap_seed,
                                  .threads = score.options.threads};
-  MeanInterval found = bootstrap_means(values, 1, groups, options).front();
-  found.mean = mean;
-  return found;
+  const auto intervals = bootstrap_means(values, metrics.size(), groups, options);
+  for (std::size_t column = 0; column < metrics.size(); ++column) {
+    MeanInterval& mean = score.means[metrics[column]];
+    mean.low = intervals[column].low;
+    mean.high = intervals[column].high;
+  }
+}
+
+// Of means that are finite: a metric that counts some episodes only has draws of its own.
+void add_intervals(TaskScore& score, const EpisodeSet& episodes) {
+  std::vector<std::size_t> of_all;
+  for (std::size_t k = 0; k < score.means.size(); ++k) {
+    const MeanRule rule = score.scorer->metrics[k].rule;
+    if (rule == MeanRule::kNone || !std::isfinite(score.means[k].mean)) continue;
+    if (rule == MeanRule::kWhereDefined) {
+      add_intervals(score, episodes, std::array{k},
+                    [k](std::span<const double> row) { return !std::isnan(row[k]); });
+    } else {
+      of_all.push_back(k);
+    }
+  }
+  add_intervals(score, episodes, of_all, [](std::span<const double> /*row*/) { return true; });
 }
 
 using Json = nlohmann::ordered_json;
@@ -132,7 +112,8 @@ TaskScore compute_task_score(const std::vector<Trajectory>& trajectories,
     throw ArgumentError(fmt::format("scorer {:?} is of {}, the episodes are of {}", scorer.name,
                                     title_of(scorer.task), title_of(episodes.task)));
   }
-  check_all(trajectories, episodes);
+  for (const Trajectory& trajectory : trajectories) check_trajectory(trajectory, episodes);
+  trajectory_by_episode(trajectories, episodes);  // each has one
   const std::size_t width = scorer.metrics.size();
   TaskScore score{episodes.split, &scorer, options, {}, {}};
   score.values.resize(trajectories.size() * width);
@@ -145,10 +126,10 @@ TaskScore compute_task_score(const std::vector<Trajectory>& trajectories,
                                 std::span(score.values).subspan(trajectory.episode * width, width));
                  }
                });
-  const std::vector<double> means = summarise(scorer, score.values);
-  for (std::size_t k = 0; k < width; ++k) {
-    score.means.push_back(interval(score, episodes, k, means[k]));
+  for (const double mean : summarise(scorer, score.values)) {
+    score.means.push_back({mean, mean, mean});
   }
+  add_intervals(score, episodes);
   return score;
 }
 

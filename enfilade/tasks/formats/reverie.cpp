@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "enfilade/core/numbers.h"
+#include "enfilade/tasks/formats/r2r_entries.h"
 #include "enfilade/tasks/formats/records.h"
 
 namespace enfilade::tasks::formats {
@@ -87,23 +88,6 @@ void read_hidden_goal(const Found& found, const Path& path, Faults& faults, Path
   }
 }
 
-std::vector<InstructionDetails> read_details(Element element, std::size_t instructions,
-                                             const Path& path, Faults& faults) {
-  std::vector<InstructionDetails> details;
-  const auto lists = json::array(element, path, faults);
-  if (!lists) return details;
-  for (const Element tokens : *lists) {
-    const Path place(path, details.size());
-    details.emplace_back().tokens = read_tokens(tokens, place, faults);
-  }
-  if (details.size() != instructions) {
-    faults.error(path, "encoding-count",
-                 fmt::format("{} lists of tokens, not {}, one for each instruction", details.size(),
-                             instructions));
-  }
-  return details;
-}
-
 PathAnnotation read_entry(Element element, const Path& path, Faults& faults) {
   PathAnnotation entry;
   Found found;
@@ -118,8 +102,7 @@ PathAnnotation read_entry(Element element, const Path& path, Faults& faults) {
   entry.path = read_path(*found[kPath], Path(path, "path"), faults);
   entry.instructions = json::strings(*found[kInstructions], Path(path, "instructions"), faults);
   if (found[kEncodings]) {
-    entry.details = read_details(*found[kEncodings], entry.instructions.size(),
-                                 Path(path, "instr_encodings"), faults);
+    read_encodings(*found[kEncodings], true, entry, Path(path, "instr_encodings"), faults);
   }
   if (found[kObject]) {
     read_object_goal(found, path, faults, entry);

@@ -137,7 +137,7 @@ TEST(Reverie, NamesFieldPlaceAndWhatIsAllowed) {
       {edited(kItem, "[\"v0\", \"v1\"]", "[[\"v0\"]]"), "$[0].path[0]: array of 1, not a string"},
       {edited(kItem, "\"Go.\"", "5"), "$[0].instructions[0]: number 5, not a string"},
       {edited(kItem, "\"instructions\"", "\"instruction\""), "$[0]: has no field \"instructions\""},
-      {"[" + encoded + "]", "$[0].instr_encodings: 1 lists of tokens, not 2"},
+      {"[" + encoded + "]", "$[0].instr_encodings: 1 lists of tokens; 2 are expected"},
       {edited(encoded, "[101]", "[101], [-1]"), "$[0].instr_encodings[1][0]: -1 is no token id"},
       {edited(encoded, "[101]", "[101], 102"), "$[0].instr_encodings[1]: number 102, not an array"},
       {edited(kTest, "2021", "2021_3"), "$[0].id: \"2021_3\", not the number of a path"},

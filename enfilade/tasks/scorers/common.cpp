@@ -12,14 +12,6 @@ std::vector<ViewpointIndex> viewpoints_of(const Trajectory& trajectory) {
   return viewpoints;
 }
 
-double walked(const graph::NavGraph& graph, std::span<const ViewpointIndex> path) {
-  double sum = 0;
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    if (path[i] != path[i - 1]) sum += graph.distance(path[i - 1], path[i]);
-  }
-  return sum;
-}
-
 double nearest(const graph::NavGraph& graph, ViewpointIndex from,
                std::span<const ViewpointIndex> to) {
   double least = std::numeric_limits<double>::infinity();

@@ -10,7 +10,6 @@
 namespace enfilade::tasks::scorers {
 namespace {
 
-
 struct Measured {
   std::vector<ViewpointIndex> path;
   EpisodeMetrics metrics;

@@ -6,6 +6,7 @@
 
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/metrics.h"
 #include "enfilade/tasks/results.h"
 
 namespace enfilade::tasks::scorers {
@@ -40,15 +41,13 @@ void soon_official(const Scored& scored, Out out);
 
 /// \name What several of them use
 /// @{
-inline constexpr double kSuccessDistance = 3.0;  ///< metres
+inline constexpr double kSuccessDistance = MetricOptions{}.success_distance;  ///< metres
 inline constexpr double kGuard = 0.01;  ///< metres: the least divisor of SPL in some of them
 
 /// Where a scorer has no value.
 inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<ViewpointIndex> viewpoints_of(const Trajectory& trajectory);
-/// Sum of the shortest distances between consecutive viewpoints; a repeated one costs nothing.
-double walked(const graph::NavGraph& graph, std::span<const ViewpointIndex> path);
 /// Least distance from a viewpoint to any of several; infinite if there is none.
 double nearest(const graph::NavGraph& graph, ViewpointIndex from,
                std::span<const ViewpointIndex> to);

@@ -11,7 +11,6 @@
 namespace enfilade::tasks::scorers {
 namespace {
 
-
 // As results have points. Nothing is wrapped: a box across heading 0 spans the wrong way round.
 SpherePoint normalised(const Direction& direction) {
   constexpr double kTurn = 2 * std::numbers::pi;
