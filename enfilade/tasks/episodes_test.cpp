@@ -275,8 +275,19 @@ TEST(TaskFiles, AreWrittenInTheirOwnForm) {
   const std::string text = to_text(annotations);
   EXPECT_THAT(text, HasSubstr("\"midstop\""));
   EXPECT_EQ(to_text(parse_annotations(text, "a.json", "val", Task::kR2rBack)), text);
+  PathAnnotation plant = entry({"v0", "v1"}, NamedObject{7});
+  plant.path_id = 3;
+  plant.id = "3_7";
+  plant.group = 3;
+  const Annotations objects = of(Task::kReverie, plant);
+  EXPECT_EQ(parse_annotations(to_text(objects), "a.json", "val", Task::kReverie).paths,
+            objects.paths);
   EXPECT_THAT([] { to_text(of(Task::kReverie, entry({"v0"}))); },
-              ThrowsMessage<ArgumentError>(HasSubstr("REVERIE")));
+              ThrowsMessage<ArgumentError>(HasSubstr("neither hidden nor an object")));
+  const Demonstration walk{1, 2, 3, {"v0"}, 0, 1, 1, 0, 1, 1};
+  EXPECT_THAT(to_text(std::span(&walk, 1)), HasSubstr("\"demonstration_id\":1"));
+  EXPECT_THAT([] { to_released_soon(of(Task::kSoon, entry({"v0"}))); },
+              ThrowsMessage<ArgumentError>(HasSubstr("no SOON path's")));
 }
 
 TEST(TaskFiles, NamesAndPlaces) {

@@ -175,10 +175,9 @@ std::string to_text(const Annotations& annotations) {
     case Task::kSoon:
       return formats::to_soon_lines(annotations);
     case Task::kReverie:
+      return formats::to_reverie(annotations);
     case Task::kCvdn:
-      throw ArgumentError(
-          fmt::format("annotations of {}: only their own authors' files are read, none are written",
-                      title_of(annotations.task)));
+      return formats::to_cvdn(annotations);
     case Task::kR2r:
     case Task::kR2rLast:
     case Task::kR2rBack:
@@ -186,6 +185,10 @@ std::string to_text(const Annotations& annotations) {
       break;
   }
   return formats::to_r2r_family(annotations);
+}
+
+std::string to_released_soon(const Annotations& annotations) {
+  return formats::to_soon(annotations);
 }
 
 std::vector<std::filesystem::path> annotation_places(Task task, std::string_view split) {
@@ -208,6 +211,10 @@ std::vector<std::filesystem::path> object_places() {
 
 std::vector<Demonstration> load_demonstrations(const std::filesystem::path& file) {
   return formats::parse_rxr_followers(read_text_file(file), file.string());
+}
+
+std::string to_text(std::span<const Demonstration> walks) {
+  return formats::to_rxr_followers(walks);
 }
 
 }  // namespace enfilade::tasks

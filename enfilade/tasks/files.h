@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,9 +38,15 @@ Annotations parse_annotations(std::string_view text, const std::string& file, st
 
 /// The text of a file in the benchmark's own form, which parse_annotations() reads back equal: of
 /// R2R and what has grown out of it a list, with token ids and sub-instructions where there are
-/// any; of RxR a guide's lines; of SOON DUET's lines. Empty for no paths in lines. \throws
-/// ArgumentError for REVERIE and CVDN, which have no writer; for what the form cannot say
+/// any; of RxR a guide's lines; of SOON DUET's lines; of REVERIE a list; of CVDN a list, in HAMT's
+/// form where there are token ids and no texts. Empty for no paths in lines. \throws ArgumentError
+/// for what the form cannot say
 std::string to_text(const Annotations& annotations);
+/// SOON's annotations in the form in which they were released, which parse_annotations() reads back
+/// equal if their ids are those that the reader gives: alternatives are neighbouring paths of one
+/// group. Token ids are left out. \throws ArgumentError for other annotations; for instructions
+/// without the four texts beside the whole
+std::string to_released_soon(const Annotations& annotations);
 
 /// Where a split's annotations may be in a folder of data, relative to it, in the order in which
 /// they are looked for: Enfilade's layout ("reverie/REVERIE_val_unseen.json"), that of the public
@@ -51,5 +58,9 @@ std::vector<std::filesystem::path> object_places();
 
 /// RxR's followers. \throws as load_annotations()
 std::vector<Demonstration> load_demonstrations(const std::filesystem::path& file);
+/// The lines of a file of RxR's followers, which load_demonstrations() reads back equal.
+/// \throws ArgumentError for an infinite number, a negative id, an empty path, text that is not
+/// UTF-8
+std::string to_text(std::span<const Demonstration> walks);
 
 }  // namespace enfilade::tasks

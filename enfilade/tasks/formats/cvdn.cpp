@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "enfilade/core/numbers.h"
+#include "enfilade/tasks/formats/r2r_entries.h"
 #include "enfilade/tasks/formats/records.h"
 
 namespace enfilade::tasks::formats {
@@ -282,7 +285,119 @@ Annotations read_all(std::string_view json, const std::string& file, std::string
   return result;
 }
 
+ArgumentError not_cvdn(const PathAnnotation& entry, std::string_view why) {
+  return ArgumentError(fmt::format("instance {:?}: {}", entry.id, why));
+}
+
+// What both forms ask for. \returns the region, or nullptr for a hidden one
+const NamedRegion* check_form(const PathAnnotation& entry) {
+  const auto* const region = std::get_if<NamedRegion>(&entry.goal);
+  if (region == nullptr && !std::holds_alternative<HiddenGoal>(entry.goal)) {
+    throw not_cvdn(entry, "its goal is neither hidden nor a region");
+  }
+  if (region != nullptr && region->viewpoints.empty()) {
+    throw not_cvdn(entry, "its region has no viewpoint");
+  }
+  if (entry.instructions.size() != 1 || entry.details.size() != 1) {
+    throw not_cvdn(entry,
+                   fmt::format("{} instructions with details of {}, not one with its details",
+                               entry.instructions.size(), entry.details.size()));
+  }
+  if (entry.path.empty() || (region == nullptr && entry.path.size() > 1)) {
+    throw not_cvdn(entry, fmt::format("a path of {} viewpoints", entry.path.size()));
+  }
+  r2r_fields(entry);  // checks the numbers
+  return region;
+}
+
+// What the text says after the turns. \throws ArgumentError if it does not begin with them
+std::string target_of(const PathAnnotation& entry) {
+  const std::string before = text_of(entry.details[0].turns, "");
+  const std::string& text = entry.instructions[0];
+  if (!text.starts_with(before)) {
+    throw not_cvdn(entry, fmt::format("its text does not begin with its turns, {:?}", before));
+  }
+  return text.substr(before.size());
+}
+
+nlohmann::ordered_json turns_json(const PathAnnotation& entry) {
+  auto list = nlohmann::ordered_json::array();
+  for (const DialogueTurn& turn : entry.details[0].turns) {
+    if ((turn.role != "navigator" && turn.role != "oracle") || turn.nav_step < 0) {
+      throw not_cvdn(entry, fmt::format("a turn of {:?} at step {}", turn.role, turn.nav_step));
+    }
+    list.push_back({{"nav_idx", turn.nav_step}, {"role", turn.role}, {"message", turn.message}});
+  }
+  return list;
+}
+
+void check_walks(const PathAnnotation& entry, const NamedRegion& region) {
+  for (const auto* const walk : {&region.player, &region.planner}) {
+    if (!walk->empty() && walk->front() == entry.path.front()) continue;
+    throw not_cvdn(entry, "its player's or planner's path does not begin at the start");
+  }
+  if (trusted(region) != entry.path) throw not_cvdn(entry, "its path is not the trusted one");
+}
+
+nlohmann::ordered_json instance_json(const PathAnnotation& entry) {
+  const NamedRegion* const region = check_form(entry);
+  if (entry.path_id < 0 || entry.id != fmt::to_string(entry.path_id) ||
+      entry.details[0].id != entry.id) {
+    throw not_cvdn(entry, "its ids are not its number");
+  }
+  const std::string target = target_of(entry);
+  nlohmann::ordered_json fields{{"inst_idx", entry.path_id}, {"scan", entry.scan}};
+  fields["target"] = target;
+  fields["start_pano"] = {
+      {"heading", entry.heading.value}, {"elevation", 0.0}, {"pano", entry.path[0]}};
+  fields["nav_camera"] = nlohmann::ordered_json::array();
+  fields["dialog_history"] = turns_json(entry);
+  fields["nav_history"] = nlohmann::ordered_json::array();
+  if (entry.group) {
+    if (*entry.group < 0) throw not_cvdn(entry, "a negative number of its game");
+    fields["game_idx"] = *entry.group;
+  }
+  if (region == nullptr) return fields;
+  check_walks(entry, *region);
+  if (region->target != target) {
+    throw not_cvdn(entry, fmt::format("its text ends with {:?}, not with its region's target, {:?}",
+                                      target, region->target));
+  }
+  fields["end_panos"] = region->viewpoints;
+  fields["player_path"] = region->player;
+  fields["planner_path"] = region->planner;
+  return fields;
+}
+
+nlohmann::ordered_json encoded_json(const PathAnnotation& entry) {
+  const NamedRegion* const region = check_form(entry);
+  if (entry.id.empty() || entry.details[0].id != entry.id) {
+    throw not_cvdn(entry, "no id, or another one of its instruction");
+  }
+  if (!entry.instructions[0].empty()) throw not_cvdn(entry, "a text, where others have tokens");
+  nlohmann::ordered_json fields{{"instr_id", entry.id}, {"scan", entry.scan}};
+  if (region != nullptr && !region->target.empty()) fields["target"] = region->target;
+  fields["start_pano"] = entry.path[0];
+  fields["start_heading"] = entry.heading.value;
+  if (region != nullptr) {
+    if (region->player != entry.path) throw not_cvdn(entry, "its path is not the player's");
+    fields["end_panos"] = region->viewpoints;
+    fields["nav_steps"] = entry.path;
+    fields["nav_idx"] = 0;
+  }
+  fields["instr_encoding"] = entry.details[0].tokens;
+  return fields;
+}
+
 }  // namespace
+
+std::string to_cvdn(const Annotations& annotations) {
+  const auto has_tokens_alone = [](const PathAnnotation& entry) {
+    return entry.instructions.size() == 1 && entry.instructions[0].empty();
+  };
+  const bool encoded = !annotations.paths.empty() && has_tokens_alone(annotations.paths.front());
+  return list_of_entries(annotations, encoded ? encoded_json : instance_json);
+}
 
 Annotations parse_cvdn(std::string_view json, const std::string& file, std::string split) {
   return read_all(json, file, std::move(split), "inst_idx",

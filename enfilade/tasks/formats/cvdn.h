@@ -29,4 +29,12 @@ Annotations parse_cvdn(std::string_view json, const std::string& file, std::stri
 /// as above; also for an empty instr_id, a nav_idx beyond nav_steps
 Annotations parse_cvdn_encoded(std::string_view json, const std::string& file, std::string split);
 
+/// A list, an instance a line: what parse_cvdn() gave is read back equal. Where the first instance
+/// has token ids and no text, all are written in HAMT's form, and parse_cvdn_encoded() reads them
+/// back equal; `nav_steps` begins at the start then. `nav_history`, `nav_camera` and the start's
+/// elevation are not in the model: `nav_history` and `nav_camera` are empty, the elevation is 0.
+/// \throws ArgumentError for other annotations than CVDN's, naming the instance, and for what JSON
+/// cannot say: an infinite number, text that is not UTF-8
+std::string to_cvdn(const Annotations& annotations);
+
 }  // namespace enfilade::tasks::formats

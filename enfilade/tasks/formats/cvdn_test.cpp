@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <utility>
@@ -228,6 +229,55 @@ TEST(CvdnEncoded, NamesFieldPlaceAndWhatIsAllowed) {
   EXPECT_EQ(encoded_faults(kEncoded), "accepted");
 }
 
+TEST(Cvdn, ReadsWhatItWrites) {
+  const Annotations read = parse_cvdn("[" + kInstance + ", " + kTest + "]", "c.json", "val");
+  const std::string written = to_cvdn(read);
+  EXPECT_EQ(std::ranges::count(written, '\n'), 4);
+  EXPECT_EQ(parse_cvdn(written, "c.json", "val").paths, read.paths);
+}
+
+TEST(Cvdn, DoesNotWriteWhatItCouldNotRead) {
+  const auto refusal_of = [](const auto& change) {
+    Annotations annotations = parse_cvdn("[" + kInstance + "]", "c.json", "val");
+    change(annotations.paths[0]);
+    return tests::refusal<ArgumentError>([&] { to_cvdn(annotations); });
+  };
+  const auto region = [](PathAnnotation& p) -> NamedRegion& {
+    return std::get<NamedRegion>(p.goal);
+  };
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.goal = NearEnd{}; }),
+              HasSubstr("instance \"12\": its goal is neither hidden nor a region"));
+  EXPECT_THAT(refusal_of([&](PathAnnotation& p) { region(p).viewpoints.clear(); }),
+              HasSubstr("its region has no viewpoint"));
+  EXPECT_THAT(refusal_of([&](PathAnnotation& p) { region(p).target = "sink"; }),
+              HasSubstr("its text ends with \"plant\", not with its region's target, \"sink\""));
+  EXPECT_THAT(refusal_of([&](PathAnnotation& p) { region(p).player = {"v1"}; }),
+              HasSubstr("does not begin at the start"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.path.pop_back(); }),
+              HasSubstr("its path is not the trusted one"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.details[0].turns[0].message = "Right?"; }),
+              HasSubstr("its text does not begin with its turns, \"<NAV> Right?"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.details[0].turns[0].nav_step = -1; }),
+              HasSubstr("a turn of \"navigator\" at step -1"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.id = "13"; }), HasSubstr("not its number"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.details.clear(); }),
+              HasSubstr("1 instructions with details of 0"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.scan = "\xFF"; }), HasSubstr("not UTF-8"));
+}
+
+TEST(CvdnEncoded, ReadsWhatItWrites) {
+  const std::string text =
+      edited(edited(kEncoded, "1001", "game_7"), "\"target\": \"plant\", ", "");
+  const std::string hidden = edited(edited(kEncoded, "1001", "9"), "\"end_panos\": [\"v0\"], ", "");
+  const Annotations read =
+      parse_cvdn_encoded("[" + kEncoded + "," + text + "," + hidden + "]", "", "");
+  EXPECT_EQ(parse_cvdn_encoded(to_cvdn(read), "", "").paths, read.paths);
+  Annotations mixed = read;
+  mixed.paths[1].instructions[0] = "Go.";
+  EXPECT_THAT(tests::refusal<ArgumentError>([&] { to_cvdn(mixed); }),
+              HasSubstr("instance \"game_7\": a text, where others have tokens"));
+}
+
 struct Counts {
   std::size_t groups = 0, turns = 0, ends = 0, player = 0, planner = 0;
   std::size_t short_player = 0, short_planner = 0;  // of one viewpoint
@@ -273,6 +323,8 @@ TEST(CvdnRecorded, BothFormsHoldTheSameInstances) {
     ASSERT_EQ(read.paths.size(), 126U);
     ASSERT_EQ(encoded.paths.size(), 126U);
     EXPECT_EQ(count(read), counts) << split;
+    EXPECT_TRUE(parse_cvdn(to_cvdn(read), split, split).paths == read.paths) << split;
+    EXPECT_TRUE(parse_cvdn_encoded(to_cvdn(encoded), split, split).paths == encoded.paths);
     for (std::size_t i = 0; i < read.paths.size(); ++i) {
       const PathAnnotation &plain = read.paths[i], &same = encoded.paths[i];
       const auto& region = std::get<NamedRegion>(plain.goal);

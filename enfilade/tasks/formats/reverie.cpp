@@ -4,8 +4,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "enfilade/core/numbers.h"
@@ -112,7 +114,50 @@ PathAnnotation read_entry(Element element, const Path& path, Faults& faults) {
   return entry;
 }
 
+ArgumentError not_reverie(const PathAnnotation& entry, std::string_view why) {
+  return ArgumentError(fmt::format("entry {:?}: {}", entry.id, why));
+}
+
+// That read_entry() would give the same.
+void check_form(const PathAnnotation& entry) {
+  const auto* const object = std::get_if<NamedObject>(&entry.goal);
+  if (object == nullptr && !std::holds_alternative<HiddenGoal>(entry.goal)) {
+    throw not_reverie(entry, "its goal is neither hidden nor an object");
+  }
+  if (entry.path_id < 0 || (object != nullptr && object->id < 0)) {
+    throw not_reverie(entry, "a negative id of its path or object");
+  }
+  const std::string id = object == nullptr ? fmt::to_string(entry.path_id)
+                                           : fmt::format("{}_{}", entry.path_id, object->id);
+  if (entry.id != id) throw not_reverie(entry, fmt::format("its id has to be {:?}", id));
+  if (entry.path.empty() || (object == nullptr && entry.path.size() > 1)) {
+    throw not_reverie(entry, fmt::format("a path of {} viewpoints", entry.path.size()));
+  }
+  if (!entry.details.empty() && entry.details.size() != entry.instructions.size()) {
+    throw not_reverie(entry, fmt::format("{} instructions with details of {}",
+                                         entry.instructions.size(), entry.details.size()));
+  }
+}
+
+nlohmann::ordered_json fields_of(const PathAnnotation& entry) {
+  check_form(entry);
+  const auto* const object = std::get_if<NamedObject>(&entry.goal);
+  nlohmann::ordered_json all = r2r_fields(entry);  // checks its numbers
+  nlohmann::ordered_json fields{{"id", entry.id}, {"path", entry.path}};
+  if (object != nullptr) fields["objId"] = object->id;
+  fields["heading"] = std::move(all["heading"]);
+  fields["scan"] = entry.scan;
+  if (object != nullptr) fields["path_id"] = entry.path_id;
+  fields["instructions"] = entry.instructions;
+  if (!entry.details.empty()) add_encodings(entry, fields);
+  return fields;
+}
+
 }  // namespace
+
+std::string to_reverie(const Annotations& annotations) {
+  return list_of_entries(annotations, fields_of);
+}
 
 Annotations parse_reverie(std::string_view json, const std::string& file, std::string split) {
   Annotations result{std::move(split), file, {}, Task::kReverie};

@@ -17,4 +17,10 @@ namespace enfilade::tasks::formats {
 /// start of a path whose goal is hidden, `instr_encodings` that are not as many as the instructions
 Annotations parse_reverie(std::string_view json, const std::string& file, std::string split);
 
+/// A list, an entry a line: what parse_reverie() gave is read back equal. Lengths of paths are left
+/// out, as in version 2.
+/// \throws ArgumentError for other annotations than REVERIE's, naming the entry, and for what JSON
+/// cannot say: an infinite number, text that is not UTF-8
+std::string to_reverie(const Annotations& annotations);
+
 }  // namespace enfilade::tasks::formats

@@ -166,6 +166,40 @@ TEST(Reverie, IsReadOrRefusedWhateverByteChanges) {
   }
 }
 
+TEST(Reverie, ReadsWhatItWrites) {
+  std::string tokens = edited(kItem, "1357_66", "1357_67");
+  tokens = tokens.substr(1, tokens.size() - 2);
+  tokens = edited(tokens, "\"objId\": 66", "\"instr_encodings\": [[101, 7], []], \"objId\": 67");
+  const Annotations read =
+      parse_reverie("[" + kItem + ", " + kTest + ", " + tokens.substr(1), "r.json", "val");
+  ASSERT_EQ(read.paths.size(), 3U);
+  const std::string written = to_reverie(read);
+  EXPECT_EQ(std::ranges::count(written, '\n'), 5);
+  EXPECT_EQ(parse_reverie(written, "r.json", "val").paths, read.paths);
+}
+
+TEST(Reverie, DoesNotWriteWhatItCouldNotRead) {
+  const auto refusal_of = [](const auto& change) {
+    Annotations annotations = parse_reverie("[" + kItem + "]", "r.json", "val");
+    change(annotations.paths[0]);
+    return tests::refusal<ArgumentError>([&] { to_reverie(annotations); });
+  };
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.goal = NearEnd{}; }),
+              HasSubstr("entry \"1357_66\": its goal is neither hidden nor an object"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.goal = HiddenGoal{}; }),
+              HasSubstr("its id has to be \"1357\""));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.goal = NamedObject{-1}; }),
+              HasSubstr("a negative id"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.path.clear(); }),
+              HasSubstr("a path of 0 viewpoints"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.details.resize(1); }),
+              HasSubstr("2 instructions with details of 1"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.heading = Radians(1 / 0.0); }),
+              HasSubstr("not finite"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.instructions[0] = "\xFF"; }),
+              HasSubstr("not UTF-8"));
+}
+
 TEST(Reverie, ListsAllFaultsAtOnce) {
   const std::string all = faults_of(R"([{"id": "1_2"}, 2, {"id": 3, "path": [4], "heading": "5",
       "scan": null, "instructions": {}, "objId": true, "path_id": []}])");
@@ -251,6 +285,7 @@ TEST(Reverie, OfPublishedFiles) {
   for (const auto& [name, sizes] : expected) {
     const Annotations read = parse_reverie(published(name), name, "split");
     EXPECT_EQ(sizes_of(read), sizes) << name;
+    EXPECT_TRUE(parse_reverie(to_reverie(read), name, "split").paths == read.paths) << name;
     for (const PathAnnotation& entry : read.paths) {
       EXPECT_EQ(entry.goal_hidden(), name.ends_with("test.json"));
       EXPECT_GE(entry.heading.value, 0);

@@ -222,7 +222,44 @@ std::string line_of(const PathAnnotation& entry, const std::string& split) {
   }
 }
 
+ArgumentError no_follower(const Demonstration& walk, std::string_view why) {
+  return ArgumentError(fmt::format("demonstration {}: {}", walk.demonstration_id, why));
+}
+
+std::string line_of(const Demonstration& walk) {
+  if (std::min({walk.demonstration_id, walk.instruction_id, walk.annotator_id}) < 0) {
+    throw no_follower(walk, "a negative id");
+  }
+  if (walk.path.empty()) throw no_follower(walk, "its path has no viewpoint");
+  const std::array<double, kMetricFields> values{walk.ne,  walk.sr,   walk.spl,
+                                                 walk.dtw, walk.ndtw, walk.sdtw};
+  nlohmann::ordered_json metrics;
+  for (std::size_t k = 0; k < kMetricFields; ++k) {
+    if (!std::isfinite(values[k])) {
+      throw no_follower(walk,
+                        fmt::format("{} {}, not a finite number", kOfMetrics[k].name, values[k]));
+    }
+    metrics[std::string(kOfMetrics[k].name)] = values[k];
+  }
+  const nlohmann::ordered_json fields{{"demonstration_id", walk.demonstration_id},
+                                      {"instruction_id", walk.instruction_id},
+                                      {"annotator_id", walk.annotator_id},
+                                      {"path", walk.path},
+                                      {"metrics", std::move(metrics)}};
+  try {
+    return fields.dump();
+  } catch (const nlohmann::json::type_error&) {
+    throw no_follower(walk, "holds text that is not UTF-8");
+  }
+}
+
 }  // namespace
+
+std::string to_rxr_followers(std::span<const Demonstration> walks) {
+  std::string lines;
+  for (const Demonstration& walk : walks) lines += line_of(walk) + '\n';
+  return lines;
+}
 
 Annotations parse_rxr_guide(std::string_view lines, const std::string& file, std::string split) {
   Annotations result{std::move(split), file, {}, Task::kRxr};

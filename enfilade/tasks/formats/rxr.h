@@ -1,5 +1,6 @@
 /// \file  RxR's files (github.com/google-research-datasets/RxR): guides and followers, JSON Lines.
 #pragma once
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,11 @@ Annotations parse_rxr_guide(std::string_view lines, const std::string& file, std
 /// \throws InvalidInput listing its faults with JSON paths: missing or wrongly typed fields, a
 /// negative id, an empty path, a demonstration_id that another line has
 std::vector<Demonstration> parse_rxr_followers(std::string_view lines, const std::string& file);
+
+/// Followers' lines: parse_rxr_followers() reads them back equal, if there are any.
+/// \throws ArgumentError for an infinite number, a negative id, an empty path, or text that is not
+/// UTF-8, naming the demonstration
+std::string to_rxr_followers(std::span<const Demonstration> walks);
 
 /// A guide's lines: what parse_rxr_guide() gave is read back equal, if it is not empty.
 /// `edit_distance` and `annotator_id` are not in the model, and are left out.

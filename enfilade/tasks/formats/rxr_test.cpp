@@ -194,6 +194,27 @@ TEST(RxrFollowers, ReadsALine) {
               ElementsAre(Demonstration{36, 26, 43, {"v0", "v1"}, 0, 1, 0.5, 2.5, 0.75, 0.25}));
 }
 
+TEST(RxrFollowers, ReadsWhatItWrites) {
+  auto walks = parse_rxr_followers(kWalk + "\n" + edited(kWalk, "36", "37"), "f.jsonl");
+  walks[1].ndtw = 0.1 + 0.2;
+  const std::string written = to_rxr_followers(walks);
+  EXPECT_EQ(std::ranges::count(written, '\n'), 2);
+  EXPECT_EQ(parse_rxr_followers(written, "f.jsonl"), walks);
+}
+
+TEST(RxrFollowers, DoesNotWriteWhatItCouldNotRead) {
+  const auto refusal_of = [](const auto& change) {
+    auto walks = parse_rxr_followers(kWalk, "f.jsonl");
+    change(walks[0]);
+    return tests::refusal<ArgumentError>([&] { to_rxr_followers(walks); });
+  };
+  EXPECT_THAT(refusal_of([](Demonstration& w) { w.dtw = kNone; }),
+              HasSubstr("demonstration 36: dtw nan, not a finite number"));
+  EXPECT_THAT(refusal_of([](Demonstration& w) { w.annotator_id = -1; }), HasSubstr("negative id"));
+  EXPECT_THAT(refusal_of([](Demonstration& w) { w.path.clear(); }), HasSubstr("no viewpoint"));
+  EXPECT_THAT(refusal_of([](Demonstration& w) { w.path[0] = "\xFF"; }), HasSubstr("not UTF-8"));
+}
+
 TEST(RxrFollowers, NamesFieldPlaceAndWhatIsAllowed) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"[7]", "$[0]: number 7, not an object"},

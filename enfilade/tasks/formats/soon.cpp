@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -337,6 +338,14 @@ void check_form(const PathAnnotation& entry) {
   }
 }
 
+nlohmann::ordered_json boxes_json(const PathAnnotation& entry) {
+  auto boxes = nlohmann::ordered_json::array();
+  if (const auto* const goal = std::get_if<NamedBoxes>(&entry.goal)) {
+    for (const NamedBox& box : goal->boxes) boxes.push_back(json_of(entry, box));
+  }
+  return boxes;
+}
+
 std::string line_of(const PathAnnotation& entry) {
   check_form(entry);
   nlohmann::ordered_json line{{"path_id", entry.id}, {"scan", entry.scan}, {"path", entry.path}};
@@ -353,11 +362,8 @@ std::string line_of(const PathAnnotation& entry) {
   }
   line["instructions"] = std::move(instructions);
   if (encoded) line["instr_encodings"] = std::move(encodings);
-  if (const auto* const goal = std::get_if<NamedBoxes>(&entry.goal)) {
-    auto boxes = nlohmann::ordered_json::array();
-    for (const NamedBox& box : goal->boxes) boxes.push_back(json_of(entry, box));
-    line["bboxes"] = std::move(boxes);
-  }
+  nlohmann::ordered_json boxes = boxes_json(entry);
+  if (!boxes.empty()) line["bboxes"] = std::move(boxes);
   try {
     return line.dump();
   } catch (const nlohmann::json::type_error&) {
@@ -365,7 +371,71 @@ std::string line_of(const PathAnnotation& entry) {
   }
 }
 
+// An instruction as a list of five texts.
+nlohmann::ordered_json texts_json(const PathAnnotation& entry, std::size_t k) {
+  const InstructionDetails& details = entry.details[k];
+  if (details.fields.size() != kParts.size()) {
+    throw not_soon(entry, fmt::format("{} texts beside the whole of instruction {}, not {}",
+                                      details.fields.size(), k, kParts.size()));
+  }
+  auto texts = nlohmann::ordered_json::array();
+  for (const auto& [name, text] : details.fields) texts.push_back(text);
+  texts.push_back(entry.instructions[k]);
+  return texts;
+}
+
+// What all alternatives of an entry share.
+nlohmann::ordered_json shared_json(const PathAnnotation& entry) {
+  check_form(entry);
+  auto instructions = nlohmann::ordered_json::array();
+  for (std::size_t k = 0; k < entry.instructions.size(); ++k) {
+    instructions.push_back(texts_json(entry, k));
+  }
+  nlohmann::ordered_json shared{{"scan", entry.scan}, {"instructions", std::move(instructions)}};
+  nlohmann::ordered_json boxes = boxes_json(entry);
+  if (!boxes.empty()) shared["bboxes"] = std::move(boxes);
+  return shared;
+}
+
+// One entry. \pre paths is not empty
+std::string released_line(std::span<const PathAnnotation> paths, std::size_t number) {
+  const nlohmann::ordered_json shared = shared_json(paths.front());
+  auto alternatives = nlohmann::ordered_json::array();
+  for (const PathAnnotation& path : paths) {
+    if (path.path.empty()) throw not_soon(path, "its path has no viewpoint");
+    if (&path != &paths.front() && shared_json(path) != shared) {
+      throw not_soon(path, fmt::format("of the group of {:?}, but differs from it in more than the "
+                                       "path",
+                                       paths.front().id));
+    }
+    alternatives.push_back(path.path);
+  }
+  nlohmann::ordered_json entry{{"path", std::move(alternatives)}};
+  entry.update(shared);
+  entry["instr_id"] = fmt::to_string(number);
+  try {
+    return entry.dump();
+  } catch (const nlohmann::json::type_error&) {
+    throw not_soon(paths.front(), "holds text that is not UTF-8");
+  }
+}
+
 }  // namespace
+
+std::string to_soon(const Annotations& annotations) {
+  const std::span<const PathAnnotation> paths(annotations.paths);
+  std::string text = "[";
+  std::size_t number = 0;
+  for (std::size_t begin = 0; begin < paths.size(); ++number) {
+    std::size_t end = begin + 1;
+    while (end < paths.size() && paths[begin].group && paths[end].group == paths[begin].group) {
+      ++end;
+    }
+    text += (number == 0 ? "\n" : ",\n") + released_line(paths.subspan(begin, end - begin), number);
+    begin = end;
+  }
+  return text + "\n]\n";
+}
 
 Annotations parse_soon(std::string_view json, const std::string& file, std::string split) {
   Annotations result{std::move(split), file, {}, Task::kSoon};

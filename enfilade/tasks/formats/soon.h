@@ -29,6 +29,15 @@ Annotations parse_soon(std::string_view json, const std::string& file, std::stri
 /// numbers with "-" between them, and for other numbers of encodings than of instructions
 Annotations parse_soon_lines(std::string_view lines, const std::string& file, std::string split);
 
+/// The released form, an entry a line: neighbouring paths of one group are an entry's alternatives,
+/// a path without a group is an entry. What parse_soon() gave is read back equal, if its split has
+/// the same name; of parse_soon_lines(), all but the ids, the order of first alternatives and
+/// tokens, which this form does not have.
+/// \throws ArgumentError for other annotations than SOON's, naming the path: instructions without
+/// the four texts beside the whole, paths of one group that differ in more than the path; for what
+/// JSON cannot say: an infinite number, text that is not UTF-8
+std::string to_soon(const Annotations& annotations);
+
 /// Lines in DUET's form: what parse_soon_lines() gave is read back equal, if it is not empty; what
 /// parse_soon() gave is too, but for groups and first alternatives. Encodings have `full` alone.
 /// \throws ArgumentError for other annotations than SOON's, and for what JSON cannot say: an

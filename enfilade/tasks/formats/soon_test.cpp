@@ -187,6 +187,30 @@ TEST(Soon, DoesNotRepeatAnEntryWithoutLimit) {
       HasSubstr("$[0].path: with these 12000 paths, alternatives would repeat"));
 }
 
+TEST(Soon, ReadsWhatItWrites) {
+  const Annotations read =
+      parse_soon("[" + kEntry + ", " + kHidden + ", " + kEntry + "]", "s.json", "val_unseen_house");
+  ASSERT_THAT(read.paths, SizeIs(7));
+  const std::string written = to_soon(read);
+  EXPECT_EQ(std::ranges::count(written, '\n'), 5) << "an entry a line";
+  EXPECT_EQ(parse_soon(written, "s.json", "val_unseen_house").paths, read.paths);
+}
+
+TEST(Soon, DoesNotWriteWhatItCouldNotRead) {
+  const auto refusal_of = [](const auto& change) {
+    Annotations annotations = parse_soon("[" + kEntry + "]", "s.json", "train");
+    change(annotations.paths[1]);
+    return tests::refusal<ArgumentError>([&] { to_soon(annotations); });
+  };
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.instructions[0] = "Go."; }),
+              HasSubstr("path \"0-1\": of the group of \"0-0\", but differs from it"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.details[0].fields.pop_back(); }),
+              HasSubstr("3 texts beside the whole of instruction 0, not 4"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.path.clear(); }), HasSubstr("no viewpoint"));
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.goal = NearEnd{}; }),
+              HasSubstr("neither hidden nor boxes"));
+}
+
 TEST(SoonLines, ReadsALine) {
   const Annotations read = parse_soon_lines(kLine + "\n", "s.jsonl", "val_unseen_house");
   EXPECT_EQ(read.split, "val_unseen_house");
