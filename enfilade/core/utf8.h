@@ -1,6 +1,8 @@
 /// \file  UTF-8 characters.
 #pragma once
 #include <cstddef>
+#include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace enfilade {
@@ -9,5 +11,8 @@ namespace enfilade {
 /// begin with a well-formed character: overlong forms, surrogates and values above U+10FFFF are not
 /// (Unicode 15, table 3-7).
 std::size_t utf8_length(std::string_view text);
+
+/// Appends the character of a code point to a text. \pre code is at most 0x10ffff, and no surrogate
+void append_utf8(std::uint32_t code, std::string& text);
 
 }  // namespace enfilade

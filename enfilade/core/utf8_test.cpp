@@ -29,5 +29,11 @@ TEST(Utf8Length, IsNoneForWhatIsNotWellFormed) {
   EXPECT_EQ(utf8_length("\xFF"), 0U);
 }
 
+TEST(AppendUtf8, IsUndoneByTheLengths) {
+  std::string text;
+  for (const std::uint32_t code : {0x41U, 0x7ffU, 0xffffU, 0x10ffffU}) append_utf8(code, text);
+  EXPECT_EQ(text, "A\xDF\xBF\xEF\xBF\xBF\xF4\x8F\xBF\xBF");
+}
+
 }  // namespace
 }  // namespace enfilade

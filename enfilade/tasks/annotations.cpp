@@ -25,8 +25,8 @@ Annotations parse_annotations(std::string_view json, const std::string& file, st
       const std::size_t i = result.paths.size();
       const json::Path path(root, i);
       const std::size_t errors = faults.errors();
-      result.paths.push_back(formats::read_r2r_entry(element, path, faults));
-      if (faults.errors() == errors) ids.check(result.paths.back().path_id, i, path, faults);
+      result.paths.push_back(formats::read_r2r_entry(element, i, path, faults));
+      if (faults.errors() == errors) ids.check(result.paths.back(), i, path, faults);
     }
   }
   faults.throw_if_errors();

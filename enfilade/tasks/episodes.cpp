@@ -84,6 +84,11 @@ class LookUp {
   // Viewpoints that the graph leaves out see objects, too; nobody can stand there.
   Goal find(const NamedObject& goal, const Path& path, const ObjectBoxes* objects) {
     SeenObject seen{goal.id, {}};
+    if (!goal.seen_from.empty()) {
+      seen.seen_from = viewpoints(goal.seen_from, Path(path, "pos_vps"), false);
+      std::ranges::sort(seen.seen_from);
+      return seen;
+    }
     if (objects == nullptr) return seen;
     for (const std::string& id : objects->seen_from(entry_.scan, goal.id)) {
       const auto found = graph_.find(id);

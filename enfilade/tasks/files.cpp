@@ -11,6 +11,7 @@
 #include "enfilade/core/gzip.h"
 #include "enfilade/tasks/formats/cvdn.h"
 #include "enfilade/tasks/formats/fine_grained.h"
+#include "enfilade/tasks/formats/object_lines.h"
 #include "enfilade/tasks/formats/r2r_family.h"
 #include "enfilade/tasks/formats/records.h"
 #include "enfilade/tasks/formats/reverie.h"
@@ -95,6 +96,14 @@ bool first_has_object(std::string_view text, std::string_view field) {
   });
 }
 
+// Whether goals say who sees their objects, for which HM3DAutoVLN's lines have a field.
+bool names_viewpoints(const Annotations& annotations) {
+  return std::ranges::any_of(annotations.paths, [](const PathAnnotation& path) {
+    const auto* goal = std::get_if<NamedObject>(&path.goal);
+    return goal != nullptr && !goal->seen_from.empty();
+  });
+}
+
 bool is_record(std::string_view text) {
   return first_has(text, {"scan", "path", "bboxes", "instr_id", "path_id", "id"});
 }
@@ -124,7 +133,7 @@ std::optional<Task> find_task(std::string_view text) {
   if (first_has(text, {"timed_instruction", "language"})) return Task::kRxr;
   if (first_has(text, {"midstop"})) return Task::kR2rBack;
   if (first_has(text, {"first_path_id"})) return Task::kR4r;
-  if (first_has(text, {"objId", "id"})) return Task::kReverie;
+  if (first_has(text, {"objId", "id", "objid", "pos_vps"})) return Task::kReverie;
   return Task::kR2r;
 }
 
@@ -143,7 +152,9 @@ Annotations parse_annotations(std::string_view text, const std::string& file, st
     case Task::kRxr:
       return formats::parse_rxr_guide(text, file, std::move(split));
     case Task::kReverie:
-      return formats::parse_reverie(text, file, std::move(split));
+      return first_has(text, {"pos_vps", "objid"})
+                 ? formats::parse_object_lines(text, file, std::move(split))
+                 : formats::parse_reverie(text, file, std::move(split));
     case Task::kCvdn:
       return first_has(text, {"inst_idx"})
                  ? formats::parse_cvdn(text, file, std::move(split))
@@ -175,7 +186,8 @@ std::string to_text(const Annotations& annotations) {
     case Task::kSoon:
       return formats::to_soon_lines(annotations);
     case Task::kReverie:
-      return formats::to_reverie(annotations);
+      return names_viewpoints(annotations) ? formats::to_object_lines(annotations)
+                                           : formats::to_reverie(annotations);
     case Task::kCvdn:
       return formats::to_cvdn(annotations);
     case Task::kR2r:

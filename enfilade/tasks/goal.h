@@ -43,6 +43,9 @@ struct NamedTurningPoint {
 /// REVERIE: to end where the object is seen, and to name it.
 struct NamedObject {
   std::int64_t id = 0;
+  /// `pos_vps`: the viewpoints that see it, where the file names them, as HM3DAutoVLN's does.
+  /// Empty: ObjectBoxes say which do.
+  std::vector<std::string> seen_from = {};
   friend bool operator==(const NamedObject&, const NamedObject&) = default;
 };
 /// CVDN: to come nearer to any viewpoint of a region.

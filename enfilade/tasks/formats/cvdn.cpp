@@ -46,9 +46,6 @@ using Found = std::array<std::optional<Element>, kFields>;
 enum OfStart : std::size_t { kStartPlace, kStartHeading, kStartFields };
 constexpr std::array<json::Field, kStartFields> kOfStart{{{"pano"}, {"heading"}}};
 
-enum OfTurn : std::size_t { kRole, kMessage, kTurnStep, kTurnFields };
-constexpr std::array<json::Field, kTurnFields> kOfTurn{{{"role"}, {"message"}, {"nav_idx"}}};
-
 enum Encoded : std::size_t {
   kEncodedId,
   kEncodedScan,
@@ -83,36 +80,6 @@ std::int64_t read_id(Element element, const Path& path, Faults& faults) {
 
 std::string read_text(Element element, const Path& path, Faults& faults) {
   return std::string(json::string(element, path, faults).value_or(""));
-}
-
-DialogueTurn read_turn(Element element, const Path& path, Faults& faults) {
-  DialogueTurn turn;
-  std::array<std::optional<Element>, kTurnFields> found;
-  if (!json::fields(element, kOfTurn, found, path, faults)) return turn;
-  const Path role(path, "role");
-  if (const auto text = json::string(*found[kRole], role, faults)) {
-    turn.role = *text;
-    if (turn.role != "navigator" && turn.role != "oracle") {
-      faults.error(role, "unknown-role",
-                   fmt::format("{:?}, neither \"navigator\" nor \"oracle\"", turn.role));
-    }
-  }
-  turn.message = read_text(*found[kMessage], Path(path, "message"), faults);
-  const Path step(path, "nav_idx");
-  turn.nav_step = json::integer(*found[kTurnStep], step, faults).value_or(0);
-  if (turn.nav_step < 0) {
-    faults.error(step, "bad-step",
-                 fmt::format("{} is no number of steps; 0 and more are", turn.nav_step));
-  }
-  return turn;
-}
-
-std::vector<DialogueTurn> read_turns(Element element, const Path& path, Faults& faults) {
-  std::vector<DialogueTurn> turns;
-  const auto list = json::array(element, path, faults);
-  if (!list) return turns;
-  for (const Element one : *list) turns.push_back(read_turn(one, Path(path, turns.size()), faults));
-  return turns;
 }
 
 std::string text_of(const std::vector<DialogueTurn>& turns, const std::string& target) {

@@ -6,30 +6,12 @@
 #include <type_traits>
 #include <utility>
 
+#include "enfilade/core/utf8.h"
+
 namespace enfilade::tasks::formats {
 namespace {
 
 constexpr std::size_t kShownBytes = 12;  // of what was found
-
-void append_utf8(std::uint32_t code, std::string& text) {
-  const auto append = [&](std::uint32_t byte) { text += static_cast<char>(byte); };
-  if (code < 0x80) {
-    append(code);
-    return;
-  }
-  const auto rest = [&](std::uint32_t shift) { append(0x80U | ((code >> shift) & 0x3fU)); };
-  if (code < 0x800) {
-    append(0xc0U | (code >> 6U));
-  } else if (code < 0x10000) {
-    append(0xe0U | (code >> 12U));
-    rest(6);
-  } else {
-    append(0xf0U | (code >> 18U));
-    rest(12);
-    rest(6);
-  }
-  rest(0);
-}
 
 class LiteralReader {
  public:

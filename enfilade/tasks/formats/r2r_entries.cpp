@@ -29,6 +29,17 @@ void read_distance(json::Element element, PathAnnotation& entry, const json::Pat
   faults.error(path, "bad-distance", fmt::format("{} is no length in metres", *entry.distance));
 }
 
+void read_path_id(json::Element element, std::size_t record, const json::Path& path,
+                  json::Faults& faults, PathAnnotation& entry) {
+  if (!element.is_string()) {
+    entry.path_id = json::integer(element, path, faults).value_or(0);
+    return;
+  }
+  entry.id = json::string(element, path, faults).value_or("");
+  entry.path_id = static_cast<std::int64_t>(record);
+  if (entry.id.empty()) faults.error(path, "bad-id", "an empty text, not the path's id");
+}
+
 std::string line_of(const PathAnnotation& entry, const FieldsOf& fields_of) {
   try {
     return fields_of(entry).dump();
@@ -39,11 +50,12 @@ std::string line_of(const PathAnnotation& entry, const FieldsOf& fields_of) {
 
 }  // namespace
 
-PathAnnotation read_r2r_entry(json::Element element, const json::Path& path, json::Faults& faults) {
+PathAnnotation read_r2r_entry(json::Element element, std::size_t record, const json::Path& path,
+                              json::Faults& faults) {
   PathAnnotation entry;
   std::array<std::optional<json::Element>, kEntryFields> found;
   if (!json::fields(element, kOfEntry, found, path, faults)) return entry;
-  entry.path_id = json::integer(*found[kEntryId], json::Path(path, "path_id"), faults).value_or(0);
+  read_path_id(*found[kEntryId], record, json::Path(path, "path_id"), faults, entry);
   entry.scan = json::string(*found[kEntryScan], json::Path(path, "scan"), faults).value_or("");
   entry.heading = read_angle(*found[kEntryHeading], json::Path(path, "heading"), faults);
   entry.path = read_path(*found[kEntryPath], json::Path(path, "path"), faults);
@@ -55,21 +67,25 @@ PathAnnotation read_r2r_entry(json::Element element, const json::Path& path, jso
   return entry;
 }
 
-void PathIds::check(std::int64_t path_id, std::size_t record, const json::Path& path,
+void PathIds::check(const PathAnnotation& entry, std::size_t record, const json::Path& path,
                     json::Faults& faults) {
-  const auto [first, fresh] = places_.emplace(path_id, record);
-  if (fresh) return;
-  faults.error(json::Path(path, "path_id"), "repeated-path-id",
-               fmt::format("{} stands at $[{}] already", path_id, first->second));
+  const bool number = entry.id.empty();
+  const std::size_t first = number ? numbers_.emplace(entry.path_id, record).first->second
+                                   : texts_.emplace(entry.id, record).first->second;
+  if (first == record) return;
+  faults.error(
+      json::Path(path, "path_id"), "repeated-path-id",
+      fmt::format("{} stands at $[{}] already",
+                  number ? fmt::to_string(entry.path_id) : fmt::format("{:?}", entry.id), first));
 }
 
 PathAnnotation read_entry(json::Element element, std::size_t record, const ReadMore& read_more,
                           PathIds& ids, const json::Path& path, json::Faults& faults) {
   const std::size_t errors = faults.errors();
-  PathAnnotation entry = read_r2r_entry(element, path, faults);
+  PathAnnotation entry = read_r2r_entry(element, record, path, faults);
   const bool complete = faults.errors() == errors;
   if (element.is_object()) read_more(element, complete, entry, path, faults);
-  if (complete) ids.check(entry.path_id, record, path, faults);
+  if (complete) ids.check(entry, record, path, faults);
   return entry;
 }
 
@@ -111,10 +127,13 @@ nlohmann::ordered_json r2r_fields(const PathAnnotation& entry) {
                                     entry.path_id, entry.heading.value,
                                     entry.distance.value_or(0)));
   }
-  nlohmann::ordered_json fields{{"path_id", entry.path_id},
-                                {"scan", entry.scan},
-                                {"heading", entry.heading.value},
-                                {"path", entry.path}};
+  nlohmann::ordered_json fields;
+  if (entry.id.empty()) {
+    fields["path_id"] = entry.path_id;
+  } else {
+    fields["path_id"] = entry.id;
+  }
+  fields.update({{"scan", entry.scan}, {"heading", entry.heading.value}, {"path", entry.path}});
   if (entry.distance) fields["distance"] = *entry.distance;
   fields["instructions"] = entry.instructions;
   return fields;

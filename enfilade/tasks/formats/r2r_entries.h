@@ -1,6 +1,7 @@
 /// \file  Entries as R2R's files have them, read and written for all formats that add fields to
 /// them. Internal, as it includes simdjson.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
@@ -13,18 +14,21 @@
 namespace enfilade::tasks::formats {
 
 /// `path_id`, `scan`, `heading`, `path` and `instructions`, and `distance` if there is one. Fields
-/// of other names are left to the caller.
-PathAnnotation read_r2r_entry(json::Element element, const json::Path& path, json::Faults& faults);
+/// of other names are left to the caller. A `path_id` that is a text, as in files that were made
+/// from other buildings than Matterport3D's, becomes the entry's id; its number is `record` then.
+PathAnnotation read_r2r_entry(json::Element element, std::size_t record, const json::Path& path,
+                              json::Faults& faults);
 
 /// Finds path_ids that two entries have.
 class PathIds {
  public:
   /// \param record  its place in the file  \param path  of the entry
-  void check(std::int64_t path_id, std::size_t record, const json::Path& path,
+  void check(const PathAnnotation& entry, std::size_t record, const json::Path& path,
              json::Faults& faults);
 
  private:
-  std::unordered_map<std::int64_t, std::size_t> places_;
+  std::unordered_map<std::int64_t, std::size_t> numbers_;
+  std::unordered_map<std::string, std::size_t> texts_;
 };
 
 /// Reads what stands in an entry beside the fields of read_r2r_entry().

@@ -5,6 +5,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 
 #include "enfilade/core/numbers.h"
@@ -26,10 +27,16 @@ enum LineField : std::size_t {
   kLineHeading,
   kLineTokens,
   kLineMidstop,
+  kLineText,
   kLineFields
 };
-constexpr std::array<json::Field, kLineFields> kOfLine{
-    {{"instr_id"}, {"scan"}, {"path"}, {"heading", false}, {"instr_encoding"}, {"midstop", false}}};
+constexpr std::array<json::Field, kLineFields> kOfLine{{{"instr_id"},
+                                                        {"scan"},
+                                                        {"path"},
+                                                        {"heading", false},
+                                                        {"instr_encoding"},
+                                                        {"midstop", false},
+                                                        {"instruction", false}}};
 
 // \param path  of the record
 void read_midstop(const std::optional<json::Element>& midstop, Task task, PathAnnotation& entry,
@@ -49,11 +56,12 @@ void read_midstop(const std::optional<json::Element>& midstop, Task task, PathAn
   }
 }
 
-// "4332_0": 4332.
-std::optional<std::int64_t> path_id_of(std::string_view id) {
+// "4332_0": "4332"; of "00000-kfPV7w3FaU5_12_0", from other buildings, all before the last line.
+std::optional<std::string_view> path_of(std::string_view id) {
   const std::size_t line = id.rfind('_');
-  if (line == id.npos || !parse_number<std::uint64_t>(id.substr(line + 1))) return std::nullopt;
-  return parse_number<std::int64_t>(id.substr(0, line));
+  if (line == id.npos || line == 0) return std::nullopt;
+  if (!parse_number<std::uint64_t>(id.substr(line + 1))) return std::nullopt;
+  return id.substr(0, line);
 }
 
 // HAMT's form for pretraining: an instruction, with its path.
@@ -66,6 +74,10 @@ class LineReader {
     if (!json::fields(element, kOfLine, found, path, faults)) return entry;
     InstructionDetails& details = entry.details.emplace_back();
     entry.instructions.emplace_back();
+    if (found[kLineText]) {
+      entry.instructions[0] =
+          json::string(*found[kLineText], json::Path(path, "instruction"), faults).value_or("");
+    }
     read_id(*found[kLineId], record, entry, json::Path(path, "instr_id"), faults);
     entry.scan = json::string(*found[kLineScan], json::Path(path, "scan"), faults).value_or("");
     entry.path = read_path(*found[kLinePath], json::Path(path, "path"), faults);
@@ -82,20 +94,27 @@ class LineReader {
                const json::Path& path, json::Faults& faults) {
     const auto id = json::string(element, path, faults);
     if (!id) return;
-    const auto path_id = path_id_of(*id);
-    if (!path_id) {
+    const auto name = path_of(*id);
+    if (!name) {
       faults.error(
           path, "bad-instruction-id",
           fmt::format("{}, not <path_id>_<k>, such as \"4332_0\"", json::describe(element)));
       return;
     }
-    entry.path_id = *path_id;
-    entry.group = *path_id;
+    if (const auto number = parse_number<std::int64_t>(*name)) {
+      entry.path_id = *number;
+    } else {
+      entry.id = *name;
+      // Instructions of one path are one group, so that they need one number.
+      entry.path_id = texts_.emplace(entry.id, static_cast<std::int64_t>(record)).first->second;
+    }
+    entry.group = entry.path_id;
     entry.details[0].id = *id;
     ids_.check(entry.details[0].id, record, path, faults);
   }
 
   Once ids_{"repeated-id"};
+  std::unordered_map<std::string, std::int64_t> texts_;  // path ids that are no numbers
 };
 
 bool has_instruction_id(json::Element element) {
@@ -104,9 +123,12 @@ bool has_instruction_id(json::Element element) {
 
 // Whether the form for pretraining says all of it.
 bool is_line(const PathAnnotation& entry) {
-  return entry.instructions.size() == 1 && entry.instructions[0].empty() && !entry.distance &&
-         entry.details.size() == 1 && entry.details[0].parts.empty() &&
-         path_id_of(entry.details[0].id) == entry.path_id;
+  if (entry.instructions.size() != 1 || entry.distance || entry.details.size() != 1) return false;
+  const InstructionDetails& details = entry.details[0];
+  const auto name = path_of(details.id);
+  return details.parts.empty() && name &&
+         (entry.id.empty() ? parse_number<std::int64_t>(*name) == entry.path_id
+                           : *name == entry.id);
 }
 
 bool has_parts(const PathAnnotation& entry) {
@@ -127,6 +149,7 @@ nlohmann::ordered_json line_fields(const PathAnnotation& entry) {
   nlohmann::ordered_json fields{{"instr_id", entry.details[0].id}};
   fields.update(r2r_fields(entry));
   for (const char* absent : {"path_id", "instructions", "distance"}) fields.erase(absent);
+  if (!entry.instructions[0].empty()) fields["instruction"] = entry.instructions[0];
   fields["instr_encoding"] = entry.details[0].tokens;
   add_midstop(entry, fields);
   return fields;

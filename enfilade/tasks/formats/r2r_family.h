@@ -11,10 +11,11 @@ namespace enfilade::tasks::formats {
 /// Reads `R2R_<split>.json` and what has its form: with `instr_encodings` (token ids, one list an
 /// instruction), with `midstop` (R2R-Back: goals are NamedTurningPoint), R4R's with
 /// `first_path_id` and so on, which are read over; and HAMT's for pretraining, an instruction a
-/// record (`instr_id, scan, path, heading, instr_encoding`; there is no text, so it is empty): a
+/// record (`instr_id, scan, path, heading, instr_encoding`, `instruction` where there is a text): a
 /// file whose first record has an `instr_id`. Each becomes a path of its own, with the path_id of
 /// its id ("4332_0") as its group; without `heading` it is 0. A list, or lines. Of PREVALENT's
-/// files, too.
+/// files, too, and of ScaleVLN's, whose path ids are texts ("00000-kfPV7w3FaU5_12"): a path's id is
+/// that text, its path_id the number of the first record that has it.
 /// \param task  R2R-Back asks for `midstop` in each entry with more than one viewpoint; where a
 /// path has one, and no `midstop`, the goal is hidden
 /// \throws InvalidInput listing its faults with JSON paths: as parse_annotations();

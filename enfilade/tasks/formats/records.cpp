@@ -1,9 +1,39 @@
 #include "enfilade/tasks/formats/records.h"
 
 #include <fmt/format.h>
+#include <array>
 #include <limits>
+#include <optional>
 
 namespace enfilade::tasks::formats {
+namespace {
+
+enum OfTurn : std::size_t { kRole, kMessage, kTurnStep, kTurnFields };
+constexpr std::array<json::Field, kTurnFields> kOfTurn{{{"role"}, {"message"}, {"nav_idx"}}};
+
+DialogueTurn read_turn(json::Element element, const json::Path& path, json::Faults& faults) {
+  DialogueTurn turn;
+  std::array<std::optional<json::Element>, kTurnFields> found;
+  if (!json::fields(element, kOfTurn, found, path, faults)) return turn;
+  const json::Path role(path, "role");
+  if (const auto text = json::string(*found[kRole], role, faults)) {
+    turn.role = *text;
+    if (turn.role != "navigator" && turn.role != "oracle") {
+      faults.error(role, "unknown-role",
+                   fmt::format("{:?}, neither \"navigator\" nor \"oracle\"", turn.role));
+    }
+  }
+  turn.message = json::string(*found[kMessage], json::Path(path, "message"), faults).value_or("");
+  const json::Path step(path, "nav_idx");
+  turn.nav_step = json::integer(*found[kTurnStep], step, faults).value_or(0);
+  if (turn.nav_step < 0) {
+    faults.error(step, "bad-step",
+                 fmt::format("{} is no number of steps; 0 and more are", turn.nav_step));
+  }
+  return turn;
+}
+
+}  // namespace
 
 std::vector<std::string> read_path(json::Element element, const json::Path& path,
                                    json::Faults& faults) {
@@ -38,6 +68,16 @@ std::vector<std::int32_t> read_tokens(json::Element element, const json::Path& p
     tokens.push_back(static_cast<std::int32_t>(*token));
   }
   return tokens;
+}
+
+std::vector<DialogueTurn> read_turns(json::Element element, const json::Path& path,
+                                     json::Faults& faults) {
+  std::vector<DialogueTurn> turns;
+  const auto list = json::array(element, path, faults);
+  if (!list) return turns;
+  for (const json::Element one : *list)
+    turns.push_back(read_turn(one, json::Path(path, turns.size()), faults));
+  return turns;
 }
 
 void Once::check(const std::string& id, std::size_t record, const json::Path& path,

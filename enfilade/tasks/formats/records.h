@@ -29,6 +29,10 @@ Radians read_angle(json::Element element, const json::Path& path, json::Faults& 
 std::vector<std::int32_t> read_tokens(json::Element element, const json::Path& path,
                                       json::Faults& faults);
 
+/// The turns of a dialogue: `role`, `message`, `nav_idx`; reports other roles than CVDN's two.
+std::vector<DialogueTurn> read_turns(json::Element element, const json::Path& path,
+                                     json::Faults& faults);
+
 /// Finds ids that two records have.
 class Once {
  public:

@@ -1,0 +1,59 @@
+/// \file  NumPy's arrays as files (numpy.org, "numpy.lib.format"): RxR's pose traces are zip files
+/// of them. Internal.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace enfilade::tasks::formats {
+
+/// What the elements of an array are.
+enum class NpyKind : std::uint8_t { kFloat, kInteger, kUnsigned, kBool, kText, kBytes };
+
+/// An array, read. Its elements are taken in C order, whatever the file's is.
+class NpyArray {
+ public:
+  /// Reads `.npy` of versions 1, 2 and 3: numbers of 1 to 8 bytes of either order, bools, texts of
+  /// a fixed length (`<U32`, `|S32`). \throws Error saying what was found and what is expected: no
+  /// array, a damaged header, other types (objects, which are Python code, are never read), more
+  /// or less bytes than the shape asks for
+  static NpyArray parse(std::string bytes);
+
+  NpyKind kind() const noexcept { return kind_; }
+  bool is_number() const noexcept { return kind_ < NpyKind::kText; }
+  bool is_text() const noexcept { return !is_number(); }
+  const std::string& type() const noexcept { return type_; }  ///< "<f4"
+  /// Empty: a scalar. The product is size(), which has no overflow.
+  const std::vector<std::size_t>& shape() const noexcept { return shape_; }
+  std::string shape_text() const;  ///< "(3, 16)"
+  std::size_t size() const noexcept { return size_; }
+
+  /// Element i in C order. A bool is 0 or 1. \pre is_number(), i < size()
+  double number(std::size_t i) const;
+  /// UTF-8; zeros at its end do not count. A code that is no character is U+FFFD. \pre is_text()
+  std::string text(std::size_t i) const;
+
+ private:
+  std::size_t place(std::size_t i) const;  // in the file, of element i in C order
+  std::uint64_t integer(std::size_t begin, std::size_t bytes) const;
+
+  std::string bytes_, type_;
+  NpyKind kind_ = NpyKind::kFloat;
+  std::size_t item_ = 1, data_ = 0, size_ = 1;
+  bool big_endian_ = false, fortran_ = false;
+  std::vector<std::size_t> shape_;
+};
+
+/// \name `.npy` of version 1, C order, little-endian.
+/// @{
+/// \pre the product of `shape` is the size of `values`
+std::string write_npy(std::span<const float> values, const std::vector<std::size_t>& shape);
+std::string write_npy(std::span<const std::uint8_t> bools, const std::vector<std::size_t>& shape);
+/// As long as the longest. \throws ArgumentError for text that is not UTF-8
+std::string write_npy(std::span<const std::string> texts, const std::vector<std::size_t>& shape);
+/// @}
+
+}  // namespace enfilade::tasks::formats
