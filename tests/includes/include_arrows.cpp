@@ -276,6 +276,7 @@ const Arrows& direct_arrows() {
       {"models", {"features", "tasks"}},
       {"neural", {"agents", "dataset", "models"}},
       {"report", {"dataset", "draw", "models"}},
+      {"exports", {"dataset", "features", "capture"}},
       {"service", {"dataset", "draw", "homes"}},
   };
   return kArrows;
