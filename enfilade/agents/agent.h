@@ -1,14 +1,19 @@
 /// \file  The interface of agents: a batch of observations in, a decision for each out.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "enfilade/core/ids.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/geometry/angle.h"
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/objects.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::agents {
 
@@ -26,6 +31,12 @@ struct Observation {
   const tasks::Episode* episode = nullptr;    ///< the instruction
   const graph::NavGraph* graph = nullptr;     ///< of the building; only oracles may look at it
   std::span<const ViewpointIndex> reference;  ///< start to goal; only oracles may look at it
+  /// The same path with what the episode asks for (`goal`); only oracles may look at it.
+  const tasks::ReferencePath* path = nullptr;
+  tasks::Task task = tasks::Task::kR2r;  ///< the benchmark, which says what answer is expected
+  /// What may be named here: the objects around the viewpoint that its pictures show or not
+  /// (ViewedObject::visible). Empty where the episodes have no objects.
+  std::span<const tasks::ViewedObject> objects;
   ViewpointIndex viewpoint;
   Radians heading, elevation;
   std::uint32_t view_index = 0;
@@ -35,20 +46,33 @@ struct Observation {
   bool ended = false;  ///< the episode is over; the decision is ignored
 };
 
+/// What some benchmarks ask for beside the path. At most one of them counts; an agent that gives
+/// none has its path scored all the same.
+struct Answer {
+  std::optional<ViewpointIndex> turning_point = {};  ///< R2R-Back: where it turned
+  std::string object = {};                           ///< REVERIE: the object's id; empty: none
+  std::optional<tasks::SpherePoint> point = {};      ///< SOON: where the object is
+  friend bool operator==(const Answer&, const Answer&) = default;
+};
+
 /// What to do: stop for good, or go to an entry of the navigable list (0: stay) and turn.
 struct Decision {
   bool stop = true;
   std::uint32_t index = 0;
   Radians heading_change;    ///< right positive; one view of 30 degrees, only its sign counts
   Radians elevation_change;  ///< up positive; likewise
+  /// Given with any decision; the last one of an episode counts.
+  std::optional<Answer> answer = {};
 
   /// Stops for good.
   static Decision stop_here() { return {}; }
+  /// The same, with an answer.
+  static Decision stop_with(Answer answer) { return {true, 0, {}, {}, std::move(answer)}; }
   /// Goes to an entry of the navigable list.
-  static Decision go(std::uint32_t index) { return {false, index, {}, {}}; }
+  static Decision go(std::uint32_t index) { return {false, index, {}, {}, {}}; }
   /// Turns by so much, radians; right and up are positive.
   static Decision turn(double right, double up = 0) {
-    return {false, 0, Radians(right), Radians(up)};
+    return {false, 0, Radians(right), Radians(up), {}};
   }
 };
 

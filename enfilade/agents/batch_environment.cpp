@@ -43,7 +43,7 @@ void validate(const tasks::EpisodeSet& episodes, const EnvironmentConfig& config
   }
   if (config.reward == Reward::kNone) return;
   for (const tasks::ReferencePath& path : episodes.paths) {
-    if (path.viewpoints.size() > 1) continue;
+    if (!goal_hidden(path)) continue;
     throw ArgumentError(fmt::format("split {} hides its goals (path {}), so there is no reward",
                                     episodes.split, path.path_id));
   }
@@ -65,7 +65,7 @@ BatchEnvironment::BatchEnvironment(std::shared_ptr<const tasks::EpisodeSet> epis
   const std::size_t n = config.batch_size;
   outcome_.reward.resize(n);
   for (auto* flags : {&outcome_.terminated, &outcome_.truncated, &outcome_.began}) flags->resize(n);
-  for (auto* reals : {&outcome_.distance, &outcome_.success, &outcome_.spl, &shortest_, &walked_}) {
+  for (auto* reals : {&outcome_.distance, &outcome_.success, &outcome_.spl, &walked_}) {
     reals->resize(n);
   }
   outcome_.episode.resize(n);
@@ -86,7 +86,8 @@ void BatchEnvironment::begin(std::size_t agent, std::size_t episode) {
   outcome_.began[agent] = 1;
   outcome_.reward[agent] = 0;
   outcome_.terminated[agent] = outcome_.truncated[agent] = 0;
-  outcome_.distance[agent] = shortest_[agent] = batch_.distance_to_goal(agent);
+  batch_.take_leg(agent, config_.success_distance);
+  outcome_.distance[agent] = batch_.distance_to_goal(agent);
   walked_[agent] = 0;
 }
 
@@ -164,8 +165,9 @@ void BatchEnvironment::judge(std::size_t agent, bool stopped) {
   const ViewpointIndex from = points[points.size() - 2].viewpoint, to = points.back().viewpoint;
   const bool moved = from != to;
   const double before = outcome_.distance[agent];
+  if (moved) batch_.take_leg(agent, config_.success_distance);
   const double now = moved ? batch_.distance_to_goal(agent) : before;
-  const bool success = stopped && now < config_.success_distance;
+  const bool success = stopped && batch_.reached(agent, config_.success_distance);
   double reward = 0;
   if (config_.reward == Reward::kSuccess) reward = success ? 1 : 0;
   if (config_.reward == Reward::kProgress) {
@@ -182,8 +184,10 @@ void BatchEnvironment::judge(std::size_t agent, bool stopped) {
 // An agent that is cut off is scored as if it had stopped where it is.
 void BatchEnvironment::finish(std::size_t agent) {
   batch_.end(agent);
-  const double distance = outcome_.distance[agent], shortest = shortest_[agent];
-  const double success = distance < config_.success_distance ? 1 : 0;
+  const double distance = outcome_.distance[agent];
+  const double success = batch_.reached(agent, config_.success_distance) ? 1 : 0;
+  const double shortest =
+      tasks::shortest_to_goal(batch_.graph(agent), batch_.path(agent), state().viewpoint[agent]);
   const double longest = std::max(walked_[agent], shortest);
   const bool hidden = std::isnan(distance);
   outcome_.success[agent] = hidden ? distance : success;
@@ -196,7 +200,7 @@ tasks::EpisodeMetrics BatchEnvironment::compute_metrics(std::size_t agent) const
         fmt::format("agent {} of {}: no episode was begun", agent, config_.batch_size));
   }
   const tasks::ReferencePath& path = batch_.path(agent);
-  if (path.viewpoints.size() < 2) {
+  if (goal_hidden(path)) {
     throw ArgumentError(fmt::format("path {} hides its goal", path.path_id));
   }
   std::vector<ViewpointIndex> walked;

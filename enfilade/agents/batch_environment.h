@@ -1,4 +1,5 @@
-/// \file  Room-to-Room as a reinforcement-learning environment: a batch of agents, one action each.
+/// \file  Episodes of any benchmark as a reinforcement-learning environment: a batch of agents, one
+/// action each.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -25,7 +26,7 @@ enum class ActionSpace {
 /// The reward of a step.
 enum class Reward {
   kNone,      ///< always 0
-  kSuccess,   ///< 1 for stopping within the success distance of the goal, else 0
+  kSuccess,   ///< 1 for stopping where the goal is reached (tasks::goal_reached()), else 0
   kProgress,  ///< decrease of the distance to the goal along the graph, metres, and 2 for a
               ///< successful stop, -2 for another, as in EnvDrop (Tan et al. 2019)
 };
@@ -36,7 +37,9 @@ struct EnvironmentConfig {
   ActionSpace actions = ActionSpace::kViewpoint;
   Reward reward = Reward::kProgress;
   std::uint32_t max_steps = 40;  ///< actions after which an episode is cut off, >= 1
-  double success_distance = 3;   ///< metres
+  /// Metres, for goals that it counts for. Of R2R-Back an agent that has been as near to the
+  /// turning point has turned there, as actions have no answer.
+  double success_distance = 3;
   /// An agent whose episode has ended begins a new one at its next step, whatever its action
   /// (Gymnasium's NEXT_STEP). Otherwise reset() has to be called for it.
   bool reset_at_next_step = false;
@@ -50,11 +53,15 @@ struct Outcome {
   std::vector<double> reward;
   std::vector<std::uint8_t> terminated;  ///< 1: the agent has stopped
   std::vector<std::uint8_t> truncated;   ///< 1: out of steps
-  std::vector<double> distance;          ///< to the goal along the graph, metres; NaN if hidden
-  std::vector<std::uint32_t> episode;    ///< index into EpisodeSet::episodes
-  std::vector<std::uint8_t> began;       ///< 1: an episode began
-  std::vector<double> success;           ///< of the episode that has ended: 1 or 0; NaN if hidden
-  std::vector<double> spl;               ///< likewise; as tasks::EpisodeMetrics has them
+  /// To the goal along the graph, metres; NaN if hidden; of R2R-Back through the turning point
+  /// until the agent has been there.
+  std::vector<double> distance;
+  std::vector<std::uint32_t> episode;  ///< index into EpisodeSet::episodes
+  std::vector<std::uint8_t> began;     ///< 1: an episode began
+  std::vector<double> success;         ///< of the episode that has ended: 1 or 0; NaN if hidden
+  /// Likewise. Of R2R as tasks::EpisodeMetrics has both; of other goals by tasks::goal_reached()
+  /// and tasks::shortest_to_goal(). No answer counts: of REVERIE and SOON it is navigation alone.
+  std::vector<double> spl;
 };
 
 /// step() allocates nothing but memory of growing trajectories. One thread at a time.
@@ -98,7 +105,7 @@ class BatchEnvironment {
   Outcome outcome_;
   std::vector<Rng> rngs_;
   std::vector<sim::Action> actions_;
-  std::vector<double> shortest_, walked_;  // metres, of the present episode
+  std::vector<double> walked_;  // metres, of the present episode
   bool started_ = false;
 };
 

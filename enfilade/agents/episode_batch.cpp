@@ -20,7 +20,8 @@ EpisodeBatch::EpisodeBatch(const tasks::EpisodeSet& episodes, const sim::Simulat
       graphs_(config.batch_size),
       ended_(config.batch_size, 1),
       reserved_steps_(reserved_steps),
-      trajectories_(config.batch_size) {}
+      trajectories_(config.batch_size),
+      legs_(config.batch_size, tasks::Leg::kOut) {}
 
 void EpisodeBatch::check_episode(std::size_t episode) const {
   if (episode < episodes_.episodes.size()) return;
@@ -51,9 +52,12 @@ void EpisodeBatch::begin(std::size_t slot, std::size_t episode) {
 
 void EpisodeBatch::began(std::size_t slot, std::size_t episode) {
   graphs_[slot] = &episodes_.graph_of(episodes_.episodes[episode]);
-  trajectories_[slot].episode = episode;
-  trajectories_[slot].points.clear();
-  trajectories_[slot].points.reserve(reserved_steps_ + 1);
+  tasks::Trajectory& trajectory = trajectories_[slot];
+  trajectory.episode = episode;
+  trajectory.points.clear();
+  give(slot, {});
+  legs_[slot] = tasks::Leg::kOut;
+  trajectory.points.reserve(reserved_steps_ + 1);
   running_ += ended_[slot];
   ended_[slot] = 0;
   record(slot);
@@ -72,10 +76,30 @@ void EpisodeBatch::end(std::size_t slot) {
   --running_;
 }
 
+void EpisodeBatch::give(std::size_t slot, const Answer& answer) {
+  tasks::Trajectory& trajectory = trajectories_[slot];
+  trajectory.turning_point = answer.turning_point;
+  trajectory.object = answer.object;
+  trajectory.point = answer.point;
+}
+
 double EpisodeBatch::distance_to_goal(std::size_t slot) const {
-  const std::vector<ViewpointIndex>& reference = path(slot).viewpoints;
-  if (reference.size() < 2) return std::numeric_limits<double>::quiet_NaN();
-  return graph(slot).distance(state().viewpoint[slot], reference.back());
+  return tasks::distance_to_goal(graph(slot), path(slot), state().viewpoint[slot], legs_[slot]);
+}
+
+bool EpisodeBatch::reached(std::size_t slot, double radius) const {
+  return tasks::goal_reached(graph(slot), path(slot), state().viewpoint[slot], legs_[slot], radius);
+}
+
+void EpisodeBatch::take_leg(std::size_t slot, double radius) {
+  legs_[slot] =
+      tasks::leg_after(graph(slot), path(slot), state().viewpoint[slot], legs_[slot], radius);
+}
+
+std::span<const tasks::ViewedObject> EpisodeBatch::objects_around(std::size_t slot) const {
+  if (episodes_.objects == nullptr) return {};
+  const graph::NavGraph& here = graph(slot);
+  return episodes_.objects->at(here.scan(), here.id(state().viewpoint[slot]));
 }
 
 Observation EpisodeBatch::observation(std::size_t slot) const {
@@ -85,6 +109,9 @@ Observation EpisodeBatch::observation(std::size_t slot) const {
   return {.episode = &episode(slot),
           .graph = graphs_[slot],
           .reference = path(slot).viewpoints,
+          .path = &path(slot),
+          .task = episodes_.task,
+          .objects = objects_around(slot),
           .viewpoint = now.viewpoint[slot],
           .heading = Radians(now.heading[slot]),
           .elevation = Radians(now.elevation[slot]),

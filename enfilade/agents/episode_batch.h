@@ -7,6 +7,8 @@
 #include "enfilade/agents/agent.h"
 #include "enfilade/sim/simulator.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/goal_distance.h"
+#include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/results.h"
 
 namespace enfilade::agents {
@@ -48,6 +50,9 @@ class EpisodeBatch {
   /// The slot's episode is over: its trajectory stays as it is until the next begin().
   void end(std::size_t slot);
 
+  /// What the agent in a slot answers; it replaces what was answered before in this episode.
+  void give(std::size_t slot, const Answer& answer);
+
   bool ended(std::size_t slot) const { return ended_[slot] != 0; }
   std::span<const std::uint8_t> ended() const noexcept { return ended_; }  ///< (size()) 1: ended
   std::size_t running() const noexcept { return running_; }  ///< slots that have not ended
@@ -60,8 +65,14 @@ class EpisodeBatch {
     return episodes_.path_of(episode(slot));
   }
   const graph::NavGraph& graph(std::size_t slot) const { return *graphs_[slot]; }
-  /// Along the graph to the last viewpoint of the path, metres; NaN if the goal is hidden.
+  /// Along the graph to where the goal is satisfied, metres (tasks/goal_distance.h): of R2R-Back
+  /// through the turning point, until take_leg() has seen it there; NaN if the goal is hidden.
   double distance_to_goal(std::size_t slot) const;
+  /// Whether it would have arrived, if it stopped here: tasks::goal_reached().
+  bool reached(std::size_t slot, double radius) const;
+  /// Of R2R-Back: whoever is within `radius` metres of the turning point is on the way back from
+  /// now on.
+  void take_leg(std::size_t slot, double radius);
   /// The slot's observation, without `rng`. Valid until the next step() or begin().
   Observation observation(std::size_t slot) const;
 
@@ -75,6 +86,7 @@ class EpisodeBatch {
   void check_episode(std::size_t episode) const;
   void began(std::size_t slot, std::size_t episode);
   void record(std::size_t slot);
+  std::span<const tasks::ViewedObject> objects_around(std::size_t slot) const;
 
   const tasks::EpisodeSet& episodes_;
   sim::Simulator simulator_;
@@ -83,6 +95,7 @@ class EpisodeBatch {
   std::size_t running_ = 0;
   std::size_t reserved_steps_;
   std::vector<tasks::Trajectory> trajectories_;
+  std::vector<tasks::Leg> legs_;  // by slot
 };
 
 }  // namespace enfilade::agents

@@ -1,5 +1,6 @@
 /// \file  The paper's Random agent.
 #pragma once
+#include <array>
 #include <string_view>
 #include <vector>
 
@@ -8,7 +9,10 @@
 namespace enfilade::agents {
 
 /// Turns to a random heading, then makes five moves, each to the viewpoint nearest to the middle of
-/// its view; turns right where nothing is ahead (the paper, section 5.3).
+/// its view; turns right where nothing is ahead (the paper, section 5.3). Where the benchmark asks
+/// for an answer it draws one at the end: of R2R-Back one of the viewpoints that it walked through;
+/// of REVERIE one of the objects that are seen there, if the episodes have objects; of SOON a
+/// direction. These draws come after all others, so that they change no trajectory.
 class RandomAgent : public Agent {
  public:
   static constexpr int kMoves = 5;  ///< the paper's; R2R's paths have four to six
@@ -21,7 +25,9 @@ class RandomAgent : public Agent {
   struct Plan {
     std::uint64_t turns = 0;  ///< of 30 degrees, still to make before walking
     int moves = 0;            ///< still to make
+    std::array<ViewpointIndex, kMoves + 1> walked = {};  ///< the first kMoves - moves + 1 of them
   };
+  static Decision decide(const Observation& seen, Plan& plan);
   std::vector<Plan> plans_;  ///< by slot
 };
 

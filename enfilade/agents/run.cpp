@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <numeric>
 #include <utility>
+#include <variant>
 
 #include "enfilade/agents/episode_batch.h"
 #include "enfilade/agents/random.h"
+#include "enfilade/agents/reference.h"
 #include "enfilade/agents/shortest.h"
 #include "enfilade/core/errors.h"
 
@@ -50,6 +52,7 @@ std::vector<Trajectory> run_batch(Agent& agent, const EpisodeSet& episodes,
     agent.act(observations, decisions);
     for (std::size_t i = 0; i < count; ++i) {
       const Decision& d = decisions[i];
+      if (d.answer && !batch.ended(i)) batch.give(i, *d.answer);
       if (d.stop) batch.end(i);
       actions[i] = batch.ended(i) ? sim::Action{}
                                   : sim::Action{d.index, d.heading_change, d.elevation_change};
@@ -61,9 +64,16 @@ std::vector<Trajectory> run_batch(Agent& agent, const EpisodeSet& episodes,
 
 void require_goals(const Agent& agent, const EpisodeSet& episodes) {
   for (const tasks::ReferencePath& path : episodes.paths) {
-    if (path.viewpoints.size() > 1) continue;
-    throw ArgumentError(fmt::format("agent {} needs the goal, which split {} hides (path {})",
-                                    agent.name(), episodes.split, path.path_id));
+    if (goal_hidden(path)) {
+      throw ArgumentError(fmt::format("agent {} needs the goal, which split {} hides (path {})",
+                                      agent.name(), episodes.split, path.path_id));
+    }
+    const auto* object = std::get_if<tasks::SeenObject>(&path.goal);
+    if (object == nullptr || !object->seen_from.empty()) continue;
+    throw ArgumentError(
+        fmt::format("agent {} needs to know where object {} of path {} is seen: split {} was made "
+                    "without boxes",
+                    agent.name(), object->id, path.path_id, episodes.split));
   }
 }
 
@@ -88,11 +98,12 @@ std::vector<Trajectory> run_agent(Agent& agent, const EpisodeSet& episodes,
 
 std::unique_ptr<Agent> make_agent(std::string_view name) {
   if (name == "random") return std::make_unique<RandomAgent>();
+  if (name == "reference") return std::make_unique<ReferenceAgent>();
   if (name == "shortest") return std::make_unique<ShortestAgent>();
   throw LookupError(fmt::format("agent {:?}: there is none of that name; there are: {}", name,
                                 fmt::join(agent_names(), ", ")));
 }
 
-std::vector<std::string> agent_names() { return {"random", "shortest"}; }
+std::vector<std::string> agent_names() { return {"random", "reference", "shortest"}; }
 
 }  // namespace enfilade::agents

@@ -27,13 +27,14 @@ struct RunOptions {
 
 /// One trajectory per episode, in order: the start pose (heading snapped by the simulator,
 /// elevation 0), then one entry per action. The same at any batch size. \throws ActionError if the
-/// agent goes where it cannot; ArgumentError if it needs goals that the split hides, or for a batch
-/// size of 0; errors of graph files
+/// agent goes where it cannot; ArgumentError if it needs goals that the split hides, or REVERIE's
+/// objects and the episodes were made without boxes, or for a batch size of 0; errors of graph
+/// files
 std::vector<tasks::Trajectory> run_agent(Agent& agent, const tasks::EpisodeSet& episodes,
                                          const RunOptions& options = {},
                                          const Progress& progress = {});
 
-/// An agent by its name: "random" or "shortest". \throws LookupError listing the names
+/// An agent by its name: "random", "reference" or "shortest". \throws LookupError listing the names
 std::unique_ptr<Agent> make_agent(std::string_view name);
 std::vector<std::string> agent_names();
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
+#include <variant>
 
 namespace enfilade::agents {
 namespace {
@@ -53,9 +55,47 @@ Decision teacher_decision(const Observation& seen, ViewpointIndex goal) {
                            static_cast<std::size_t>(found - seen.navigable.viewpoint.begin()));
 }
 
+Answer true_answer(const Observation& seen) {
+  const tasks::Goal& goal = seen.path->goal;
+  if (const auto* turn = std::get_if<tasks::TurningPoint>(&goal)) {
+    return {.turning_point = turn->viewpoint};
+  }
+  if (const auto* object = std::get_if<tasks::SeenObject>(&goal)) {
+    return {.object = std::to_string(object->id)};
+  }
+  const auto* boxes = std::get_if<tasks::Boxes>(&goal);
+  if (boxes == nullptr) return {};
+  const auto box =
+      std::find_if(boxes->boxes.rbegin(), boxes->boxes.rend(),
+                   [&seen](const tasks::Box& one) { return one.viewpoint == seen.viewpoint; });
+  if (box == boxes->boxes.rend()) return {};
+  return {.point = tasks::sphere_point(box->centre)};
+}
+
+void ShortestAgent::start(std::span<const Observation> batch) {
+  plans_.clear();
+  for (const Observation& seen : batch) {
+    plans_.push_back({tasks::Leg::kOut, nearest_goal(*seen.graph, *seen.path, seen.viewpoint)});
+  }
+}
+
+Decision ShortestAgent::decide(const Observation& seen, Plan& plan) {
+  if (!plan.target) return Decision::stop_with(true_answer(seen));
+  if (plan.leg == tasks::Leg::kOut && seen.viewpoint == *plan.target) {
+    plan.leg = tasks::Leg::kBack;  // of R2R-Back; other goals have no second leg
+    if (std::holds_alternative<tasks::TurningPoint>(seen.path->goal)) {
+      plan.target = nearest_goal(*seen.graph, *seen.path, seen.viewpoint, plan.leg);
+      return decide(seen, plan);
+    }
+  }
+  Decision decision = teacher_decision(seen, *plan.target);
+  if (decision.stop) decision.answer = true_answer(seen);
+  return decision;
+}
+
 void ShortestAgent::act(std::span<const Observation> batch, std::span<Decision> decisions) {
   for (std::size_t i = 0; i < batch.size(); ++i) {
-    if (!batch[i].ended) decisions[i] = teacher_decision(batch[i], batch[i].reference.back());
+    if (!batch[i].ended) decisions[i] = decide(batch[i], plans_[i]);
   }
 }
 

@@ -203,8 +203,36 @@ tasks::Annotations Dataset::annotations(tasks::Task task, std::string_view split
 tasks::EpisodeSet Dataset::episodes(tasks::Task task, std::string_view split,
                                     tasks::Instructions instructions) const {
   const bool seen = task == tasks::Task::kReverie;
-  return tasks::make_episodes(annotations(task, split), graphs(), instructions,
-                              seen ? &objects() : nullptr);
+  auto set = tasks::make_episodes(annotations(task, split), graphs(), instructions,
+                                  seen ? &objects() : nullptr);
+  if (seen) set.objects = std::shared_ptr<const tasks::ObjectBoxes>(opened_, &objects());
+  return set;
+}
+
+bool Dataset::has_split(tasks::Task task, std::string_view split) const {
+  if (!opened_->root || split.empty()) return false;
+  if (task == tasks::Task::kR2r && has_split(split)) return true;
+  return std::ranges::any_of(tasks::annotation_places(task, split), [this](const fs::path& place) {
+    std::error_code ignored;
+    return fs::is_regular_file(folder() / place, ignored);
+  });
+}
+
+std::vector<std::string> Dataset::splits(tasks::Task task) const {
+  std::vector<std::string> found;
+  for (const std::string_view split : tasks::usual_splits(task)) {
+    if (has_split(task, split)) found.emplace_back(split);
+  }
+  return found;
+}
+
+std::vector<tasks::Task> Dataset::benchmarks() const {
+  using enum tasks::Task;
+  std::vector<tasks::Task> found;
+  for (const tasks::Task task : {kR2r, kR2rLast, kR2rBack, kR4r, kRxr, kReverie, kCvdn, kSoon}) {
+    if (!splits(task).empty()) found.push_back(task);
+  }
+  return found;
 }
 
 const tasks::ObjectBoxes& Dataset::objects() const {

@@ -96,6 +96,12 @@ class Dataset {
   tasks::Annotations annotations(tasks::Task task, std::string_view split) const;
   tasks::EpisodeSet episodes(tasks::Task task, std::string_view split,
                              tasks::Instructions instructions = tasks::Instructions::kScored) const;
+  /// Whether there are annotations of a split, of any name, of a benchmark.
+  bool has_split(tasks::Task task, std::string_view split) const;
+  /// Those of tasks::usual_splits() that are there, in this order.
+  std::vector<std::string> splits(tasks::Task task) const;
+  /// The benchmarks that it has a usual split of, in the order of tasks::Task.
+  std::vector<tasks::Task> benchmarks() const;
   /// Which objects are seen from where: REVERIE's boxes.
   /// \throws FileError naming every place that was tried; InvalidInput
   const tasks::ObjectBoxes& objects() const;

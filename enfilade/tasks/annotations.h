@@ -142,6 +142,9 @@ struct EpisodeSet {
   std::vector<ReferencePath> paths;
   std::vector<Episode> episodes;  ///< in file order
   Task task = Task::kR2r;
+  /// What may be named where: REVERIE's boxes, if whoever made the set had them at hand. May be
+  /// null.
+  std::shared_ptr<const ObjectBoxes> objects = {};
 
   /// The episode's reference path, and the graph of its scan. Valid as long as *this.
   const ReferencePath& path_of(const Episode& e) const { return paths[e.path]; }
@@ -160,7 +163,9 @@ std::vector<ReferencePath> look_up_paths(const Annotations& annotations,
                                          const ObjectBoxes* objects = nullptr);
 
 /// look_up_paths() and the instructions to follow.
-/// \param objects  who sees the objects of REVERIE's goals; without them none is seen from anywhere
+/// \param objects  who sees the objects of REVERIE's goals; without them none is seen from
+/// anywhere.
+///     They are looked at here only: EpisodeSet::objects stays empty
 /// \throws as look_up_paths(); InvalidInput also for each path without an instruction
 EpisodeSet make_episodes(const Annotations& annotations,
                          std::shared_ptr<const graph::GraphSet> graphs,

@@ -214,6 +214,21 @@ std::vector<std::filesystem::path> annotation_places(Task task, std::string_view
   return places;
 }
 
+std::span<const std::string_view> usual_splits(Task task) noexcept {
+  static constexpr auto kUsual =
+      std::to_array<std::string_view>({"train", "val_seen", "val_unseen", "test"});
+  static constexpr auto kRxr = std::to_array<std::string_view>(
+      {"train", "val_seen", "val_unseen", "test_standard_public", "test_challenge_public"});
+  static constexpr auto kCvdn =
+      std::to_array<std::string_view>({"train", "val_seen", "val_unseen", "test_cleaned", "test"});
+  static constexpr auto kSoon =
+      std::to_array<std::string_view>({"train", "val_seen_instrs", "val_unseen_instrs",
+                                       "val_unseen_house", "val_seen", "val_unseen", "test"});
+  if (task == Task::kRxr) return kRxr;
+  if (task == Task::kCvdn) return kCvdn;
+  return task == Task::kSoon ? std::span<const std::string_view>(kSoon) : kUsual;
+}
+
 std::vector<std::filesystem::path> object_places() {
   return {"reverie/BBoxes.json", "reverie/BBoxes.json.gz",
           "reverie/BBox.json",   "reverie/BBox.json.gz",

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <string_view>
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
@@ -26,19 +27,17 @@ constexpr std::string_view kReverie = "YuankaiQi/REVERIE 0fe0955 eval_release.py
 constexpr std::string_view kCvdn = "mmurray/cvdn 97a4ae9 tasks/NDH/eval.py";
 constexpr std::string_view kSoon = "ZhuFengdaaa/SOON 84d6285 r2r_src/eval.py";
 
-constexpr auto kHamtMetrics = std::to_array<ScorerMetric>({
-    {"nav_error"},
-    {"oracle_error"},
-    {"trajectory_steps", "steps"},
-    {"trajectory_lengths", "lengths"},
-    {"success", "sr", kPlain, 100},
-    {"spl", nullptr, kPlain, 100},
-    {"oracle_success", "oracle_sr", kPlain, 100},
-    {"DTW", nullptr, kNone},
-    {"nDTW", nullptr, kPlain, 100},
-    {"SDTW", nullptr, kPlain, 100},
-    {"CLS", nullptr, kPlain, 100},
-});
+// HAMT's metrics are DUET's but for one: HAMT has an entry an action.
+template <std::size_t kSize>
+consteval std::array<ScorerMetric, kSize - 1> without_action_steps(
+    const std::array<ScorerMetric, kSize>& metrics) {
+  std::array<ScorerMetric, kSize - 1> left{};
+  std::ranges::copy_if(metrics, left.begin(), [](const ScorerMetric& metric) {
+    return std::string_view(metric.name) != "action_steps";
+  });
+  return left;
+}
+
 constexpr auto kDuetMetrics = std::to_array<ScorerMetric>({
     {"nav_error"},
     {"oracle_error"},
@@ -53,6 +52,7 @@ constexpr auto kDuetMetrics = std::to_array<ScorerMetric>({
     {"SDTW", nullptr, kPlain, 100},
     {"CLS", nullptr, kPlain, 100},
 });
+constexpr auto kHamtMetrics = without_action_steps(kDuetMetrics);
 constexpr auto kValanMetrics = std::to_array<ScorerMetric>({
     {"ne"},
     {"sr"},
@@ -101,15 +101,7 @@ constexpr auto kReverieDuetMetrics = std::to_array<ScorerMetric>({
     {"rgs", nullptr, kPlain, 100},
     {"rgspl", nullptr, kPlain, 100},
 });
-constexpr auto kReverieHamtMetrics = std::to_array<ScorerMetric>({
-    {"trajectory_steps", "steps"},
-    {"trajectory_lengths", "lengths"},
-    {"success", "sr", kPlain, 100},
-    {"oracle_success", "oracle_sr", kPlain, 100},
-    {"spl", nullptr, kPlain, 100},
-    {"rgs", nullptr, kPlain, 100},
-    {"rgspl", nullptr, kPlain, 100},
-});
+constexpr auto kReverieHamtMetrics = without_action_steps(kReverieDuetMetrics);
 constexpr auto kCvdnOfficialMetrics = std::to_array<ScorerMetric>({
     {"length"},
     {"nav_error"},

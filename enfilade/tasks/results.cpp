@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -222,8 +222,9 @@ class TrajectoryReader {
 // Reads a whole file, an entry at a time. Each episode may have one entry.
 class Reader {
  public:
-  Reader(const EpisodeSet& episodes, const std::string& file)
+  Reader(const EpisodeSet& episodes, const std::string& file, Coverage coverage)
       : episodes_(episodes),
+        coverage_(coverage),
         wanted_(fields_of(episodes.task)),
         faults_(file),
         places_(episodes.episodes.size()) {
@@ -241,6 +242,7 @@ class Reader {
     json::Entries entries(text, faults_.file(), kMostEntryBytes);
     if (entries.is_list(faults_) && read_entries(entries)) report_missing();
     faults_.throw_if_errors();
+    if (coverage_ == Coverage::kPart) leave_out_missing();
     results_.warnings = faults_.take();
     return std::move(results_);
   }
@@ -379,7 +381,7 @@ class Reader {
   // "7_3" where "7_2" is scored: a fourth instruction, which data sets have for some paths and
   // nobody scores.
   bool is_unscored(std::string_view id) const {
-    if (episodes_.task != Task::kR2r) return false;
+    if (episodes_.task != Task::kR2r || by_id_.contains(id)) return false;
     const std::string fourth = fmt::format("_{}", kScoredInstructions);
     if (!id.ends_with(fourth)) return false;
     id.remove_suffix(fourth.size());
@@ -416,6 +418,7 @@ class Reader {
       if (places_[i] || ++count > kListedIds) continue;
       missing.push_back(fmt::format("{:?}", episodes_.episodes[i].instruction_id));
     }
+    if (coverage_ == Coverage::kPart && count < places_.size()) return;
     if (count > kListedIds) {
       faults_.error(
           Path(), "missing-instr-id",
@@ -430,7 +433,13 @@ class Reader {
     }
   }
 
+  void leave_out_missing() {
+    std::erase_if(results_.trajectories,
+                  [this](const Trajectory& one) { return !places_[one.episode]; });
+  }
+
   const EpisodeSet& episodes_;
+  Coverage coverage_;
   Fields wanted_;
   Faults faults_;
   std::unordered_map<std::string_view, std::size_t> by_id_;  // indices of episodes
@@ -441,49 +450,34 @@ class Reader {
   Results results_;
 };
 
-std::string quoted(const std::string& text) {
-  try {
-    return nlohmann::json(text).dump();
-  } catch (const nlohmann::json::type_error&) {
-    throw ArgumentError(fmt::format("viewpoint {:?}: not UTF-8, which JSON is", text));
-  }
-}
-
-// The shortest text that is read back equal. Adding 0 turns -0, which JSON readers take for an
-// integer, into 0.
-std::string number_json(double value, const std::string& instruction_id) {
-  if (std::isfinite(value)) return fmt::format("{}", value + 0.0);
-  throw ArgumentError(
-      fmt::format("trajectory of {}: angle {}, not a finite number", instruction_id, value));
-}
-
 }  // namespace
 
-Results load_results(const std::filesystem::path& file, const EpisodeSet& episodes) {
-  return parse_results(read_file(file), file.string(), episodes);
+Results load_results(const std::filesystem::path& file, const EpisodeSet& episodes,
+                     Coverage coverage) {
+  return parse_results(read_file(file), file.string(), episodes, coverage);
 }
 
-Results parse_results(std::string_view json, const std::string& file, const EpisodeSet& episodes) {
-  return Reader(episodes, file).read(json);
+Results parse_results(std::string_view json, const std::string& file, const EpisodeSet& episodes,
+                      Coverage coverage) {
+  return Reader(episodes, file, coverage).read(json);
 }
 
-std::string to_json(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes) {
-  std::string text = "[";
-  for (const Trajectory& trajectory : trajectories) {
-    const Episode& episode = episodes.episodes.at(trajectory.episode);
-    const graph::NavGraph& graph = episodes.graph_of(episode);
-    text += fmt::format("{}{{\"instr_id\": {}, \"trajectory\": [", text.size() == 1 ? "\n" : ",\n",
-                        quoted(episode.instruction_id));
-    bool first = true;
-    for (const TrajectoryPoint& point : trajectory.points) {
-      text += fmt::format("{}[{}, {}, {}]", std::exchange(first, false) ? "" : ", ",
-                          quoted(graph.id(point.viewpoint)),
-                          number_json(point.heading.value, episode.instruction_id),
-                          number_json(point.elevation.value, episode.instruction_id));
-    }
-    text += "]}";
+EpisodeSet part_of(const EpisodeSet& episodes, std::vector<Trajectory>& trajectories) {
+  EpisodeSet part{episodes.split, episodes.graphs, episodes.paths, {},
+                  episodes.task,  episodes.objects};
+  std::ranges::sort(trajectories, {}, &Trajectory::episode);
+  for (Trajectory& trajectory : trajectories) {
+    part.episodes.push_back(episodes.episodes.at(trajectory.episode));
+    trajectory.episode = part.episodes.size() - 1;
   }
-  return text + "\n]\n";
+  return part;
+}
+
+SpherePoint sphere_point(const Direction& direction) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  const double heading = wrap_heading(direction.heading).value / kTurn;
+  return {heading < 1 ? heading : 0,
+          (wrap_difference(direction.elevation).value + std::numbers::pi) / kTurn};
 }
 
 void check_trajectory(const Trajectory& trajectory, const EpisodeSet& episodes) {

@@ -1,5 +1,6 @@
 /// \file  Results files: what agents hand in.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -26,6 +27,13 @@ struct SpherePoint {
   double elevation = 0;  ///< (elevation + pi) / 2 pi
   friend bool operator==(const SpherePoint&, const SpherePoint&) = default;
 };
+/// A direction as such a point: the heading wrapped to [0, 2 pi), the elevation to (-pi, pi].
+SpherePoint sphere_point(const Direction& direction);
+
+/// Whether a benchmark asks for an answer beside the path: R2R-Back, REVERIE, SOON.
+constexpr bool asks_for_answer(Task task) noexcept {
+  return task == Task::kR2rBack || task == Task::kReverie || task == Task::kSoon;
+}
 
 /// What an agent did in one episode: the start, then one entry per action.
 struct Trajectory {
@@ -46,6 +54,12 @@ struct Results {
   std::vector<Diagnostic> warnings;      ///< e.g. an unscored fourth instruction was left out
 };
 
+/// Which instructions of the split a results file has to answer.
+enum class Coverage : std::uint8_t {
+  kAll,   ///< a missing one is a fault
+  kPart,  ///< at least one: a part of the split is looked at on purpose
+};
+
 /// Reads [{"instr_id": "1_0", "trajectory": [...]}, ...] and checks all of it. A trajectory's
 /// entries may be [viewpoint, heading, elevation] triples, [viewpoint]
 /// singles, plain viewpoint ids, or lists of those (sub-paths, as of DUET), in any mixture. Entries
@@ -54,11 +68,25 @@ struct Results {
 /// \throws FileError; InvalidInput with *every* problem and its JSON path: not JSON, wrong types,
 /// unknown, missing or repeated instr_id, an empty trajectory, a wrong start, unknown or excluded
 /// viewpoints, a jump between viewpoints that are not adjacent, an entry that is too large. After
-/// kMostFaultsKept errors the rest of the file is not read, and the last diagnostic says so
-Results load_results(const std::filesystem::path& file, const EpisodeSet& episodes);
-Results parse_results(std::string_view json, const std::string& file, const EpisodeSet& episodes);
+/// kMostFaultsKept errors the rest of the file is not read, and the last diagnostic says so.
+/// With Coverage::kPart those instructions that the file leaves out have no trajectory, and the
+/// others are in the order of the episodes; part_of() makes a set of what is there
+Results load_results(const std::filesystem::path& file, const EpisodeSet& episodes,
+                     Coverage coverage = Coverage::kAll);
+Results parse_results(std::string_view json, const std::string& file, const EpisodeSet& episodes,
+                      Coverage coverage = Coverage::kAll);
 
-/// Results in the triples form, one episode a line; parse_results() reads it back equal.
+/// The episodes that have a trajectory, in their order, with all paths; the trajectories' `episode`
+/// become indices into it. What scores a part of a split needs. \pre each names an episode of
+/// `episodes`, and no two the same
+EpisodeSet part_of(const EpisodeSet& episodes, std::vector<Trajectory>& trajectories);
+
+/// Results as the public code of the benchmark has them, one episode a line, the trajectory as
+/// [viewpoint, heading, elevation] triples, which parse_results() reads back equal but for
+/// `actions`: `instr_id` and `trajectory`; R2R-Back with `midstop`, REVERIE with `predObjId`, each
+/// null where there is no answer; RxR with `instruction_id`; CVDN with `inst_idx` for `instr_id`,
+/// where the id is a number; SOON with `path`, `obj_heading` and `obj_elevation` in `trajectory`.
+/// 45,000 trajectories take a fraction of a second. \throws ArgumentError for what JSON cannot say
 std::string to_json(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes);
 
 /// \throws ArgumentError if a trajectory names no episode, is empty or leaves its graph, or if the

@@ -161,6 +161,7 @@ std::string to_table(const Score& score, SplLength spl) {
   text += fmt::format("{:<10}{:>8}", "", "mean");
   text += score.options.bootstrap_samples > 0 ? "   95 % interval\n" : "\n";
   for (const Line& line : lines) text += line_text(score, line);
+  text += "nDTW, sDTW: turns on the spot taken once (in JSON ndtw_collapsed; ndtw counts them)\n";
   if (reference) text += "* against the length of the reference path\n";
   return text;
 }

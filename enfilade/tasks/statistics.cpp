@@ -7,6 +7,7 @@
 #include <ranges>
 #include <set>
 #include <unordered_map>
+#include <variant>
 
 #include "enfilade/core/check.h"
 #include "enfilade/tasks/tokenizer.h"
@@ -19,6 +20,62 @@ constexpr std::size_t kFirstWords = 4;
 
 using Counts = std::unordered_map<std::string, std::size_t>;
 
+std::size_t goal_viewpoints(const Goal& goal) {
+  if (const auto* object = std::get_if<SeenObject>(&goal)) return object->seen_from.size();
+  if (const auto* region = std::get_if<Region>(&goal)) return region->viewpoints.size();
+  const auto* boxes = std::get_if<Boxes>(&goal);
+  if (boxes == nullptr) return 0;
+  std::set<ViewpointIndex> different;
+  for (const Box& box : boxes->boxes) different.insert(box.viewpoint);
+  return different.size();
+}
+
+// Gathers what some benchmarks have beside paths and words.
+class TaskGathering {
+ public:
+  void add_goal(const PathAnnotation& entry, const Goal& goal) {
+    if (entry.goal_hidden()) ++facts_.hidden_goals;
+    if (const auto* object = std::get_if<NamedObject>(&entry.goal)) {
+      objects_.emplace(entry.scan, object->id);
+    }
+    if (const auto* region = std::get_if<NamedRegion>(&entry.goal)) targets_.insert(region->target);
+    if (const auto* boxes = std::get_if<NamedBoxes>(&entry.goal)) {
+      facts_.boxes += boxes->boxes.size();
+      for (const NamedBox& box : boxes->boxes) targets_.insert(box.object);
+    }
+    if (const std::size_t n = goal_viewpoints(goal); n > 0) add(viewpoints_, n);
+  }
+
+  void add_details(const InstructionDetails& details, bool dialogue) {
+    if (!details.language.empty()) ++facts_.languages[details.language];
+    if (dialogue) add(turns_, details.turns.size());
+    if (!details.words.empty()) add(words_, details.words.size());
+    if (!details.parts.empty()) add(parts_, details.parts.size());
+    if (!details.tokens.empty()) add(tokens_, details.tokens.size());
+  }
+
+  TaskFacts finish() {
+    facts_.objects = objects_.size();
+    facts_.targets = targets_.size();
+    facts_.goal_viewpoints = summarise(std::move(viewpoints_));
+    facts_.turns = summarise(std::move(turns_));
+    facts_.timed_words = summarise(std::move(words_));
+    facts_.parts = summarise(std::move(parts_));
+    facts_.tokens = summarise(std::move(tokens_));
+    return std::move(facts_);
+  }
+
+ private:
+  static void add(std::vector<double>& values, std::size_t n) {
+    values.push_back(static_cast<double>(n));
+  }
+
+  TaskFacts facts_;
+  std::set<std::pair<std::string, std::int64_t>> objects_;
+  std::set<std::string> targets_;
+  std::vector<double> viewpoints_, turns_, words_, parts_, tokens_;
+};
+
 // Gathers the numbers of one split, or of several.
 class Gathering {
  public:
@@ -28,6 +85,7 @@ class Gathering {
                 const graph::NavGraph& graph) {
     ++result_.paths;
     scans_.insert(entry.scan);
+    task_.add_goal(entry, path.goal);
     if (entry.goal_hidden()) return;
     path_lengths_.push_back(length_of(path, graph));
     ++result_.path_edges[path.viewpoints.size() - 1];
@@ -41,7 +99,12 @@ class Gathering {
     instruction_lengths_.push_back(static_cast<double>(tokens.size()));
   }
 
+  void add_details(const InstructionDetails& details, bool dialogue) {
+    task_.add_details(details, dialogue);
+  }
+
   SplitStatistics finish() {
+    result_.task = task_.finish();
     result_.scans = scans_.size();
     result_.path_length = summarise(std::move(path_lengths_));
     result_.instruction_length = summarise(std::move(instruction_lengths_));
@@ -56,6 +119,7 @@ class Gathering {
   std::vector<double> path_lengths_;
   std::vector<double> instruction_lengths_;
   Counts words_;
+  TaskGathering task_;
 };
 
 void count_first_words(const std::vector<std::string>& tokens, Counts& counts) {
@@ -148,13 +212,13 @@ TwoSample kolmogorov_smirnov(std::vector<double> a, std::vector<double> b) {
 
 DatasetStatistics compute_statistics(std::span<const Annotations> splits,
                                      const std::shared_ptr<const graph::GraphSet>& graphs,
-                                     std::size_t top) {
+                                     std::size_t top, const ObjectBoxes* objects) {
   DatasetStatistics result;
   Gathering all("all");
   Counts first_words;
   for (const Annotations& annotations : splits) {
     Gathering split(annotations.split);
-    const std::vector<ReferencePath> paths = look_up_paths(annotations, *graphs);
+    const std::vector<ReferencePath> paths = look_up_paths(annotations, *graphs, objects);
     for (std::size_t i = 0; i < paths.size(); ++i) {
       const PathAnnotation& entry = annotations.paths[i];
       const graph::NavGraph& graph = graphs->graph(paths[i].scan);
@@ -162,9 +226,15 @@ DatasetStatistics compute_statistics(std::span<const Annotations> splits,
       all.add_path(entry, paths[i], graph);
       for (std::size_t k = 0; k < entry.instructions.size(); ++k) {
         const std::vector<std::string> tokens = tokenize(entry.instructions[k]);
-        split.add_instruction(tokens, k < kScoredInstructions);
-        all.add_instruction(tokens, k < kScoredInstructions);
+        const bool scored = annotations.task != Task::kR2r || k < kScoredInstructions;
+        split.add_instruction(tokens, scored);
+        all.add_instruction(tokens, scored);
         count_first_words(tokens, first_words);
+      }
+      for (const InstructionDetails& details : entry.details) {
+        const bool dialogue = annotations.task == Task::kCvdn;
+        split.add_details(details, dialogue);
+        all.add_details(details, dialogue);
       }
     }
     result.splits.push_back(split.finish());

@@ -30,17 +30,32 @@ struct TwoSample {
 };
 TwoSample kolmogorov_smirnov(std::vector<double> a, std::vector<double> b);
 
+/// What some benchmarks have beside paths and words. 0 or empty where a split has none of it.
+struct TaskFacts {
+  std::size_t hidden_goals = 0;                  ///< paths whose goal is not in the file
+  std::map<std::string, std::size_t> languages;  ///< language -> instructions
+  std::size_t objects = 0;                       ///< different ones that are goals, by building
+  std::size_t targets = 0;                       ///< different names of what is looked for
+  std::size_t boxes = 0;                         ///< of SOON's goals
+  Summary goal_viewpoints;  ///< how many satisfy a goal: see the object, are of the region, ...
+  Summary turns;            ///< of a dialogue, both people's; instructions without one count 0
+  Summary timed_words;      ///< of instructions that have some
+  Summary parts;            ///< sub-instructions, likewise
+  Summary tokens;           ///< token ids, likewise
+};
+
 /// Numbers about the paths and instructions of one split.
 struct SplitStatistics {
   std::string split;
   std::size_t scans = 0, paths = 0;
   std::size_t instructions = 0;         ///< all
-  std::size_t scored_instructions = 0;  ///< the first three of each path
+  std::size_t scored_instructions = 0;  ///< of R2R the first three of each path, else all
   Summary path_length;                  ///< metres along the graph; paths with a known goal only
   std::map<std::size_t, std::size_t> path_edges;  ///< number of edges -> paths
   Summary instruction_length;                     ///< tokens
   std::size_t vocabulary = 0;                     ///< different tokens
   std::size_t vocabulary_5 = 0;                   ///< of those, with 5 or more occurrences
+  TaskFacts task;
 };
 
 /// Numbers about navigation graphs; means are over all viewpoints or edges.
@@ -60,10 +75,12 @@ struct DatasetStatistics {
   std::vector<std::pair<std::string, std::size_t>> first_words;
 };
 
+/// \param objects  who sees the objects of REVERIE's goals; without them their viewpoints are not
+///     counted
 /// \throws as make_episodes() for annotations that do not fit the graphs
 DatasetStatistics compute_statistics(std::span<const Annotations> splits,
                                      const std::shared_ptr<const graph::GraphSet>& graphs,
-                                     std::size_t top = 20);
+                                     std::size_t top = 20, const ObjectBoxes* objects = nullptr);
 
 /// As text for people, and as JSON.
 std::string to_table(const DatasetStatistics& statistics);

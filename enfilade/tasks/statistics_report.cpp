@@ -42,6 +42,40 @@ void add_summary(std::vector<Row>& rows, const char* label, Summary SplitStatist
   rows.push_back(number("  most", &Summary::max));
 }
 
+// What the benchmark has beside paths and words: rows only for what any split has.
+void add_task_rows(std::vector<Row>& rows, const TaskFacts& all) {
+  const auto count = [&](const char* label, std::size_t TaskFacts::*member) {
+    if (all.*member == 0) return;
+    rows.push_back({label, [=](const SplitStatistics& s) { return thousands(s.task.*member); }});
+  };
+  const auto mean = [&](const char* label, Summary TaskFacts::*member) {
+    if ((all.*member).count == 0) return;
+    const auto number = [member](double Summary::*field, int digits) {
+      return [=](const SplitStatistics& s) -> std::string {
+        const Summary& summary = s.task.*member;
+        return summary.count == 0 ? "-" : fmt::format("{:.{}f}", summary.*field, digits);
+      };
+    };
+    rows.push_back({label, number(&Summary::mean, 2)});
+    rows.push_back({"  most", number(&Summary::max, 0)});
+  };
+  count("hidden goals", &TaskFacts::hidden_goals);
+  count("goal objects", &TaskFacts::objects);
+  count("names of goals", &TaskFacts::targets);
+  count("boxes of goals", &TaskFacts::boxes);
+  mean("viewpoints of a goal", &TaskFacts::goal_viewpoints);
+  for (const auto& [language, instructions] : all.languages) {
+    rows.push_back({"in " + language, [language = language](const SplitStatistics& s) {
+                      const auto found = s.task.languages.find(language);
+                      return thousands(found == s.task.languages.end() ? 0 : found->second);
+                    }});
+  }
+  mean("turns of a dialogue", &TaskFacts::turns);
+  mean("timed words", &TaskFacts::timed_words);
+  mean("sub-instructions", &TaskFacts::parts);
+  mean("token ids", &TaskFacts::tokens);
+}
+
 std::vector<Row> split_rows(const SplitStatistics& all) {
   const auto count = [](const char* label, std::size_t SplitStatistics::*member) {
     return Row{label, [=](const SplitStatistics& s) { return thousands(s.*member); }};
@@ -62,6 +96,7 @@ std::vector<Row> split_rows(const SplitStatistics& all) {
   add_summary(rows, "words an instruction", &SplitStatistics::instruction_length, 1);
   rows.push_back(count("vocabulary", &SplitStatistics::vocabulary));
   rows.push_back(count("  of 5 or more uses", &SplitStatistics::vocabulary_5));
+  add_task_rows(rows, all.task);
   return rows;
 }
 
@@ -99,6 +134,28 @@ Json summary_json(const Summary& s) {
           {"min", s.min},     {"median", s.median}, {"max", s.max}};
 }
 
+// Only what there is.
+Json task_json(const TaskFacts& facts) {
+  Json json = Json::object();
+  const auto count = [&json](const char* name, std::size_t n) {
+    if (n > 0) json[name] = n;
+  };
+  const auto summary = [&json](const char* name, const Summary& s) {
+    if (s.count > 0) json[name] = summary_json(s);
+  };
+  count("hidden_goals", facts.hidden_goals);
+  count("goal_objects", facts.objects);
+  count("goal_names", facts.targets);
+  count("goal_boxes", facts.boxes);
+  summary("goal_viewpoints", facts.goal_viewpoints);
+  if (!facts.languages.empty()) json["languages"] = facts.languages;
+  summary("turns", facts.turns);
+  summary("timed_words", facts.timed_words);
+  summary("sub_instructions", facts.parts);
+  summary("token_ids", facts.tokens);
+  return json;
+}
+
 Json split_json(const SplitStatistics& s) {
   Json edges = Json::object();
   for (const auto& [n, paths] : s.path_edges) edges[std::to_string(n)] = paths;
@@ -111,7 +168,8 @@ Json split_json(const SplitStatistics& s) {
           {"path_edges", edges},
           {"instruction_length", summary_json(s.instruction_length)},
           {"vocabulary", s.vocabulary},
-          {"vocabulary_5", s.vocabulary_5}};
+          {"vocabulary_5", s.vocabulary_5},
+          {"task", task_json(s.task)}};
 }
 
 }  // namespace
