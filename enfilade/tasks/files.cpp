@@ -8,7 +8,7 @@
 
 #include "enfilade/core/detail/json_records.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/gzip.h"
+#include "enfilade/core/text_file.h"
 #include "enfilade/tasks/formats/cvdn.h"
 #include "enfilade/tasks/formats/fine_grained.h"
 #include "enfilade/tasks/formats/object_lines.h"
@@ -176,7 +176,8 @@ Annotations parse_annotations(std::string_view text, const std::string& file, st
 }
 
 Annotations load_annotations(const std::filesystem::path& file, std::string split, Task task) {
-  return parse_annotations(read_text_file(file), file.string(), std::move(split), task);
+  const TextFile content(file);
+  return parse_annotations(content.text(), file.string(), std::move(split), task);
 }
 
 std::string to_text(const Annotations& annotations) {
@@ -237,7 +238,8 @@ std::vector<std::filesystem::path> object_places() {
 }
 
 std::vector<Demonstration> load_demonstrations(const std::filesystem::path& file) {
-  return formats::parse_rxr_followers(read_text_file(file), file.string());
+  const TextFile content(file);
+  return formats::parse_rxr_followers(content.text(), file.string());
 }
 
 std::string to_text(std::span<const Demonstration> walks) {

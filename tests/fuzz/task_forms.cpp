@@ -8,6 +8,7 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/formats/rxr.h"
 #include "enfilade/tasks/objects.h"
 
 namespace {
@@ -22,6 +23,24 @@ void check_annotations(std::string_view text, Task task) {
   const std::string written = to_text(parse(text));
   if (written.empty()) return;  // lines of nothing, which are no file
   EN_CHECK_EQ(to_text(parse(written)), written);
+}
+
+// SOON's released form forgets ids: what it says of the rest is kept.
+void check_released_soon(std::string_view text) {
+  const auto parse = [](std::string_view of) {
+    return tasks::parse_annotations(of, "<fuzz>", "made", Task::kSoon);
+  };
+  const tasks::Annotations read = parse(text);
+  if (read.paths.empty()) return;
+  const std::string written = to_released_soon(read);
+  EN_CHECK_EQ(to_released_soon(parse(written)), written);
+}
+
+void check_walks(std::string_view text) {
+  const auto walks = tasks::formats::parse_rxr_followers(text, "<fuzz>");
+  if (walks.empty()) return;
+  const std::string written = tasks::to_text(walks);
+  EN_CHECK_EQ(tasks::to_text(tasks::formats::parse_rxr_followers(written, "<fuzz>")), written);
 }
 
 void check_boxes(std::string_view text, bool nested) {
@@ -48,8 +67,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       case '3':
         check_annotations(text, Task::kSoon);
         break;
-      default:
+      case '4':
+      case '5':
         check_boxes(text, data[0] == '4');
+        break;
+      case '6':
+        check_annotations(text, Task::kReverie);
+        break;
+      case '7':
+        check_annotations(text, Task::kCvdn);
+        break;
+      case '8':
+        check_walks(text);
+        break;
+      default:
+        check_released_soon(text);
     }
   } catch (const enfilade::Error&) {
   }

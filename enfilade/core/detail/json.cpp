@@ -137,6 +137,14 @@ void Faults::add(Diagnostic found) {
   if (++same <= kMostFaultsKept) diagnostics_.push_back(std::move(found));
 }
 
+void Faults::append(Faults part) {
+  const std::size_t errors = errors_ + part.errors_, others = others_ + part.others_;
+  for (Diagnostic& one : part.diagnostics_) add(std::move(one));
+  errors_ = errors;
+  others_ = others;
+  if (!stopped()) stopped_at_ = std::move(part.stopped_at_);
+}
+
 void Faults::stop(const Path& path) {
   if (!stopped()) stopped_at_ = path.text();
 }

@@ -44,6 +44,8 @@ class Faults {
   void error(const Path& path, std::string code, std::string message) {
     add(Severity::kError, path, std::move(code), std::move(message));
   }
+  /// Those of a part of the file, which was read by itself, after what is here.
+  void append(Faults part);
   const std::string& file() const noexcept { return file_; }
   std::size_t errors() const noexcept { return errors_; }  ///< also those that are only counted
   /// Whether further errors are only counted. A reader of long lists then calls stop(), and stops.

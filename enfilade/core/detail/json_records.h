@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/detail/json_entries.h"
@@ -25,6 +26,13 @@ class Records {
   /// \param most_bytes  of a record that is parsed
   /// \pre the text outlives *this
   Records(std::string_view text, std::string name, std::size_t most_bytes);
+  /// Where a part of a text of lines begins: its first record and line, from 0.
+  struct Begin {
+    std::size_t record = 0, line = 0;
+  };
+  /// The records of a part of a text of lines, without the byte order mark. \pre the text outlives
+  /// *this
+  Records(std::string_view lines, std::string name, std::size_t most_bytes, Begin begin);
   Records(const Records&) = delete;
   Records& operator=(const Records&) = delete;
 
@@ -46,10 +54,20 @@ class Records {
   // Of lines.
   std::string_view rest_;
   std::size_t line_ = 0;
-  std::size_t index_ = static_cast<std::size_t>(-1);
+  std::size_t index_ = static_cast<std::size_t>(-1);  // one before the first
   std::size_t bytes_ = 0;
   std::optional<Element> element_;
   simdjson::dom::parser parser_;
 };
+
+/// Parts of a text, of whole lines each, for readers that go on in parallel; where they begin does
+/// not depend on threads. One part for a list, which Records reads whole.
+struct Parts {
+  bool is_lines = false;
+  std::vector<std::string_view> texts;  ///< of lines: without the byte order mark
+  std::vector<Records::Begin> begins;   ///< beside each
+};
+/// \param part_bytes  about so many a part
+Parts split_records(std::string_view text, std::size_t part_bytes);
 
 }  // namespace enfilade::json

@@ -1,12 +1,17 @@
 /// \file  What readers of annotations share. Internal, as it includes simdjson.
 #pragma once
+#include <algorithm>
 #include <cstdint>
+#include <exception>
+#include <iterator>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/detail/json_records.h"
+#include "enfilade/core/threads.h"
 #include "enfilade/tasks/annotations.h"
 
 namespace enfilade::tasks::formats {
@@ -19,6 +24,14 @@ inline constexpr std::size_t kMostRecordBytes = std::size_t{1} << 22U;
 /// others. \throws InvalidInput if the text is not JSON
 template <class Read>
 void for_each_record(std::string_view text, json::Faults& faults, const Read& read);
+
+/// The same by all threads, for files of hundreds of megabytes: `read(element, path, faults)` is
+/// called at the same time for several records, with a Faults for some of them, and gives what
+/// becomes of each. What was read and what was found are in the order of the file, and do not
+/// depend on the number of threads. A record that is too large gives Value(). A list is read by one
+/// thread.
+template <class Value, class Read>
+std::vector<Value> read_in_parallel(std::string_view text, json::Faults& faults, const Read& read);
 
 /// The viewpoint ids of a path; reports an empty one.
 std::vector<std::string> read_path(json::Element element, const json::Path& path,
@@ -46,11 +59,10 @@ class Once {
   std::unordered_map<std::string, std::size_t> places_;
 };
 
+// Goes through the records that are left. \param any  whether there was one
 template <class Read>
-void for_each_record(std::string_view text, json::Faults& faults, const Read& read) {
-  json::Records records(text, faults.file(), kMostRecordBytes);
+void go_through(json::Records& records, json::Faults& faults, bool& any, const Read& read) {
   const json::Path root;
-  bool any = false;
   while (records.next()) {
     any = true;
     const json::Path path(root, records.index());
@@ -59,16 +71,88 @@ void for_each_record(std::string_view text, json::Faults& faults, const Read& re
       return;
     }
     if (records.element()) {
-      read(*records.element(), path);
-    } else {
-      faults.error(path, "too-large",
-                   std::to_string(records.bytes()) + " bytes; " + std::to_string(kMostRecordBytes) +
-                       " are allowed");
+      read(&*records.element(), path);
+      continue;
     }
+    faults.error(path, "too-large",
+                 std::to_string(records.bytes()) + " bytes; " + std::to_string(kMostRecordBytes) +
+                     " are allowed");
+    read(nullptr, path);
   }
-  if (!any && records.is_lines()) {
-    faults.error(root, "not-json", "the file is empty; a list, or lines of JSON, are expected");
+}
+
+inline void refuse_empty(json::Faults& faults) {
+  faults.error(json::Path(), "not-json",
+               "the file is empty; a list, or lines of JSON, are expected");
+}
+
+template <class Read>
+void for_each_record(std::string_view text, json::Faults& faults, const Read& read) {
+  json::Records records(text, faults.file(), kMostRecordBytes);
+  bool any = false;
+  go_through(records, faults, any, [&](const json::Element* element, const json::Path& path) {
+    if (element != nullptr) read(*element, path);
+  });
+  if (!any && records.is_lines()) refuse_empty(faults);
+}
+
+template <class Value, class Read>
+std::vector<Value> read_in_parallel(std::string_view text, json::Faults& faults, const Read& read) {
+  struct Part {
+    explicit Part(const std::string& file) : faults(file) {}
+    std::vector<Value> values;
+    json::Faults faults;
+    std::exception_ptr failure;
+    bool any = false;
+  };
+  constexpr std::size_t kPartBytes = std::size_t{1} << 22U;
+  const json::Parts split = json::split_records(text, kPartBytes);
+  std::vector<Part> parts(split.texts.size(), Part(faults.file()));
+  const auto read_part = [&](std::size_t k) {
+    Part& part = parts[k];
+    std::optional<json::Records> records;
+    if (split.is_lines) {
+      records.emplace(split.texts[k], faults.file(), kMostRecordBytes, split.begins[k]);
+    } else {
+      records.emplace(text, faults.file(), kMostRecordBytes);
+    }
+    go_through(*records, part.faults, part.any,
+               [&](const json::Element* element, const json::Path& path) {
+                 if (element != nullptr) {
+                   part.values.push_back(read(*element, path, part.faults));
+                 } else {
+                   part.values.emplace_back();
+                 }
+               });
+  };
+  parallel_for(parts.size(), 1, 0, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      try {
+        read_part(k);
+      } catch (...) {  // of several, the first in the file counts
+        parts[k].failure = std::current_exception();
+      }
+    }
+  });
+  std::vector<Value> values;
+  bool any = !split.is_lines;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    Part& part = parts[k];
+    if (faults.full()) {
+      faults.stop(json::Path(json::Path(), split.begins[k].record));
+      break;
+    }
+    if (part.failure) std::rethrow_exception(part.failure);
+    faults.append(std::move(part.faults));
+    any = any || part.any;
+    if (values.empty()) {
+      values = std::move(part.values);
+      continue;
+    }
+    std::move(part.values.begin(), part.values.end(), std::back_inserter(values));
   }
+  if (!any) refuse_empty(faults);
+  return values;
 }
 
 }  // namespace enfilade::tasks::formats

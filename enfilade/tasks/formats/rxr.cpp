@@ -115,11 +115,17 @@ std::int64_t read_ids(const std::array<std::optional<Element>, kFields>& found, 
   return instruction;
 }
 
-PathAnnotation read_line(Element element, const Path& path, Faults& faults, Once& once,
-                         std::size_t record) {
+// What a line has, and its instruction's id if all of it could be read.
+struct Line {
   PathAnnotation entry;
+  std::optional<std::int64_t> instruction;
+};
+
+Line read_line(Element element, const Path& path, Faults& faults) {
+  Line line;
+  PathAnnotation& entry = line.entry;
   std::array<std::optional<Element>, kFields> found;
-  if (!json::fields(element, kWanted, found, path, faults)) return entry;
+  if (!json::fields(element, kWanted, found, path, faults)) return line;
   const std::size_t errors = faults.errors();
   entry.scan = json::string(*found[kScan], Path(path, "scan"), faults).value_or("");
   entry.heading = read_angle(*found[kHeading], Path(path, "heading"), faults);
@@ -135,10 +141,8 @@ PathAnnotation read_line(Element element, const Path& path, Faults& faults, Once
   if (found[kTokens]) {
     details.tokens = read_tokens(*found[kTokens], Path(path, "instr_encoding"), faults);
   }
-  if (faults.errors() == errors) {  // else it may have no id
-    once.check(fmt::to_string(id), record, Path(path, "instruction_id"), faults);
-  }
-  return entry;
+  if (faults.errors() == errors) line.instruction = id;
+  return line;
 }
 
 void read_metrics(Element element, const Path& path, Faults& faults, Demonstration& walk) {
@@ -264,10 +268,17 @@ std::string to_rxr_followers(std::span<const Demonstration> walks) {
 Annotations parse_rxr_guide(std::string_view lines, const std::string& file, std::string split) {
   Annotations result{std::move(split), file, {}, Task::kRxr};
   Faults faults(file);
+  std::vector<Line> read = read_in_parallel<Line>(lines, faults, read_line);
   Once once("repeated-id");
-  for_each_record(lines, faults, [&](Element element, const Path& path) {
-    result.paths.push_back(read_line(element, path, faults, once, result.paths.size()));
-  });
+  const Path root;
+  result.paths.reserve(read.size());
+  for (Line& line : read) {
+    const std::size_t record = result.paths.size();
+    result.paths.push_back(std::move(line.entry));
+    if (!line.instruction || faults.full()) continue;
+    once.check(fmt::to_string(*line.instruction), record,
+               Path(Path(root, record), "instruction_id"), faults);
+  }
   faults.throw_if_errors();
   return result;
 }

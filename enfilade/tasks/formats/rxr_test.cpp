@@ -160,6 +160,31 @@ TEST(RxrGuide, ListsAllFaultsAtOnce) {
   EXPECT_THAT(guide_faults(many), HasSubstr("$[1000]: not read from here on"));
 }
 
+// A file that is read in parts by several threads: 9 MB.
+TEST(RxrGuide, LargeFilesAreReadInTheirOrder) {
+  const auto line = [](int k) {
+    return edited(kLine, "\"instruction_id\": 26", "\"instruction_id\": " + std::to_string(k));
+  };
+  std::string text;
+  constexpr int kLines = 25000;
+  for (int k = 0; k < kLines; ++k) text += line(k) + '\n';
+  const Annotations read = parse_rxr_guide(text, "g.jsonl", "val");
+  ASSERT_EQ(read.paths.size(), std::size_t{kLines});
+  for (int k = 0; k < kLines; ++k) {
+    ASSERT_EQ(read.paths[static_cast<std::size_t>(k)].details[0].id, "11_" + std::to_string(k));
+  }
+  // What is wrong has its place in the whole file; the line that is not JSON, its line.
+  const std::string wrong = edited(line(kLines), "\"hi-IN\"", "\"de-DE\"");
+  EXPECT_THAT(guide_faults(text + wrong + '\n' + line(7)),
+              AllOf(HasSubstr("$[25000].language: \"de-DE\""),
+                    HasSubstr("$[25001].instruction_id: \"7\" stands at $[7] already")));
+  EXPECT_THAT(guide_faults(text + "{\"path_id\": }\n"), HasSubstr("g.jsonl:25001"));
+  // More faults than are kept.
+  std::string all_wrong;
+  for (int k = 0; k < kLines; ++k) all_wrong += edited(line(k), "\"hi-IN\"", "\"de-DE\"") + '\n';
+  EXPECT_THAT(guide_faults(all_wrong), HasSubstr("$[0].language"));
+}
+
 TEST(RxrGuide, ReadsWhatItWrites) {
   const std::string encoded =
       edited(edited(kLine, "26", "27"), "\"edit", "\"instr_encoding\": [0, 2], \"edit");
