@@ -50,6 +50,7 @@ bool is_inside(const fs::path& file, const fs::path& place) {
 std::shared_ptr<const Site> Site::open(const fs::path& data, std::vector<Phase> phases) {
   const std::shared_ptr<Site> site(new Site);
   const dataset::Dataset set(data);
+  site->data_ = set;
   site->graphs_ = set.graphs();
   site->graphs_->load_all();
   site->panoramas_ = set.panoramas();
@@ -80,6 +81,14 @@ void Site::count_rooms(const dataset::Dataset& data) {
       if (region) seen.insert(*region);
     }
     rooms_.push_back(seen.size());
+  }
+}
+
+const tasks::ObjectBoxes* Site::objects() const {
+  try {
+    return &data_->objects();
+  } catch (const FileError&) {
+    return nullptr;  // many data sets have none
   }
 }
 

@@ -43,6 +43,9 @@ class Site {
   const tasks::EpisodeSet& secret_episodes(const Phase& phase) const;
   /// How many rooms of a scan have viewpoints; none if the data set does not say which those are.
   std::optional<std::size_t> rooms(ScanIndex scan) const;
+  /// Which objects are seen from where, read at the first call; null if the data set does not say.
+  /// \throws InvalidInput
+  const tasks::ObjectBoxes* objects() const;
   /// The data set's folder, and those in which its panoramas are looked for.
   const std::filesystem::path& folder() const noexcept { return folder_; }
   const std::vector<std::filesystem::path>& image_folders() const noexcept {
@@ -59,6 +62,7 @@ class Site {
   void hide_goals();
   void count_rooms(const dataset::Dataset& data);
 
+  std::optional<dataset::Dataset> data_;
   std::shared_ptr<const graph::GraphSet> graphs_;
   std::shared_ptr<const scan::PanoramaSet> panoramas_;
   std::vector<PublicSplit> splits_;

@@ -8,11 +8,47 @@ export interface Entry extends Direction {
   readonly seconds: number;
 }
 
+/** What workers of a collection do. */
+export type Kind = 'write' | 'walk' | 'describe' | 'find' | 'guide' | 'dialogue';
+
+/** Where an object is in a panorama: corners of a box as heading and elevation, radians. */
+export type Outline = readonly (readonly [number, number])[];
+
+/** What is to be described or found. */
+export interface Target {
+  /** As people call it. */
+  readonly name: string;
+  /** By viewpoints that see it, the largest first. */
+  readonly outlines: Readonly<Record<string, readonly Outline[]>>;
+}
+
+/** A word, and when it was said: seconds since the work began. */
+export interface TimedWord {
+  readonly word: string;
+  readonly start: number;
+  readonly end: number;
+}
+
+export type Role = 'navigator' | 'oracle';
+
+/** What was said in a dialogue, or a step. */
+export interface Turn extends Direction {
+  /** Rising numbers; of reviewed work absent. */
+  readonly turn?: number;
+  readonly role: Role;
+  /** Absent of a step. */
+  readonly text?: string;
+  /** Where the navigator stands. */
+  readonly viewpoint: string;
+}
+
 export interface Collection {
   /** Its name, a part of addresses. */
   readonly collection: string;
   readonly title: string;
-  readonly kind: 'write' | 'walk';
+  readonly kind: Kind;
+  /** Of guides, as RxR writes it: "en-US". */
+  readonly language?: string;
   readonly state: 'open' | 'closed' | 'archived';
   readonly platform: { readonly kind: 'self' | 'mturk' | 'prolific' };
   /** Markdown. */
@@ -79,7 +115,7 @@ export interface Change {
 /** What a worker submitted. */
 export interface Work {
   readonly task: number;
-  readonly kind: 'write' | 'walk';
+  readonly kind: Kind;
   readonly state: 'submitted' | 'accepted' | 'rejected';
   readonly worker: number;
   readonly split: string;
@@ -98,6 +134,17 @@ export interface Work {
   readonly flags?: readonly string[];
   readonly bonus?: boolean;
   readonly steps?: readonly Entry[];
+  readonly object?: Target;
+  /** Of a description: how many looked for the object by it. */
+  readonly verified?: { readonly walked: number; readonly found: number };
+  /** Where somebody pointed, from the end of the walk; and the object there. */
+  readonly point?: Direction;
+  readonly pointed_at?: number | null;
+  readonly words?: readonly TimedWord[];
+  readonly spoken?: boolean;
+  readonly role?: Role;
+  readonly dialogue?: number;
+  readonly turns?: readonly Turn[];
   readonly reason?: string;
   readonly history?: readonly Change[];
 }

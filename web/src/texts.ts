@@ -1,4 +1,5 @@
 /** What an organiser starts from: texts for workers, to be changed. Markdown. */
+import type { Kind } from './collections.ts';
 
 /** A paragraph a line, as text areas break lines by themselves. */
 const unwrapped = (text: string): string => text.replace(/(?<=[^\n])\n {0,3}(?=[^\s#\d-])/g, ' ');
@@ -45,4 +46,52 @@ You stand somewhere in a building. Somebody wrote how to get from here to a goal
 If you stop **less than 3 m** from the goal, this walk earns the bonus.
 `;
 
-export const instructionsText: Record<'write' | 'walk', string> = { write: unwrapped(writeText), walk: unwrapped(walkText) };
+const describeText = `# Describe an object
+
+A smart robot stands where the **green pole** is. It has never been in this building. Somebody wants it to do something with
+the object in the **orange frame**, at the end of the path.
+
+1. Play the path, or go along it, and look at the object in its frame.
+2. Write what the robot should do with it, and how to know it: *Go to the bathroom upstairs and turn off the lamp beside the mirror.*
+3. Say which room it is in and what stands near it. You need not say every turn of the way.
+4. The robot sees no frame, no poles and no discs. There may be several such things: it has to be clear which one you mean.
+`;
+
+const findText = `# Find an object
+
+You stand somewhere in a building. Somebody wrote what should be done with an object that you do not see yet.
+
+1. Read it, look around, and walk by the rings on the floor until you see the object.
+2. Press **I see the object**, and click on it in the picture. By keys: turn until it is in the middle, and press *Point at the middle*.
+3. Press **Yes, this is the object**. You cannot go on after that.
+
+If it is the right object, this task earns the bonus.
+`;
+
+const guideText = `# Guide somebody
+
+Somebody who has never been here will walk this path by your words alone, and hear them as you say them.
+
+1. Walk from the **green pole** to the **red pole**, by the blue discs or the buttons.
+2. Say on the way what one should do, and what one sees just then. Type it, or speak, if your browser can write down speech.
+3. Say nothing of poles and discs: nobody else sees them. Where it ends has to be clear from your words.
+
+Your look and the moment of each word are kept.
+`;
+
+const dialogueText = `# Find it together
+
+Two people work together, each at a page of their own. The **navigator** walks through the building and looks for a thing. The
+**oracle** sees the next steps of the shortest way, and answers questions.
+
+1. The navigator walks, and asks when it is not clear where to go. While the oracle answers, the navigator waits.
+2. The oracle sees what the navigator sees, and the way as blue discs. Say it in words: the navigator sees no discs of the way.
+3. The navigator stops where the thing is, and the dialogue ends for both.
+
+Be friendly, and write nothing about yourself.
+`;
+
+export const instructionsText: Record<Kind, string> = {
+  write: unwrapped(writeText), walk: unwrapped(walkText), describe: unwrapped(describeText), find: unwrapped(findText),
+  guide: unwrapped(guideText), dialogue: unwrapped(dialogueText),
+};

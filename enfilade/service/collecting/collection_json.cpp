@@ -1,6 +1,7 @@
 #include "enfilade/service/collecting/collection_json.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -41,6 +42,20 @@ ordered_json asked_json(const Question& question) {
       {"question", question.text}, {"choices", question.choices}, {"accept", question.accepted}};
 }
 
+/// {"name", "outlines"}. \param viewpoints those whose outlines are told; null: all
+ordered_json object_json(const Item& item, const std::vector<std::string>* viewpoints) {
+  ordered_json outlines = ordered_json::object();
+  if (!item.outlines.empty()) {
+    const ordered_json all = ordered_json::parse(item.outlines);
+    for (const auto& [viewpoint, list] : all.items()) {
+      const bool told =
+          viewpoints == nullptr || std::ranges::find(*viewpoints, viewpoint) != viewpoints->end();
+      if (told) outlines[viewpoint] = list;
+    }
+  }
+  return {{"name", item.target}, {"outlines", std::move(outlines)}};
+}
+
 /// What a worker wants to know before agreeing.
 void add_conditions(ordered_json& out, const Collection& collection) {
   if (!collection.pay.empty()) out["pay"] = collection.pay;
@@ -58,6 +73,7 @@ ordered_json collection_json(const Collection& collection, bool synthetic) {
                    {"consent", collection.consent},
                    {"instructions", collection.instructions},
                    {"synthetic", synthetic}};
+  if (collection.kind == Kind::kGuide) out["language"] = collection.language;
   add_conditions(out, collection);
   return out;
 }
@@ -171,12 +187,14 @@ ordered_json visit_json(const Collection& collection, const VisitState& state) {
 ordered_json item_json(const Item& item, Kind kind) {
   ordered_json out{
       {"kind", detail::name_of(kind)}, {"scan", item.scan}, {"heading", item.heading.value}};
-  if (kind == Kind::kWrite) {
+  if (shows_path(kind)) {
     out["path"] = item.path;
   } else {
-    out["instruction"] = item.instruction;
+    if (is_followed(kind)) out["instruction"] = item.instruction;
     out["start"] = item.path.front();
   }
+  if (kind == Kind::kDescribe) out["object"] = object_json(item, &item.path);
+  if (kind == Kind::kDialogue) out["target"] = item.target;
   return out;
 }
 
@@ -186,6 +204,11 @@ ordered_json task_json(const Task& task) {
                    {"expires", detail::iso_time(task.expires)}};
   if (task.item.practice) out["practice"] = true;
   out.update(item_json(task.item, task.kind));
+  if (!task.role.empty()) {
+    out["role"] = task.role;
+    // The oracle knows what the navigator looks for.
+    if (task.role == "oracle") out["object"] = object_json(task.item, nullptr);
+  }
   if (!task.draft.empty()) out["draft"] = nlohmann::json::parse(task.draft);
   if (!task.reason.empty()) out["reason"] = task.reason;
   return out;
@@ -193,11 +216,13 @@ ordered_json task_json(const Task& task) {
 
 ordered_json practice_json(const Task& task) {
   ordered_json out = ordered_json::object();
-  if (task.kind == Kind::kWrite) {
+  if (shows_path(task.kind)) {
     if (!task.item.instruction.empty()) out["example"] = task.item.instruction;
   } else if (!task.item.secret) {
     out["reached"] = task.bonus();
-    if (std::isfinite(task.error.value_or(0))) out["distance"] = task.error.value_or(0);
+    if (task.kind == Kind::kWalk && std::isfinite(task.error.value_or(0))) {
+      out["distance"] = task.error.value_or(0);
+    }
   }
   return out;
 }
@@ -232,19 +257,47 @@ ordered_json work_json(const Task& task, bool secrets) {
                    {"path_id", task.item.path_id},
                    {"scan", task.item.scan},
                    {"heading", task.item.heading.value}};
-  if (task.kind == Kind::kWrite) {
+  if (shows_path(task.kind)) {
     out["path"] = task.item.path;
-    out["instruction"] = task.content;
+    out["instruction"] = is_written(task.kind)
+                             ? ordered_json(task.content)
+                             : ordered_json::parse(task.content).at("instruction");
   } else {
-    out["instruction"] = task.item.instruction;
+    if (is_followed(task.kind)) out["instruction"] = task.item.instruction;
     out["start"] = task.item.path.front();
     if (secrets || !task.item.secret) out["bonus"] = task.bonus();
     if (!task.camera.empty()) out["camera"] = ordered_json::parse(task.camera);
+  }
+  if (!task.role.empty()) out["role"] = task.role;
+  if (has_target(task.kind)) {
+    out["object"] = object_json(task.item, nullptr);
+    if (task.item.object) out["object"]["object"] = *task.item.object;
   }
   add_times(out, task);
   if (!task.flags.empty()) out["flags"] = task.flags;
   if (!task.reason.empty()) out["reason"] = task.reason;
   return out;
+}
+
+void add_content(ordered_json& out, store::Database& db, const Task& task) {
+  if (task.kind == Kind::kDescribe) {
+    const Verified verified = verified_of(db, task.id);
+    out["verified"] = {{"walked", verified.walked}, {"found", verified.found}};
+  }
+  if (is_written(task.kind)) return;
+  const ordered_json content = ordered_json::parse(task.content);
+  if (task.kind == Kind::kWalk) {
+    out["steps"] = content;
+  } else if (task.kind == Kind::kFind) {
+    out["steps"] = content.at("steps");
+    out["point"] = content.at("point");
+    out["pointed_at"] = content.at("object");
+  } else if (task.kind == Kind::kGuide) {
+    for (const char* name : {"words", "steps", "spoken"}) out[name] = content.at(name);
+  } else {
+    out["dialogue"] = content.at("dialogue");
+    out["turns"] = content.at("turns");
+  }
 }
 
 ordered_json event_json(const Event& event) {

@@ -34,7 +34,7 @@ struct VisitState {
 /// For its worker.
 nlohmann::ordered_json visit_json(const Collection& collection, const VisitState& state);
 /// For its worker, after a practice task: whether a walk reached the goal, and how far from it it
-/// ended (metres), or an example of directions.
+/// ended (metres, where that is asked for), or an example of what may be written.
 nlohmann::ordered_json practice_json(const Task& task);
 /// For its worker: nothing of a walk's goal.
 nlohmann::ordered_json task_json(const Task& task);
@@ -43,6 +43,9 @@ nlohmann::ordered_json item_json(const Item& item, Kind kind);
 
 /// For reviewers. \param secrets whether they may know who reached a secret goal
 nlohmann::ordered_json work_json(const Task& task, bool secrets);
+/// Adds what was submitted beside a text: the steps of a walk, where somebody pointed, words with
+/// their times, the turns of a dialogue; and of a description, how many found the object by it.
+void add_content(nlohmann::ordered_json& out, store::Database& db, const Task& task);
 /// Adds leased and submitted, and the seconds between them by the server's clock; and page_seconds,
 /// as the page measured them.
 void add_times(nlohmann::ordered_json& out, const Task& task);

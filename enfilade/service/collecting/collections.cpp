@@ -19,7 +19,7 @@ constexpr std::size_t kKeySize = 32;  // digits: 128 bits
 constexpr std::string_view kCollectionColumns =
     "name, title, kind, open, link_key, platform, origins, completion_code, screen_out_code, "
     "consent, instructions, per_item, lease_seconds, tasks_per_visit, collection.created, "
-    "archived, seed, pay, minutes, check_every, consent_changed";
+    "archived, seed, pay, minutes, check_every, consent_changed, language";
 
 std::string collections_where(std::string_view condition) {
   return fmt::format("SELECT collection.id, {} FROM collection {}", kCollectionColumns, condition);
@@ -35,20 +35,22 @@ void insert_collection(store::Database& db, Collection& c) {
   c.id = db.insert(
       "INSERT INTO collection (name, title, kind, open, link_key, platform, origins, "
       "completion_code, screen_out_code, consent, instructions, per_item, lease_seconds, "
-      "tasks_per_visit, created, seed, pay, minutes, check_every) "
-      "VALUES (?, ?, ?, 1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      "tasks_per_visit, created, seed, pay, minutes, check_every, language) "
+      "VALUES (?, ?, ?, 1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       c.name, c.title, c.kind, c.key, c.platform.kind, c.platform.origins,
       c.platform.completion_code, c.platform.screen_out_code, c.consent, c.instructions, c.per_item,
-      c.lease_seconds, c.tasks_per_visit, c.created, c.seed, c.pay, c.minutes, c.check_every);
+      c.lease_seconds, c.tasks_per_visit, c.created, c.seed, c.pay, c.minutes, c.check_every,
+      c.language);
 }
 
 void insert_item(store::Database& db, std::int64_t collection, const Item& item) {
   db.run(
       "INSERT INTO item (collection, split, path_id, number, scan, heading, path, distance, "
-      "instruction, secret, practice, block, state) "
-      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 'fresh')",
+      "instruction, secret, practice, block, object, target, region, outlines, of, state) "
+      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 'fresh')",
       collection, item.split, item.path_id, item.number, item.scan, item.heading.value, item.path,
-      item.distance, item.instruction, item.secret, item.practice, item.block);
+      item.distance, item.instruction, item.secret, item.practice, item.block, item.object,
+      item.target, item.region, item.outlines, item.of);
 }
 
 }  // namespace
@@ -188,9 +190,8 @@ std::string link_of(const Collection& collection) {
   // What Prolific fills in. MTurk adds its parameters itself.
   constexpr std::string_view kProlific =
       "&PROLIFIC_PID={{%PROLIFIC_PID%}}&STUDY_ID={{%STUDY_ID%}}&SESSION_ID={{%SESSION_ID%}}";
-  return fmt::format("/{}?collection={}&key={}{}",
-                     collection.kind == Kind::kWalk ? "walk" : "collect", collection.name,
-                     collection.key,
+  return fmt::format("/{}?collection={}&key={}{}", shows_path(collection.kind) ? "collect" : "walk",
+                     collection.name, collection.key,
                      collection.platform.kind == PlatformKind::kProlific ? kProlific : "");
 }
 

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "enfilade/service/collecting/kind.h"
 #include "enfilade/service/collecting/platforms.h"
 #include "enfilade/service/collecting/questions.h"
 #include "enfilade/service/site.h"
@@ -15,12 +16,6 @@
 #include "enfilade/tasks/annotations.h"
 
 namespace enfilade::service::collecting {
-
-enum class Kind : std::uint8_t {
-  kWrite,  ///< a path is shown, an instruction is written
-  kWalk,   ///< an instruction is shown, a path is walked: the Human agent
-};
-constexpr std::array<std::string_view, 2> names_of(Kind /*enum*/) { return {"write", "walk"}; }
 
 /// Who may join, and who finds it.
 enum class CollectionState : std::uint8_t {
@@ -51,6 +46,7 @@ struct Collection {
   int check_every = 3;                   ///< an attention check comes before every so manyth task
   /// When the consent text was last changed, or 0: who agreed before has to agree anew.
   std::int64_t consent_changed = 0;
+  std::string language = "en-US";  ///< kGuide: one of RxR's
 
   CollectionState state() const {
     if (archived) return CollectionState::kArchived;
@@ -60,30 +56,40 @@ struct Collection {
     return std::tie(id, name, title, kind, open, key, platform.kind, platform.origins,
                     platform.completion_code, platform.screen_out_code, consent, instructions,
                     per_item, lease_seconds, tasks_per_visit, created, archived, seed, pay, minutes,
-                    check_every, consent_changed);
+                    check_every, consent_changed, language);
   }
 };
 
-/// The object of a task: a path (kWrite), or one of its instructions (kWalk).
+/// The object of a task: a path (kWrite, kGuide), a path with an object at its end (kDescribe,
+/// kDialogue), or an instruction of one (kWalk, kFind).
 struct Item {
   std::int64_t id = 0;
   std::string split;
   std::int64_t path_id = 0;
-  std::size_t number = 0;  ///< of the instruction
+  /// Of the instruction. kDescribe, kDialogue: the object's id, as a path may end at several.
+  std::size_t number = 0;
   std::string scan;
   Radians heading;
-  /// Viewpoints from start to goal. Of kWalk, only the first is ever sent to a worker.
+  /// Viewpoints from start to goal. Where the worker looks for the goal (is_followed(), and
+  /// navigators of kDialogue), only the first is ever sent to one.
   std::vector<std::string> path;
   std::optional<double> distance;
-  /// kWalk: to be followed. kWrite: empty; of practice, an example of what may be written.
+  /// To be followed, or empty; of practice, where one writes, an example of what may be written.
   std::string instruction;
   bool secret = false;     ///< the goal is of a phase with secret goals: it never leaves the server
   bool practice = false;   ///< every worker's first tasks: never reviewed, never exported
   std::int64_t block = 0;  ///< order.h
+  // If has_target().
+  std::optional<std::int64_t> object = {};  ///< of REVERIE's boxes; none if a region alone is known
+  std::string target = {};                  ///< what people call it: "plant"
+  std::vector<std::string> region = {};  ///< viewpoints from which it is seen, or near it; sorted
+  std::string outlines = {};             ///< outlines_json(); empty if no box is known
+  std::optional<std::int64_t> of = {};  ///< kFind: the task whose text this is, if it is of another
+                                        ///< collection
 
   auto columns() {
     return std::tie(id, split, path_id, number, scan, heading.value, path, distance, instruction,
-                    secret, practice, block);
+                    secret, practice, block, object, target, region, outlines, of);
   }
 };
 
@@ -95,8 +101,9 @@ struct NewCollection {
 
 /// Reads the body of POST /api/v1/collections (openapi.json), and checks all of it. Items have
 /// their blocks.
+/// \param db has the collections whose texts are to be verified (kFind)
 /// \throws InvalidInput with its faults (up to 1000) and their JSON paths
-NewCollection read_new_collection(const Site& site, std::string_view body);
+NewCollection read_new_collection(const Site& site, store::Database& db, std::string_view body);
 /// Reads the body of PATCH /api/v1/collections/{collection}: the fields that are there.
 /// \param now seconds since 1970  \returns `collection` with them  \throws as above
 Collection read_changed_collection(const Collection& collection, std::string_view body,
@@ -169,6 +176,7 @@ std::string link_of(const Collection& collection);
 /// The columns of an Item, for a query of the table item.
 inline constexpr const char* kItemColumns =
     "item.id, item.split, item.path_id, item.number, item.scan, item.heading, item.path, "
-    "item.distance, item.instruction, item.secret, item.practice, item.block";
+    "item.distance, item.instruction, item.secret, item.practice, item.block, item.object, "
+    "item.target, item.region, item.outlines, item.of";
 
 }  // namespace enfilade::service::collecting

@@ -4,16 +4,19 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "enfilade/service/collecting/collection_json.h"
+#include "enfilade/service/collecting/kinds/dialogues.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/formats/rxr.h"
 
 namespace enfilade::service::collecting {
 namespace {
@@ -37,6 +40,40 @@ void keep_whole_walks(const std::vector<Item>& items, Selection& selection) {
   selection.report.incomplete = static_cast<std::int64_t>(once - selection.tasks.size());
 }
 
+/// Dialogues of which both tasks are there. Whoever sat there alone to the end has one, too.
+void keep_whole_dialogues(Selection& selection) {
+  std::map<std::int64_t, std::set<std::string>> roles;
+  const auto dialogue_of = [](const Task& task) {
+    return ordered_json::parse(task.content).at("dialogue").get<std::int64_t>();
+  };
+  for (const Task& task : selection.tasks) roles[dialogue_of(task)].insert(task.role);
+  const auto left = std::erase_if(
+      selection.tasks, [&](const Task& task) { return roles[dialogue_of(task)].size() < 2; });
+  selection.report.incomplete = static_cast<std::int64_t>(left);
+}
+
+/// Of REVERIE: a path's objects each have their instructions.
+struct ObjectOfPath {
+  std::int64_t path_id = 0, object = 0;
+  friend auto operator<=>(const ObjectOfPath&, const ObjectOfPath&) = default;
+};
+ObjectOfPath object_of(const Item& item) { return {item.path_id, item.object.value_or(0)}; }
+
+/// The ids of instructions, by item. REVERIE's count those of one object.
+std::map<std::int64_t, std::string> instruction_ids(const Selection& selection) {
+  std::map<std::int64_t, std::string> ids;
+  std::map<ObjectOfPath, std::size_t> numbers;
+  for (const Task& task : selection.tasks) {
+    const Item& item = task.item;
+    if (ids.contains(item.id)) continue;
+    const ObjectOfPath object = object_of(item);
+    ids[item.id] = selection.report.kind == Kind::kFind
+                       ? fmt::format("{}_{}_{}", item.path_id, object.object, numbers[object]++)
+                       : tasks::instruction_id(item.path_id, item.number);
+  }
+  return ids;
+}
+
 /// \throws Refusal kConflict if there are none
 const std::vector<Task>& tasks_of(const Selection& selection) {
   if (selection.tasks.empty()) {
@@ -53,12 +90,22 @@ std::string list_lines(const std::vector<ordered_json>& entries) {
   return out + "\n]\n";
 }
 
+/// The instruction of a guide has the number of its task.
+std::string guide_id(const Task& task) { return fmt::format("{}_{}", task.item.path_id, task.id); }
+
+ordered_json steps_of(const Task& task) {
+  ordered_json content = ordered_json::parse(task.content);
+  return task.kind == Kind::kWalk ? content : content.at("steps");
+}
+
 /// The walks as [a, b, ...], one a line. \param add adds the other fields of a walk
 template <class Add>
 std::string list_walks(const Selection& selection, const Add& add) {
   std::vector<ordered_json> entries;
+  const bool guide = selection.report.kind == Kind::kGuide;
+  const auto ids = instruction_ids(selection);
   for (const Task& task : tasks_of(selection)) {
-    ordered_json one{{"instr_id", tasks::instruction_id(task.item.path_id, task.item.number)}};
+    ordered_json one{{"instr_id", guide ? guide_id(task) : ids.at(task.item.id)}};
     add(one, task);
     entries.push_back(std::move(one));
   }
@@ -68,9 +115,13 @@ std::string list_walks(const Selection& selection, const Add& add) {
 }  // namespace
 
 std::string ExportReport::summary() const {
-  const bool written = kind == Kind::kWrite;
-  std::string text = fmt::format("{} of {} {}", exported_items, items,
-                                 written ? "paths have directions" : "instructions have a walk");
+  const bool written = shows_path(kind);
+  const bool dialogue = kind == Kind::kDialogue;
+  const char* exported = kind == Kind::kDescribe ? "objects have a description"
+                         : written               ? "paths have directions"
+                         : dialogue              ? "goals have a dialogue"
+                                                 : "instructions have a walk";
+  std::string text = fmt::format("{} of {} {}", exported_items, items, exported);
   std::vector<std::string> parts;
   const auto add = [&parts](std::int64_t count, const char* what) {
     if (count > 0) parts.push_back(fmt::format("{} {}", count, what));
@@ -78,9 +129,13 @@ std::string ExportReport::summary() const {
   add(waiting, "not reviewed yet");
   add(rejected, "rejected");
   add(repeated, "later walks of the same instruction");
-  add(incomplete, "of paths with an instruction that nobody has walked");
+  add(incomplete, dialogue ? "of dialogues without the other one's task"
+                           : "of paths with an instruction that nobody has walked");
   if (!parts.empty()) {
-    text += fmt::format("; {} {}{} left out: {}", left_out(), written ? "text" : "walk",
+    text += fmt::format("; {} {}{} left out: {}", left_out(),
+                        written    ? "text"
+                        : dialogue ? "task"
+                                   : "walk",
                         left_out() == 1 ? " is" : "s are", fmt::join(parts, ", "));
   }
   return text;
@@ -99,7 +154,9 @@ Selection select_work(store::Database& db, const ExportedSplit& exported) {
   };
   report.waiting = exported.with_waiting ? 0 : count(TaskState::kSubmitted);
   report.rejected = count(TaskState::kRejected);
-  if (report.kind == Kind::kWalk) keep_whole_walks(items, selection);
+  report.language = exported.collection.language;
+  if (is_followed(report.kind)) keep_whole_walks(items, selection);
+  if (report.kind == Kind::kDialogue) keep_whole_dialogues(selection);
   std::set<std::int64_t> paths, exported_items, exported_paths;
   for (const Item& item : items) paths.insert(item.path_id);
   for (const Task& task : selection.tasks) {
@@ -132,8 +189,10 @@ ordered_json report_json(const ExportReport& report) {
           {"summary", report.summary()}};
 }
 
-std::string annotations_json(const Selection& selection) {
-  const bool written = selection.report.kind == Kind::kWrite;
+namespace {
+
+std::string r2r_json(const Selection& selection) {
+  const bool written = is_written(selection.report.kind);
   tasks::Annotations annotations{selection.report.split, "", {}};
   auto& paths = annotations.paths;
   for (const Task& task : tasks_of(selection)) {
@@ -146,11 +205,107 @@ std::string annotations_json(const Selection& selection) {
   return tasks::to_json(annotations);
 }
 
+std::string reverie_json(const Selection& selection) {
+  std::vector<ordered_json> entries;
+  std::map<ObjectOfPath, std::size_t> places;
+  for (const Task& task : tasks_of(selection)) {
+    const Item& item = task.item;
+    const ObjectOfPath object = object_of(item);
+    const auto [place, fresh] = places.emplace(object, entries.size());
+    if (fresh) {
+      entries.push_back({{"id", fmt::format("{}_{}", object.path_id, object.object)},
+                         {"path_id", object.path_id},
+                         {"objId", object.object},
+                         {"scan", item.scan},
+                         {"heading", item.heading.value},
+                         {"path", item.path},
+                         {"instructions", ordered_json::array()}});
+    }
+    entries[place->second]["instructions"].push_back(
+        task.kind == Kind::kDescribe ? task.content : item.instruction);
+  }
+  return list_lines(entries);
+}
+
+std::string rxr_lines(const Selection& selection) {
+  tasks::Annotations annotations{selection.report.split, "", {}, tasks::Task::kRxr};
+  for (const Task& task : tasks_of(selection)) {
+    const Item& item = task.item;
+    const ordered_json content = ordered_json::parse(task.content);
+    tasks::PathAnnotation path{item.path_id, item.scan,     item.heading,
+                               item.path,    item.distance, {content.at("instruction")}};
+    path.group = item.path_id;
+    tasks::InstructionDetails& details = path.details.emplace_back();
+    details.id = guide_id(task);
+    details.language = selection.report.language;
+    for (const ordered_json& word : content.at("words")) {
+      details.words.push_back(
+          {word.at("word"), word.at("start").get<double>(), word.at("end").get<double>()});
+    }
+    annotations.paths.push_back(std::move(path));
+  }
+  return tasks::formats::to_rxr_guide(annotations);
+}
+
+std::string cvdn_json(const Selection& selection, const graph::GraphSet& graphs) {
+  std::vector<ordered_json> entries;
+  for (const Task& task : tasks_of(selection)) {
+    if (task.role != "navigator") continue;
+    for (ordered_json& one : cvdn_instances(task, graphs)) entries.push_back(std::move(one));
+  }
+  return list_lines(entries);
+}
+
+}  // namespace
+
+std::string annotations_json(const Selection& selection, const graph::GraphSet& graphs) {
+  switch (selection.report.kind) {
+    case Kind::kDescribe:
+    case Kind::kFind:
+      return reverie_json(selection);
+    case Kind::kGuide:
+      return rxr_lines(selection);
+    case Kind::kDialogue:
+      return cvdn_json(selection, graphs);
+    case Kind::kWrite:
+    case Kind::kWalk:
+      break;
+  }
+  return r2r_json(selection);
+}
+
+std::string dialogues_json(const Selection& selection) {
+  std::map<std::int64_t, ordered_json> dialogues;
+  for (const Task& task : tasks_of(selection)) {
+    const ordered_json content = ordered_json::parse(task.content);
+    const auto id = content.at("dialogue").get<std::int64_t>();
+    ordered_json& one = dialogues[id];
+    if (one.is_null()) {
+      one = {{"dialogue", id},
+             {"path_id", task.item.path_id},
+             {"scan", task.item.scan},
+             {"target", task.item.target},
+             {"end_panos", task.item.region},
+             {"workers", ordered_json::object()},
+             {"submitted", detail::iso_time(task.submitted)},
+             {"metres_from_goal", task.error ? ordered_json(*task.error) : ordered_json()},
+             {"turns", content.at("turns")}};
+    }
+    one["workers"][task.role] = task.worker;
+  }
+  std::vector<ordered_json> entries;
+  for (auto& [id, one] : dialogues) entries.push_back(std::move(one));
+  return list_lines(entries);
+}
+
 std::string results_json(const Selection& selection) {
   return list_walks(selection, [](ordered_json& one, const Task& task) {
-    one["trajectory"] = detail::json_list(ordered_json::parse(task.content), [](const auto& step) {
+    one["trajectory"] = detail::json_list(steps_of(task), [](const auto& step) {
       return ordered_json{step["viewpoint"], step["heading"], step["elevation"]};
     });
+    if (task.kind == Kind::kFind) {
+      one["predObjId"] = ordered_json::parse(task.content).at("object");
+    }
   });
 }
 
@@ -160,7 +315,8 @@ std::string walks_json(const Selection& selection) {
     one["worker"] = task.worker;
     add_times(one, task);
     if (!task.camera.empty()) one["camera"] = ordered_json::parse(task.camera);
-    one["steps"] = ordered_json::parse(task.content);
+    if (task.kind == Kind::kFind) one["point"] = ordered_json::parse(task.content).at("point");
+    one["steps"] = steps_of(task);
   });
 }
 
@@ -176,7 +332,8 @@ std::string tasks_json(store::Database& db, const ExportedSplit& exported) {
     add_times(one, task);
     if (!task.flags.empty()) one["flags"] = task.flags;
     if (!task.reason.empty()) one["reason"] = task.reason;
-    if (task.kind == Kind::kWrite) one["instruction"] = task.content;
+    if (is_written(task.kind)) one["instruction"] = task.content;
+    if (!task.role.empty()) one["role"] = task.role;
     entries.push_back(std::move(one));
   }
   return list_lines(entries);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/graph/graph_set.h"
 #include "enfilade/service/collecting/tasks.h"
 
 namespace enfilade::service::collecting {
@@ -13,13 +14,15 @@ namespace enfilade::service::collecting {
 struct ExportReport {
   std::string split;
   Kind kind = Kind::kWrite;
+  std::string language = {};          ///< kGuide
   std::int64_t items = 0, paths = 0;  ///< of the split
   std::int64_t exported_items = 0, exported_paths = 0, exported_tasks = 0;
   // Submitted tasks that are left out, each counted once:
   std::int64_t waiting = 0;  ///< not reviewed yet, and only accepted ones were asked for
   std::int64_t rejected = 0;
-  std::int64_t repeated = 0;    ///< a later walk of an instruction that has one
-  std::int64_t incomplete = 0;  ///< walks of a path some of whose instructions have none
+  std::int64_t repeated = 0;  ///< a later walk of an instruction that has one
+  /// Walks of a path some of whose instructions have none; dialogues without the other's task.
+  std::int64_t incomplete = 0;
 
   std::int64_t left_out() const { return waiting + rejected + repeated + incomplete; }
   /// "6 of 8 instructions; 2 walks left out: 1 waiting for review, 1 rejected"
@@ -39,17 +42,25 @@ Selection select_work(store::Database& db, const ExportedSplit& exported);
 // Those of a Selection \throw Refusal kConflict if it has no task; the message is the report's
 // summary().
 
-/// Annotations in Room-to-Room's format, as `enfilade stats` and `enfilade score` read them.
+/// Annotations, as `enfilade stats` and `enfilade score` read them.
 /// kWrite: the paths that have an instruction, with their instructions in the order in which the
-/// tasks were given out. kWalk: the paths whose every instruction was walked.
-std::string annotations_json(const Selection& selection);
+/// tasks were given out. kWalk: the paths whose every instruction was walked. Both in
+/// Room-to-Room's format. kDescribe, kFind: the same of objects, in REVERIE's. kGuide: lines of
+/// RxR's guides, whose instruction_id is the task's number. kDialogue: instances of CVDN's
+/// navigation from dialogue history, of dialogues whose tasks are both in the selection.
+std::string annotations_json(const Selection& selection, const graph::GraphSet& graphs);
+
+/// The dialogues of a Selection, an object each: dialogue, scan, target, end_panos, workers by
+/// role, turns. \pre it is of dialogues
+std::string dialogues_json(const Selection& selection);
 
 /// Results as `enfilade score` takes them: the same episodes as in annotations_json().
 /// \pre it is of walks
 std::string results_json(const Selection& selection);
 
-/// The same walks, an object each: instr_id, scan, worker, times (add_times()), camera, steps.
-/// \pre it is of walks
+/// The same walks, an object each: instr_id, scan, worker, times (add_times()), camera, steps. Of a
+/// guide the steps are its pose trace; instr_id is that of its instruction.
+/// \pre it is of walks or of guides
 std::string walks_json(const Selection& selection);
 
 /// All submitted tasks of the split, whatever their state, an object each: task, state, path_id,

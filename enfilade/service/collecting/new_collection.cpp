@@ -2,11 +2,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "enfilade/service/collecting/collections.h"
+#include "enfilade/service/collecting/kinds/targets.h"
 #include "enfilade/service/collecting/order.h"
+#include "enfilade/service/collecting/tasks.h"
 #include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/json_limits.h"
 #include "enfilade/service/detail/secrets.h"
@@ -27,6 +32,12 @@ constexpr std::size_t kLongestPay = 200;
 constexpr std::size_t kMostItems = 100'000;
 constexpr std::size_t kMostQuestions = 20;
 constexpr std::size_t kMostChoices = 12;
+constexpr int kMostObjects = 20;  // of a path
+// RxR's; the readers of its files know no others.
+constexpr std::array<std::string_view, 4> kLanguages{"en-IN", "en-US", "hi-IN", "te-IN"};
+bool is_language(std::string_view text) {
+  return std::ranges::find(kLanguages, text) != kLanguages.end();
+}
 constexpr int kMostSeed = std::numeric_limits<int>::max();
 
 constexpr const char* kNameRule = "1 to 40 of a-z, 0-9, - and _";
@@ -37,6 +48,19 @@ bool is_question(std::string_view text) { return detail::is_prose(text, 1000); }
 bool is_choice(std::string_view text) { return detail::is_label(text, 200); }
 constexpr const char* kTitleRule = "1 to 80 printable characters";
 constexpr const char* kTextRule = "1 to 20000 characters";
+
+/// So many different workers have an item, unless it is said.
+int usual_places(Kind kind) {
+  if (is_written(kind)) return 3;
+  return kind == Kind::kDialogue ? 2 : 1;
+}
+
+/// Two have each dialogue.
+void check_places(const Collection& about, const Fields& fields, json::Faults& faults) {
+  if (about.kind != Kind::kDialogue || about.per_item % 2 == 0) return;
+  faults.error(fields.path("per_item"), "odd-number",
+               fmt::format("{}, and two workers have each dialogue", about.per_item));
+}
 
 /// Fields that are absent leave what `about` has.
 void read_rules(Collection& about, const Fields& fields) {
@@ -73,13 +97,13 @@ void set_state(Collection& collection, std::string_view name, std::int64_t now) 
 
 class Reader {
  public:
-  explicit Reader(const Site& site) : site_(site) {}
+  Reader(const Site& site, store::Database& db) : site_(site), db_(db) {}
 
   NewCollection read(Element root) {
     const Fields fields(root, root_, faults_,
                         {"name", "title", "kind", "consent", "instructions", "sources"},
                         {"per_item", "lease_minutes", "tasks_per_visit", "pay", "minutes",
-                         "check_every", "platform", "seed", "screening", "checks"});
+                         "check_every", "platform", "seed", "screening", "checks", "language"});
     NewCollection added;
     if (fields.complete()) {
       Collection& about = added.about;
@@ -91,9 +115,15 @@ class Reader {
       if (fields.has("platform")) {
         about.platform = read_platform(fields["platform"], fields.path("platform"));
       }
-      about.per_item = kind_ == Kind::kWrite ? 3 : 1;
+      about.per_item = usual_places(kind_);
       about.tasks_per_visit = about.platform.kind == PlatformKind::kSelf ? 0 : 1;
       read_rules(about, fields);
+      check_places(about, fields, faults_);
+      if (fields.has("language")) {
+        about.language =
+            fields.text("language", is_language, fmt::format("{}", fmt::join(kLanguages, ", ")),
+                        "unknown-language");
+      }
       about.seed = fields.has("seed") ? fields.integer("seed", 0, kMostSeed, 0) : random_seed();
       read_questions(fields, "screening", Stage::kScreening, added.questions);
       read_questions(fields, "checks", Stage::kCheck, added.questions);
@@ -234,12 +264,22 @@ class Reader {
   }
 
   void read_source(Element element, const Path& path) {
-    const Fields fields(element, path, faults_, {"split"}, {"paths", "most", "practice"});
+    simdjson::dom::element named;
+    if (kind_ == Kind::kFind && element["collection"].get(named) == simdjson::SUCCESS) {
+      return take_texts(element, path);
+    }
+    const Fields fields(element, path, faults_, {"split"},
+                        {"paths", "most", "practice", "objects"});
     if (!fields.complete()) return;
     practice_ = fields.has("practice") &&
                 json::boolean(fields["practice"], fields.path("practice"), faults_).value_or(false);
     const std::string split = fields.text("split", detail::is_name, kNameRule);
     most_ = static_cast<std::size_t>(fields.integer("most", 1, kMostItems, kMostItems));
+    objects_ = static_cast<std::size_t>(fields.integer("objects", 1, kMostObjects, 1));
+    if (practice_ && kind_ == Kind::kDialogue) {
+      faults_.error(fields.path("practice"), "no-practice", "dialogues have none");
+      return;
+    }
     if (fields.has("paths")) {
       read_paths(fields["paths"], fields.path("paths"), split);
     } else {
@@ -247,10 +287,42 @@ class Reader {
     }
   }
 
+  /// What workers wrote in a collection of descriptions: {"collection", "state", "most"}.
+  void take_texts(Element element, const Path& path) {
+    const Fields fields(element, path, faults_, {"collection"}, {"state", "most"});
+    if (!fields.complete()) return;
+    const std::string name = fields.text("collection", detail::is_name, kNameRule);
+    const auto is_choice = [](std::string_view text) {
+      return text == "accepted" || text == "all";
+    };
+    const std::string state =
+        fields.has("state") ? fields.text("state", is_choice, "accepted or all") : "accepted";
+    most_ = static_cast<std::size_t>(fields.integer("most", 1, kMostItems, kMostItems));
+    const auto from = find_collection(db_, name);
+    if (!from || from->kind != Kind::kDescribe) {
+      faults_.error(fields.path("collection"), "unknown-collection",
+                    fmt::format("{:?} is no collection of descriptions", name));
+      return;
+    }
+    std::size_t taken = 0;
+    for (const SplitSize& split : splits_of(db_, from->id)) {
+      for (const Task& task : work_of(db_, {*from, split.split, state == "all"})) {
+        if (taken++ == most_ || items_.size() > kMostItems) return;
+        Item item = task.item;
+        item.number = numbers_[item.path_id]++;
+        item.instruction = task.content;
+        item.of = task.id;
+        items_.push_back(std::move(item));
+      }
+    }
+  }
+
   void read_paths(Element element, const Path& path, const std::string& split) {
     try {
-      tasks::Annotations annotations =
-          tasks::parse_annotations(simdjson::minify(element), kFileName, split);
+      const std::string text = simdjson::minify(element);
+      const tasks::Annotations annotations = has_target(kind_)
+                                                 ? parse_any(text, kFileName, split)
+                                                 : tasks::parse_annotations(text, kFileName, split);
       tasks::look_up_paths(annotations, site_.graphs());
       add_annotations(annotations, path, false);
     } catch (const InvalidInput& error) {
@@ -297,25 +369,35 @@ class Reader {
       const tasks::PathAnnotation& one = annotations.paths[k];
       const Path here(path, k);
       if (faults_.full() || items_.size() > kMostItems) break;
+      const auto* object = std::get_if<tasks::NamedObject>(&one.goal);
+      const std::pair id(one.path_id, object != nullptr ? object->id : -1);
       if (one.goal_hidden()) {
         faults_.error(here, "hidden-goal", "a path of one viewpoint has no goal");
-      } else if (!practice_ && practice_ids_.contains(one.path_id)) {
+      } else if (!practice_ && practice_ids_.contains(id)) {
         continue;
-      } else if (!(practice_ ? practice_ids_ : path_ids_).insert(one.path_id).second) {
+      } else if (!(practice_ ? practice_ids_ : path_ids_).insert(id).second) {
         faults_.error(here, "repeated-path-id", fmt::format("{} was there before", one.path_id));
-      } else if (kind_ == Kind::kWalk && one.instructions.empty()) {
+      } else if (is_followed(kind_) && one.instructions.empty()) {
         faults_.error(here, "no-instruction", "there is nothing to walk by");
+      } else if (has_target(kind_)) {
+        add_targets(annotations.split, one, here);
       } else {
         add_items(annotations.split, one, secret);
       }
     }
   }
 
-  void add_items(const std::string& split, const tasks::PathAnnotation& one, bool secret) {
+  static Item item_of(const std::string& split, const tasks::PathAnnotation& one, bool secret,
+                      bool practice) {
     Item item{0,        split,        one.path_id, 0,      one.scan, one.heading,
-              one.path, one.distance, "",          secret, practice_};
-    if (practice_ && !one.instructions.empty()) item.instruction = one.instructions.front();
-    if (kind_ == Kind::kWrite || practice_) {
+              one.path, one.distance, "",          secret, practice};
+    if (practice && !one.instructions.empty()) item.instruction = one.instructions.front();
+    return item;
+  }
+
+  void add_items(const std::string& split, const tasks::PathAnnotation& one, bool secret) {
+    Item item = item_of(split, one, secret, practice_);
+    if (shows_path(kind_) || practice_) {
       items_.push_back(std::move(item));
       return;
     }
@@ -326,22 +408,64 @@ class Reader {
     }
   }
 
+  /// Paths whose end shows no object are left out where the annotation names none.
+  void add_targets(const std::string& split, const tasks::PathAnnotation& one, const Path& path) {
+    const KnownObjects known{site_.objects(), site_.graphs()};
+    const bool region = std::holds_alternative<tasks::NamedRegion>(one.goal);
+    if (known.boxes == nullptr && (!region || kind_ != Kind::kDialogue)) {
+      faults_.error(path, "no-objects", "the data set has no boxes of objects (REVERIE's)");
+      return;
+    }
+    const bool object = std::holds_alternative<tasks::NamedObject>(one.goal);
+    if ((kind_ != Kind::kDialogue && region) || (kind_ == Kind::kFind && !object)) {
+      faults_.error(path, "no-objects",
+                    "names no object; entries of REVERIE do, and what people described here");
+      return;
+    }
+    const std::vector<Target> targets = targets_of(one, known, practice_ ? 1 : objects_);
+    if (targets.empty() && !std::holds_alternative<tasks::NearEnd>(one.goal)) {
+      faults_.error(path, "unseen-object", "no viewpoint sees its goal by the data set's boxes");
+    }
+    for (const Target& target : targets) {
+      Item item = item_of(split, one, false, practice_);
+      item.object = target.object;
+      item.target = target.name;
+      item.region = target.region;
+      item.outlines = target.outlines;
+      item.number = kind_ == Kind::kFind ? numbers_[one.path_id]
+                                         : static_cast<std::size_t>(target.object.value_or(0));
+      if (kind_ != Kind::kFind || practice_) {
+        items_.push_back(std::move(item));
+        if (kind_ == Kind::kFind) ++numbers_[one.path_id];
+        continue;
+      }
+      for (const std::string& instruction : one.instructions) {
+        item.instruction = instruction;
+        item.number = numbers_[one.path_id]++;
+        items_.push_back(item);
+      }
+    }
+  }
+
   const Site& site_;
+  store::Database& db_;
   const Path root_;
   json::Faults faults_{kFileName};
   Kind kind_ = Kind::kWrite;
   std::size_t most_ = kMostItems;
-  bool practice_ = false;  // of the source that is being read
-  std::set<std::int64_t> path_ids_, practice_ids_;
+  bool practice_ = false;    // of the source that is being read
+  std::size_t objects_ = 1;  // of a path whose annotation names none
+  std::set<std::pair<std::int64_t, std::int64_t>> path_ids_, practice_ids_;  // with the object
+  std::map<std::int64_t, std::size_t> numbers_;  // kFind: the next text of a path
   std::vector<Item> items_;
 };
 
 }  // namespace
 
-NewCollection read_new_collection(const Site& site, std::string_view body) {
+NewCollection read_new_collection(const Site& site, store::Database& db, std::string_view body) {
   detail::check_limits(body, kFileName, detail::kCollectionLimits);
   const json::Document document = json::Document::parse(body, kFileName);
-  return Reader(site).read(document.root());
+  return Reader(site, db).read(document.root());
 }
 
 Collection read_changed_collection(const Collection& collection, std::string_view body,
@@ -370,6 +494,7 @@ Collection read_changed_collection(const Collection& collection, std::string_vie
       set_state(changed, fields.text("state", is_state, "open, closed or archived"), now);
     }
     read_rules(changed, fields);
+    check_places(changed, fields, faults);
   }
   faults.throw_if_errors();
   return changed;

@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 
 #include "enfilade/core/check.h"
+#include "enfilade/service/collecting/kinds/outlines.h"
 #include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/json_limits.h"
 #include "enfilade/service/detail/texts.h"
+#include "enfilade/tasks/metrics.h"
 
 namespace enfilade::service::collecting {
 namespace {
@@ -146,6 +149,97 @@ std::string read_camera(Element element, const Path& path, Faults& faults) {
       .dump();
 }
 
+std::vector<std::string> words_of(std::string_view text) {
+  std::istringstream in{std::string(text)};
+  return {std::istream_iterator<std::string>(in), {}};
+}
+
+/// The words of a guide with their times, checked against the text.
+ordered_json read_words(Element element, const Path& path, std::string_view text, Faults& faults) {
+  ordered_json words = ordered_json::array();
+  const auto list = json::array(element, path, faults);
+  if (!list) return words;
+  const std::vector<std::string> expected = words_of(text);
+  if (list->size() != expected.size()) {
+    faults.error(
+        path, "word-count",
+        fmt::format("{} words, and the instruction has {}", list->size(), expected.size()));
+    return words;
+  }
+  double before = 0;
+  for (const Element one : *list) {
+    const Path here(path, words.size());
+    const Fields fields(one, here, faults, {"word", "start", "end"});
+    if (faults.full()) break;
+    const std::string& word = expected[words.size()];
+    words.push_back(nullptr);
+    if (!fields.complete()) continue;
+    const auto found = json::string(fields["word"], fields.path("word"), faults);
+    if (found && *found != word) {
+      faults.error(fields.path("word"), "other-word",
+                   fmt::format("{:?}, and the instruction has {:?} there",
+                               found->substr(0, detail::kQuoted), word.substr(0, detail::kQuoted)));
+    }
+    const double start = fields.number("start", 0, kMostSeconds);
+    const double end = fields.number("end", 0, kMostSeconds);
+    if (start < before || end < start) {
+      faults.error(here, "time-runs-back", fmt::format("{} to {} after {}", start, end, before));
+    }
+    before = start;
+    words.back() = {{"word", word}, {"start", start}, {"end", end}};
+  }
+  return words;
+}
+
+/// Whether the steps keep to the path and come to its end.
+void check_on_path(const ordered_json& steps, const Item& item, const Path& path, Faults& faults) {
+  bool arrived = false;
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    if (!steps[k].is_object()) continue;  // a fault is reported
+    const auto& id = steps[k].at("viewpoint").get_ref<const std::string&>();
+    arrived = arrived || id == item.path.back();
+    if (std::ranges::find(item.path, id) != item.path.end()) continue;
+    const Path step(path, k);
+    faults.error(Path(step, "viewpoint"), "off-the-path",
+                 fmt::format("{:?} is not on the path", id.substr(0, detail::kQuoted)));
+  }
+  if (!arrived) faults.error(path, "end-not-reached", "the path was not walked to its end");
+}
+
+tasks::Direction read_direction(Element element, const Path& path, Faults& faults) {
+  const Fields fields(element, path, faults, {"heading", "elevation"});
+  if (!fields.complete()) return {};
+  constexpr double kUpright = std::numbers::pi / 2;
+  const double heading = fields.number("heading", 0, 2 * std::numbers::pi);
+  return {Radians(heading), Radians(fields.number("elevation", -kUpright, kUpright))};
+}
+
+/// Metres from a viewpoint to the nearest from which the item's object is seen.
+double distance_to_region(const graph::NavGraph& graph, ViewpointIndex from, const Item& item) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::string& id : item.region) {
+    const auto to = graph.find(id);
+    if (to) least = std::min(least, graph.distance(from, *to));
+  }
+  return least;
+}
+
+/// Whether it is the item's object that was pointed at. None: nothing that has a box was.
+std::optional<std::int64_t> pointed_at(const Item& item, const std::string& viewpoint,
+                                       const tasks::Direction& point,
+                                       const tasks::ObjectBoxes* objects) {
+  if (objects != nullptr && objects->has(item.scan, viewpoint)) {
+    const auto found = object_at(*objects, item.scan, viewpoint, point);
+    if (found) return found;
+  }
+  const Outlines outlines = parse_outlines(item.outlines);
+  const auto here = outlines.find(viewpoint);
+  const bool hit =
+      here != outlines.end() &&
+      std::ranges::any_of(here->second, [&](const auto& one) { return contains(one, point); });
+  return hit ? item.object : std::nullopt;
+}
+
 }  // namespace
 
 void check_instruction(std::string_view instruction, const char* where) {
@@ -194,6 +288,73 @@ SubmittedWork read_walk(std::string_view body, const Item& item, const graph::Gr
   EN_CHECK(goal && walk.end());  // checked when the collection was made, and above
   work.seconds = walk.seconds();
   work.error = graph.distance(*walk.end(), *goal);
+  return work;
+}
+
+SubmittedWork read_find(std::string_view body, const Item& item, const graph::GraphSet& graphs,
+                        const tasks::ObjectBoxes* objects) {
+  detail::check_limits(body, kFileName, detail::kWorkLimits);
+  const json::Document document = json::Document::parse(body, kFileName);
+  const graph::NavGraph& graph = graphs.graph(item.scan);
+  Faults faults(kFileName);
+  const Path root;
+  const Fields fields(document.root(), root, faults, {"steps", "point"}, {"camera"});
+  SubmittedWork work;
+  WalkReader walk(graph, item, faults);
+  ordered_json steps;
+  tasks::Direction point;
+  if (fields.complete()) {
+    steps = walk.read(fields["steps"], fields.path("steps"));
+    point = read_direction(fields["point"], fields.path("point"), faults);
+    if (fields.has("camera")) {
+      work.camera = read_camera(fields["camera"], fields.path("camera"), faults);
+    }
+  }
+  faults.throw_if_errors();
+  EN_CHECK(walk.end());
+  const auto found = pointed_at(item, graph.id(*walk.end()), point, objects);
+  const double distance = distance_to_region(graph, *walk.end(), item);
+  work.seconds = walk.seconds();
+  work.error = found && found == item.object
+                   ? 0
+                   : std::max(distance, tasks::MetricOptions{}.success_distance);
+  work.content =
+      ordered_json{
+          {"steps", std::move(steps)},
+          {"point", {{"heading", point.heading.value}, {"elevation", point.elevation.value}}},
+          {"object", found ? ordered_json(*found) : ordered_json()}}
+          .dump();
+  return work;
+}
+
+SubmittedWork read_guide(std::string_view body, const Item& item, const graph::GraphSet& graphs) {
+  detail::check_limits(body, kFileName, detail::kWorkLimits);
+  const json::Document document = json::Document::parse(body, kFileName);
+  Faults faults(kFileName);
+  const Path root;
+  const Fields fields(document.root(), root, faults, {"instruction", "words", "steps"},
+                      {"spoken", "seconds", "flags"});
+  SubmittedWork work;
+  WalkReader walk(graphs.graph(item.scan), item, faults);
+  ordered_json content;
+  if (fields.complete()) {
+    const Element text = fields["instruction"];
+    const std::string said(json::string(text, fields.path("instruction"), faults).value_or(""));
+    const std::string fault = text.is_string() ? instruction_fault(said) : "";
+    if (!fault.empty()) faults.error(fields.path("instruction"), "bad-instruction", fault);
+    content["instruction"] = said;
+    content["words"] = read_words(fields["words"], fields.path("words"), said, faults);
+    content["steps"] = walk.read(fields["steps"], fields.path("steps"));
+    check_on_path(content["steps"], item, fields.path("steps"), faults);
+    content["spoken"] =
+        fields.has("spoken") &&
+        json::boolean(fields["spoken"], fields.path("spoken"), faults).value_or(false);
+    if (fields.has("flags")) work.flags = read_flags(fields["flags"], fields.path("flags"), faults);
+    work.seconds = walk.seconds();
+    if (fields.has("seconds")) work.seconds = fields.number("seconds", 0, kMostSeconds);
+  }
+  faults.throw_if_errors();
+  work.content = content.dump();
   return work;
 }
 

@@ -4,6 +4,7 @@
 
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/service/collecting/tasks.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::service::collecting {
 
@@ -16,6 +17,18 @@ SubmittedWork read_instruction(std::string_view body);
 /// could have made, from the item's start along edges of its graph. The content is the list of
 /// steps. \throws as above; no message tells more of the item's path than its start
 SubmittedWork read_walk(std::string_view body, const Item& item, const graph::GraphSet& graphs);
+
+/// {"steps", "camera", "point": {"heading", "elevation"}}: a walk, and where its worker pointed
+/// from its end. \param objects what can be pointed at; null: the item's outlines alone \throws as
+/// read_walk()
+SubmittedWork read_find(std::string_view body, const Item& item, const graph::GraphSet& graphs,
+                        const tasks::ObjectBoxes* objects);
+
+/// {"instruction", "words": [{"word", "start", "end"}], "steps", "spoken", "seconds", "flags"}:
+/// what was said on the way along the item's path, word by word, and the way. Words are those of
+/// the instruction between blanks; they begin one after another. \throws as read_walk(); a path may
+/// be walked back and forth, but to its end
+SubmittedWork read_guide(std::string_view body, const Item& item, const graph::GraphSet& graphs);
 
 /// 10 to 2000 characters, three words at least. \throws InvalidInput; where: JSON path
 void check_instruction(std::string_view instruction, const char* where);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <utility>
 
+#include "enfilade/service/collecting/kinds/dialogues.h"
 #include "enfilade/service/collecting/order.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
@@ -46,7 +47,9 @@ std::string tasks_where(std::string_view condition) {
   return fmt::format(
       "SELECT {}, collection.kind, collection.per_item, collection.lease_seconds, task.id, "
       "task.worker, task.state, task.expires, task.draft, task.content, task.digest, "
-      "task.seconds, task.flags, task.camera, task.error, task.leased, task.submitted, task.reason "
+      "task.seconds, task.flags, task.camera, task.error, task.leased, task.submitted, "
+      "task.reason, "
+      "task.role "
       "FROM task JOIN item ON item.id = task.item "
       "JOIN collection ON collection.id = item.collection WHERE {}",
       kItemColumns, condition);
@@ -64,6 +67,7 @@ bool has_place(store::Database& db, const Task& task) {
 bool is_still_held(store::Database& db, const Task& task) {
   if (task.state == TaskState::kLeased && task.expires > db.now()) return true;
   const bool open = task.state == TaskState::kLeased || task.state == TaskState::kLapsed;
+  if (task.kind == Kind::kDialogue && !holds_seat(db, task.id)) return false;
   return open && has_place(db, task);
 }
 
@@ -122,7 +126,9 @@ Lease lease_next(store::Database& db, const Collection& collection, const Visit&
   if (auto task = resume(db, visit)) return {std::move(task), {}};
   if (is_finished(collection, visit)) return {std::nullopt, NoTask::kFinished};
   if (!collection.open) return {std::nullopt, NoTask::kClosed};
-  const std::int64_t item = next_item(db, collection, visit.worker);
+  const bool dialogue = collection.kind == Kind::kDialogue;
+  const auto seat = dialogue ? find_seat(db, collection, visit.worker) : std::nullopt;
+  const std::int64_t item = seat ? seat->item : next_item(db, collection, visit.worker);
   if (item == 0) return {std::nullopt, reason_for_none(db, collection, visit)};
   if (!pending_questions_of(db, collection, visit).empty()) {
     return {std::nullopt, NoTask::kQuestions};
@@ -132,6 +138,7 @@ Lease lease_next(store::Database& db, const Collection& collection, const Visit&
       item, visit.worker, visit.id, TaskState::kLeased, db.now() + collection.lease_seconds,
       db.now());
   db.run("UPDATE item SET state = 'begun' WHERE id = ? AND state = 'fresh'", item);
+  if (dialogue) take_seat(db, seat, id, item);
   return {db.find<Task>(tasks_where("task.id = ?"), id), {}};
 }
 
@@ -147,25 +154,19 @@ void check_held(store::Database& db, const Task& task) {
   }
 }
 
-/// Whether all places of the item are taken for good, from the states of its tasks.
-void update_item(store::Database& db, const Task& task) {
-  if (task.item.practice) return;  // everybody does it
-  db.run(
-      "UPDATE item SET state = CASE WHEN (SELECT count(*) FROM task WHERE item = ?1 AND state IN "
-      "('submitted', 'accepted')) >= ?2 THEN 'complete' ELSE 'begun' END WHERE id = ?1",
-      task.item.id, task.per_item);
-}
-
 void add_event(store::Database& db, const Task& task, const Event& event) {
   db.run("INSERT INTO event (task, at, who, what, before, reason) VALUES (?, ?, ?, ?, ?, ?)",
          task.id, event.at, event.who, event.what, event.before, event.reason);
 }
 
-/// \throws Refusal kConflict if the task is a walk
+/// \throws Refusal kConflict if its content is no text alone
 void correct(store::Database& db, const Task& task, const std::string& instruction,
              const std::string& who) {
-  if (task.kind != Kind::kWrite) {
-    throw Refusal(Reason::kConflict, "the task is a walk, which has no instruction to change");
+  if (!is_written(task.kind)) {
+    throw Refusal(Reason::kConflict,
+                  is_followed(task.kind)
+                      ? "the task is a walk, which has no instruction to change"
+                      : "the words of this task belong to moments, and can't be changed");
   }
   if (task.content == instruction) return;
   db.run("UPDATE task SET content = ? WHERE id = ?", instruction, task.id);
@@ -259,6 +260,20 @@ std::int64_t save_draft(store::Database& db, const Visit& visit, std::int64_t id
   });
 }
 
+void update_item(store::Database& db, const Task& task) {
+  if (task.item.practice) return;  // everybody does it
+  db.run(
+      "UPDATE item SET state = CASE WHEN (SELECT count(*) FROM task WHERE item = ?1 AND state IN "
+      "('submitted', 'accepted')) >= ?2 THEN 'complete' ELSE 'begun' END WHERE id = ?1",
+      task.item.id, task.per_item);
+}
+
+void renew_lease(store::Database& db, const Visit& visit, std::int64_t id) {
+  Task task = own_task(db, visit, id);
+  check_held(db, task);
+  renew(db, task, visit);
+}
+
 void return_task(store::Database& db, const Visit& visit, std::int64_t id) {
   db.transact([&] {
     const Task task = own_task(db, visit, id);
@@ -343,6 +358,13 @@ Task find_work(store::Database& db, std::int64_t id) {
   auto task = db.find<Task>(tasks_where(fmt::format("task.id = ? AND {}", kIsSubmitted)), id);
   if (!task) throw Refusal(Reason::kNotFound, "no submitted task has this number");
   return std::move(*task);
+}
+
+Verified verified_of(store::Database& db, std::int64_t task) {
+  return db.get<Verified>(
+      "SELECT count(*), total(error < ?2) FROM task JOIN item ON item.id = task.item WHERE item.of "
+      "= ?1 AND practice = 0 AND task.state IN ('submitted', 'accepted')",
+      task, tasks::MetricOptions{}.success_distance);
 }
 
 std::vector<Event> events_of(store::Database& db, std::int64_t task) {

@@ -63,15 +63,21 @@ struct Task {
   TaskState state = TaskState::kLeased;
   std::int64_t expires = 0;  ///< of the lease
   std::string draft;         ///< the page's JSON; empty if there is none
-  std::string content;       ///< the instruction, or the list of a walk's steps as JSON
-  std::string digest;        ///< of what was submitted
-  double seconds = 0;        ///< as the page measured it
+  /// The instruction (is_written()), or JSON: of kWalk the list of steps, of kFind {"steps",
+  /// "point", "object"}, of kGuide {"instruction", "words", "steps", "spoken"}, of kDialogue as
+  /// dialogues.h has.
+  std::string content;
+  std::string digest;  ///< of what was submitted
+  double seconds = 0;  ///< as the page measured it
   std::vector<std::string> flags;
-  std::string camera;           ///< JSON
-  std::optional<double> error;  ///< of a walk: metres from its end to the goal, along the graph
-  std::int64_t leased = 0;      ///< at first; 0 if it was not kept
+  std::string camera;  ///< JSON
+  /// Of kWalk and kDialogue: metres from the end to the goal, along the graph. Of kFind: 0 if the
+  /// object was pointed at, else metres to where it is seen, 3 at least.
+  std::optional<double> error;
+  std::int64_t leased = 0;  ///< at first; 0 if it was not kept
   std::int64_t submitted = 0;
   std::string reason;  ///< of a rejection
+  std::string role;    ///< in a dialogue: "navigator" or "oracle"; else empty
 
   /// From the first lease to the submission, by the server's clock, breaks included; none if it is
   /// not known.
@@ -81,7 +87,7 @@ struct Task {
 
   auto columns() {
     return std::tie(item, kind, per_item, lease_seconds, id, worker, state, expires, draft, content,
-                    digest, seconds, flags, camera, error, leased, submitted, reason);
+                    digest, seconds, flags, camera, error, leased, submitted, reason, role);
   }
 };
 
@@ -139,6 +145,10 @@ Task own_task(store::Database& db, const Visit& visit, std::int64_t task);
 std::int64_t save_draft(store::Database& db, const Visit& visit, std::int64_t task,
                         const std::string& draft);
 void return_task(store::Database& db, const Visit& visit, std::int64_t task);
+/// Renews the lease alone.
+void renew_lease(store::Database& db, const Visit& visit, std::int64_t task);
+/// Marks whether all places of the task's item are taken for good. \pre within a transaction
+void update_item(store::Database& db, const Task& task);
 /// On the disk when it returns. Submitting the same work again changes nothing.
 void submit(store::Database& db, const Visit& visit, std::int64_t task, const SubmittedWork& work);
 
@@ -201,6 +211,14 @@ std::vector<Task> work_of(store::Database& db, const ExportedSplit& exported);
 /// All submitted tasks of the split, practice included, by number.
 std::vector<Task> submitted_of(store::Database& db, const ExportedSplit& exported);
 Task find_work(store::Database& db, std::int64_t task);
+/// How many workers walked by a text to find its object, and how many of them found it.
+struct Verified {
+  std::int64_t walked = 0, found = 0;
+
+  auto columns() { return std::tie(walked, found); }
+};
+/// \param task of kDescribe
+Verified verified_of(store::Database& db, std::int64_t task);
 std::vector<Event> events_of(store::Database& db, std::int64_t task);
 /// What a reviewer decides.
 struct Verdict {
@@ -212,7 +230,7 @@ struct Verdict {
 /// together or not at all.
 /// \throws Refusal kConflict if it was rejected before and its place is taken; as edit()
 void review(store::Database& db, std::int64_t task, const Verdict& verdict, const std::string& who);
-/// Changes an instruction. \throws Refusal kConflict if the task is a walk
+/// Changes an instruction. \throws Refusal kConflict if the task's content is no text alone
 void edit(store::Database& db, std::int64_t task, const std::string& instruction,
           const std::string& who);
 /// Tasks that wait for review, of all collections.

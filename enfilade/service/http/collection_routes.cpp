@@ -33,7 +33,7 @@ ordered_json view_of(Context& context, const Request& request, const Collection&
 }
 
 Response create(Context& context, const Request& request) {
-  const auto added = collecting::read_new_collection(*context.site, request.body);
+  const auto added = collecting::read_new_collection(*context.site, context.db, request.body);
   const Collection collection = collecting::add_collection(context.db, added);
   return json_response(view_of(context, request, collection), 201);
 }
@@ -88,21 +88,36 @@ bool with_waiting(const Request& request, const Collection& collection) {
   if (!state.empty() && state != "accepted" && state != "all") {
     throw HttpError(400, "state: not \"accepted\" or \"all\"");
   }
-  return state.empty() ? collection.kind == collecting::Kind::kWalk : state == "all";
+  return state.empty() ? !collecting::shows_path(collection.kind) : state == "all";
 }
 
 /// One of the files that a selection makes. \throws HttpError 400 for another word
-std::string file_of(const collecting::Selection& selection, const std::string& what) {
-  const bool walks = selection.report.kind == collecting::Kind::kWalk;
+std::string file_of(Context& context, const collecting::Selection& selection,
+                    const std::string& what) {
+  using collecting::Kind;
+  const Kind kind = selection.report.kind;
+  const bool walks = collecting::is_followed(kind);
   if (walks && what == "results") return collecting::results_json(selection);
-  if (walks && what == "walks") return collecting::walks_json(selection);
+  if (what == "walks" && (walks || kind == Kind::kGuide)) return collecting::walks_json(selection);
+  if (what == "dialogues" && kind == Kind::kDialogue) {
+    return collecting::dialogues_json(selection);
+  }
   if (what != "annotations") {
     throw HttpError(400,
                     "what: not annotations, tasks, report, nor, where instructions are walked, "
-                    "results or walks");
+                    "results or walks, of guides walks, of dialogues dialogues");
   }
   if (selection.secret) throw HttpError(403, "the goals of this split are secret");
-  return collecting::annotations_json(selection);
+  return collecting::annotations_json(selection, context.site->graphs());
+}
+
+/// As the benchmark calls its file.
+std::string annotations_name(collecting::Kind kind, const std::string& split) {
+  using collecting::Kind;
+  if (kind == Kind::kDescribe || kind == Kind::kFind) return fmt::format("REVERIE_{}.json", split);
+  if (kind == Kind::kGuide) return fmt::format("rxr_{}_guide.jsonl", split);
+  if (kind == Kind::kDialogue) return fmt::format("{}.json", split);
+  return fmt::format("R2R_{}.json", split);
 }
 
 Response export_file(Context& context, const Request& request) {
@@ -112,12 +127,12 @@ Response export_file(Context& context, const Request& request) {
   const std::string given = request.text("what");
   const std::string what = given.empty() ? "annotations" : given;
   const std::string name = what == "annotations"
-                               ? fmt::format("R2R_{}.json", exported.split)
+                               ? annotations_name(collection.kind, exported.split)
                                : fmt::format("human_{}_{}.json", what, exported.split);
   if (what == "tasks") return file_response(collecting::tasks_json(context.db, exported), name);
   const collecting::Selection selection = collecting::select_work(context.db, exported);
   if (what == "report") return json_response(collecting::report_json(selection.report));
-  Response response = file_response(file_of(selection, what), name);
+  Response response = file_response(file_of(context, selection, what), name);
   response.add_header("X-Enfilade-Export", selection.report.summary());
   return response;
 }

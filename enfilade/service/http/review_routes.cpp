@@ -97,7 +97,7 @@ Response edit(Context& context, const Request& request) {
 Response work_response(Context& context, const Request& request, std::int64_t id) {
   const collecting::Task task = collecting::find_work(context.db, id);
   ordered_json out = collecting::work_json(task, may_know_secrets(request));
-  if (task.kind == collecting::Kind::kWalk) out["steps"] = ordered_json::parse(task.content);
+  collecting::add_content(out, context.db, task);
   out["history"] = detail::json_list(collecting::events_of(context.db, id), collecting::event_json);
   return json_response(out);
 }

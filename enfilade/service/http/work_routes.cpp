@@ -1,12 +1,15 @@
 // For workers: joining by a link, getting a task, submitting it.
 #include <fmt/format.h>
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "enfilade/service/collecting/collection_json.h"
+#include "enfilade/service/collecting/kinds/dialogues.h"
 #include "enfilade/service/collecting/order.h"
 #include "enfilade/service/collecting/submitted_work.h"
 #include "enfilade/service/detail/json_limits.h"
+#include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/http/routes.h"
 
@@ -66,7 +69,7 @@ collecting::VisitState state_of(Context& context, const Collection& collection, 
     state.questions = collecting::pending_questions_of(db, collection, visit);
   }
   state.rejected = collecting::rejected_of(db, visit);
-  if (collection.kind == collecting::Kind::kWalk && visit.done_by_worker > 0 &&
+  if (collecting::is_followed(collection.kind) && visit.done_by_worker > 0 &&
       collecting::has_had_all(db, collection, visit)) {
     state.bonuses = visit.bonuses;
   }
@@ -181,14 +184,31 @@ Response return_task(Context& context, const Request& request) {
   return visit_response(context, request);
 }
 
+/// \throws InvalidInput; Refusal kConflict for a dialogue
+collecting::SubmittedWork read_work(Context& context, const Request& request, const Task& task) {
+  using collecting::Kind;
+  const graph::GraphSet& graphs = context.site->graphs();
+  switch (task.kind) {
+    case Kind::kWrite:
+    case Kind::kDescribe:
+      return collecting::read_instruction(request.body);
+    case Kind::kWalk:
+      return collecting::read_walk(request.body, task.item, graphs);
+    case Kind::kFind:
+      return collecting::read_find(request.body, task.item, graphs, context.site->objects());
+    case Kind::kGuide:
+      return collecting::read_guide(request.body, task.item, graphs);
+    case Kind::kDialogue:
+      break;
+  }
+  throw detail::Refusal(detail::Reason::kConflict,
+                        "a dialogue is submitted when its navigator stops");
+}
+
 Response submit(Context& context, const Request& request) {
   const Visit visit = own_visit(context, request);
   const Task task = collecting::own_task(context.db, visit, task_of(request));
-  const bool walk = task.kind == collecting::Kind::kWalk;
-  const collecting::SubmittedWork work =
-      walk ? collecting::read_walk(request.body, task.item, context.site->graphs())
-           : collecting::read_instruction(request.body);
-  collecting::submit(context.db, visit, task.id, work);
+  collecting::submit(context.db, visit, task.id, read_work(context, request, task));
   ordered_json out = visit_of(context, visit.id);
   // Of other tasks nothing is told: neither whether the goal was reached, nor how far it was. The
   // same path may come again with other words.
@@ -196,6 +216,20 @@ Response submit(Context& context, const Request& request) {
     out["practised"] = collecting::practice_json(collecting::own_task(context.db, visit, task.id));
   }
   return json_response(out);
+}
+
+Response show_dialogue(Context& context, const Request& request) {
+  return json_response(collecting::dialogue_json(
+      context.db, own_visit(context, request), task_of(request),
+      request.number("after", 0, 0, std::numeric_limits<std::int64_t>::max()),
+      context.site->graphs()));
+}
+
+Response act_in_dialogue(Context& context, const Request& request) {
+  const Visit visit = own_visit(context, request);
+  collecting::act_in_dialogue(context.db, visit, task_of(request), request.body,
+                              context.site->graphs());
+  return show_dialogue(context, request);
 }
 
 }  // namespace
@@ -213,6 +247,8 @@ void add_work_routes(Router& router) {
   router.add({"GET", task, Access::kPublic, show_task});
   router.add({"DELETE", task, Access::kWorker, return_task});
   router.add({"PUT", task + "/draft", Access::kWorker, save_draft, kMostDraftBytes});
+  router.add({"GET", task + "/dialogue", Access::kWorker, show_dialogue});
+  router.add({"POST", task + "/dialogue", Access::kWorker, act_in_dialogue});
   router.add({"PUT", task + "/submission", Access::kWorker, submit, kMostWorkBytes});
 }
 

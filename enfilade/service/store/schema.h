@@ -6,7 +6,7 @@ namespace enfilade::service::store {
 
 /// Migration k takes a database of version k to version k + 1. A released migration never
 /// changes: a change of the schema is a new one at the end. Times are seconds since 1970.
-inline constexpr std::array<const char*, 3> kMigrations{
+inline constexpr std::array<const char*, 4> kMigrations{
     // 1: evaluation
     R"sql(
 CREATE TABLE team (
@@ -232,6 +232,48 @@ CREATE TABLE answer (
   at INTEGER NOT NULL,
   PRIMARY KEY (worker, question)
 ) STRICT;
+)sql",
+    // 4: more kinds of collections. A column's own CHECK goes with the column, so kind is made
+    // anew.
+    R"sql(
+ALTER TABLE collection ADD COLUMN kind_2 TEXT NOT NULL DEFAULT 'write'
+  CHECK (kind_2 IN ('write', 'walk', 'describe', 'find', 'guide', 'dialogue'));
+UPDATE collection SET kind_2 = kind;
+ALTER TABLE collection DROP COLUMN kind;
+ALTER TABLE collection RENAME COLUMN kind_2 TO kind;
+ALTER TABLE collection ADD COLUMN language TEXT NOT NULL DEFAULT 'en-US';  -- of guide
+
+ALTER TABLE item ADD COLUMN object INTEGER;                      -- to describe or to find
+ALTER TABLE item ADD COLUMN target TEXT NOT NULL DEFAULT '';     -- what people call it
+ALTER TABLE item ADD COLUMN region TEXT NOT NULL DEFAULT '';     -- viewpoints, a line each
+ALTER TABLE item ADD COLUMN outlines TEXT NOT NULL DEFAULT '';   -- collecting/kinds/outlines.h
+ALTER TABLE item ADD COLUMN of INTEGER REFERENCES task (id);     -- whose text is verified
+CREATE INDEX item_of ON item (of) WHERE of IS NOT NULL;
+
+ALTER TABLE task ADD COLUMN role TEXT NOT NULL DEFAULT '';  -- in a dialogue
+
+CREATE TABLE dialogue (  -- of two tasks of one item
+  id INTEGER PRIMARY KEY,
+  item INTEGER NOT NULL REFERENCES item (id),
+  navigator INTEGER REFERENCES task (id),  -- NULL: nobody has sat there yet
+  oracle INTEGER REFERENCES task (id),
+  finished INTEGER  -- when
+) STRICT;
+CREATE INDEX dialogue_item ON dialogue (item);
+CREATE INDEX dialogue_navigator ON dialogue (navigator);
+CREATE INDEX dialogue_oracle ON dialogue (oracle);
+
+CREATE TABLE turn (  -- what was said and done in a dialogue, by rising id
+  id INTEGER PRIMARY KEY,
+  dialogue INTEGER NOT NULL REFERENCES dialogue (id),
+  role TEXT NOT NULL CHECK (role IN ('navigator', 'oracle')),
+  text TEXT NOT NULL,       -- '' of a step
+  viewpoint TEXT NOT NULL,  -- where the navigator stands then
+  heading REAL NOT NULL,
+  elevation REAL NOT NULL,
+  at INTEGER NOT NULL
+) STRICT;
+CREATE INDEX turn_dialogue ON turn (dialogue, id);
 )sql"};
 
 }  // namespace enfilade::service::store

@@ -1,5 +1,5 @@
 /** Collections: making them, how far they are, their links and files. */
-import type { Collection, ExportReport, Progress } from '../collections.ts';
+import type { Collection, ExportReport, Kind, Progress } from '../collections.ts';
 import { action, field, form, labelled, loggedIn, onlyFor } from '../forms.ts';
 import { markdown } from '../markdown.ts';
 import { api, byId, counted, json, make, run } from '../page.ts';
@@ -10,20 +10,37 @@ import { consentGap, consentText, instructionsText } from '../texts.ts';
 interface SplitList {
   readonly splits: readonly { split: string; paths: number; instructions: number; goals_hidden: boolean }[];
 }
-type Kind = Collection['kind'];
 type Platform = Collection['platform']['kind'];
 
 /** Of names in links, as the server takes them. */
 const namePattern = '[a-z0-9_\\-]{1,40}';
 /** Of Prolific's completion codes. */
 const codePattern = '[A-Za-z0-9_\\-]{1,40}';
-const kindTexts: Record<Kind, string> = { write: 'People write directions', walk: 'People walk by directions' };
+const kindTexts: Record<Kind, string> = {
+  write: 'People write directions', walk: 'People walk by directions', describe: 'People describe objects (as for REVERIE)',
+  find: 'People find described objects, to verify them', guide: 'People guide along a path while they walk it (as for RxR)',
+  dialogue: 'Two people talk: navigator and oracle (as for CVDN)',
+};
+/** Of what a collection has items. */
+const itemTexts: Record<Kind, string> = {
+  write: 'paths', walk: 'instructions', describe: 'objects', find: 'descriptions', guide: 'paths', dialogue: 'goals',
+};
+/** Files beside annotations and tasks; and whether all is exported that was not rejected, or only what was accepted. */
+const fileTexts: Record<Kind, { readonly file: string; readonly also: readonly (readonly [string, string])[]; readonly checked: boolean }> = {
+  write: { file: 'R2R file', also: [], checked: false },
+  walk: { file: 'R2R file', also: [['results', 'results'], ['walks', 'walks with times']], checked: true },
+  describe: { file: 'REVERIE file', also: [], checked: false },
+  find: { file: 'REVERIE file', also: [['results', 'results'], ['walks', 'walks with times']], checked: true },
+  guide: { file: 'RxR guide file', also: [['walks', 'pose traces']], checked: false },
+  dialogue: { file: 'CVDN file', also: [['dialogues', 'whole dialogues']], checked: true },
+};
+const languages: Record<string, string> = { 'en-US': 'English (US)', 'en-IN': 'English (India)', 'hi-IN': 'Hindi', 'te-IN': 'Telugu' };
 const platformTexts: Record<Platform, string> = { self: 'a link of your own', mturk: 'Mechanical Turk', prolific: 'Prolific' };
 
 function progressOf({ items, places, leased, submitted, accepted, rejected, complete, workers, minutes }: Progress, kind: Kind): HTMLElement {
   const bar = make('progress', { max: String(Math.max(places, 1)), value: String(accepted + submitted), 'aria-label': 'Submitted' });
   const facts = [
-    `${complete} of ${items} ${kind === 'write' ? 'paths' : 'instructions'} complete`,
+    `${complete} of ${items} ${itemTexts[kind]} complete`,
     `${counted(workers, 'worker')}${leased > 0 ? `, ${leased} at work now` : ''}`,
     ...(rejected > 0 ? [`${rejected} rejected`] : []),
     ...(minutes > 0 ? [`A task takes ${minutes < 1 ? 'less than a minute' : `${minutes.toFixed(1)} minutes`} (median)`] : []),
@@ -51,20 +68,22 @@ function reportOf(of: Collection, split: string, state: string): Promise<ExportR
  */
 function filesOf(collection: Collection): HTMLElement {
   const { collection: name, kind, splits = [] } = collection;
-  const state = kind === 'write' ? 'accepted' : 'all';
+  const { file, also, checked } = fileTexts[kind];
+  const state = checked ? 'all' : 'accepted';
   const link = (split: string, what: string, text: string, of: 'accepted' | 'all' = state) =>
     make('a', { href: `/api/v1/${exportOf(name, { split, what, state: of })}`, download: '' }, text);
   const rows = splits.map(({ split, items, goals_hidden }) => {
     const said = make('p', { class: 'note' });
     reportOf(collection, split, state).then(({ summary }) => { said.textContent = `${summary}.`; }, () => {});
-    return make('li', {}, `${split} (${items}): `, ...(kind === 'write'
-      ? [link(split, 'annotations', 'R2R file'), ' · ', link(split, 'annotations', 'with what is not reviewed', 'all')]
-      : [...(goals_hidden ? [] : [link(split, 'annotations', 'R2R file'), ' · ']),
-        link(split, 'results', 'results'), ' · ', link(split, 'walks', 'walks with times')]),
-    ' · ', link(split, 'tasks', 'all tasks with times'), said);
+    const dot = (list: readonly HTMLElement[]) => list.flatMap((one) => [one, ' · ']);
+    return make('li', {}, `${split} (${items}): `, ...dot([
+      ...(goals_hidden ? [] : [link(split, 'annotations', file)]),
+      ...(checked ? [] : [link(split, 'annotations', 'with what is not reviewed', 'all')]),
+      ...also.map(([what, text]) => link(split, what, text))]),
+    link(split, 'tasks', 'all tasks with times'), said);
   });
   return make('div', {}, make('h3', {}, 'Files'),
-    make('p', { class: 'note' }, kind === 'write' ? 'What was accepted.' : 'All walks but the rejected ones.'), make('ul', {}, ...rows));
+    make('p', { class: 'note' }, checked ? 'All but what was rejected.' : 'What was accepted.'), make('ul', {}, ...rows));
 }
 
 /** The page for workers, which is longer than its box. */
@@ -129,7 +148,7 @@ function ruleFields(after: string, now?: Collection): { box: HTMLElement; read()
   pay.required = false;
   const [minutesBox, minutes] = number('minutes', 'Minutes that a task takes', 600, now?.progress?.minutes
     ? `So far the median is ${now.progress.minutes.toFixed(1)}.` : 'Workers see it before they agree.', now?.minutes, { step: '0.5', min: '0.5', placeholder: 'not said' });
-  const [perBox, per] = number('per-item', 'Different workers for each', 100, 'Default: 3 for a path to describe, 1 for an instruction to walk.', now?.per_item);
+  const [perBox, per] = number('per-item', 'Different workers for each', 100, 'Default: 3 where people write, 1 where they walk, 2 for a dialogue, which takes two.', now?.per_item);
   const [leaseBox, lease] = number('lease', 'Minutes until an inactive task goes to another worker', 1440, 'Default: 30.', now?.lease_minutes);
   const [visitBox, visit] = number('visit', 'Tasks a visit', 1000, 'Default: by a link of your own as many as there are, else 1.', now?.tasks_per_visit);
   const [everyBox, every] = number('check-every', 'Tasks from one attention check to the next', 1000, 'Default: 3.', now?.check_every);
@@ -184,7 +203,7 @@ const slug = (title: string): string =>
   title.toLowerCase().normalize('NFD').replace(/[^a-z0-9]+/g, '-').replace(/^-+|-+$/g, '').slice(0, 40);
 
 /** Which paths: splits of the data set, or a file. */
-function sourceFields({ splits }: SplitList): { box: HTMLElement; read(): Promise<object[]> } {
+function sourceFields({ splits }: SplitList): { box: HTMLElement; show(kind: Kind): void; read(kind: Kind): Promise<object[]> } {
   const boxes = splits.map(({ split, paths, goals_hidden }) => {
     const tick = make('input', { type: 'checkbox', value: split });
     return { tick, label: make('label', { class: 'row' }, tick, `${split} (${paths} paths${goals_hidden ? ', goals hidden' : ''})`) };
@@ -198,19 +217,30 @@ function sourceFields({ splits }: SplitList): { box: HTMLElement; read(): Promis
   const [practiceBox, practice] = labelled('practice', 'Practice, for every worker first',
     make('select', {}, new Option('none', ''), ...splits.filter(({ goals_hidden }) => !goals_hidden).map(({ split: name }) => new Option(`the first path of ${name}`, name))),
     'With feedback; it is never reviewed nor exported, and that path is no task.');
-  practiceBox.hidden = boxes.length === 0;
-  const read = async (): Promise<object[]> => {
-    const limit = most.value ? { most: Number(most.value) } : {};
-    const first: object[] = practice.value ? [{ split: practice.value, most: 1, practice: true }] : [];
-    const chosen: object[] = boxes.filter(({ tick }) => tick.checked).map(({ tick }) => ({ split: tick.value, ...limit }));
+  const [objectsBox, objects] = field('objects', 'Objects at the end of each path', { type: 'number', min: '1', max: '20', value: '1' },
+    'The largest ones, by the boxes of the data set (REVERIE). A file may name them itself.');
+  const [fromBox, from] = field('from', 'Descriptions of this collection', { maxlength: '40', pattern: namePattern },
+    'The name, in links, of a collection of descriptions: what was accepted there is to be found here. Or a file of REVERIE.');
+  from.required = false;
+  const show = (kind: Kind): void => {
+    practiceBox.hidden = boxes.length === 0 || kind === 'dialogue' || kind === 'find';
+    objectsBox.hidden = kind !== 'describe' && kind !== 'dialogue';
+    fromBox.hidden = kind !== 'find';
+    list.hidden = boxes.length === 0 || kind === 'find';
+  };
+  const read = async (kind: Kind): Promise<object[]> => {
+    const limit = { ...(most.value && { most: Number(most.value) }), ...(!objectsBox.hidden && { objects: Number(objects.value) }) };
+    if (kind === 'find' && from.value) return [{ collection: from.value, ...(most.value && { most: Number(most.value) }) }];
+    const first: object[] = practice.value && !practiceBox.hidden ? [{ split: practice.value, most: 1, practice: true }] : [];
+    const chosen: object[] = (kind === 'find' ? [] : boxes.filter(({ tick }) => tick.checked)).map(({ tick }) => ({ split: tick.value, ...limit }));
     const [given] = file.files ?? [];
     if (given) chosen.push({ split: split.value, paths: JSON.parse(await given.text()) as object[], ...limit });
     if (chosen.length === 0) throw new Error('Choose paths: a split of the data set, or a file.');
     return [...first, ...chosen];
   };
   const list = make('fieldset', {}, make('legend', {}, 'Paths of the data set'), ...boxes.map(({ label }) => make('div', {}, label)));
-  list.hidden = boxes.length === 0;
-  return { box: make('div', {}, list, fileBox, splitBox, mostBox, practiceBox), read };
+  show('write');
+  return { box: make('div', {}, fromBox, list, fileBox, splitBox, mostBox, objectsBox, practiceBox), show, read };
 }
 
 /** Where workers come from, and what that needs. */
@@ -240,6 +270,9 @@ function newCollection(splits: SplitList, made: () => Promise<void>): HTMLElemen
   const [nameBox, name] = field('name', 'Name, in links', { maxlength: '40', pattern: namePattern });
   const kinds = Object.entries(kindTexts).map(([value, text]) => new Option(text, value));
   const [kindBox, kind] = labelled('kind', 'Type of task', make('select', {}, ...kinds));
+  const [languageBox, language] = labelled('language', 'Language', make('select', {},
+    ...Object.entries(languages).map(([value, text]) => new Option(text, value))), 'One of RxR\'s.');
+  languageBox.hidden = true;
   const [consentBox, consent] = prose('consent', 'Consent');
   const [instructionsBox, instructions] = prose('instructions', 'Instructions');
   const rules = ruleFields('');
@@ -256,16 +289,18 @@ function newCollection(splits: SplitList, made: () => Promise<void>): HTMLElemen
     'For walks that are paid for, take one with hidden goals, or a file of paths of your own.');
   kind.addEventListener('change', () => {
     instructions.value = instructionsText[kind.value as Kind];
-    lookedUp.hidden = kind.value !== 'walk';
+    lookedUp.hidden = kind.value !== 'walk' && kind.value !== 'dialogue';
+    languageBox.hidden = kind.value !== 'guide';
+    sources.show(kind.value as Kind);
   });
-  return form('Create and open', [titleBox, nameBox, kindBox, sources.box, lookedUp, platform.box, consentBox, instructionsBox, asked, rules.box], async () => {
+  return form('Create and open', [titleBox, nameBox, kindBox, languageBox, sources.box, lookedUp, platform.box, consentBox, instructionsBox, asked, rules.box], async () => {
     if (consent.value.includes(consentGap)) {
       consent.focus();
       throw new Error(`The consent still says "${consentGap}": say it there.`);
     }
     await api.call('collections', json({
       name: name.value, title: title.value.trim(), kind: kind.value, consent: consent.value, instructions: instructions.value,
-      sources: await sources.read(), platform: platform.read(), ...rules.read(),
+      sources: await sources.read(kind.value as Kind), ...(kind.value === 'guide' && { language: language.value }), platform: platform.read(), ...rules.read(),
       screening: parseQuestions(screening.value), checks: parseQuestions(checks.value),
     }));
     await made();

@@ -2,11 +2,12 @@
  * What workers submitted, one by one: accept, reject, correct. `/review?collection=NAME`, with `state`, `worker` and `path`
  * for some of it only, which Back brings back.
  */
-import type { Change, Collection, Work, WorkSummary } from '../collections.ts';
+import type { Change, Collection, Kind, Turn, Work, WorkSummary } from '../collections.ts';
 import { action, field, labelled, loggedIn, onlyFor, type Who } from '../forms.ts';
 import { api, byId, dateTime, json, make, problems, run, table } from '../page.ts';
 import { viewpointIndex } from '../scan.ts';
-import { MiniMap, Player, Viewer } from '../viewer/enfilade-viewer.ts';
+import { MiniMap, Outlines, Player, Viewer } from '../viewer/enfilade-viewer.ts';
+import { outlinesIn } from '../work/targets.ts';
 
 type State = Work['state'];
 const perPage = 50;
@@ -18,6 +19,23 @@ const flagTexts: Record<string, string> = {
   short: 'very short', pasted: 'partly pasted', 'goal-not-seen': 'never looked around at the goal',
   'time-mismatch': 'the page claims more time than the server saw',
 };
+
+const stoppedTexts = ['stopped 3 m or more from the goal', 'stopped within 3 m of the goal'] as const;
+const foundTexts = ['pointed at something else', 'pointed at the object'] as const;
+const isWritten = (kind: Kind): boolean => kind === 'write' || kind === 'describe';
+
+/** What two people said, and how far was walked in between. */
+function dialogueList(turns: readonly Turn[]): HTMLElement {
+  const list = make('ol', { class: 'turns', 'aria-label': 'What was said', tabindex: '0' });
+  let steps = 0;
+  let at = turns[0]?.viewpoint;
+  for (const { role, text, viewpoint } of turns) {
+    if (viewpoint !== at) steps += 1;
+    at = viewpoint;
+    if (text !== undefined) list.append(make('li', { class: role }, make('strong', {}, `${role === 'navigator' ? 'Navigator' : 'Oracle'}, after ${steps} step${steps === 1 ? '' : 's'}: `), text));
+  }
+  return list;
+}
 
 /** "4 min 12 s" */
 function duration(seconds: number): string {
@@ -32,6 +50,7 @@ class Stage {
   private viewer: Viewer | undefined;
   private map: MiniMap | undefined;
   private player: Player | undefined;
+  private outlines: Outlines | undefined;
 
   constructor(view: HTMLElement, mapBox: HTMLElement) {
     this.view = view;
@@ -41,7 +60,8 @@ class Stage {
   /** Shows a work's path or walk from its start. Returns the fly-through. */
   async show(work: Work): Promise<HTMLElement> {
     this.player?.dispose();
-    const ids = work.path ?? (work.steps ?? []).map(({ viewpoint }) => viewpoint);
+    this.outlines?.dispose();
+    const ids = work.path ?? (work.steps ?? work.turns ?? []).map(({ viewpoint }) => viewpoint);
     if (this.viewer?.scan.scan !== work.scan) await this.open(work.scan);
     const viewer = this.viewer!;
     const path = ids.map((id) => viewpointIndex(viewer.scan, id))
@@ -50,6 +70,8 @@ class Stage {
     viewer.setPath(path);
     this.map!.setPath(work.path ? path : [], work.path ? [] : path);
     this.player = new Player(viewer, path);
+    this.outlines = work.object && new Outlines(viewer, outlinesIn(viewer.scan, work.object));
+    this.outlines?.setPoint(work.point);
     return this.player.element;
   }
 
@@ -222,16 +244,30 @@ class Reviewer {
     this.list[this.at] = work;
     this.work.replaceChildren(
       heading, this.facts(work),
-      work.kind === 'write' ? this.editor(work) : make('p', { class: 'instruction' }, work.instruction ?? ''),
+      ...this.content(work),
       player, this.verdict(work), ...this.history(work.history ?? []));
     if (focused) heading.focus();
+  }
+
+  /** What was submitted, as its kind asks for. */
+  private content(work: Work): HTMLElement[] {
+    const object = work.object ? [make('p', {}, work.kind === 'dialogue' ? 'Looked for: ' : 'The object, in its orange frame: ', make('strong', {}, work.object.name))] : [];
+    const text = make('p', { class: 'instruction' }, work.instruction ?? '');
+    if (isWritten(work.kind)) return [...object, this.editor(work)];
+    if (work.turns) return [...object, dialogueList(work.turns)];
+    if (!work.words) return [text, ...object];
+    const rows = work.words.map(({ word, start, end }) => [word, `${start.toFixed(1)} s`, `${end.toFixed(1)} s`]);
+    return [text, make('details', {}, make('summary', {}, 'Words and their times'), table(['Word', 'From', 'To'], rows))];
   }
 
   private facts(work: Work): HTMLElement {
     const facts = [`Worker ${work.worker}`, `path ${work.path_id} of ${work.split}`, dateTime(work.submitted)];
     const page = `the page's ${duration(work.page_seconds)}`;
     facts.push(work.seconds === undefined ? page : `${duration(work.seconds)} by the server (${page})`);
-    if (work.bonus !== undefined) facts.push(work.bonus ? 'stopped within 3 m of the goal' : 'stopped 3 m or more from the goal');
+    if (work.bonus !== undefined) facts.push((work.kind === 'find' ? foundTexts : stoppedTexts)[Number(work.bonus) as 0 | 1]);
+    if (work.role) facts.push(`${work.role} of dialogue ${work.dialogue}`);
+    if (work.spoken !== undefined) facts.push(work.spoken ? 'spoken, at least in part' : 'typed');
+    if (work.verified && work.verified.walked > 0) facts.push(`${work.verified.found} of ${work.verified.walked} who looked for it found it`);
     const odd = (work.flags ?? []).map((flag) => flagTexts[flag] ?? flag);
     return make('p', { class: 'note' }, `${facts.join(', ')}.`, ...(odd.length > 0 ? [make('strong', {}, ` Hints skipped: ${odd.join(', ')}.`)] : []));
   }

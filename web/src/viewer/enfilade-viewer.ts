@@ -10,5 +10,6 @@ export { Flight, type Moment } from './flight.ts';
 export { Legend } from './legend.ts';
 export { MapPanel, storeyName } from './map_panel.ts';
 export { MiniMap } from './mini_map.ts';
+export { Outlines } from './outlines.ts';
 export { Player } from './player.ts';
 export { agentRules, Viewer, type Pose, type Rules, type ViewerOptions } from './viewer.ts';

@@ -1,5 +1,6 @@
 /** First person in a panorama, as a part of any page. */
 import {
+  apply,
   type Camera,
   degrees,
   type Direction,
@@ -8,6 +9,7 @@ import {
   project,
   subtract,
   type Vec3,
+  worldFromCamera,
   wrapHeading,
 } from '../geometry.ts';
 import { halfFieldOfView, navigable, type Step } from '../navigation.ts';
@@ -91,6 +93,7 @@ export class Viewer {
   private places: ReadonlySet<number> | undefined;
   private pose_: Pose;
   private moving = false;
+  private pick: ((direction: Direction) => void) | undefined;
   /** Counts what moves one: a later one ends those before. */
   private trips = 0;
   /** On the way; nothing while one stands. */
@@ -203,6 +206,8 @@ export class Viewer {
       if (trip !== this.trips) return false;
       this.stage.head(there);
       const from = this.pose_.viewpoint;
+      this.moment = { from, to: viewpoint, share: 0, heading: this.pose_.heading, elevation: this.pose_.elevation };
+      this.tell(); // what lies over the picture goes
       const seconds = this.passage(from, viewpoint) === 'space'
         ? glideSeconds(norm(subtract(there.position, this.eye()))) : fadeSeconds;
       await this.animate(seconds, (share) => {
@@ -225,15 +230,34 @@ export class Viewer {
     await this.stand(this.pose_.viewpoint);
   }
 
+  /** Whether it is between two viewpoints. */
+  get onTheWay(): boolean {
+    return this.moment !== undefined;
+  }
+
+  /** Where a point of the picture looks. */
+  directionAt(x: number, y: number): Direction {
+    const { width, height, vfov } = this.view;
+    const focal = height / 2 / Math.tan(vfov / 2);
+    return directionTo([0, 0, 0], apply(worldFromCamera(this.pose_), [x - width / 2, y - height / 2, focal]));
+  }
+
+  /** From now on a click calls this instead of going anywhere; nothing: it goes again. */
+  onPick(pick: ((direction: Direction) => void) | undefined): void {
+    this.pick = pick;
+    this.hoverAt();
+  }
+
   /** Goes where a disc was clicked, if there is one. */
   goAt(x: number, y: number): void {
+    if (this.pick) return this.pick(this.directionAt(x, y));
     const step = this.stepAt(x, y);
     if (step) void this.go(step.viewpoint);
   }
 
   /** Shows where a click at that point would go; without a point, nothing. Returns whether anywhere. */
   hoverAt(x?: number, y?: number): boolean {
-    const step = x === undefined || y === undefined || this.moving ? undefined : this.stepAt(x, y);
+    const step = x === undefined || y === undefined || this.moving || this.pick ? undefined : this.stepAt(x, y);
     if (step?.viewpoint === this.hovered) return step !== undefined;
     this.hovered = step?.viewpoint;
     this.stage.discs.choose(step?.viewpoint);

@@ -1,19 +1,32 @@
 /** What a worker is told beside the organiser's texts: how much there is to do, how long it takes, what it pays. */
-import type { Collection } from '../collections.ts';
+import type { Collection, Kind } from '../collections.ts';
 import { counted, make } from '../page.ts';
 import type { Rejected, Visit } from './visit.ts';
+
+const taskTexts: Record<Kind, string> = {
+  write: 'You see a way through a building and write directions for it.',
+  walk: 'You read directions and walk by them through a building.',
+  describe: 'You see an object in a building and write what to do with it, so that somebody finds it.',
+  find: 'You read about an object, walk through a building until you see it, and point at it.',
+  guide: 'You walk through a building and say on the way what one should do.',
+  dialogue: 'With another person you look for a thing in a building: one walks and asks, one sees the way and answers.',
+};
+const amounts: Record<Kind, (n: number) => string> = {
+  write: (n) => `${counted(n, 'path')} to describe`, walk: (n) => counted(n, 'walk'), describe: (n) => `${counted(n, 'object')} to describe`,
+  find: (n) => `${counted(n, 'object')} to find`, guide: (n) => `${counted(n, 'path')} to guide along`, dialogue: (n) => counted(n, 'dialogue'),
+};
 
 function amount(collection: Collection, { of, done, practice = 0 }: Visit): string {
   const practised = practice > 0 ? `, after ${counted(practice, 'practice task')}` : '';
   if (of === undefined) return `As many as you like${practised}`;
-  const tasks = collection.kind === 'write' ? `${counted(of, 'path')} to describe` : counted(of, 'walk');
+  const tasks = amounts[collection.kind](of);
   return `${tasks}${practised}${done > 0 ? `; ${done} of them are done` : ''}`;
 }
 
 /** Before one agrees. @param visit absent in a preview */
 export function conditions(collection: Collection, visit?: Visit): HTMLElement {
   const rows: [string, string][] = [
-    ['Your task', collection.kind === 'write' ? 'You see a way through a building and write directions for it.' : 'You read directions and walk by them through a building.']];
+    ['Your task', taskTexts[collection.kind]]];
   if (visit) rows.push(['How much', amount(collection, visit)]);
   if (collection.minutes) {
     const all = visit?.of !== undefined && visit.of > 1 ? `, ${counted(Math.round(collection.minutes * visit.of), 'minute')} in all` : '';
@@ -45,8 +58,8 @@ export function practised({ practised: result }: Visit): HTMLElement[] {
   if (!result) return [];
   if (result.reached !== undefined) {
     const far = result.distance === undefined ? '' : ` You stopped ${result.distance.toFixed(1)} m from it.`;
-    return [make('p', { class: result.reached ? 'done' : 'problem' },
-      (result.reached ? 'You found the goal.' : 'You did not find the goal: it counts as found within 3 m.') + far),
+    const missed = result.distance === undefined ? 'That was not the object.' : 'You did not find the goal: it counts as found within 3 m.';
+    return [make('p', { class: result.reached ? 'done' : 'problem' }, (result.reached ? 'You found the goal.' : missed) + far),
     make('p', { class: 'note' }, 'In the tasks that count you are not told, so that one does not help with another.')];
   }
   if (result.example) return [make('p', {}, 'Somebody else wrote for the same path:'), make('blockquote', { class: 'example' }, result.example)];

@@ -1,5 +1,5 @@
 /** From the link to the thanks: consent, questions, instructions, task after task, the end. */
-import type { Collection } from '../collections.ts';
+import type { Collection, Kind } from '../collections.ts';
 import { action } from '../forms.ts';
 import { markdown } from '../markdown.ts';
 import { addHeader, byId, make } from '../page.ts';
@@ -181,9 +181,15 @@ export async function submit({ api, task, proceed }: Desk, drafts: { forget(): v
   }
 }
 
+/** How the tasks of a page are shown, by kind. */
+export type Shows = Readonly<Partial<Record<Kind, ShowTask>>>;
+
+/** The page for workers of a collection. */
+const pageOf = (kind: Kind): string => (['write', 'describe', 'guide'].includes(kind) ? '/collect' : '/walk');
+
 /** Runs a page of work. */
-export function work(kind: Collection['kind'], show: ShowTask): void {
-  visit(kind, show).catch((error: unknown) => {
+export function work(shows: Shows): void {
+  visit(shows).catch((error: unknown) => {
     const main = byId('main');
     main.classList.remove('wide');
     if (!document.querySelector('header')) addHeader(false, []);
@@ -194,7 +200,7 @@ export function work(kind: Collection['kind'], show: ShowTask): void {
   });
 }
 
-async function visit(kind: Collection['kind'], show: ShowTask): Promise<void> {
+async function visit(shows: Shows): Promise<void> {
   const main = byId('main');
   const query = new URLSearchParams(location.search);
   collectionOf(query); // before anything that takes time
@@ -206,9 +212,8 @@ async function visit(kind: Collection['kind'], show: ShowTask): Promise<void> {
   const took = await tabs.takeOver();
   const arrival = await arrive();
   const { collection } = arrival;
-  if (collection.kind !== kind) {
-    return location.replace(`${collection.kind === 'walk' ? '/walk' : '/collect'}${location.search}`);
-  }
+  const show = shows[collection.kind];
+  if (!show) return location.replace(`${pageOf(collection.kind)}${location.search}`);
   addHeader(collection.synthetic, []);
   document.title = `${collection.title} · Enfilade`;
   if (!arrival.preview) {

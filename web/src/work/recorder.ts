@@ -30,6 +30,11 @@ export class Recorder {
     this.see(viewpoint, look);
   }
 
+  /** Since the walk began. */
+  get seconds(): number {
+    return this.now() - this.begin;
+  }
+
   /** To be called whenever the pose changes. */
   see(viewpoint: string, { heading, elevation }: Direction): void {
     const entry = { viewpoint, heading, elevation, seconds: this.now() - this.begin };

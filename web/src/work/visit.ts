@@ -1,12 +1,13 @@
 /** A worker's visit: joining by a link, and asking the server as that worker. Shapes: /api/v1/openapi.json. */
-import type { Collection, Entry } from '../collections.ts';
+import type { Collection, Entry, Kind, Role, Target, TimedWord, Turn } from '../collections.ts';
+import type { Direction } from '../geometry.ts';
 import { api, json } from '../page.ts';
 import { storage } from './storage.ts';
 
 export interface Task {
   /** Absent in an example. */
   readonly task?: number;
-  readonly kind: 'write' | 'walk';
+  readonly kind: Kind;
   readonly scan: string;
   /** Of the start, radians. */
   readonly heading: number;
@@ -15,6 +16,11 @@ export interface Task {
   /** To be followed, from `start`. */
   readonly instruction?: string;
   readonly start?: string;
+  /** To be described; of an oracle, what the navigator looks for. */
+  readonly object?: Target;
+  /** Of a dialogue: what the navigator looks for, and which of the two the worker is. */
+  readonly target?: string;
+  readonly role?: Role;
   readonly draft?: object;
   /** It is not kept for the collection. */
   readonly practice?: boolean;
@@ -71,9 +77,33 @@ interface Joined {
   readonly example?: Task;
 }
 
+interface Shot { readonly width: number; readonly height: number; readonly vfov: number }
 export type Submission =
   | { readonly instruction: string; readonly seconds: number; readonly flags: readonly string[] }
-  | { readonly steps: readonly Entry[]; readonly camera: { width: number; height: number; vfov: number } };
+  | { readonly steps: readonly Entry[]; readonly camera: Shot }
+  | { readonly steps: readonly Entry[]; readonly camera: Shot; readonly point: Direction }
+  | { readonly instruction: string; readonly words: readonly TimedWord[]; readonly steps: readonly Entry[]; readonly spoken: boolean;
+    readonly seconds: number; readonly flags: readonly string[] };
+
+/** How a dialogue stands, as one of the two sees it. */
+export interface Dialogue {
+  readonly role: Role;
+  /** Whether the other one is there. */
+  readonly partner: boolean;
+  /** Whose turn it is. */
+  readonly turn: Role;
+  readonly turns: readonly Turn[];
+  readonly here: Direction & { readonly viewpoint: string };
+  /** For the oracle: the next places of the shortest way, from here. */
+  readonly ahead?: readonly string[];
+  /** For the oracle: the navigator is where the goal is. */
+  readonly arrived?: boolean;
+  readonly finished: boolean;
+}
+export type Act =
+  | { readonly say: string }
+  | { readonly steps: readonly (Direction & { readonly viewpoint: string })[] }
+  | { readonly stop: true };
 
 /** What the link says, and who this browser was the last time. */
 function parameters(collection: string): Record<string, string> {
@@ -103,6 +133,10 @@ export class WorkApi {
   lease = (): Promise<Visit> => this.call('POST', 'visit/task', {});
   giveBack = (task: number): Promise<Visit> => this.call('DELETE', `tasks/${task}`);
   submit = (task: number, work: Submission): Promise<Visit> => this.call('PUT', `tasks/${task}/submission`, work);
+  visit = (): Promise<Visit> => this.call('GET', 'visit');
+  /** @param after leaves out turns up to that one */
+  dialogue = (task: number, after: number): Promise<Dialogue> => this.call('GET', `tasks/${task}/dialogue?after=${after}`);
+  act = (task: number, act: Act, after: number): Promise<Dialogue> => this.call('POST', `tasks/${task}/dialogue?after=${after}`, act);
   answer = (answers: readonly { question: number; choice: string }[]): Promise<Visit> =>
     this.call('PUT', 'visit/answers', { answers });
   /** Is sent even if the page goes at that moment. */

@@ -22,7 +22,7 @@ const draftTexts: Record<DraftState, string> = {
 };
 
 /** Small in the database, and a heading below a whole turn stays below it. */
-function rounded(entry: Entry): Entry {
+export function rounded(entry: Entry): Entry {
   const cut = (x: number, unit: number) => Math.floor(x / unit) * unit;
   const short = (x: number) => Number(cut(x, 1e-5).toFixed(5));
   return { ...entry, heading: wrapHeading(short(entry.heading)), elevation: short(entry.elevation), seconds: Number(cut(entry.seconds, 0.01).toFixed(2)) };
@@ -30,13 +30,13 @@ function rounded(entry: Entry): Entry {
 
 export class WalkTask {
   readonly viewer: Viewer;
-  private readonly desk: Desk;
+  protected readonly desk: Desk;
   private readonly recorder: Recorder;
   private readonly drafts: Drafts<Draft>;
   private readonly draftSaid = make('p', { role: 'status', class: 'problem' });
-  private readonly said = make('div');
-  private readonly sure = make('div', { role: 'group', 'aria-label': 'Stop?' });
-  private readonly stop = make('button', { type: 'button', class: 'main' }, 'Stop here');
+  protected readonly said = make('div');
+  protected readonly sure = make('div', { role: 'group', 'aria-label': 'Stop?' });
+  protected readonly stop = make('button', { type: 'button', class: 'main' }, 'Stop here');
   private steps = 0;
 
   static async open(main: HTMLElement, desk: Desk): Promise<WalkTask> {
@@ -48,18 +48,18 @@ export class WalkTask {
     const draft = api && drafts.begin(task.draft as Draft | undefined);
     const { viewpoint, heading, elevation } = draft?.steps.at(-1) ?? { viewpoint: task.start!, heading: task.heading, elevation: 0 };
     const viewer = await Viewer.open(view, { scan: task.scan, rules: agentRules, viewpoint, heading, elevation });
-    const walk = new WalkTask(desk, viewer, drafts, draft?.steps ?? []);
+    const walk = new this(desk, viewer, drafts, draft?.steps ?? []);
     side.append(walk.panel());
     return walk;
   }
 
-  private constructor(desk: Desk, viewer: Viewer, drafts: Drafts<Draft>, before: readonly Entry[]) {
+  protected constructor(desk: Desk, viewer: Viewer, drafts: Drafts<Draft>, before: readonly Entry[]) {
     this.desk = desk;
     this.viewer = viewer;
     this.drafts = drafts;
     this.recorder = new Recorder(this.here, viewer.pose, before);
     this.steps = this.recorder.steps;
-    this.ask(false);
+    this.sure.replaceChildren(make('p', {}, this.stop));
     drafts.onState((state) => say(this.draftSaid, draftTexts[state]));
     viewer.onChange(() => this.moved());
     this.stop.addEventListener('click', () => this.ask(true));
@@ -74,13 +74,14 @@ export class WalkTask {
     this.viewer.dispose();
   }
 
-  private get here(): string {
+  protected get here(): string {
     return this.viewer.scan.viewpoints[this.viewer.pose.viewpoint]!.id;
   }
 
   private panel(): HTMLElement {
     const panel = taskPanel(this.desk);
     this.stop.disabled = !this.desk.api;
+    this.ask(false);
     panel.append(make('h2', {}, 'Follow this'), make('p', { class: 'instruction' }, this.desk.task.instruction ?? ''),
       this.sure, this.said, this.draftSaid,
       make('p', { class: 'note' }, 'Drag to look around, and down for what is near. Click or tap a ring on the floor to go there. ',
@@ -99,12 +100,12 @@ export class WalkTask {
     this.drafts.change(draft());
   }
 
-  private walked(): Entry[] {
+  protected walked(): Entry[] {
     return this.recorder.entries().map(rounded);
   }
 
   /** Stopping is for good, so it takes two presses. */
-  private ask(sure: boolean): void {
+  protected ask(sure: boolean): void {
     if (!sure) {
       this.sure.replaceChildren(make('p', {}, this.stop));
       return;
@@ -120,9 +121,14 @@ export class WalkTask {
     yes.focus();
   }
 
-  private async submit(): Promise<void> {
+  /** What is sent beside the steps. */
+  protected result(): object {
+    return {};
+  }
+
+  protected async submit(): Promise<void> {
     const { width, height } = this.viewer.view;
     const camera = { width: Math.round(width), height: Math.round(height), vfov: this.viewer.pose.vfov };
-    await submit(this.desk, this.drafts, { steps: this.walked(), camera }, () => say(this.draftSaid, draftTexts.here));
+    await submit(this.desk, this.drafts, { steps: this.walked(), camera, ...this.result() }, () => say(this.draftSaid, draftTexts.here));
   }
 }

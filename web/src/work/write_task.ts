@@ -1,12 +1,13 @@
-/** Writing directions for a path: its fly-through, its places, a text. */
+/** Writing directions for a path, or about an object at its end: its fly-through, its places, a text. */
 import { api, counted, make, say } from '../page.ts';
 import { action, twice } from '../forms.ts';
 import { ServerError, viewpointIndex } from '../scan.ts';
-import { MiniMap, Player, Viewer } from '../viewer/enfilade-viewer.ts';
+import { MiniMap, Outlines, Player, Viewer } from '../viewer/enfilade-viewer.ts';
 import { type DraftState, Drafts } from './drafts.ts';
 import { type Desk, submit, taskPanel } from './flow.ts';
 import { type Hint, hintsFor, tooShort, wordsIn } from './hints.ts';
 import { Looks } from './looks.ts';
+import { outlinesIn } from './targets.ts';
 import { lostDraftText, sentences } from './refusals.ts';
 import { outOfReachText, storage } from './storage.ts';
 import { Tour } from './tour.ts';
@@ -30,10 +31,11 @@ const draftTexts: Record<DraftState, string> = {
 
 export class WriteTask {
   private readonly desk: Desk;
-  private readonly viewer: Viewer;
+  readonly viewer: Viewer;
   private readonly map: MiniMap;
   private readonly player: Player;
   private readonly drafts: Drafts<Draft>;
+  private readonly outlines: Outlines | undefined;
   private readonly looks = new Looks();
   private readonly goal: number;
   private readonly text = make('textarea', { id: 'directions', rows: '6', maxlength: String(mostCharacters), 'aria-describedby': 'refusal words' });
@@ -64,6 +66,8 @@ export class WriteTask {
     this.goal = path.at(-1)!;
     viewer.setPath(path);
     viewer.confine(path);
+    const { object } = desk.task;
+    this.outlines = object && new Outlines(viewer, outlinesIn(viewer.scan, object));
     this.map = new MiniMap(viewer);
     this.map.setPath(path);
     void this.map.loadPlan(api, false); // workers would copy the names
@@ -86,22 +90,26 @@ export class WriteTask {
     this.drafts.dispose();
     this.player.dispose();
     this.map.dispose();
+    this.outlines?.dispose();
     this.viewer.dispose();
   }
 
   private panel(tour: Tour): HTMLElement {
     const panel = taskPanel(this.desk);
+    const { object } = this.desk.task;
     panel.append(
       make('h2', {}, 'See the path'), this.player.element, tour.element,
-      make('h2', {}, make('label', { for: 'directions' }, 'Your directions')),
-      make('p', { class: 'note' }, 'From the start, the green pole, to the goal, the red one.'),
+      ...(object ? [make('h2', {}, 'The object'), make('p', {}, 'With an orange frame at the end of the path: ', make('strong', {}, object.name), '.'),
+        this.outlines!.said] : []),
+      make('h2', {}, make('label', { for: 'directions' }, object ? 'Your request' : 'Your directions')),
+      make('p', { class: 'note' }, object ? 'To somebody at the green pole, who should find this very object.' : 'From the start, the green pole, to the goal, the red one.'),
       this.text, this.refusal, make('p', { class: 'note beneath' }, this.count, ' ', this.draftSaid), this.advice, this.buttons(), this.said);
     return panel;
   }
 
   private buttons(): HTMLElement {
     const done = action('Submit', this.said, () => this.submit(), { class: 'main' });
-    const giveBack = twice('Skip this path', 'Skip it? You will not be offered it again', this.said, async () => {
+    const giveBack = twice(this.desk.task.object ? 'Skip this object' : 'Skip this path', 'Skip it? You will not be offered it again', this.said, async () => {
       const visit = await this.desk.api!.giveBack(this.desk.task.task!);
       this.drafts.forget();
       this.desk.proceed(visit);

@@ -1,0 +1,86 @@
+/// \file  Dialogues of two workers: the navigator walks and asks, the oracle sees the way and
+/// answers.
+///
+/// A dialogue has two seats. Each is held by a task of the same item, and is free when nobody has
+/// that task any more: the next worker takes it and goes on from there. Whose turn it is follows
+/// from what was said last: an oracle answers once, and until then the navigator stays.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/service/collecting/tasks.h"
+
+namespace enfilade::service::collecting {
+
+enum class Role : std::uint8_t { kNavigator, kOracle };
+constexpr std::array<std::string_view, 2> names_of(Role /*enum*/) {
+  return {"navigator", "oracle"};
+}
+
+/// So many steps of the shortest way are shown to the oracle, as in CVDN.
+inline constexpr std::size_t kStepsShown = 5;
+
+/// What was said, or a step.
+struct Turn {
+  std::int64_t id = 0;
+  Role role = Role::kNavigator;
+  std::string text;       ///< empty of a step
+  std::string viewpoint;  ///< where the navigator stands
+  double heading = 0, elevation = 0;
+  std::int64_t at = 0;  ///< seconds since 1970
+
+  auto columns() { return std::tie(id, role, text, viewpoint, heading, elevation, at); }
+};
+
+struct Dialogue {
+  std::int64_t id = 0;
+  std::optional<std::int64_t> navigator, oracle;  ///< tasks
+  std::optional<std::int64_t> finished;           ///< when
+
+  auto columns() { return std::tie(id, navigator, oracle, finished); }
+};
+
+/// A free seat of a dialogue that somebody else sits in.
+struct Seat {
+  std::int64_t dialogue = 0, item = 0;
+  Role role = Role::kOracle;
+
+  auto columns() { return std::tie(dialogue, item, role); }
+};
+/// The oldest one of an item that is new to the worker.
+std::optional<Seat> find_seat(store::Database& db, const Collection& collection,
+                              std::int64_t worker);
+/// Gives the seat to a task, or begins a dialogue as its navigator. \pre within a transaction
+void take_seat(store::Database& db, const std::optional<Seat>& seat, std::int64_t task,
+               std::int64_t item);
+/// Whether the task has a seat of a dialogue that is not finished.
+bool holds_seat(store::Database& db, std::int64_t task);
+
+/// What one of the two sees: {"role", "partner", "turn", "turns", "here", "finished"}; for the
+/// oracle "ahead", the next viewpoints of the shortest way, and "arrived", as openapi.json has
+/// them. The lease is renewed if half of it is over: whoever waits for an answer does not lose the
+/// task. \param after leaves out turns up to that id \throws Refusal kNotFound if the task is none
+/// of this visit's, or is no dialogue
+nlohmann::ordered_json dialogue_json(store::Database& db, const Visit& visit, std::int64_t task,
+                                     std::int64_t after, const graph::GraphSet& graphs);
+
+/// What one of the two does, checked against the graph: {"say": text}, {"steps": [{"viewpoint",
+/// "heading", "elevation"}]} of the navigator, or {"stop": true} of the navigator, who is at the
+/// goal. Stopping submits both tasks. \throws InvalidInput with its faults; Refusal kConflict if it
+/// is the other's turn, and as save_draft()
+void act_in_dialogue(store::Database& db, const Visit& visit, std::int64_t task,
+                     std::string_view body, const graph::GraphSet& graphs);
+
+/// {"dialogue", "turns": [{"role", "text" | none, "viewpoint", "heading", "elevation", "seconds"}]}
+/// is the content of both tasks.
+/// Instances of CVDN's navigation from dialogue history of one dialogue: one before anything is
+/// said, and one after each answer. \param task  of its navigator
+std::vector<nlohmann::ordered_json> cvdn_instances(const Task& task, const graph::GraphSet& graphs);
+
+}  // namespace enfilade::service::collecting

@@ -1,0 +1,40 @@
+/// \file  What is to be found at the end of a path.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/objects.h"
+
+namespace enfilade::service::collecting {
+
+/// A goal, as Item has it.
+struct Target {
+  std::optional<std::int64_t> object;
+  std::string name;                 ///< what people call it
+  std::vector<std::string> region;  ///< viewpoints of the graph; sorted, not empty
+  std::string outlines;             ///< outlines_json()
+};
+
+/// Where boxes of objects are looked up. Both outlive it.
+struct KnownObjects {
+  const tasks::ObjectBoxes* boxes = nullptr;  ///< null: the data set has none
+  const graph::GraphSet& graphs;
+};
+
+/// Targets of a path: the object or the region that its annotation names; where it names none, the
+/// objects that its last viewpoint shows largest, one of each name.
+/// \param most of the latter  \returns none if nothing with a box is there
+std::vector<Target> targets_of(const tasks::PathAnnotation& path, const KnownObjects& known,
+                               std::size_t most);
+
+/// Annotations of R2R, REVERIE (entries with "objId") or CVDN ("inst_idx"), by their first entry.
+/// \throws InvalidInput as the readers of tasks/formats
+tasks::Annotations parse_any(std::string_view json, const std::string& file,
+                             const std::string& split);
+
+}  // namespace enfilade::service::collecting
