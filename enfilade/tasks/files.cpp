@@ -239,7 +239,11 @@ std::vector<std::filesystem::path> object_places() {
 
 std::vector<Demonstration> load_demonstrations(const std::filesystem::path& file) {
   const TextFile content(file);
-  return formats::parse_rxr_followers(content.text(), file.string());
+  return parse_demonstrations(content.text(), file.string());
+}
+
+std::vector<Demonstration> parse_demonstrations(std::string_view lines, const std::string& file) {
+  return formats::parse_rxr_followers(lines, file);
 }
 
 std::string to_text(std::span<const Demonstration> walks) {

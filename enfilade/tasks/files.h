@@ -62,6 +62,7 @@ std::vector<std::filesystem::path> object_places();
 
 /// RxR's followers. \throws as load_annotations()
 std::vector<Demonstration> load_demonstrations(const std::filesystem::path& file);
+std::vector<Demonstration> parse_demonstrations(std::string_view lines, const std::string& file);
 /// The lines of a file of RxR's followers, which load_demonstrations() reads back equal.
 /// \throws ArgumentError for an infinite number, a negative id, an empty path, text that is not
 /// UTF-8

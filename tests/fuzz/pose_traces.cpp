@@ -1,6 +1,5 @@
-// Pose traces. The first byte says what the rest is: 'z' a whole .npz, 'n' one array of NumPy's,
-// any other one of the arrays of a trace that is good but for that. What is accepted is written and
-// read back equal.
+// Pose traces. The first byte says what the rest is: 'z' a whole .npz, any other one of the arrays
+// of a trace that is good but for that. What is accepted is written and read back equal.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -12,14 +11,13 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/scan/file_tree.h"
 #include "enfilade/scan/zip_writer.h"
-#include "enfilade/tasks/formats/npy.h"
 #include "enfilade/tasks/pose_trace.h"
 
 namespace {
 
 using namespace enfilade;
-using tasks::formats::NpyArray;
 
 constexpr std::array kArrays{"pano",       "time",      "extrinsic_matrix", "intrinsic_matrix",
                              "audio_time", "text_mask", "feature_weights"};
@@ -37,26 +35,25 @@ void check_trace(std::string bytes) {
   EN_CHECK(to_npz(tasks::parse_pose_trace(written, "<fuzz>")) == written);
 }
 
-void check_array(std::string bytes) {
-  const NpyArray array = NpyArray::parse(std::move(bytes));
-  for (std::size_t i = 0; i < array.size(); ++i) {
-    if (array.is_text()) {
-      array.text(i);
-    } else {
-      array.number(i);
-    }
+// The arrays of a good trace, with one of them replaced or added.
+std::string with_array(std::size_t which, std::string bytes) {
+  static const std::vector<scan::ZipEntry> kGood = [] {
+    tasks::PoseTrace trace;
+    const tasks::CameraLook look{{1, 2, 3}, Radians(1), Radians(0.2), Radians(1), 1.5};
+    trace.snapshots = {snapshot_of("v0", 0, look), snapshot_of("v1", 1, look)};
+    const auto tree = scan::FileTree::zip_in_memory(to_npz(trace), "<made>");
+    std::vector<scan::ZipEntry> entries;
+    for (const std::string& name : tree->names()) entries.push_back({name, *tree->read(name)});
+    return entries;
+  }();
+  std::vector<scan::ZipEntry> entries = kGood;
+  const std::string name = std::string(kArrays[which]) + ".npy";
+  const auto found = std::ranges::find(entries, name, &scan::ZipEntry::name);
+  if (found != entries.end()) {
+    found->content = std::move(bytes);
+  } else {
+    entries.push_back({name, std::move(bytes)});
   }
-}
-
-std::string with_array(std::size_t which, std::string_view bytes) {
-  const std::vector<std::string> panos{"v0", "v1"};
-  std::vector<scan::ZipEntry> entries{
-      {"pano.npy", tasks::formats::write_npy(panos, {2, 1})},
-      {"time.npy", tasks::formats::write_npy(std::vector<float>{0, 1}, {2, 1})},
-      {"extrinsic_matrix.npy", tasks::formats::write_npy(std::vector<float>(32, 1), {2, 16})},
-      {"intrinsic_matrix.npy", tasks::formats::write_npy(std::vector<float>(32, 1), {2, 16})}};
-  if (which >= entries.size()) entries.push_back({std::string(kArrays[which]) + ".npy", ""});
-  entries[std::min(which, entries.size() - 1)].content = bytes;
   return scan::zip(entries);
 }
 
@@ -68,8 +65,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     if (data[0] == 'z') {
       check_trace(bytes);
-    } else if (data[0] == 'n') {
-      check_array(bytes);
     } else {
       check_trace(with_array(data[0] % kArrays.size(), bytes));
     }

@@ -8,7 +8,6 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/tasks/files.h"
-#include "enfilade/tasks/formats/rxr.h"
 #include "enfilade/tasks/objects.h"
 
 namespace {
@@ -37,10 +36,10 @@ void check_released_soon(std::string_view text) {
 }
 
 void check_walks(std::string_view text) {
-  const auto walks = tasks::formats::parse_rxr_followers(text, "<fuzz>");
+  const auto walks = tasks::parse_demonstrations(text, "<fuzz>");
   if (walks.empty()) return;
   const std::string written = tasks::to_text(walks);
-  EN_CHECK_EQ(tasks::to_text(tasks::formats::parse_rxr_followers(written, "<fuzz>")), written);
+  EN_CHECK_EQ(tasks::to_text(tasks::parse_demonstrations(written, "<fuzz>")), written);
 }
 
 void check_boxes(std::string_view text, bool nested) {
