@@ -91,6 +91,9 @@ class BatchEnvironment {
   /// All metrics of what the agent has walked in its episode so far. O(steps * reference length).
   /// \throws ArgumentError for an agent beyond the batch, before reset(), or if the goal is hidden
   tasks::EpisodeMetrics compute_metrics(std::size_t agent) const;
+  /// What the agent has walked in its episode so far: for scorers of other benchmarks.
+  /// \pre agent < batch_size, reset() was called. Valid until the next reset() or step().
+  const tasks::Trajectory& trajectory(std::size_t agent) const { return batch_.trajectory(agent); }
 
  private:
   void check_actions(std::span<const std::int64_t> actions) const;

@@ -211,6 +211,13 @@ void check_scan_list(const std::filesystem::path& directory) {
 
 std::vector<std::string> load_scan_list(const std::filesystem::path& directory) {
   const std::filesystem::path file = scan_list_file(directory);
+  // A data set's folder, where that of its graphs is wanted.
+  const std::filesystem::path below = scan_list_file(directory / "connectivity");
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored) && std::filesystem::exists(below, ignored)) {
+    throw FileError(file.string() + ": no such file, but " + below.string() +
+                    " is there: name that folder, " + below.parent_path().string());
+  }
   std::vector<std::string> scans = parse_scan_list(read_file(file), file.string());
   if (scans.empty()) {
     refuse(file.string(), Path().text(), "no-scans", "lists no scan; one id a line is expected");

@@ -130,6 +130,13 @@ TEST(ScanList, RefusesWhatIsNoList) {
   EXPECT_THAT(message("../a"), HasSubstr("not a scan id"));
 }
 
+TEST(ScanList, IsLookedForOneFolderBelow) {
+  const tests::TemporaryFolder made("scan_list_below");
+  save_connectivity(made.path() / "connectivity", three_in_a_row());
+  EXPECT_THAT([&] { load_scan_list(made.path()); },
+              ::testing::ThrowsMessage<FileError>(HasSubstr("name that folder")));
+}
+
 TEST(Connectivity, SavesAGraphAndListsItsScanOnce) {
   const tests::TemporaryFolder made("saved_graphs");
   const fs::path folder = made.path() / "connectivity";

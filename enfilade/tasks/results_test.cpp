@@ -229,6 +229,40 @@ TEST(Results, LeaveAFourthInstructionOut) {
   }
 }
 
+TEST(Results, KeepAFourthInstructionThatIsAnEpisode) {
+  EpisodeSet all = episodes();
+  all.episodes.push_back({"7_3", 0, 3, "Once more."});
+  std::string text = file_with(R"(["v0"])");
+  EXPECT_THROW(parse_results(text, "r.json", all), InvalidInput);
+  text.insert(1, R"({"instr_id": "7_3", "trajectory": ["v0", "v1"]}, )");
+  const Results results = parse_results(text, "r.json", all);
+  EXPECT_THAT(results.warnings, IsEmpty());
+  EXPECT_THAT(viewpoints(results.trajectories.back()), ElementsAre(0, 1));
+}
+
+TEST(Results, MayBeOfAPartOfASplit) {
+  const std::string text = R"([{"instr_id": "8_0", "trajectory": ["v3", "v2"]},
+                               {"instr_id": "7_1", "trajectory": ["v0"]}])";
+  EXPECT_THROW(parse(text), InvalidInput);
+  Results results = parse_results(text, "r.json", episodes(), Coverage::kPart);
+  ASSERT_EQ(results.trajectories.size(), 2U);
+  EXPECT_EQ(results.trajectories[0].episode, 1U);
+  EXPECT_EQ(results.trajectories[1].episode, 3U);
+  const EpisodeSet part = part_of(episodes(), results.trajectories);
+  ASSERT_EQ(part.episodes.size(), 2U);
+  EXPECT_EQ(part.episodes[0].instruction_id, "7_1");
+  EXPECT_EQ(part.episodes[1].instruction_id, "8_0");
+  EXPECT_EQ(results.trajectories[1].episode, 1U);
+  EXPECT_EQ(part.path_of(part.episodes[1]).path_id, 8);
+  for (
+      const std::string wrong :
+      {R"([])", R"([{"instr_id": "9_0", "trajectory": ["v0"]}])",
+       R"([{"instr_id": "7_1", "trajectory": ["v0"]}, {"instr_id": "7_1", "trajectory": ["v0"]}])"}) {
+    EXPECT_THROW(parse_results(wrong, "r.json", episodes(), Coverage::kPart), InvalidInput)
+        << wrong;
+  }
+}
+
 TEST(Results, NameTheirFile) {
   const tests::TemporaryFolder folder("results");
   const auto file = folder.path() / "results.json";

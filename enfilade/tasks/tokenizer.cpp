@@ -99,9 +99,13 @@ Vocabulary Vocabulary::load(const std::filesystem::path& file) {
     if (line.ends_with('\r')) line.pop_back();
     words.push_back(line);
   }
+  return of(std::move(words), file.string());
+}
+
+Vocabulary Vocabulary::of(std::vector<std::string> words, const std::string& origin) {
   std::vector<Diagnostic> faults;
   const auto report = [&](std::string where, const char* code, std::string message) {
-    faults.push_back({Severity::kError, file.string(), std::move(where), code, std::move(message)});
+    faults.push_back({Severity::kError, origin, std::move(where), code, std::move(message)});
   };
   std::unordered_map<std::string, std::size_t> first;
   for (std::size_t i = 0; i < words.size(); ++i) {

@@ -28,6 +28,9 @@ class Vocabulary {
   static Vocabulary build(std::span<const std::string> texts, std::size_t least_count = 5);
   /// One word a line; the first three must be the specials. \throws FileError, InvalidInput
   static Vocabulary load(const std::filesystem::path& file);
+  /// Of words(), by id: the first three must be the specials. \param origin  names them in errors
+  /// \throws InvalidInput
+  static Vocabulary of(std::vector<std::string> words, const std::string& origin = "<words>");
   void save(const std::filesystem::path& file) const;  ///< \throws FileError
 
   std::size_t size() const noexcept { return words_.size(); }

@@ -126,6 +126,13 @@ std::vector<std::string> instructions(const scan::DataRoot& data,
   return texts;
 }
 
+TEST(Vocabulary, IsMadeOfItsWords) {
+  const Vocabulary vocabulary = Vocabulary::of({"<PAD>", "<UNK>", "<EOS>", "walk"});
+  EXPECT_EQ(vocabulary.id("walk"), 3U);
+  EXPECT_EQ(Vocabulary::of(vocabulary.words()).words(), vocabulary.words());
+  EXPECT_THROW(Vocabulary::of({"walk"}), InvalidInput);
+}
+
 TEST(Vocabulary, OfRealInstructions) {
   const auto data = scan::DataRoot::from_environment();
   if (!data) GTEST_SKIP() << "ENFILADE_DATA is not set: no real annotations";

@@ -33,9 +33,10 @@ from enfilade._core import (
 from enfilade._errors import ArgumentError, Error, FileError, InvalidInput, UnknownNameError
 
 if TYPE_CHECKING:
-    from enfilade._dataset import Dataset, Part
-    from enfilade._episodes import Episode, Episodes, Score
+    from enfilade._dataset import Dataset, Part, SeenObject
+    from enfilade._episodes import Episode, Episodes, Score, SubInstruction, TimedWord, Turn
     from enfilade._renderer import Renderer, open_panoramas
+    from enfilade._scores import Scorer, score_paths, scorers
     from enfilade._simulator import Candidate, CandidateTable, Simulator, State
     from enfilade.synth import write_small_dataset
 
@@ -45,6 +46,7 @@ __version__ = "0.1.0"
 _LATER = {
     "Dataset": "_dataset",
     "Part": "_dataset",
+    "SeenObject": "_dataset",
     "Candidate": "_simulator",
     "CandidateTable": "_simulator",
     "Simulator": "_simulator",
@@ -54,8 +56,16 @@ _LATER = {
     "Episode": "_episodes",
     "Episodes": "_episodes",
     "Score": "_episodes",
+    "SubInstruction": "_episodes",
+    "TimedWord": "_episodes",
+    "Turn": "_episodes",
+    "Scorer": "_scores",
+    "score_paths": "_scores",
+    "scorers": "_scores",
     "write_small_dataset": "synth",
 }
+
+_MODULES = ("camera", "features", "goals")
 
 __all__ = [
     "ArgumentError",
@@ -73,19 +83,28 @@ __all__ = [
     "Part",
     "Renderer",
     "Score",
+    "Scorer",
+    "SeenObject",
     "Simulator",
     "State",
+    "SubInstruction",
+    "TimedWord",
+    "Turn",
     "UnknownNameError",
     "Vocabulary",
     "backends",
     "metrics",
     "open_panoramas",
+    "score_paths",
+    "scorers",
     "tokenize",
     "write_small_dataset",
 ]
 
 
 def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return importlib.import_module(f"enfilade.{name}")
     if name not in _LATER:
         raise AttributeError(f"module 'enfilade' has no attribute '{name}'")
     value = getattr(importlib.import_module(f"enfilade.{_LATER[name]}"), name)

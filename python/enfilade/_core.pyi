@@ -1,5 +1,5 @@
 # Made by python/tools/make_stubs.py.
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 import os
 import pathlib
 from typing import Annotated, Any
@@ -26,13 +26,22 @@ def write_safetensors(file: str | os.PathLike[str], arrays: Mapping[str, Annotat
     """Writes arrays of float32 or float16 by their names."""
 
 class Graph:
-    """The viewpoints of one scan and the edges between them. Immutable."""
+    """
+    The viewpoints of one scan and the edges between them. Immutable. Iterates over ids.
+    """
 
     @property
     def scan(self) -> str:
         """Name of the scan."""
 
     def __len__(self) -> int: ...
+
+    def __iter__(self) -> Iterator[str]:
+        """Ids, as `viewpoints`."""
+
+    def __contains__(self, arg: str, /) -> bool: ...
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
 
     @property
     def viewpoints(self) -> list[str]:
@@ -64,6 +73,21 @@ class Graph:
         The included viewpoint nearest to a point, metres, world frame; None if there is none, or a coordinate is not finite.
         """
 
+    def edges(self) -> list[tuple[str, str, float]]:
+        """
+        (from, to, metres), each edge once: what networkx's add_weighted_edges_from() takes.
+        """
+
+    def edge_arrays(self) -> tuple[numpy.typing.NDArray[numpy.uint32], numpy.typing.NDArray[numpy.float64]]:
+        """
+        (m, 2) indices from and to, and (m,) metres; every edge in both directions.
+        """
+
+    def distances(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (n, n) shortest ways along edges, metres, by index; inf where there is none. What networkx's all_pairs_dijkstra_path_length() gives, in milliseconds.
+        """
+
 class Graphs:
     """
     The scans of a folder of <scan>_connectivity.json and scans.txt. A graph is read when first used, once a process.
@@ -71,6 +95,8 @@ class Graphs:
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         """Raises FileError or InvalidInput for a folder without a scans.txt."""
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
 
     def __len__(self) -> int: ...
 
@@ -128,6 +154,17 @@ class Panoramas:
         images: folders to look in, in this order. connectivity: folder of the graphs' files.
         """
 
+    @staticmethod
+    def of_scans(images: Sequence[str | os.PathLike[str]], connectivity: str | os.PathLike[str], scans: Sequence[str]) -> Panoramas:
+        """The same of scans by their names."""
+
+    def __contains__(self, scan: str) -> bool:
+        """
+        Whether there are pictures of a scan. Raises FileError, InvalidInput for broken ones.
+        """
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
     @property
     def scans(self) -> list[str]:
         """Names by index, as Graphs.scans."""
@@ -157,24 +194,69 @@ class ViewRenderer:
 def backends() -> list[str]:
     """What a Renderer may draw with in this build, such as "cpu" and "gl"."""
 
-class EpisodeSet:
-    """What enfilade.Episodes is made of."""
+class DatasetFolder:
+    """What enfilade.Dataset is made of."""
 
-    def __init__(self, folder: str | os.PathLike[str], split: str, all_instructions: bool) -> None: ...
+    def __init__(self, folder: str | os.PathLike[str] | None) -> None: ...
 
-    def __len__(self) -> int: ...
+    @property
+    def folder(self) -> pathlib.Path: ...
 
-    def episode(self, index: int) -> tuple[str, int, str, tuple[str, ...], float, str]: ...
+    @property
+    def synthetic(self) -> bool: ...
+
+    @property
+    def splits(self) -> list[str]: ...
 
     @property
     def graphs(self) -> Graphs: ...
 
-    def score(self, file: str | os.PathLike[str], success_distance: float, bootstrap_samples: int) -> tuple[dict[str, tuple[float, float, float]], dict[str, dict[str, float]], list[str]]: ...
+    @property
+    def panoramas(self) -> Panoramas: ...
 
-def metrics(graphs: Graphs, scan: str, trajectory: Sequence[str], reference: Sequence[str], success_distance: float = 3.0) -> dict[str, float]:
+    @property
+    def panorama_places(self) -> tuple[list[pathlib.Path], pathlib.Path]: ...
+
+    def region(self, scan: str, viewpoint: str) -> int | None: ...
+
+    def has_annotations(self, task: str, split: str) -> bool: ...
+
+    def objects_at(self, scan: str, viewpoint: str) -> list[tuple[int, str, tuple[int, ...], tuple[tuple[int, int, int, int], ...]]]: ...
+
+    def examine(self) -> list[tuple[str, bool, str, str]]: ...
+
+class EpisodeSet:
+    """What enfilade.Episodes is made of."""
+
+    def __init__(self, dataset: DatasetFolder, task: str, split: str, all_instructions: bool, file: str | os.PathLike[str] | None) -> None: ...
+
+    def __len__(self) -> int: ...
+
+    def episode(self, index: int) -> tuple[Any, ...]: ...
+
+    def about(self, index: int) -> tuple[str, int, int, str, str]: ...
+
+    def find(self, instruction_id: str) -> int | None: ...
+
+    @property
+    def texts(self) -> list[str]: ...
+
+    @property
+    def task(self) -> str: ...
+
+    @property
+    def graphs(self) -> Graphs: ...
+
+    def score(self, file: str | os.PathLike[str] | None, text: str, scorer: str, success_distance: float, bootstrap_samples: int, part: bool) -> tuple[str, tuple[str, ...], dict[str, tuple[float, float, float]], numpy.typing.NDArray[numpy.float64], list[int], list[str]]: ...
+
+def metrics(graphs: Graphs, scan: str, trajectory: Iterable[str | int], reference: Iterable[str | int], success_distance: float = 3.0) -> dict[str, float]:
     """
-    All metrics of one trajectory against one reference path, both lists of viewpoint ids: nav_error, success, spl, ndtw, cls, ... (docs/tasks.md has the equations). Raises UnknownNameError, and ArgumentError for a path without viewpoints.
+    All metrics of one trajectory against one reference path, both viewpoint ids or indices: nav_error, success, spl, ndtw, cls, ... (docs/tasks.md has the equations). Raises UnknownNameError, and ArgumentError for a path without viewpoints.
     """
+
+def score_paths(graphs: Graphs, task: str, scorer: str, scans: list[str], trajectories: list[Any], references: list[Any], goals: list[Any], answers: list[Any]) -> numpy.typing.NDArray[numpy.float64]: ...
+
+def scorers(task: str) -> list[tuple[str, str, tuple[str, ...], tuple[str, ...]]]: ...
 
 def tokenize(text: str) -> list[str]:
     """Words as R2R's released code splits them."""
@@ -211,37 +293,14 @@ class Vocabulary:
         Back to words in reading order, without specials but <UNK>, which ids of no word are too.
         """
 
-class DatasetFolder:
-    """What enfilade.Dataset is made of."""
+    def __getstate__(self) -> list[str]: ...
 
-    def __init__(self, folder: str | os.PathLike[str] | None) -> None: ...
-
-    @property
-    def folder(self) -> pathlib.Path: ...
-
-    @property
-    def synthetic(self) -> bool: ...
-
-    @property
-    def splits(self) -> list[str]: ...
-
-    @property
-    def graphs(self) -> Graphs: ...
-
-    @property
-    def panoramas(self) -> Panoramas: ...
-
-    @property
-    def panorama_places(self) -> tuple[list[pathlib.Path], pathlib.Path]: ...
-
-    def region(self, scan: str, viewpoint: str) -> int | None: ...
-
-    def examine(self) -> list[tuple[str, bool, str, str]]: ...
+    def __setstate__(self, arg: Sequence[str], /) -> None: ...
 
 class BatchEnvironment:
     """What the environments of enfilade.gym are made of."""
 
-    def __init__(self, episodes: EpisodeSet, *, batch_size: int, six_actions: bool, reward: str, max_steps: int, success_distance: float, reset_at_next_step: bool, seed: int, width: int, height: int, vfov: float, max_navigable: int) -> None: ...
+    def __init__(self, episodes: object, *, batch_size: int, six_actions: bool, reward: str, max_steps: int, success_distance: float, reset_at_next_step: bool, seed: int, width: int, height: int, vfov: float, max_navigable: int) -> None: ...
 
     def reset(self, mask: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)] | None, chosen: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None) -> None: ...
 
@@ -253,5 +312,7 @@ class BatchEnvironment:
     def action_count(self) -> int: ...
 
     def arrays(self) -> dict[str, numpy.typing.NDArray[Any]]: ...
+
+    def walked(self, agent: int) -> list[int]: ...
 
     def metrics(self, agent: int) -> dict[str, float]: ...

@@ -19,6 +19,20 @@ if TYPE_CHECKING:
     from enfilade._simulator import Simulator
 
 
+SPLITS = ("train", "val_seen", "val_unseen", "test")
+#: Which other splits a benchmark may have.
+MORE_SPLITS: dict[str, tuple[str, ...]] = {
+    "r2r": (),
+    "r2r-last": (),
+    "r2r-back": (),
+    "r4r": (),
+    "rxr": ("test_standard", "test_challenge"),
+    "reverie": (),
+    "cvdn": ("test_cleaned",),
+    "soon": ("val_seen_instrs", "val_unseen_instrs", "val_unseen_house"),
+}
+
+
 @dataclass(frozen=True)
 class Part:
     """A part of a data set: what is there, or what is missing and how to get it."""
@@ -27,6 +41,16 @@ class Part:
     present: bool
     found: str  #: "90 scans"; or why it cannot be used
     advice: str  #: how to get it; empty if it is there
+
+
+@dataclass(frozen=True)
+class SeenObject:
+    """An object as the pictures of one viewpoint show it (REVERIE's boxes)."""
+
+    id: int
+    name: str  #: "plant#pot": category, and detail where there is one
+    views: tuple[int, ...]  #: that show it, 0..35; empty: nobody sees it from here
+    boxes: tuple[tuple[int, int, int, int], ...]  #: beside each view: x, y, width, height of 640 x 480
 
 
 class Dataset:
@@ -42,7 +66,7 @@ class Dataset:
             Matterport3DSimulator's, with all files side by side, or with stores alone. None: the
             folder that the environment variable ENFILADE_DATA names.
 
-    A part is opened when it is first used. Any thread may use it. Raises FileError if it is not a
+    A part is opened when it is first used. Any thread may use it. Pickled, it is opened anew. Raises FileError if it is not a
     folder.
     """
 
@@ -63,21 +87,49 @@ class Dataset:
     @property
     def graphs(self) -> Graphs:
         """The navigation graphs. Raises FileError, InvalidInput."""
-        return self._core.graphs
+        graphs = self._core.graphs
+        graphs._folder = os.fspath(self.folder)  # type: ignore[attr-defined]  # to pickle them
+        return graphs
 
     @property
     def panoramas(self) -> Panoramas:
         """The pictures, in the order of the graphs. A scan is opened when first used."""
-        return self._core.panoramas
+        panoramas = self._core.panoramas
+        panoramas._folder = os.fspath(self.folder)  # type: ignore[attr-defined]  # to pickle them
+        return panoramas
 
     @property
     def splits(self) -> list[str]:
         """The splits that exist, of train, val_seen, val_unseen and test."""
         return self._core.splits
 
-    def episodes(self, split: str, *, all_instructions: bool = False) -> Episodes:
+    @property
+    def tasks(self) -> dict[str, list[str]]:
+        """The benchmarks whose annotations are there, each with its splits."""
+        found = {
+            task: [split for split in (*SPLITS, *more) if self._core.has_annotations(task, split)]
+            for task, more in MORE_SPLITS.items()
+        }
+        return {task: splits for task, splits in found.items() if splits}
+
+    def episodes(
+        self,
+        split: str,
+        task: str = "r2r",
+        *,
+        all_instructions: bool = False,
+        file: Union[None, str, os.PathLike[str]] = None,
+    ) -> Episodes:
         """The episodes of a split; arguments and errors as of Episodes."""
-        return Episodes(self.folder, split, all_instructions=all_instructions)
+        return Episodes._of_dataset(self._core, split, task, all_instructions, file)
+
+    def objects(self, scan: str, viewpoint: str) -> list[SeenObject]:
+        """The objects around a viewpoint (REVERIE's boxes), in the order of the file; those that no
+        view shows, too. The first call reads the boxes of all scans. Raises FileError, InvalidInput."""
+        return [SeenObject(*row) for row in self._core.objects_at(scan, viewpoint)]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Dataset, (os.fspath(self.folder),)
 
     def region(self, scan: str, viewpoint: str) -> Optional[int]:
         """The region (room) that a viewpoint is in; None if the region map does not have it. Raises
@@ -122,3 +174,11 @@ class Dataset:
         )
         picture: NDArray[uint8] = drawn["colour"][0]
         return picture
+
+
+def _graphs_of(folder: str) -> Graphs:
+    return Dataset(folder).graphs
+
+
+def _panoramas_of(folder: str) -> Panoramas:
+    return Dataset(folder).panoramas

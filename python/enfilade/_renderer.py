@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from enfilade._arguments import whole
 from enfilade._core import DatasetFolder, Graphs, Panoramas, ViewArrays, ViewRenderer
 from enfilade._errors import ArgumentError
-from enfilade._simulator import Names, Simulator, scan_indices, viewpoint_indices
+from enfilade._simulator import Names, Simulator, _make_again, scan_indices, viewpoint_indices
 
 # The type of a picture's values.
 _COLOURS = {"rgb8": "uint8", "bgr8": "uint8", "rgba8": "uint8", "planar": "float32",
@@ -45,6 +45,7 @@ class Renderer:
         clamped_edges, eight_bit_depth: as the old simulator drew, for features made with it.
         device: an EGL device's index or UUID, for "gl"; empty: the first that works.
 
+    Pickled or copied, it is a new one of the same settings.
     Raises ArgumentError for what is not allowed, and for graphs and panoramas of different scans;
     FileError if the shared file cannot be used, or has no room in /dev/shm.
     """
@@ -69,6 +70,16 @@ class Renderer:
             raise ArgumentError(f"cache '{cache}': one of {', '.join(CACHES)} is wanted")
         shared = whole("shared_bytes", shared_bytes, 2**63 - 1)
         self.graphs, self.panoramas = graphs, panoramas
+        self._options = {
+            "backend": backend,
+            "threads": threads,
+            "cache_bytes": cache_bytes,
+            "cache": cache,
+            "shared_bytes": shared_bytes,
+            "clamped_edges": clamped_edges,
+            "eight_bit_depth": eight_bit_depth,
+            "device": device,
+        }
         self._core = ViewRenderer(
             panoramas,
             backend,
@@ -79,6 +90,9 @@ class Renderer:
             eight_bit_depth,
             device,
         )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _make_again, (type(self), self.graphs, self.panoramas, self._options)
 
     @property
     def description(self) -> str:

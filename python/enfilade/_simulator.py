@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Optional, Union
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -61,7 +61,11 @@ class Candidate:
 
 @dataclass(frozen=True)
 class CandidateTable:
-    """Candidates of many viewpoints, a row each, ordered by scan and viewpoint."""
+    """Candidates of many viewpoints, a row each, ordered by scan and viewpoint.
+
+    >>> rows = table.rows(scan, viewpoint)       # a slice, of one viewpoint
+    >>> table.view_index[rows], table.normalized_heading[rows]
+    """
 
     scan: NDArray[np.uint32]  #: (n,) index into Graphs.scans
     viewpoint: NDArray[np.uint32]  #: (n,) where one stands
@@ -74,6 +78,32 @@ class CandidateTable:
     rel_elevation: NDArray[np.float64]  #: (n,) radians
     angle: NDArray[np.float64]  #: (n,) radians
     distance: NDArray[np.float64]  #: (n,) metres
+    #: (k + 1,) by scan of the table: where its viewpoints begin in `offsets`.
+    scan_offsets: NDArray[np.int64]
+    #: (v + 1,) by viewpoint, all of a scan, excluded ones too: the row where its candidates begin;
+    #: they end where those of the next one begin.
+    offsets: NDArray[np.int64]
+    #: The scans that it was made of, by their place in the table, and the graphs of their names.
+    scans: tuple[int, ...]
+    graphs: Graphs
+
+    def rows(self, scan: Union[str, int], viewpoint: Union[str, int]) -> slice:
+        """The rows of one viewpoint, by names or indices. Raises UnknownNameError, and ArgumentError
+        for a scan that is not in the table or an index out of range."""
+        s = self.graphs.index(scan) if isinstance(scan, str) else whole("scan", scan)
+        if s not in self._places:
+            raise ArgumentError(f"scan {scan!r}: not one of the {len(self.scans)} of this table")
+        place = self._places[s]
+        first, last = int(self.scan_offsets[place]), int(self.scan_offsets[place + 1])
+        if isinstance(viewpoint, str):
+            v = self.graphs[self.graphs.scans[s]].index(viewpoint)
+        else:
+            v = whole("viewpoint", viewpoint, last - first - 1)
+        return slice(int(self.offsets[first + v]), int(self.offsets[first + v + 1]))
+
+    @cached_property
+    def _places(self) -> dict[int, int]:
+        return {scan: place for place, scan in enumerate(self.scans)}
 
 
 class Simulator:
@@ -103,7 +133,8 @@ class Simulator:
         graphs, batch_size, width, height, vfov: as given. Nothing can be set later: make another,
             which takes microseconds.
 
-    Raises ArgumentError for a value outside what is allowed, TypeError for one of a wrong type.
+    Pickled or copied, it is a new one of the same settings, without episodes. Raises ArgumentError for
+    a value outside what is allowed, TypeError for one of a wrong type.
     """
 
     def __init__(
@@ -152,6 +183,22 @@ class Simulator:
         self._views = ViewArrays(s.scan, s.viewpoint, s.heading, s.elevation)  # for a Renderer
         self._nothing = np.zeros(self.batch_size)
         self._begun = False  # whether all agents have, as far as checked
+        self._options = {
+            "width": self.width,
+            "height": self.height,
+            "vfov": vfov,
+            "discretized": discretized,
+            "restricted": restricted,
+            "field_of_view": field_of_view,
+            "elevation_limits": elevation_limits,
+            "random_starts": random_starts,
+            "seed": seed,
+            "max_navigable": max_navigable,
+            "threads": threads,
+        }
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _make_again, (type(self), self.graphs, self.batch_size, self._options)
 
     def new_episodes(
         self,
@@ -255,8 +302,21 @@ class Simulator:
         wanted = np.arange(len(self.graphs), dtype=np.uint32)
         if scans is not None:
             wanted = scan_indices(self.graphs, scans)
+        if len(np.unique(wanted)) != len(wanted):
+            raise ArgumentError("scans: one is named twice")
         integers, reals = self._core.candidate_arrays(wanted)
-        return CandidateTable(*integers.T, *reals.T)
+        names = self.graphs.scans
+        sizes = [len(self.graphs[names[scan]]) for scan in wanted]
+        scan_offsets = np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)]).astype(np.int64)
+        place = np.zeros(len(names), np.int64)
+        place[wanted] = np.arange(len(wanted))
+        counts = np.bincount(
+            scan_offsets[place[integers[:, 0]]] + integers[:, 1], minlength=int(scan_offsets[-1])
+        )
+        offsets = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+        columns: list[Any] = [np.ascontiguousarray(c) for c in (*integers.T, *reals.T)]
+        columns += [scan_offsets, offsets, tuple(wanted.tolist()), self.graphs]
+        return CandidateTable(*columns)
 
     def _check_begun(self) -> None:
         """Raises ArgumentError naming an agent without an episode."""
@@ -280,6 +340,11 @@ class Simulator:
         if array.ndim == 0:
             return np.full(self.batch_size, array)
         return np.ascontiguousarray(_row(name, array))
+
+
+def _make_again(kind: Any, first: Any, second: Any, options: dict[str, Any]) -> Any:
+    """For pickling what has options by name."""
+    return kind(first, second, **options)
 
 
 def scan_indices(graphs: Graphs, scans: Names) -> NDArray[np.uint32]:

@@ -4,12 +4,14 @@
 #include <nanobind/ndarray.h>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <type_traits>
 
 #include "enfilade/core/ids.h"
 #include "enfilade/graph/nav_graph.h"
+#include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/metrics.h"
 
 namespace enfilade::python {
@@ -52,6 +54,8 @@ nb::object view_of(const Values& values, nb::handle owner, Sizes... sizes) {
 
 /// A viewpoint by its id. \throws LookupError
 ViewpointIndex find_viewpoint(const graph::NavGraph& graph, const std::string& id);
+/// What an EpisodeSet of Python's holds. \throws nb::cast_error for another object
+std::shared_ptr<const tasks::EpisodeSet> episode_set(nb::handle episodes);
 /// {"nav_error": ..., "success": ..., ...}
 nb::dict metrics_dict(const tasks::EpisodeMetrics& metrics);
 
@@ -61,7 +65,9 @@ void bind_graphs(nb::module_& module);
 void bind_dataset(nb::module_& module);
 void bind_simulator(nb::module_& module);
 void bind_renderer(nb::module_& module);
-void bind_r2r(nb::module_& module);
+void bind_episodes(nb::module_& module);
+void bind_scores(nb::module_& module);
+void bind_tokens(nb::module_& module);
 void bind_environment(nb::module_& module);
 namespace mattersim {
 void bind(nb::module_& module);  ///< the old simulator's names, in a module of their own

@@ -15,6 +15,8 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/objects.h"
 #include "python/src/bindings.h"
 
 namespace enfilade::python {
@@ -23,7 +25,7 @@ namespace {
 using dataset::Dataset;
 using namespace nb::literals;
 
-Dataset open(const std::optional<std::filesystem::path>& folder) {
+Dataset open_dataset(const std::optional<std::filesystem::path>& folder) {
   if (folder) return Dataset(*folder);
   if (auto named = Dataset::from_environment()) return *std::move(named);
   throw FileError("no folder was named, and the environment variable ENFILADE_DATA is not set");
@@ -43,11 +45,37 @@ nb::list examine(const Dataset& dataset) {
   return rows;
 }
 
+bool has_annotations(const Dataset& dataset, const std::string& task, const std::string& split) {
+  try {
+    dataset.annotations_file(tasks::task_named(task), split);
+    return true;
+  } catch (const FileError&) {
+    return false;
+  }
+}
+
+// [(id, name, views, boxes), ...]
+nb::list objects_at(const Dataset& dataset, const std::string& scan, const std::string& viewpoint) {
+  const tasks::ObjectBoxes* objects = nullptr;
+  {
+    const nb::gil_scoped_release unlocked;
+    objects = &dataset.objects();
+  }
+  nb::list found;
+  for (const tasks::ViewedObject& object : objects->at(scan, viewpoint)) {
+    nb::list views, boxes;
+    for (const std::uint8_t view : object.views) views.append(view);
+    for (const auto& b : object.boxes) boxes.append(nb::make_tuple(b[0], b[1], b[2], b[3]));
+    found.append(nb::make_tuple(object.id, object.name, nb::tuple(views), nb::tuple(boxes)));
+  }
+  return found;
+}
+
 }  // namespace
 
 void bind_dataset(nb::module_& m) {
   nb::class_<Dataset>(m, "DatasetFolder", "What enfilade.Dataset is made of.")
-      .def(nb::new_(&open), "folder"_a.none())
+      .def(nb::new_(&open_dataset), "folder"_a.none())
       .def_prop_ro("folder", &Dataset::folder)
       .def_prop_ro("synthetic", &Dataset::synthetic)
       .def_prop_ro("splits", &Dataset::splits)
@@ -64,6 +92,10 @@ void bind_dataset(nb::module_& m) {
             return d.regions().find(scan, viewpoint);
           },
           "scan"_a, "viewpoint"_a)
+      .def("has_annotations", has_annotations, "task"_a, "split"_a)
+      .def("objects_at", objects_at, "scan"_a, "viewpoint"_a,
+           nb::sig("def objects_at(self, scan: str, viewpoint: str) -> list[tuple[int, str, "
+                   "tuple[int, ...], tuple[tuple[int, int, int, int], ...]]]"))
       .def("examine", examine, nb::sig("def examine(self) -> list[tuple[str, bool, str, str]]"));
 }
 

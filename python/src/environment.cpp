@@ -107,13 +107,12 @@ class Environment {
   std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
 };
 
-std::unique_ptr<Environment> make_environment(std::shared_ptr<const tasks::EpisodeSet> episodes,
-                                              std::size_t batch_size, bool six_actions,
-                                              const std::string& reward, std::uint32_t max_steps,
-                                              double success_distance, bool reset_at_next_step,
-                                              std::uint64_t seed, std::uint32_t width,
-                                              std::uint32_t height, double vfov,
-                                              std::size_t max_navigable) {
+std::unique_ptr<Environment> make_environment(nb::handle episodes, std::size_t batch_size,
+                                              bool six_actions, const std::string& reward,
+                                              std::uint32_t max_steps, double success_distance,
+                                              bool reset_at_next_step, std::uint64_t seed,
+                                              std::uint32_t width, std::uint32_t height,
+                                              double vfov, std::size_t max_navigable) {
   agents::EnvironmentConfig config;
   config.batch_size = batch_size;
   if (six_actions) config.actions = agents::ActionSpace::kSixActions;
@@ -130,7 +129,7 @@ std::unique_ptr<Environment> make_environment(std::shared_ptr<const tasks::Episo
   config.seed = seed;
   config.camera = {width, height, Radians(vfov)};
   config.max_navigable = max_navigable;
-  return std::make_unique<Environment>(std::move(episodes), config);
+  return std::make_unique<Environment>(episode_set(episodes), config);
 }
 
 }  // namespace
@@ -148,6 +147,17 @@ void bind_environment(nb::module_& m) {
       .def(
           "arrays", [](nb::handle self) { return nb::cast<const Environment&>(self).arrays(self); },
           nb::sig("def arrays(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"))
+      .def(
+          "walked",
+          [](const Environment& e, std::size_t agent) {
+            if (agent >= e.native().config().batch_size) throw nb::index_error("agent");
+            nb::list viewpoints;
+            for (const tasks::TrajectoryPoint& p : e.native().trajectory(agent).points) {
+              viewpoints.append(p.viewpoint.value);
+            }
+            return viewpoints;
+          },
+          "agent"_a, nb::sig("def walked(self, agent: int) -> list[int]"))
       .def(
           "metrics",
           [](const Environment& e, std::size_t agent) {

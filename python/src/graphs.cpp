@@ -6,12 +6,15 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
 #include "python/src/bindings.h"
+#include "python/src/origins.h"
 
 namespace enfilade::python {
 namespace {
@@ -59,11 +62,91 @@ std::optional<std::vector<std::string>> path(const Graph& g, const std::string& 
   return g.names(*found);
 }
 
+nb::list edges(const Graph& g) {
+  nb::list rows;
+  for (std::size_t v = 0; v < g.graph->size(); ++v) {
+    const ViewpointIndex from(v);
+    for (const graph::Edge& edge : g.graph->edges(from)) {
+      // Each edge once; one that leads one way only is an edge, too.
+      if (edge.target < from && g.graph->edge(edge.target, from) != nullptr) continue;
+      rows.append(nb::make_tuple(g.graph->id(from), g.graph->id(edge.target), edge.length));
+    }
+  }
+  return rows;
+}
+
+template <class T>
+T* keep(std::unique_ptr<T> kept, nb::object& owner) {
+  T* const pointer = kept.release();
+  owner = nb::capsule(pointer, [](void* p) noexcept { delete static_cast<T*>(p); });
+  return pointer;
+}
+
+// (m, 2) indices, and (m) metres: every edge in both directions.
+nb::tuple edge_arrays(const Graph& g) {
+  auto pairs = std::make_unique<std::vector<std::uint32_t>>();
+  auto lengths = std::make_unique<std::vector<double>>();
+  for (std::size_t v = 0; v < g.graph->size(); ++v) {
+    for (const graph::Edge& edge : g.graph->edges(ViewpointIndex(v))) {
+      pairs->insert(pairs->end(), {static_cast<std::uint32_t>(v), edge.target.value});
+      lengths->push_back(edge.length);
+    }
+  }
+  nb::object pairs_owner, lengths_owner;
+  const auto* p = keep(std::move(pairs), pairs_owner);
+  const auto* l = keep(std::move(lengths), lengths_owner);
+  return nb::make_tuple(array_of(p->data(), pairs_owner, l->size(), 2),
+                        array_of(l->data(), lengths_owner, l->size()));
+}
+
+nb::object distances(const Graph& g) {
+  const std::size_t n = g.graph->size();
+  auto values = std::make_unique<std::vector<double>>(n * n);
+  {
+    const nb::gil_scoped_release unlocked;
+    for (std::size_t a = 0; a < n; ++a) {
+      for (std::size_t b = 0; b < n; ++b) {
+        (*values)[a * n + b] = g.graph->distance(ViewpointIndex(a), ViewpointIndex(b));
+      }
+    }
+  }
+  nb::object owner;
+  const auto* kept = keep(std::move(values), owner);
+  return array_of(kept->data(), owner, n, n);
+}
+
+void bind_graph_arrays(nb::class_<Graph>& c) {
+  c.def("edges", edges, nb::sig("def edges(self) -> list[tuple[str, str, float]]"),
+        "(from, to, metres), each edge once: what networkx's add_weighted_edges_from() takes.")
+      .def("edge_arrays", edge_arrays,
+           nb::sig("def edge_arrays(self) -> tuple[numpy.typing.NDArray[numpy.uint32], "
+                   "numpy.typing.NDArray[numpy.float64]]"),
+           "(m, 2) indices from and to, and (m,) metres; every edge in both directions.")
+      .def("distances", distances,
+           nb::sig("def distances(self) -> numpy.typing.NDArray[numpy.float64]"),
+           "(n, n) shortest ways along edges, metres, by index; inf where there is none. What "
+           "networkx's all_pairs_dijkstra_path_length() gives, in milliseconds.");
+}
+
 void bind_graph(nb::module_& m) {
-  nb::class_<Graph>(m, "Graph", "The viewpoints of one scan and the edges between them. Immutable.")
-      .def_prop_ro(
-          "scan", [](const Graph& g) { return g.graph->scan(); }, "Name of the scan.")
+  nb::class_<Graph> c(
+      m, "Graph",
+      "The viewpoints of one scan and the edges between them. Immutable. Iterates over ids.");
+  c.def_prop_ro(
+       "scan", [](const Graph& g) { return g.graph->scan(); }, "Name of the scan.")
       .def("__len__", [](const Graph& g) { return g.graph->size(); })
+      .def(
+          "__iter__", [](const Graph& g) { return nb::cast(viewpoints(g)).attr("__iter__")(); },
+          nb::sig("def __iter__(self) -> collections.abc.Iterator[str]"), "Ids, as `viewpoints`.")
+      .def("__contains__",
+           [](const Graph& g, const std::string& v) { return g.graph->find(v).has_value(); })
+      .def(
+          "__reduce__",
+          [](const Graph& g) {
+            return nb::make_tuple(nb::module_::import_("operator").attr("getitem"),
+                                  nb::make_tuple(g.set, g.graph->scan()));
+          },
+          nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"))
       .def_prop_ro("viewpoints", viewpoints, "Ids by index, excluded viewpoints too.")
       .def_prop_ro(
           "positions",
@@ -100,6 +183,34 @@ void bind_graph(nb::module_& m) {
           "point"_a,
           "The included viewpoint nearest to a point, metres, world frame; None if there is none, "
           "or a coordinate is not finite.");
+  bind_graph_arrays(c);
+}
+
+Origins<GraphSet, std::string>& folders() {
+  static Origins<GraphSet, std::string> known;
+  return known;
+}
+
+std::shared_ptr<const GraphSet> open_graphs(const std::filesystem::path& folder) {
+  std::shared_ptr<const GraphSet> set;
+  {
+    const nb::gil_scoped_release unlocked;
+    set = GraphSet::open_shared(folder);
+  }
+  folders().put(set, std::filesystem::absolute(folder).string());
+  return set;
+}
+
+// Graphs of a folder are opened again; those that a data set keeps in its stores are asked of it.
+nb::tuple reduce_graphs(nb::handle self) {
+  if (nb::hasattr(self, "_folder")) {
+    return nb::make_tuple(nb::module_::import_("enfilade._dataset").attr("_graphs_of"),
+                          nb::make_tuple(self.attr("_folder")));
+  }
+  if (const std::string* folder = folders().find(nb::cast<const GraphSet&>(self))) {
+    return nb::make_tuple(self.type(), nb::make_tuple(*folder));
+  }
+  throw nb::type_error("these graphs are of no folder: pickle their Dataset");
 }
 
 }  // namespace
@@ -114,9 +225,11 @@ void bind_graphs(nb::module_& m) {
   nb::class_<GraphSet>(
       m, "Graphs",
       "The scans of a folder of <scan>_connectivity.json and scans.txt. A graph is "
-      "read when first used, once a process.")
-      .def(nb::new_(&GraphSet::open_shared), "folder"_a,
+      "read when first used, once a process.",
+      nb::dynamic_attr())
+      .def(nb::new_(&open_graphs), "folder"_a,
            "Raises FileError or InvalidInput for a folder without a scans.txt.")
+      .def("__reduce__", reduce_graphs, nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"))
       .def("__len__", &GraphSet::size)
       .def(
           "__iter__", [](const GraphSet& g) { return nb::cast(g.scans()).attr("__iter__")(); },

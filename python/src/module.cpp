@@ -14,8 +14,10 @@ NB_MODULE(_core, m) {
   enfilade::python::bind_simulator(m);
   enfilade::python::bind_renderer(m);
   enfilade::python::bind_gl_trial(m);
-  enfilade::python::bind_r2r(m);
   enfilade::python::bind_dataset(m);
+  enfilade::python::bind_episodes(m);
+  enfilade::python::bind_scores(m);
+  enfilade::python::bind_tokens(m);
   enfilade::python::bind_environment(m);
   nb::module_ mattersim = m.def_submodule("mattersim", "The old simulator's interface.");
   enfilade::python::mattersim::bind(mattersim);

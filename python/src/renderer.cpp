@@ -17,6 +17,7 @@
 #include "enfilade/scan/panorama_set.h"
 #include "python/src/bindings.h"
 #include "python/src/busy.h"
+#include "python/src/origins.h"
 #include "python/src/picture_memory.h"
 
 namespace enfilade::python {
@@ -28,10 +29,38 @@ using namespace nb::literals;
 /// Memory on the CPU of any library that supports DLPack: NumPy, torch.
 using Buffer = nb::ndarray<nb::c_contig, nb::device::cpu>;
 
+Origins<PanoramaSet, scan::PanoramaPlaces>& places() {
+  static Origins<PanoramaSet, scan::PanoramaPlaces> known;
+  return known;
+}
+
+std::shared_ptr<const PanoramaSet> open_of_scans(const std::vector<std::filesystem::path>& images,
+                                                 const std::filesystem::path& connectivity,
+                                                 const std::vector<std::string>& scans) {
+  const scan::PanoramaPlaces where{images, connectivity};
+  auto set = PanoramaSet::open(where, scans);
+  places().put(set, where);
+  return set;
+}
+
 std::shared_ptr<const PanoramaSet> open_panoramas(const std::vector<std::filesystem::path>& images,
                                                   const std::filesystem::path& connectivity,
                                                   const graph::GraphSet& graphs) {
-  return PanoramaSet::open({images, connectivity}, graphs.scans());
+  return open_of_scans(images, connectivity, graphs.scans());
+}
+
+// Opened again, or asked of the data set that they are of.
+nb::tuple reduce_panoramas(nb::handle self) {
+  const auto& set = nb::cast<const PanoramaSet&>(self);
+  if (nb::hasattr(self, "_folder")) {
+    return nb::make_tuple(nb::module_::import_("enfilade._dataset").attr("_panoramas_of"),
+                          nb::make_tuple(self.attr("_folder")));
+  }
+  if (const scan::PanoramaPlaces* where = places().find(set)) {
+    return nb::make_tuple(self.type().attr("of_scans"),
+                          nb::make_tuple(where->images, where->connectivity, set.scans()));
+  }
+  throw nb::type_error("these panoramas are of no folder: pickle their Dataset");
 }
 
 /// The poses of n views: arrays that are read whenever the views are drawn. Converting arrays from
@@ -178,9 +207,23 @@ class ViewRenderer {
 void bind_renderer(nb::module_& m) {
   nb::class_<PanoramaSet>(m, "Panoramas",
                           "The panoramas of the scans of a Graphs: stores, or Matterport3D's files "
-                          "in any layout. A scan is opened when first used.")
+                          "in any layout. A scan is opened when first used.",
+                          nb::dynamic_attr())
       .def(nb::new_(&open_panoramas), "images"_a, "connectivity"_a, "graphs"_a,
            "images: folders to look in, in this order. connectivity: folder of the graphs' files.")
+      .def_static("of_scans", &open_of_scans, "images"_a, "connectivity"_a, "scans"_a,
+                  "The same of scans by their names.")
+      .def(
+          "__contains__",
+          [](const PanoramaSet& set, const std::string& scan) {
+            const nb::gil_scoped_release unlocked;
+            const auto index = set.find(scan);
+            return index && set.find_source(*index) != nullptr;
+          },
+          "scan"_a,
+          "Whether there are pictures of a scan. Raises FileError, InvalidInput for broken ones.")
+      .def("__reduce__", reduce_panoramas,
+           nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"))
       .def_prop_ro("scans", &PanoramaSet::scans, "Names by index, as Graphs.scans.");
   nb::class_<ViewArrays>(m, "ViewArrays",
                          "Where n views are taken from: arrays that are read when they are drawn.")

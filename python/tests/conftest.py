@@ -10,6 +10,7 @@ from typing import Any, Callable
 
 import enfilade
 import pytest
+from made_tasks import make_tasks
 from old_simulator import make_simulator
 
 
@@ -28,6 +29,14 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> str:
     folder = tmp_path_factory.mktemp("small")
     enfilade.write_small_dataset(str(folder))
     return str(folder)
+
+
+@pytest.fixture(scope="session")
+def made(small: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A data set with a tiny split of each benchmark, SYNTHETIC."""
+    folder = tmp_path_factory.mktemp("tasks")
+    make_tasks(small, folder)
+    return folder
 
 
 @pytest.fixture(scope="session")

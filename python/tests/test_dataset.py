@@ -53,6 +53,25 @@ def test_a_picture_is_the_renderers(homes: str) -> None:
         d.render(scan, "nowhere")
 
 
+def test_two_views_of_a_wall_are_one_wall(homes: str) -> None:
+    """Points of two cameras at one place, where both see the same direction."""
+    from enfilade import camera
+
+    d = enfilade.Dataset(homes)
+    graph = d.graphs[d.graphs.scans[0]]
+    viewpoint = next(filter(graph.included, graph))
+    here = graph.positions[graph.index(viewpoint)]
+    vfov = 1.2
+    drawn = d.renderer().render([graph.scan] * 2, [viewpoint] * 2, [0.0, 0.4], width=96, height=72,
+                                vfov=vfov, colour=None, layers=("depth",))["depth"]  # fmt: skip
+    points = camera.unproject(drawn[0], vfov, here, 0.0)
+    pixels, depth = camera.project(points, 96, 72, vfov, here, 0.4)
+    inside = (pixels > 1).all(-1) & (pixels[..., 0] < 95) & (pixels[..., 1] < 71)
+    column, row = pixels[inside].astype(int).T
+    apart = np.abs(drawn[1][row, column] - depth[inside])
+    assert inside.sum() > 2000 and np.median(apart) < 0.02
+
+
 def test_what_is_missing_says_how_to_get_it(small: str, tmp_path: Path) -> None:
     parts = {part.name: part for part in enfilade.Dataset(small).examine()}
     assert parts["connectivity"].present and "scans" in parts["connectivity"].found

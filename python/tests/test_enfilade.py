@@ -45,6 +45,122 @@ def test_every_name_that_is_promised_is_there() -> None:
 # --- graphs ---------------------------------------------------------------------------------------
 
 
+def test_a_graph_is_its_viewpoints_and_edges(graphs: enfilade.Graphs) -> None:
+    graph = graphs[graphs.scans[0]]
+    assert list(graph) == graph.viewpoints and graph.viewpoints[0] in graph and "x" not in graph
+    edges = graph.edges()
+    assert {frozenset(edge[:2]) for edge in edges} == {
+        frozenset((a, b)) for a in graph for b in graph.neighbours(a)
+    }
+    assert len({frozenset(edge[:2]) for edge in edges}) == len(edges)
+    for a, b, metres in edges:
+        straight = np.linalg.norm(
+            graph.positions[graph.index(a)] - graph.positions[graph.index(b)]
+        )
+        assert metres == pytest.approx(float(straight), abs=1e-4)
+    pairs, lengths = graph.edge_arrays()
+    assert pairs.shape == (2 * len(edges), 2) and lengths.shape == (2 * len(edges),)
+    distances = graph.distances()
+    for i in range(0, len(graph), 7):
+        for j in range(len(graph)):
+            assert distances[i, j] == graph.distance(graph.viewpoints[i], graph.viewpoints[j])
+
+
+def test_networkx_takes_the_edges(graphs: enfilade.Graphs) -> None:
+    networkx = pytest.importorskip("networkx", reason="networkx is not installed")
+    graph = graphs[graphs.scans[0]]
+    theirs = networkx.Graph()
+    theirs.add_weighted_edges_from(graph.edges())
+    distances = graph.distances()
+    for a, found in networkx.all_pairs_dijkstra_path_length(theirs):
+        for b, metres in found.items():
+            assert distances[graph.index(a), graph.index(b)] == pytest.approx(metres)
+
+
+def test_a_folder_one_too_high_is_told(small: str) -> None:
+    with pytest.raises(enfilade.FileError, match="name that folder, .*connectivity"):
+        enfilade.Graphs(small)
+
+
+def test_rows_of_a_table_of_candidates(graphs: enfilade.Graphs) -> None:
+    sim = enfilade.Simulator(graphs)
+    table = sim.all_candidates()
+    assert table.offsets[-1] == len(table.view_index)
+    for scan in graphs.scans[:2]:
+        for viewpoint in graphs[scan].viewpoints:
+            rows = table.rows(scan, viewpoint)
+            if not graphs[scan].included(viewpoint):
+                assert rows.start == rows.stop
+                continue
+            found = sim.candidates(scan, viewpoint)
+            assert table.view_index[rows].tolist() == [c.view_index for c in found]
+            assert table.neighbour[rows].tolist() == [c.ix for c in found]
+            assert table.rows(graphs.index(scan), graphs[scan].index(viewpoint)) == rows
+    last = graphs.scans[-1]
+    some = sim.all_candidates([last])
+    viewpoint = next(filter(graphs[last].included, graphs[last]))
+    wanted = table.normalized_heading[table.rows(last, viewpoint)]
+    assert (some.normalized_heading[some.rows(last, viewpoint)] == wanted).all()
+    with pytest.raises(enfilade.ArgumentError, match="not one of the 1"):
+        some.rows(graphs.scans[0], 0)
+    with pytest.raises(enfilade.ArgumentError, match="0 to"):
+        some.rows(last, 10**6)
+    with pytest.raises(enfilade.ArgumentError, match="twice"):
+        sim.all_candidates([last, last])
+
+
+# --- cameras --------------------------------------------------------------------------------------
+
+
+def test_cameras_see_neighbours_where_they_are(graphs: enfilade.Graphs) -> None:
+    """The pixel of a candidate, against its angles from the middle of the view."""
+    from enfilade import camera
+
+    k = camera.intrinsics(640, 480, math.radians(60))
+    assert k[1, 1] == pytest.approx(240 / math.tan(math.radians(30))) and k[0, 2] == 320
+    graph = graphs[graphs.scans[0]]
+    sim = enfilade.Simulator(graphs, discretized=False)
+    seen = 0
+    for viewpoint in filter(graph.included, graph.viewpoints):
+        for turn in range(4):
+            sim.new_episodes([graph.scan], [viewpoint], 1.5 * turn)
+            state = sim.state
+            for j in range(1, int(state.navigable_count[0])):
+                target = graph.positions[state.navigable_viewpoint[0, j]]
+                here = graph.positions[graph.index(viewpoint)]
+                pixel, depth = camera.project(target, 640, 480, math.radians(60), here, 1.5 * turn)
+                right = math.atan((pixel[0] - 320) / k[0, 0])
+                assert depth > 0 and right == pytest.approx(state.navigable_rel_heading[0, j], abs=1e-4)
+                up = math.atan2(240 - pixel[1], math.hypot(k[1, 1], pixel[0] - 320))
+                assert up == pytest.approx(state.navigable_rel_elevation[0, j], abs=1e-4)
+                seen += 1
+    assert seen > 20
+
+
+def test_depth_becomes_points_and_back() -> None:
+    from enfilade import camera
+
+    depth = np.random.default_rng(1).uniform(1, 5, (12, 16))
+    depth[3, 4] = 0
+    pose = ((1.0, 2.0, 1.5), 0.7, 0.3)
+    points = camera.unproject(depth, 1.0, *pose)
+    assert points.shape == (12, 16, 3) and points.dtype == np.float32
+    assert np.isnan(points[3, 4]).all() and np.isnan(points).sum() == 3
+    pixels, back = camera.project(points, 16, 12, 1.0, *pose)
+    fine = depth > 0
+    assert np.allclose(back[fine], depth[fine], atol=1e-5)
+    x, y = np.meshgrid(np.arange(16) + 0.5, np.arange(12) + 0.5)
+    assert np.allclose(pixels[fine], np.stack([x, y], -1)[fine], atol=1e-3)
+    old = camera.unproject(np.full((2, 2), 4000, np.uint16), 1.0)
+    assert (old[..., 2] == 1).all()
+    behind, z = camera.project((1.0, -9.0, 1.5), 16, 12, 1.0, (1.0, 2.0, 1.5))
+    assert np.isnan(behind).all() and z < 0
+    for bad in (np.zeros(3), np.zeros((2, 2, 1))):
+        with pytest.raises(enfilade.ArgumentError, match="shape"):
+            camera.unproject(bad, 1.0)
+    with pytest.raises(enfilade.ArgumentError, match="vfov"):
+        camera.intrinsics(10, 10, 4.0)
+
 def test_graphs_know_ways(graphs: enfilade.Graphs) -> None:
     graph = graphs[graphs.scans[0]]
     assert graphs.scans[0] in graphs and "nowhere" not in graphs

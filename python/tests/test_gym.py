@@ -392,3 +392,148 @@ def test_pictures_of_ended_episodes_are_those_of_single_environments(
             check_final(got[4], want[4], mode)
         kept.append((got[0]["rgb"], got[0]["rgb"].copy()))
     assert all((one == as_it_was).all() for one, as_it_was in kept)
+
+
+# --- other benchmarks than R2R; the data are SYNTHETIC
+
+
+IDS = {
+    "enfilade/R2R-v0": "val_unseen",
+    "enfilade/R2RBack-v0": "val_unseen",
+    "enfilade/R4R-v0": "val_unseen",
+    "enfilade/RxR-v0": "val_unseen",
+    "enfilade/REVERIE-v0": "val_unseen",
+    "enfilade/CVDN-v0": "val_unseen",
+    "enfilade/SOON-v0": "val_unseen_instrs",
+}
+
+
+def walk_along(env: Any) -> tuple[float, dict[str, Any]]:
+    """Along the reference path of the episode, and a stop there."""
+    arrays, episode = env.unwrapped.arrays, env.unwrapped.episodes
+    path = episode[int(arrays["episode"][0])].path
+    graph = env.unwrapped.episodes.graphs[episode[0].scan]
+    reward = 0.0
+    for viewpoint in path[1:]:
+        row = arrays["candidate_viewpoint"][0] == graph.index(viewpoint)
+        masked = row & (arrays["candidate_mask"][0] == 1)
+        _, gained, stopped, cut, info = env.step(int(np.flatnonzero(masked)[0]))
+        reward += float(gained)
+        assert not stopped and not cut
+    _, gained, stopped, _, info = env.step(0)
+    assert stopped
+    return reward + float(gained), info
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_every_benchmark_has_an_environment(made: Path, name: str) -> None:
+    env = gymnasium.make(name, config=EnvConfig(made, IDS[name]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped, skip_render_check=True)
+    env.reset(seed=1, options={"episode": 0})
+    assert env.unwrapped.episodes.task == enfilade.gym.ENV_TASKS[name]
+    distance = float(env.unwrapped.arrays["distance"][0])
+    reward, info = walk_along(env)
+    assert info["success"] == 1 and info["distance"] == 0
+    assert reward == pytest.approx(distance + 2)
+    envs = gymnasium.make_vec(name, 3, config=EnvConfig(made, IDS[name]))
+    envs.reset(seed=1)
+    assert envs.unwrapped.episodes.task == enfilade.gym.ENV_TASKS[name]
+
+
+def test_to_stop_at_the_start_is_no_success(made: Path) -> None:
+    for name, split in IDS.items():
+        env = gymnasium.make(name, config=EnvConfig(made, split, success_distance=0.5))
+        env.reset(seed=1)
+        assert env.step(0)[4]["success"] == 0, name
+
+
+def test_objects_are_answered(made: Path) -> None:
+    config = EnvConfig(made, "val_unseen", answer_reward=5.0)
+    env = gymnasium.make("enfilade/REVERIE-v0", config=config).unwrapped
+    env.reset(options={"episode": 0})
+    assert env.objects() == [] and env.metrics()["rgs"] == 0
+    distance = float(env.arrays["distance"][0])
+    env.answer(7)
+    reward, info = walk_along(env)
+    assert info["answered"] and reward == pytest.approx(distance + 2 + 5)
+    assert [one.name for one in env.objects()] == ["plant#pot"]
+    metrics = env.metrics()
+    assert metrics["rgs"] == 1 and metrics["rgspl"] == pytest.approx(1)
+    for answer in (8, None):
+        env.reset(options={"episode": 0})
+        env.answer(answer)
+        reward, info = walk_along(env)
+        assert not info["answered"] and reward == pytest.approx(distance + 2)
+    env.reset(options={"episode": 0})
+    assert not walk_along(env)[1]["answered"], "an answer is of one episode"
+    with pytest.raises(TypeError):
+        env.answer([1])
+
+
+def test_objects_are_pointed_at(made: Path) -> None:
+    env = gymnasium.make("enfilade/SOON-v0", config=EnvConfig(made, "val_unseen_instrs")).unwrapped
+    for direction, right in (((1.5, 0.0), True), ((3.0, 0.0), False)):
+        env.reset(options={"episode": 0})
+        env.answer(direction)
+        assert walk_along(env)[1]["answered"] == right
+        assert env.metrics()["det_success"] == right
+    env = gymnasium.make("enfilade/R4R-v0", config=EnvConfig(made, "val_unseen")).unwrapped
+    env.reset()
+    with pytest.raises(enfilade.ArgumentError, match="a path alone"):
+        env.answer("x")
+    assert "CLS" in env.metrics()
+
+
+def test_the_vector_environment_answers(made: Path) -> None:
+    envs = RoomToRoomVectorEnv(EnvConfig(made, "val_unseen", task="reverie"), 2)
+    envs.reset(options={"episode": [0, 1]})
+    envs.answer(1, 7)
+    info = envs.step([0, 0])[4]
+    assert info["answered"].tolist() == [False, True] and info["_answered"].all()
+    assert envs.metrics(1)["rgs"] == 1 and envs.objects(0) == []
+
+
+@pytest.mark.parametrize("actions", ["viewpoint", "six"])
+def test_masks_say_which_actions_do_something(small: str, actions: str) -> None:
+    envs = RoomToRoomVectorEnv(EnvConfig(small, actions=actions, max_steps=1000), 4,
+                               autoreset_mode="Disabled")  # fmt: skip
+    envs.reset(seed=3)
+    rng = np.random.default_rng(1)
+    stop = 0 if actions == "viewpoint" else 5
+    forbidden = 0
+    for _ in range(60):
+        masks = envs.action_masks()
+        assert masks.shape == (4, envs.single_action_space.n) and masks[:, stop].all()
+        before = [envs.arrays[n].copy() for n in ("viewpoint", "heading", "elevation")]
+        chosen = np.array([rng.choice(np.delete(np.arange(masks.shape[1]), stop)) for _ in range(4)])
+        envs.step(chosen)
+        after = [envs.arrays[n] for n in ("viewpoint", "heading", "elevation")]
+        changed = np.any([b != a for b, a in zip(before, after)], axis=0)
+        allowed = masks[np.arange(4), chosen]
+        assert (changed == allowed).all()
+        forbidden += int((~allowed).sum())
+    assert forbidden > 5
+    env = RoomToRoomEnv(EnvConfig(small, actions=actions))
+    env.reset(seed=3)
+    assert env.action_masks().dtype == np.bool_ and env.action_masks().ndim == 1
+
+
+def test_the_checker_renders_without_pictures(small: str) -> None:
+    """check_env() makes one for each render mode that there is."""
+    env = gymnasium.make("RoomToRoom-v0", config=EnvConfig(small))
+    assert env.unwrapped.metadata["render_modes"] == ["ansi"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped)
+    with pytest.raises(enfilade.ArgumentError, match="no pictures"):
+        RoomToRoomEnv(EnvConfig(small), render_mode="rgb_array")
+    assert RoomToRoomVectorEnv(EnvConfig(small), 2).metadata["render_modes"] == ["ansi"]
+
+
+def test_observations_may_be_without_text(small: str) -> None:
+    env = gymnasium.make("RoomToRoom-v0", config=EnvConfig(small, text=False))
+    seen, _ = env.reset(seed=1)
+    assert "instruction" not in seen and env.observation_space.contains(seen)
+    assert "instruction" not in RoomToRoomVectorEnv(EnvConfig(small, text=False), 2).reset()[0]

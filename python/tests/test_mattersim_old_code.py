@@ -585,3 +585,32 @@ def test_cbf_fills_holes_from_pixels_of_like_brightness() -> None:
         MatterSim.cbf(holes, brightness, np.asfortranarray(mask[:10]), result)
     with pytest.raises(TypeError):
         MatterSim.cbf(holes.astype(float), brightness, mask, result)
+
+
+def test_cbf_takes_what_the_old_scripts_gave_it() -> None:
+    """A mask of bool, and a colour picture larger than depth."""
+    random = np.random.default_rng(1)
+    depth = np.asfortranarray(random.integers(1, 255, (32, 40)).astype(np.uint8))
+    brightness = np.asfortranarray(random.integers(0, 255, (32, 40)).astype(np.uint8))
+    mask = np.asfortranarray(random.random((32, 40)) < 0.2)
+    wanted, found = np.empty_like(depth), np.empty_like(depth)
+    MatterSim.cbf(depth, brightness, np.asfortranarray(mask.astype(np.uint8)), wanted)
+    MatterSim.cbf(depth, brightness, mask, found)
+    assert (found == wanted).all()
+    larger = np.zeros((48, 60), np.uint8, order="F")
+    larger.ravel(order="K")[: brightness.size] = brightness.ravel(order="K")
+    MatterSim.cbf(depth, larger, mask, found)
+    assert (found == wanted).all()
+    with pytest.raises(ValueError, match="at least as many"):
+        MatterSim.cbf(depth, np.asfortranarray(brightness[:10]), mask, found)
+    with pytest.raises(TypeError, match="bool"):
+        MatterSim.cbf(depth, brightness, np.asfortranarray(mask.astype(np.float32)), found)
+
+
+def test_the_other_name_of_the_package() -> None:
+    """GridMM imports it by the repository's name."""
+    import Matterport3DSimulator
+    from Matterport3DSimulator import MatterSim as inner
+
+    assert Matterport3DSimulator.Simulator is MatterSim.Simulator and inner is MatterSim
+    assert Matterport3DSimulator.__all__ == [*MatterSim.__all__, "MatterSim"]

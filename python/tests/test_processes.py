@@ -7,6 +7,7 @@ import gc
 import json
 import multiprocessing
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -124,6 +125,17 @@ def test_torchs_loader_works_with_simulators_inside(small: str, method: str) -> 
     assert found == [walk(small, seed) for seed in range(4)]
 
 
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_torchs_loader_passes_episodes_on(made: Path, method: str) -> None:
+    data = pytest.importorskip("torch.utils.data", reason="torch is not installed")
+
+    episodes = enfilade.Episodes(made, "val_unseen", task="reverie")
+    loader = data.DataLoader(
+        episodes, batch_size=2, num_workers=2, multiprocessing_context=method, collate_fn=list
+    )
+    assert [e for batch in loader for e in batch] == list(episodes)
+
+
 class Walks:
     """A data set whose items are walks."""
 
@@ -135,6 +147,73 @@ class Walks:
 
     def __getitem__(self, seed: int) -> Any:
         return np.array(walk(self.folder, seed))
+
+
+def what_others_see(things: dict[str, Any]) -> dict[str, Any]:
+    """Of pickled objects, in whatever process this is."""
+    episodes, graphs, table = things["episodes"], things["graphs"], things["table"]
+    scan = graphs.scans[0]
+    viewpoint = next(filter(graphs[scan].included, graphs[scan]))
+    simulator = things["simulator"]
+    simulator.new_episodes([scan] * 2, [viewpoint] * 2)
+    rows = table.rows(scan, viewpoint)
+    return {
+        "episode": episodes[1],
+        "count": len(episodes),
+        "scans": graphs.scans,
+        "edges": things["graph"].edges(),
+        "views": table.view_index[rows].tolist(),
+        "headings": simulator.state.navigable_rel_heading[0, :2].tolist(),
+        "words": things["vocabulary"].words,
+        "score": things["score"].means["success"],
+        "dataset": things["dataset"].tasks,
+    }
+
+
+def things_to_pickle(made: Path) -> dict[str, Any]:
+    dataset = enfilade.Dataset(made)
+    episodes = dataset.episodes("val_unseen")
+    simulator = dataset.simulator(2, discretized=False, restricted=False)
+    rows = [{"instr_id": e.instruction_id, "trajectory": list(e.path)} for e in episodes]
+    return {
+        "dataset": dataset,
+        "episodes": episodes,
+        "graphs": dataset.graphs,
+        "graph": dataset.graphs[dataset.graphs.scans[0]],
+        "simulator": simulator,
+        "table": simulator.all_candidates(),
+        "vocabulary": enfilade.Vocabulary.build(["walk on", "walk"], 1),
+        "score": episodes.score(rows, bootstrap_samples=0),
+    }
+
+
+def test_everything_pickles(made: Path) -> None:
+    things = things_to_pickle(made)
+    copied = pickle.loads(pickle.dumps(things))
+    assert what_others_see(copied) == what_others_see(things)
+    opened = enfilade.Graphs(made / "connectivity")
+    assert pickle.loads(pickle.dumps(opened)).scans == opened.scans
+    part = enfilade.Episodes(made, "val_unseen", all_instructions=True)
+    assert len(pickle.loads(pickle.dumps(part))) == len(part) == 12
+
+
+def test_pictures_pickle(homes: str) -> None:
+    d = enfilade.Dataset(homes)
+    scan = d.graphs.scans[0]
+    viewpoint = next(filter(d.graphs[scan].included, d.graphs[scan]))
+    for renderer in (d.renderer(), enfilade.Renderer(d.graphs, enfilade.open_panoramas(homes, d.graphs))):
+        again = pickle.loads(pickle.dumps(renderer))
+        views = [r.render([scan], [viewpoint], 1.0, width=32, height=24)["colour"] for r in (renderer, again)]
+        assert (views[0] == views[1]).all()
+    assert scan in d.panoramas and "nowhere" not in d.panoramas
+
+
+def test_spawned_processes_get_everything(made: Path) -> None:
+    """As a DataLoader that spawns passes its data set on."""
+    things = things_to_pickle(made)
+    context = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(1, mp_context=context) as pool:
+        assert pool.submit(what_others_see, things).result(timeout=120) == what_others_see(things)
 
 
 CHOOSE_GL = """

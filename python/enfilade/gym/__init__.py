@@ -1,8 +1,9 @@
-"""Room-to-Room as Gymnasium environments.
+"""Room-to-Room, and the benchmarks that came after it, as Gymnasium environments.
 
 >>> import gymnasium, enfilade.gym
 >>> env = gymnasium.make("RoomToRoom-v0", config=enfilade.gym.EnvConfig("data", "train"))
 >>> envs = gymnasium.make_vec("RoomToRoom-v0", 256, config=enfilade.gym.EnvConfig("data", "train"))
+>>> env = gymnasium.make("enfilade/REVERIE-v0", config=enfilade.gym.EnvConfig("data", "train"))
 """
 
 from __future__ import annotations
@@ -13,19 +14,34 @@ from enfilade.gym._config import EnvConfig, Transition
 from enfilade.gym._env import RoomToRoomEnv
 from enfilade.gym._vector import RoomToRoomVectorEnv
 
-__all__ = ["EnvConfig", "RoomToRoomEnv", "RoomToRoomVectorEnv", "Transition", "register"]
+__all__ = ["ENV_TASKS", "EnvConfig", "RoomToRoomEnv", "RoomToRoomVectorEnv", "Transition", "register"]
 
 ENV_ID = "RoomToRoom-v0"
 
+#: The ids of environments, and the task that each sets; that of the config where there is none.
+ENV_TASKS = {
+    ENV_ID: None,
+    "enfilade/R2R-v0": "r2r",
+    "enfilade/R2RLast-v0": "r2r-last",
+    "enfilade/R2RBack-v0": "r2r-back",
+    "enfilade/R4R-v0": "r4r",
+    "enfilade/RxR-v0": "rxr",
+    "enfilade/REVERIE-v0": "reverie",
+    "enfilade/CVDN-v0": "cvdn",
+    "enfilade/SOON-v0": "soon",
+}
+
 
 def register() -> None:
-    """Registers RoomToRoom-v0 with Gymnasium; importing this module does so."""
-    if ENV_ID not in gymnasium.registry:
-        gymnasium.register(
-            ENV_ID,
-            entry_point="enfilade.gym:RoomToRoomEnv",
-            vector_entry_point="enfilade.gym:RoomToRoomVectorEnv",
-        )
+    """Registers the environments with Gymnasium; importing this module does so."""
+    for name, task in ENV_TASKS.items():
+        if name not in gymnasium.registry:
+            gymnasium.register(
+                name,
+                entry_point="enfilade.gym:RoomToRoomEnv",
+                vector_entry_point="enfilade.gym:RoomToRoomVectorEnv",
+                kwargs={} if task is None else {"task": task},
+            )
 
 
 register()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from typing import Any, Optional
 
@@ -12,14 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from enfilade._arguments import whole
 from enfilade._core import BatchEnvironment, ViewArrays, Vocabulary
+from enfilade._dataset import Dataset, SeenObject
 from enfilade._episodes import Episodes
 from enfilade._errors import ArgumentError
-from enfilade._renderer import Renderer, open_panoramas
+from enfilade._renderer import Renderer
 from enfilade.gym._config import EnvConfig, Transition
 
 RENDER_MODES = ["rgb_array", "ansi"]
 PI = np.float32(np.pi)  # above pi, as a rounded angle may be
 MOST_METRES = 1000  # the spaces' bound of distances and depths, larger than any building
+
+# Of the tasks that ask for an answer beside the path: the metric that says whether it is right.
+ANSWERS = {"reverie": "rgs", "soon": "det_success", "r2r-back": "success"}
 
 # The renderer's names of layers, and what comes out.
 _LAYERS: dict[str, tuple[str, type[Any], float]] = {
@@ -30,12 +33,13 @@ _LAYERS: dict[str, tuple[str, type[Any], float]] = {
 
 
 class Batch:
-    """n agents in Room-to-Room. `arrays` has views of the core's memory by name."""
+    """n agents in episodes of a benchmark. `arrays` has views of the core's memory by name."""
 
     def __init__(self, config: EnvConfig, n: int, *, reset_at_next_step: bool = False) -> None:
         self.config = config
         self.n = n
-        self.episodes = Episodes(config.data, config.split)
+        self.dataset = Dataset(config.data)
+        self.episodes: Episodes = self.dataset.episodes(config.split, config.task)
         reward = config.reward if isinstance(config.reward, str) else "none"
         self.core = BatchEnvironment(
             self.episodes._core,
@@ -54,8 +58,9 @@ class Batch:
         self.arrays: dict[str, NDArray[Any]] = self.core.arrays()
         self._views = self._views_of(slice(None))
         self.vocabulary = Vocabulary.load(config.vocabulary) if config.vocabulary else None
-        self._all_texts = [episode.text for episode in self.episodes]
+        self._all_texts = self.episodes._core.texts
         self.texts = [""] * n
+        self.answers: list[Any] = [None] * n
         self.tokens = np.zeros((n, config.tokens), np.int64)
         self._begun = False
         self._renderer: Optional[Renderer] = None
@@ -67,21 +72,31 @@ class Batch:
     def renderer(self) -> Renderer:
         """Made at its first use, as graphs alone need no pictures."""
         if self._renderer is None:
-            graphs = self.episodes.graphs
-            panoramas = open_panoramas(os.fspath(self.config.data), graphs)
-            self._renderer = Renderer(graphs, panoramas, backend=self.config.backend, cache=self.config.cache)
+            self._renderer = self.dataset.renderer(backend=self.config.backend, cache=self.config.cache)
         return self._renderer
+
+    def render_modes(self) -> list[str]:
+        """Those of RENDER_MODES that the data are enough for."""
+        drawn = bool(self.config.observe) or self.episodes[0].scan in self.dataset.panoramas
+        return RENDER_MODES if drawn else [mode for mode in RENDER_MODES if mode != "rgb_array"]
+
+    def checked_mode(self, mode: Optional[str]) -> Optional[str]:
+        """A render mode that there is. Raises ArgumentError."""
+        if mode is None:
+            return None
+        if mode not in RENDER_MODES:
+            raise ArgumentError(f"render_mode '{mode}': one of {', '.join(RENDER_MODES)}")
+        if mode not in self.render_modes():
+            raise ArgumentError(
+                f"render_mode '{mode}': {self.config.data} has no pictures of {self.episodes[0].scan}"
+            )
+        return mode
 
     def _observation_space(self) -> spaces.Dict:
         config = self.config
         texts = self._all_texts
         rows = config.max_candidates
         space: dict[str, spaces.Space[Any]] = {
-            "instruction": spaces.Text(
-                max_length=max(map(len, texts)),
-                min_length=0,
-                charset=frozenset("".join(texts)) or frozenset(" "),
-            ),
             "pose": spaces.Box(
                 np.array([0, -PI / 2], np.float32), np.array([2 * PI, PI / 2], np.float32)
             ),
@@ -91,6 +106,12 @@ class Batch:
             ),
             "candidate_mask": spaces.MultiBinary(rows),
         }
+        if config.text:
+            space["instruction"] = spaces.Text(
+                max_length=max(1, *map(len, texts)),
+                min_length=0,
+                charset=frozenset("".join(texts)) or frozenset(" "),
+            )
         if self.vocabulary is not None:
             space["tokens"] = spaces.Box(0, len(self.vocabulary) - 1, (config.tokens,), np.int64)
         shape = (config.height, config.width)
@@ -132,6 +153,8 @@ class Batch:
         if isinstance(self.config.reward, str):
             self.core.step(actions)
             rewards: NDArray[np.float64] = self.arrays["reward"].copy()
+            if self.config.answer_reward:
+                rewards += self.config.answer_reward * self.answered(self._stopped())
         else:
             before = self.arrays["distance"].copy()
             self.core.step(actions)
@@ -145,15 +168,78 @@ class Batch:
 
     def _transition(self, before: NDArray[np.float64]) -> Transition:
         distance = self.arrays["distance"].copy()
-        stopped = self.arrays["terminated"].astype(bool)
-        return Transition(
-            before, distance, stopped, stopped & (distance < self.config.success_distance)
-        )
+        stopped = self._stopped()
+        success = stopped & (self.arrays["success"] == 1)
+        return Transition(before, distance, stopped, success, self.answered(stopped))
+
+    def _stopped(self) -> NDArray[np.bool_]:
+        stopped: NDArray[np.bool_] = self.arrays["terminated"].astype(bool)
+        return stopped
+
+    # --- answers ----------------------------------------------------------------------------------
+
+    def answer(self, agent: int, answer: Any) -> None:
+        """Keeps what an agent answers in its episode; the last one counts. Raises ArgumentError for a
+        task that asks for none, TypeError for one of another kind."""
+        if not self._begun:
+            raise ArgumentError("answer(): reset() has to come first")
+        task = self.config.task
+        if task not in ANSWERS:
+            raise ArgumentError(f"answer(): {task} asks for a path alone")
+        if answer is not None and task == "soon":
+            heading, elevation = (float(angle) for angle in answer)
+            answer = (heading / (2 * np.pi) % 1, (elevation + np.pi) / (2 * np.pi))
+        elif answer is not None and task == "reverie":
+            answer = whole("object", answer) if not isinstance(answer, str) else answer
+        elif answer is not None and not isinstance(answer, str):
+            raise TypeError(f"answer {answer!r}: a viewpoint's id is wanted")
+        self.answers[whole("agent", agent, self.n - 1)] = answer
+
+    def answered(self, agents: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Which of these agents have given a right answer."""
+        right = np.zeros(self.n, bool)
+        if self.config.task in ANSWERS:
+            for agent in np.flatnonzero(agents):
+                if self.answers[agent] is not None:
+                    right[agent] = self.metrics(int(agent))[ANSWERS[self.config.task]] > 0
+        return right
+
+    def metrics(self, agent: int) -> dict[str, float]:
+        """Of what an agent has walked and answered in its episode so far: our metrics for R2R, those of
+        the task's first scorer for others."""
+        if self.config.task == "r2r":
+            return self.core.metrics(agent)
+        if not self._begun:
+            raise ArgumentError("metrics(): reset() has to come first")
+        place = int(self.arrays["episode"][agent])
+        answers = [self.answers[agent]] if self.config.task in ANSWERS else None
+        scored = self.episodes.score_paths([self.core.walked(agent)], places=[place], answers=answers)
+        return {name: float(values[0]) for name, values in scored.items()}
+
+    def objects(self, agent: int) -> list[SeenObject]:
+        """What may be named where an agent is: the objects that a view shows (REVERIE)."""
+        scan = self.episodes.graphs.scans[int(self.arrays["scan"][agent])]
+        viewpoint = self.episodes.graphs[scan].viewpoints[int(self.arrays["viewpoint"][agent])]
+        return [one for one in self.dataset.objects(scan, viewpoint) if one.views]
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """(n, actions): which do something. The others leave an agent where it is."""
+        there: NDArray[np.bool_] = self.arrays["candidate_mask"].astype(bool)
+        if self.config.actions == "viewpoint":
+            there[:, 0] = True  # to stop
+            return there
+        possible = np.ones((self.n, 6), bool)
+        elevation = self.arrays["elevation"]
+        possible[:, 2] = elevation < 0.25  # 30 degrees are the highest, and the lowest below
+        possible[:, 3] = elevation > -0.25
+        possible[:, 4] = there[:, 1:].any(axis=1)
+        return possible
 
     def read_instructions(self) -> None:
         for agent in np.flatnonzero(self.arrays["began"]):
             text = self._all_texts[self.arrays["episode"][agent]]
             self.texts[agent] = text
+            self.answers[agent] = None
             if self.vocabulary is not None:
                 self.tokens[agent] = self.vocabulary.encode(text, self.config.tokens)
 
@@ -170,10 +256,10 @@ class Batch:
     def _index_of(self, wanted: Any) -> int:
         if not isinstance(wanted, str):
             return whole("episode", wanted, len(self.episodes) - 1)
-        for index, episode in enumerate(self.episodes):
-            if episode.instruction_id == wanted:
-                return index
-        raise ArgumentError(f"episode '{wanted}' is not in the split {self.config.split}")
+        place = self.episodes._core.find(wanted)
+        if place is None:
+            raise ArgumentError(f"episode '{wanted}' is not in the split {self.config.split}")
+        return place
 
     # --- what is seen -----------------------------------------------------------------------------
 
@@ -195,9 +281,10 @@ class Batch:
         seen: dict[str, Any] = {
             "candidate_mask": self.arrays["candidate_mask"].copy(),
             "candidates": self.arrays["candidates"].copy(),
-            "instruction": tuple(self.texts),
             "pose": pose,
         }
+        if self.config.text:
+            seen["instruction"] = tuple(self.texts)
         if self.vocabulary is not None:
             seen["tokens"] = self.tokens.copy()
         return seen

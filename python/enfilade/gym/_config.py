@@ -26,7 +26,8 @@ class Transition:
     distance_before: NDArray[np.float64]  #: (n,) to the goal along the graph, metres
     distance: NDArray[np.float64]  #: (n,) after the step
     stopped: NDArray[np.bool_]  #: (n,)
-    success: NDArray[np.bool_]  #: (n,) stopped near enough
+    success: NDArray[np.bool_]  #: (n,) stopped where the goal is reached
+    answered: NDArray[np.bool_]  #: (n,) stopped with a right answer, where the task asks for one
 
 
 @dataclass(frozen=True)
@@ -36,14 +37,18 @@ class EnvConfig:
     Args:
         data: folder of graphs and annotations, and of pictures where `observe` wants some.
         split: "train", "val_seen", "val_unseen", ...
+        task: the benchmark: "r2r", "r4r", "rxr", "reverie", "cvdn", "soon", ...; environments whose ids
+            name a benchmark set it.
         actions: "viewpoint": 0 stops, k walks to candidate k and looks along the way; "six": left,
             right, up, down (30 degrees), forward, stop. An action that is not possible leaves
             the agent where it is.
-        reward: "progress" (metres nearer, 2 for a successful stop, -2 for another), "success" (1 for
-            a successful stop), "none", or a function of a Transition that gives (n,) numbers; it has
+        reward: "progress" (metres nearer to the goal, 2 for a successful stop, -2 for another),
+            "success" (1 for a successful stop), "none", or a function of a Transition that gives (n,) numbers; it has
             to be importable by its name for the config to be pickled.
         max_steps: actions after which an episode is truncated.
-        success_distance: metres, along the graph.
+        answer_reward: added for a stop with a right answer (answer()), where the task asks for one.
+        success_distance: metres along the graph, of goals that a distance decides.
+        text: whether observations have the instruction's text, which not every library takes.
         observe: any of "rgb", "depth", "class", "instance".
         width, height, vfov: of the camera, pixels and radians. They also decide what "six" can
             reach.
@@ -71,6 +76,9 @@ class EnvConfig:
     backend: str = "cpu"
     cache: str = "private"
     seed: int = 1
+    task: str = "r2r"
+    answer_reward: float = 0.0
+    text: bool = True
 
     def __post_init__(self) -> None:
         if self.actions not in ACTIONS:

@@ -1,43 +1,48 @@
-"""One agent in Room-to-Room."""
+"""One agent in episodes of a benchmark."""
 
 from __future__ import annotations
 
-from typing import Any, Optional, Union
+from dataclasses import replace
+from typing import Any, Dict, Optional, Union
 
 import gymnasium
 import numpy as np
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
+from enfilade._dataset import SeenObject
 from enfilade._episodes import Episodes
-from enfilade._errors import ArgumentError
-from enfilade.gym._batch import RENDER_MODES, Batch
+from enfilade.gym._batch import ANSWERS, RENDER_MODES, Batch
 from enfilade.gym._config import EnvConfig
 
-Observation = dict[str, Any]
+Observation = Dict[str, Any]
+_ALONE = np.ones(1, bool)
 
 
 class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
-    """RoomToRoom-v0. Observations, a Dict:
+    """RoomToRoom-v0, and the environments of other benchmarks (enfilade.gym.ENV_TASKS). Observations, a
+    Dict:
 
-    instruction: text. pose: heading and elevation, radians. candidates: (m, 3) rel_heading,
+    instruction: text, unless the config has text=False. pose: heading and elevation, radians. candidates: (m, 3) rel_heading,
     rel_elevation (radians from where the agent looks) and distance (metres); row 0 is where it
     stands. candidate_mask: (m,) 1 for rows in use. tokens: token ids, where the config names a
     vocabulary. rgb, depth, class, instance: where the config wants them.
 
     reset(options={"episode": e}) takes an index or instruction id instead of drawing one.
     info: instruction_id, scan, viewpoint, distance (metres to the goal); at an episode's end also
-    success and spl. metrics() has the others. Pickled or copied, it is a new one of the same config.
+    success and spl, of the walk alone, and where the task asks for an answer, answered: whether it was
+    right. metrics() has the others. Pickled or copied, it is a new one of the same config.
     """
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 2}
 
-    def __init__(self, config: EnvConfig, render_mode: Optional[str] = None) -> None:
-        EzPickle.__init__(self, config, render_mode)
-        if render_mode is not None and render_mode not in RENDER_MODES:
-            raise ArgumentError(f"render_mode '{render_mode}': one of {', '.join(RENDER_MODES)}")
-        self._batch = Batch(config, 1)
-        self._seeded = False
+    def __init__(
+        self, config: EnvConfig, render_mode: Optional[str] = None, *, task: Optional[str] = None
+    ) -> None:
+        EzPickle.__init__(self, config, render_mode, task=task)
+        self._batch = Batch(config if task is None else replace(config, task=task), 1)
+        self._batch.checked_mode(render_mode)
+        self.metadata = {**self.metadata, "render_modes": self._batch.render_modes()}
         self.render_mode = render_mode
         self.observation_space = self._batch.single_observation_space
         self.action_space = self._batch.single_action_space
@@ -61,7 +66,25 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
         info = self._info()
         if terminated or truncated:
             info.update({name: float(self._batch.arrays[name][0]) for name in ("success", "spl")})
+            if self._batch.config.task in ANSWERS:
+                info["answered"] = bool(self._batch.answered(_ALONE)[0])
         return self._observation(), float(rewards[0]), terminated, truncated, info
+
+    def answer(self, answer: Any) -> None:
+        """What the agent answers in this episode; the last one before its end counts, None is no answer.
+        REVERIE: the object's id; SOON: (heading, elevation) of the object from where the agent stops,
+        radians, world frame; R2R-Back: the id of the viewpoint where it turned. Raises ArgumentError for
+        a task that asks for none."""
+        self._batch.answer(0, answer)
+
+    def objects(self) -> list[SeenObject]:
+        """What may be named here: the objects around the agent that a view shows (REVERIE)."""
+        return self._batch.objects(0)
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """(actions,) bool: which actions do something, as sb3-contrib's MaskablePPO asks for them."""
+        mask: NDArray[np.bool_] = self._batch.action_masks()[0]
+        return mask
 
     @property
     def episodes(self) -> Episodes:
@@ -74,8 +97,9 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
         return self._batch.arrays
 
     def metrics(self) -> dict[str, float]:
-        """All metrics of the path in this episode so far (docs/tasks.md)."""
-        return self._batch.core.metrics(0)
+        """All metrics of the path, and of the answer, in this episode so far (docs/tasks.md): of R2R ours,
+        of other tasks those of the first of enfilade.scorers(task)."""
+        return self._batch.metrics(0)
 
     def render(self) -> Union[None, NDArray[np.uint8], str]:
         """rgb_array: (height, width, 3) uint8, what the agent sees. ansi: where it is, in words."""

@@ -1,10 +1,11 @@
-"""Many agents in Room-to-Room, stepped together in C++."""
+"""Many agents in episodes of a benchmark, stepped together in C++."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from typing import Any, Optional, Union
+from dataclasses import replace
+from typing import Any, Dict, Optional, Union
 
 import gymnasium
 import numpy as np
@@ -13,12 +14,13 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
+from enfilade._dataset import SeenObject
 from enfilade._episodes import Episodes
 from enfilade._errors import ArgumentError
-from enfilade.gym._batch import RENDER_MODES, Batch
+from enfilade.gym._batch import ANSWERS, RENDER_MODES, Batch
 from enfilade.gym._config import EnvConfig
 
-Observation = dict[str, Any]
+Observation = Dict[str, Any]
 Flags = NDArray[np.bool_]
 
 
@@ -47,19 +49,24 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         *,
         autoreset_mode: Union[str, AutoresetMode] = AutoresetMode.NEXT_STEP,
         render_mode: Optional[str] = None,
+        task: Optional[str] = None,
     ) -> None:
         super().__init__()
         EzPickle.__init__(
-            self, config, num_envs, autoreset_mode=autoreset_mode, render_mode=render_mode
+            self, config, num_envs, autoreset_mode=autoreset_mode, render_mode=render_mode, task=task
         )
-        if render_mode is not None and render_mode not in RENDER_MODES:
-            raise ArgumentError(f"render_mode '{render_mode}': one of {', '.join(RENDER_MODES)}")
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         next_step = self.autoreset_mode == AutoresetMode.NEXT_STEP
-        self._batch = Batch(config, num_envs, reset_at_next_step=next_step)
+        chosen = config if task is None else replace(config, task=task)
+        self._batch = Batch(chosen, num_envs, reset_at_next_step=next_step)
+        self._batch.checked_mode(render_mode)
         self.num_envs = num_envs
         self.render_mode = render_mode
-        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
+        self.metadata = {
+            **self.metadata,
+            "autoreset_mode": self.autoreset_mode,
+            "render_modes": self._batch.render_modes(),
+        }
         self.single_observation_space = self._batch.single_observation_space
         self.single_action_space = self._batch.single_action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -106,6 +113,18 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
                 info.update(final)
         return seen, rewards, terminated, truncated, info
 
+    def answer(self, agent: int, answer: Any) -> None:
+        """What an agent answers in its episode; as RoomToRoomEnv.answer()."""
+        self._batch.answer(agent, answer)
+
+    def objects(self, agent: int) -> list[SeenObject]:
+        """What may be named where an agent is; as RoomToRoomEnv.objects()."""
+        return self._batch.objects(agent)
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """(n, actions) bool: which actions do something."""
+        return self._batch.action_masks()
+
     @property
     def episodes(self) -> Episodes:
         """Of the split; `arrays["episode"]` says which ones run."""
@@ -122,7 +141,7 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
     def metrics(self, agent: int) -> dict[str, float]:
         """All metrics of the path of an agent in its episode so far (docs/tasks.md); with
         SAME_STEP that is the new episode already."""
-        return self._batch.core.metrics(agent)
+        return self._batch.metrics(agent)
 
     def render(self) -> Optional[tuple[Any, ...]]:
         """A tuple of n, each as of RoomToRoomEnv.render()."""
@@ -150,6 +169,8 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         for name in ("success", "spl"):
             info[name] = np.where(ended, self._batch.arrays[name], 0.0)
             info[f"_{name}"] = ended.copy()
+        if self._batch.config.task in ANSWERS:
+            info["answered"], info["_answered"] = self._batch.answered(ended), ended.copy()
         return info
 
     def _reset_ended(

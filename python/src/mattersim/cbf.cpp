@@ -121,21 +121,33 @@ void hand_up(const Level& small, Level& large) {
 
 using Picture = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::f_contig, nb::device::cpu>;
 
-void cbf(const Picture& depth, const Picture& intensity, const Picture& mask,
-         const Picture& result) {
-  for (const Picture* other : {&intensity, &mask, &result}) {
-    if (other->shape(0) != depth.shape(0) || other->shape(1) != depth.shape(1)) {
-      throw nb::value_error("cbf: depth, intensity, mask and result must have one shape");
-    }
+using Mask = nb::ndarray<nb::ro, nb::ndim<2>, nb::f_contig, nb::device::cpu>;
+
+template <class Other>
+bool fits(const Other& other, const Picture& depth) {
+  return other.shape(0) == depth.shape(0) && other.shape(1) == depth.shape(1);
+}
+
+void cbf(const Picture& depth, const Picture& intensity, const Mask& mask, const Picture& result) {
+  if (mask.dtype() != nb::dtype<std::uint8_t>() && mask.dtype() != nb::dtype<bool>()) {
+    throw nb::type_error("cbf: mask: uint8 or bool is wanted");
   }
+  if (!fits(mask, depth) || !fits(result, depth)) {
+    throw nb::value_error("cbf: depth, mask and result must have one shape");
+  }
+  // A larger one is read as the old code read it: as many values as depth has, from the first.
+  if (intensity.size() < depth.size()) {
+    throw nb::value_error("cbf: intensity must have at least as many values as depth");
+  }
+  const auto* const missing = static_cast<const std::uint8_t*>(mask.data());
   const nb::gil_scoped_release unlocked;
   Level full{
       static_cast<int>(depth.shape(0)), static_cast<int>(depth.shape(1)), {}, {}, {}, {}, {}};
   for (std::size_t i = 0; i < depth.size(); ++i) {
     full.depth.push_back(static_cast<float>(depth.data()[i] / 255.0));
     full.brightness.push_back(static_cast<float>(intensity.data()[i] / 255.0));
-    full.missing.push_back(static_cast<char>(mask.data()[i] != 0));
-    full.usable.push_back(static_cast<char>(mask.data()[i] == 0));
+    full.missing.push_back(static_cast<char>(missing[i] != 0));
+    full.usable.push_back(static_cast<char>(missing[i] == 0));
   }
   full.filled.resize(depth.size());
 
@@ -149,8 +161,8 @@ void cbf(const Picture& depth, const Picture& intensity, const Picture& mask,
     if (k > 0 && levels[k].size() > 0) hand_up(levels[k], levels[k - 1]);
   }
   for (std::size_t i = 0; i < depth.size(); ++i) {
-    result.data()[i] = mask.data()[i] != 0 ? static_cast<std::uint8_t>(levels[0].filled[i] * 255)
-                                           : depth.data()[i];
+    result.data()[i] =
+        missing[i] != 0 ? static_cast<std::uint8_t>(levels[0].filled[i] * 255) : depth.data()[i];
   }
 }
 
@@ -161,7 +173,7 @@ void bind_cbf(nb::module_& m) {
   m.def("cbf", cbf, nb::arg().noconvert(), nb::arg().noconvert(), nb::arg().noconvert(),
         nb::arg().noconvert(),
         "cbf(depth, intensity, mask, result): fills holes of depth; (H, W) uint8 in Fortran order, "
-        "`result` is written. mask: not 0 where depth is missing.");
+        "`result` is written. mask: uint8 or bool, not 0 where depth is missing.");
 }
 
 }  // namespace enfilade::python::mattersim

@@ -1,0 +1,276 @@
+// EpisodeSet: the episodes of a split of any benchmark, and their scores.
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "enfilade/dataset/dataset.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/results.h"
+#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/task_score.h"
+#include "python/src/bindings.h"
+#include "python/src/goals.h"
+
+namespace enfilade::python {
+namespace {
+
+using namespace nb::literals;
+using Set = std::shared_ptr<const tasks::EpisodeSet>;
+
+tasks::EpisodeSet load(const dataset::Dataset& dataset, tasks::Task task, const std::string& split,
+                       const std::optional<std::filesystem::path>& file,
+                       tasks::Instructions wanted) {
+  if (!file && task == tasks::Task::kR2r && dataset.has_split(split)) {
+    return dataset.episodes(split, wanted);
+  }
+  if (!file) return dataset.episodes(task, split, wanted);
+  const bool seen = task == tasks::Task::kReverie;
+  return tasks::make_episodes(tasks::load_annotations(*file, split, task), dataset.graphs(), wanted,
+                              seen ? &dataset.objects() : nullptr);
+}
+
+/// The episodes, and their places by id once somebody has asked for one.
+class Episodes {
+ public:
+  explicit Episodes(Set set) : set_(std::move(set)) {}
+
+  const Set& set() const noexcept { return set_; }
+  // Under the GIL.
+  std::optional<std::size_t> find(const std::string& id) {
+    if (by_id_.empty()) {
+      for (std::size_t i = 0; i < set_->episodes.size(); ++i) {
+        by_id_.emplace(set_->episodes[i].instruction_id, i);
+      }
+    }
+    const auto found = by_id_.find(id);
+    return found == by_id_.end() ? std::nullopt : std::optional(found->second);
+  }
+
+ private:
+  Set set_;
+  std::unordered_map<std::string, std::size_t> by_id_;
+};
+
+std::unique_ptr<Episodes> load_episodes(const dataset::Dataset& dataset, const std::string& task,
+                                        const std::string& split, bool all_instructions,
+                                        const std::optional<std::filesystem::path>& file) {
+  const nb::gil_scoped_release unlocked;
+  const auto wanted = all_instructions ? tasks::Instructions::kAll : tasks::Instructions::kScored;
+  return std::make_unique<Episodes>(std::make_shared<tasks::EpisodeSet>(
+      load(dataset, tasks::task_named(task), split, file, wanted)));
+}
+
+nb::object optional_number(const std::optional<double>& number) {
+  return number ? nb::cast(*number) : nb::none();
+}
+
+// (language, words, turns, parts, tokens, fields), as Episode's fields.
+nb::tuple details_tuple(const tasks::InstructionDetails& details) {
+  nb::list words, turns, parts, fields;
+  for (const tasks::TimedWord& w : details.words) {
+    words.append(nb::make_tuple(w.word, optional_number(w.start), optional_number(w.end)));
+  }
+  for (const tasks::DialogueTurn& t : details.turns) {
+    turns.append(nb::make_tuple(t.role, t.message, t.nav_step));
+  }
+  for (const tasks::SubInstruction& p : details.parts) {
+    nb::list pieces;
+    for (const std::string& word : p.words) pieces.append(word);
+    nb::object places = nb::none();
+    if (p.places) places = nb::make_tuple(p.places->first, p.places->second);
+    parts.append(nb::make_tuple(nb::tuple(pieces), places));
+  }
+  for (const auto& [name, text] : details.fields) fields.append(nb::make_tuple(name, text));
+  nb::list tokens;
+  for (const std::int32_t token : details.tokens) tokens.append(token);
+  return nb::make_tuple(details.language, words, turns, parts, nb::tuple(tokens), fields);
+}
+
+// (instruction_id, path_id, scan, path, heading, text, goal, group, details)
+nb::tuple episode(const Episodes& self, std::size_t i) {
+  const tasks::EpisodeSet& set = *self.set();
+  if (i >= set.episodes.size()) throw nb::index_error("episode");
+  const tasks::Episode& e = set.episodes[i];
+  const tasks::ReferencePath& path = set.path_of(e);
+  const graph::NavGraph& graph = set.graph_of(e);
+  nb::list viewpoints;
+  for (const ViewpointIndex v : path.viewpoints) viewpoints.append(graph.id(v));
+  const tasks::Goal goal = tasks::goal_hidden(path) ? tasks::Goal(tasks::HiddenGoal{}) : path.goal;
+  return nb::make_tuple(e.instruction_id, path.path_id, graph.scan(), nb::tuple(viewpoints),
+                        path.heading.value, e.text, goal_tuple(goal, graph, path.viewpoints.back()),
+                        path.group, details_tuple(e.details));
+}
+
+// (instruction_id, path_id, group, scan, language): what a table of scores begins with.
+nb::tuple about(const Episodes& self, std::size_t i) {
+  const tasks::EpisodeSet& set = *self.set();
+  if (i >= set.episodes.size()) throw nb::index_error("episode");
+  const tasks::Episode& e = set.episodes[i];
+  const tasks::ReferencePath& path = set.path_of(e);
+  return nb::make_tuple(e.instruction_id, path.path_id, path.group, set.graph_of(e).scan(),
+                        e.details.language);
+}
+
+struct Scored {
+  std::vector<std::string> names;       // of the columns
+  std::vector<std::string> mean_names;  // as the scorer calls their means
+  std::vector<tasks::MeanInterval> means;
+  std::vector<bool> has_mean;
+  std::vector<double> values;  // n x columns
+};
+
+Scored score_as_ours(const std::vector<tasks::Trajectory>& trajectories,
+                     const tasks::EpisodeSet& episodes, double success_distance, int samples) {
+  tasks::ScoreOptions options;
+  options.metrics.success_distance = success_distance;
+  options.bootstrap_samples = samples;
+  const tasks::Score score = tasks::compute_score(trajectories, episodes, options);
+  Scored scored;
+  scored.means = score.means;
+  for (const tasks::MetricField& field : tasks::metric_fields()) {
+    scored.names.emplace_back(field.name);
+    scored.mean_names.emplace_back(field.name);
+    scored.has_mean.push_back(true);
+  }
+  for (const tasks::EpisodeMetrics& metrics : score.episodes) {
+    for (const tasks::MetricField& field : tasks::metric_fields()) {
+      scored.values.push_back(metrics.*field.field);
+    }
+  }
+  return scored;
+}
+
+Scored score_as(const tasks::PublicScorer& scorer,
+                const std::vector<tasks::Trajectory>& trajectories,
+                const tasks::EpisodeSet& episodes, int samples) {
+  tasks::TaskScoreOptions options;
+  options.bootstrap_samples = samples;
+  tasks::TaskScore score = tasks::compute_task_score(trajectories, episodes, scorer, options);
+  Scored scored;
+  scored.values = std::move(score.values);
+  scored.means = std::move(score.means);
+  for (const tasks::ScorerMetric& metric : scorer.metrics) {
+    scored.names.emplace_back(metric.name);
+    scored.mean_names.emplace_back(metric.mean_name());
+    scored.has_mean.push_back(metric.rule != tasks::MeanRule::kNone);
+  }
+  return scored;
+}
+
+// "enfilade": our own metrics, with R2R's goals only. Empty: the task's first.
+std::string scorer_name(const tasks::EpisodeSet& episodes, const std::string& wanted) {
+  const bool r2r = episodes.task == tasks::Task::kR2r;
+  if (wanted.empty()) {
+    return r2r ? "enfilade" : std::string(tasks::public_scorers(episodes.task)[0].name);
+  }
+  if (wanted == "enfilade" && !r2r) {
+    throw ArgumentError(fmt::format("scorer 'enfilade' is of R2R, the episodes are of {}",
+                                    tasks::title_of(episodes.task)));
+  }
+  return wanted;
+}
+
+nb::tuple scored_tuple(const std::string& scorer, Scored scored,
+                       const std::vector<std::size_t>& places,
+                       const std::vector<Diagnostic>& warnings) {
+  nb::dict means;
+  for (std::size_t k = 0; k < scored.means.size(); ++k) {
+    if (!scored.has_mean[k]) continue;
+    const auto& mean = scored.means[k];
+    means[scored.mean_names[k].c_str()] = nb::make_tuple(mean.mean, mean.low, mean.high);
+  }
+  nb::list names, told;
+  for (const std::string& name : scored.names) names.append(name);
+  for (const Diagnostic& warning : warnings) told.append(to_string(warning));
+  auto kept = std::make_unique<std::vector<double>>(std::move(scored.values));
+  std::vector<double>* values = kept.release();
+  const nb::capsule owner(values,
+                          [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+  const std::size_t width = scored.names.size();
+  return nb::make_tuple(scorer, nb::tuple(names), means,
+                        array_of(values->data(), owner, values->size() / width, width), places,
+                        told);
+}
+
+// (scorer, names, {metric: (mean, low, high)}, values, places of the episodes, warnings)
+nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>& file,
+                const std::string& text, const std::string& wanted, double success_distance,
+                int samples, bool part) {
+  const tasks::EpisodeSet& all = *self.set();
+  const std::string name = scorer_name(all, wanted);
+  const bool ours = name == "enfilade";
+  if (!ours && success_distance != tasks::MetricOptions{}.success_distance) {
+    throw ArgumentError(
+        fmt::format("success_distance {}: scorer '{}' has its own", success_distance, name));
+  }
+  if (!(success_distance > 0)) {
+    throw ArgumentError(
+        fmt::format("success_distance {}: more than 0 m is needed", success_distance));
+  }
+  tasks::Results results;
+  Scored scored;
+  std::vector<std::size_t> places;
+  {
+    const nb::gil_scoped_release unlocked;
+    const tasks::PublicScorer* scorer = ours ? nullptr : &tasks::public_scorer(all.task, name);
+    const auto coverage = part ? tasks::Coverage::kPart : tasks::Coverage::kAll;
+    results = file ? tasks::load_results(*file, all, coverage)
+                   : tasks::parse_results(text, "<results>", all, coverage);
+    for (const tasks::Trajectory& trajectory : results.trajectories) {
+      places.push_back(trajectory.episode);
+    }
+    std::optional<tasks::EpisodeSet> smaller;
+    if (part) smaller = tasks::part_of(all, results.trajectories);
+    const tasks::EpisodeSet& episodes = smaller ? *smaller : all;
+    scored = ours ? score_as_ours(results.trajectories, episodes, success_distance, samples)
+                  : score_as(*scorer, results.trajectories, episodes, samples);
+  }
+  return scored_tuple(name, std::move(scored), places, results.warnings);
+}
+
+}  // namespace
+
+Set episode_set(nb::handle episodes) { return nb::cast<const Episodes&>(episodes).set(); }
+
+void bind_episodes(nb::module_& m) {
+  nb::class_<Episodes>(m, "EpisodeSet", "What enfilade.Episodes is made of.")
+      .def(nb::new_(&load_episodes), "dataset"_a, "task"_a, "split"_a, "all_instructions"_a,
+           "file"_a.none())
+      .def("__len__", [](const Episodes& s) { return s.set()->episodes.size(); })
+      .def("episode", episode, "index"_a,
+           nb::sig("def episode(self, index: int) -> tuple[typing.Any, ...]"))
+      .def("about", about, "index"_a,
+           nb::sig("def about(self, index: int) -> tuple[str, int, int, str, str]"))
+      .def("find", &Episodes::find, "instruction_id"_a)
+      .def_prop_ro(
+          "texts",
+          [](const Episodes& s) {
+            nb::list texts;
+            for (const tasks::Episode& e : s.set()->episodes) texts.append(e.text);
+            return texts;
+          },
+          nb::sig("def texts(self) -> list[str]"))
+      .def_prop_ro("task",
+                   [](const Episodes& s) { return std::string(tasks::name_of(s.set()->task)); })
+      .def_prop_ro("graphs", [](const Episodes& s) { return s.set()->graphs; })
+      .def("score", score, "file"_a.none(), "text"_a, "scorer"_a, "success_distance"_a,
+           "bootstrap_samples"_a, "part"_a,
+           nb::sig("def score(self, file: str | os.PathLike | None, text: str, scorer: str, "
+                   "success_distance: float, bootstrap_samples: int, part: bool) -> "
+                   "tuple[str, tuple[str, ...], dict[str, tuple[float, float, float]], "
+                   "numpy.typing.NDArray[numpy.float64], list[int], list[str]]"));
+}
+
+}  // namespace enfilade::python
