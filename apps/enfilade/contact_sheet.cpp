@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "apps/common/program.h"
@@ -56,13 +58,33 @@ Plan plan_of_scan(const SheetArguments& a, const scan::PanoramaSource& source) {
   return plan;
 }
 
+// What the sheet's font has letters for; of other scripts it is said that they are left out.
+std::string title_lines(const std::vector<std::string>& lines) {
+  std::string title;
+  for (const std::string& line : lines) {
+    std::string text = line;
+    for (const std::string_view quote : {"\u201c", "\u201d"}) {
+      for (std::size_t at = text.find(quote); at != std::string::npos; at = text.find(quote)) {
+        text.erase(at, quote.size());
+      }
+    }
+    const bool ascii = std::ranges::all_of(text, [](char c) { return (c & 0x80) == 0; });
+    title += (title.empty() ? ": " : " / ") + (ascii ? text : "(text in another script)");
+  }
+  return title;
+}
+
 Plan plan_of_path(const SheetArguments& a) {
   const DrawnPath drawn = find_path(a.path, a.scan, open_data(a.scene.data));
   const graph::NavGraph& graph = drawn.graph();
   Plan plan{graph.scan(), drawn.title(), {}, a.columns};
-  if (drawn.episode) plan.title += ": " + drawn.text();
+  plan.title += title_lines(drawn.lines());
   plan.shots = drawn.walk ? draw::shots_of_trajectory(graph, *drawn.walk, drawn.path().heading)
                           : draw::shots_of_path(graph, drawn.path());
+  draw::outline_goal(plan.shots, graph, drawn.path().goal, drawn.objects());
+  if (auto goal = draw::shot_of_goal(graph, drawn.path(), drawn.objects())) {
+    plan.shots.push_back(std::move(*goal));
+  }
   // One row for a path (R2R's have 5 to 7 viewpoints), rows of ten for an agent's long walk.
   constexpr std::size_t kLongestRow = 10;
   if (plan.columns == 0) plan.columns = std::min(plan.shots.size(), kLongestRow);
@@ -112,6 +134,7 @@ void add_contact_sheet(CLI::App& app, int& /*status*/) {
   set_examples(verb, {"enfilade contact-sheet 17DRP5sb8fy -o sheet.jpg",
                       "enfilade contact-sheet 17DRP5sb8fy --headings 4 --thumb 320x240",
                       "enfilade contact-sheet --split val_seen --path 1683 -o strip.png",
+                      "enfilade contact-sheet --task reverie --split val_seen --instr 1683_57_0",
                       "enfilade contact-sheet --split val_seen --instr 1683_0 --results "
                       "results.json -o strip.png"});
   verb.callback([a] { draw_sheet(*a); });

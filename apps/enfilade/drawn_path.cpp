@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "enfilade/draw/episode_text.h"
+#include "enfilade/draw/planned_goal.h"
+#include "enfilade/tasks/files.h"
+
 namespace enfilade::apps {
 namespace {
 
@@ -33,7 +37,10 @@ void add_scan_argument(CLI::App& verb, std::string& scan) {
 
 void add_path_options(CLI::App& verb, PathOptions& options, const std::string& results_help) {
   add_value(verb, "--split", options.split, "NAME", "Annotations that --instr or --path is in");
-  add_value(verb, "--instr", options.instruction, "ID",
+  add_setting(verb, "--task", options.task, "NAME",
+              "Benchmark that the split is of: r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn or "
+              "soon. Its goal is drawn, too");
+  add_value(verb, "--instr,--instruction", options.instruction, "ID",
             "Draw the reference path of this instruction");
   add_value(verb, "--path", options.path, "PATH_ID", "Draw the reference path of this path_id");
   add_value(verb, "--results", options.results, "FILE",
@@ -58,15 +65,33 @@ void validate(const PathOptions& options, const std::string& scan) {
 std::string DrawnPath::title() const {
   const std::string what = episode ? "instruction " + episodes.episodes[*episode].instruction_id
                                    : fmt::format("path {}", path().path_id);
-  return fmt::format("{}, {} of {}", graph().scan(), what, episodes.split);
+  const std::string of = episodes.task == tasks::Task::kR2r
+                             ? episodes.split
+                             : fmt::format("{} {}", tasks::title_of(episodes.task), episodes.split);
+  return fmt::format("{}, {} of {}", graph().scan(), what, of);
 }
 
-std::string DrawnPath::text() const { return episode ? episodes.episodes[*episode].text : ""; }
+std::vector<std::string> DrawnPath::lines() const {
+  return episode ? draw::episode_lines(episodes.episodes[*episode]) : std::vector<std::string>();
+}
+
+std::string DrawnPath::goal_name() const {
+  const tasks::Episode* shown = episode ? &episodes.episodes[*episode] : nullptr;
+  for (std::size_t k = 0; shown == nullptr && k < episodes.episodes.size(); ++k) {
+    if (episodes.episodes[k].path == place) shown = &episodes.episodes[k];
+  }
+  return shown == nullptr ? "" : draw::name_of_goal(episodes, *shown, objects());
+}
+
+const tasks::ObjectBoxes* DrawnPath::objects() const {
+  return episodes.task == tasks::Task::kReverie ? &data->objects() : nullptr;
+}
 
 DrawnPath find_path(const PathOptions& options, const std::string& scan,
                     const dataset::Dataset& data) {
   DrawnPath found;
-  found.episodes = data.episodes(options.split);
+  found.data = data;
+  found.episodes = data.episodes(tasks::task_named(options.task), options.split);
   if (options.path) {
     found.place = place_of_path(found.episodes, *options.path);
   } else {

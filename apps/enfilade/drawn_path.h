@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/common/program.h"
 #include "enfilade/tasks/annotations.h"
@@ -13,12 +14,13 @@ namespace enfilade::apps {
 
 /// Options that name a path.
 struct PathOptions {
-  std::string split, instruction, results;
+  std::string task = "r2r", split, instruction, results;
   std::optional<std::int64_t> path;
 };
 /// SCAN, which a path makes needless.
 void add_scan_argument(CLI::App& verb, std::string& scan);
-/// --split, --instr, --path, --results; `results_help` says what is drawn of a results file.
+/// --task, --split, --instr (or --instruction), --path, --results; `results_help` says what is
+/// drawn of a results file.
 void add_path_options(CLI::App& verb, PathOptions& options, const std::string& results_help);
 /// \throws UsageError if neither a scan nor a path is named, or options contradict each other
 void validate(const PathOptions& options, const std::string& scan);
@@ -26,6 +28,7 @@ void validate(const PathOptions& options, const std::string& scan);
 /// A path of a split, and what is known about it.
 struct DrawnPath {
   tasks::EpisodeSet episodes;
+  std::optional<dataset::Dataset> data;   ///< for the boxes of objects
   std::size_t place = 0;                  ///< in episodes.paths
   std::optional<std::size_t> episode;     ///< in episodes.episodes; for --instr
   std::optional<tasks::Trajectory> walk;  ///< for --results
@@ -33,10 +36,15 @@ struct DrawnPath {
   const tasks::ReferencePath& path() const { return episodes.paths[place]; }
   const graph::NavGraph& graph() const { return episodes.graphs->graph(path().scan); }
   std::string title() const;  ///< "17DRP5sb8fy, path 5 of test"
-  std::string text() const;   ///< the instruction; empty without --instr
+  /// What the instruction says (draw::episode_lines()); empty without --instr.
+  std::vector<std::string> lines() const;
+  /// What the goal is called (draw::name_of_goal()); may be empty.
+  std::string goal_name() const;
+  /// Who sees what, of REVERIE; else null. Valid as long as *this.
+  const tasks::ObjectBoxes* objects() const;
 };
-/// \param scan may be empty. \throws LookupError naming the option; UsageError if the path is in
-/// another scan; as Dataset::episodes(), tasks::load_results()
+/// \param scan may be empty. \throws UsageError for an unknown task; LookupError naming the option;
+/// UsageError if the path is in another scan; as Dataset::episodes(), tasks::load_results()
 DrawnPath find_path(const PathOptions& options, const std::string& scan,
                     const dataset::Dataset& data);
 

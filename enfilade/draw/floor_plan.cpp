@@ -26,8 +26,10 @@ using plan::Panel;
 using plan::Plan;
 using plan::Point;
 using plan::Step;
+using GoalKind = PlannedGoal::Kind;
 using Role = PlannedPath::Role;
 
+constexpr double kRegion = 0.8;  // metres of floor around a region's viewpoints
 constexpr std::array kReferenceColours{plan::kBlue, plan::kSky};
 constexpr std::array kAgentColours{plan::kVermilion, plan::kPurple};
 
@@ -57,18 +59,21 @@ void check_arguments(const graph::NavGraph& graph, const std::vector<PlannedPath
     throw ArgumentError(fmt::format("underlay: {} storeys, not {}, as {} has",
                                     options.underlay->storeys.size(), storeys, graph.scan()));
   }
+  const auto check_viewpoints = [&graph](const std::string& whose,
+                                         const std::vector<ViewpointIndex>& viewpoints) {
+    for (std::size_t i = 0; i < viewpoints.size(); ++i) {
+      if (viewpoints[i].at() < graph.size()) continue;
+      throw ArgumentError(fmt::format("{}.viewpoints[{}]: {}, not below {}, the size of {}", whose,
+                                      i, viewpoints[i].at(), graph.size(), graph.scan()));
+    }
+  };
   for (std::size_t p = 0; p < paths.size(); ++p) {
     if (paths[p].viewpoints.empty()) {
       throw ArgumentError(fmt::format("paths[{}]: empty, not at least one viewpoint", p));
     }
-    for (std::size_t i = 0; i < paths[p].viewpoints.size(); ++i) {
-      if (paths[p].viewpoints[i].at() >= graph.size()) {
-        throw ArgumentError(
-            fmt::format("paths[{}].viewpoints[{}]: {}, not below {}, the size of {}", p, i,
-                        paths[p].viewpoints[i].at(), graph.size(), graph.scan()));
-      }
-    }
+    check_viewpoints(fmt::format("paths[{}]", p), paths[p].viewpoints);
   }
+  if (options.goal) check_viewpoints("goal", options.goal->viewpoints);
 }
 
 // Reference paths first, so that agents are seen over them.
@@ -116,7 +121,7 @@ class Painter {
         {.title = options_.title.empty() ? graph_.scan() : options_.title,
          .subtitle = fmt::format("{} viewpoints, {} edges, {} {}", graph_.included_count(),
                                  plan_.edges.size(), storeys, storeys == 1 ? "storey" : "storeys"),
-         .note = options_.note,
+         .notes = notes(),
          .legend = legend_items(),
          .rule = true},
         layout_, panels);
@@ -125,10 +130,35 @@ class Painter {
  private:
   std::vector<plan::Disc> success_circles() const {
     std::vector<plan::Disc> circles;
-    for (const Overlay& o : overlays_) {
-      if (o.has_goal()) circles.push_back({o.end, options_.success_distance});
+    for (const ViewpointIndex v : circled()) circles.push_back({v, options_.success_distance});
+    if (region()) {
+      for (const ViewpointIndex v : options_.goal->viewpoints) circles.push_back({v, kRegion});
     }
     return circles;
+  }
+
+  std::vector<std::string> notes() const {
+    std::vector<std::string> notes{options_.note};
+    notes.insert(notes.end(), options_.lines.begin(), options_.lines.end());
+    return notes;
+  }
+
+  bool region() const { return options_.goal && options_.goal->kind == GoalKind::kRegion; }
+  bool turns() const { return options_.goal && options_.goal->kind == GoalKind::kTurningPoint; }
+  // Whether success is to end near the end of the reference path.
+  bool end_counts() const { return !options_.goal || turns(); }
+
+  // What has the success distance around it.
+  std::vector<ViewpointIndex> circled() const {
+    std::vector<ViewpointIndex> centres;
+    for (const Overlay& o : overlays_) {
+      if (o.has_goal() && end_counts()) centres.push_back(o.end);
+    }
+    if (turns()) {
+      centres.insert(centres.end(), options_.goal->viewpoints.begin(),
+                     options_.goal->viewpoints.end());
+    }
+    return centres;
   }
 
   Point place(const Panel& panel, ViewpointIndex v) const { return panel.at(graph_.position(v)); }
@@ -141,9 +171,8 @@ class Painter {
     out += options_.underlay == nullptr
                ? plan::draw_floor(plan_, panel)
                : plan::draw_lines(options_.underlay->storeys[panel.storey], panel);
-    for (const Overlay& o : overlays_) {
-      if (o.has_goal()) out += draw_success_circle(panel, o.end);
-    }
+    out += draw_region(panel);
+    for (const ViewpointIndex v : circled()) out += draw_success_circle(panel, v);
     out += draw_edges(panel);
     for (const Overlay& o : overlays_) {
       if (o.role == Role::kReference) out += plan::draw_band(plan_, panel, o.steps, o.colour);
@@ -154,7 +183,7 @@ class Painter {
     if (options_.underlay != nullptr) {
       out += plan::draw_texts(options_.underlay->storeys[panel.storey], panel);
     }
-    return out + draw_viewpoints(panel) + draw_stairs(panel) + draw_ends(panel) +
+    return out + draw_viewpoints(panel) + draw_stairs(panel) + draw_goal(panel) + draw_ends(panel) +
            (options_.label_viewpoints ? plan::draw_labels(plan_, panel) : "");
   }
 
@@ -164,6 +193,27 @@ class Painter {
         place(panel, goal), options_.success_distance * panel.scale,
         fmt::format("fill=\"{}\" fill-opacity=\"0.18\" stroke=\"#a89c00\" stroke-dasharray=\"3 4\"",
                     plan::hex(plan::kYellow)));
+  }
+
+  std::string draw_region(const Panel& panel) const {
+    if (!region()) return "";
+    std::string out;
+    for (const ViewpointIndex v : options_.goal->viewpoints) {
+      if (plan_.storey_of[v.at()] != panel.storey) continue;
+      out += plan::region_floor(place(panel, v), kRegion * panel.scale);
+    }
+    return out;
+  }
+
+  // Marks on the viewpoints of the goal; a region's are its floor.
+  std::string draw_goal(const Panel& panel) const {
+    if (!options_.goal || region()) return "";
+    std::string out;
+    for (const ViewpointIndex v : options_.goal->viewpoints) {
+      if (plan_.storey_of[v.at()] != panel.storey) continue;
+      out += turns() ? plan::turning_mark(place(panel, v)) : plan::seen_mark(place(panel, v));
+    }
+    return out;
   }
 
   std::string draw_edges(const Panel& panel) const {
@@ -277,13 +327,28 @@ class Painter {
         plan::hex(o.colour), plan::kLineWidth);
   }
 
+  void add_goal_item(std::vector<LegendItem>& items) const {
+    if (!options_.goal) return;
+    const std::string& label = options_.goal->label;
+    if (region()) {
+      items.push_back({plan::region_floor({}, 10), 20, label});
+    } else if (turns()) {
+      items.push_back({plan::turning_mark({}), 20, label});
+    } else {
+      items.push_back({plan::seen_mark({}), 16, label});
+    }
+  }
+
   void add_end_items(std::vector<LegendItem>& items) const {
+    add_goal_item(items);
     if (overlays_.empty()) return;
     items.push_back({plan::start_mark({}), 18, "start"});
     const auto goal = std::ranges::find_if(overlays_, &Overlay::has_goal);
     if (goal != overlays_.end()) {
       items.push_back({plan::goal_mark({}), 20,
-                       fmt::format("goal, {:g} m around it", options_.success_distance)});
+                       end_counts()
+                           ? fmt::format("goal, {:g} m around it", options_.success_distance)
+                           : "end of the reference path"});
     }
     const auto agent = std::ranges::find(overlays_, Role::kAgent, &Overlay::role);
     if (agent != overlays_.end()) {

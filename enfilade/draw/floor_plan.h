@@ -1,10 +1,12 @@
 /// \file  Floor plans of a navigation graph, with paths and trajectories, as SVG.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "enfilade/core/ids.h"
 #include "enfilade/draw/plan_underlay.h"
+#include "enfilade/draw/planned_goal.h"
 #include "enfilade/graph/nav_graph.h"
 
 namespace enfilade::draw {
@@ -23,15 +25,19 @@ struct PlannedPath {
 
 /// What is written and drawn on a floor plan.
 struct FloorPlanOptions {
-  std::string title;              ///< empty: the scan id
-  std::string note;               ///< a paragraph below it, such as the instruction; may be empty
-  double pixels_per_metre = 0;    ///< > 0; or 0: fits about 1400 x 1000 pixels
-  bool label_viewpoints = false;  ///< their index beside each
-  bool show_excluded = true;      ///< as hollow grey dots
-  double success_distance = 3.0;  ///< metres; radius of the circle around a goal
+  std::string title;  ///< empty: the scan id
+  std::string note;   ///< a paragraph below it, such as the instruction; may be empty
+  std::vector<std::string> lines = {};  ///< paragraphs below the note: episode_lines()
+  double pixels_per_metre = 0;          ///< > 0; or 0: fits about 1400 x 1000 pixels
+  bool label_viewpoints = false;        ///< their index beside each
+  bool show_excluded = true;            ///< as hollow grey dots
+  double success_distance = 3.0;        ///< metres; radius of the circle around a goal
   /// Walls and room names, made for the same graph; null: the surroundings of edges are shaded
   /// instead. Must outlive the call.
   const PlanUnderlay* underlay = nullptr;
+  /// Of episodes with other goals than the end of their path. There is no circle around the end of
+  /// the reference path then, except where the goal is a turning point.
+  std::optional<PlannedGoal> goal = {};
 };
 
 /// A floor of a building.
@@ -52,9 +58,9 @@ std::size_t nearest_storey(const std::vector<Storey>& storeys, double floor);
 /// up, with scale bar and legend. Edges between storeys are drawn on both, dashed, with a mark at
 /// their other end. It has its own background, for light and dark pages; colours can be told apart
 /// by colour-blind readers. Texts are escaped.
-/// \throws ArgumentError if a path is empty or holds a viewpoint that is not below graph.size(), or
-/// for a scale or success distance that is negative or not finite, or an underlay of another
-/// number of storeys
+/// \throws ArgumentError if a path is empty or holds a viewpoint that is not below graph.size(), as
+/// a goal must not either; for a scale or success distance that is negative or not finite, or an
+/// underlay of another number of storeys
 std::string floor_plan_svg(const graph::NavGraph& graph, const std::vector<PlannedPath>& paths = {},
                            const FloorPlanOptions& options = {});
 

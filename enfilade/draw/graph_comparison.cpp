@@ -56,7 +56,7 @@ class Painter {
              "precision {:.3f}, recall {:.3f}, F1 {:.3f}: {} edges in both, {} extra, {} missing",
              comparison_.precision(), comparison_.recall(), comparison_.f1(), comparison_.common,
              comparison_.extra.size(), comparison_.missing.size()),
-         .note = options_.note,
+         .notes = {options_.note},
          .legend = legend_items()},
         layout_, panels);
   }

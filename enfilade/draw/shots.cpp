@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "enfilade/draw/planned_goal.h"
 #include "enfilade/render/pictures.h"
 
 namespace enfilade::draw {
@@ -82,6 +84,33 @@ std::vector<Shot> shots_of_trajectory(const graph::NavGraph& graph,
   return shots;
 }
 
+void outline_goal(std::vector<Shot>& shots, const graph::NavGraph& graph, const tasks::Goal& goal,
+                  const tasks::ObjectBoxes* objects) {
+  for (Shot& one : shots) {
+    const auto viewpoint = graph.find(one.viewpoint);
+    if (!viewpoint) continue;
+    one.outlines = goal_outlines(graph, goal, *viewpoint, objects,
+                                 tasks::Direction{one.heading, one.elevation});
+  }
+}
+
+std::optional<Shot> shot_of_goal(const graph::NavGraph& graph, const tasks::ReferencePath& path,
+                                 const tasks::ObjectBoxes* objects) {
+  std::vector<ViewpointIndex> places{path.viewpoints.back()};
+  if (const auto goal = planned_goal(path)) {
+    places.insert(places.end(), goal->viewpoints.begin(), goal->viewpoints.end());
+  }
+  for (const ViewpointIndex v : places) {
+    std::vector<Outline> outlines = goal_outlines(graph, path.goal, v, objects);
+    if (outlines.empty()) continue;
+    const tasks::Direction at = centre_of(outlines.front());
+    Shot found = shot("object", graph.id(v), at.heading, at.elevation);
+    found.outlines = std::move(outlines);
+    return found;
+  }
+  return std::nullopt;
+}
+
 std::vector<SheetPicture> draw_shots(render::Renderer& renderer, ScanIndex scan,
                                      const scan::PanoramaSource& source,
                                      std::span<const Shot> shots, const Camera& camera,
@@ -105,6 +134,10 @@ std::vector<SheetPicture> draw_shots(render::Renderer& renderer, ScanIndex scan,
     for (std::size_t i = 0; i < batch.size(); ++i) {
       const image::Image8 picture = image::rows(drawn.colour, i * large.height, large.height);
       pictures.push_back({image::shrink(picture, camera.width, camera.height), batch[i].caption});
+      for (const Outline& outline : batch[i].outlines) {
+        draw_outline(pictures.back().picture, outline, {batch[i].heading, batch[i].elevation},
+                     camera.vertical_field_of_view);
+      }
     }
     if (progress) progress(pictures.size(), shots.size());
   }

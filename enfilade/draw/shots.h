@@ -1,12 +1,14 @@
 /// \file  Which views a contact sheet shows: of a scan, of a path, of an agent's trajectory.
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "enfilade/core/progress.h"
 #include "enfilade/draw/contact_sheet.h"
+#include "enfilade/draw/outlines.h"
 #include "enfilade/geometry/angle.h"
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/render/renderer.h"
@@ -21,6 +23,7 @@ struct Shot {
   std::string viewpoint;
   Radians heading, elevation;
   std::string caption;
+  std::vector<Outline> outlines = {};  ///< drawn over the view
 };
 
 /// Each included viewpoint of a scan, `headings` times: at even steps from `first` on.
@@ -32,6 +35,14 @@ std::vector<Shot> shots_of_path(const graph::NavGraph& graph, const tasks::Refer
 /// trajectory has no headings. \param start heading of the first then
 std::vector<Shot> shots_of_trajectory(const graph::NavGraph& graph,
                                       const tasks::Trajectory& trajectory, Radians start);
+
+/// Adds the outlines of a goal's object (goal_outlines()) to each shot of a viewpoint that has it.
+void outline_goal(std::vector<Shot>& shots, const graph::NavGraph& graph, const tasks::Goal& goal,
+                  const tasks::ObjectBoxes* objects);
+/// A look at the goal's object with its outline: from the end of the path if it is seen there, else
+/// from the first viewpoint that sees it. No value where nothing is known of it.
+std::optional<Shot> shot_of_goal(const graph::NavGraph& graph, const tasks::ReferencePath& path,
+                                 const tasks::ObjectBoxes* objects);
 
 /// Draws the shots, in RGB. \param scan, source the scan that they are of, in the renderer's set
 /// \param camera of the small pictures; each is drawn three times as large and averaged, as a small

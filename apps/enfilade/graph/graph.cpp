@@ -140,14 +140,6 @@ double length_of(const graph::NavGraph& graph, const std::vector<ViewpointIndex>
   return metres;
 }
 
-std::string quoted(const std::string& text) {
-  constexpr const char* kBlanks = " \t\r\n";
-  const std::size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string::npos) return "";
-  const std::size_t end = text.find_last_not_of(kBlanks) + 1;
-  return "\u201c" + text.substr(begin, end - begin) + "\u201d";
-}
-
 PlannedPath agent(const graph::NavGraph& graph, const tasks::ReferencePath& path,
                   const tasks::Trajectory& trajectory) {
   PlannedPath found;
@@ -155,7 +147,7 @@ PlannedPath agent(const graph::NavGraph& graph, const tasks::ReferencePath& path
     found.viewpoints.push_back(point.viewpoint);
   }
   found.label = fmt::format("agent\u2019s path, {:.1f} m", length_of(graph, found.viewpoints));
-  if (path.viewpoints.size() > 1) {
+  if (path.viewpoints.size() > 1 && !draw::planned_goal(path)) {
     found.label += fmt::format(", ends {:.1f} m from the goal",
                                graph.distance(found.viewpoints.back(), path.viewpoints.back()));
   }
@@ -190,11 +182,12 @@ void draw_plan(const DrawArguments& a) {
   options.label_viewpoints = a.labels;
   if (!a.path.split.empty()) {
     const DrawnPath drawn = find_path(a.path, a.scan, data);
-    const bool hidden = drawn.path().viewpoints.size() < 2;
+    const bool hidden = tasks::goal_hidden(drawn.path());
     scan = drawn.graph().scan();
     paths = paths_of(drawn);
     options.title = drawn.title() + (hidden ? ", goal hidden" : "");
-    options.note = quoted(drawn.text());
+    options.lines = drawn.lines();
+    options.goal = draw::planned_goal(drawn.path(), drawn.goal_name());
   }
   const graph::NavGraph& graph = data.graphs()->graph(scan);
   const auto underlay = underlay_of(a, data, graph);
@@ -245,6 +238,7 @@ void add_draw(CLI::App& graph) {
                 "enfilade graph draw home_0001 --data homes -o home.svg",
                 "enfilade graph draw 17DRP5sb8fy --mesh 17DRP5sb8fy.ply -o plan.svg",
                 "enfilade graph draw --split val_unseen --path 4332",
+                "enfilade graph draw --task reverie --split val_unseen --instr 4332_57_0",
                 "enfilade graph draw --split val_unseen --instr 4332_0 --results results.json"});
   verb.callback([a] { draw_plan(*a); });
 }

@@ -54,6 +54,24 @@ std::string goal_mark(Point p) {
       path, hex(kYellow), kInk);
 }
 
+std::string seen_mark(Point p) {
+  return fmt::format(
+      "<rect x=\"{}\" y=\"{}\" width=\"13\" height=\"13\" rx=\"2.5\" fill=\"{}\" stroke=\"{}\" "
+      "stroke-width=\"1.5\"/>\n",
+      number(p.x - 6.5), number(p.y - 6.5), hex(kYellow), kInk);
+}
+
+std::string turning_mark(Point p) {
+  return fmt::format(
+      "<path d=\"M{}l9,9l-9,9l-9,-9Z\" fill=\"{}\" stroke=\"{}\" stroke-width=\"1.5\" "
+      "stroke-linejoin=\"round\"/>\n",
+      pair(p - Point{0, 9}), hex(kYellow), kInk);
+}
+
+std::string region_floor(Point p, double radius) {
+  return circle(p, radius, fmt::format("fill=\"{}\" fill-opacity=\"0.55\"", hex(kYellow)));
+}
+
 std::string stop_mark(Point p, Colour colour) {
   return circle(p, 13, "fill=\"none\" stroke=\"#fff\" stroke-width=\"5\"") +
          circle(p, 13, fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"3\"", hex(colour)));

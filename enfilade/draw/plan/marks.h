@@ -30,6 +30,11 @@ std::string excluded_mark(Point p);
 std::string stairs_mark(Point p, bool up);
 std::string start_mark(Point p);
 std::string goal_mark(Point p);
+/// Squares: viewpoints that see a goal's object. A diamond: a turning point. A disc: floor of a
+/// goal's region, `radius` pixels.
+std::string seen_mark(Point p);
+std::string turning_mark(Point p);
+std::string region_floor(Point p, double radius);
 /// A ring, which leaves room for the goal in it.
 std::string stop_mark(Point p, Colour colour);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "enfilade/draw/markup.h"
 #include "enfilade/draw/plan/marks.h"
@@ -97,7 +98,10 @@ std::string draw_heading(const Sheet& sheet, const std::vector<std::string>& not
 std::string draw_sheet(const Sheet& sheet, const Layout& layout, const std::string& panels) {
   const double width =
       std::max({layout.size.x, kNarrowest, 1.15 * text_width(sheet.title, kTitleSize)});
-  const std::vector<std::string> note = wrap(sheet.note, kNoteSize, width);
+  std::vector<std::string> note;
+  for (const std::string& one : sheet.notes) {
+    for (std::string& line : wrap(one, kNoteSize, width)) note.push_back(std::move(line));
+  }
   const double top = kBorder + kHeading + kNoteLine * static_cast<double>(note.size());
   const double legend_top = top + layout.size.y + 20;
   const Block legend = draw_legend(sheet.legend, {kBorder, legend_top}, width, layout.scale);

@@ -17,7 +17,7 @@ struct LegendItem {
 /// What is written around the panels.
 struct Sheet {
   std::string title, subtitle;
-  std::string note;  ///< a paragraph below them; may be empty
+  std::vector<std::string> notes;  ///< paragraphs below them
   std::vector<LegendItem> legend;
   bool rule = false;  ///< whether a line parts the legend from the panels
 };

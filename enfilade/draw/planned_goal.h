@@ -1,0 +1,41 @@
+/// \file  An episode's goal as a floor plan marks it.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/core/ids.h"
+#include "enfilade/graph/nav_graph.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/objects.h"
+
+namespace enfilade::draw {
+
+/// The viewpoints that a goal is about, other than the end of the reference path.
+struct PlannedGoal {
+  /// What they are.
+  enum class Kind : std::uint8_t {
+    kTurningPoint,  ///< of R2R-Back: a diamond, with the success distance around it
+    kObject,        ///< of REVERIE: squares on the viewpoints that see the object
+    kRegion,        ///< of CVDN: its viewpoints stand on a yellow floor
+    kBoxes,         ///< of SOON: squares on the viewpoints that have a box of the object
+  };
+  Kind kind = Kind::kTurningPoint;
+  std::vector<ViewpointIndex> viewpoints;  ///< ascending, each once; may be empty
+  std::string label;                       ///< for the legend: "sees the plant (3 viewpoints)"
+};
+
+/// The mark of a path's goal. No value for goals that are the end of the path, and hidden ones.
+/// \param what  what is there, for the legend: "plant"; may be empty
+std::optional<PlannedGoal> planned_goal(const tasks::ReferencePath& path,
+                                        std::string_view what = {});
+
+/// What a goal's object or region is called, without details after a number sign: of REVERIE as the
+/// boxes have it, of CVDN as the instruction ends (`<TAR> plant`), of SOON its
+/// `obj_name`, "The vase." without article and full stop. Empty if it has no name.
+std::string name_of_goal(const tasks::EpisodeSet& episodes, const tasks::Episode& episode,
+                         const tasks::ObjectBoxes* objects);
+
+}  // namespace enfilade::draw
