@@ -7,5 +7,5 @@
 int main() {
   using namespace enfilade;
   const Dataset d("homes");
-  save("v.png", render_colour(d, {"home_0001", "8d1bc14ed55e8309507ac48f26b0ed4e", 180_deg}));
+  save("v.png", render_colour(d, {"home0001", "8d1bc14ed55e8309507ac48f26b0ed4e", 180_deg}));
 }

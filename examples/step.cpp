@@ -11,7 +11,7 @@ int main() {
   config.batch_size = 2;
   Simulator simulator(d.graphs(), config);
   simulator.new_random_episodes(
-      std::vector{d.graphs()->at("home_0001"), d.graphs()->at("home_0002")});
+      std::vector{d.graphs()->at("home0001"), d.graphs()->at("home0002")});
 
   std::vector<Action> actions(config.batch_size);
   for (int step = 0; step < 12; ++step) {

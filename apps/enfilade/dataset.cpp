@@ -1,8 +1,9 @@
-// enfilade dataset: Room-to-Room paths and instructions for a folder of model homes.
+// enfilade dataset: paths and instructions of all benchmarks for a folder of model homes.
 #include <fmt/format.h>
 #include <memory>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/home_options.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/homes/home_set.h"
 
@@ -36,9 +37,11 @@ void add_dataset(CLI::App& app, int& /*status*/) {
   add_whole_number(verb, "--seed", options->paths.seed, "The same seed gives the same bytes", 0);
   add_setting(verb, "--val-seen", options->paths.val_seen_share, "",
               "Share of the training homes' paths, 0 to 1", finite_number(0, 0.99));
+  add_tasks_option(verb, options->paths.tasks);
   add_threads_option(verb, options->paths.threads);
-  set_examples(verb, {"enfilade homes -o homes --paths 0", "enfilade dataset homes --paths 100",
-                      "enfilade stats --data homes"});
+  set_examples(verb,
+               {"enfilade homes -o homes --paths 0", "enfilade dataset homes --paths 100",
+                "enfilade dataset homes --tasks reverie,soon", "enfilade stats --data homes"});
   verb.callback([options] { make(*options); });
 }
 

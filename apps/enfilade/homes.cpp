@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/home_options.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/homes/home_set.h"
 
@@ -22,6 +23,7 @@ struct Options {
   std::uint32_t image_width = homes::HomeSetOptions().image_width;
   std::optional<double> area;
   std::size_t paths = homes::HomePathOptions().per_home;
+  std::vector<std::string> tasks = homes::home_tasks();
   int threads = 0;
 };
 
@@ -82,11 +84,25 @@ void make(const Options& options) {
                homes.size());
     return;
   }
-  homes::HomePathOptions paths{.per_home = options.paths, .threads = options.threads};
+  homes::HomePathOptions paths{
+      .per_home = options.paths, .tasks = options.tasks, .threads = options.threads};
   if (options.seed) paths.seed = *options.seed;
   const auto report = homes::write_home_paths(options.output, paths, bar("paths"));
   fmt::print("{} paths, {} instructions, all SYNTHETIC\n", report.paths, report.instructions);
 }
+
+}  // namespace
+
+void add_tasks_option(CLI::App& verb, std::vector<std::string>& tasks) {
+  std::vector<std::string> known = homes::home_tasks();
+  known.emplace_back("r2r");  // which is always written
+  add_value(verb, "--tasks", tasks, "TASK,...",
+            "Benchmarks beside Room-to-Room, with commas between; all if not given; r2r: none")
+      ->delimiter(',')
+      ->check(CLI::IsMember(known));
+}
+
+namespace {
 
 void add_options(CLI::App& verb, Options& o) {
   add_value(verb, "-o,--output", o.output, "DIR", "A new or empty folder, or one to complete")
@@ -121,6 +137,7 @@ void add_options(CLI::App& verb, Options& o) {
             "Make the K-th of N shares of the set only, beside other runs; then run once "
             "without it");
   add_whole_number(verb, "--paths", o.paths, "Room-to-Room paths a home, at most; 0: none", 0);
+  add_tasks_option(verb, o.tasks);
   add_threads_option(verb, o.threads);
 }
 
@@ -134,8 +151,8 @@ void add_homes(CLI::App& app, int& /*status*/) {
   set_examples(verb, {"enfilade homes -o homes", "enfilade homes -o two --preset small --paths 0",
                       "enfilade homes -o homes --corrections homes-corrections",
                       "enfilade homes -o homes --preset full --shard 3/16",
-                      "enfilade contact-sheet home_0001 --data homes -o home.png",
-                      "enfilade graph draw home_0001 --data homes -o plan.svg"});
+                      "enfilade contact-sheet home0001 --data homes -o home.png",
+                      "enfilade graph draw home0001 --data homes -o plan.svg"});
   verb.footer(
       verb.get_footer() +
       "\nA run that was stopped goes on where it was. All of it is synthetic, and says so.");
@@ -156,7 +173,7 @@ void add_synth(CLI::App& app, int& /*status*/) {
               whole_number(homes::kLeastHomes, 10000));
   add_whole_number(verb, "--seed", options->seed, "The same seed gives the same bytes", 0);
   set_examples(verb, {"enfilade synth -o my-data", "enfilade stats --data my-data",
-                      "enfilade graph draw home_0001 --data my-data -o plan.svg"});
+                      "enfilade graph draw home0001 --data my-data -o plan.svg"});
   verb.callback([options] {
     make(*options);
     fmt::print(

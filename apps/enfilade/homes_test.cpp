@@ -93,13 +93,13 @@ void leave_halves(const fs::path& folder, const Reference& reference,
 TEST(KilledHomes, GoOnWherePicturesWereAndGetTheSameBytes) {
   if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
   const Reference reference = run_whole(pictures_in);
-  ASSERT_THAT(reference.content, testing::Contains(testing::Key("store/home_0002.enfilade")));
+  ASSERT_THAT(reference.content, testing::Contains(testing::Key("store/home0002.enfilade")));
   const TemporaryFolder steps("homes"), times("homes");
   // Each appears when the step before it is done.
   for (const char* file :
-       {"README.md", "homes.json", "connectivity/home_0001_connectivity.json",
-        "store/home_0001.enfilade.part", "connectivity/scans.txt",
-        "connectivity/home_0002_connectivity.json", "store/home_0002.enfilade.part"}) {
+       {"README.md", "homes.json", "connectivity/home0001_connectivity.json",
+        "store/home0001.enfilade.part", "connectivity/scans.txt",
+        "connectivity/home0002_connectivity.json", "store/home0002.enfilade.part"}) {
     const fs::path path = steps.path() / file;
     Process run(pictures_in(steps.path()));
     EXPECT_TRUE(run.killed_when([&] { return fs::exists(path); })) << file;
@@ -107,7 +107,7 @@ TEST(KilledHomes, GoOnWherePicturesWereAndGetTheSameBytes) {
   }
   leave_halves(steps.path(), reference,
                {"homes.json", "connectivity/scans.txt", "regions/region_to_panorama.json",
-                "connectivity/home_0002_connectivity.json", "store/home_0002.enfilade"});
+                "connectivity/home0002_connectivity.json", "store/home0002.enfilade"});
   EXPECT_EQ(Process(pictures_in(steps.path())).wait(), 0);
   expect_same(steps.path(), reference);
 
@@ -139,7 +139,7 @@ TEST(KilledHomes, GoOnWherePathsWereAndGetTheSameBytes) {
   const Reference reference = run_whole(paths_in);
   ASSERT_THAT(reference.content, testing::Contains(testing::Key("hidden/R2R_test.json")));
   const TemporaryFolder folder("homes");
-  for (const char* file : {"connectivity/home_0003_connectivity.json", "r2r", "r2r/R2R_train.json",
+  for (const char* file : {"connectivity/home0003_connectivity.json", "r2r", "r2r/R2R_train.json",
                            "r2r/R2R_val_unseen.json", "hidden/R2R_test.json"}) {
     EXPECT_TRUE(killed_at(folder.path(), file)) << file;
     expect_whole(folder.path(), false);
@@ -157,7 +157,7 @@ TEST(KilledHomes, GoOnWherePathsWereAndGetTheSameBytes) {
 
 std::string plan_of(const fs::path& folder, const fs::path& file) {
   Process run(
-      {EN_PROGRAM, "graph", "draw", "home_0001", "--data", folder.string(), "-o", file.string()});
+      {EN_PROGRAM, "graph", "draw", "home0001", "--data", folder.string(), "-o", file.string()});
   EXPECT_EQ(run.wait(), 0);
   return read_file(file);
 }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <memory>
 #include <system_error>
@@ -15,6 +14,7 @@
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/homes/sets/home_list.h"
+#include "enfilade/homes/sets/scan_names.h"
 #include "enfilade/mesh/lighting.h"
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/regions.h"
@@ -25,6 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using sets::HomeList;
+using sets::scan_name;
 
 constexpr std::string_view kMarker = "# Model homes: a SYNTHETIC data set made by Enfilade\n";
 constexpr std::size_t kMostHomes = 10000;
@@ -57,19 +58,12 @@ void validate(const HomeSetOptions& o) {
                     o.shard.count, kMostHomes));
 }
 
-std::string scan_name(std::size_t home) { return fmt::format("home_{:04}", home + 1); }
-
 // The place of a home in a set of `homes`, from its name. Refuses a name that is none of the set's,
 // at `where` of `file`.
 std::size_t place_of(const std::string& scan, std::size_t homes, const fs::path& file,
                      const std::string& where) {
-  constexpr std::string_view kPrefix = "home_";
-  std::size_t number = 0;  // counted from 1
-  if (scan.starts_with(kPrefix)) {
-    std::from_chars(scan.data() + kPrefix.size(), scan.data() + scan.size(), number);
-  }
-  // Compared as a whole: "home_1" and "home_0001b" have numbers too.
-  if (number >= 1 && number <= homes && scan == scan_name(number - 1)) return number - 1;
+  const auto place = sets::place_of_scan(scan);
+  if (place && *place < homes) return *place;
   refuse(file.string(), where, "unknown-scan",
          fmt::format("{:?} is none of the {} homes of this set: {} to {}", scan, homes,
                      scan_name(0), scan_name(homes - 1)));
@@ -305,9 +299,10 @@ class HomeWriter {
       throw FileError(
           fmt::format("{}: cannot remove: {}", (folder_ / kShards).string(), code.message()));
     }
-    for (const char* part : {".", "connectivity", "regions", "r2r", "hidden"}) {
-      remove_unfinished(folder_ / part);
-    }
+    std::vector<std::string> parts = home_tasks();
+    for (const std::string& task : home_tasks()) parts.push_back("hidden/" + task);
+    parts.insert(parts.end(), {".", "connectivity", "regions", "r2r", "hidden"});
+    for (const std::string& part : parts) remove_unfinished(folder_ / part);
   }
 
   void make(std::size_t home) {
@@ -320,7 +315,7 @@ class HomeWriter {
     tell(0);
     const BuiltHome built =
         build(home, plan, options_.face_size > 0 ? Surfaces::kTextured : Surfaces::kPlain);
-    const scan::Connectivity found = build_graph(built, scan_name(home), options_.threads);
+    const scan::Connectivity found = graph_of(home, built);
     const scan::Connectivity corrected = write_graph(home, found);
     tell(kBuilt);
     if (options_.face_size > 0) {
@@ -335,7 +330,7 @@ class HomeWriter {
   // files are kept.
   void write_parts(std::size_t home) const {
     const BuiltHome built = build(home, plan_of(options_, home), Surfaces::kTextured);
-    const scan::Connectivity found = build_graph(built, scan_name(home), options_.threads);
+    const scan::Connectivity found = graph_of(home, built);
     mesh::BakeOptions bake =
         options_.parts.coloured() ? mesh::BakeOptions{} : capture::least_light();
     bake.threads = options_.threads;
@@ -359,7 +354,7 @@ class HomeWriter {
     const HomeEntry old = homes_.at(home);
     save(home, old, kUnfinished);
     const BuiltHome built = build(home, old.plan, Surfaces::kPlain);
-    const scan::Connectivity found = build_graph(built, old.scan, options_.threads);
+    const scan::Connectivity found = graph_of(home, built);
     save(home, describe(built.home, old.plan, write_graph(home, found)), wanted(home));
   }
 
@@ -370,6 +365,14 @@ class HomeWriter {
       throw NoPlan(fmt::format("{}: {}. {} homes made before are kept in {}", scan_name(home),
                                none.what(), homes_.size(), folder_.string()));
     }
+  }
+
+  scan::Connectivity graph_of(std::size_t home, const BuiltHome& built) const {
+    const std::string scan = scan_name(home);
+    scan::Connectivity graph = build_graph(built, sets::draws_of(scan), options_.threads);
+    graph.scan = scan;
+    graph.file = scan + "_connectivity.json";
+    return graph;
   }
 
   // Writes the graph with the home's corrections, if it has any. \returns what was written
@@ -402,6 +405,7 @@ class HomeWriter {
     write_file_atomically(folder_ / "regions" / "region_to_panorama.json",
                           to_json(regions_of(homes_)));
     write_file_atomically(folder_ / "connectivity" / "scans.txt", scans);
+    sets::write_alias_graph(folder_ / "connectivity");
     write_list(folder_ / "homes.json", options_, homes_);  // last: its homes are complete
   }
 

@@ -60,7 +60,7 @@ struct RoomEntry {
 
 /// One home as the folder's list has it.
 struct HomeEntry {
-  std::string scan;  ///< "home_0001", ...
+  std::string scan;  ///< "home0001", ...
   PlanOptions plan;  ///< gives make_home() the same home again
   std::string kind;
   std::size_t viewpoints = 0, edges = 0;  ///< of its graph
@@ -108,6 +108,10 @@ HomeEntry completed(HomeEntry home, const std::filesystem::path& folder);
 /// Fewer cannot be split by building into train, val_unseen and test.
 inline constexpr std::size_t kLeastHomes = 3;
 
+/// Benchmarks that a set of homes can have beside Room-to-Room, by the names of their folders:
+/// "r2r-last", "r2r-back", "r4r", "fgr2r", "rxr", "reverie", "cvdn", "soon".
+std::vector<std::string> home_tasks();
+
 /// How many paths are drawn, and how they are split.
 struct HomePathOptions {
   std::size_t per_home = 60;  ///< paths, at most
@@ -116,6 +120,8 @@ struct HomePathOptions {
   /// Without a test split, whose goals are hidden, two homes are enough: one for train and
   /// val_seen, one for val_unseen.
   bool test_split = true;
+  /// Of home_tasks(): which are written beside Room-to-Room; "r2r" may be named, too.
+  std::vector<std::string> tasks = home_tasks();
   int threads = 0;
 };
 /// What was written.
@@ -125,9 +131,12 @@ struct HomePathReport {
 /// Writes Room-to-Room annotations for a folder of homes: `r2r/R2R_<split>.json` for train,
 /// val_seen, val_unseen and test, split by building in the paper's proportions, with three
 /// instructions a path, one by each speaker. The test paths with their goals are in
-/// `hidden/R2R_test.json`. Graphs are read from the folder, so corrections made there count.
-/// \throws as read_home_list(), graph::GraphSet; FileError if there are fewer homes than the splits
-/// need or the splits cannot be written
+/// `hidden/R2R_test.json`. Graphs are read from the folder, so corrections made there count. Of the
+/// same paths, the other benchmarks' annotations are written in the forms and under the names that
+/// tasks::annotation_places() looks for, each folder with a README.md that calls it synthetic;
+/// their whole test splits are in `hidden/<task>/`. \throws ArgumentError for an unknown task; as
+/// read_home_list(), graph::GraphSet; FileError if there are fewer homes than the splits need or
+/// the splits cannot be written
 HomePathReport write_home_paths(const std::filesystem::path& folder, const HomePathOptions& options,
                                 const SetProgress& progress = {});
 

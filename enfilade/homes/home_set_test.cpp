@@ -47,7 +47,7 @@ HomeSetOptions tiny(std::size_t homes, std::uint32_t face_size) {
 // A folder of corrections of the first home.
 void correct(const fs::path& folder, const std::vector<graph::Correction>& list) {
   fs::create_directories(folder);
-  write_file_atomically(folder / "home_0001_corrections.json", graph::to_json({"home_0001", list}));
+  write_file_atomically(folder / "home0001_corrections.json", graph::to_json({"home0001", list}));
 }
 
 graph::NavGraph graph_of(const fs::path& folder, const std::string& scan) {
@@ -116,7 +116,7 @@ TEST(HomeSet, KeepsHomesMadeBeforeAFailure) {
   struct Stopped {};
   EXPECT_THROW(write_homes(folder.path(), tiny(3, 0),
                            [](const std::string& home, std::size_t, std::size_t) {
-                             if (home == "home_0003") throw Stopped();
+                             if (home == "home0003") throw Stopped();
                            }),
                Stopped);
   EXPECT_EQ(read_home_list(folder.path()).size(), 2U);
@@ -124,7 +124,7 @@ TEST(HomeSet, KeepsHomesMadeBeforeAFailure) {
   write_homes(folder.path(), tiny(3, 0), [&](const std::string& home, std::size_t, std::size_t) {
     if (made.empty() || made.back() != home) made.push_back(home);
   });
-  EXPECT_THAT(made, testing::ElementsAre("home_0003"));
+  EXPECT_THAT(made, testing::ElementsAre("home0003"));
   write_homes(whole.path(), tiny(3, 0));
   EXPECT_EQ(content_of(folder.path()), content_of(whole.path()));
 }
@@ -170,7 +170,7 @@ TEST(HomeSet, ListsHavePlansAndThoseOfEarlierVersionsAreCompleted) {
   HomeEntry another = old;
   ++another.triangles;
   EXPECT_THAT(tests::refusal<FileError>([&] { completed(another, folder.path()); }),
-              HasSubstr("home_0002 has " + std::to_string(another.triangles) + " triangles"));
+              HasSubstr("home0002 has " + std::to_string(another.triangles) + " triangles"));
   const HomeEntry again = completed(old, folder.path());
   EXPECT_EQ(again.rooms[0].floor.x0, made.rooms[0].floor.x0);
   EXPECT_EQ(again.lines.storeys[0].lines.size(), made.lines.storeys[0].lines.size());
@@ -190,8 +190,8 @@ TEST(HomeSet, SharesMakeTheSameSetInAnyOrder) {
   share.shard = {1, 2};
   const auto second = write_homes(shared.path(), share).homes;
   ASSERT_EQ(second.size(), 2U);
-  EXPECT_EQ(second[0].scan, "home_0002");
-  EXPECT_EQ(second[1].scan, "home_0004");
+  EXPECT_EQ(second[0].scan, "home0002");
+  EXPECT_EQ(second[1].scan, "home0004");
   EXPECT_TRUE(read_home_list(shared.path()).empty()) << "gathered by a run of the whole set";
   // Made by the third of three: the third home; the first is left to the run of the whole set.
   share.shard = {2, 3};
@@ -200,7 +200,7 @@ TEST(HomeSet, SharesMakeTheSameSetInAnyOrder) {
   EXPECT_EQ(write_homes(shared.path(), share).homes.size(), 1U);
   std::size_t steps = 0;
   write_homes(shared.path(), tiny(5, 0), [&](const std::string& home, std::size_t, std::size_t) {
-    EXPECT_EQ(home, "home_0001");
+    EXPECT_EQ(home, "home0001");
     ++steps;
   });
   EXPECT_GT(steps, 0U);
@@ -215,7 +215,7 @@ TEST(HomeSet, CorrectionsAreAppliedOnTopAndTakenBack) {
   HomeSetOptions options = tiny(2, 0);
   write_homes(folder.path(), options);
   const auto as_found = content_of(folder.path());
-  const graph::NavGraph found = graph_of(folder.path(), "home_0001");
+  const graph::NavGraph found = graph_of(folder.path(), "home0001");
   const ViewpointIndex a(0), b = found.edges(a)[0].target;
   using Action = graph::Correction::Action;
   correct(corrections.path(),
@@ -226,7 +226,7 @@ TEST(HomeSet, CorrectionsAreAppliedOnTopAndTakenBack) {
   const HomeSetReport report = write_homes(folder.path(), options);
   ASSERT_EQ(report.notes.size(), 1U);
   EXPECT_EQ(report.notes[0].where, "$.corrections[2]");
-  const graph::NavGraph corrected = graph_of(folder.path(), "home_0001");
+  const graph::NavGraph corrected = graph_of(folder.path(), "home0001");
   EXPECT_EQ(corrected.edge(a, b), nullptr);
   EXPECT_FALSE(corrected.included(ViewpointIndex(3)));
   EXPECT_EQ(report.homes[0].viewpoints, found.included_count() - 1);
@@ -250,9 +250,9 @@ TEST(HomeSet, AHalfCorrectedGraphIsCorrectedAgain) {
   options.corrections = corrections.path();
   // What a killed run leaves, too: the list says that the graph's state is unknown.
   EXPECT_THAT(tests::refusal<InvalidInput>([&] { write_homes(folder.path(), options); }),
-              HasSubstr("$.corrections[0].from: \"nobody\" is no viewpoint of home_0001"));
+              HasSubstr("$.corrections[0].from: \"nobody\" is no viewpoint of home0001"));
   EXPECT_EQ(read_home_list(folder.path())[0].corrections, "unfinished");
-  write_file_atomically(folder.path() / "connectivity" / "home_0001_connectivity.json", "[]");
+  write_file_atomically(folder.path() / "connectivity" / "home0001_connectivity.json", "[]");
   options.corrections.clear();
   write_homes(folder.path(), options);
   EXPECT_EQ(content_of(folder.path()), as_found);

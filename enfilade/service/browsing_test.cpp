@@ -201,7 +201,7 @@ TEST(Browsing, ABrokenListOfHomesIsToldAndNoPlan) {
   tests::write_small_homes(data, 3);
   ServedFolder served(data);
   write_file_atomically(data / "homes.json", "{");
-  const auto answer = served.client.Get("/api/v1/scans/home_0001/plan");
+  const auto answer = served.client.Get("/api/v1/scans/home0001/plan");
   EXPECT_GE(answer->status, 400);
   EXPECT_THAT(answer->body, HasSubstr("\"error\""));
 }

@@ -24,8 +24,9 @@ using graph::NavGraph;
 // Streams of one seed: a building's pairs, its headings, the cut to a number of paths, the splits.
 enum Stream : std::uint64_t { kPairs, kHeadings, kCut, kBuildings, kValSeen };
 
-std::uint64_t stream_of_scan(const std::string& scan) {
-  return stream_of(scan.data(), scan.size());
+std::uint64_t stream_of_scan(const std::string& scan, const SamplingOptions& options) {
+  const std::string text = options.draws_of ? options.draws_of(scan) : scan;
+  return stream_of(text.data(), text.size());
 }
 
 struct StartAndGoal {
@@ -117,11 +118,11 @@ class Building {
 
 double rounded(double value, double steps) { return std::floor(value * steps + 0.5) / steps; }
 
-PathAnnotation annotate(const NavGraph& graph, StartAndGoal pair, std::uint64_t seed) {
+PathAnnotation annotate(const NavGraph& graph, StartAndGoal pair, const SamplingOptions& options) {
   PathAnnotation entry;
   entry.scan = graph.scan();
   // R2R has one heading for each start viewpoint, in thousandths. Rounded down: 2 pi is no heading.
-  Rng rng(seed, stream_of_scan(graph.scan()), kHeadings + (pair.start.at() << 8U));
+  Rng rng(options.seed, stream_of_scan(graph.scan(), options), kHeadings + (pair.start.at() << 8U));
   entry.heading = Radians(std::floor(2 * kPi * rng.uniform() * 1000) / 1000);
   const auto path = graph.path(pair.start, pair.goal);
   for (const ViewpointIndex v : path.value()) entry.path.push_back(graph.id(v));
@@ -132,12 +133,12 @@ PathAnnotation annotate(const NavGraph& graph, StartAndGoal pair, std::uint64_t 
 std::vector<PathAnnotation> sample_building(const NavGraph& graph, const scan::RegionMap& regions,
                                             const SamplingOptions& options) {
   std::vector<Choice> choices = Building(graph, regions, options).choices();
-  Rng rng(options.seed, stream_of_scan(graph.scan()), kPairs);
+  Rng rng(options.seed, stream_of_scan(graph.scan(), options), kPairs);
   rng.shuffle(std::span(choices));
   std::vector<PathAnnotation> paths;
   for (std::size_t k = 0; k < std::min(options.per_building, choices.size()); ++k) {
     const Choice& choice = choices[k];
-    paths.push_back(annotate(graph, choice[rng.below(choice.size())], options.seed));
+    paths.push_back(annotate(graph, choice[rng.below(choice.size())], options));
   }
   return paths;
 }

@@ -1,6 +1,7 @@
 /// \file  Drawing Room-to-Room paths from graphs: the paper's section 4.2, never released.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -31,6 +32,8 @@ struct SamplingOptions {
   std::size_t max_edges = 6;
   double min_length = 5.0;  ///< metres along the path
   std::uint64_t seed = 1;
+  /// What the draws in a scan depend on beside the seed; none: its id. \pre any thread may call it
+  std::function<std::string(const std::string& scan)> draws_of = {};
   int threads = 0;  ///< 0: all cores; never changes a result
 };
 

@@ -10,4 +10,4 @@ import enfilade
 import numpy as np
 
 d = enfilade.Dataset("homes")
-np.save("v.npy", d.render("home_0001", "8d1bc14ed55e8309507ac48f26b0ed4e", heading=math.pi))
+np.save("v.npy", d.render("home0001", "8d1bc14ed55e8309507ac48f26b0ed4e", heading=math.pi))

@@ -6,7 +6,7 @@ import enfilade
 import numpy as np
 
 sim = enfilade.Dataset("homes").simulator(batch_size=2)  # homes: made as in render.py
-sim.new_random_episodes(["home_0001", "home_0002"])
+sim.new_random_episodes(["home0001", "home0002"])
 for _ in range(12):
     ahead = np.minimum(1, sim.state.navigable_count - 1)
     sim.step(ahead, heading_changes=np.where(ahead, 0, math.radians(30)))

@@ -176,7 +176,7 @@ def test_graphs_know_ways(graphs: enfilade.Graphs) -> None:
 
 
 def test_graphs_outlive_their_set(small: str) -> None:
-    graph = enfilade.Graphs(f"{small}/connectivity")["home_0001"]
+    graph = enfilade.Graphs(f"{small}/connectivity")["home0001"]
     positions = graph.positions
     names = graph.viewpoints
     del graph
@@ -187,7 +187,7 @@ def test_errors_are_typed_and_name_what_is_wrong(graphs: enfilade.Graphs, tmp_pa
     with pytest.raises(enfilade.UnknownNameError, match="nowhere"):
         graphs["nowhere"]
     with pytest.raises(LookupError, match="nope"):
-        graphs["home_0001"].distance("nope", "nope")
+        graphs["home0001"].distance("nope", "nope")
     with pytest.raises(enfilade.FileError, match="scans.txt"):
         enfilade.Graphs(str(tmp_path))
     with pytest.raises(OSError):
@@ -205,8 +205,8 @@ def test_errors_are_typed_and_name_what_is_wrong(graphs: enfilade.Graphs, tmp_pa
 
 def test_the_state_is_a_window_into_the_simulator(graphs: enfilade.Graphs) -> None:
     sim = enfilade.Simulator(graphs, 3, discretized=False)
-    ids = graphs["home_0001"].viewpoints
-    state = sim.new_episodes(["home_0001"] * 3, ids[:3], [0, 1, 2], 0)
+    ids = graphs["home0001"].viewpoints
+    state = sim.new_episodes(["home0001"] * 3, ids[:3], [0, 1, 2], 0)
     assert state.heading.tolist() == [0, 1, 2] and sim.viewpoint_ids() == ids[:3]
     heading = state.heading
     sim.step([0, 0, 0], [0.5, -1, 0.25])
@@ -218,7 +218,7 @@ def test_the_state_is_a_window_into_the_simulator(graphs: enfilade.Graphs) -> No
 
 def test_a_step_that_fails_moves_nobody(graphs: enfilade.Graphs) -> None:
     sim = enfilade.Simulator(graphs, 2)
-    sim.new_random_episodes(["home_0001", "home_0002"])
+    sim.new_random_episodes(["home0001", "home0002"])
     before = sim.viewpoint_ids(), sim.state.step.tolist()
     for bad in ([0, 99], [0, -1], [0]):
         with pytest.raises(ValueError):
@@ -232,29 +232,29 @@ def test_a_step_that_fails_moves_nobody(graphs: enfilade.Graphs) -> None:
         with pytest.raises(ValueError):
             enfilade.Simulator(graphs, **wrong)
     with pytest.raises(LookupError):
-        sim.new_episodes(["home_0001", "x"], ["a", "b"])
+        sim.new_episodes(["home0001", "x"], ["a", "b"])
 
 
 def test_names_and_indices_mean_the_same(graphs: enfilade.Graphs) -> None:
     a, b = enfilade.Simulator(graphs, 2), enfilade.Simulator(graphs, 2)
-    ids = graphs["home_0002"].viewpoints
-    a.new_episodes(["home_0002"] * 2, [ids[4], ids[7]])
-    b.new_episodes(np.array([graphs.index("home_0002")] * 2), np.array([4, 7], np.int64))
+    ids = graphs["home0002"].viewpoints
+    a.new_episodes(["home0002"] * 2, [ids[4], ids[7]])
+    b.new_episodes(np.array([graphs.index("home0002")] * 2), np.array([4, 7], np.int64))
     assert (a.state.viewpoint == b.state.viewpoint).all() and b.viewpoint_ids() == [ids[4], ids[7]]
 
 
 def test_candidates_of_all_viewpoints_are_those_of_each(graphs: enfilade.Graphs) -> None:
     sim = enfilade.Simulator(graphs)
-    table = sim.all_candidates(["home_0003"])
+    table = sim.all_candidates(["home0003"])
     row = 0
-    for viewpoint in graphs["home_0003"].viewpoints:
-        for c in sim.candidates("home_0003", viewpoint):
+    for viewpoint in graphs["home0003"].viewpoints:
+        for c in sim.candidates("home0003", viewpoint):
             got = (table.neighbour[row], table.view_index[row], table.index[row])
             assert got == (c.ix, c.view_index, c.index)
             assert table.normalized_heading[row] == c.normalized_heading
             assert table.angle[row] == c.angle and table.distance[row] == c.distance
             row += 1
-    assert row == len(table.scan) and (table.scan == graphs.index("home_0003")).all()
+    assert row == len(table.scan) and (table.scan == graphs.index("home0003")).all()
 
 
 def raises(error: Any, words: str, call: Callable[[], Any]) -> None:
@@ -267,8 +267,8 @@ def test_wrong_arguments_are_named(graphs: enfilade.Graphs) -> None:
     sim = enfilade.Simulator(graphs, 2)
     wrong, refused = enfilade.ArgumentError, TypeError
     raises(wrong, "agent 0: no episode", lambda: sim.viewpoint_ids())
-    ids = graphs["home_0001"].viewpoints
-    sim.new_episodes(["home_0001"] * 2, ids[:2])
+    ids = graphs["home0001"].viewpoints
+    sim.new_episodes(["home0001"] * 2, ids[:2])
     before = sim.viewpoint_ids(), sim.state.step.tolist()
     make, step, begin = enfilade.Simulator, sim.step, sim.new_episodes
     for error, words, call in [
@@ -294,23 +294,23 @@ def test_wrong_arguments_are_named(graphs: enfilade.Graphs) -> None:
         (wrong, "heading_changes: 3 elements", lambda: step([0, 0], [0, 0, 0])),
         (wrong, "elevation_changes: shape", lambda: step([0, 0], None, [[0, 0]])),
         (wrong, "elevation change inf", lambda: step([0, 0], None, [0, math.inf])),
-        (wrong, "scans: 1 elements for a batch of 2", lambda: begin(["home_0001"], ids[:1])),
-        (wrong, "viewpoints: 1 for 2 scans", lambda: begin(["home_0001"] * 2, ids[:1])),
+        (wrong, "scans: 1 elements for a batch of 2", lambda: begin(["home0001"], ids[:1])),
+        (wrong, "viewpoints: 1 for 2 scans", lambda: begin(["home0001"] * 2, ids[:1])),
         (wrong, "scan 99: 0 to 5", lambda: begin([99, 0], [0, 0])),
         (wrong, "scans: index 99: 0 to 5", lambda: begin([99, 0], ids[:2])),
         (wrong, "viewpoint 9999 of scan", lambda: begin([0, 0], [0, 9999])),
         (wrong, "viewpoints: 4294967296 of agent 1", lambda: begin([0, 0], [0, 2**32])),
-        (refused, "scans of type .*integers or names", lambda: begin([b"home_0001"] * 2, ids[:2])),
+        (refused, "scans of type .*integers or names", lambda: begin([b"home0001"] * 2, ids[:2])),
         (refused, "scans of type object", lambda: begin(None, None)),
-        (wrong, "heading nan", lambda: begin(["home_0001"] * 2, ids[:2], math.nan)),
-        (enfilade.UnknownNameError, "nope", lambda: begin(["home_0001"] * 2, ["nope", "nope"])),
-        (wrong, "agent 7: 0 to 1", lambda: sim.new_episode(7, "home_0001", ids[0])),
-        (wrong, "agent -1", lambda: sim.new_episode(-1, "home_0001", ids[0])),
-        (enfilade.UnknownNameError, "nope", lambda: sim.candidates("home_0001", "nope")),
+        (wrong, "heading nan", lambda: begin(["home0001"] * 2, ids[:2], math.nan)),
+        (enfilade.UnknownNameError, "nope", lambda: begin(["home0001"] * 2, ["nope", "nope"])),
+        (wrong, "agent 7: 0 to 1", lambda: sim.new_episode(7, "home0001", ids[0])),
+        (wrong, "agent -1", lambda: sim.new_episode(-1, "home0001", ids[0])),
+        (enfilade.UnknownNameError, "nope", lambda: sim.candidates("home0001", "nope")),
         (wrong, "scan 99: 0 to 5", lambda: sim.all_candidates([99])),  # it used to abort
         (ValueError, "read-only", lambda: sim.state.heading.__setitem__(0, 1.0)),
         (wrong, "success_distance nan", lambda: enfilade.metrics(
-            graphs, "home_0001", ids[:1], ids[:1], math.nan)),
+            graphs, "home0001", ids[:1], ids[:1], math.nan)),
     ]:  # fmt: skip
         raises(error, words, call)
     assert (sim.viewpoint_ids(), sim.state.step.tolist()) == before
@@ -322,10 +322,10 @@ def test_paths_and_names_come_as_people_have_them(small: str) -> None:
     graphs = enfilade.Graphs(Path(small) / "connectivity")
     assert list(graphs) == graphs.scans
     sim = enfilade.Simulator(graphs, np.int64(2), seed=np.uint32(3))
-    ids = graphs["home_0001"].viewpoints
-    sim.new_episodes(np.array(["home_0001"] * 2, object), np.array(ids[:2], object))
+    ids = graphs["home0001"].viewpoints
+    sim.new_episodes(np.array(["home0001"] * 2, object), np.array(ids[:2], object))
     assert sim.viewpoint_ids() == ids[:2]
-    sim.new_episodes(np.array(["home_0001"] * 2), tuple(ids[2:4]))
+    sim.new_episodes(np.array(["home0001"] * 2), tuple(ids[2:4]))
     assert sim.viewpoint_ids() == ids[2:4]
     episodes = enfilade.Episodes(Path(small), "val_seen")
     assert episodes[np.int64(0)] == episodes[0]
@@ -509,8 +509,8 @@ def make_like(renderer: enfilade.Renderer, graphs: enfilade.Graphs, **options: A
 def test_missing_pictures_are_named(graphs: enfilade.Graphs, small: str) -> None:
     panoramas = enfilade.open_panoramas(small, graphs)
     renderer = enfilade.Renderer(graphs, panoramas)
-    with pytest.raises(enfilade.Error, match="home_0001"):
-        renderer.render(["home_0001"], [0], [0])
+    with pytest.raises(enfilade.Error, match="home0001"):
+        renderer.render(["home0001"], [0], [0])
     with pytest.raises(ValueError, match="backend"):
         enfilade.Renderer(graphs, panoramas, backend="paint")
     with pytest.raises(ValueError, match="cache 'public': one of private, shared"):

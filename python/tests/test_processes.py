@@ -38,7 +38,7 @@ def walk_old(folder: str, seed: int) -> list[str]:
     sim.setNavGraphPath(f"{folder}/connectivity")
     sim.setRenderingEnabled(False)
     sim.setSeed(seed)
-    sim.newRandomEpisode(["home_0001"])
+    sim.newRandomEpisode(["home0001"])
     ids = []
     for step in range(STEPS):
         last = len(sim.getState()[0].navigableLocations) - 1
@@ -257,14 +257,14 @@ def resident_bytes() -> int:
 
 def test_a_hundred_thousand_simulators_leave_nothing_behind(small: str) -> None:
     graphs = enfilade.Graphs(f"{small}/connectivity")
-    start = graphs["home_0001"].viewpoints[0]
+    start = graphs["home0001"].viewpoints[0]
 
     def live_and_die(count: int) -> None:
         for _ in range(count):
             sim = MatterSim.Simulator()
             sim.setNavGraphPath(f"{small}/connectivity")
             sim.setRenderingEnabled(False)
-            sim.newEpisode(["home_0001"], [start], [0], [0])
+            sim.newEpisode(["home0001"], [start], [0], [0])
             sim.makeAction([0], [1], [0])
             state = sim.getState()[0]
             assert state.location is state.navigableLocations[0]
@@ -287,7 +287,7 @@ def test_one_simulator_in_two_threads_is_refused_or_runs(small: str) -> None:
     """Never both at once: the second is told so."""
     graphs = enfilade.Graphs(f"{small}/connectivity")
     sim = enfilade.Simulator(graphs, 20_000, discretized=False, restricted=False)
-    sim.new_random_episodes(["home_0001"] * 20_000)
+    sim.new_random_episodes(["home0001"] * 20_000)
     nothing = np.zeros(20_000, np.uint32)
     refused = []
 

@@ -66,11 +66,11 @@ constexpr const char* kList = R"({"format": "enfilade-homes", "version": 1, "syn
  "options": {"homes": 2, "seed": 1, "kind": "flat", "least_area": 60, "most_area": 60,
   "face_size": 0, "samples": 1, "jpeg_quality": 92},
  "homes": [
-  {"scan": "home_0001", "kind": "flat", "seed": 5, "storeys": null, "area": 60, "viewpoints": 9,
+  {"scan": "home0001", "kind": "flat", "seed": 5, "storeys": null, "area": 60, "viewpoints": 9,
    "edges": 9, "triangles": 9, "lines": [{"walls": [0, 0, 4, 0]}], "rooms": [
     {"type": "b", "name": "bedroom", "storey": 0, "floor": [0, 0, 4, 3], "elevation": 0,
      "viewpoints": []}]},
-  {"scan": "home_0002", "kind": "flat", "seed": 6, "storeys": null, "area": 60, "viewpoints": 9,
+  {"scan": "home0002", "kind": "flat", "seed": 6, "storeys": null, "area": 60, "viewpoints": 9,
    "edges": 9, "triangles": 9, "lines": [{}], "rooms": []}]}
 )";
 constexpr const char* kListFile = "homes/homes.json";
@@ -120,9 +120,9 @@ std::vector<Case> lists() {
       listed("a set's kind that is none", 3, "$.options.kind: \"castle\" is no kind [bad-kind]",
              edited("\"kind\": \"flat\"", "\"kind\": \"castle\"")),
       listed("a home that is not of the set", 3,
-             "$.homes[1].scan: \"home_0009\" is none of the 2 homes of this set: home_0001 to "
-             "home_0002 [unknown-scan]",
-             edited("home_0002", "home_0009")),
+             "$.homes[1].scan: \"home0009\" is none of the 2 homes of this set: home0001 to "
+             "home0002 [unknown-scan]",
+             edited("home0002", "home0009")),
       listed("a home without a seed", 3, "$.homes[0]: has no field \"seed\"",
              edited("\"seed\": 5, ", "")),
       listed("a home too small for a plan", 3,
@@ -150,10 +150,10 @@ std::vector<Case> lists() {
              "$.homes[0].lines[0].walls[2]: 1e+300, not from -1000000 to 1000000 [bad-number]",
              edited("[0, 0, 4, 0]", "[0, 0, 1e300, 0]")),
       listed("a list without lines, of an earlier version, and no graph", 3,
-             "{}/homes/connectivity/home_0001_connectivity.json: cannot open",
+             "{}/homes/connectivity/home0001_connectivity.json: cannot open",
              edited("\"lines\": [{\"walls\": [0, 0, 4, 0]}], ", "")),
-      listed("a share's list that is broken", 3, "{}/homes/shards/home_0002.json: $",
-             [](Files& f) { f.write("homes/shards/home_0002.json", "{"); }),
+      listed("a share's list that is broken", 3, "{}/homes/shards/home0002.json: $",
+             [](Files& f) { f.write("homes/shards/home0002.json", "{"); }),
   };
 }
 
@@ -170,30 +170,30 @@ Case corrected(std::string input, int exit_code, std::string says, const std::st
 }
 
 std::vector<Case> corrections() {
-  constexpr const char* kFile = "home_0001_corrections.json";
+  constexpr const char* kFile = "home0001_corrections.json";
   return {
       corrected("corrections that change nothing", 0, "1 homes", kFile,
-                R"({"scan": "home_0001", "corrections": []})"),
+                R"({"scan": "home0001", "corrections": []})"),
       corrected("a folder that is not there", 3, "{}/fixed: cannot open: No such file", "", ""),
       corrected("a folder without corrections", 3,
                 "{}/fixed: holds no corrections: SCAN_corrections.json is expected", "notes.txt",
                 "door 3 is locked"),
       corrected("corrections of a home that is not in the set", 3,
-                "{}/fixed/home_0007_corrections.json: \"home_0007\" is none of the 1 homes of this "
-                "set: home_0001 to home_0001 [unknown-scan]",
-                "home_0007_corrections.json", R"({"scan": "home_0007", "corrections": []})"),
+                "{}/fixed/home0007_corrections.json: \"home0007\" is none of the 1 homes of this "
+                "set: home0001 to home0001 [unknown-scan]",
+                "home0007_corrections.json", R"({"scan": "home0007", "corrections": []})"),
       corrected("corrections of another home than their name says", 3,
-                "$.scan: \"home_0002\", and the file is named after \"home_0001\" [other-scan]",
-                kFile, R"({"scan": "home_0002", "corrections": []})"),
+                "$.scan: \"home0002\", and the file is named after \"home0001\" [other-scan]",
+                kFile, R"({"scan": "home0002", "corrections": []})"),
       corrected("corrections cut off in the middle", 3, "the file ends too early", kFile,
-                R"({"scan": "home_0001", "corrections": [)"),
+                R"({"scan": "home0001", "corrections": [)"),
       corrected("a correction nobody signed", 3, "$.corrections[0].who: is empty", kFile,
-                R"({"scan": "home_0001", "corrections": [
+                R"({"scan": "home0001", "corrections": [
  {"action": "exclude", "from": "a", "who": "", "why": "dark"}]})"),
       corrected("a correction of a viewpoint that is not there", 3,
-                "{}/fixed/home_0001_corrections.json: $.corrections[0].to: \"b\" is no viewpoint "
-                "of home_0001 [unknown-viewpoint]",
-                kFile, R"({"scan": "home_0001", "corrections": [
+                "{}/fixed/home0001_corrections.json: $.corrections[0].to: \"b\" is no viewpoint "
+                "of home0001 [unknown-viewpoint]",
+                kFile, R"({"scan": "home0001", "corrections": [
  {"action": "add-edge", "from": "a", "to": "b", "who": "Ada", "why": "a curtain"}]})"),
   };
 }
@@ -208,8 +208,8 @@ Case spoken(std::string input, const std::string& arguments, int exit_code, std:
           std::move(says),
           [damage = std::move(damage)](Files& files) {
             files.write("homes.json", kList)
-                .edit("homes.json", "home_0001", "one")
-                .edit("homes.json", "home_0002", "two")
+                .edit("homes.json", "home0001", "one")
+                .edit("homes.json", "home0002", "two")
                 .edit("homes.json", "\"rooms\": []}",
                       "\"rooms\": []}, {\"scan\": \"three\", \"kind\": null, \"seed\": 1, "
                       "\"storeys\": null, \"area\": 0, \"viewpoints\": 0, \"edges\": 0, "

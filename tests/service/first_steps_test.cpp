@@ -130,7 +130,7 @@ TEST_F(FirstVisit, TwoHomesAreMadeAlsoAfterAKill) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "pictures of 512 texels take too long with a sanitizer";
 #endif
-  const std::filesystem::path first = "enfilade-demo/two-homes/store/home_0001.enfilade";
+  const std::filesystem::path first = "enfilade-demo/two-homes/store/home0001.enfilade";
   program_.launch();
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(10);
   while (!std::filesystem::exists(first) && std::chrono::steady_clock::now() < end) {

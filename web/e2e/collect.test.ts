@@ -220,7 +220,7 @@ describe.skipIf(missing)('a collection', () => {
     const link = await makeCollection(organiser, { name: 'human', title: 'Follow directions', kind: 'walk', ...texts, sources: [{ split: 'val_seen', most: 4 }] });
     expect(link).toContain('/walk?');
     const annotations = JSON.parse(readFileSync(join(home.folder, 'r2r/R2R_val_seen.json'), 'utf8')) as Entry[];
-    const scan = (await (await fetch(`${home.server}/api/v1/scans/home_0001`)).json()) as Scan;
+    const scan = (await (await fetch(`${home.server}/api/v1/scans/home0001`)).json()) as Scan;
     const index = (id: string) => scan.viewpoints.findIndex((v) => v.id === id);
     const page = await arrive(link);
     let stays = 0;

@@ -47,7 +47,7 @@ interface Entry { readonly image_id: string; readonly unobstructed: readonly boo
 
 /** Six paths of three viewpoints as val_seen, with an instruction that tries to be a script. */
 function writeAnnotations(data: string): void {
-  const scan = 'home_0001';
+  const scan = 'home0001';
   const graph = JSON.parse(
     readFileSync(join(data, `connectivity/${scan}_connectivity.json`), 'utf8'),
   ) as Entry[];

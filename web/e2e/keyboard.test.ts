@@ -119,7 +119,7 @@ describe.skipIf(missing)('without a mouse', () => {
     return page;
   }
 
-  it.each(['/', '/episodes', '/leaderboard', '/submit', '/organise', '/view?split=val_seen&id=1_0', '/try?split=val_seen&id=1_0', '/verify#home_0001'])(
+  it.each(['/', '/episodes', '/leaderboard', '/submit', '/organise', '/view?split=val_seen&id=1_0', '/try?split=val_seen&id=1_0', '/verify#home0001'])(
     'every control of %s is reached, named and outlined',
     async (path) => {
       const page = await openPage(home, path);
@@ -145,7 +145,7 @@ describe.skipIf(missing)('without a mouse', () => {
   });
 
   it('an edge is corrected', async () => {
-    const page = await openPage(home, '/verify#home_0001');
+    const page = await openPage(home, '/verify#home0001');
     await page.getByLabel('Your name').waitFor();
     await tabTo(page, /^Your name/);
     await page.keyboard.type('Ada');

@@ -160,7 +160,7 @@ describe.skipIf(missing)('the pages', () => {
   });
 
   it('correct a graph, in the file that the program applies', async () => {
-    const page = await openPage(home, '/verify#home_0001');
+    const page = await openPage(home, '/verify#home0001');
     await page.getByLabel('Your name').fill('Ada');
     await page.getByRole('button', { name: /^Remove the edge/ }).first().click();
     await page.getByText('Write your name, and the reason.').waitFor();
@@ -179,8 +179,8 @@ describe.skipIf(missing)('the pages', () => {
     await inspect(page, 'verify-corrected');
     const folder = join(home.folder, '..', 'corrections');
     const corrections = await download(page.getByRole('button', { name: 'Download the corrections' }), folder);
-    expect(basename(corrections)).toBe('home_0001_corrections.json');
-    const [graph, edge] = [join(home.folder, 'connectivity/home_0001_connectivity.json'),
+    expect(basename(corrections)).toBe('home0001_corrections.json');
+    const [graph, edge] = [join(home.folder, 'connectivity/home0001_connectivity.json'),
       JSON.parse(readFileSync(corrections, 'utf8')).corrections[0]];
     const joined = () => {
       const entries = JSON.parse(readFileSync(graph, 'utf8')) as { image_id: string; unobstructed: boolean[] }[];
@@ -267,7 +267,7 @@ describe.skipIf(missing)('the pages', () => {
     await vite.close();
   });
 
-  it.each(['/', '/episodes', '/leaderboard', '/submit', '/organise', '/review', '/view#home_0001', '/verify#home_0001', '/view', '/verify#nowhere', '/view?split=val_seen&id=1_0', '/try?split=val_seen&id=1_0'])(
+  it.each(['/', '/episodes', '/leaderboard', '/submit', '/organise', '/review', '/view#home0001', '/verify#home0001', '/view', '/verify#nowhere', '/view?split=val_seen&id=1_0', '/try?split=val_seen&id=1_0'])(
     '%s keeps nobody out, at any width',
     async (path) => {
       const page = await openPage(home, path);

@@ -11,7 +11,7 @@ import { complaints, type Home, inspect, keepScreenshot, missing, openHome, open
 
 declare const window: { enfilade?: { viewer: Viewer } };
 
-const scan = 'home_0001';
+const scan = 'home0001';
 const ready = (page: Page) => page.waitForFunction(() => window.enfilade !== undefined);
 const pose = (page: Page) => page.evaluate(() => window.enfilade!.viewer.pose);
 
@@ -102,11 +102,11 @@ describe.skipIf(missing)('the viewer', () => {
 
   it('says where it is in its address, and goes where the address says', async () => {
     const id = await page.evaluate(() => window.enfilade!.viewer.scan.viewpoints[3]!.id);
-    await page.evaluate((to) => { location.hash = `#home_0001/${to}/90/-10`; }, id);
+    await page.evaluate((to) => { location.hash = `#home0001/${to}/90/-10`; }, id);
     await page.waitForFunction(() => window.enfilade!.viewer.pose.viewpoint === 3);
     expect((await pose(page)).heading).toBeCloseTo(Math.PI / 2);
     await page.evaluate(() => { window.enfilade!.viewer.look(Math.PI, 0); });
-    await page.waitForFunction((to) => location.hash === `#home_0001/${to}/180/0`, id);
+    await page.waitForFunction((to) => location.hash === `#home0001/${to}/180/0`, id);
   });
 
   it('flies through an episode, and shows its instruction as text', async () => {
@@ -223,7 +223,7 @@ describe.skipIf(missing)('the viewer', () => {
     await page.getByRole('button', { name: 'Share' }).click();
     await page.getByText('Link copied').waitFor();
     const link = isFirefox ? await pasted(page) : await page.evaluate(() => navigator.clipboard.readText());
-    expect(link).toMatch(/^http.*\/view#home_0001\/[^/]+\/57\.3\/-5\.7$/);
+    expect(link).toMatch(/^http.*\/view#home0001\/[^/]+\/57\.3\/-5\.7$/);
   });
 
   it('says where a click would go', async () => {

@@ -235,7 +235,7 @@ void add_draw(CLI::App& graph) {
   verb.add_flag("--labels", a->labels, "Write its index beside each viewpoint");
   set_examples(verb,
                {"enfilade graph draw 17DRP5sb8fy -o plan.svg",
-                "enfilade graph draw home_0001 --data homes -o home.svg",
+                "enfilade graph draw home0001 --data homes -o home.svg",
                 "enfilade graph draw 17DRP5sb8fy --mesh 17DRP5sb8fy.ply -o plan.svg",
                 "enfilade graph draw --split val_unseen --path 4332",
                 "enfilade graph draw --task reverie --split val_unseen --instr 4332_57_0",

@@ -6,7 +6,7 @@ namespace enfilade::homes::speaking {
 namespace {
 
 /// By Speaker.
-constexpr std::array<Habits, kSpeakers.size()> kHabits{
+constexpr std::array<Habits, 4> kHabits{
     // kTerse
     Habits{.brevity = 1,
            .bend = 0.85,
@@ -53,6 +53,22 @@ constexpr std::array<Habits, kSpeakers.size()> kHabits{
            .clauses = 2,
            .least_words = 20,
            .most_words = 40},
+    // kGuide: as long as the path asks for
+    Habits{.brevity = 0.1,
+           .bend = 0,
+           .start = 0.9,
+           .towards = 0.6,
+           .things = 0.95,
+           .all_things = 8,
+           .distance = 0.8,
+           .merge = 0,
+           .skip = 0,
+           .openings = 0.5,
+           .goal = 1,
+           .elide = 0,
+           .clauses = 2,
+           .least_words = 300,
+           .most_words = 300},
 };
 
 }  // namespace

@@ -243,6 +243,15 @@ bool looks(const Thing& thing, const std::string& said) {
   return true;
 }
 
+// One of the words for a thing: the generator's own half of the time, so that common words stay
+// common.
+std::string spoken_noun(const Thing& thing, Rng& rng) {
+  Group nouns = words_for(thing_groups(), thing.noun);
+  std::erase_if(nouns, [](std::string_view w) { return !is_sayable(w); });
+  if (rng.below(2) == 0 && is_sayable(thing.noun)) return thing.noun;
+  return std::string(nouns[rng.below(nouns.size())]);
+}
+
 // How much people care for things of a category, [0, 1].
 double category_weight(std::uint16_t category) {
   using enum mesh::Mpcat40::Category;
@@ -329,18 +338,29 @@ std::vector<std::size_t> Naming::rivals_of(std::size_t thing, std::string_view n
 
 std::optional<std::string> Naming::thing(std::size_t thing, ViewpointIndex from, Detail detail,
                                          Rivals rivals, Rng& rng) const {
+  const std::string noun = spoken_noun(home_.home.things[thing], rng);
+  return words_of(thing, noun, rivals_of(thing, noun, from, rivals), detail, rng);
+}
+
+std::optional<std::string> Naming::thing_among(std::size_t thing,
+                                               std::span<const std::size_t> others, Detail detail,
+                                               Rng& rng) const {
+  const std::string noun = spoken_noun(home_.home.things[thing], rng);
+  std::vector<std::size_t> rivals;
+  for (const std::size_t other : others) {
+    if (other != thing && fits_any(noun, home_.home.things[other])) rivals.push_back(other);
+  }
+  return words_of(thing, noun, rivals, detail, rng);
+}
+
+std::optional<std::string> Naming::words_of(std::size_t thing, std::string_view noun,
+                                            std::span<const std::size_t> rivals, Detail detail,
+                                            Rng& rng) const {
   const Thing& t = home_.home.things[thing];
-  const Group group = words_for(thing_groups(), t.noun);
-  std::vector<std::string_view> nouns(group.begin(), group.end());
-  std::erase_if(nouns, [](std::string_view w) { return !is_sayable(w); });
-  // The generator's own word half of the time, so that common words stay common.
-  const std::string_view noun = rng.below(2) == 0 && is_sayable(t.noun)
-                                    ? std::string_view(t.noun)
-                                    : nouns[rng.below(nouns.size())];
   bool plain = true, colour = !t.colour.empty() && noun.find(t.colour) == std::string_view::npos,
        material = !material_of(t).empty();
   bool both = colour && material;
-  for (const std::size_t other : rivals_of(thing, noun, from, rivals)) {
+  for (const std::size_t other : rivals) {
     const Thing& o = home_.home.things[other];
     const bool colour_same = looks(o, t.colour), material_same = looks(o, t.material);
     plain = false;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,6 +31,10 @@ class Naming {
   /// viewpoint; no value if there are none.
   std::optional<std::string> thing(std::size_t thing, ViewpointIndex from, Detail detail,
                                    Rivals rivals, Rng& rng) const;
+  /// Words that fit this thing and none of `others`, wherever one stands; no value if there are
+  /// none.
+  std::optional<std::string> thing_among(std::size_t thing, std::span<const std::size_t> others,
+                                         Detail detail, Rng& rng) const;
   /// "living room", "lounge": never a name of another kind of room in the home.
   std::string room(std::size_t room, Rng& rng) const;
   /// A thing such as "red rug" that distinguishes a room from others of its name; no value if there
@@ -44,6 +49,10 @@ class Naming {
   bool is_way(std::size_t room) const;
 
  private:
+  /// \param rivals  things that `noun` fits, too
+  std::optional<std::string> words_of(std::size_t thing, std::string_view noun,
+                                      std::span<const std::size_t> rivals, Detail detail,
+                                      Rng& rng) const;
   std::vector<std::size_t> others(std::size_t thing, ViewpointIndex from) const;
   std::vector<std::size_t> rivals_of(std::size_t thing, std::string_view noun, ViewpointIndex from,
                                      Rivals rivals) const;

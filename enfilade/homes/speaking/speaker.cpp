@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/core/check.h"
 #include "enfilade/homes/speaking/habits.h"
 #include "enfilade/homes/speaking/wording.h"
 
@@ -27,6 +28,7 @@ struct Clause {
   std::string text;
   After after = After::kAnything;
   std::optional<std::size_t> room;  // entered by it
+  std::size_t place = 0;            // on the path, where it has been followed
 };
 
 // The number of words, plus a penalty for consecutive clauses that begin alike.
@@ -61,9 +63,11 @@ class Describer {
         speaker_(speaker),
         habits_(habits),
         words_(home, speaker, habits.brevity, seed),
-        end_room_(story_.end.room) {}
+        end_room_(story_.end.room) {
+    for (const ViewpointIndex v : path) eyes_.push_back(to_double(home.graph.position(v)));
+  }
 
-  std::string text() {
+  Spoken spoken() {
     words_.set_goal_room(end_room_);
     words_.been_in(story_.start.room);
     choose_goal();
@@ -74,8 +78,11 @@ class Describer {
         if (h.kind == Happening::Kind::kCross) words_.been_in(h.to);
       }
     }
+    reached_ = path_.size() - 1;
     add(stop());
-    return compose(lead);
+    Spoken result{compose(lead), {}};
+    result.parts = parts_of(result.text);
+    return result;
   }
 
  private:
@@ -105,7 +112,36 @@ class Describer {
   }
   void add(std::string text, After after = After::kAnything,
            std::optional<std::size_t> room = std::nullopt) {
-    clauses_.push_back({std::move(text), after, room});
+    clauses_.push_back({std::move(text), after, room, reached_});
+  }
+
+  // The first place of a stretch that is so many metres along it.
+  std::size_t place_at(const Stretch& s, double metres) const {
+    std::size_t place = s.first;
+    for (double walked = 0; place < s.last && walked < metres - 0.05; ++place) {
+      walked +=
+          std::hypot(eyes_[place + 1].x - eyes_[place].x, eyes_[place + 1].y - eyes_[place].y);
+    }
+    return place;
+  }
+
+  // Cuts the text behind each clause, and behind the comma or full stop that follows it.
+  std::vector<SpokenPart> parts_of(const std::string& text) const {
+    std::vector<SpokenPart> parts;
+    std::size_t begin = 0, first = 0;
+    for (const Clause& clause : clauses_) {
+      const bool is_last = &clause == &clauses_.back();
+      // A sentence has made its first letter a capital.
+      const std::size_t found = text.find(clause.text.substr(1), begin);
+      EN_CHECK(found != std::string::npos);
+      std::size_t end = is_last ? text.size() : found + clause.text.size() - 1;
+      if (end < text.size() && (text[end] == ',' || text[end] == '.')) ++end;
+      const std::size_t last = std::max(first, is_last ? path_.size() - 1 : clause.place);
+      parts.push_back({text.substr(begin, end - begin), first, last});
+      begin = std::min(text.find_first_not_of(' ', end), text.size());
+      first = last;
+    }
+    return parts;
   }
 
   std::string start() {
@@ -139,6 +175,7 @@ class Describer {
     const Stretch& s = story_.stretches[i];
     const bool turns = says_turn(i, false);
     const std::string stairs = words_.stairs(s);  // drawn before the words of the turn
+    reached_ = s.last;
     add(turns ? words_.turn(s.turn) + " and " + stairs : stairs, stairs_after(s));
     for (const Happening& h : s.happenings) {
       if (h.kind == Happening::Kind::kCross && !words_.naming().is_stairs(h.to)) {
@@ -216,23 +253,32 @@ class Describer {
         !all.empty() && all[0].kind == Happening::Kind::kCross && in_first_leg(s, all[0]);
     const bool turns = says_turn(i, enters);
     std::size_t next = 0;
+    reached_ = s.first;
     if (turns && enters) {
+      reached_ = place_at(s, all[0].metres);
       add(words_.turn_and_cross(s, all[0]), After::kRoom, all[0].to);
       join_turns(s);
       next = 1;
     } else if (turns && all.empty() && is_hall(s) && turn_of(s.turn) == Turn::kFull &&
                words_.chance(habits_.distance)) {
+      reached_ = s.last;
       add(words_.along(s, true));
       return;
     } else if (turns) {
       add(words_.turn(s.turn), After::kTurn);
       join_turns(s);
     }
-    if (next == 0) go_on(i, all, turns);
+    if (next == 0) {
+      // What is ahead leads to where something happens.
+      reached_ = all.empty() ? s.last : std::max(s.first, place_at(s, all[0].metres - 1));
+      go_on(i, all, turns);
+    }
     const bool straight = turn_of(s.turn) == Turn::kStraight;
     for (; next < all.size(); ++next) {
+      reached_ = place_at(s, all[next].metres);
       if (add_pair(all, next, straight)) {
         ++next;
+        clauses_.back().place = place_at(s, all[next].metres);
       } else {
         add_one(all[next], straight && next == 0 && enters);
       }
@@ -437,28 +483,35 @@ class Describer {
   std::map<std::size_t, std::string> names_;
   std::optional<Neighbour> goal_;
   std::size_t things_said_ = 0;
-  double unsaid_ = 0;  // sum of turns, degrees, since the last turn that was said
+  std::size_t reached_ = 0;  // place on the path that the next clause leads to
+  std::vector<Vec3d> eyes_;  // of the path
+  double unsaid_ = 0;        // sum of turns, degrees, since the last turn that was said
 };
 
 }  // namespace
 
 std::string describe(const SpokenHome& home, std::span<const ViewpointIndex> viewpoints,
                      double heading, Speaker speaker, std::uint64_t seed) {
+  return describe_in_parts(home, viewpoints, heading, speaker, seed).text;
+}
+
+Spoken describe_in_parts(const SpokenHome& home, std::span<const ViewpointIndex> viewpoints,
+                         double heading, Speaker speaker, std::uint64_t seed) {
   constexpr int kTries = 10;
   const PathStory story = tell_path(home, viewpoints, heading);
   const Habits habits = habits_of(speaker);
   Rng rng(seed, static_cast<std::uint64_t>(speaker));
   const std::size_t words =
       habits.least_words + rng.below(habits.most_words - habits.least_words + 1);
-  std::string best;
+  Spoken best;
   std::size_t least = 0;
-  for (int k = 0; k < kTries && (best.empty() || least > words); ++k) {
+  for (int k = 0; k < kTries && (best.text.empty() || least > words); ++k) {
     const Habits lean = leaner_habits(habits, static_cast<double>(k) / (kTries - 1));
-    std::string text = Describer(home, story, viewpoints, speaker, lean, rng.next()).text();
-    const std::size_t cost = cost_of(text);
-    if (!best.empty() && cost >= least) continue;
+    Spoken spoken = Describer(home, story, viewpoints, speaker, lean, rng.next()).spoken();
+    const std::size_t cost = cost_of(spoken.text);
+    if (!best.text.empty() && cost >= least) continue;
     least = cost;
-    best = std::move(text);
+    best = std::move(spoken);
   }
   return best;
 }

@@ -1,0 +1,23 @@
+/// \file  CVDN: somebody who looks for a thing asks somebody who knows the way. Internal.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "enfilade/homes/benchmarks/site.h"
+
+namespace enfilade::homes::benchmarks {
+
+/// A game: its instances in order, each with the turns so far. The goal is the room where the path
+/// ends, the target a thing in it. The oracle describes the next steps of a shortest path to the
+/// room, at most 5; the navigator follows them, or stops early, and goes a little astray before the
+/// first question. Roles, what is asked and what is answered are true where it is said. The ids are
+/// left to the caller; the group is the path's id. None if the start is in the room, or if there is
+/// nothing in it to look for.
+std::vector<tasks::PathAnnotation> write_dialogue(const Site& site,
+                                                  const tasks::PathAnnotation& path,
+                                                  std::uint64_t seed);
+
+/// The text of an instance, as the reader of CVDN's files makes it from the turns and the target.
+std::string text_of(const std::vector<tasks::DialogueTurn>& turns, const std::string& target);
+
+}  // namespace enfilade::homes::benchmarks

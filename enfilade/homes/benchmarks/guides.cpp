@@ -1,0 +1,124 @@
+#include "enfilade/homes/benchmarks/guides.h"
+
+#include <fmt/format.h>
+#include <array>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "enfilade/homes/speaking/phrases.h"
+#include "enfilade/tasks/metrics.h"
+
+namespace enfilade::homes::benchmarks {
+namespace {
+
+constexpr std::array<const char*, 2> kLanguages{"en-IN", "en-US"};
+constexpr double kPace = 1.2;  // metres a second
+
+double rounded(double seconds) { return std::round(10 * seconds) / 10; }
+
+double metres_of(const Site& site, std::span<const ViewpointIndex> path, std::size_t first,
+                 std::size_t last) {
+  return tasks::walked(site.graph(), path.subspan(first, last - first + 1));
+}
+
+// Says words one after another.
+class Clock {
+ public:
+  explicit Clock(Rng& rng) : rng_(rng) {}
+
+  void say(const std::string& text, std::vector<tasks::TimedWord>& words) {
+    std::istringstream in(text);
+    for (std::string word; in >> word;) {
+      const double end =
+          now_ + 0.12 + 0.05 * static_cast<double>(word.size()) + 0.1 * rng_.uniform();
+      words.push_back({word, rounded(now_), rounded(end)});
+      now_ = end + 0.1 * rng_.uniform();
+      if (word.ends_with('.')) now_ += 0.4;
+    }
+  }
+  void wait(double seconds) { now_ += seconds; }
+
+ private:
+  Rng& rng_;
+  double now_ = 0.4;  // seconds since the recording began
+};
+
+tasks::PathAnnotation guide_of(const Site& site, const tasks::PathAnnotation& path,
+                               std::span<const ViewpointIndex> viewpoints, std::size_t k,
+                               Rng& rng) {
+  tasks::PathAnnotation guide;
+  guide.path_id = path.path_id;
+  guide.id = fmt::to_string(path.path_id);
+  guide.scan = path.scan;
+  guide.heading = path.heading;
+  guide.path = path.path;
+  guide.group = path.path_id;
+  tasks::InstructionDetails& details = guide.details.emplace_back();
+  details.id = fmt::format("{}_{}", path.path_id, 10 * path.path_id + static_cast<long>(k) + 1);
+  details.language = kLanguages.at(k);
+  const speaking::Spoken spoken = speaking::describe_in_parts(
+      site.spoken(), viewpoints, path.heading.value, speaking::Speaker::kGuide, rng.next());
+  Clock clock(rng);
+  std::string text;
+  if (const auto room = site.room(viewpoints.front())) {
+    text = speaking::sentence(
+        speaking::expand("[okay,|alright,|so,|now,|] you are [standing|] in the $room",
+                         {{"room", site.naming().room(*room, rng)}}, rng));
+    clock.say(text, details.words);
+    text += " ";
+  }
+  for (const speaking::SpokenPart& part : spoken.parts) {
+    clock.say(part.text, details.words);
+    clock.wait(metres_of(site, viewpoints, part.first, part.last) / kPace);
+  }
+  guide.instructions = {text + spoken.text};
+  return guide;
+}
+
+// What a follower walks.
+std::vector<ViewpointIndex> walk_of(const Site& site, std::vector<ViewpointIndex> path, Rng& rng) {
+  const std::uint64_t kind = rng.below(8);
+  if (kind == 0 && path.size() > 2) path.pop_back();
+  if (kind == 1) {  // into a wrong way, and back
+    const std::size_t at = rng.below(path.size() - 1);
+    const auto ways = site.graph().edges(path[at]);
+    const ViewpointIndex wrong = ways[rng.below(ways.size())].target;
+    path.insert(path.begin() + static_cast<std::ptrdiff_t>(at) + 1, {wrong, path[at]});
+  }
+  return path;
+}
+
+tasks::Demonstration follow(const Site& site, const tasks::PathAnnotation& guide,
+                            const std::vector<ViewpointIndex>& viewpoints, std::size_t k,
+                            Rng& rng) {
+  const std::vector<ViewpointIndex> walked = walk_of(site, viewpoints, rng);
+  const tasks::EpisodeMetrics metrics = tasks::compute_metrics(site.graph(), walked, viewpoints);
+  tasks::Demonstration demonstration;
+  demonstration.instruction_id = 10 * guide.path_id + static_cast<std::int64_t>(k) + 1;
+  demonstration.demonstration_id = demonstration.instruction_id;
+  demonstration.annotator_id = 1 + static_cast<std::int64_t>(rng.below(40));
+  demonstration.path = site.ids(walked);
+  demonstration.ne = metrics.nav_error;
+  demonstration.sr = metrics.success;
+  demonstration.spl = metrics.spl;
+  demonstration.dtw = metrics.dtw;
+  demonstration.ndtw = metrics.ndtw;
+  demonstration.sdtw = metrics.sdtw;
+  return demonstration;
+}
+
+}  // namespace
+
+GuidedPath write_guides(const Site& site, const tasks::PathAnnotation& path, std::uint64_t seed) {
+  Rng rng = rng_for(seed, path, "guides");
+  GuidedPath result;
+  const std::vector<ViewpointIndex> viewpoints = site.look_up(path.path);
+  for (std::size_t k = 0; k < kLanguages.size(); ++k) {
+    result.guides.push_back(guide_of(site, path, viewpoints, k, rng));
+    result.walks.push_back(follow(site, result.guides.back(), viewpoints, k, rng));
+  }
+  return result;
+}
+
+}  // namespace enfilade::homes::benchmarks
