@@ -25,7 +25,7 @@ describe.skipIf(missing)('collections of', () => {
   beforeAll(async () => {
     home = await openHome();
     paths = JSON.parse(readFileSync(join(home.folder, 'r2r/R2R_val_seen.json'), 'utf8')) as Path[];
-    const boxes = Object.fromEntries(paths.map(({ path }) => [`home_0001_${path.at(-1)}`, { 7: lamp }]));
+    const boxes = Object.fromEntries(paths.map(({ path }) => [`home0001_${path.at(-1)}`, { 7: lamp }]));
     mkdirSync(join(home.folder, 'reverie'), { recursive: true });
     writeFileSync(join(home.folder, 'reverie/BBoxes.json'), JSON.stringify(boxes)); // SYNTHETIC, and no lamp is there
     organiser = await openPage(home, `/organise#token=${newToken(home, 'Ada', 'organiser')}`);
