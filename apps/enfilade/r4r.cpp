@@ -1,10 +1,18 @@
 // enfilade r4r: longer episodes, joined from R2R's.
 #include <fmt/format.h>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/part_file.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/r4r.h"
@@ -34,23 +42,59 @@ tasks::Annotations load_paths(const Options& options) {
   return tasks::load_annotations(file, split, tasks::Task::kR2r);
 }
 
-double mean_length(const tasks::Joined& joined) {
-  double sum = 0;
-  for (const tasks::JoinedPath& one : joined.paths) sum += one.path.distance.value_or(0);
-  return joined.paths.empty() ? 0 : sum / static_cast<double>(joined.paths.size());
-}
+// A file that is whole or not there, whatever ends the program.
+class Output {
+ public:
+  explicit Output(std::string path) : path_(std::move(path)) {
+    // Devices and pipes, as standard output, are written as they are.
+    whole_ = path_ == "-" || (file_exists(path_) && !fs::is_regular_file(path_));
+  }
+  ~Output() {
+    if (file_ && !finished_) file_->remove();
+  }
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
+
+  void write(std::string_view text) {
+    if (path_ == "-") {
+      write_output("-", std::string(text));
+    } else if (whole_) {
+      text_ += text;
+    } else {
+      if (!file_) {
+        file_.emplace(path_);
+        file_->resize(0);  // what an earlier run left that was killed
+      }
+      file_->write_at(size_, std::as_bytes(std::span(text)));
+      size_ += text.size();
+    }
+  }
+  void finish() {
+    if (file_) file_->finish();
+    if (whole_ && path_ != "-") write_output(path_, text_);
+    finished_ = true;
+  }
+
+ private:
+  std::string path_, text_;
+  bool whole_ = false, finished_ = false;
+  std::optional<PartFile> file_;
+  std::uint64_t size_ = 0;
+};
 
 void join(const Options& options) {
   const tasks::Annotations paths = load_paths(options);
   const auto graphs = options.connectivity.empty() ? open_data(options.data).graphs()
                                                    : graph::GraphSet::open(options.connectivity);
-  const tasks::Joined joined = tasks::join_paths(paths, *graphs, options.join);
-  write_output(options.output, to_json(joined));
+  Output output(options.output);
+  const tasks::JoinTotals totals = tasks::write_joined(
+      paths, *graphs, options.join, [&output](std::string_view text) { output.write(text); });
+  output.finish();
   if (options.output == "-") return;
-  std::size_t instructions = 0;
-  for (const tasks::JoinedPath& one : joined.paths) instructions += one.path.instructions.size();
-  fmt::print("{}: {} of {} pairs joined, {} instructions, mean length {:.2f} m\n", options.output,
-             joined.paths.size(), joined.pairs, instructions, mean_length(joined));
+  fmt::print("{}: {} of {} {} joined, {} instructions, mean length {:.2f} m\n", options.output,
+             totals.paths, totals.pairs, options.join.paths == 2 ? "pairs" : "sequences",
+             totals.instructions,
+             totals.paths == 0 ? 0 : totals.length / static_cast<double>(totals.paths));
 }
 
 void add_options(CLI::App& verb, Options& options) {
@@ -67,7 +111,7 @@ void add_options(CLI::App& verb, Options& options) {
               finite_number(0));
   verb.add_option("--paths", options.join.paths,
                   "Paths that make one: 2 (R4R), 3 (R6R), 4 (R8R). Of R2R's train, 3 and more are "
-                  "millions")
+                  "millions, written as they are made")
       ->capture_default_str()
       ->check(whole_number(2, 4));
 }

@@ -68,13 +68,14 @@ std::string read_file(const fs::path& path) {
 
 void write_file_atomically(const fs::path& path, std::string_view content) {
   std::error_code code;
-  const fs::path target = fs::is_symlink(path, code) ? fs::weakly_canonical(path, code) : path;
-  const fs::file_status status = fs::status(target, code);
+  // Before links are followed by name: that of a pipe leads nowhere.
+  const fs::file_status status = fs::status(path, code);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     if (fs::is_directory(status)) fail(path, "write", EISDIR);
-    write_whole(target, content, path);
+    write_whole(path, content, path);
     return;
   }
+  const fs::path target = fs::is_symlink(path, code) ? fs::weakly_canonical(path, code) : path;
   fs::path part = target;
   part += std::string(kPart) + std::to_string(::getpid());
   try {

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <string>
 
 #include "enfilade/core/errors.h"
 #include "tests/support/temporary_folder.h"
@@ -88,6 +91,18 @@ TEST_F(FileTest, RemovesWhatKilledProcessesLeft) {
   EXPECT_EQ(std::distance(fs::recursive_directory_iterator(folder_), {}), 8) << "all the others";
   remove_unfinished(folder_ / "none");
   remove_unfinished(folder_ / "a.json");
+}
+
+// As `-o /dev/stdout | less` has it: a link whose target has no name.
+TEST_F(FileTest, WritesIntoPipes) {
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  write_file_atomically("/proc/self/fd/" + std::to_string(ends[1]), "text");
+  ::close(ends[1]);
+  char bytes[8];
+  EXPECT_EQ(::read(ends[0], bytes, sizeof bytes), 4);
+  EXPECT_EQ(std::string(bytes, 4), "text");
+  ::close(ends[0]);
 }
 
 TEST_F(FileTest, AFullDiskIsAnError) {

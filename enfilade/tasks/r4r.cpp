@@ -68,40 +68,16 @@ class Joiner {
          const graph::NavGraph& graph, const JoinOptions& options)
       : entries_(entries), paths_(paths), graph_(graph), options_(options) {}
 
-  Joined join(const std::vector<std::size_t>& members) const {
-    Joined joined;
-    std::size_t length = 1;
-    std::vector<std::size_t> sequences = members;  // of `length` paths each, one after another
-    for (; length < options_.paths && !sequences.empty(); ++length) {
-      joined.pairs = sequences.size() / length * members.size();
-      sequences = extended(sequences, length, members);
+  // Sequences of JoinOptions::paths paths, as indices one after another.
+  // \param looked_at  gets how many there were to choose from
+  std::vector<std::size_t> sequences(const std::vector<std::size_t>& members,
+                                     std::size_t& looked_at) const {
+    std::vector<std::size_t> all = members;
+    for (std::size_t length = 1; length < options_.paths; ++length) {
+      looked_at = all.size() / length * members.size();
+      all = extended(all, length, members);
     }
-    if (length < options_.paths) joined.pairs = 0;
-    joined.paths.reserve(sequences.size() / length);
-    for (auto rest = std::span<const std::size_t>(sequences); !rest.empty();
-         rest = rest.subspan(length)) {
-      joined.paths.push_back(path_of(rest.first(length)));
-    }
-    return joined;
-  }
-
- private:
-  // Those of one path more.
-  std::vector<std::size_t> extended(const std::vector<std::size_t>& sequences, std::size_t length,
-                                    const std::vector<std::size_t>& members) const {
-    std::vector<std::size_t> longer;
-    for (std::size_t begin = 0; begin < sequences.size(); begin += length) {
-      const auto first = sequences.begin() + static_cast<std::ptrdiff_t>(begin);
-      const auto last = first + static_cast<std::ptrdiff_t>(length);
-      const ViewpointIndex end = paths_[*std::prev(last)].viewpoints.back();
-      for (const std::size_t next : members) {
-        const double gap = graph_.distance(end, paths_[next].viewpoints.front());
-        if (gap > options_.most_gap) continue;
-        longer.insert(longer.end(), first, last);
-        longer.push_back(next);
-      }
-    }
-    return longer;
+    return all;
   }
 
   JoinedPath path_of(std::span<const std::size_t> sequence) const {
@@ -129,6 +105,25 @@ class Joiner {
     joined.shortest = names(shortest(walk.front(), walk.back()));
     joined.shortest_distance = graph_.distance(walk.front(), walk.back());
     return joined;
+  }
+
+ private:
+  // Those of one path more.
+  std::vector<std::size_t> extended(const std::vector<std::size_t>& sequences, std::size_t length,
+                                    const std::vector<std::size_t>& members) const {
+    std::vector<std::size_t> longer;
+    for (std::size_t begin = 0; begin < sequences.size(); begin += length) {
+      const auto first = sequences.begin() + static_cast<std::ptrdiff_t>(begin);
+      const auto last = first + static_cast<std::ptrdiff_t>(length);
+      const ViewpointIndex end = paths_[*std::prev(last)].viewpoints.back();
+      for (const std::size_t next : members) {
+        const double gap = graph_.distance(end, paths_[next].viewpoints.front());
+        if (gap > options_.most_gap) continue;
+        longer.insert(longer.end(), first, last);
+        longer.push_back(next);
+      }
+    }
+    return longer;
   }
 
   static std::vector<std::string> products(const std::vector<std::string>& before,
@@ -159,6 +154,58 @@ class Joiner {
   const std::vector<ReferencePath>& paths_;
   const graph::NavGraph& graph_;
   const JoinOptions& options_;
+};
+
+// All sequences of paths that are joined, by number.
+class Plan {
+ public:
+  Plan(const Annotations& annotations, const graph::GraphSet& graphs, const JoinOptions& options)
+      : entries_(annotations.paths), graphs_(graphs), options_(options) {
+    check_options(options);
+    paths_ = look_up_paths(annotations, graphs);
+    check_paths(entries_);
+    groups_ = by_scan(paths_, graphs.size());
+    sequences_.resize(groups_.size());
+    std::vector<std::size_t> looked_at(groups_.size());
+    parallel_for(groups_.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        sequences_[i] = joiner(i).sequences(groups_[i].members, looked_at[i]);
+      }
+    });
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+      pairs_ += looked_at[i];
+      begins_.push_back(size_);
+      size_ += sequences_[i].size() / options.paths;
+    }
+  }
+
+  std::size_t size() const noexcept { return size_; }
+  std::size_t pairs() const noexcept { return pairs_; }
+
+  // Path `number` of all. \pre number < size()
+  JoinedPath path(std::size_t number) const {
+    const auto after = std::ranges::upper_bound(begins_, number);
+    const auto group = static_cast<std::size_t>(after - begins_.begin()) - 1;
+    const std::span<const std::size_t> all = sequences_[group];
+    JoinedPath joined = joiner(group).path_of(
+        all.subspan((number - begins_[group]) * options_.paths, options_.paths));
+    joined.path.path_id = static_cast<std::int64_t>(number);
+    return joined;
+  }
+
+ private:
+  Joiner joiner(std::size_t group) const {
+    return {entries_, paths_, graphs_.graph(groups_[group].scan), options_};
+  }
+
+  const std::vector<PathAnnotation>& entries_;
+  const graph::GraphSet& graphs_;
+  JoinOptions options_;
+  std::vector<ReferencePath> paths_;
+  std::vector<PathsOfScan> groups_;
+  std::vector<std::vector<std::size_t>> sequences_;  // by group
+  std::vector<std::size_t> begins_;                  // the number of each group's first
+  std::size_t size_ = 0, pairs_ = 0;
 };
 
 // Appends JSON to a text. A set of joined paths has some hundred megabytes, so that no tree of
@@ -275,30 +322,77 @@ void write_path(const JoinedPath& joined, JsonText& text) {
   text.raw("}");
 }
 
+// \param first  whether it is the first of all
+void write_entry(const JoinedPath& joined, bool first, JsonText& text) {
+  text.raw(first ? "\n" : ",\n");
+  write_path(joined, text);
+  if (text.valid()) return;
+  throw ArgumentError(fmt::format("path {}: holds text that is not UTF-8, or an infinite number",
+                                  joined.path.path_id));
+}
+
+// The text of some paths, and what they add up to.
+struct Piece {
+  std::string text;
+  JoinTotals totals;
+};
+
+Piece piece_of(const Plan& plan, std::size_t begin, std::size_t end) {
+  Piece piece;
+  JsonText text(0);
+  for (std::size_t number = begin; number < end; ++number) {
+    const JoinedPath joined = plan.path(number);
+    write_entry(joined, number == 0, text);
+    ++piece.totals.paths;
+    piece.totals.instructions += joined.path.instructions.size();
+    piece.totals.length += joined.path.distance.value_or(0);
+  }
+  piece.text = text.take();
+  return piece;
+}
+
 }  // namespace
 
 Joined join_paths(const Annotations& annotations, const graph::GraphSet& graphs,
                   const JoinOptions& options) {
-  check_options(options);
-  const std::vector<ReferencePath> paths = look_up_paths(annotations, graphs);
-  check_paths(annotations.paths);
-  const std::vector<PathsOfScan> groups = by_scan(paths, graphs.size());
-  std::vector<Joined> of_scans(groups.size());
-  parallel_for(groups.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const graph::NavGraph& graph = graphs.graph(groups[i].scan);
-      of_scans[i] = Joiner(annotations.paths, paths, graph, options).join(groups[i].members);
-    }
-  });
+  const Plan plan(annotations, graphs, options);
   Joined joined;
-  for (Joined& of_scan : of_scans) {
-    joined.pairs += of_scan.pairs;
-    for (JoinedPath& path : of_scan.paths) {
-      path.path.path_id = static_cast<std::int64_t>(joined.paths.size());
-      joined.paths.push_back(std::move(path));
+  joined.pairs = plan.pairs();
+  joined.paths.resize(plan.size());
+  constexpr std::size_t kGrain = 256;
+  parallel_for(plan.size(), kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) joined.paths[i] = plan.path(i);
+  });
+  return joined;
+}
+
+JoinTotals write_joined(const Annotations& annotations, const graph::GraphSet& graphs,
+                        const JoinOptions& options, const TakeText& take) {
+  // Of R8R a path has 81 instructions, together some 40 kB: 80 MB at a time.
+  constexpr std::size_t kOfPiece = 64, kPieces = 32;
+  const Plan plan(annotations, graphs, options);
+  JoinTotals totals;
+  totals.pairs = plan.pairs();
+  take("[");
+  std::vector<Piece> pieces;
+  for (std::size_t first = 0; first < plan.size(); first += kOfPiece * kPieces) {
+    const std::size_t left = plan.size() - first;
+    pieces.assign(std::min(kPieces, (left + kOfPiece - 1) / kOfPiece), Piece());
+    parallel_for(pieces.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        const std::size_t at = first + k * kOfPiece;
+        pieces[k] = piece_of(plan, at, std::min(at + kOfPiece, plan.size()));
+      }
+    });
+    for (const Piece& piece : pieces) {
+      take(piece.text);
+      totals.paths += piece.totals.paths;
+      totals.instructions += piece.totals.instructions;
+      totals.length += piece.totals.length;
     }
   }
-  return joined;
+  take("\n]\n");
+  return totals;
 }
 
 std::string to_json(const Joined& joined) {
@@ -307,11 +401,7 @@ std::string to_json(const Joined& joined) {
   JsonText text(bytes);
   text.raw("[");
   for (const JoinedPath& path : joined.paths) {
-    text.raw(&path == joined.paths.data() ? "\n" : ",\n");
-    write_path(path, text);
-    if (text.valid()) continue;
-    throw ArgumentError(fmt::format("path {}: holds text that is not UTF-8, or an infinite number",
-                                    path.path.path_id));
+    write_entry(path, &path == joined.paths.data(), text);
   }
   text.raw("\n]\n");
   return text.take();

@@ -2,7 +2,9 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
@@ -49,6 +51,19 @@ struct Joined {
 /// start, fewer than 2 paths, or a gap that is negative or not finite
 Joined join_paths(const Annotations& annotations, const graph::GraphSet& graphs,
                   const JoinOptions& options = {});
+
+/// What was written: paths, sequences looked at as in Joined, and sums over all paths.
+struct JoinTotals {
+  std::size_t paths = 0, pairs = 0, instructions = 0;
+  double length = 0;  ///< metres
+};
+/// Gets the next part of a text.
+using TakeText = std::function<void(std::string_view)>;
+/// Gives `take` the text that to_json(join_paths(...)) has, in parts, in order, in the calling
+/// thread. Memory is for some thousand joined paths alone: of R2R's train, R6R has gigabytes.
+/// \throws as join_paths() and to_json(), and what `take` throws; parts were taken by then
+JoinTotals write_joined(const Annotations& annotations, const graph::GraphSet& graphs,
+                        const JoinOptions& options, const TakeText& take);
 
 /// As the generator writes them, an entry a line: distance, first_path_id, second_path_id, heading,
 /// instructions, path, path_id, scan, shortest_path, shortest_path_distance; of three and more,

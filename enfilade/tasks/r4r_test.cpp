@@ -192,6 +192,35 @@ TEST(Join, WritesWhatIsReadBackEqual) {
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(read.paths[i], joined.paths[i].path);
 }
 
+TEST(Join, WritesInPartsWhatItWritesAtOnce) {
+  for (const std::size_t paths : {2U, 3U, 4U}) {
+    JoinOptions options;
+    options.paths = paths;
+    const Joined joined = join_paths(two_paths(), *squares(), options);
+    std::string text;
+    const JoinTotals totals = write_joined(two_paths(), *squares(), options,
+                                           [&text](std::string_view part) { text += part; });
+    EXPECT_EQ(text, to_json(joined));
+    EXPECT_EQ(totals.paths, joined.paths.size());
+    EXPECT_EQ(totals.pairs, joined.pairs);
+    double length = 0;
+    std::size_t instructions = 0;
+    for (const JoinedPath& one : joined.paths) {
+      length += *one.path.distance;
+      instructions += one.path.instructions.size();
+    }
+    EXPECT_DOUBLE_EQ(totals.length, length);
+    EXPECT_EQ(totals.instructions, instructions);
+  }
+  JoinOptions apart;
+  apart.most_gap = 0;
+  Annotations one = two_paths();
+  one.paths.pop_back();
+  std::string text;
+  write_joined(one, *squares(), apart, [&text](std::string_view part) { text += part; });
+  EXPECT_EQ(text, "[\n]\n");
+}
+
 TEST(Join, WritesTheIdsOfThreeAndMoreAsAList) {
   JoinOptions options;
   options.paths = 3;

@@ -1,11 +1,15 @@
 // check_vectors: compares golden vectors of metrics, of navigable viewpoints and of public scorers
 // with what we compute.
 #include <fmt/format.h>
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "apps/common/program.h"
+#include "enfilade/core/file.h"
+#include "enfilade/tasks/files.h"
 #include "tests/conformance/benchmarks.h"
 #include "tests/conformance/data_beside.h"
 #include "tests/conformance/doubtful.h"
@@ -21,6 +25,8 @@ struct Options {
   std::string data;
   VectorTolerances tolerances;
   bool doubtful = false;
+  std::string page;
+  bool write_page = false;
 };
 
 VectorReport check_file(const std::string& file, const Options& options) {
@@ -33,20 +39,61 @@ VectorReport check_file(const std::string& file, const Options& options) {
   return check_benchmark(file, data.folder(), data.graphs(), options.tolerances);
 }
 
+// "r2r_back.json" has what was recorded of R2R-Back.
+tasks::Task task_of(const std::string& file) {
+  std::string name = std::filesystem::path(file).stem().string();
+  std::ranges::replace(name, '_', '-');
+  return tasks::task_named(name);
+}
+
 // As a table of Markdown.
-void print_doubtful(const std::string& file, const Options& options) {
+std::string doubtful_table(const std::string& file, const Options& options) {
   const auto data = open_data_beside(options.data, std::filesystem::absolute(file).parent_path());
-  fmt::print("\n{}\n\n| input | scorer | it gives | ours |\n|---|---|---|---|\n", file);
+  std::string table =
+      fmt::format("\n## {}\n\n| input | scorer | it gives | ours |\n|---|---|---|---|\n",
+                  tasks::title_of(task_of(file)));
   for (const DoubtfulInput& row : doubtful_inputs(file, data.folder(), data.graphs())) {
-    fmt::print("| {} | `{}` | {} | {} |\n", row.input, row.scorer, row.theirs, row.ours);
+    table += fmt::format("| {} | `{}` | {} | {} |\n", row.input, row.scorer, row.theirs, row.ours);
   }
+  return table;
+}
+
+// The page that says so of all files.
+std::string doubtful_page(const Options& options) {
+  std::string page =
+      "# Doubtful inputs\n\n"
+      "What the public scorers make of results that are not as they should be, and what ours "
+      "does with the same files. The first three columns were recorded by running their code. This "
+      "page is written by `check_vectors "
+      "--doubtful --page` (`tests/conformance/`), and a test compares it where the recordings lie "
+      "beside the data.\n\n"
+      "- *the same means*: ours reads the file, and its means are those of the public code.\n"
+      "- *other means*: ours reads the file, but has other means. The public code counts something "
+      "twice, or leaves something out.\n"
+      "- *scored*: ours reads the file and scores it, where the public code ends with an error.\n"
+      "- *fault*: ours refuses the file; the codes of its faults follow, each with its JSON path "
+      "in the message.\n\n"
+      "Ours never counts silently: a missing, doubled or unknown instruction is a fault for every "
+      "benchmark, whatever its public scorer does.\n";
+  for (const std::string& file : options.files) page += doubtful_table(file, options);
+  return page;
+}
+
+ExitCode check_doubtful(const Options& options) {
+  const std::string page = doubtful_page(options);
+  if (options.page.empty()) {
+    fmt::print("{}", page);
+  } else if (options.write_page) {
+    write_file_atomically(options.page, page);
+  } else if (read_file(options.page) != page) {
+    fmt::print("{}: is not what the recorded inputs give; run with --write\n", options.page);
+    return kFaultsFound;
+  }
+  return kSuccess;
 }
 
 ExitCode check(const Options& options) {
-  if (options.doubtful) {
-    for (const std::string& file : options.files) print_doubtful(file, options);
-    return kSuccess;
-  }
+  if (options.doubtful) return check_doubtful(options);
   VectorReport total;
   for (const std::string& file : options.files) {
     const VectorReport report = check_file(file, options);
@@ -82,6 +129,10 @@ int main(int argc, char** argv) {
       ->type_name("DIR");
   app.add_flag("--doubtful", options.doubtful,
                "Of recorded scores of a benchmark: print what ours does with doubtful inputs");
+  app.add_option("--page", options.page,
+                 "With --doubtful: a page to compare with what would be printed")
+      ->type_name("FILE.md");
+  app.add_flag("--write", options.write_page, "With --page: write it");
   app.add_option("--tolerance-metrics", options.tolerances.metrics,
                  "Largest difference of a metric")
       ->capture_default_str()
