@@ -106,7 +106,7 @@ TEST(Evaluation, ALeaderboardHasEachTeamsBest) {
   EXPECT_EQ(rows[2]["method"], "stays");
   EXPECT_EQ(served.json("/api/v1/leaderboards/open?all=1").at("rows").size(), 4U);
   const std::string csv = served.get("/api/v1/leaderboards/open?format=csv")->body;
-  EXPECT_THAT(csv, HasSubstr("team,method,created,trajectory_length,trajectory_length_low"));
+  EXPECT_THAT(csv, HasSubstr("team,method,created,spl,spl_low,spl_high,success,"));
   EXPECT_THAT(csv, HasSubstr("\"B\",\"walks\","));
 }
 

@@ -1,15 +1,18 @@
 #include "enfilade/service/phases.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "enfilade/core/check.h"
 #include "enfilade/core/file.h"
 #include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
+#include "enfilade/tasks/files.h"
 
 namespace enfilade::service {
 namespace {
@@ -29,7 +32,7 @@ constexpr double kMostStep = 0.5;
 bool is_scores(std::string_view text) { return detail::find_named<Scores>(text).has_value(); }
 constexpr std::size_t kLongestRules = 20'000;
 bool is_rules(std::string_view text) { return detail::is_prose(text, kLongestRules); }
-bool is_primary(std::string_view text) { return detail::find_named<Primary>(text).has_value(); }
+bool is_any(std::string_view /*text*/) { return true; }
 bool is_time(std::string_view text) { return detail::parse_time(text).has_value(); }
 
 std::string nonempty(const detail::Fields& fields, std::string_view name, json::Faults& faults) {
@@ -76,14 +79,57 @@ void read_limits(const detail::Fields& fields, Phase& phase) {
   phase.teams = fields.integer("teams", 1, kMostTeams, phase.teams);
 }
 
+/// A text that has to be one of several. \returns its place; none, reported, if it is not
+std::optional<std::size_t> read_choice(const detail::Fields& fields, std::string_view name,
+                                       const std::vector<std::string_view>& allowed,
+                                       const char* code, json::Faults& faults) {
+  const std::string text = fields.text(name, is_any, "", code);
+  const auto found = std::ranges::find(allowed, text);
+  if (found != allowed.end()) return static_cast<std::size_t>(found - allowed.begin());
+  faults.error(fields.path(name), code,
+               fmt::format("{:?}, not one of {}", text.substr(0, detail::kQuoted),
+                           fmt::join(allowed, ", ")));
+  return std::nullopt;
+}
+
+/// "task", "scorer" and "primary", each of which says what is allowed in the next.
+void read_task(const detail::Fields& fields, Phase& phase, json::Faults& faults) {
+  using tasks::Task;
+  if (fields.has("task")) {
+    std::vector<std::string_view> names;
+    for (std::size_t k = 0; k <= static_cast<std::size_t>(Task::kSoon); ++k) {
+      names.push_back(tasks::name_of(static_cast<Task>(k)));
+    }
+    const auto task = read_choice(fields, "task", names, "unknown-task", faults);
+    if (!task) return;
+    phase.task = static_cast<Task>(*task);
+  }
+  const auto scorers = tasks::scorer_names(phase.task);
+  phase.scorer = scorers.front();
+  if (fields.has("scorer")) {
+    const auto scorer = read_choice(fields, "scorer", scorers, "unknown-scorer", faults);
+    if (!scorer) return;
+    phase.scorer = scorers[*scorer];
+  }
+  phase.primary = phase.measures().front().name;
+  if (!fields.has("primary")) return;
+  std::vector<std::string_view> names;
+  for (const tasks::Measure& measure : phase.measures()) {
+    if (measure.better == tasks::Better::kHigher) names.emplace_back(measure.name);
+  }
+  const auto primary = read_choice(fields, "primary", names, "bad-primary", faults);
+  if (primary) phase.primary = names[*primary];
+}
+
 /// Reads one entry of "phases"; none if it has faults.
 std::optional<Phase> read_phase(json::Element element, const json::Path& path,
                                 json::Faults& faults) {
   constexpr const char* kNames = "1 to 40 of a-z, 0-9, - and _";
   const std::size_t before = faults.errors();
-  const detail::Fields fields(element, path, faults, {"name", "split"},
-                              {"title", "rules", "annotations", "scores", "primary", "step", "ends",
-                               "per_day", "per_team", "per_address_day", "per_address", "teams"});
+  const detail::Fields fields(
+      element, path, faults, {"name", "split"},
+      {"title", "rules", "task", "scorer", "annotations", "scores", "primary", "step", "ends",
+       "per_day", "per_team", "per_address_day", "per_address", "teams"});
   if (!fields.complete()) return std::nullopt;
   Phase phase;
   phase.name = fields.text("name", detail::is_name, kNames, "bad-name");
@@ -94,11 +140,7 @@ std::optional<Phase> read_phase(json::Element element, const json::Path& path,
   }
   if (fields.has("annotations")) phase.annotations = nonempty(fields, "annotations", faults);
   phase.scores = read_scores(fields, fields.has("annotations"), faults);
-  if (fields.has("primary")) {
-    phase.primary = detail::find_named<Primary>(
-                        fields.text("primary", is_primary, R"("spl" or "success")", "bad-primary"))
-                        .value_or(phase.primary);
-  }
+  read_task(fields, phase, faults);
   if (fields.has("step")) phase.step = fields.number("step", kLeastStep, kMostStep);
   if (fields.has("ends")) {
     phase.ends = detail::parse_time(
@@ -114,7 +156,7 @@ void check_openness(const std::vector<Phase>& phases, const json::Path& list,
                     json::Faults& faults) {
   for (std::size_t k = 0; k < phases.size(); ++k) {
     const auto is_secret_twin = [&one = phases[k]](const Phase& other) {
-      return other.goals_secret() && other.split == one.split;
+      return other.goals_secret() && other.split == one.split && share_paths(other.task, one.task);
     };
     const auto twin = std::ranges::find_if(phases, is_secret_twin);
     if (phases[k].goals_secret() || twin == phases.end()) continue;
@@ -127,6 +169,20 @@ void check_openness(const std::vector<Phase>& phases, const json::Path& list,
 }
 
 }  // namespace
+
+const tasks::Measure& Phase::primary_measure() const {
+  const tasks::Measure* measure = tasks::find_measure(measures(), primary);
+  EN_CHECK(measure != nullptr);
+  return *measure;
+}
+
+bool share_paths(tasks::Task one, tasks::Task other) noexcept {
+  const auto is_of_r2r = [](tasks::Task task) {
+    using enum tasks::Task;
+    return task != kRxr && task != kCvdn && task != kSoon;
+  };
+  return one == other || (is_of_r2r(one) && is_of_r2r(other));
+}
 
 std::vector<Phase> parse_phases(std::string_view text, const std::string& file) {
   const json::Document document = json::Document::parse(text, file);

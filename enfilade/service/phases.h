@@ -4,9 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "enfilade/tasks/goal.h"
+#include "enfilade/tasks/measures.h"
 
 namespace enfilade::service {
 
@@ -25,11 +29,6 @@ constexpr std::array<std::string_view, 4> names_of(Scores /*enum*/) {
   return {"public", "after-end", "ladder", "hidden"};
 }
 
-/// The metric that decides which submission of a team is its best.
-enum class Primary : std::uint8_t { kSpl, kSuccess };
-/// The names are those of tasks::metric_fields().
-constexpr std::array<std::string_view, 2> names_of(Primary /*enum*/) { return {"spl", "success"}; }
-
 /// A split to score on, and its rules. The limits count submissions that were accepted, withdrawn
 /// ones too.
 struct Phase {
@@ -37,8 +36,13 @@ struct Phase {
   std::string title;  ///< for people
   std::string rules;  ///< for people, in Markdown: rules, dates, whom to ask; may be empty
   std::string split;  ///< "val_unseen"; its instructions are served without their goals if secret
-  /// R2R annotations with goals, kept outside the data set, which everybody can download. Empty:
-  /// the data set's own annotations, with open goals.
+  tasks::Task task = tasks::Task::kR2r;   ///< which benchmark the split is of
+  std::string scorer{tasks::kOwnScorer};  ///< one of tasks::scorer_names(task)
+  /// The name of the measure that decides which submission of a team is its best, and that rows are
+  /// sorted by: one of measures(), better where higher.
+  std::string primary = "spl";
+  /// The task's annotations with goals, kept outside the data set, which everybody can download.
+  /// Empty: the data set's own annotations, with open goals.
   std::filesystem::path annotations;
   Scores scores = Scores::kPublic;
   int per_day = 10;                ///< of a team in 24 hours, 1 to 1000
@@ -47,13 +51,21 @@ struct Phase {
   std::optional<int> per_address;  ///< of an address in all; none: no limit
   /// Seconds since 1970, after which no submission is taken; none: not until the file says so.
   std::optional<std::int64_t> ends;
-  Primary primary = Primary::kSpl;
   /// Of secret goals: shares are shown as multiples of it, metres as multiples of ten times it.
   double step = 0.01;
   int teams = 20;  ///< of secret goals: how many teams may submit at all
 
   bool goals_secret() const noexcept { return !annotations.empty(); }
+  /// The columns of its leaderboard. \pre the scorer is one of the task's
+  std::span<const tasks::Measure> measures() const { return tasks::measures(task, scorer); }
+  /// The measure that `primary` names. \pre it is one of measures()
+  const tasks::Measure& primary_measure() const;
 };
+
+/// Whether two benchmarks have the same paths in splits of one name, so that goals of one tell
+/// those of the other: R2R and what was made from it (R2R-Last, R2R-Back, R4R, REVERIE); else each
+/// benchmark and itself.
+bool share_paths(tasks::Task one, tasks::Task other) noexcept;
 
 /// Reads {"phases": [{"name", "split", ...}]}; docs/service.md has the fields and their defaults,
 /// of which some depend on whether the goals are secret. A relative path of annotations begins at

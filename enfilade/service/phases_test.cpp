@@ -33,7 +33,9 @@ TEST(Phases, AreReadWithTheirDefaults) {
   EXPECT_EQ(phases[1].per_address_day, 15);
   EXPECT_TRUE(phases[1].goals_secret());
   EXPECT_EQ(phases[2].scores, Scores::kAfterEnd);
-  EXPECT_EQ(phases[2].primary, Primary::kSpl);
+  EXPECT_EQ(phases[2].task, tasks::Task::kR2r);
+  EXPECT_EQ(phases[2].scorer, "enfilade");
+  EXPECT_EQ(phases[2].primary, "spl");
   EXPECT_EQ(phases[2].step, 0.01);
   EXPECT_EQ(phases[2].per_team, 20);
   EXPECT_EQ(phases[2].per_address, 100);
@@ -48,13 +50,30 @@ TEST(Phases, HaveRulesForSecretGoals) {
       "phases.json");
   ASSERT_EQ(phases.size(), 1U);
   EXPECT_EQ(phases[0].scores, Scores::kLadder);
-  EXPECT_EQ(phases[0].primary, Primary::kSuccess);
+  EXPECT_EQ(phases[0].primary, "success");
   EXPECT_EQ(phases[0].step, 0.05);
   EXPECT_EQ(phases[0].ends, 1'806'537'599);  // date -u -d 2027-03-31T23:59:59Z +%s
   EXPECT_EQ(phases[0].per_team, 7);
   EXPECT_EQ(phases[0].per_address_day, 8);
   EXPECT_EQ(phases[0].per_address, 9);
   EXPECT_EQ(phases[0].teams, 3);
+}
+
+TEST(Phases, AreOfAnyBenchmark) {
+  const auto phases = parse_phases(
+      R"({"phases": [{"name": "a", "split": "test", "task": "reverie", "annotations": "a.json"},
+                     {"name": "b", "split": "test", "task": "cvdn", "scorer": "hamt"},
+                     {"name": "c", "split": "test", "task": "r2r", "scorer": "duet",
+                      "annotations": "r.json", "primary": "oracle_sr"}]})",
+      "phases.json");
+  ASSERT_EQ(phases.size(), 3U);
+  EXPECT_EQ(phases[0].task, tasks::Task::kReverie);
+  EXPECT_EQ(phases[0].scorer, "official");
+  EXPECT_EQ(phases[0].primary, "rgspl");
+  EXPECT_EQ(phases[1].primary, "gp");
+  EXPECT_EQ(phases[1].measures().size(), 5U);
+  EXPECT_EQ(phases[2].primary, "oracle_sr");
+  EXPECT_STREQ(phases[2].primary_measure().column, "OSR");
 }
 
 TEST(Phases, HaveTextsForPeople) {
@@ -90,10 +109,25 @@ TEST(Phases, RulesForSecretGoalsAreChecked) {
   EXPECT_THAT(said, HasSubstr("$.phases[0].step: 0.6, not from 0.001 to 0.5"));
   EXPECT_THAT(said, HasSubstr("$.phases[0].ends: \"2027-02-29T00:00:00Z\", not a time in UTC"));
   EXPECT_THAT(said, HasSubstr("$.phases[0].per_team: 0, not from 1 to"));
-  EXPECT_THAT(said, HasSubstr("$.phases[0].primary: \"tl\", not \"spl\" or \"success\""));
+  EXPECT_THAT(said,
+              HasSubstr("$.phases[0].primary: \"tl\", not one of spl, success, oracle_success, "
+                        "ndtw_collapsed, sdtw_collapsed, cls"));
   EXPECT_THAT(said, HasSubstr("$.phases[0].teams: 0"));
   EXPECT_THAT(said, HasSubstr("$.phases[0].per_address_day: 0"));
   EXPECT_THAT(said, HasSubstr("$.phases[0].per_address"));
+}
+
+TEST(Phases, TasksAndScorersAreThoseThatThereAre) {
+  const std::string said = fault_of(
+      R"({"name": "a", "split": "b", "task": "alfred"},
+         {"name": "c", "split": "b", "task": "soon", "scorer": "hamt"},
+         {"name": "d", "split": "b", "task": "soon", "primary": "nav_error"},
+         {"name": "e", "split": "b", "task": 7})");
+  EXPECT_THAT(said, HasSubstr("$.phases[0].task: \"alfred\", not one of r2r, r2r-last, r2r-back, "
+                              "r4r, rxr, reverie, cvdn, soon"));
+  EXPECT_THAT(said, HasSubstr("$.phases[1].scorer: \"hamt\", not one of duet, official"));
+  EXPECT_THAT(said, HasSubstr("$.phases[2].primary: \"nav_error\", not one of det_spl, det_sr"));
+  EXPECT_THAT(said, HasSubstr("$.phases[3].task"));
 }
 
 TEST(Phases, PublicScoresOfSecretGoalsAreRefused) {
@@ -109,6 +143,14 @@ TEST(Phases, GoalsAreNotSecretInOnePhaseAndOpenInAnother) {
   EXPECT_THAT(fault_of(R"({"name": "a", "split": "test"},
                           {"name": "b", "split": "test", "annotations": "a.json"})"),
               HasSubstr("$.phases[0].split: \"test\" has secret goals in phase \"b\""));
+  // REVERIE's paths are R2R's; CVDN's are not.
+  EXPECT_THAT(fault_of(R"({"name": "a", "split": "test"},
+                  {"name": "b", "split": "test", "task": "reverie", "annotations": "a.json"})"),
+              HasSubstr("$.phases[0].split: \"test\" has secret goals in phase \"b\""));
+  EXPECT_NO_THROW(parse_phases(
+      R"({"phases": [{"name": "a", "split": "test"},
+                     {"name": "b", "split": "test", "task": "cvdn", "annotations": "a.json"}]})",
+      "phases.json"));
 }
 
 TEST(Phases, TimesAreOfOneForm) {

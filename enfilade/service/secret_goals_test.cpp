@@ -147,7 +147,7 @@ TEST_F(SecretGoals, ScoresAppearAfterTheEndOneRowForATeam) {
   EXPECT_EQ(submission(worse, a).at("withheld"), "not-best");
   EXPECT_FALSE(submission(worse, a).contains("means"));
   EXPECT_THAT(served_.get("/api/v1/leaderboards/test?format=csv")->body,
-              HasSubstr("\"walks\",1970-01-12T13:46:40Z,3.0,,,0.0,,,1.0,,"));
+              HasSubstr("\"walks\",1970-01-12T13:46:40Z,1.0,,,1.0,,,1.0,,,0.0,,"));
 }
 
 TEST_F(SecretGoals, ALadderShowsImprovementsOnly) {

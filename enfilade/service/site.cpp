@@ -5,8 +5,10 @@
 #include <set>
 #include <system_error>
 #include <utility>
+#include <variant>
 
 #include "enfilade/core/check.h"
+#include "enfilade/tasks/files.h"
 #include "enfilade/tasks/score.h"
 
 namespace enfilade::service {
@@ -14,8 +16,61 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Of one kind: a file that has one has thousands.
+constexpr std::size_t kMostFaults = 20;
+
 bool has_hidden_goal(const tasks::Annotations& annotations) {
   return std::ranges::any_of(annotations.paths, &tasks::PathAnnotation::goal_hidden);
+}
+
+/// The data set's file of a split of a benchmark; none if it has none.
+std::optional<fs::path> find_file(const dataset::Dataset& data, tasks::Task task,
+                                  const std::string& split) {
+  try {
+    if (task == tasks::Task::kR2r) return data.annotations_file(split);
+    return data.annotations_file(task, split);
+  } catch (const FileError&) {
+    return std::nullopt;
+  }
+}
+
+/// Everything of a path that could tell where it leads, or what is asked for there, goes.
+void hide_goal(tasks::PathAnnotation& path) {
+  path.path.resize(1);
+  path.distance.reset();
+  const bool id_tells = std::holds_alternative<tasks::NamedObject>(path.goal);
+  if (id_tells) path.id.clear();  // "1357_66" of path 1357 and object 66
+  path.goal = tasks::HiddenGoal();
+  path.group.reset();  // paths of one group end at one place, or are joined from the same ones
+  for (tasks::InstructionDetails& details : path.details) {
+    if (id_tells) details.id.clear();
+    for (tasks::SubInstruction& part : details.parts) part.places.reset();
+  }
+}
+
+/// Whether the data set's boxes say who sees the objects, and not the annotations themselves.
+bool needs_boxes(const tasks::Annotations& annotations) {
+  return std::ranges::any_of(annotations.paths, [](const tasks::PathAnnotation& path) {
+    const auto* object = std::get_if<tasks::NamedObject>(&path.goal);
+    return object != nullptr && object->seen_from.empty();
+  });
+}
+
+/// REVERIE's ids are "<path>_<object>", and teams have to know the ids.
+void check_ids_are_silent(const tasks::Annotations& annotations) {
+  std::vector<Diagnostic> faults;
+  for (std::size_t k = 0; k < annotations.paths.size(); ++k) {
+    const tasks::PathAnnotation& path = annotations.paths[k];
+    const auto* object = std::get_if<tasks::NamedObject>(&path.goal);
+    if (object == nullptr || !path.id.ends_with(fmt::format("_{}", object->id))) continue;
+    faults.push_back({Severity::kError, annotations.file, fmt::format("$[{}].id", k),
+                      "id-tells-object",
+                      fmt::format("{:?} names the object that is secret; write a number, as the "
+                                  "test split has it",
+                                  path.id)});
+    if (faults.size() == kMostFaults) break;
+  }
+  if (!faults.empty()) throw InvalidInput(std::move(faults));
 }
 
 /// Absolute and without links; of what cannot be looked up, its name as it is written.
@@ -27,13 +82,18 @@ fs::path real_path(const fs::path& path) {
 
 /// The folder of a data set, and what of it may be a link to elsewhere: its parts, and its splits'
 /// files.
-std::vector<fs::path> served_places(const dataset::Dataset& data) {
+std::vector<fs::path> served_places(const dataset::Dataset& data,
+                                    const std::vector<Phase>& phases) {
   const scan::PanoramaPlaces panoramas = data.panorama_places();
   std::vector<fs::path> places{data.folder(), panoramas.connectivity};
   places.insert(places.end(), panoramas.images.begin(), panoramas.images.end());
   for (const std::string& split : data.splits()) {
     const fs::path file = data.annotations_file(split);
     places.insert(places.end(), {file, file.parent_path()});
+  }
+  for (const Phase& phase : phases) {
+    const auto file = find_file(data, phase.task, phase.split);
+    if (file) places.insert(places.end(), {*file, file->parent_path()});
   }
   std::erase_if(places, [](const fs::path& place) { return place.empty(); });
   std::ranges::transform(places, places.begin(), real_path);
@@ -98,20 +158,22 @@ std::optional<std::size_t> Site::rooms(ScanIndex scan) const {
 }
 
 void Site::read_splits(const dataset::Dataset& data) {
-  std::vector<std::string> names(dataset::kSplits.begin(), dataset::kSplits.end());
-  for (const Phase& phase : phases_) {
-    if (std::ranges::find(names, phase.split) == names.end()) names.push_back(phase.split);
+  for (const std::string_view name : dataset::kSplits) {
+    read_split(data, tasks::Task::kR2r, std::string(name));
   }
-  for (const std::string& name : names) {
-    if (!data.has_split(name)) continue;  // a data set may lack any of the splits
-    tasks::Annotations annotations = data.annotations(name);
-    tasks::look_up_paths(annotations, *graphs_);  // throws if a path cannot be shown on a plan
-    splits_.push_back({std::move(annotations), false});
-  }
+  for (const Phase& phase : phases_) read_split(data, phase.task, phase.split);
+}
+
+void Site::read_split(const dataset::Dataset& data, tasks::Task task, const std::string& name) {
+  const auto file = find_file(data, task, name);
+  if (!file || find_split(name, task) != nullptr) return;  // a data set may lack any of the splits
+  tasks::Annotations annotations = tasks::load_annotations(*file, name, task);
+  tasks::look_up_paths(annotations, *graphs_);  // throws if a path cannot be shown on a plan
+  splits_.push_back({std::move(annotations), false});
 }
 
 void Site::check_goals_are_elsewhere(const dataset::Dataset& data) const {
-  const std::vector<fs::path> served = served_places(data);
+  const std::vector<fs::path> served = served_places(data, phases_);
   for (const Phase& phase : phases_) {
     if (!phase.goals_secret()) continue;
     // A link inside to a file elsewhere is as bad: it is often followed when a folder is copied.
@@ -138,9 +200,15 @@ void Site::read_phases(const dataset::Dataset& data) {
     }
   }
   for (const Phase& phase : phases_) {
-    const fs::path file =
-        phase.goals_secret() ? phase.annotations : data.annotations_file(phase.split);
-    secret_.push_back(tasks::make_episodes(tasks::load_annotations(file, phase.split), graphs_));
+    const auto public_file = [&] {
+      return phase.task == tasks::Task::kR2r ? data.annotations_file(phase.split)
+                                             : data.annotations_file(phase.task, phase.split);
+    };
+    const fs::path file = phase.goals_secret() ? phase.annotations : public_file();
+    const tasks::Annotations annotations = tasks::load_annotations(file, phase.split, phase.task);
+    if (phase.goals_secret()) check_ids_are_silent(annotations);
+    secret_.push_back(tasks::make_episodes(annotations, graphs_, tasks::Instructions::kScored,
+                                           needs_boxes(annotations) ? &data.objects() : nullptr));
     if (tasks::goals_hidden(secret_.back())) {
       throw InvalidInput({{Severity::kError, file.string(), "$", "hidden-goal",
                            "phase " + phase.name + " cannot be scored: a path in it has no goal"}});
@@ -148,25 +216,23 @@ void Site::read_phases(const dataset::Dataset& data) {
   }
 }
 
-// The annotations of a secret phase may be in the data set too, by mistake.
+// The annotations of a secret phase may be in the data set too, by mistake; and what R2R says of a
+// path's end tells what REVERIE asks for there.
 void Site::hide_goals() {
   for (PublicSplit& split : splits_) {
     const bool secret = std::ranges::any_of(phases_, [&split](const Phase& phase) {
-      return phase.goals_secret() && phase.split == split.annotations.split;
+      return phase.goals_secret() && phase.split == split.annotations.split &&
+             share_paths(phase.task, split.annotations.task);
     });
-    if (secret) {
-      for (tasks::PathAnnotation& path : split.annotations.paths) {
-        path.path.resize(1);
-        path.distance.reset();
-      }
-    }
+    if (secret) std::ranges::for_each(split.annotations.paths, hide_goal);
     split.goals_hidden = has_hidden_goal(split.annotations);
   }
 }
 
-const PublicSplit* Site::find_split(std::string_view name) const noexcept {
-  const auto found = std::ranges::find_if(
-      splits_, [name](const PublicSplit& split) { return split.annotations.split == name; });
+const PublicSplit* Site::find_split(std::string_view name, tasks::Task task) const noexcept {
+  const auto found = std::ranges::find_if(splits_, [name, task](const PublicSplit& split) {
+    return split.annotations.split == name && split.annotations.task == task;
+  });
   return found == splits_.end() ? nullptr : &*found;
 }
 

@@ -14,7 +14,8 @@
 
 namespace enfilade::service {
 
-/// A split as everybody may see it: if its goals are secret, each path has only its start.
+/// A split of a benchmark as everybody may see it: if its goals are secret, each path has only its
+/// start, and no goal of any kind.
 struct PublicSplit {
   tasks::Annotations annotations;
   bool goals_hidden = false;
@@ -25,18 +26,22 @@ struct PublicSplit {
 /// uses.
 class Site {
  public:
-  /// Opens a data set in a layout of dataset::Dataset: graphs and the splits train, val_seen,
-  /// val_unseen and test that it has, and those of the phases. Without phases, each split but train
-  /// whose goals are in the data set is a phase.
+  /// Opens a data set in a layout of dataset::Dataset: graphs and R2R's splits train, val_seen,
+  /// val_unseen and test that it has, and those of the phases, of whatever benchmark. Without
+  /// phases, each split of R2R but train whose goals are in the data set is a phase. A phase of
+  /// REVERIE takes the boxes of objects from the data set.
   /// \throws FileError; InvalidInput for files that can't be used, and for secret goals in a folder
-  /// of the data set, links followed: people copy data sets to others
+  /// of the data set, links followed: people copy data sets to others; for secret goals of REVERIE
+  /// whose ids name the objects
   static std::shared_ptr<const Site> open(const std::filesystem::path& data,
                                           std::vector<Phase> phases = {});
 
   const graph::GraphSet& graphs() const noexcept { return *graphs_; }
   const scan::PanoramaSet& panoramas() const noexcept { return *panoramas_; }
   const std::vector<PublicSplit>& splits() const noexcept { return splits_; }
-  const PublicSplit* find_split(std::string_view name) const noexcept;  ///< null if there is none
+  /// Null if there is none.
+  const PublicSplit* find_split(std::string_view name,
+                                tasks::Task task = tasks::Task::kR2r) const noexcept;
   const std::vector<Phase>& phases() const noexcept { return phases_; }
   const Phase* find_phase(std::string_view name) const noexcept;  ///< null if there is none
   /// With goals. Never to be shown. \pre phase is one of phases()
@@ -57,6 +62,7 @@ class Site {
  private:
   Site() = default;
   void read_splits(const dataset::Dataset& data);
+  void read_split(const dataset::Dataset& data, tasks::Task task, const std::string& name);
   void check_goals_are_elsewhere(const dataset::Dataset& data) const;
   void read_phases(const dataset::Dataset& data);
   void hide_goals();

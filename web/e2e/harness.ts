@@ -45,9 +45,10 @@ export function makeHomes(data: string, more: readonly string[] = []): void {
 
 interface Entry { readonly image_id: string; readonly unobstructed: readonly boolean[] }
 
-/** Six paths of three viewpoints as val_seen, with an instruction that tries to be a script. */
-function writeAnnotations(data: string): void {
-  const scan = 'home0001';
+export const scan = 'home0001';
+
+/** Six paths of three viewpoints of the home: their ids. */
+export function pathsOf(data: string): string[][] {
   const graph = JSON.parse(
     readFileSync(join(data, `connectivity/${scan}_connectivity.json`), 'utf8'),
   ) as Entry[];
@@ -58,11 +59,16 @@ function writeAnnotations(data: string): void {
     const c = b === undefined ? undefined : next(b).find((k) => k !== a);
     if (b !== undefined && c !== undefined && paths.length < 6) paths.push([a, b, c]);
   });
-  const annotations = paths.map((path, k) => ({
+  return paths.map((path) => path.map((v) => graph[v]!.image_id));
+}
+
+/** The paths as val_seen, with an instruction that tries to be a script. */
+export function writeAnnotations(data: string): void {
+  const annotations = pathsOf(data).map((path, k) => ({
     path_id: k + 1,
     scan,
     heading: 0.5,
-    path: path.map((v) => graph[v]!.image_id),
+    path,
     distance: 4,
     instructions: ['Walk on.', '<img src=x onerror=alert(1)> Turn left.', 'Go to the end.'],
   }));
@@ -89,9 +95,9 @@ export async function openHome(): Promise<Home> {
 }
 
 /** Serves a data set, and opens a browser. The folder goes when it stops. */
-export async function serve(folder: string, data: string, database: string): Promise<Home> {
+export async function serve(folder: string, data: string, database: string, more: readonly string[] = []): Promise<Home> {
   const start = (port: string) => spawn(program, ['serve', data, '--db', database, '--port', port,
-    '--log', 'none', '--open-registration'], { stdio: ['ignore', 'pipe', 'inherit'] });
+    '--log', 'none', '--open-registration', ...more], { stdio: ['ignore', 'pipe', 'inherit'] });
   const end = async (signal: NodeJS.Signals) => {
     const ended = new Promise((resolve) => child.once('exit', resolve));
     child.kill(signal);

@@ -1,4 +1,5 @@
 /** Phases of an evaluation, and what pages say about them in words. */
+import type { Column } from './ranking.ts';
 
 export interface Leakage {
   readonly most_bits: number | null;
@@ -10,10 +11,17 @@ export interface Phase {
   readonly phase: string;
   readonly title: string;
   readonly split: string;
+  /** The benchmark: "reverie", and for people "REVERIE". */
+  readonly task: string;
+  readonly task_title: string;
+  /** Whose formulas: "enfilade" for R2R's own, else the name of a public scorer. */
+  readonly scorer: string;
   readonly episodes: number;
   readonly goals_secret: boolean;
   readonly scores: 'public' | 'after-end' | 'ladder' | 'hidden';
-  readonly primary: 'spl' | 'success';
+  /** The column that ranks. */
+  readonly primary: string;
+  readonly columns: readonly Column[];
   readonly ends: string | null;
   readonly ended: boolean;
   readonly per_day: number;
@@ -30,7 +38,14 @@ export interface PhaseList {
   readonly phases: readonly Phase[];
 }
 
-export const primaryName = ({ primary }: Phase): string => (primary === 'spl' ? 'SPL' : 'success rate');
+export const primaryOf = ({ primary, columns }: Phase): Column => columns.find(({ name }) => name === primary)!;
+export const primaryName = (phase: Phase): string => primaryOf(phase).short;
+
+/** "REVERIE, scored as duet" */
+export const benchmarkOf = ({ task_title, scorer }: Phase): string => (scorer === 'enfilade' ? task_title : `${task_title}, scored as ${scorer}`);
+
+/** Of shares the step is one of shares; of metres it is ten times as many metres. */
+const metresOf = (step: number): string => (step * 10).toFixed(2).replace(/\.?0+$/, '');
 
 const number = (value: number): string => value.toLocaleString('en-US');
 const dateTime = (iso: string): string => `${iso.slice(0, 16).replace('T', ' ')} UTC`;
@@ -48,14 +63,15 @@ export function endOf({ ends, ended }: Phase): string {
 
 /** What is shown of the scores, and when. */
 export function showingOf(phase: Phase): string {
-  const rounded = `rounded to ${(phase.step ?? 0) * 100} % and ${((phase.step ?? 0) * 10).toFixed(2).replace(/\.?0+$/, '')} m`;
+  const rounded = `rounded to ${(phase.step ?? 0) * 100} % and ${metresOf(phase.step ?? 0)} m`;
+  const step = primaryOf(phase).unit === 'share' ? `${(phase.step ?? 0) * 100} %` : `${metresOf(phase.step ?? 0)} m`;
   if (!phase.goals_secret) return phase.scores === 'hidden' ? 'Only the organisers see its scores.' : '';
   if (phase.scores === 'hidden') return 'Its goals are secret, and only the organisers see its scores.';
   if (phase.ended) return `Its goals are secret: each team has one row, its best by ${primaryName(phase)}, ${rounded}.`;
   if (phase.scores === 'after-end') {
     return `Its goals are secret: scores appear when the phase has ended, one row for each team, ${rounded}. Until then a team learns that its file is valid.`;
   }
-  return `Its goals are secret: until the end a team sees its ${primaryName(phase)} only when that is at least ${(phase.step ?? 0) * 100} % better than its best shown one.`;
+  return `Its goals are secret: until the end a team sees its ${primaryName(phase)} only when that is at least ${step} better than its best shown one.`;
 }
 
 /** How much of the goals is given away, as the server computes it. */

@@ -11,36 +11,28 @@ export interface Row {
   readonly means: Readonly<Record<string, Mean>>;
 }
 
-/** A metric. Its numbers are shown times `factor`, with `digits` after the point. */
+/** A metric of a phase's benchmark, as the server describes it. Shares come from 0 to 1, and are shown as per cent. */
 export interface Column {
-  /** As the server calls it. */
+  /** As the server calls it: where it stands in a row's means. */
   readonly name: string;
   readonly short: string;
   readonly title: string;
-  readonly unit: 'm' | '%';
+  readonly unit: 'm' | 'share';
   /** The better values; none where longer is neither better nor worse. */
   readonly better?: 'higher' | 'lower';
 }
 
-export const columns: readonly Column[] = [
-  { name: 'spl', short: 'SPL', title: 'Success weighted by path length', unit: '%', better: 'higher' },
-  { name: 'success', short: 'SR', title: 'Success rate', unit: '%', better: 'higher' },
-  { name: 'oracle_success', short: 'OSR', title: 'Oracle success rate', unit: '%', better: 'higher' },
-  { name: 'nav_error', short: 'NE', title: 'Navigation error', unit: 'm', better: 'lower' },
-  { name: 'ndtw_collapsed', short: 'nDTW', title: 'Normalised dynamic time warping', unit: '%', better: 'higher' },
-  { name: 'sdtw_collapsed', short: 'sDTW', title: 'Success weighted by nDTW', unit: '%', better: 'higher' },
-  { name: 'cls', short: 'CLS', title: 'Coverage weighted by length score', unit: '%', better: 'higher' },
-  { name: 'trajectory_length', short: 'TL', title: 'Trajectory length', unit: 'm' },
-];
+export const factorOf = ({ unit }: Column): number => (unit === 'share' ? 100 : 1);
+export const unitOf = ({ unit }: Column): string => (unit === 'share' ? '%' : unit);
 
 /** In the column's unit; nothing where it is not shown or not finite. */
-export const valueOf = (row: Row, { name, unit }: Column): number | undefined => {
-  const mean = row.means[name]?.mean;
-  return mean === undefined || mean === null ? undefined : mean * (unit === '%' ? 100 : 1);
+export const valueOf = (row: Pick<Row, 'means'>, column: Column): number | undefined => {
+  const mean = row.means[column.name]?.mean;
+  return mean === undefined || mean === null ? undefined : mean * factorOf(column);
 };
 
 export const format = (value: number | undefined, { unit }: Column): string =>
-  (value === undefined ? '–' : value.toFixed(unit === '%' ? 1 : 2));
+  (value === undefined ? '–' : value.toFixed(unit === 'share' ? 1 : 2));
 
 /** 1 for the best; rows that show the same have the same place. */
 export function places(rows: readonly Row[], by: Column): readonly number[] {

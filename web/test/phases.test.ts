@@ -1,8 +1,10 @@
 import { describe, expect, it } from 'vitest';
-import { endOf, leakageOf, limitsOf, type Phase, showingOf } from '../src/phases.ts';
+import { benchmarkOf, endOf, leakageOf, limitsOf, type Phase, primaryName, showingOf } from '../src/phases.ts';
 
 const secret: Phase = {
-  phase: 'test', title: 'Test', split: 'test', episodes: 4173, goals_secret: true, scores: 'after-end', primary: 'spl',
+  phase: 'test', title: 'Test', split: 'test', task: 'r2r', task_title: 'R2R', scorer: 'enfilade', episodes: 4173, goals_secret: true,
+  scores: 'after-end', primary: 'spl',
+  columns: [{ name: 'spl', short: 'SPL', title: 'Success weighted by path length', unit: 'share', better: 'higher' }],
   ends: '2027-03-31T23:59:59Z', ended: false, per_day: 5, per_team: 20, step: 0.01, teams: 3,
   leakage: { most_bits: 180, goal_bits: 6600, phases: ['test'] },
 };
@@ -25,6 +27,18 @@ describe('a phase in words', () => {
     expect(endOf({ ...secret, ends: null })).toBe('');
     expect(limitsOf(secret)).toBe('5 a day, 20 in all');
     expect(limitsOf({ ...secret, per_team: null })).toBe('5 a day');
+  });
+
+  it('says which benchmark it is of, and what ranks', () => {
+    expect(benchmarkOf(secret)).toBe('R2R');
+    expect(primaryName(secret)).toBe('SPL');
+    const dialogues: Phase = {
+      ...secret, task: 'cvdn', task_title: 'CVDN', scorer: 'hamt', primary: 'gp', scores: 'ladder',
+      columns: [{ name: 'gp', short: 'GP', title: 'Goal progress', unit: 'm', better: 'higher' }],
+    };
+    expect(benchmarkOf(dialogues)).toBe('CVDN, scored as hamt');
+    expect(primaryName(dialogues)).toBe('GP');
+    expect(showingOf(dialogues)).toContain('sees its GP only when that is at least 0.1 m better');
   });
 
   it('says what is shown', () => {

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "enfilade/draw/floor_plan.h"
-#include "enfilade/service/detail/json_list.h"
+#include "enfilade/tasks/files.h"
 
 namespace enfilade::service::browsing {
 namespace {
@@ -44,8 +44,15 @@ bool contains(std::string_view text, std::string_view wanted) {
   return !std::ranges::search(text, wanted, {}, lower, lower).empty() || wanted.empty();
 }
 
+/// As tasks::make_episodes() makes it, and results name it.
+std::string id_of(const tasks::PathAnnotation& path, std::size_t k) {
+  if (k < path.details.size() && !path.details[k].id.empty()) return path.details[k].id;
+  return path.id.empty() ? tasks::instruction_id(path.path_id, k)
+                         : fmt::format("{}_{}", path.id, k);
+}
+
 ordered_json episode_json(const tasks::PathAnnotation& path, std::size_t k) {
-  ordered_json one{{"instruction_id", tasks::instruction_id(path.path_id, k)},
+  ordered_json one{{"instruction_id", id_of(path, k)},
                    {"path_id", path.path_id},
                    {"scan", path.scan},
                    {"heading", path.heading.value},
@@ -58,10 +65,11 @@ ordered_json episode_json(const tasks::PathAnnotation& path, std::size_t k) {
   return one;
 }
 
-/// Instructions of all splits, by scan.
+/// Instructions of all splits of R2R, by scan: those of other benchmarks are there for phases only.
 std::map<std::string, std::size_t> count_instructions(const Site& site) {
   std::map<std::string, std::size_t> counts;
   for (const PublicSplit& split : site.splits()) {
+    if (split.annotations.task != tasks::Task::kR2r) continue;
     for (const auto& path : split.annotations.paths) counts[path.scan] += path.instructions.size();
   }
   return counts;
@@ -103,16 +111,19 @@ ordered_json scan_json(const Site& site, ScanIndex scan) {
   return out;
 }
 
-ordered_json split_list_json(const Site& site) {
-  const auto split_json = [](const PublicSplit& split) {
+ordered_json split_list_json(const Site& site, tasks::Task task) {
+  auto list = ordered_json::array();
+  for (const PublicSplit& split : site.splits()) {
+    const tasks::Annotations& annotations = split.annotations;
+    if (annotations.task != task) continue;
     std::size_t instructions = 0;
-    for (const auto& path : split.annotations.paths) instructions += path.instructions.size();
-    return ordered_json{{"split", split.annotations.split},
-                        {"paths", split.annotations.paths.size()},
-                        {"instructions", instructions},
-                        {"goals_hidden", split.goals_hidden}};
-  };
-  return {{"splits", detail::json_list(site.splits(), split_json)}};
+    for (const auto& path : annotations.paths) instructions += path.instructions.size();
+    list.push_back({{"split", annotations.split},
+                    {"paths", annotations.paths.size()},
+                    {"instructions", instructions},
+                    {"goals_hidden", split.goals_hidden}});
+  }
+  return {{"task", tasks::name_of(task)}, {"splits", list}};
 }
 
 ordered_json episodes_json(const PublicSplit& split, const EpisodeFilter& filter) {
@@ -122,13 +133,14 @@ ordered_json episodes_json(const PublicSplit& split, const EpisodeFilter& filter
     if (!filter.scan.empty() && path.scan != filter.scan) continue;
     for (std::size_t k = 0; k < path.instructions.size(); ++k) {
       if (!contains(path.instructions[k], filter.words)) continue;
-      if (!filter.id.empty() && tasks::instruction_id(path.path_id, k) != filter.id) continue;
+      if (!filter.id.empty() && id_of(path, k) != filter.id) continue;
       const bool on_page = matching >= filter.offset && matching < filter.offset + filter.limit;
       if (on_page) list.push_back(episode_json(path, k));
       ++matching;
     }
   }
   return {{"split", split.annotations.split},
+          {"task", tasks::name_of(split.annotations.task)},
           {"goals_hidden", split.goals_hidden},
           {"matching", matching},
           {"episodes", list}};

@@ -21,7 +21,8 @@ struct EpisodeFilter {
   std::int64_t offset = 0, limit = 50;
 };
 
-nlohmann::ordered_json split_list_json(const Site& site);
+/// Those of a benchmark.
+nlohmann::ordered_json split_list_json(const Site& site, tasks::Task task);
 /// A page of the episodes that match, and how many there are.
 nlohmann::ordered_json episodes_json(const PublicSplit& split, const EpisodeFilter& filter);
 

@@ -336,7 +336,7 @@ class Reader {
 
   void take_split(const Path& path, const std::string& split) {
     const auto phase = std::ranges::find_if(site_.phases(), [&split](const Phase& one) {
-      return one.split == split && one.goals_secret();
+      return one.split == split && one.task == tasks::Task::kR2r && one.goals_secret();
     });
     const PublicSplit* open = site_.find_split(split);
     if (kind_ == Kind::kWalk && phase != site_.phases().end()) {

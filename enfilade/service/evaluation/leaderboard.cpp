@@ -5,40 +5,64 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 #include <utility>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/shown_metrics.h"
+#include "enfilade/tasks/files.h"
 
 namespace enfilade::service::evaluation {
 namespace {
 
 using nlohmann::ordered_json;
 
-std::string primary_of(const View& view) {
-  const Primary primary = view.phase == nullptr ? Primary::kSpl : view.phase->primary;
-  return std::string(detail::name_of(primary));
+/// Whether a stored score was made as the phase says now: organisers may have changed its file.
+bool fits(const ordered_json& score, const Phase& phase) {
+  if (!score.contains("scorer")) return phase.scorer == tasks::kOwnScorer;
+  return score["task"] == tasks::name_of(phase.task) && score["scorer"] == phase.scorer;
 }
 
-/// A stored mean; null is an infinite one.
-double mean_of(const ordered_json& score, const std::string& metric) {
-  const ordered_json& mean = score.at("means").at(metric).at("mean");
-  return mean.is_number() ? mean.get<double>() : HUGE_VAL;
+/// The measures of a stored score; none of a scorer that is no longer there.
+std::span<const tasks::Measure> measures_of(const ordered_json& score) {
+  try {
+    if (!score.contains("scorer")) return tasks::measures(tasks::Task::kR2r);
+    return tasks::measures(tasks::task_named(score["task"].get<std::string>()),
+                           score["scorer"].get<std::string>());
+  } catch (const LookupError&) {
+    return {};
+  }
+}
+
+/// A stored mean in metres, or as a share from 0 to 1; the worst where it is no finite number.
+double mean_of(const ordered_json& score, const tasks::Measure& measure) {
+  const ordered_json& mean = score.at("means").at(measure.name).at("mean");
+  if (mean.is_number()) return mean.get<double>() / measure.whole;
+  return measure.better == tasks::Better::kHigher ? -HUGE_VAL : HUGE_VAL;
+}
+
+/// A mean and its interval as stored, but shares from 0 to 1, whatever the scorer prints.
+ordered_json exact_json(const ordered_json& stored, const tasks::Measure& measure) {
+  ordered_json exact = stored;
+  for (ordered_json& value : exact) {
+    if (measure.whole != 1 && value.is_number()) value = value.get<double>() / measure.whole;
+  }
+  return exact;
 }
 
 /// The means that the visibility allows. \param view of kBestRows or kAll
 ordered_json means_json(const ordered_json& score, const View& view) {
-  ordered_json means;
-  for (const ShownMetric& metric : kShownMetrics) {
+  ordered_json means = ordered_json::object();
+  for (const tasks::Measure& measure : measures_of(score)) {
     if (view.visibility == Visibility::kAll) {
-      means[metric.name] = score.at("means").at(metric.name);
+      means[measure.name] = exact_json(score.at("means").at(measure.name), measure);
       continue;
     }
-    const double mean = mean_of(score, metric.name);
-    means[metric.name]["mean"] = metric.quantity == Quantity::kWalked
-                                     ? mean
-                                     : grid_of(*view.phase, metric.quantity).round(mean);
+    const double mean = mean_of(score, measure);
+    means[measure.name]["mean"] =
+        measure.tells_goals ? grid_of(*view.phase, measure).round(mean) : mean;
   }
   return means;
 }
@@ -69,9 +93,12 @@ std::optional<Ranked> ranked(const Submission& submission, const View& view) {
     if (!submission.shown) return std::nullopt;
     return Ranked{&submission, *submission.shown, *submission.shown};
   }
-  const double exact = mean_of(ordered_json::parse(submission.score), primary_of(view));
+  const auto score = ordered_json::parse(submission.score);
+  if (!fits(score, *view.phase)) return std::nullopt;
+  const tasks::Measure& primary = view.phase->primary_measure();
+  const double exact = mean_of(score, primary);
   if (view.visibility == Visibility::kAll) return Ranked{&submission, exact, exact};
-  return Ranked{&submission, exact, grid_of(*view.phase, Quantity::kOfGoals).round(exact)};
+  return Ranked{&submission, exact, grid_of(*view.phase, primary).round(exact)};
 }
 
 std::vector<Ranked> rank(const std::vector<Submission>& scored, const View& view) {
@@ -100,8 +127,8 @@ void sort_rows(std::vector<Ranked>& list) {
 }
 
 /// A number of a mean as the sheet has it; empty where it is not shown.
-std::string cell(const ordered_json& means, const char* metric, const char* part) {
-  const auto found = means.find(metric);
+std::string cell(const ordered_json& means, const char* measure, const char* part) {
+  const auto found = means.find(measure);
   return found == means.end() || !found->contains(part) ? "" : found->at(part).dump();
 }
 
@@ -137,12 +164,17 @@ ordered_json submission_json(const Submission& submission, const View& view, boo
                    {"created", detail::iso_time(submission.created)}};
   if (!submission.links.paper.empty()) one["paper"] = submission.links.paper;
   if (!submission.links.code.empty()) one["code"] = submission.links.code;
+  const bool shown = view.visibility == Visibility::kAll ||
+                     (view.visibility == Visibility::kBestRows && stands_for_team);
   if (view.visibility == Visibility::kImprovements && submission.shown) {
-    one["means"][primary_of(view)]["mean"] = *submission.shown;
-  } else if (!submission.score.empty() &&
-             (view.visibility == Visibility::kAll ||
-              (view.visibility == Visibility::kBestRows && stands_for_team))) {
-    one["means"] = means_json(ordered_json::parse(submission.score), view);
+    one["means"][view.phase->primary]["mean"] = *submission.shown;
+  } else if (!submission.score.empty() && shown) {
+    const auto score = ordered_json::parse(submission.score);
+    if (view.phase == nullptr || fits(score, *view.phase)) {
+      one["means"] = means_json(score, view);
+    } else {
+      one["withheld"] = "other-scorer";
+    }
   } else if ((nothing && waits) || submission.state == SubmissionState::kScored) {
     one["withheld"] = why_withheld(view);
   }
@@ -163,18 +195,34 @@ ordered_json leaderboard_rows(const std::vector<Submission>& scored, const View&
   return rows;
 }
 
-std::string leaderboard_csv(const ordered_json& rows) {
+ordered_json columns_json(const Phase& phase) {
+  const auto unit = [](const tasks::Measure& one) {
+    return one.unit == tasks::Unit::kMetres ? "m" : "share";
+  };
+  auto columns = ordered_json::array();
+  for (const tasks::Measure& one : phase.measures()) {
+    ordered_json column{
+        {"name", one.name}, {"short", one.column}, {"title", one.title}, {"unit", unit(one)}};
+    if (one.better != tasks::Better::kNeither) {
+      column["better"] = one.better == tasks::Better::kHigher ? "higher" : "lower";
+    }
+    columns.push_back(std::move(column));
+  }
+  return columns;
+}
+
+std::string leaderboard_csv(const ordered_json& rows, const Phase& phase) {
   std::string out = "team,method,created";
-  for (const ShownMetric& metric : kShownMetrics) {
-    out += fmt::format(",{0},{0}_low,{0}_high", metric.name);
+  for (const tasks::Measure& measure : phase.measures()) {
+    out += fmt::format(",{0},{0}_low,{0}_high", measure.name);
   }
   out += "\r\n";
   for (const ordered_json& row : rows) {
     out += fmt::format("{},{},{}", detail::sheet_text(row["team"]),
                        detail::sheet_text(row["method"]), row["created"].get<std::string>());
-    for (const ShownMetric& metric : kShownMetrics) {
+    for (const tasks::Measure& measure : phase.measures()) {
       for (const char* part : {"mean", "low", "high"}) {
-        out += "," + cell(row["means"], metric.name, part);
+        out += "," + cell(row["means"], measure.name, part);
       }
     }
     out += "\r\n";

@@ -37,8 +37,9 @@ View view_of(const Phase* phase, std::optional<accounts::Role> role, bool is_fin
 /// \param scored of one phase, oldest first  \pre visibility is not kNothing
 std::vector<Submission> best_submissions(const std::vector<Submission>& scored, const View& view);
 
-/// With "means" as far as the client may see them; else "withheld" says why it has none:
-/// "until-end", "no-improvement", "not-best" or "hidden".
+/// With "means" as far as the client may see them, shares from 0 to 1 whatever the scorer prints;
+/// else "withheld" says why it has none: "until-end", "no-improvement", "not-best", "hidden", or
+/// "other-scorer" if the phase had another task or scorer when it was scored.
 /// \param stands_for_team whether it is among best_submissions(); looked at for kBestRows
 nlohmann::ordered_json submission_json(const Submission& submission, const View& view,
                                        bool stands_for_team);
@@ -46,7 +47,10 @@ nlohmann::ordered_json submission_json(const Submission& submission, const View&
 /// \param all every submission instead of each team's best; only where all scores are seen
 nlohmann::ordered_json leaderboard_rows(const std::vector<Submission>& scored, const View& view,
                                         bool all);
+/// The columns that the rows' means have, in their order: [{"name", "short", "title", "unit": "m"
+/// or "share", "better"?: "higher" or "lower"}].
+nlohmann::ordered_json columns_json(const Phase& phase);
 /// The same rows as a sheet, with the ends of the intervals where they are seen.
-std::string leaderboard_csv(const nlohmann::ordered_json& rows);
+std::string leaderboard_csv(const nlohmann::ordered_json& rows, const Phase& phase);
 
 }  // namespace enfilade::service::evaluation

@@ -33,9 +33,9 @@ double ladder_bits(std::int64_t submissions, std::int64_t levels) {
 double row_bits(const Phase& phase, std::int64_t submissions) {
   if (submissions == 0) return 0;
   double bits = std::log2(static_cast<double>(submissions));
-  for (const ShownMetric& metric : kShownMetrics) {
-    if (metric.quantity == Quantity::kWalked) continue;
-    bits += std::log2(static_cast<double>(grid_of(phase, metric.quantity).levels()));
+  for (const tasks::Measure& measure : phase.measures()) {
+    if (!measure.tells_goals) continue;
+    bits += std::log2(static_cast<double>(grid_of(phase, measure).levels()));
   }
   return bits;
 }
@@ -44,7 +44,7 @@ double team_bits(const Phase& phase, std::int64_t submissions, bool ended) {
   if (!phase.goals_secret() || phase.scores == Scores::kHidden) return 0;
   double bits = ended ? row_bits(phase, submissions) : 0;
   if (phase.scores == Scores::kLadder) {
-    bits += ladder_bits(submissions, grid_of(phase, Quantity::kOfGoals).levels());
+    bits += ladder_bits(submissions, grid_of(phase, phase.primary_measure()).levels());
   }
   return bits;
 }

@@ -40,9 +40,10 @@ double most_bits(const Phase& phase);
 /// Of what was answered so far. \param submissions of each team, those that were scored
 double used_bits(const Phase& phase, std::span<const std::int64_t> submissions, bool ended);
 
-/// What it takes to write all goals down for somebody who knows the starts: the sum over paths of
-/// log2(viewpoints that the path could end at: those in reach of its start, without it). It counts
-/// all of them as equally likely; whoever knows how the paths were drawn needs less.
+/// What it takes to write down where all paths end, for somebody who knows the starts: the sum over
+/// paths of log2(viewpoints that the path could end at: those in reach of its start, without it).
+/// It counts all of them as equally likely; whoever knows how the paths were drawn needs less. What
+/// else a goal has is not counted: objects, regions, turning points, boxes.
 double goal_bits(const tasks::EpisodeSet& episodes);
 
 }  // namespace enfilade::service::evaluation

@@ -15,6 +15,7 @@
 namespace enfilade::service::evaluation {
 namespace {
 
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1e-9;  // of sums of some hundred logarithms, and far below a bit
 
 Phase secret_phase(Scores scores) {
@@ -24,6 +25,13 @@ Phase secret_phase(Scores scores) {
   phase.scores = scores;
   phase.per_team = 20;
   return phase;
+}
+
+/// One of each kind of grid: shares, errors, progress.
+std::vector<tasks::Measure> measures_of_grids() {
+  const auto own = tasks::measures(tasks::Task::kR2r);
+  return {*tasks::find_measure(own, "spl"), *tasks::find_measure(own, "nav_error"),
+          tasks::headline(tasks::Task::kCvdn)};
 }
 
 /// How many different answers a ladder can give to n submissions with L levels, by trying all
@@ -110,10 +118,12 @@ TEST(Leakage, AGridHasAsManyValuesAsItSays) {
   for (const double step : {0.001, 0.01, 0.02, 0.03, 0.05, 0.1, 0.3, 0.5}) {
     Phase phase = secret_phase(Scores::kAfterEnd);
     phase.step = step;
-    for (const Quantity quantity : {Quantity::kOfGoals, Quantity::kToGoal}) {
-      const Grid grid = grid_of(phase, quantity);
+    for (const tasks::Measure& measure : measures_of_grids()) {
+      const Grid grid = grid_of(phase, measure);
       std::set<double> values;
-      for (int k = 0; k <= 100'000; ++k) values.insert(grid.round(grid.most * k / 100'000));
+      for (int k = 0; k <= 100'000; ++k) {
+        values.insert(grid.round(grid.least + (grid.most - grid.least) * k / 100'000));
+      }
       EXPECT_EQ(static_cast<std::int64_t>(values.size()), grid.levels()) << step;
       for (const double value : values) EXPECT_EQ(grid.round(value), value);
     }
@@ -121,11 +131,31 @@ TEST(Leakage, AGridHasAsManyValuesAsItSays) {
 }
 
 TEST(Leakage, WhatIsBeyondAGridIsItsEnd) {
-  const Grid metres = grid_of(secret_phase(Scores::kAfterEnd), Quantity::kToGoal);
+  const Phase phase = secret_phase(Scores::kAfterEnd);
+  const Grid metres = grid_of(phase, *tasks::find_measure(phase.measures(), "nav_error"));
   EXPECT_EQ(metres.round(1234), 30);
-  EXPECT_EQ(metres.round(std::numeric_limits<double>::infinity()), 30);
+  EXPECT_EQ(metres.round(kInfinite), 30);
   EXPECT_EQ(metres.round(0.07), 0.1);
-  EXPECT_EQ(grid_of(secret_phase(Scores::kAfterEnd), Quantity::kOfGoals).round(0.0749), 0.07);
+  const Grid shares = grid_of(phase, *tasks::find_measure(phase.measures(), "spl"));
+  EXPECT_EQ(shares.round(0.0749), 0.07);
+  EXPECT_EQ(shares.round(-kInfinite), 0);
+  EXPECT_EQ(shares.round(std::numeric_limits<double>::quiet_NaN()), 0);
+  const Grid progress = grid_of(phase, tasks::headline(tasks::Task::kCvdn));
+  EXPECT_EQ(progress.round(-3.14), -3.1);
+  EXPECT_EQ(progress.round(-kInfinite), -30);
+  EXPECT_EQ(progress.levels(), 601);
+}
+
+TEST(Leakage, ARowOfAnotherBenchmarkHasItsColumns) {
+  Phase phase = secret_phase(Scores::kAfterEnd);
+  phase.task = tasks::Task::kCvdn;
+  phase.scorer = "hamt";
+  phase.primary = "gp";
+  phase.step = 0.5;
+  // SR, OSR and SPL on 0, 0.5, 1; metres of progress on -30, -25, ... 30.
+  EXPECT_NEAR(row_bits(phase, 8), 3 + 3 * std::log2(3) + std::log2(13), kRounding);
+  phase.scores = Scores::kLadder;
+  EXPECT_NEAR(team_bits(phase, 4, false), ladder_bits(4, 13), kRounding);
 }
 
 }  // namespace

@@ -18,9 +18,10 @@ class Database;
 
 namespace enfilade::service::evaluation {
 
-/// Where each trajectory ends, 4 bytes an episode in their order: success and navigation error
-/// depend on nothing else of it, and detours, turns and another order of the file change nothing.
-/// The bytes of two files on the same graphs can be compared.
+/// Where each trajectory ends, and what it says of the goal (an object, a turning point, a point in
+/// the panorama), as a hash of 4 bytes an episode in their order: success, navigation error and
+/// grounding depend on nothing else of it, and detours, turns and another order of the file change
+/// nothing. The bytes of two files on the same graphs can be compared.
 std::string trajectory_ends(const std::vector<tasks::Trajectory>& trajectories);
 
 /// How many episodes end elsewhere; none if the two are of different numbers of episodes.

@@ -15,7 +15,7 @@ class SharedGoals {
   };
 
   /// Secret phases share their goals if they name one annotations file, however it is written, or
-  /// one split. \pre site outlives *this
+  /// one split of benchmarks that share their paths. \pre site outlives *this
   explicit SharedGoals(const Site& site);
 
   /// The group that a phase is in; of open goals it is the phase alone. \pre phase is one of the

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
-#include "enfilade/service/detail/fields.h"
+#include "enfilade/core/check.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
@@ -17,6 +19,7 @@
 #include "enfilade/service/store/database.h"
 #include "enfilade/tasks/results.h"
 #include "enfilade/tasks/score.h"
+#include "enfilade/tasks/task_score.h"
 
 namespace enfilade::service::evaluation {
 namespace {
@@ -60,8 +63,33 @@ std::string ended_text(const Phase& phase) {
 std::optional<double> ladder_step(const Phase& phase, std::optional<double> best, double primary) {
   // A number that is a step better as people count may be less by the last bit.
   constexpr double kTolerance = 1e-9;
-  if (best && primary < *best + phase.step - kTolerance) return std::nullopt;
-  return grid_of(phase, Quantity::kOfGoals).round(primary);
+  const Grid grid = grid_of(phase, phase.primary_measure());
+  if (best && primary < *best + grid.step - kTolerance) return std::nullopt;
+  return grid.round(primary);
+}
+
+/// A score as it is stored, and its mean of the phase's primary metric: shares from 0 to 1.
+struct StoredScore {
+  std::string json;
+  double primary = 0;
+};
+
+StoredScore compute_own(const Phase& phase, const tasks::Results& results,
+                        const tasks::EpisodeSet& episodes) {
+  const tasks::Score score = tasks::compute_score(results.trajectories, episodes);
+  return {tasks::to_json(score), score.mean(phase.primary).mean};
+}
+
+StoredScore compute_public(const Phase& phase, const tasks::Results& results,
+                           const tasks::EpisodeSet& episodes) {
+  const tasks::PublicScorer& scorer = tasks::public_scorer(phase.task, phase.scorer);
+  const auto score = tasks::compute_task_score(results.trajectories, episodes, scorer);
+  const tasks::Measure& primary = phase.primary_measure();
+  const auto metric = std::ranges::find(scorer.metrics, std::string_view(primary.name),
+                                        &tasks::ScorerMetric::mean_name);
+  EN_CHECK(metric != scorer.metrics.end());
+  const auto k = static_cast<std::size_t>(metric - scorer.metrics.begin());
+  return {tasks::to_json(score, episodes, false), score.means[k].mean / primary.whole};
 }
 
 }  // namespace
@@ -252,7 +280,7 @@ void Submissions::wait_after_failure(const std::stop_token& stop) {
 struct Submissions::Outcome {
   const Phase* phase = nullptr;
   std::string score;   // as the column
-  double primary = 0;  // the exact mean of the phase's primary metric
+  double primary = 0;  // the exact mean of the phase's primary metric; -inf where it has none
   std::string ends;    // trajectory_ends()
 };
 
@@ -262,9 +290,11 @@ Submissions::Outcome Submissions::score(const std::string& phase_name,
   if (phase == nullptr) throw LookupError("the phase is gone");
   const tasks::EpisodeSet& episodes = site_->secret_episodes(*phase);
   const tasks::Results checked = tasks::parse_results(results, kFileName, episodes);
-  const tasks::Score all = tasks::compute_score(checked.trajectories, episodes);
-  return {phase, tasks::to_json(all), all.mean(detail::name_of(phase->primary)).mean,
-          trajectory_ends(checked.trajectories)};
+  const auto compute = phase->scorer == tasks::kOwnScorer ? compute_own : compute_public;
+  StoredScore score = compute(*phase, checked, episodes);
+  // The worst where an episode has no value: it beats nothing on a ladder.
+  const double primary = std::isfinite(score.primary) ? score.primary : -HUGE_VAL;
+  return {phase, std::move(score.json), primary, trajectory_ends(checked.trajectories)};
 }
 
 // Scores the oldest queued submission; false if there is none. A file that cannot be scored is

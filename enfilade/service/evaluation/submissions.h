@@ -41,7 +41,8 @@ struct Submission {
   std::string team_name, phase, method;
   SubmissionState state = SubmissionState::kQueued;
   std::int64_t created = 0;
-  std::string score;            ///< tasks::to_json(Score) without episodes; empty unless scored
+  /// tasks::to_json() of a Score or a TaskScore, without episodes; empty unless scored.
+  std::string score;
   bool approved = false;        ///< its team is
   std::optional<double> shown;  ///< what a ladder showed of it; none if it was no improvement
   NearCopy near_copy;           ///< of an earlier submission; of 0: there is none

@@ -7,11 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/service/browsing/plans.h"
 #include "enfilade/service/browsing/site_json.h"
 #include "enfilade/service/http/routes.h"
+#include "enfilade/tasks/files.h"
 
 namespace enfilade::service::http {
 namespace {
@@ -155,12 +157,23 @@ Response still(Context& context, const Request& request) {
 
 constexpr std::int64_t kMostEpisodes = 500;
 
-Response splits(Context& context, const Request& /*request*/) {
-  return json_response(browsing::split_list_json(*context.site));
+/// Of a query; R2R where it names none.
+tasks::Task task_of(const std::string& name) {
+  if (name.empty()) return tasks::Task::kR2r;
+  try {
+    return tasks::task_named(name);
+  } catch (const LookupError&) {
+    throw HttpError(404, "no benchmark of this name");
+  }
+}
+
+Response splits(Context& context, const Request& request) {
+  return json_response(browsing::split_list_json(*context.site, task_of(request.text("task"))));
 }
 
 Response episodes(Context& context, const Request& request) {
-  const PublicSplit* split = context.site->find_split(request.parameter("split"));
+  const PublicSplit* split =
+      context.site->find_split(request.parameter("split"), task_of(request.text("task")));
   if (split == nullptr) throw HttpError(404, "no split of this name");
   return json_response(
       browsing::episodes_json(*split, {request.text("scan"), request.text("q"), request.text("id"),

@@ -11,6 +11,7 @@
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/leaderboard.h"
 #include "enfilade/service/http/routes.h"
+#include "enfilade/tasks/files.h"
 
 namespace enfilade::service::http {
 namespace {
@@ -88,10 +89,14 @@ ordered_json phase_json(Context& context, const Phase& phase, bool organiser) {
       {"phase", phase.name},
       {"title", phase.title},
       {"split", phase.split},
+      {"task", tasks::name_of(phase.task)},
+      {"task_title", tasks::title_of(phase.task)},
+      {"scorer", phase.scorer},
       {"episodes", context.site->secret_episodes(phase).episodes.size()},
       {"goals_secret", phase.goals_secret()},
       {"scores", detail::name_of(phase.scores)},
-      {"primary", detail::name_of(phase.primary)},
+      {"primary", phase.primary},
+      {"columns", evaluation::columns_json(phase)},
       {"ends", phase.ends ? ordered_json(detail::iso_time(*phase.ends)) : ordered_json(nullptr)},
       {"ended", context.submissions.has_ended(phase)},
       {"per_day", phase.per_day},
@@ -177,10 +182,16 @@ Response leaderboard(Context& context, const Request& request) {
   if (view.visibility == Visibility::kNothing) throw HttpError(403, withheld_text(*phase));
   const ordered_json rows = evaluation::leaderboard_rows(context.submissions.scored(*phase), view,
                                                          request.text("all") == "1");
-  if (request.text("format") == "csv") return csv_response(evaluation::leaderboard_csv(rows));
+  if (request.text("format") == "csv") {
+    return csv_response(evaluation::leaderboard_csv(rows, *phase));
+  }
   return json_response({{"phase", phase->name},
                         {"title", phase->title},
                         {"split", phase->split},
+                        {"task", tasks::name_of(phase->task)},
+                        {"scorer", phase->scorer},
+                        {"primary", phase->primary},
+                        {"columns", evaluation::columns_json(*phase)},
                         {"synthetic", context.site->synthetic()},
                         {"rows", rows}});
 }

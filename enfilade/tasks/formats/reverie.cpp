@@ -50,6 +50,12 @@ std::optional<std::int64_t> read_number(Element element, const Path& path, Fault
   return std::nullopt;
 }
 
+// The number that an id is; none if it is another text.
+std::optional<std::int64_t> plain_number(const std::string& id) {
+  const auto number = parse_number<std::int64_t>(id);
+  return number && *number >= 0 && fmt::to_string(*number) == id ? number : std::nullopt;
+}
+
 void read_object_goal(const Found& found, const Path& path, Faults& faults, PathAnnotation& entry) {
   const auto object = read_number(*found[kObject], Path(path, "objId"), faults);
   if (!found[kPathId]) {
@@ -62,24 +68,24 @@ void read_object_goal(const Found& found, const Path& path, Faults& faults, Path
   entry.group = *path_id;  // several objects are at the end of one path
   entry.goal = NamedObject{*object};
   const std::string expected = fmt::format("{}_{}", *path_id, *object);
-  if (entry.id.empty() || entry.id == expected) return;
-  faults.error(Path(path, "id"), "wrong-id",
-               fmt::format("{:?}, not {:?}, its path_id and objId", entry.id, expected));
+  if (entry.id.empty() || entry.id == expected || plain_number(entry.id)) return;
+  faults.error(
+      Path(path, "id"), "wrong-id",
+      fmt::format("{:?}, not {:?}, its path_id and objId, nor a number", entry.id, expected));
 }
 
 void read_hidden_goal(const Found& found, const Path& path, Faults& faults, PathAnnotation& entry) {
   entry.goal = HiddenGoal{};
-  const auto number = parse_number<std::int64_t>(entry.id);
-  const bool plain = number && *number >= 0 && fmt::to_string(*number) == entry.id;
-  if (plain) entry.path_id = *number;
-  if (!plain && !entry.id.empty()) {
+  const auto number = plain_number(entry.id);
+  if (number) entry.path_id = *number;
+  if (!number && !entry.id.empty()) {
     faults.error(Path(path, "id"), "wrong-id",
                  fmt::format("{:?}, not the number of a path, as there is no \"objId\"", entry.id));
   }
   if (found[kPathId]) {
     const Path place(path, "path_id");
     const auto path_id = read_number(*found[kPathId], place, faults);
-    if (path_id && plain && *path_id != *number) {
+    if (path_id && number && *path_id != *number) {
       faults.error(place, "wrong-id", fmt::format("{}, not {}, its id", *path_id, *number));
     }
   }

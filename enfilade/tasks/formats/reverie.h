@@ -10,11 +10,13 @@ namespace enfilade::tasks::formats {
 
 /// Reads a file of annotations: a list, or lines. Goals are NamedObject; a path of R2R with several
 /// objects is a group; hidden where an entry has no `objId`, as in the test split, whose `id` is
-/// the path's number and whose path is the start alone. `instr_encodings` become tokens. Other
-/// fields are read over, such as `distance`, `ix` and `instructions_l` of version 1. \throws
-/// InvalidInput listing its faults with JSON paths: missing or wrongly typed fields, an empty path,
-/// a negative id, an `id` that another entry has, or that is not `<path_id>_<objId>`, more than the
-/// start of a path whose goal is hidden, `instr_encodings` that are not as many as the instructions
+/// the path's number and whose path is the start alone. An entry with an `objId` may have a number
+/// as its `id`, too: goals of a test split, whose ids must not tell them. `instr_encodings` become
+/// tokens. Other fields are read over, such as `distance`, `ix` and `instructions_l` of version 1.
+/// \throws InvalidInput listing its faults with JSON paths: missing or wrongly typed fields, an
+/// empty path, a negative id, an `id` that another entry has, or that is neither
+/// `<path_id>_<objId>` nor a number, more than the start of a path whose goal is hidden,
+/// `instr_encodings` that are not as many as the instructions
 Annotations parse_reverie(std::string_view json, const std::string& file, std::string split);
 
 /// A list, an entry a line: what parse_reverie() gave is read back equal. Lengths of paths are left

@@ -99,6 +99,15 @@ TEST(Reverie, TakesListsWithoutPathsOrInstructions) {
   EXPECT_THAT(parse_reverie(waiting, "", "val").paths.at(0).instructions, IsEmpty());
 }
 
+TEST(Reverie, GoalsOfATestSplitMayHaveItsNumbers) {
+  const auto read =
+      parse_reverie("[" + edited(kItem, "1357_66", "2021") + "]", "goals.json", "test").paths.at(0);
+  EXPECT_EQ(read.id, "2021");
+  EXPECT_EQ(read.path_id, 1357);
+  EXPECT_EQ(read.goal, NamedGoal(NamedObject{66}));
+  EXPECT_FALSE(read.goal_hidden());
+}
+
 TEST(Reverie, NamesFieldPlaceAndWhatIsAllowed) {
   const std::string encoded =
       kItem.substr(0, kItem.size() - 1) + R"(, "instr_encodings": [[101]]})";
@@ -114,7 +123,7 @@ TEST(Reverie, NamesFieldPlaceAndWhatIsAllowed) {
       {edited(kItem, "4.59", "null"), "$[0].heading: null, not a number"},
       {edited(kItem, "\"id\": \"1357_66\"", "\"id\": 1357"), "$[0].id: number 1357, not a string"},
       {edited(kItem, "1357_66", "1357_67"), R"($[0].id: "1357_67", not "1357_66", its path_id)"},
-      {edited(kItem, "1357_66", "1357"), R"($[0].id: "1357", not "1357_66")"},
+      {edited(kItem, "1357_66", "-7"), R"($[0].id: "-7", not "1357_66")"},
       {edited(kItem, "1357_66", "01357_66"), R"($[0].id: "01357_66", not "1357_66")"},
       {edited(kItem, "1357_66", ""), "$[0].id: an empty text"},
       {edited(kItem, "\"path_id\": 1357", "\"path_id\": \"1357\""),

@@ -3,8 +3,8 @@ import { intervalBar, type Point, progressChart, scaleOf } from '../charts.ts';
 import { labelled, type Who } from '../forms.ts';
 import { markdown } from '../markdown.ts';
 import { addSiteHeader, api, byId, counted, empty, facts, loading, make, problems, run, table } from '../page.ts';
-import { leakageOf, limitsOf, type Phase, type PhaseList, primaryName, showingOf } from '../phases.ts';
-import { bestText, type Column, columns, type Direction, firstDirection, format, places, type Row, sorted, valueOf } from '../ranking.ts';
+import { benchmarkOf, leakageOf, limitsOf, type Phase, type PhaseList, primaryName, primaryOf, showingOf } from '../phases.ts';
+import { bestText, type Column, type Direction, factorOf, firstDirection, format, places, type Row, sorted, unitOf, valueOf } from '../ranking.ts';
 import { ServerError } from '../scan.ts';
 
 interface Order {
@@ -12,13 +12,11 @@ interface Order {
   readonly direction: Direction;
 }
 
-const primaryOf = (phase: Phase): Column => columns.find(({ name }) => name === phase.primary)!;
-
 /** Mean and interval, in the column's unit; nothing where there is no interval. */
 function intervalOf(row: Row, column: Column) {
   const { low, mean, high } = row.means[column.name] ?? { mean: null };
   if (typeof low !== 'number' || typeof high !== 'number' || mean === null) return undefined;
-  const factor = column.unit === '%' ? 100 : 1;
+  const factor = factorOf(column);
   return { low: low * factor, mean: mean * factor, high: high * factor };
 }
 
@@ -29,7 +27,7 @@ function cellsOf(rows: readonly Row[], column: Column): HTMLElement[] {
   const scale = scaleOf(intervals.flatMap((one) => one ?? []));
   return rows.map((row, k) => {
     const text = format(valueOf(row, column), column);
-    const cell = make('td', { class: text === best ? 'number best' : 'number', 'data-label': `${column.short}, ${column.unit}` }, text);
+    const cell = make('td', { class: text === best ? 'number best' : 'number', 'data-label': `${column.short}, ${unitOf(column)}` }, text);
     const interval = intervals[k];
     if (interval) cell.append(intervalBar(interval, scale, `95 % interval ${format(interval.low, column)} to ${format(interval.high, column)}`));
     return cell;
@@ -49,7 +47,7 @@ function keepOrder({ by, direction }: Order): void {
   history.replaceState(null, '', `?${query}`);
 }
 
-function orderOf(text: string | null, otherwise: Column): Order {
+function orderOf(text: string | null, { columns }: Phase, otherwise: Column): Order {
   const [name, direction] = (text ?? '').split('-');
   const by = columns.find((column) => column.name === name) ?? otherwise;
   return { by, direction: direction === 'ascending' || direction === 'descending' ? direction : firstDirection(by) };
@@ -58,7 +56,7 @@ function orderOf(text: string | null, otherwise: Column): Order {
 function drawRows(box: HTMLElement, all: readonly Row[], phase: Phase, order: Order): void {
   const primary = primaryOf(phase);
   const place = new Map(places(all, primary).map((one, k) => [all[k]!.id, one]));
-  const shown = columns.filter((column) => all.some((row) => row.means[column.name] !== undefined));
+  const shown = phase.columns.filter((column) => all.some((row) => row.means[column.name] !== undefined));
   const rows = sorted(all, order.by, order.direction);
   const heads = shown.map((column) => {
     const here = column === order.by;
@@ -70,7 +68,7 @@ function drawRows(box: HTMLElement, all: readonly Row[], phase: Phase, order: Or
       drawRows(box, all, phase, next);
       box.querySelectorAll<HTMLElement>('th button')[shown.indexOf(column)]?.focus();
     });
-    return make('th', { scope: 'col', class: 'number', 'aria-sort': here ? order.direction : 'none' }, button, make('span', { class: 'unit' }, column.unit));
+    return make('th', { scope: 'col', class: 'number', 'aria-sort': here ? order.direction : 'none' }, button, make('span', { class: 'unit' }, unitOf(column)));
   });
   const cells = shown.map((column) => cellsOf(rows, column));
   box.replaceChildren(table([make('th', { scope: 'col', 'aria-label': 'Rank' }, '#'), 'Team and method', ...heads, make('th', { scope: 'col', class: 'number' }, 'Submitted')],
@@ -106,7 +104,7 @@ function progressOf(rows: readonly Row[], phase: Phase): HTMLElement[] {
   const show = () => {
     const own = points.filter((point) => point.team === team.value);
     const best = Math.max(...own.map(({ value }) => value));
-    const label = `${primary.short} of ${team.value} over time: ${counted(own.length, 'submission')}, best ${format(best, primary)} ${primary.unit}`;
+    const label = `${primary.short} of ${team.value} over time: ${counted(own.length, 'submission')}, best ${format(best, primary)} ${unitOf(primary)}`;
     chart.replaceChildren(progressChart(points, team.value, label),
       make('p', { class: 'note' }, `${label}. Filled dots: better than before; grey lines: other teams.`));
   };
@@ -123,7 +121,7 @@ function headOf(phase: Phase, organiser: boolean): HTMLElement {
   const links = [make('a', { href: `/submit?${new URLSearchParams({ phase: phase.phase })}`, class: 'button main' }, 'Submit results'),
     ...(phase.rules ? [make('a', { href: '#rules', class: 'button' }, 'Rules')] : [])];
   return make('div', {},
-    facts([['Split', phase.split], ['Instructions', phase.episodes.toLocaleString('en-US')], ['Ranked by', primaryName(phase)],
+    facts([['Benchmark', benchmarkOf(phase)], ['Split', phase.split], ['Instructions', phase.episodes.toLocaleString('en-US')], ['Ranked by', primaryName(phase)],
       ['Submissions of a team', limitsOf(phase)], [phase.ends === null || !phase.ended ? (phase.ends === null ? 'State' : 'Ends, UTC') : 'Ended, UTC', ends]]),
     ...secret.filter((text) => text !== '').map((text) => make('p', { class: 'note' }, text)),
     ...(organiser && phase.goals_secret ? [make('p', { class: 'notice' }, 'You see all scores as an organiser; teams and visitors do not.')] : []),
@@ -137,7 +135,7 @@ async function fill(box: HTMLElement, phase: Phase, organiser: boolean): Promise
   if (typeof board === 'string') return box.replaceChildren(heading, empty('No scores yet', board));
   if (board.length === 0) return box.replaceChildren(heading, empty('No results yet', 'Nobody has submitted anything.'));
   const results = make('div');
-  drawRows(results, board, phase, orderOf(new URLSearchParams(location.search).get('sort'), primaryOf(phase)));
+  drawRows(results, board, phase, orderOf(new URLSearchParams(location.search).get('sort'), phase, primaryOf(phase)));
   const file = `/api/v1/leaderboards/${encodeURIComponent(phase.phase)}?format=csv&all=1`;
   const about = `Each team's best by ${primaryName(phase)}${open ? '; bars are bootstrap 95 % intervals over paths' : ''}. `;
   box.replaceChildren(heading, results,

@@ -1,7 +1,8 @@
 /** Making a team, logging in, submitting, and a team's history. */
 import { field, form, labelled, loggedIn, loginForm, twice, type Who } from '../forms.ts';
 import { addSiteHeader, api, byId, dateTime, empty, json, make, problems, run, table } from '../page.ts';
-import { endOf, leakageOf, limitsOf, type PhaseList, showingOf } from '../phases.ts';
+import { benchmarkOf, endOf, leakageOf, limitsOf, type Phase, type PhaseList, showingOf } from '../phases.ts';
+import { type Column, format, type Mean, unitOf, valueOf } from '../ranking.ts';
 
 interface Submission {
   readonly id: number;
@@ -10,8 +11,8 @@ interface Submission {
   readonly method: string;
   readonly state: string;
   readonly created: string;
-  readonly means?: Readonly<Record<string, { mean: number | null }>>;
-  readonly withheld?: 'until-end' | 'no-improvement' | 'not-best' | 'hidden';
+  readonly means?: Readonly<Record<string, Mean>>;
+  readonly withheld?: 'until-end' | 'no-improvement' | 'not-best' | 'hidden' | 'other-scorer';
   readonly near_copy?: { readonly of: number; readonly differing: number };
   readonly warnings?: readonly string[];
 }
@@ -24,6 +25,7 @@ const withheldTexts: Record<NonNullable<Submission['withheld']>, string> = {
   'no-improvement': "Not a step better than your team's best",
   'not-best': 'Another submission stands for your team',
   hidden: 'Only the organisers see its scores',
+  'other-scorer': 'Scored before the phase was changed, by another scorer',
 };
 
 function stateOf({ state, withheld, near_copy }: Submission): HTMLElement {
@@ -61,15 +63,16 @@ async function showStranger(): Promise<void> {
     made);
 }
 
-function historyTable(list: readonly Submission[], role: Who['role'], said: HTMLElement, changed: () => Promise<void>): HTMLElement {
-  const show = (s: Submission, name: string, label: string, unit: number) => {
-    const mean = s.means?.[name]?.mean;
-    const text = mean === undefined || mean === null ? '–' : (mean * unit).toFixed(unit === 1 ? 2 : 1);
-    return make('td', { class: 'number', 'data-label': label }, text);
-  };
-  const head = (text: string, unit: string) => make('th', { scope: 'col', class: 'number' }, text, make('span', { class: 'unit' }, unit));
+/** How many of a phase's columns a history shows: what ranks, and what comes next. */
+const shownColumns = 3;
+
+/** Submissions whose phases have the same columns. */
+function historyTable(list: readonly Submission[], columns: readonly Column[], label: string, role: Who['role'], said: HTMLElement, changed: () => Promise<void>): HTMLElement {
+  const show = ({ means }: Submission, column: Column) => make('td', { class: 'number', 'data-label': `${column.short}, ${unitOf(column)}` },
+    format(means && valueOf({ means }, column), column));
+  const head = (column: Column) => make('th', { scope: 'col', class: 'number', title: column.title }, column.short, make('span', { class: 'unit' }, unitOf(column)));
   return table(
-    ['No.', ...(role === 'organiser' ? ['Team'] : []), 'Method', 'State', head('NE', 'm'), head('SR', '%'), head('SPL', '%'), 'Phase', 'Submitted', ''],
+    ['No.', ...(role === 'organiser' ? ['Team'] : []), 'Method', 'State', ...columns.map(head), 'Phase', 'Submitted', ''],
     list.map((s) => {
       const withdraw = twice(`Withdraw ${s.id}`, `Withdraw ${s.id} for good?`, said, async () => {
         await api.call(`submissions/${s.id}`, { method: 'DELETE' });
@@ -77,12 +80,27 @@ function historyTable(list: readonly Submission[], role: Who['role'], said: HTML
       });
       withdraw.disabled = s.state === 'withdrawn';
       return [make('td', { class: 'rank' }, String(s.id)), ...(role === 'organiser' ? [make('td', { class: 'rest' }, s.team)] : []), make('td', { class: 'rest' }, s.method),
-        stateOf(s), show(s, 'nav_error', 'NE, m', 1), show(s, 'success', 'SR, %', 100), show(s, 'spl', 'SPL, %', 100),
+        stateOf(s), ...columns.map((column) => show(s, column)),
         make('td', { class: 'half', 'data-label': 'Phase' }, s.phase), make('td', { class: 'date half', 'data-label': 'Submitted, UTC' }, dateTime(s.created)),
         make('td', { class: 'wide' }, withdraw)];
     }),
-    { kind: 'stack', label: 'Submissions' },
+    { kind: 'stack', label },
   );
+}
+
+/** A table for each benchmark, as each has columns of its own; with headings where there are several. */
+function histories(list: readonly Submission[], phases: readonly Phase[], role: Who['role'], said: HTMLElement, changed: () => Promise<void>): HTMLElement[] {
+  const groups = new Map<string, { columns: readonly Column[]; list: Submission[] }>();
+  for (const one of list) {
+    const phase = phases.find((p) => p.phase === one.phase);
+    const name = phase ? benchmarkOf(phase) : 'Phases that are no longer here';
+    const group = groups.get(name) ?? { columns: phase?.columns.slice(0, shownColumns) ?? [], list: [] };
+    group.list.push(one);
+    groups.set(name, group);
+  }
+  return [...groups].flatMap(([name, group]) => [
+    ...(groups.size > 1 ? [make('h3', {}, name)] : []),
+    historyTable(group.list, group.columns, groups.size > 1 ? `Submissions to ${name}` : 'Submissions', role, said, changed)]);
 }
 
 async function showTeam(who: Who): Promise<void> {
@@ -92,7 +110,7 @@ async function showTeam(who: Who): Promise<void> {
   const showRules = () => {
     const chosen = phases.find((p) => p.phase === phase.value);
     if (!chosen) return;
-    const texts = [showingOf(chosen), endOf(chosen), leakageOf(chosen)].filter((text) => text !== '');
+    const texts = [`${benchmarkOf(chosen)}.`, showingOf(chosen), endOf(chosen), leakageOf(chosen)].filter((text) => text !== '');
     rules.replaceChildren(...texts.map((text) => make('p', { class: 'note' }, text)));
     if (chosen.goals_secret && who.approved === false) {
       rules.append(make('p', { class: 'problem' }, 'Your team is not approved for this phase yet. Ask the organisers.'));
@@ -112,10 +130,10 @@ async function showTeam(who: Who): Promise<void> {
   const history = make('div', { 'aria-live': 'polite' });
   const refresh = async (): Promise<void> => {
     const { submissions } = await api.call<{ submissions: Submission[] }>('submissions');
-    history.replaceChildren(submissions.length === 0 ? empty('No submissions yet', 'What you submit is listed here, with its scores.') : historyTable(submissions, who.role, said, async () => {
+    history.replaceChildren(...(submissions.length === 0 ? [empty('No submissions yet', 'What you submit is listed here, with its scores.')] : histories(submissions, phases, who.role, said, async () => {
       await refresh();
       heading.focus(); // the button that was pressed is gone
-    }));
+    })));
     if (submissions.some(({ state }) => state === 'queued')) {
       setTimeout(() => { refresh().catch((error: unknown) => said.replaceChildren(problems(error))); }, 1000);
     }
