@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -11,6 +10,7 @@
 #include "enfilade/core/mapped_file.h"
 #include "enfilade/core/part_file.h"
 #include "enfilade/features/formats/feature_rows.h"
+#include "enfilade/features/formats/hdf5_library.h"
 #include "enfilade/features/formats/isolated.h"
 
 namespace enfilade::features::formats {
@@ -19,76 +19,8 @@ namespace {
 // No viewpoint has so many numbers; a small file must not make us allocate more.
 constexpr std::uint64_t kMostElements = std::uint64_t{1} << 24;
 
-/// Held around every use of the library.
-class Library {
- public:
-  Library() : lock_(mutex()) {
-    // A file that could not be closed, as the disk was full, stays open in the library, which would
-    // try again when the program ends, and crash. All others are closed by Handle.
-    [[maybe_unused]] static const herr_t kNothingAtExit = H5dont_atexit();
-    H5Eget_auto2(H5E_DEFAULT, &print_, &print_data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~Library() { H5Eset_auto2(H5E_DEFAULT, print_, print_data_); }
-  Library(const Library&) = delete;
-  Library& operator=(const Library&) = delete;
-
-  /// The library's description of its last error.
-  static std::string reason() {
-    std::string text;
-    H5Ewalk2(
-        H5E_DEFAULT, H5E_WALK_UPWARD,
-        [](unsigned level, const H5E_error2_t* error, void* into) -> herr_t {
-          // The innermost call gives the most exact reason.
-          if (level == 0 && error->desc != nullptr) *static_cast<std::string*>(into) = error->desc;
-          return 0;
-        },
-        &text);
-    return text.empty() ? "the HDF5 library gives no reason" : text.substr(0, 300);
-  }
-
- private:
-  static std::mutex& mutex() {
-    static std::mutex one;
-    return one;
-  }
-
-  std::lock_guard<std::mutex> lock_;
-  H5E_auto2_t print_ = nullptr;
-  void* print_data_ = nullptr;
-};
-
-using Close = herr_t (*)(hid_t);
-
-/// Owns an object of the library; its id is negative if it could not be opened.
-class Handle {
- public:
-  Handle(hid_t id, Close closer) : id_(id), close_(closer) {}
-  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
-  Handle& operator=(Handle&& other) noexcept {
-    std::swap(id_, other.id_);
-    std::swap(close_, other.close_);
-    return *this;
-  }
-  ~Handle() { close(); }
-
-  hid_t id() const { return id_; }
-  bool good() const { return id_ >= 0; }
-  bool close() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
-
- private:
-  hid_t id_;
-  Close close_;
-};
-
-// numpy's float16, which HDF5 has no name for.
-Handle half_type() {
-  Handle type(H5Tcopy(H5T_IEEE_F32LE), H5Tclose);
-  H5Tset_fields(type.id(), 15, 10, 5, 0, 10);
-  H5Tset_size(type.id(), 2);
-  H5Tset_ebias(type.id(), 15);
-  return type;
-}
+using Library = Hdf5Library;
+using Handle = Hdf5Handle;
 
 // Only these types are read: the library converts from any bit layout that a file describes, even
 // from an impossible one, and then reads outside of its memory.

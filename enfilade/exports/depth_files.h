@@ -1,0 +1,34 @@
+/// \file  Depth and classes of views in the HDF5 files that GridMM and BEVBert read.
+#pragma once
+#include <filesystem>
+
+#include "enfilade/dataset/dataset.h"
+#include "enfilade/exports/options.h"
+
+namespace enfilade::exports {
+
+// A dataset "<scan>_<viewpoint>" for each included viewpoint, packed by gzip, with the attributes
+// of write_view_features(). Pictures are drawn from the data set's panoramas, which need the layer.
+// What was stopped is continued. `options.progress` counts viewpoints. All throw LookupError for
+// panoramas without the layer, and FileError, InvalidInput for broken files.
+
+/// GridMM's `depth.hdf5`: (36, 128, 128) uint16, views of 128 x 128 pixels and 60 degrees; quarter
+/// millimetres along the optical axis (its readers divide by 4000), 0 where there is no reading.
+void write_gridmm_depth(const dataset::Dataset& data, const std::filesystem::path& file,
+                        const ExportOptions& options = {});
+
+/// Metres that BEVBert's depths have as 1: its readers multiply by 10. What is further is 1, too.
+inline constexpr float kBevbertMetres = 10;
+
+/// BEVBert's `depth_14x14.hdf5`: (12, 14, 14) 32 bit floats of the 12 level views (viewIndex 12 to
+/// 23) of 224 x 224 pixels and 90 degrees: the mean along the optical axis of the readings in a
+/// cell of 16 x 16 pixels, in units of kBevbertMetres; 0 where a cell has none.
+void write_bevbert_depth(const dataset::Dataset& data, const std::filesystem::path& file,
+                         const ExportOptions& options = {});
+
+/// BEVBert's `semantic41_14x14.hdf5`: (12, 14, 14) uint8, the class of mpcat40 in the middle of
+/// each cell of the same views. Void, misc and unlabelled are 0.
+void write_bevbert_classes(const dataset::Dataset& data, const std::filesystem::path& file,
+                           const ExportOptions& options = {});
+
+}  // namespace enfilade::exports

@@ -1,0 +1,58 @@
+/// \file  Features in the HDF5 files that HAMT, DUET and their descendants read.
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "enfilade/exports/options.h"
+#include "enfilade/features/hdf5_writer.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/tasks/objects.h"
+
+namespace enfilade::exports {
+
+/// Where the numbers come from and how they are stored.
+struct FeatureSource {
+  std::filesystem::path features;  ///< of views: any file that features::FeatureSet opens
+  /// Of the same viewpoints: an encoder's classes, which become the last columns; pretraining of
+  /// HAMT and DUET reads them. Empty: none.
+  std::filesystem::path logits = {};
+  /// kFloat16, kFloat32 or kFloat64. The published files have kFloat64; readers take each.
+  features::Hdf5Type type = features::Hdf5Type::kFloat32;
+};
+
+/// A dataset "<scan>_<viewpoint>" of (36, columns) for each included viewpoint, packed by gzip,
+/// with the attributes `scanId`, `viewpointId`, `image_w`, `image_h` (pixels) and `vfov` (degrees).
+/// Continues what was stopped. `options.progress` counts viewpoints.
+/// \throws LookupError if viewpoints have no features, naming one; ArgumentError for another type;
+/// as features::FeatureSet::open(); FileError
+void write_view_features(const std::shared_ptr<const graph::GraphSet>& graphs,
+                         const FeatureSource& source, const std::filesystem::path& file,
+                         const ExportOptions& options = {});
+
+/// As many objects of a viewpoint as REVERIE's models take.
+inline constexpr std::size_t kMostObjects = 20;
+
+/// REVERIE's file of objects: a dataset (n, columns) for each viewpoint that sees some, the first
+/// `most` in the order of the boxes; none for others. Attributes, beside those of
+/// write_view_features(): `directions` (n, 2) heading and elevation of the box's middle, radians,
+/// world; `sizes` (n, 2) its width and height, `bboxes` (n, 4) x, y, width, height, pixels of 640 x
+/// 480; `viewindexs` (n) the view that it is in; `obj_ids` (n) texts. The box is an object's
+/// largest. Its features are the mean of those of the (at most three) views with its largest boxes:
+/// those of whole views, not of pictures cut to the box. Continues what was stopped. \throws as
+/// write_view_features()
+void write_object_features(const std::shared_ptr<const graph::GraphSet>& graphs,
+                           const tasks::ObjectBoxes& boxes, const FeatureSource& source,
+                           const std::filesystem::path& file, std::size_t most = kMostObjects,
+                           const ExportOptions& options = {});
+
+/// BEVBert's tokens: a dataset (12, 196, columns) of 16 bit floats for each included viewpoint,
+/// from a file of weights (features::TensorFile: safetensors, PyTorch) with arrays of that shape
+/// and those names: of the 12 level views (viewIndex 12 to 23), 224 x 224 pixels of 90 degrees, 14
+/// x 14 tokens each in rows. \throws as write_view_features(), InvalidInput for other shapes
+void write_grid_tokens(const std::shared_ptr<const graph::GraphSet>& graphs,
+                       const std::filesystem::path& tokens, const std::filesystem::path& file,
+                       const ExportOptions& options = {});
+
+}  // namespace enfilade::exports
