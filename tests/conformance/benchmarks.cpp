@@ -412,7 +412,54 @@ void check_continuous_set(Check& check, const Json& set, const Places& places) {
   check_means(check, id + ".means.etpnav", set.at("means").at("etpnav"), etpnav, n);
 }
 
+// What ours has where the public code has an outcome.
+DoubtfulInput doubtful_walk(const std::string& scorer, const Json& input, const Named& ours) {
+  const Json& outcome = input.at("outcome").at(scorer);
+  DoubtfulInput row{scorer, input.at("case"), "values", "the same values"};
+  if (outcome.contains("error")) {
+    const std::string error = outcome["error"];
+    row.theirs = error.substr(0, error.find(':'));
+    row.ours = std::isnan(ours.at("spl")) ? "scored; SPL is not a number" : "scored";
+    return row;
+  }
+  VectorReport report;
+  Check(report, 1e-5).compare(scorer, outcome, ours);
+  if (report.mismatches > 0) row.ours = "other values";
+  return row;
+}
+
 }  // namespace
+
+std::vector<DoubtfulInput> doubtful_walks(const fs::path& file, const fs::path& data) {
+  std::vector<DoubtfulInput> rows;
+  const Places places{file.parent_path(), data};
+  try {
+    const Json all = Json::parse(read_file(file));
+    std::vector<Json> experts;  // of each set, by episode: ids of two sets may be the same
+    for (const Json& set : all.at("sets")) {
+      experts.push_back(Json::parse(read_text_file(places.of(set.at("gt")))));
+    }
+    for (const Json& input : all.at("behaviour")) {
+      const RecordedWalk recording(input);
+      const std::string id = input.at("episode_id");
+      const auto expert = std::ranges::find_if(experts, [&](const Json& of_set) {
+        return of_set.contains(id) &&
+               of_set[id].at("locations").front().get<std::array<float, 3>>() ==
+                   recording.positions.front();
+      });
+      if (expert == experts.end())
+        throw FileError(fmt::format("{}: no episode {}", file.string(), id));
+      const auto reference = reference_of(expert->at(id).at("locations"));
+      rows.push_back(doubtful_walk("vlnce", input,
+                                   named(tasks::score_continuous(recording.walk(), reference))));
+      rows.push_back(doubtful_walk("etpnav", input,
+                                   named(tasks::score_as_etpnav(recording.walk(), reference))));
+    }
+  } catch (const Json::exception& error) {
+    throw FileError(fmt::format("{}: not of the form expected: {}", file.string(), error.what()));
+  }
+  return rows;
+}
 
 bool is_benchmark_file(const fs::path& file) {
   try {

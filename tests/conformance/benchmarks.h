@@ -2,9 +2,10 @@
 #pragma once
 #include <filesystem>
 #include <memory>
-#include <string>
+#include <vector>
 
 #include "enfilade/graph/graph_set.h"
+#include "tests/conformance/doubtful.h"
 #include "tests/conformance/vectors.h"
 
 namespace enfilade::tests {
@@ -21,5 +22,10 @@ bool is_benchmark_file(const std::filesystem::path& file);
 VectorReport check_benchmark(const std::filesystem::path& file, const std::filesystem::path& data,
                              const std::shared_ptr<const graph::GraphSet>& graphs,
                              const VectorTolerances& tolerances);
+
+/// The "behaviour" of vlnce.json: walks in continuous space that its public scorers divide by zero
+/// for, or see differently. \throws as check_benchmark()
+std::vector<DoubtfulInput> doubtful_walks(const std::filesystem::path& file,
+                                          const std::filesystem::path& data);
 
 }  // namespace enfilade::tests

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/common/program.h"
@@ -39,20 +40,26 @@ VectorReport check_file(const std::string& file, const Options& options) {
   return check_benchmark(file, data.folder(), data.graphs(), options.tolerances);
 }
 
+bool is_continuous(const std::string& file) {
+  return std::filesystem::path(file).stem() == "vlnce";
+}
+
 // "r2r_back.json" has what was recorded of R2R-Back.
-tasks::Task task_of(const std::string& file) {
+std::string_view title_of(const std::string& file) {
+  if (is_continuous(file)) return "VLN-CE";
   std::string name = std::filesystem::path(file).stem().string();
   std::ranges::replace(name, '_', '-');
-  return tasks::task_named(name);
+  return tasks::title_of(tasks::task_named(name));
 }
 
 // As a table of Markdown.
 std::string doubtful_table(const std::string& file, const Options& options) {
   const auto data = open_data_beside(options.data, std::filesystem::absolute(file).parent_path());
-  std::string table =
-      fmt::format("\n## {}\n\n| input | scorer | it gives | ours |\n|---|---|---|---|\n",
-                  tasks::title_of(task_of(file)));
-  for (const DoubtfulInput& row : doubtful_inputs(file, data.folder(), data.graphs())) {
+  std::string table = fmt::format(
+      "\n## {}\n\n| input | scorer | it gives | ours |\n|---|---|---|---|\n", title_of(file));
+  for (const DoubtfulInput& row : is_continuous(file)
+                                      ? doubtful_walks(file, data.folder())
+                                      : doubtful_inputs(file, data.folder(), data.graphs())) {
     table += fmt::format("| {} | `{}` | {} | {} |\n", row.input, row.scorer, row.theirs, row.ours);
   }
   return table;
@@ -67,7 +74,8 @@ std::string doubtful_page(const Options& options) {
       "page is written by `check_vectors "
       "--doubtful --page` (`tests/conformance/`), and a test compares it where the recordings lie "
       "beside the data.\n\n"
-      "- *the same means*: ours reads the file, and its means are those of the public code.\n"
+      "- *the same means* (of walks in continuous space: *values*): ours reads the file, and has "
+      "what the public code has.\n"
       "- *other means*: ours reads the file, but has other means. The public code counts something "
       "twice, or leaves something out.\n"
       "- *scored*: ours reads the file and scores it, where the public code ends with an error.\n"

@@ -18,4 +18,4 @@ fi
 page=$(cd "$(dirname "$0")/../.." && pwd)/docs/doubtful.md
 cd "$folder"
 exec "$check_vectors" --doubtful --page "$page" r2r_back.json r4r.json rxr.json reverie.json \
-  cvdn.json soon.json
+  cvdn.json soon.json vlnce.json
