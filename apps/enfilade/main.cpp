@@ -30,11 +30,12 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done, 1 faults found in what was checked, 2 command line, 3 input or output\n"
       "files, 4 Enfilade's own failure.");
   int status = kSuccess;
-  for (const auto add : {add_contact_sheet, add_dataset,  add_demo,      add_doctor, add_evaluate,
-                         add_features,      add_graph,    add_homes,     add_import, add_pack,
-                         add_panorama,      add_pretrain, add_r4r,       add_render, add_report,
-                         add_run,           add_sample,   add_scan_mesh, add_score,  add_serve,
-                         add_stats,         add_submit,   add_synth,     add_table,  add_train}) {
+  for (const auto add :
+       {add_contact_sheet, add_dataset, add_demo,   add_doctor, add_evaluate, add_export,
+        add_features,      add_graph,   add_homes,  add_import, add_pack,     add_panorama,
+        add_pretrain,      add_r4r,     add_render, add_report, add_run,      add_sample,
+        add_scan_mesh,     add_score,   add_serve,  add_stats,  add_submit,   add_synth,
+        add_table,         add_train}) {
     add(app, status);
   }
   return run_program(app, argc, argv, status);

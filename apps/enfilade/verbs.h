@@ -7,10 +7,12 @@ namespace enfilade::apps {
 // Each adds its verb with options, help and examples. `status` is the program's exit code if
 // nothing is thrown; it is kSuccess before, and a verb that ends otherwise sets another ExitCode.
 void add_contact_sheet(CLI::App& app, int& status);  ///< all viewpoints of a scan, or a trajectory
+void add_convert(CLI::App& app, int& status);        ///< the same content in another form
 void add_dataset(CLI::App& app, int& status);        ///< paths and instructions for model homes
 void add_demo(CLI::App& app, int& status);           ///< R2R's baselines, then training
 void add_doctor(CLI::App& app, int& status);         ///< which parts work on this machine
 void add_evaluate(CLI::App& app, int& status);       ///< runs and scores a trained agent on splits
+void add_export(CLI::App& app, int& status);         ///< files that other projects read
 void add_features(CLI::App& app, int& status);       ///< an encoder's features of every view
 void add_graph(CLI::App& app, int& status);          ///< graph check, draw, build, compare
 void add_homes(CLI::App& app, int& status);          ///< makes model homes, with pictures

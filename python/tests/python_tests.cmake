@@ -3,6 +3,9 @@ set(environment "PYTHONPATH=${PROJECT_BINARY_DIR}/python" "PYTHONDONTWRITEBYTECO
 if(EN_BUILD_APPS AND EN_WITH_TORCH)  # for feature files that it and the package both write
   list(APPEND environment "ENFILADE_PROGRAM=$<TARGET_FILE:enfilade>")
 endif()
+if(EN_BUILD_APPS)
+  list(APPEND environment "ENFILADE_COMMAND=$<TARGET_FILE:enfilade>")
+endif()
 if(TARGET bad_driver)
   list(APPEND environment "ENFILADE_BAD_DRIVER=$<TARGET_FILE:bad_driver>")
 endif()

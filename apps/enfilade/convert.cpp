@@ -1,0 +1,160 @@
+// enfilade convert: the same content in another form.
+#include <fmt/format.h>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/core/gzip.h"
+#include "enfilade/exports/box_files.h"
+#include "enfilade/exports/convert.h"
+#include "enfilade/features/feature_set.h"
+#include "enfilade/tasks/files.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using exports::FileKind;
+
+struct Options {
+  std::string from, to, form, task;
+};
+
+/// Packed, if the file's name says so.
+void write_maybe_packed(const std::string& to, const std::string& text) {
+  constexpr int kLevel = 6;
+  write_output(to, fs::path(to).extension() == ".gz" ? gzip(text, kLevel) : text);
+}
+
+/// The suffix in front of ".gz".
+std::string suffix_of(fs::path file) {
+  if (file.extension() == ".gz") file = file.stem();
+  return file.extension().string();
+}
+
+[[noreturn]] void refuse_form(const Options& options, FileKind kind, const char* allowed) {
+  throw UsageError(
+      fmt::format("--to {}: {} are converted to {}", options.form, to_string(kind), allowed));
+}
+
+std::string convert_annotations(const Options& options) {
+  if (!options.form.empty() && options.form != "released" && options.form != "duet") {
+    refuse_form(options, FileKind::kAnnotations, "released or duet (SOON), or without --to");
+  }
+  const std::string text = read_text_file(options.from);
+  const std::optional<tasks::Task> task = options.task.empty()
+                                              ? tasks::find_task(text)
+                                              : std::optional(tasks::task_named(options.task));
+  if (!task) throw UsageError(fmt::format("{}: which benchmark? Give --task", options.from));
+  const tasks::Annotations read =
+      tasks::parse_annotations(text, options.from, fs::path(options.from).stem().string(), *task);
+  write_maybe_packed(options.to,
+                     exports::annotations_text(read, {.released = options.form == "released",
+                                                      .lines = suffix_of(options.to) == ".jsonl"}));
+  return fmt::format("{} paths of {}", read.paths.size(), tasks::title_of(*task));
+}
+
+std::string convert_followers(const Options& options) {
+  if (!options.form.empty()) refuse_form(options, FileKind::kFollowers, "lines, without --to");
+  const auto walks = tasks::load_demonstrations(options.from);
+  write_maybe_packed(options.to, tasks::to_text(walks));
+  return counted(walks.size(), "walk");
+}
+
+std::string convert_results(const Options& options) {
+  if (options.form != "official" && options.form != "duet") {
+    refuse_form(options, FileKind::kResults, "official or duet");
+  }
+  const std::string text = read_text_file(options.from);
+  const std::optional<tasks::Task> task = options.task.empty()
+                                              ? tasks::find_task_of_results(text)
+                                              : std::optional(tasks::task_named(options.task));
+  if (!task) throw UsageError(fmt::format("{}: which benchmark? Give --task", options.from));
+  const auto keys =
+      options.form == "official" ? exports::ResultKeys::kOfficial : exports::ResultKeys::kDuet;
+  write_maybe_packed(options.to, with_keys(text, options.from, keys, *task));
+  return fmt::format("results of {}", tasks::title_of(*task));
+}
+
+std::string convert_boxes(const Options& options) {
+  const tasks::ObjectBoxes boxes = tasks::ObjectBoxes::load(options.from);
+  const std::string form = !options.form.empty()              ? options.form
+                           : suffix_of(options.to) == ".json" ? "flat"
+                                                              : "folder";
+  if (form == "folder") {
+    exports::write_box_folder(boxes, options.to);
+  } else if (form == "flat" || form == "nested") {
+    write_maybe_packed(options.to, boxes.to_json(form == "nested"));
+  } else {
+    refuse_form(options, FileKind::kBoxes, "flat (DUET), nested or folder (REVERIE)");
+  }
+  const tasks::ObjectBoxes::Counts counts = boxes.count();
+  return fmt::format("{} viewpoints, {} objects, {} boxes", counts.viewpoints, counts.objects,
+                     counts.boxes);
+}
+
+std::string convert_feature_file(const Options& options) {
+  if (!options.form.empty() && options.form != "f16" && options.form != "f32") {
+    refuse_form(options, FileKind::kFeatures, "f16 or f32; the format is that of the suffix");
+  }
+  const std::array<fs::path, 1> from{options.from};
+  features::convert_features(
+      from, options.to,
+      options.form == "f16" ? features::DType::kFloat16 : features::DType::kFloat32);
+  return "features";
+}
+
+void convert(const Options& options) {
+  std::string what;
+  switch (exports::find_kind(options.from)) {
+    case FileKind::kAnnotations:
+      what = convert_annotations(options);
+      break;
+    case FileKind::kFollowers:
+      what = convert_followers(options);
+      break;
+    case FileKind::kResults:
+      what = convert_results(options);
+      break;
+    case FileKind::kBoxes:
+      what = convert_boxes(options);
+      break;
+    case FileKind::kFeatures:
+      what = convert_feature_file(options);
+      break;
+  }
+  if (options.to != "-") fmt::print("{}: {}\n", options.to, what);
+}
+
+}  // namespace
+
+void add_convert(CLI::App& app, int& /*status*/) {
+  CLI::App& verb = *app.add_subcommand(
+      "convert",
+      "Write annotations, results, boxes or features in another form that holds the same");
+  const auto options = std::make_shared<Options>();
+  add_value(verb, "from", options->from, "FROM", "File, packed or not, or folder of boxes")
+      ->required();
+  add_value(verb, "output", options->to, "TO",
+            "File to write, packed if it ends in .gz, lines if in .jsonl; - for standard output; "
+            "folder for boxes")
+      ->required();
+  add_value(verb, "--to", options->form, "FORM",
+            "Annotations: released or duet (SOON). Results: official (predObjId, inst_idx) or duet "
+            "(pred_objid, instr_id). Boxes: flat (DUET's BBoxes.json), nested or folder (REVERIE). "
+            "Features: f16 or f32");
+  add_value(verb, "--task", options->task, "NAME",
+            "The benchmark: r2r, rxr, ... (default: found by the fields)");
+  set_examples(
+      verb, {"enfilade convert REVERIE_val_unseen.json.gz val.jsonl",
+             "enfilade convert BBox BBoxes.json", "enfilade convert BBoxes.json BBox --to folder",
+             "enfilade convert results.json official.json --to official --task reverie",
+             "enfilade convert features.tsv features.safetensors --to f16"});
+  verb.callback([options] { convert(*options); });
+}
+
+}  // namespace enfilade::apps

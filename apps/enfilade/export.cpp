@@ -1,0 +1,312 @@
+// enfilade export: files that other code reads, made of any data set.
+#include <fmt/format.h>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/threads.h"
+#include "enfilade/exports/box_files.h"
+#include "enfilade/exports/depth_files.h"
+#include "enfilade/exports/feature_files.h"
+#include "enfilade/exports/graph_tables.h"
+#include "enfilade/exports/networkx.h"
+#include "enfilade/exports/view_pictures.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string as, output, data, connectivity;
+  std::vector<std::string> images, scans;
+  std::string features, logits, type = "f32", boxes, meshes;
+  std::size_t most_objects = exports::kMostObjects;
+  bool nested = false;
+  int quality = exports::ViewPicturesOptions().quality;
+  int threads = 0;
+};
+
+/// One form: its name, the file that public code looks for, or none if there are several.
+struct Form {
+  const char* name;
+  const char* file;
+  const char* about;
+  void (*write)(const Options& options, const dataset::Dataset& data, const fs::path& to);
+};
+
+void say_written(const fs::path& file) {
+  fmt::print("{}: {:.1f} MB\n", file.string(), static_cast<double>(fs::file_size(file)) / 1e6);
+}
+
+void write_text(const fs::path& file, const std::string& text) {
+  write_file_atomically(file, text);
+  say_written(file);
+}
+
+exports::ExportOptions told(const Options& options) {
+  return {options.threads, progress_bar(options.as)};
+}
+
+void write_duet(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+  write_text(to, exports::duet_candidates(data.graphs(), told(options)));
+}
+void write_langnav(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+  write_text(to, exports::langnav_adjacency(data.graphs(), told(options)));
+}
+
+/// Calls `write` for each scan, in parallel, and shows how far it is.
+template <class Write>
+void for_each_scan(const Options& options, const graph::GraphSet& graphs, const Write& write) {
+  const Progress bar = progress_bar(options.as);
+  std::mutex mutex;
+  std::size_t done = 0;
+  parallel_for(graphs.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      write(ScanIndex(i), graphs.scans()[i]);
+      const std::lock_guard lock(mutex);
+      if (bar) bar(++done, graphs.size());
+    }
+  });
+}
+
+void write_navgpt(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+  make_folder(to);
+  const auto& graphs = data.graphs();
+  for_each_scan(options, *graphs, [&](ScanIndex scan, const std::string& name) {
+    write_file_atomically(to / (name + "_navigable.json"), exports::navgpt_navigable(graphs, scan));
+  });
+  fmt::print("{}: {} files\n", to.string(), graphs->size());
+}
+
+void write_networkx(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+  make_folder(to / "distances");
+  make_folder(to / "paths");
+  const auto& graphs = data.graphs();
+  for_each_scan(options, *graphs, [&](ScanIndex scan, const std::string& name) {
+    const graph::NavGraph& graph = graphs->graph(scan);
+    write_file_atomically(to / "distances" / (name + ".json"), exports::all_distances(graph));
+    write_file_atomically(to / "paths" / (name + ".json"), exports::all_paths(graph));
+  });
+  write_text(to / "connectivity_graphs.pkl", exports::connectivity_pickle(*graphs));
+  fmt::print("{}, {}: {} files each\n", (to / "distances").string(), (to / "paths").string(),
+             graphs->size());
+}
+
+// --- features and objects
+// -------------------------------------------------------------------------
+
+exports::FeatureSource feature_source(const Options& options) {
+  if (options.features.empty()) {
+    throw UsageError(fmt::format(
+        "export --as {}: give --features FILE, the features of the views; enfilade features makes "
+        "such a file",
+        options.as));
+  }
+  const auto type = options.type == "f16"   ? features::Hdf5Type::kFloat16
+                    : options.type == "f64" ? features::Hdf5Type::kFloat64
+                                            : features::Hdf5Type::kFloat32;
+  return {options.features, options.logits, type};
+}
+
+void write_features(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+  exports::write_view_features(data.graphs(), feature_source(options), to, told(options));
+  say_written(to);
+}
+
+/// From --boxes, --meshes, or the data set.
+tasks::ObjectBoxes find_boxes(const Options& options, const dataset::Dataset& data) {
+  if (!options.meshes.empty()) {
+    return exports::boxes_of_meshes(*data.graphs(), data.connectivity_folder(), options.meshes, {},
+                                    told(options));
+  }
+  if (!options.boxes.empty()) {
+    return exports::boxes_of_graphs(tasks::ObjectBoxes::load(options.boxes), *data.graphs());
+  }
+  return exports::boxes_of_graphs(data.objects(), *data.graphs());
+}
+
+void write_objects(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+  const exports::FeatureSource source = feature_source(options);
+  exports::write_object_features(data.graphs(), find_boxes(options, data), source, to,
+                                 options.most_objects, told(options));
+  say_written(to);
+}
+
+void write_boxes(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+  const bool one_file = to.extension() == ".json" && !fs::is_directory(to);
+  if (options.nested && !one_file) {
+    throw UsageError("--nested: for one file; let the name of -o end in .json");
+  }
+  const tasks::ObjectBoxes boxes = find_boxes(options, data);
+  if (one_file) {
+    write_text(to, boxes.to_json(options.nested));
+  } else {
+    exports::write_box_folder(boxes, to);
+  }
+  const tasks::ObjectBoxes::Counts counts = boxes.count();
+  fmt::print("{}: {} viewpoints, {} objects around them, {} boxes\n", to.string(),
+             counts.viewpoints, counts.objects, counts.boxes);
+}
+
+// --- pictures
+// -------------------------------------------------------------------------------------
+
+void write_gridmm(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+  make_folder(to);
+  write_text(to / "viewpoint_info.json", exports::gridmm_viewpoints(data.graphs(), told(options)));
+  exports::write_gridmm_depth(data, to / "depth.hdf5", told(options));
+  say_written(to / "depth.hdf5");
+}
+
+void write_bevbert(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+  make_folder(to);
+  exports::write_bevbert_depth(data, to / "depth_14x14.hdf5", told(options));
+  say_written(to / "depth_14x14.hdf5");
+  exports::write_bevbert_classes(data, to / "semantic41_14x14.hdf5", told(options));
+  say_written(to / "semantic41_14x14.hdf5");
+  if (options.features.empty()) {
+    fmt::print("no vit_b16_224_clip_patch.hdf5: give --features FILE with the tokens\n");
+    return;
+  }
+  const fs::path tokens = to / "vit_b16_224_clip_patch.hdf5";
+  exports::write_grid_tokens(data.graphs(), options.features, tokens, told(options));
+  say_written(tokens);
+}
+
+void write_views(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+  const exports::ViewPicturesReport report =
+      exports::write_view_pictures(data, to, {.quality = options.quality}, told(options));
+  fmt::print("{}: 36 pictures of {} viewpoints, of which {} were there\n", to.string(),
+             report.viewpoints, report.kept);
+}
+
+constexpr std::array<Form, 10> kForms{{
+    {"duet-candidates", "scanvp_candview_relangles.json",
+     "neighbours and the view that shows each best (DUET, BEVBert, GridMM)", write_duet},
+    {"langnav", "adj_loc_dict.json", "the same with EnvDrop's fields (LangNav, NavCoT)",
+     write_langnav},
+    {"navgpt", nullptr, "SCAN_navigable.json: neighbours with world angles (NavGPT)", write_navgpt},
+    {"networkx", nullptr,
+     "distances/, paths/ of all pairs, and connectivity_graphs.pkl (VLN-CE, LANA)", write_networkx},
+    {"duet-hdf5", "views.hdf5", "features of the 36 views: (36, D) (HAMT, DUET and descendants)",
+     write_features},
+    {"object-hdf5", "objects.hdf5", "features of objects: (n, D) (REVERIE in HAMT and DUET)",
+     write_objects},
+    {"reverie-boxes", nullptr,
+     "SCAN_VIEWPOINT.json, boxes of objects; or one file, if -o ends in .json (REVERIE)",
+     write_boxes},
+    {"bevbert-grid", nullptr,
+     "depth_14x14.hdf5, semantic41_14x14.hdf5, vit_b16_224_clip_patch.hdf5 (BEVBert)",
+     write_bevbert},
+    {"gridmm", nullptr, "viewpoint_info.json, depth.hdf5 (GridMM)", write_gridmm},
+    {"mapgpt-views", nullptr, "SCAN/VIEWPOINT/0.jpg to 35.jpg (MapGPT)", write_views},
+}};
+
+const Form& form_named(const std::string& name) {
+  for (const Form& form : kForms) {
+    if (name == form.name) return form;
+  }
+  throw UsageError(fmt::format("export: --as {}: no such form", name));
+}
+
+/// A file for a form that is one file: -o itself if its suffix is the form's, else of the usual
+/// name in that folder. Else the folder.
+fs::path target(const Form& form, const fs::path& output) {
+  if (form.file == nullptr) return output;
+  const fs::path usual(form.file);
+  const bool file = output.extension() == usual.extension() ||
+                    (usual.extension() == ".hdf5" && output.extension() == ".h5");
+  if (file && !fs::is_directory(output)) return output;
+  make_folder(output);
+  return output / usual;
+}
+
+dataset::Dataset open_source(const Options& options) {
+  dataset::DatasetConfig config;
+  const bool enough = !options.connectivity.empty();
+  if (!options.data.empty() || !enough) config.folder = open_data(options.data).folder();
+  config.connectivity = options.connectivity;
+  config.images.assign(options.images.begin(), options.images.end());
+  config.scans = options.scans;
+  return dataset::Dataset(std::move(config));
+}
+
+void write_form(const Options& options) {
+  const Form& form = form_named(options.as);
+  const dataset::Dataset data = open_source(options);
+  form.write(options, data, target(form, options.output));
+}
+
+std::string list_of_forms() {
+  std::string text = "Forms:";
+  for (const Form& form : kForms) text += fmt::format("\n  {:<18}{}", form.name, form.about);
+  return text;
+}
+
+void add_place(CLI::App& verb, Options& options) {
+  add_data_option(verb, options.data);
+  add_value(verb, "--connectivity", options.connectivity, "DIR",
+            "Navigation graphs, instead of the data set's");
+  add_value(verb, "--images", options.images, "DIR",
+            "Where panoramas are, instead of the data set's; may be repeated");
+  add_value(verb, "--scans", options.scans, "SCAN...", "Only these (default: all)");
+  add_threads_option(verb, options.threads);
+}
+
+void add_details(CLI::App& verb, Options& options) {
+  add_value(verb, "--features", options.features, "FILE",
+            "Features of the views (duet-hdf5, object-hdf5); BEVBert's tokens, a safetensors file "
+            "with arrays SCAN_VIEWPOINT of 12 x 196 x D");
+  add_value(verb, "--logits", options.logits, "FILE",
+            "Classes of the views, which become the last columns: for pretraining");
+  add_setting(verb, "--type", options.type, "TYPE",
+              "Of features: f16, f32, or f64, as the published files have",
+              CLI::IsMember({"f16", "f32", "f64"}));
+  CLI::Option* boxes = add_value(verb, "--boxes", options.boxes, "FILE|DIR",
+                                 "Boxes of objects, instead of the data set's");
+  add_value(verb, "--meshes", options.meshes, "DIR",
+            "Compute the boxes from labelled meshes: SCAN.house, .ply, .fsegs.json, .semseg.json "
+            "here or in SCAN/house_segmentations")
+      ->excludes(boxes);
+  add_whole_number(verb, "--objects", options.most_objects,
+                   "Of a viewpoint, at most (object-hdf5)");
+  verb.add_flag("--nested", options.nested,
+                "One file of boxes in REVERIE's form, not DUET's (reverie-boxes)");
+  add_setting(verb, "--quality", options.quality, "N", "Of JPEGs, 1 to 100 (mapgpt-views)",
+              whole_number(1, 100));
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, int& /*status*/) {
+  CLI::App& verb = *app.add_subcommand(
+      "export", "Write the files that other projects' code reads, of any data set");
+  const auto options = std::make_shared<Options>();
+  std::vector<std::string> names;
+  for (const Form& form : kForms) names.emplace_back(form.name);
+  add_value(verb, "--as", options->as, "FORM", "Which files; the list is below")
+      ->required()
+      ->check(CLI::IsMember(names));
+  add_value(verb, "-o,--output", options->output, "DIR|FILE",
+            "Folder for files of the usual names; or the file, for forms of one file")
+      ->required();
+  add_place(verb, *options);
+  add_details(verb, *options);
+  set_examples(verb, {"enfilade export --as duet-candidates -o datasets/R2R/annotations",
+                      "enfilade export --as navgpt --data homes -o navigable",
+                      "enfilade export --as duet-hdf5 --features f.safetensors --type f64 -o "
+                      "pth_vit_base_patch16_224_imagenet.hdf5",
+                      "enfilade export --as reverie-boxes --meshes v1/scans -o BBoxes.json",
+                      "enfilade export --as mapgpt-views --scans 17DRP5sb8fy -o RGB_Observations"});
+  verb.footer(list_of_forms() + "\n\n" + verb.get_footer());
+  verb.callback([options] { write_form(*options); });
+}
+
+}  // namespace enfilade::apps
