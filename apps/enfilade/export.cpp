@@ -158,11 +158,23 @@ void write_boxes(const Options& options, const dataset::Dataset& data, const fs:
 // --- pictures
 // -------------------------------------------------------------------------------------
 
+/// The file of tokens, if --features names some.
+void write_token_file(const Options& options, const dataset::Dataset& data,
+                      const exports::TokenShape& shape, const fs::path& to) {
+  if (options.features.empty()) {
+    fmt::print("no {}: give --features FILE with the tokens\n", to.filename().string());
+    return;
+  }
+  exports::write_tokens(data.graphs(), options.features, shape, to, told(options));
+  say_written(to);
+}
+
 void write_gridmm(const Options& options, const dataset::Dataset& data, const fs::path& to) {
   make_folder(to);
   write_text(to / "viewpoint_info.json", exports::gridmm_viewpoints(data.graphs(), told(options)));
   exports::write_gridmm_depth(data, to / "depth.hdf5", told(options));
   say_written(to / "depth.hdf5");
+  write_token_file(options, data, exports::gridmm_tokens(), to / "clip_p32.hdf5");
 }
 
 void write_bevbert(const Options& options, const dataset::Dataset& data, const fs::path& to) {
@@ -171,13 +183,7 @@ void write_bevbert(const Options& options, const dataset::Dataset& data, const f
   say_written(to / "depth_14x14.hdf5");
   exports::write_bevbert_classes(data, to / "semantic41_14x14.hdf5", told(options));
   say_written(to / "semantic41_14x14.hdf5");
-  if (options.features.empty()) {
-    fmt::print("no vit_b16_224_clip_patch.hdf5: give --features FILE with the tokens\n");
-    return;
-  }
-  const fs::path tokens = to / "vit_b16_224_clip_patch.hdf5";
-  exports::write_grid_tokens(data.graphs(), options.features, tokens, told(options));
-  say_written(tokens);
+  write_token_file(options, data, exports::bevbert_tokens(), to / "vit_b16_224_clip_patch.hdf5");
 }
 
 void write_views(const Options& options, const dataset::Dataset& data, const fs::path& to) {
@@ -205,7 +211,7 @@ constexpr std::array<Form, 10> kForms{{
     {"bevbert-grid", nullptr,
      "depth_14x14.hdf5, semantic41_14x14.hdf5, vit_b16_224_clip_patch.hdf5 (BEVBert)",
      write_bevbert},
-    {"gridmm", nullptr, "viewpoint_info.json, depth.hdf5 (GridMM)", write_gridmm},
+    {"gridmm", nullptr, "viewpoint_info.json, depth.hdf5, clip_p32.hdf5 (GridMM)", write_gridmm},
     {"mapgpt-views", nullptr, "SCAN/VIEWPOINT/0.jpg to 35.jpg (MapGPT)", write_views},
 }};
 
@@ -261,9 +267,10 @@ void add_place(CLI::App& verb, Options& options) {
 }
 
 void add_details(CLI::App& verb, Options& options) {
-  add_value(verb, "--features", options.features, "FILE",
-            "Features of the views (duet-hdf5, object-hdf5); BEVBert's tokens, a safetensors file "
-            "with arrays SCAN_VIEWPOINT of 12 x 196 x D");
+  add_value(
+      verb, "--features", options.features, "FILE",
+      "Features of the views (duet-hdf5, object-hdf5); tokens of the views, a safetensors file "
+      "with arrays SCAN_VIEWPOINT of 12 x 196 x D (bevbert-grid), 36 x 50 x D (gridmm)");
   add_value(verb, "--logits", options.logits, "FILE",
             "Classes of the views, which become the last columns: for pretraining");
   add_setting(verb, "--type", options.type, "TYPE",

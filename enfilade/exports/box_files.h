@@ -28,8 +28,8 @@ tasks::ObjectBoxes boxes_of_meshes(const graph::GraphSet& graphs,
                                    const ExportOptions& options = {});
 
 /// Writes REVERIE's folder: `<scan>_<viewpoint>.json` for each viewpoint that is there.
-/// tasks::ObjectBoxes::to_json() makes the forms of one file. \throws FileError; ArgumentError for a
-/// name that cannot be a file's
+/// tasks::ObjectBoxes::to_json() makes the forms of one file. \throws FileError; ArgumentError for
+/// a name that cannot be a file's
 void write_box_folder(const tasks::ObjectBoxes& boxes, const std::filesystem::path& folder);
 
 }  // namespace enfilade::exports

@@ -1,10 +1,12 @@
 #include "enfilade/exports/feature_files.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -186,9 +188,6 @@ void write_rows(features::Hdf5Writer& part, const std::string& name, const Objec
 // --- tokens
 // ---------------------------------------------------------------------------------------
 
-/// Views and tokens of a view of BEVBert's grid.
-constexpr std::int64_t kLevelViews = 12, kTokens = 196;
-
 std::vector<std::uint16_t> halves_of(const features::NamedArray& array, const fs::path& file) {
   std::vector<float> numbers(array.elements());
   bool finite = false;
@@ -208,15 +207,15 @@ std::vector<std::uint16_t> halves_of(const features::NamedArray& array, const fs
   return halves;
 }
 
-void check_tokens(const features::NamedArray& array, const fs::path& file) {
-  if (array.shape.size() == 3 && array.shape[0] == kLevelViews && array.shape[1] == kTokens &&
-      array.shape[2] > 0) {
+void check_tokens(const features::NamedArray& array, const TokenShape& wanted,
+                  const fs::path& file) {
+  if (array.shape.size() == 3 && array.shape[1] == wanted.tokens && array.shape[2] > 0 &&
+      std::ranges::find(wanted.views, array.shape[0]) != wanted.views.end()) {
     return;
   }
-  std::string shape;
-  for (const std::int64_t size : array.shape) shape += fmt::format(" {}", size);
   refuse(file.string(), array.name, "bad-shape",
-         fmt::format("shape{}; {} views of {} tokens are wanted", shape, kLevelViews, kTokens));
+         fmt::format("shape {}; {} views of {} tokens are wanted", fmt::join(array.shape, " "),
+                     fmt::join(wanted.views, " or "), wanted.tokens));
 }
 
 }  // namespace
@@ -262,25 +261,27 @@ void write_object_features(const Graphs& graphs, const tasks::ObjectBoxes& boxes
       });
 }
 
-void write_grid_tokens(const Graphs& graphs, const fs::path& tokens, const fs::path& file,
-                       const ExportOptions& options) {
+TokenShape bevbert_tokens() { return {{12}, 196}; }
+TokenShape gridmm_tokens() { return {{12, 36}, 50}; }
+
+void write_tokens(const Graphs& graphs, const fs::path& tokens, const TokenShape& shape,
+                  const fs::path& file, const ExportOptions& options) {
   const features::TensorFile arrays = features::TensorFile::open(tokens);
   require_all(*graphs, tokens, [&](const NavGraph& graph, ViewpointIndex v) {
     return arrays.find(graph.scan() + "_" + graph.id(v)) != nullptr;
   });
-  detail::write_by_scan(
-      *graphs, file, "tokens\n" + detail::state_of(tokens) + "\n", options,
-      [&](features::Hdf5Writer& part, ScanIndex /*scan*/, ViewpointIndex /*viewpoint*/,
-          const std::string& name) {
-        const features::NamedArray& array = *arrays.find(name);
-        check_tokens(array, tokens);
-        const std::vector<std::uint16_t> halves = halves_of(array, tokens);
-        part.write({name,
-                    {Hdf5Type::kFloat16,
-                     {kLevelViews, kTokens, static_cast<std::uint64_t>(array.shape[2])},
-                     std::as_bytes(std::span(halves))},
-                    {}});
-      });
+  detail::write_by_scan(*graphs, file, "tokens\n" + detail::state_of(tokens) + "\n", options,
+                        [&](features::Hdf5Writer& part, ScanIndex /*scan*/,
+                            ViewpointIndex /*viewpoint*/, const std::string& name) {
+                          const features::NamedArray& array = *arrays.find(name);
+                          check_tokens(array, shape, tokens);
+                          const std::vector<std::uint16_t> halves = halves_of(array, tokens);
+                          part.write({name,
+                                      {Hdf5Type::kFloat16,
+                                       {array.shape.begin(), array.shape.end()},
+                                       std::as_bytes(std::span(halves))},
+                                      {}});
+                        });
 }
 
 }  // namespace enfilade::exports

@@ -1,9 +1,10 @@
 /// \file  Features in the HDF5 files that HAMT, DUET and their descendants read.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
+#include <vector>
 
 #include "enfilade/exports/options.h"
 #include "enfilade/features/hdf5_writer.h"
@@ -47,12 +48,23 @@ void write_object_features(const std::shared_ptr<const graph::GraphSet>& graphs,
                            const std::filesystem::path& file, std::size_t most = kMostObjects,
                            const ExportOptions& options = {});
 
-/// BEVBert's tokens: a dataset (12, 196, columns) of 16 bit floats for each included viewpoint,
-/// from a file of weights (features::TensorFile: safetensors, PyTorch) with arrays of that shape
-/// and those names: of the 12 level views (viewIndex 12 to 23), 224 x 224 pixels of 90 degrees, 14
-/// x 14 tokens each in rows. \throws as write_view_features(), InvalidInput for other shapes
-void write_grid_tokens(const std::shared_ptr<const graph::GraphSet>& graphs,
-                       const std::filesystem::path& tokens, const std::filesystem::path& file,
-                       const ExportOptions& options = {});
+/// Shapes that arrays of a viewpoint's tokens may have.
+struct TokenShape {
+  std::vector<std::int64_t> views;  ///< any of these
+  std::int64_t tokens = 0;          ///< of a view
+};
+/// BEVBert's `vit_b16_224_clip_patch.hdf5`: of the 12 level views (viewIndex 12 to 23), 224 x 224
+/// pixels of 90 degrees, 14 x 14 tokens in rows.
+TokenShape bevbert_tokens();
+/// GridMM's `clip_p32.hdf5`: of the 36 views, or the 12 level ones, a class token and 7 x 7.
+TokenShape gridmm_tokens();
+
+/// A dataset (views, tokens, columns) of 16 bit floats for each included viewpoint, with no
+/// attributes, from a file of weights (features::TensorFile: safetensors, PyTorch) with arrays
+/// "<scan>_<viewpoint>" of such a shape. Continues what was stopped.
+/// \throws as write_view_features(), InvalidInput for other shapes
+void write_tokens(const std::shared_ptr<const graph::GraphSet>& graphs,
+                  const std::filesystem::path& tokens, const TokenShape& shape,
+                  const std::filesystem::path& file, const ExportOptions& options = {});
 
 }  // namespace enfilade::exports

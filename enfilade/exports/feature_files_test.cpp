@@ -124,7 +124,8 @@ TEST_F(FeatureFiles, TokensOfOtherShapesAreRefused) {
        {"s_v1", features::DType::kFloat32, {12, 195, 2}, std::as_bytes(std::span(numbers))}}};
   features::write_safetensors(file("t.safetensors"), arrays);
   EXPECT_THAT(tests::refusal<InvalidInput>([&] {
-                write_grid_tokens(pair_of_viewpoints(), file("t.safetensors"), file("o.hdf5"));
+                write_tokens(pair_of_viewpoints(), file("t.safetensors"), bevbert_tokens(),
+                             file("o.hdf5"));
               }),
               HasSubstr("shape 12 195 2; 12 views of 196 tokens are wanted"));
 }

@@ -216,7 +216,13 @@ def rendered(home: Home, viewpoint: str, to: Path, size: int, field: int, output
 
 
 def test_gridmm(home: Home, tmp_path: Path) -> None:
-    export(home, "gridmm", tmp_path)
+    save_file = pytest.importorskip("safetensors.numpy", reason="safetensors is not installed").save_file
+    tokens = {key: np.full((36, 50, 4), i, np.float32) for i, key in enumerate(sorted(home["keys"]))}
+    save_file(tokens, tmp_path / "tokens.safetensors")
+    export(home, "gridmm", tmp_path, "--features", tmp_path / "tokens.safetensors")
+    with h5py().File(tmp_path / "clip_p32.hdf5", "r") as root:
+        assert set(root) == home["keys"] and all(root[k].dtype == np.float16 for k in root)
+        assert all((root[k][...] == tokens[k]).all() and root[k].shape == (36, 50, 4) for k in root)
     info = json.loads((tmp_path / "viewpoint_info.json").read_text())
     assert set(info) == home["keys"]
     for vp, xyz in home["at"].items():
