@@ -46,6 +46,7 @@ export class GuideTask {
   private pasted = 0;
   private spoken = false;
   private arrived = false;
+  private steps = 0;
 
   static async open(main: HTMLElement, desk: Desk): Promise<GuideTask> {
     const { task, api } = desk;
@@ -67,6 +68,7 @@ export class GuideTask {
     viewer.setPath(path);
     viewer.confine(path);
     this.recorder = new Recorder(this.here, viewer.pose, draft?.steps ?? []);
+    this.steps = this.recorder.steps;
     this.arrived = (draft?.steps ?? []).some(({ viewpoint }) => viewpoint === desk.task.path!.at(-1));
     if (canSpeak() && desk.api) {
       this.speech = new Speech(desk.collection.language ?? 'en-US', () => this.recorder.seconds,
@@ -139,7 +141,10 @@ export class GuideTask {
     if (!this.desk.api) return;
     if (arrived && !this.arrived) this.refuse();
     this.arrived ||= arrived;
-    this.drafts.stir(() => this.draft);
+    const { steps } = this.recorder;
+    if (steps === this.steps) return this.drafts.stir(() => this.draft);
+    this.steps = steps;
+    this.drafts.change(this.draft);
   }
 
   private typed(since?: number): void {
