@@ -7,15 +7,17 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/report/report.h"
+#include "enfilade/report/run_directory.h"
 
 namespace enfilade::apps {
 namespace {
 
 struct Options {
-  std::string data;
+  std::string data, task;
   std::vector<std::string> named;
   std::string output = "report.html";
   report::ReportConfig config;
@@ -30,6 +32,9 @@ void make(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
   report::ReportConfig config = options.config;
   config.runs.assign(options.named.begin(), options.named.end());
+  config.task =
+      task_of(options.task, data,
+              options.task.empty() ? report::find_task_of_runs(config.runs) : std::nullopt);
   config.facts = {
       {"Enfilade", version()},
       {"made on", fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))},
@@ -50,6 +55,8 @@ void add_report(CLI::App& app, int& /*status*/) {
       "no other file and no network");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
+  add_task_option(verb, options->task,
+                  "what the results are of; where they say nothing, r2r or what the data set has");
   add_value(verb, "runs", options->named, "PATH",
             "Folder of a run, model directories, results files AGENT_SPLIT.json")
       ->required();

@@ -3,28 +3,44 @@
 #include <fmt/ranges.h>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/learning/learn.h"
+#include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
+#include "enfilade/report/results_table.h"
 #include "enfilade/tasks/results.h"
 #include "enfilade/tasks/score.h"
+#include "enfilade/tasks/task_score.h"
 
 namespace enfilade::apps {
 namespace {
 
 struct Options {
   std::string data, features, output;
-  std::string agent = "random", split = "val_unseen";
+  std::string agent = "random", split = "val_unseen", task;
   agents::RunOptions run;
 };
+
+// Of R2R by our own table; of others as the public code of the published tables does.
+void print_score(const std::vector<tasks::Trajectory>& trajectories,
+                 const tasks::EpisodeSet& episodes) {
+  if (episodes.task == tasks::Task::kR2r) {
+    fmt::print("{}", to_table(compute_score(trajectories, episodes)));
+    return;
+  }
+  const auto& scorer = tasks::public_scorer(episodes.task, report::table_scorer(episodes.task));
+  fmt::print("{}", to_table(compute_task_score(trajectories, episodes, scorer), episodes));
+}
 
 void run(const Options& options) {
   const bool trained = std::filesystem::is_directory(options.agent);
   std::unique_ptr<agents::Agent> agent;
   if (!trained) agent = agents::make_agent(options.agent);
-  const tasks::EpisodeSet episodes = open_data(options.data).episodes(options.split);
+  const dataset::Dataset data = open_data(options.data);
+  const tasks::EpisodeSet episodes = episodes_of(data, task_of(options.task, data), options.split);
   if (trained) agent = load_trained_agent(options.agent, options.features, episodes);
   const auto trajectories = agents::run_agent(*agent, episodes, options.run,
                                               progress_bar(options.agent + ", " + options.split));
@@ -36,7 +52,10 @@ void run(const Options& options) {
   if (goals_hidden(episodes)) {
     fmt::print("The goals of this split are hidden, so there is nothing to score it with.\n");
   } else {
-    fmt::print("{}", to_table(compute_score(trajectories, episodes)));
+    print_score(trajectories, episodes);
+  }
+  if (trained && tasks::asks_for_answer(episodes.task)) {
+    fmt::print("A trained agent gives no answer beside its path, so none is right.\n");
   }
 }
 
@@ -49,15 +68,17 @@ void add_run(CLI::App& app, int& /*status*/) {
   add_setting(verb, "--agent", options->agent, "NAME",
               fmt::format("One of {}, or the directory of a trained model",
                           fmt::join(agents::agent_names(), ", ")));
+  add_task_option(verb, options->task, "r2r, or what the data set has");
   add_setting(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, test, ...");
   add_value(verb, "--features", options->features, "FILE",
             "Image features, for a model with vision");
   add_value(verb, "-o,--output", options->output, "FILE",
-            "Results file, in the format of R2R's leaderboard; - for standard output");
+            "Results file, as the benchmark's public code has it; - for standard output");
   add_whole_number(verb, "--seed", options->run.seed, "Seed of the agent's random numbers", 0);
   add_whole_number(verb, "--batch", options->run.batch_size, "Episodes at once; changes no result");
   set_examples(verb, {"enfilade run --agent random --split val_unseen -o results.json",
                       "enfilade run --agent shortest --split val_seen",
+                      "enfilade run --agent reference --task reverie --split val_unseen",
                       "enfilade run --agent MODELDIR --features FILE --split test -o test.json"});
   verb.callback([options] { run(*options); });
 }

@@ -31,45 +31,54 @@ struct Options {
   std::string scorer;
   std::string json;
   bool per_episode = false;
+  bool part = false;
+  bool all_instructions = false;
   std::string spl = "shortest";
 };
 
 // What --task says, or what the files look like: annotations first, as they tell more.
-Task task_of(const Options& options, const std::string& results) {
+Task find_task(const Options& options, const std::string& annotations, const std::string& results) {
   if (!options.task.empty()) return tasks::task_named(options.task);
   std::optional<Task> found;
-  if (!options.annotations.empty()) found = tasks::find_task(read_text_file(options.annotations));
+  if (!options.annotations.empty()) found = tasks::find_task(annotations);
   if (!found || *found == Task::kR2r) {
     if (const auto by_results = tasks::find_task_of_results(results)) found = by_results;
   }
   return found.value_or(Task::kR2r);
 }
 
-tasks::ObjectBoxes load_objects(const Options& options, Task task) {
-  if (task != Task::kReverie) return {};
-  if (!options.objects.empty()) return tasks::ObjectBoxes::load(options.objects);
-  return open_data(options.data).objects();
+std::shared_ptr<const tasks::ObjectBoxes> load_objects(const Options& options, Task task) {
+  if (task != Task::kReverie) return nullptr;
+  if (!options.objects.empty()) {
+    return std::make_shared<tasks::ObjectBoxes>(tasks::ObjectBoxes::load(options.objects));
+  }
+  const auto data = std::make_shared<dataset::Dataset>(open_data(options.data));
+  return {data, &data->objects()};
 }
 
-tasks::EpisodeSet load_episodes(const Options& options, Task task) {
-  if (options.split.empty() && options.annotations.empty()) {
-    throw UsageError("score: which split? Give --split NAME, or --annotations FILE");
-  }
+std::string annotations_file(const Options& options, Task task) {
+  if (!options.annotations.empty()) return options.annotations;
+  const auto data = open_data(options.data);
+  const fs::path file = task == Task::kR2r ? data.annotations_file(options.split)
+                                           : data.annotations_file(task, options.split);
+  return file.string();
+}
+
+// `text`: of --annotations, if that was given.
+tasks::EpisodeSet load_episodes(const Options& options, Task task, const std::string& text) {
+  const auto which =
+      options.all_instructions ? tasks::Instructions::kAll : tasks::Instructions::kScored;
   const bool usual = options.annotations.empty() && options.connectivity.empty();
-  if (usual && task == Task::kR2r) return open_data(options.data).episodes(options.split);
-  const auto annotations_file = [&] {
-    const auto data = open_data(options.data);
-    return task == Task::kR2r ? data.annotations_file(options.split)
-                              : data.annotations_file(task, options.split);
-  };
-  const fs::path annotations =
-      options.annotations.empty() ? annotations_file() : fs::path(options.annotations);
+  if (usual && task == Task::kR2r) return open_data(options.data).episodes(options.split, which);
+  const std::string file = annotations_file(options, task);
+  const std::string split = options.split.empty() ? fs::path(file).stem().string() : options.split;
+  const tasks::Annotations annotations = options.annotations.empty()
+                                             ? tasks::load_annotations(file, split, task)
+                                             : tasks::parse_annotations(text, file, split, task);
   const auto graphs = options.connectivity.empty() ? open_data(options.data).graphs()
                                                    : graph::GraphSet::open(options.connectivity);
-  const std::string split = options.split.empty() ? annotations.stem().string() : options.split;
-  const tasks::ObjectBoxes objects = load_objects(options, task);
-  return tasks::make_episodes(tasks::load_annotations(annotations, split, task), graphs,
-                              tasks::Instructions::kScored, &objects);
+  const auto objects = load_objects(options, task);
+  return tasks::make_episodes(annotations, graphs, which, objects.get());
 }
 
 // By the scorer that --scorer names, or the one behind the published tables.
@@ -96,10 +105,27 @@ void print_score(const Options& options, const tasks::Score& score,
                                              : tasks::SplLength::kShortest));
 }
 
+void refuse_hidden(const Options& options, const tasks::EpisodeSet& episodes) {
+  if (!goals_hidden(episodes)) return;
+  throw UsageError(fmt::format(
+      "{}: the file is good (each of the {} instructions has a trajectory that can be walked), "
+      "but the goals of split {} are hidden, so it cannot be scored here.{}",
+      options.results, episodes.episodes.size(), episodes.split,
+      episodes.task == Task::kR2r
+          ? " Those of R2R's test are known to its leaderboard only: hand the file "
+            "in at eval.ai, challenge 97"
+          : ""));
+}
+
 ExitCode score(const Options& options) {
+  if (options.split.empty() && options.annotations.empty()) {
+    throw UsageError("score: which split? Give --split NAME, or --annotations FILE");
+  }
   const std::string text = read_text_file(options.results);
-  const Task task = task_of(options, text);
-  const tasks::EpisodeSet episodes = load_episodes(options, task);
+  const std::string annotations =
+      options.annotations.empty() ? std::string() : read_text_file(options.annotations);
+  tasks::EpisodeSet episodes =
+      load_episodes(options, find_task(options, annotations, text), annotations);
   if (episodes.episodes.empty()) {  // means over none would be nothing that a table can show
     throw UsageError(fmt::format(
         "split {}: the annotations have no episode, so there is nothing to score; the export of a "
@@ -108,23 +134,21 @@ ExitCode score(const Options& options) {
   }
   tasks::Results results;
   try {
-    results = tasks::parse_results(text, options.results, episodes);
+    results = tasks::parse_results(text, options.results, episodes,
+                                   options.part ? tasks::Coverage::kPart : tasks::Coverage::kAll);
   } catch (const InvalidInput& refused) {  // what was to be checked has faults
     print_diagnostics(refused.diagnostics());
     return kFaultsFound;
   }
   if (!results.warnings.empty()) print_diagnostics(results.warnings);
-  if (goals_hidden(episodes)) {
-    throw UsageError(fmt::format(
-        "{}: the file is good (each of the {} instructions has a trajectory that can be walked), "
-        "but the goals of split {} are hidden, so it cannot be scored here.{}",
-        options.results, episodes.episodes.size(), episodes.split,
-        task == Task::kR2r
-            ? " Those of R2R's test are known to its leaderboard only: hand the file "
-              "in at eval.ai, challenge 97"
-            : ""));
+  if (options.part) {
+    const std::size_t whole = episodes.episodes.size();
+    episodes = part_of(episodes, results.trajectories);
+    fmt::print(stderr, "note: a part of split {}: {} of its {} instructions\n", episodes.split,
+               episodes.episodes.size(), whole);
   }
-  if (task != Task::kR2r || !options.scorer.empty()) {
+  refuse_hidden(options, episodes);
+  if (episodes.task != Task::kR2r || !options.scorer.empty()) {
     print_task_score(options, results, episodes);
   } else {
     print_score(options, compute_score(results.trajectories, episodes), episodes);
@@ -157,6 +181,12 @@ void add_options(CLI::App& verb, Options& options) {
               CLI::IsMember({"shortest", "reference"}));
   CLI::Option* json = add_value(verb, "--json", options.json, "FILE",
                                 "Write all metrics; - for standard output, without the table");
+  verb.add_flag(
+      "--part", options.part,
+      "Score the instructions that the file has, on purpose; otherwise a missing one is a "
+      "fault");
+  verb.add_flag("--all-instructions", options.all_instructions,
+                "R2R: score fourth instructions too, such as 757_3, which papers leave out");
   verb.add_flag("--per-episode", options.per_episode, "Metrics of each episode in the JSON too")
       ->needs(json);
 }

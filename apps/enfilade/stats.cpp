@@ -3,45 +3,69 @@
 #include <memory>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/tasks/files.h"
 #include "enfilade/tasks/statistics.h"
 
 namespace enfilade::apps {
 namespace {
 
 struct Options {
-  std::string data;
+  std::string data, task;
   std::vector<std::string> splits;
   std::string json;
   std::size_t top = 20;
 };
 
-// What was asked for, or else those of R2R's four splits that the data set has.
-std::vector<tasks::Annotations> load_splits(const Options& options, const dataset::Dataset& data) {
+tasks::Annotations load_split(const dataset::Dataset& data, tasks::Task task,
+                              const std::string& split) {
+  return task == tasks::Task::kR2r ? data.annotations(split) : data.annotations(task, split);
+}
+
+// What was asked for, or else those of the benchmark's public splits that the data set has.
+std::vector<tasks::Annotations> load_splits(const Options& options, const dataset::Dataset& data,
+                                            tasks::Task task) {
+  const bool r2r = task == tasks::Task::kR2r;
+  const auto there = [&](const std::string& split) {
+    return r2r ? data.has_split(split) : data.has_split(task, split);
+  };
   const bool named = !options.splits.empty();
   std::vector<tasks::Annotations> splits;
   std::vector<std::string> names = options.splits;
-  if (!named) names.assign(dataset::kSplits.begin(), dataset::kSplits.end());
+  if (!named && r2r) names.assign(dataset::kSplits.begin(), dataset::kSplits.end());
+  if (!named && !r2r) names = data.splits(task);
   for (const std::string& split : names) {
-    if (named || data.has_split(split)) {
-      splits.push_back(data.annotations(split));
+    if (named || there(split)) {
+      splits.push_back(load_split(data, task, split));
     } else {
       fmt::print(stderr, "note: {}: holds no R2R_{}.json\n", data.folder().string(), split);
     }
   }
-  if (splits.empty()) {
-    throw FileError(
-        fmt::format("{}: holds none of R2R_train.json, R2R_val_seen.json, "
-                    "R2R_val_unseen.json, R2R_test.json; name others by --split",
-                    data.folder().string()));
+  if (!splits.empty()) return splits;
+  if (!r2r) data.annotations_file(task, tasks::usual_splits(task)[2]);  // says what was tried
+  throw FileError(
+      fmt::format("{}: holds none of R2R_train.json, R2R_val_seen.json, "
+                  "R2R_val_unseen.json, R2R_test.json; name others by --split",
+                  data.folder().string()));
+}
+
+// Boxes tell who sees the objects of REVERIE's goals; the rest can be counted without.
+const tasks::ObjectBoxes* objects_of(const dataset::Dataset& data, tasks::Task task) {
+  if (task != tasks::Task::kReverie) return nullptr;
+  try {
+    return &data.objects();
+  } catch (const FileError& error) {
+    fmt::print(stderr, "note: who sees which object is not counted: {}\n", error.what());
+    return nullptr;
   }
-  return splits;
 }
 
 void stats(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
-  const auto statistics =
-      tasks::compute_statistics(load_splits(options, data), data.graphs(), options.top);
+  const tasks::Task task = task_of(options.task, data);
+  const auto statistics = tasks::compute_statistics(load_splits(options, data, task), data.graphs(),
+                                                    options.top, objects_of(data, task));
   if (!options.json.empty()) write_output(options.json, to_json(statistics));
   if (options.json != "-") fmt::print("{}", to_table(statistics));
 }
@@ -50,9 +74,11 @@ void stats(const Options& options) {
 
 void add_stats(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
-      "stats", "What a data set is like: paths, instructions, vocabulary, graphs");
+      "stats",
+      "What a data set is like: paths, instructions, vocabulary, goals, languages, graphs");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
+  add_task_option(verb, options->task, "r2r, or what the data set has");
   add_value(verb, "--split", options->splits, "NAME",
             "Splits to count, one or more (default: those of train, val_seen, val_unseen and "
             "test that are there)");
@@ -60,8 +86,9 @@ void add_stats(CLI::App& app, int& /*status*/) {
             "Write the numbers as JSON; - for standard output, without the table");
   add_whole_number(verb, "--top", options->top,
                    "How many of the most frequent first four words to list", 0);
-  set_examples(verb, {"enfilade stats", "enfilade stats --split train val_seen --json stats.json",
-                      "enfilade stats --json - | jq .all.vocabulary"});
+  set_examples(verb,
+               {"enfilade stats", "enfilade stats --split train val_seen --json stats.json",
+                "enfilade stats --task reverie", "enfilade stats --json - | jq .all.vocabulary"});
   verb.callback([options] { stats(*options); });
 }
 

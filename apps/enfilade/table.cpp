@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/report/results_table.h"
 
@@ -13,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string data;
+  std::string data, task;
   std::vector<std::string> named;
   std::string output = "-";
   bool json = false, csv = false, markdown = false;
@@ -28,7 +29,9 @@ std::string formatted(const report::ResultsTable& table, const Options& options)
 void table(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
   const std::vector<fs::path> named(options.named.begin(), options.named.end());
-  const report::RunDirectory found = report::find_runs(named, data);
+  const tasks::Task task = task_of(
+      options.task, data, options.task.empty() ? report::find_task_of_runs(named) : std::nullopt);
+  const report::RunDirectory found = report::find_runs(named, data, task);
   const report::ScoredRuns runs = score_runs(found, data, progress_bar("scoring"));
   if (runs.runs.empty() && runs.left_out.empty()) {
     throw UsageError("there are models here, but no results file; enfilade evaluate makes them");
@@ -39,12 +42,14 @@ void table(const Options& options) {
 }  // namespace
 
 void add_table(CLI::App& app, int& /*status*/) {
-  CLI::App& verb = *app.add_subcommand(
-      "table",
-      "The paper's table: agents by splits with 95 % intervals, beside the published figures where "
-      "the data are the paper's");
+  CLI::App& verb = *app.add_subcommand("table",
+                                       "The table of the paper or of another benchmark: agents by "
+                                       "splits with 95 % intervals, beside "
+                                       "the published figures where the data are theirs");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
+  add_task_option(verb, options->task,
+                  "what the results are of; where they say nothing, r2r or what the data set has");
   add_value(verb, "runs", options->named, "PATH",
             "Results files AGENT_SPLIT.json, model directories, or folders with these; runs "
             "whose names differ in a number at the end (student-1, student-2) are one row")
@@ -57,7 +62,8 @@ void add_table(CLI::App& app, int& /*status*/) {
       ->excludes(csv);
   set_examples(verb, {"enfilade table enfilade-demo --data enfilade-demo/homes",
                       "enfilade table random_val_seen.json models/student-1 models/student-2",
-                      "enfilade table enfilade-demo --csv -o table.csv"});
+                      "enfilade table enfilade-demo --csv -o table.csv",
+                      "enfilade table runs/reverie --task reverie --markdown"});
   verb.callback([options] { table(*options); });
 }
 

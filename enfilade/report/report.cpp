@@ -17,6 +17,7 @@
 #include "enfilade/report/results_table.h"
 #include "enfilade/report/run_directory.h"
 #include "enfilade/report/scored_runs.h"
+#include "enfilade/tasks/files.h"
 
 namespace enfilade::report {
 namespace {
@@ -55,10 +56,13 @@ class Reporter {
       : config_(config),
         data_(data),
         progress_(progress),
-        found_(find_runs(config.runs, data)),
+        found_(find_runs(config.runs, data, config.task)),
         runs_(score_runs(found_, data)),
         synthetic_(data.synthetic()) {
-    for (const std::string& split : data.splits()) splits_.push_back(data.annotations(split));
+    const bool r2r = config.task == tasks::Task::kR2r;
+    for (const std::string& split : r2r ? data.splits() : data.splits(config.task)) {
+      splits_.push_back(r2r ? data.annotations(split) : data.annotations(config.task, split));
+    }
   }
 
   Json run() {
@@ -109,6 +113,9 @@ class Reporter {
     };
     const std::string folder =
         std::filesystem::weakly_canonical(data_.folder()).filename().string();
+    if (config_.task != tasks::Task::kR2r) {
+      add("benchmark", std::string(tasks::title_of(config_.task)));
+    }
     add("data", fmt::format("{}, {} buildings{}", folder, runs_.graphs->size(),
                             synthetic_ ? " (synthetic model homes)" : ""));
     std::string instructions;

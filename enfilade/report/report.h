@@ -8,12 +8,14 @@
 
 #include "enfilade/core/progress.h"
 #include "enfilade/dataset/dataset.h"
+#include "enfilade/tasks/goal.h"
 
 namespace enfilade::report {
 
 /// What the report is about, and what a page can hold.
 struct ReportConfig {
   std::vector<std::filesystem::path> runs;  ///< as find_runs() takes them
+  tasks::Task task = tasks::Task::kR2r;     ///< what the results are of
   std::string title = "Vision-and-language navigation";
   /// Named facts for its head, in order, such as {"machine", "..."}; what the data and the runs say
   /// of themselves comes before them.

@@ -1,21 +1,15 @@
 #include "enfilade/report/results_table.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include "enfilade/core/check.h"
+#include "enfilade/tasks/public_scorer.h"
 
 namespace enfilade::report {
 namespace {
-
-constexpr std::array<TableColumn, kTableColumns> kColumns{{
-    {"trajectory_length", "TL (m)", 1, 2},
-    {"nav_error", "NE (m)", 1, 2},
-    {"success", "SR (%)", 100, 1},
-    {"oracle_success", "OSR (%)", 100, 1},
-    {"spl", "SPL (%)", 100, 1},
-}};
 
 constexpr std::array<PublishedRow, 11> kPublished{{
     {"shortest", "val_seen", 10.19, 0, 1, 1},
@@ -32,7 +26,9 @@ constexpr std::array<PublishedRow, 11> kPublished{{
 }};
 
 std::size_t split_rank(const std::string& split) {
-  constexpr std::array<std::string_view, 4> kOrder{"train", "val_seen", "val_unseen", "test"};
+  constexpr std::array<std::string_view, 7> kOrder{
+      "train", "val_seen", "val_seen_instrs", "val_unseen", "val_unseen_instrs", "val_unseen_house",
+      "test"};
   return static_cast<std::size_t>(std::ranges::find(kOrder, split) - kOrder.begin());
 }
 
@@ -47,33 +43,60 @@ double student_quantile(std::size_t freedom) {
   return 1.960 + 2.45 / static_cast<double>(freedom);  // within 0.001 of the table's next entries
 }
 
-tasks::MeanInterval value_of(const std::vector<const ScoredRun*>& runs, const TableColumn& column) {
-  if (runs.size() == 1) return runs.front()->score.mean(column.metric);
+// Of one run; shares in [0, 1], whatever the scorer prints.
+tasks::MeanInterval value_of(const Scores& scores, const TableColumn& column) {
+  if (column.scored.empty()) return scores.ours.mean(column.metric);
+  const tasks::TaskScore& score = scores.by_task.value();
+  const auto metrics = score.scorer->metrics;
+  const auto found = std::ranges::find(
+      metrics, column.scored,
+      [](const tasks::ScorerMetric& metric) { return std::string_view(metric.mean_name()); });
+  EN_CHECK(found != metrics.end());
+  const tasks::MeanInterval mean = score.means[static_cast<std::size_t>(found - metrics.begin())];
+  return {mean.mean / found->scale, mean.low / found->scale, mean.high / found->scale};
+}
+
+tasks::MeanInterval value_of(const std::vector<const Scores*>& runs, const TableColumn& column) {
+  if (runs.size() == 1) return value_of(*runs.front(), column);
   std::vector<double> means;
-  for (const ScoredRun* run : runs) means.push_back(run->score.mean(column.metric).mean);
+  for (const Scores* run : runs) means.push_back(value_of(*run, column).mean);
   tasks::MeanInterval interval = student_interval(means);
-  interval.low = std::max(interval.low, 0.0);
+  interval.low = std::max(interval.low, column.least);
   if (column.scale != 1) interval.high = std::min(interval.high, 1.0);
   return interval;
 }
 
-TableRow make_row(const std::vector<const ScoredRun*>& runs, bool synthetic) {
-  const ScoredRun& first = *runs.front();
+// A row of a language, or of all where it is empty.
+TableRow make_row(const std::vector<const ScoredRun*>& runs, tasks::Task task,
+                  const std::string& language) {
   TableRow row;
-  row.agent = without_seed(first.agent);
-  row.split = first.split;
-  for (const ScoredRun* run : runs) row.runs.push_back(run->agent);
-  row.episodes = first.score.episodes.size();
-  for (std::size_t k = 0; k < kTableColumns; ++k) row.values[k] = value_of(runs, kColumns[k]);
-  if (!synthetic && row.episodes == published_episodes(row.split)) {
-    row.published = published_row(row.agent, row.split);
+  row.agent = without_seed(runs.front()->agent);
+  row.split = runs.front()->split;
+  row.language = language;
+  std::vector<const Scores*> scores;
+  for (const ScoredRun* run : runs) {
+    row.runs.push_back(run->agent);
+    scores.push_back(language.empty() ? &run->scores : &run->languages.at(language));
+  }
+  row.episodes = scores.front()->ours.episodes.size();
+  for (const TableColumn& column : table_columns(task)) {
+    row.values.push_back(value_of(scores, column));
   }
   return row;
 }
 
-}  // namespace
+void add_rows(const std::vector<const ScoredRun*>& runs, ResultsTable& table) {
+  TableRow& row = table.rows.emplace_back(make_row(runs, table.task, {}));
+  const bool papers = table.task == tasks::Task::kR2r && !table.synthetic;
+  if (papers && row.episodes == published_episodes(row.split)) {
+    row.published = published_row(row.agent, row.split);
+  }
+  for (const auto& [language, scores] : runs.front()->languages) {
+    table.rows.push_back(make_row(runs, table.task, language));
+  }
+}
 
-std::span<const TableColumn, kTableColumns> table_columns() noexcept { return kColumns; }
+}  // namespace
 
 tasks::MeanInterval student_interval(std::span<const double> samples) {
   EN_CHECK(!samples.empty());
@@ -105,8 +128,8 @@ ResultsTable make_table(const ScoredRuns& runs, bool synthetic) {
     const std::string &x = a.front()->split, &y = b.front()->split;
     return std::pair(split_rank(x), x) < std::pair(split_rank(y), y);
   });
-  ResultsTable table{synthetic, {}, runs.left_out};
-  for (const auto& group : groups) table.rows.push_back(make_row(group, synthetic));
+  ResultsTable table{runs.task, synthetic, {}, runs.left_out};
+  for (const auto& group : groups) add_rows(group, table);
   return table;
 }
 

@@ -1,6 +1,5 @@
-/// \file  The paper's table: agents by splits, with intervals, beside what was published.
+/// \file  The table of each benchmark: agents by splits, with intervals, beside what was published.
 #pragma once
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -10,19 +9,36 @@
 
 #include "enfilade/report/scored_runs.h"
 #include "enfilade/tasks/bootstrap.h"
+#include "enfilade/tasks/goal.h"
 
 namespace enfilade::report {
 
-/// A column: a metric of r2r/metrics.h, and how it is shown.
+/// A column: a metric, and how it is shown.
 struct TableColumn {
-  std::string_view metric;  ///< "success"
+  std::string_view metric;  ///< its name in JSON and CSV: "success"
   std::string_view label;   ///< "SR (%)"
   double scale = 1;         ///< 100 for what is shown in per cent
   int digits = 2;           ///< after the point
+  std::string_view scored =
+      {};            ///< what table_scorer() calls its mean; empty: tasks/metrics.h has it
+  double least = 0;  ///< the smallest value that is possible
 };
-/// How many metrics the paper's table has.
-inline constexpr std::size_t kTableColumns = 5;
-std::span<const TableColumn, kTableColumns> table_columns() noexcept;  ///< TL NE SR OSR SPL
+/// What the published tables of a benchmark show, in their order: of R2R TL NE SR OSR SPL; of
+/// REVERIE SR OSR SPL RGS RGSPL; and so on (docs/report.md). All of them have "success".
+std::span<const TableColumn> table_columns(tasks::Task task = tasks::Task::kR2r) noexcept;
+/// The name of the public scorer behind the columns; empty for R2R, which has our own metrics.
+std::string_view table_scorer(tasks::Task task) noexcept;
+
+/// A figure that somebody published for a split called "val unseen", as it stands in their text.
+struct PublishedResult {
+  tasks::Task task;
+  std::string_view agent;
+  std::string_view source;                       ///< where it was read
+  std::optional<double> success = {}, spl = {};  ///< [0, 1]
+  std::optional<double> goal_progress = {};      ///< metres
+};
+/// All that is known to us with a source; no figure is from memory.
+std::span<const PublishedResult> published_results() noexcept;
 
 /// A row of table 1 of Anderson et al., CVPR 2018. The paper has no SPL, which its authors proposed
 /// afterwards.
@@ -51,23 +67,27 @@ struct TableRow {
   std::string agent;  ///< without its seeds: "student"
   std::string split;
   std::vector<std::string> runs;  ///< "student-1", "student-2"; at least one
-  std::size_t episodes = 0;       ///< of the split
+  std::size_t episodes = 0;       ///< of the split, or of its language
+  std::string language = {};      ///< of RxR's rows by language: "hi-IN"; empty: all
   /// By column, in the metric's own unit (metres, shares). Of one run: its mean and the bootstrap
   /// interval over paths. Of several: the mean of their means and Student's interval of it over
   /// runs, clipped to the values that are possible. It shows how much runs differ by their seeds,
   /// not by the choice of paths.
-  std::array<tasks::MeanInterval, kTableColumns> values;
-  std::optional<PublishedRow> published;  ///< only where episodes are those of the paper's split
+  std::vector<tasks::MeanInterval> values;
+  /// Of R2R, only where the episodes are those of the paper's split.
+  std::optional<PublishedRow> published;
 };
 
-/// The paper's table: rows of agents by split.
+/// The table of a benchmark: rows of agents by split.
 struct ResultsTable {
+  tasks::Task task = tasks::Task::kR2r;
   bool synthetic = false;      ///< of made-up buildings: nothing published belongs beside them
   std::vector<TableRow> rows;  ///< by split (train, val_seen, val_unseen, others), then agent
   std::vector<std::string> left_out;  ///< as ScoredRuns::left_out
 };
 
-/// Rows of one agent's runs become one, with an interval over runs.
+/// Rows of one agent's runs become one, with an interval over runs. Of RxR each is followed by rows
+/// of its languages.
 ResultsTable make_table(const ScoredRuns& runs, bool synthetic);
 
 /// Mean and two-sided 95 % interval of a few independent samples by Student's distribution.
@@ -76,11 +96,14 @@ tasks::MeanInterval student_interval(std::span<const double> samples);
 
 /// For people, in columns.
 std::string to_text(const ResultsTable& table);
-/// {"synthetic", "rows": [{"agent", "split", "runs", "episodes", "interval", metric: {"mean",
-/// "low", "high", "published"?}}], "left_out"}; shares in [0, 1]. What isn't finite is null.
+/// {"task", "scorer", "synthetic", "columns": [{"metric", "label", "scale", "digits"}], "rows":
+/// [{"agent", "split", "language"?, "runs", "episodes", "interval", metric: {"mean", "low", "high",
+/// "published"?}}], "published": [{"agent", "source", metric: value}], "left_out"}; shares in
+/// [0, 1]. What isn't finite is null. Of R4R and RxR `ndtw` and `ndtw_collapsed` are both there.
 std::string to_json(const ResultsTable& table);
-/// A line for each row, as RFC 4180 has it: agent, split, runs, episodes, synthetic, then mean,
-/// low, high and published of each metric (empty where there is none); shares in [0, 1].
+/// A line for each row, as RFC 4180 has it: agent, split, (of RxR language,) runs, episodes,
+/// synthetic, then mean, low, high and published of each metric (empty where there is none); shares
+/// in [0, 1].
 std::string to_csv(const ResultsTable& table);
 /// A GitHub-flavoured table, for a README.
 std::string to_markdown(const ResultsTable& table);

@@ -1,9 +1,12 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "enfilade/report/results_table.h"
+#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/public_scorer.h"
 
 namespace enfilade::report {
 namespace {
@@ -13,6 +16,8 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kSynthetic =
     "SYNTHETIC: model homes made by Enfilade. Not to be compared with any published figure.";
 constexpr const char* kPaper = "paper: Anderson et al., CVPR 2018, table 1.";
+constexpr const char* kStar =
+    "* Turns on the spot are taken once; without the star every entry of a trajectory counts.";
 constexpr const char* kIntervals =
     "Intervals are of 95 %: of one run, bootstrap over paths; of several, Student's over runs.";
 
@@ -21,11 +26,16 @@ struct Widths {
   std::size_t split = 5, agent = 9;
 };
 
+// As people read it: "random", "  hi-IN" below it.
+std::string name_of(const TableRow& row) {
+  return row.language.empty() ? row.agent : "  " + row.language;
+}
+
 Widths widths_of(const ResultsTable& table) {
   Widths widths;
   for (const TableRow& row : table.rows) {
     widths.split = std::max(widths.split, row.split.size());
-    widths.agent = std::max(widths.agent, row.agent.size());
+    widths.agent = std::max(widths.agent, name_of(row).size());
   }
   return widths;
 }
@@ -48,23 +58,80 @@ bool any_published(const ResultsTable& table) {
   return std::ranges::any_of(table.rows, [](const TableRow& r) { return r.published.has_value(); });
 }
 
+// "NaviLLM: SR 67, SPL 59 (README of zd11024/NaviLLM)"
+std::string shown(const PublishedResult& result) {
+  std::vector<std::string> values;
+  if (result.success) values.push_back(fmt::format("SR {:.4g}", 100 * *result.success));
+  if (result.spl) values.push_back(fmt::format("SPL {:.4g}", 100 * *result.spl));
+  if (result.goal_progress) values.push_back(fmt::format("GP {:.2f} m", *result.goal_progress));
+  return fmt::format("Published, val unseen: {}: {} ({}).", result.agent, fmt::join(values, ", "),
+                     result.source);
+}
+
+// Those that belong beside the table: nothing beside model homes, or other splits.
+std::vector<PublishedResult> published_beside(const ResultsTable& table) {
+  const bool unseen = std::ranges::any_of(
+      table.rows, [](const TableRow& row) { return row.split.starts_with("val_unseen"); });
+  std::vector<PublishedResult> beside;
+  if (table.synthetic || !unseen) return beside;
+  if (table.task == tasks::Task::kR2r && !any_published(table)) return beside;
+  for (const PublishedResult& result : published_results()) {
+    if (result.task == table.task) beside.push_back(result);
+  }
+  return beside;
+}
+
+bool has_stars(const ResultsTable& table) {
+  return std::ranges::any_of(table_columns(table.task), [](const TableColumn& column) {
+    return column.label.find('*') != std::string_view::npos;
+  });
+}
+
 std::vector<std::string> notes_of(const ResultsTable& table) {
   std::vector<std::string> notes;
   if (table.synthetic) notes.emplace_back(kSynthetic);
+  if (const auto scorer = table_scorer(table.task); !scorer.empty()) {
+    notes.push_back(fmt::format("{}, scored as {} ({}).", tasks::title_of(table.task), scorer,
+                                tasks::public_scorer(table.task, scorer).source));
+  }
+  if (has_stars(table)) notes.emplace_back(kStar);
   notes.emplace_back(kIntervals);
+  for (const PublishedResult& one : published_beside(table)) notes.push_back(shown(one));
   if (any_published(table)) notes.emplace_back(kPaper);
   for (const std::string& one : table.left_out) notes.push_back("Left out: " + one + ".");
   return notes;
 }
 
-Json value_json(const TableRow& row, std::size_t k) {
+Json value_json(const TableRow& row, std::size_t k, const TableColumn& column) {
   const tasks::MeanInterval& value = row.values.at(k);
   // Infinities become null.
   Json json{{"mean", value.mean}, {"low", value.low}, {"high", value.high}};
   if (!row.published) return json;
-  const auto published = published_value(*row.published, table_columns()[k].metric);
+  const auto published = published_value(*row.published, column.metric);
   json["published"] = published ? Json(*published) : Json(nullptr);
   return json;
+}
+
+Json columns_json(std::span<const TableColumn> columns) {
+  Json all = Json::array();
+  for (const TableColumn& column : columns) {
+    all.push_back({{"metric", column.metric},
+                   {"label", column.label},
+                   {"scale", column.scale},
+                   {"digits", column.digits}});
+  }
+  return all;
+}
+
+Json published_json(const ResultsTable& table) {
+  Json all = Json::array();
+  for (const PublishedResult& one : published_beside(table)) {
+    Json& json = all.emplace_back(Json{{"agent", one.agent}, {"source", one.source}});
+    if (one.success) json["success"] = *one.success;
+    if (one.spl) json["spl"] = *one.spl;
+    if (one.goal_progress) json["goal_progress"] = *one.goal_progress;
+  }
+  return all;
 }
 
 // Quoted if it has to be (RFC 4180).
@@ -94,11 +161,12 @@ std::string markdown_cell(const std::string& text) {
 
 // A line of to_text(). \param cell makes the text of a column, as wide as the column
 template <class Cell>
-std::string text_line(const Widths& widths, std::string_view split, std::string_view agent,
-                      std::string_view runs, const Cell& cell) {
+std::string text_line(const Widths& widths, std::span<const TableColumn> columns,
+                      std::string_view split, std::string_view agent, std::string_view runs,
+                      const Cell& cell) {
   std::string line =
       fmt::format("{:<{}}  {:<{}}  {:>4}", split, widths.split, agent, widths.agent, runs);
-  for (std::size_t k = 0; k < kTableColumns; ++k) line += "  " + cell(k, table_columns()[k]);
+  for (std::size_t k = 0; k < columns.size(); ++k) line += "  " + cell(k, columns[k]);
   line.resize(line.find_last_not_of(' ') + 1);
   return line + "\n";
 }
@@ -107,13 +175,14 @@ std::string text_line(const Widths& widths, std::string_view split, std::string_
 
 std::string to_text(const ResultsTable& table) {
   const Widths widths = widths_of(table);
-  std::string text =
-      text_line(widths, "split", "agent", "runs", [](std::size_t, const TableColumn& column) {
-        return fmt::format("{:>7}{:<14}", column.label, "");
-      });
+  const auto columns = table_columns(table.task);
+  std::string text = text_line(widths, columns, "split", "agent", "runs",
+                               [](std::size_t, const TableColumn& column) {
+                                 return fmt::format("{:>7}{:<14}", column.label, "");
+                               });
   std::string_view split;
   for (const TableRow& row : table.rows) {
-    text += text_line(widths, row.split == split ? "" : row.split, row.agent,
+    text += text_line(widths, columns, row.split == split ? "" : row.split, name_of(row),
                       std::to_string(row.runs.size()),
                       [&row](std::size_t k, const TableColumn& column) {
                         return fmt::format("{:>6}{:<15}", shown(row.values.at(k).mean, column),
@@ -121,9 +190,10 @@ std::string to_text(const ResultsTable& table) {
                       });
     split = row.split;
     if (!row.published) continue;
-    text += text_line(widths, "", "  paper", "", [&row](std::size_t, const TableColumn& column) {
-      return fmt::format("{:>6}{:<15}", shown_published(row, column), "");
-    });
+    text += text_line(widths, columns, "", "  paper", "",
+                      [&row](std::size_t, const TableColumn& column) {
+                        return fmt::format("{:>6}{:<15}", shown_published(row, column), "");
+                      });
   }
   text += '\n';
   for (const std::string& note : notes_of(table)) text += note + "\n";
@@ -131,6 +201,7 @@ std::string to_text(const ResultsTable& table) {
 }
 
 std::string to_json(const ResultsTable& table) {
+  const auto columns = table_columns(table.task);
   Json rows = Json::array();
   for (const TableRow& row : table.rows) {
     Json json{{"agent", row.agent},
@@ -138,28 +209,40 @@ std::string to_json(const ResultsTable& table) {
               {"runs", row.runs},
               {"episodes", row.episodes},
               {"interval", row.runs.size() == 1 ? "bootstrap over paths" : "Student over runs"}};
-    for (std::size_t k = 0; k < kTableColumns; ++k) {
-      json[table_columns()[k].metric] = value_json(row, k);
+    if (!row.language.empty()) json["language"] = row.language;
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      json[columns[k].metric] = value_json(row, k, columns[k]);
     }
     rows.push_back(std::move(json));
   }
-  const Json all{{"synthetic", table.synthetic}, {"rows", rows}, {"left_out", table.left_out}};
+  const Json all{{"task", tasks::name_of(table.task)},
+                 {"scorer", table_scorer(table.task)},
+                 {"synthetic", table.synthetic},
+                 {"columns", columns_json(columns)},
+                 {"rows", rows},
+                 {"published", published_json(table)},
+                 {"notes", has_stars(table) ? Json{kStar} : Json::array()},
+                 {"left_out", table.left_out}};
   return all.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string to_csv(const ResultsTable& table) {
-  std::string text = "agent,split,runs,episodes,synthetic";
-  for (const TableColumn& column : table_columns()) {
+  const bool languages = table.task == tasks::Task::kRxr;
+  std::string text = languages ? "agent,split,language,runs,episodes,synthetic"
+                               : "agent,split,runs,episodes,synthetic";
+  const auto columns = table_columns(table.task);
+  for (const TableColumn& column : columns) {
     text += fmt::format(",{0},{0}_low,{0}_high,{0}_published", column.metric);
   }
   text += "\r\n";
   for (const TableRow& row : table.rows) {
-    text += fmt::format("{},{},{},{},{}", csv_cell(row.agent), csv_cell(row.split), row.runs.size(),
-                        row.episodes, table.synthetic ? "yes" : "no");
-    for (std::size_t k = 0; k < kTableColumns; ++k) {
+    text += fmt::format("{},{},", csv_cell(row.agent), csv_cell(row.split));
+    if (languages) text += csv_cell(row.language) + ",";
+    text += fmt::format("{},{},{}", row.runs.size(), row.episodes, table.synthetic ? "yes" : "no");
+    for (std::size_t k = 0; k < columns.size(); ++k) {
       const tasks::MeanInterval& value = row.values.at(k);
       const auto published =
-          row.published ? published_value(*row.published, table_columns()[k].metric) : std::nullopt;
+          row.published ? published_value(*row.published, columns[k].metric) : std::nullopt;
       text += fmt::format(",{},{},{},{}", csv_number(value.mean), csv_number(value.low),
                           csv_number(value.high), published ? csv_number(*published) : "");
     }
@@ -171,23 +254,24 @@ std::string to_csv(const ResultsTable& table) {
 std::string to_markdown(const ResultsTable& table) {
   std::string text = "| split | agent | runs |";
   std::string rule = "|---|---|---:|";
-  for (const TableColumn& column : table_columns()) {
+  const auto columns = table_columns(table.task);
+  for (const TableColumn& column : columns) {
     text += fmt::format(" {} |", column.label);
     rule += "---:|";
   }
   text += "\n" + rule + "\n";
   for (const TableRow& row : table.rows) {
-    text += fmt::format("| {} | {} | {} |", markdown_cell(row.split), markdown_cell(row.agent),
+    const std::string name = row.language.empty() ? row.agent : row.agent + ", " + row.language;
+    text += fmt::format("| {} | {} | {} |", markdown_cell(row.split), markdown_cell(name),
                         row.runs.size());
-    for (std::size_t k = 0; k < kTableColumns; ++k) {
-      const TableColumn& column = table_columns()[k];
-      text += fmt::format(" {}{} |", shown(row.values.at(k).mean, column),
-                          shown_interval(row.values.at(k), column));
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      text += fmt::format(" {}{} |", shown(row.values.at(k).mean, columns[k]),
+                          shown_interval(row.values.at(k), columns[k]));
     }
     text += '\n';
     if (!row.published) continue;
     text += "| | *paper* | |";
-    for (const TableColumn& column : table_columns()) {
+    for (const TableColumn& column : columns) {
       text += fmt::format(" *{}* |", shown_published(row, column));
     }
     text += '\n';

@@ -11,7 +11,9 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
 #include "enfilade/models/model_directory.h"
+#include "enfilade/tasks/files.h"
 
 namespace enfilade::report {
 namespace {
@@ -33,9 +35,29 @@ bool is_model(const fs::path& folder) {
   return fs::exists(models::ModelFiles{folder}.config(), code);
 }
 
+std::vector<fs::path> entries(const fs::path& folder) {
+  std::error_code code;
+  std::vector<fs::path> paths;
+  for (const auto& entry : fs::directory_iterator(folder, code)) paths.push_back(entry.path());
+  if (code) throw FileError(fmt::format("{}: {}", folder.string(), code.message()));
+  std::ranges::sort(paths);
+  return paths;
+}
+
+// The files of a folder that may be results.
+std::vector<fs::path> json_files(const fs::path& folder) {
+  std::error_code code;
+  if (!fs::is_directory(folder, code)) return {};
+  std::vector<fs::path> files;
+  for (const fs::path& path : entries(folder)) {
+    if (path.extension() == ".json" && fs::is_regular_file(path, code)) files.push_back(path);
+  }
+  return files;
+}
+
 class Finder {
  public:
-  explicit Finder(const dataset::Dataset& data) : data_(data) {}
+  Finder(const dataset::Dataset& data, tasks::Task task) : data_(data) { found_.task = task; }
 
   void add(const fs::path& named) {
     std::error_code code;
@@ -60,13 +82,9 @@ class Finder {
   }
 
  private:
-  static std::vector<fs::path> entries(const fs::path& folder) {
-    std::error_code code;
-    std::vector<fs::path> paths;
-    for (const auto& entry : fs::directory_iterator(folder, code)) paths.push_back(entry.path());
-    if (code) throw FileError(fmt::format("{}: {}", folder.string(), code.message()));
-    std::ranges::sort(paths);
-    return paths;
+  bool has_split(const std::string& split) const {
+    return found_.task == tasks::Task::kR2r ? data_.has_split(split)
+                                            : data_.has_split(found_.task, split);
   }
 
   void add_folder(const fs::path& folder) {
@@ -93,7 +111,7 @@ class Finder {
     if (!fs::is_directory(folder / "results", code)) return;
     for (const fs::path& path : entries(folder / "results")) {
       const std::string split = path.stem().string();
-      if (path.extension() == ".json" && data_.has_split(split)) add_results(path, agent, split);
+      if (path.extension() == ".json" && has_split(split)) add_results(path, agent, split);
     }
   }
 
@@ -108,7 +126,7 @@ class Finder {
     // "models/student/results/val_seen.json": its agent is the folder's name.
     const fs::path whole = fs::weakly_canonical(file);
     const fs::path owner = whole.parent_path().parent_path();
-    if (is_model(owner) && data_.has_split(whole.stem().string())) {
+    if (is_model(owner) && has_split(whole.stem().string())) {
       add_results(file, owner.filename().string(), whole.stem().string());
       return;
     }
@@ -128,7 +146,7 @@ class Finder {
     const std::string stem = file.stem().string();
     for (std::size_t at = stem.find('_', 1); at != std::string::npos; at = stem.find('_', at + 1)) {
       const std::string split = stem.substr(at + 1);
-      if (data_.has_split(split)) return std::pair(stem.substr(0, at), split);
+      if (has_split(split)) return std::pair(stem.substr(0, at), split);
     }
     return std::nullopt;
   }
@@ -158,8 +176,25 @@ std::string_view without_seed(std::string_view agent) noexcept {
   return seeded ? agent.substr(0, end) : agent;
 }
 
-RunDirectory find_runs(std::span<const fs::path> named, const dataset::Dataset& data) {
-  Finder finder(data);
+std::optional<tasks::Task> find_task_of_runs(std::span<const fs::path> named) {
+  for (const fs::path& one : named) {
+    std::error_code code;
+    if (!fs::exists(one, code)) continue;  // find_runs() says so
+    std::vector<fs::path> files{one};
+    if (fs::is_directory(one, code)) {
+      files = json_files(one);
+      for (const fs::path& more : json_files(one / "results")) files.push_back(more);
+    }
+    for (const fs::path& file : files) {
+      if (const auto task = tasks::find_task_of_results(read_file(file))) return task;
+    }
+  }
+  return std::nullopt;
+}
+
+RunDirectory find_runs(std::span<const fs::path> named, const dataset::Dataset& data,
+                       tasks::Task task) {
+  Finder finder(data, task);
   for (const fs::path& path : named) finder.add(path);
   RunDirectory found = finder.take();
   if (found.results.empty() && found.models.empty()) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,19 +13,32 @@
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/results.h"
 #include "enfilade/tasks/score.h"
+#include "enfilade/tasks/task_score.h"
 
 namespace enfilade::report {
+
+/// What the episodes of a split are worth.
+struct Scores {
+  /// Of each episode, by tasks/metrics.h. Where the goal is not to end near the path's last
+  /// viewpoint, `success`, `nav_error`, `oracle_success`, `oracle_error`, `shortest` and `spl` are
+  /// of the goal that there is (tasks/goal_distance.h), answers aside but for R2R-Back's.
+  tasks::Score ours;
+  /// By table_scorer(); none of R2R.
+  std::optional<tasks::TaskScore> by_task;
+};
 
 /// One agent (with one seed) on one split.
 struct ScoredRun {
   std::string agent;  ///< "student-2"
   std::string split;
   std::vector<tasks::Trajectory> trajectories;  ///< in the order of the split's episodes
-  tasks::Score score;
+  Scores scores;
+  std::map<std::string, Scores> languages = {};  ///< of RxR, of the episodes in each of them
 };
 
 /// A plain value: any thread.
 struct ScoredRuns {
+  tasks::Task task = tasks::Task::kR2r;
   std::shared_ptr<const graph::GraphSet> graphs;
   std::map<std::string, tasks::EpisodeSet> splits;  ///< those that a run has
   std::vector<ScoredRun> runs;                      ///< in the order of RunDirectory::results
@@ -32,7 +46,7 @@ struct ScoredRuns {
 };
 
 /// Reads and scores every results file, with bootstrap intervals. Those of splits whose goals are
-/// hidden are left out, and `left_out` says so.
+/// hidden are left out, and `left_out` says so. The benchmark is that of `found`.
 /// \throws FileError; InvalidInput listing what is wrong with a results file
 ScoredRuns score_runs(const RunDirectory& found, const dataset::Dataset& data,
                       const Progress& progress = {});

@@ -50,7 +50,7 @@ function drawErrors(section, data) {
   const last = lastBin(all);
   const splits = new Set(agents.flatMap((a) => validation(a.splits)));
   section.append(paragraph('The distance along the graph from where the agent stopped to the ' +
-    'goal. An episode succeeds if it is less than 3 m.', 'lead'), legend(splits, 'val_seen'));
+    `goal. ${data.errors.rule}`, 'lead'), legend(splits, 'val_seen'));
   const panels = element('div', {class: 'panels'});
   for (const agent of agents) {
     const chart = makeChart({
@@ -60,7 +60,7 @@ function drawErrors(section, data) {
       y: {domain: [0, largestShare(all) * 1.08], label: 'share of episodes',
         format: d3.format('.0%')},
     });
-    drawMark(chart, 3, 'success');
+    if (data.errors.radius !== null) drawMark(chart, data.errors.radius, 'success');
     for (const split of validation(agent.splits)) {
       drawHistogram(chart, agent.splits[split], last, split, 'val_seen');
     }

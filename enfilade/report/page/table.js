@@ -2,16 +2,20 @@
 
 // The table of results, and success as a chart.
 
-const kColumns = [
-  {key: 'trajectory_length', label: 'TL', unit: 'm', scale: 1, digits: 2,
-    name: 'Trajectory length'},
-  {key: 'nav_error', label: 'NE', unit: 'm', scale: 1, digits: 2, name: 'Navigation error'},
-  {key: 'success', label: 'SR', unit: '%', scale: 100, digits: 1, name: 'Success rate'},
-  {key: 'oracle_success', label: 'OSR', unit: '%', scale: 100, digits: 1,
-    name: 'Oracle success rate: had it stopped at the best point of its way'},
-  {key: 'spl', label: 'SPL', unit: '%', scale: 100, digits: 1,
-    name: 'Success weighted by path length'},
-];
+const kNames = {
+  trajectory_length: 'Trajectory length', nav_error: 'Navigation error', success: 'Success rate',
+  oracle_success: 'Oracle success rate: had it stopped at the best point of its way',
+  spl: 'Success weighted by path length',
+  ndtw: 'Likeness to the reference path, every entry of a trajectory',
+  ndtw_collapsed: 'Likeness to the reference path, turns on the spot taken once',
+  sdtw: 'The same where it succeeded, else 0, every entry',
+  sdtw_collapsed: 'The same where it succeeded, else 0, turns taken once',
+  cls: 'Coverage weighted by length', rgs: 'Remote grounding success: the right object was named',
+  rgspl: 'The same weighted by path length',
+  goal_progress: 'Goal progress: how much nearer the region is at the end',
+  detection: 'Share of episodes that end with a point in the object',
+  detection_spl: 'The same weighted by path length',
+};
 
 const shown = (value, column) =>
   Number.isFinite(value) ? (column.scale * value).toFixed(column.digits) : '–';
@@ -25,30 +29,33 @@ function valueCell(value, column) {
   return cell;
 }
 
-function resultRows(row) {
+function resultRows(row, columns) {
   const runs = row.runs.length > 1 ? ` · ${row.runs.length} seeds` : '';
-  const ours = element('tr', {}, element('th', {scope: 'row'}, agentName(row.agent) + runs));
-  for (const column of kColumns) ours.append(valueCell(row[column.key], column));
-  if (!kColumns.some((column) => Number.isFinite(row[column.key].published))) return [ours];
+  const name = row.language ? `– ${row.language}, ${row.episodes.toLocaleString('en')} episodes` :
+    agentName(row.agent) + runs;
+  const ours = element('tr', {}, element('th', {scope: 'row'}, name));
+  for (const column of columns) ours.append(valueCell(row[column.metric], column));
+  if (!columns.some((column) => Number.isFinite(row[column.metric].published))) return [ours];
   const paper = element('tr', {class: 'paper'}, element('th', {scope: 'row'}, 'as published'));
-  for (const column of kColumns) {
-    paper.append(element('td', {}, shown(row[column.key].published, column)));
+  for (const column of columns) {
+    paper.append(element('td', {}, shown(row[column.metric].published, column)));
   }
   return [ours, paper];
 }
 
-function resultTable(rows) {
+function resultTable(rows, columns) {
   const head = element('tr', {}, element('th', {scope: 'col'}, 'Agent'));
-  for (const column of kColumns) {
-    head.append(element('th', {scope: 'col', title: column.name}, `${column.label} (${column.unit})`));
+  for (const column of columns) {
+    head.append(element('th', {scope: 'col', title: kNames[column.metric] ?? column.metric},
+      column.label));
   }
   const table = element('table', {}, element('thead', {}, head));
   for (const split of inOrder(new Set(rows.map((row) => row.split)))) {
     const body = element('tbody', {class: 'split'});
     const here = rows.filter((row) => row.split === split);
-    body.append(element('tr', {}, element('th', {scope: 'rowgroup', colspan: kColumns.length + 1},
+    body.append(element('tr', {}, element('th', {scope: 'rowgroup', colspan: columns.length + 1},
       `${longSplitName(split)}, ${here[0].episodes.toLocaleString('en')} episodes`)));
-    for (const row of here) body.append(...resultRows(row));
+    for (const row of here) body.append(...resultRows(row, columns));
     table.append(body);
   }
   return element('div', {class: 'scroll', tabindex: '0', role: 'region',
@@ -93,7 +100,11 @@ function drawResults(section, data) {
     section.append(missing('No results file of this run can be scored.'));
     return;
   }
-  section.append(resultTable(rows));
+  section.append(resultTable(rows, data.table.columns));
+  if (data.table.scorer) {
+    section.append(paragraph(`Scored as the public code of ${data.table.scorer} does.`, 'note'));
+  }
+  for (const note of data.table.notes) section.append(paragraph(note, 'note'));
   const several = rows.some((row) => row.runs.length > 1);
   section.append(paragraph('Intervals are of 95 %: bootstrap over paths' +
     (several ? ' for one run, Student’s over seeds for several.' : '.'), 'note'));
@@ -101,9 +112,16 @@ function drawResults(section, data) {
   if (published) {
     section.append(paragraph('As published (and ◇): Anderson et al., CVPR 2018, table 1.', 'note'));
   }
+  for (const one of data.table.published) {
+    const values = data.table.columns.filter((column) => Number.isFinite(one[column.metric]))
+      .map((column) => `${column.label} ${shown(one[column.metric], column)}`);
+    section.append(paragraph(
+      `Published, val unseen: ${one.agent}: ${values.join(', ')} (${one.source}).`, 'note'));
+  }
   const panels = element('div', {class: 'panels'});
   for (const split of inOrder(new Set(rows.map((row) => row.split)))) {
-    panels.append(successChart(rows.filter((row) => row.split === split), split));
+    panels.append(
+      successChart(rows.filter((row) => row.split === split && !row.language), split));
   }
   section.append(panels);
 }

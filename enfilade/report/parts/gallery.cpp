@@ -158,7 +158,7 @@ Json episode_json(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
                   const ChosenEpisode& chosen, Frames& frames) {
   const tasks::Episode& episode = episodes.episodes[chosen.episode];
   const graph::NavGraph& graph = episodes.graph_of(episode);
-  const tasks::EpisodeMetrics& m = gallery.run->score.episodes[chosen.episode];
+  const tasks::EpisodeMetrics& m = gallery.run->scores.ours.episodes[chosen.episode];
   const tasks::Trajectory& trajectory = gallery.run->trajectories[chosen.episode];
   const models::EpisodeAttention* attention = nullptr;
   if (gallery.attention) {
@@ -223,7 +223,7 @@ std::optional<GalleryRun> choose_run(const ScoredRuns& runs, const RunDirectory&
 
 std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
                                            const tasks::EpisodeSet& episodes, std::size_t each) {
-  const auto& metrics = gallery.run->score.episodes;
+  const auto& metrics = gallery.run->scores.ours.episodes;
   std::vector<std::size_t> left;
   for (std::size_t i = 0; i < metrics.size(); ++i) {
     const std::string& id = episodes.episodes[i].instruction_id;
@@ -264,7 +264,7 @@ Json gallery_part(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
   }
   Json part{{"agent", gallery.run->agent},
             {"split", gallery.run->split},
-            {"successDistance", gallery.run->score.options.metrics.success_distance},
+            {"successDistance", gallery.run->scores.ours.options.metrics.success_distance},
             {"buildings", std::move(buildings)},
             {"episodes", std::move(all)}};
   part["frames"] = std::move(frames.by_key);

@@ -27,12 +27,12 @@ Json by_agent(const ScoredRuns& scored, const One& one) {
   std::map<std::string, std::map<std::string, std::vector<const ScoredRun*>>> groups;
   for (const ScoredRun& run : scored.runs) {
     const std::string agent(without_seed(run.agent));
-    if (agent == "shortest") continue;
+    if (agent == "shortest" || agent == "reference") continue;
     if (!groups.contains(agent)) agents.push_back(agent);
     groups[agent][run.split].push_back(&run);
   }
   if (agents.empty()) {
-    return missing("No agent but Shortest, which always arrives, has results that can be scored.");
+    return missing("No agent but oracles, which always arrive, has results that can be scored.");
   }
   Json all = Json::array();
   for (const std::string& agent : agents) {
@@ -53,8 +53,8 @@ Json success_by_length(const std::vector<const ScoredRun*>& runs, const ScoredRu
   std::map<std::size_t, LengthBin> bins;
   for (const ScoredRun* run : runs) {
     const tasks::EpisodeSet& episodes = scored.splits.at(run->split);
-    for (std::size_t i = 0; i < run->score.episodes.size(); ++i) {
-      const tasks::EpisodeMetrics& m = run->score.episodes[i];
+    for (std::size_t i = 0; i < run->scores.ours.episodes.size(); ++i) {
+      const tasks::EpisodeMetrics& m = run->scores.ours.episodes[i];
       if (!std::isfinite(m.shortest)) continue;
       LengthBin& bin = bins[static_cast<std::size_t>(m.shortest / kMetresABin)];
       ++bin.episodes;
@@ -92,6 +92,32 @@ Json run_json(const std::string& name, const models::TrainingHistory& log) {
   return {{"run", name}, {"train", std::move(training)}, {"evaluations", std::move(splits)}};
 }
 
+// Whether success is to stop near a place, however many steps are left.
+bool ends_near(tasks::Task task) {
+  return task != tasks::Task::kReverie && task != tasks::Task::kCvdn && task != tasks::Task::kSoon;
+}
+
+const char* rule_of(tasks::Task task) {
+  switch (task) {
+    case tasks::Task::kReverie:
+      return "The goal is the nearest viewpoint that sees the object; an episode succeeds where it "
+             "is "
+             "seen.";
+    case tasks::Task::kCvdn:
+      return "The goal is the nearest viewpoint of the region; an episode succeeds in it.";
+    case tasks::Task::kSoon:
+      return "The goal is the nearest viewpoint with a box of the object; an episode succeeds "
+             "there, "
+             "or less than 3 m from the end of the path.";
+    case tasks::Task::kR2rBack:
+      return "Until the turning point was named, the goal is behind it. An episode succeeds if "
+             "that "
+             "and the end are at most 3 m off.";
+    default:
+      return "An episode succeeds if it is less than 3 m.";
+  }
+}
+
 }  // namespace
 
 ShareInterval wilson_interval(double share, double n) noexcept {
@@ -121,15 +147,19 @@ std::vector<CurvePoint> training_curve(std::span<const models::TrainRecord> reco
 }
 
 Json errors_part(const ScoredRuns& scored) {
-  return by_agent(scored, [](const std::vector<const ScoredRun*>& runs) {
+  Json part = by_agent(scored, [](const std::vector<const ScoredRun*>& runs) {
     Histogram histogram{1, {}, 0};
     for (const ScoredRun* run : runs) {
-      for (const tasks::EpisodeMetrics& m : run->score.episodes) {
+      for (const tasks::EpisodeMetrics& m : run->scores.ours.episodes) {
         if (std::isfinite(m.nav_error)) histogram.add(m.nav_error);
       }
     }
     return to_json(histogram);
   });
+  const bool near = ends_near(scored.task);
+  part["rule"] = rule_of(scored.task);
+  part["radius"] = near ? Json(tasks::MetricOptions{}.success_distance) : Json(nullptr);
+  return part;
 }
 
 Json by_length_part(const ScoredRuns& scored) {

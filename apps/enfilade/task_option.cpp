@@ -1,0 +1,39 @@
+#include "apps/enfilade/task_option.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <string_view>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "enfilade/tasks/files.h"
+
+namespace enfilade::apps {
+
+void add_task_option(CLI::App& verb, std::string& task, const std::string& otherwise) {
+  add_value(verb, "--task", task, "NAME",
+            fmt::format("r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn or soon (default: {})",
+                        otherwise));
+}
+
+tasks::Task task_of(const std::string& named, const dataset::Dataset& data,
+                    std::optional<tasks::Task> found) {
+  if (!named.empty()) return tasks::task_named(named);
+  if (found) return *found;
+  const std::vector<tasks::Task> there = data.benchmarks();
+  // Without any, the verb says which files of R2R it did not find.
+  if (there.empty() || there.front() == tasks::Task::kR2r) return tasks::Task::kR2r;
+  if (there.size() == 1) return there.front();
+  std::vector<std::string_view> names;
+  for (const tasks::Task task : there) names.push_back(tasks::name_of(task));
+  throw UsageError(fmt::format("{} has annotations of {}: which ones? Give --task NAME",
+                               data.folder().string(), fmt::join(names, ", ")));
+}
+
+tasks::EpisodeSet episodes_of(const dataset::Dataset& data, tasks::Task task,
+                              const std::string& split, tasks::Instructions instructions) {
+  return task == tasks::Task::kR2r ? data.episodes(split, instructions)
+                                   : data.episodes(task, split, instructions);
+}
+
+}  // namespace enfilade::apps

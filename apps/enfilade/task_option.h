@@ -1,0 +1,26 @@
+/// \file  `--task`: which benchmark a verb is about.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "enfilade/dataset/dataset.h"
+#include "enfilade/tasks/annotations.h"
+
+namespace enfilade::apps {
+
+/// Adds `--task NAME`; `otherwise` says what is taken without it.
+void add_task_option(CLI::App& verb, std::string& task, const std::string& otherwise);
+
+/// The benchmark of that option. Not named: `found`, if what is looked at says it; else R2R where
+/// the data set has a split of it; else the only benchmark that it has.
+/// \throws LookupError for an unknown name; UsageError if the data set has several others
+tasks::Task task_of(const std::string& named, const dataset::Dataset& data,
+                    std::optional<tasks::Task> found = {});
+
+/// A split of any benchmark. \throws as dataset::Dataset::episodes()
+tasks::EpisodeSet episodes_of(const dataset::Dataset& data, tasks::Task task,
+                              const std::string& split,
+                              tasks::Instructions instructions = tasks::Instructions::kScored);
+
+}  // namespace enfilade::apps
