@@ -37,6 +37,9 @@ std::string suffix_of(fs::path file) {
 }
 
 [[noreturn]] void refuse_form(const Options& options, FileKind kind, const char* allowed) {
+  if (options.form.empty()) {
+    throw UsageError(fmt::format("{}: give --to {}", to_string(kind), allowed));
+  }
   throw UsageError(
       fmt::format("--to {}: {} are converted to {}", options.form, to_string(kind), allowed));
 }
