@@ -219,7 +219,7 @@ std::span<const std::string_view> usual_splits(Task task) noexcept {
   static constexpr auto kUsual =
       std::to_array<std::string_view>({"train", "val_seen", "val_unseen", "test"});
   static constexpr auto kRxr = std::to_array<std::string_view>(
-      {"train", "val_seen", "val_unseen", "test_standard_public", "test_challenge_public"});
+      {"train", "val_seen", "val_unseen", "test_standard_public", "test_challenge_public", "test"});
   static constexpr auto kCvdn =
       std::to_array<std::string_view>({"train", "val_seen", "val_unseen", "test_cleaned", "test"});
   static constexpr auto kSoon =

@@ -54,8 +54,8 @@ std::string to_released_soon(const Annotations& annotations);
 /// ("REVERIE/annotations/REVERIE_val_unseen_enc.json"), side by side; each also packed (".gz").
 std::vector<std::filesystem::path> annotation_places(Task task, std::string_view split);
 /// The splits that a benchmark's public files have, in their order, by the names in those files:
-/// "train", "val_seen", "val_unseen", "test"; of CVDN "test_cleaned"; of SOON "val_seen_instrs" and
-/// others beside. Any other name may be asked for, too.
+/// "train", "val_seen", "val_unseen", "test"; of CVDN "test_cleaned"; of RxR and SOON others
+/// beside. Any other name may be asked for, too.
 std::span<const std::string_view> usual_splits(Task task) noexcept;
 /// Where REVERIE's boxes may be in that folder: a file, or a folder.
 std::vector<std::filesystem::path> object_places();
