@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -138,10 +139,40 @@ class KeyChanger {
   std::vector<Diagnostic> faults_;
 };
 
+/// Refuses what a reader of results would, and this library would not.
+class StrictReading {
+ public:
+  explicit StrictReading(std::string file) : file_(std::move(file)) {}
+
+  bool operator()(int depth, OrderedJson::parse_event_t event, const OrderedJson& parsed) {
+    // Results have six levels. Writing goes down as deep as the text does, and so must not be asked
+    // to go through a hostile one.
+    constexpr int kDeepest = 64;
+    if (depth > kDeepest) {
+      refuse(file_, "$", "too-deep", "more than 64 levels of lists and objects");
+    }
+    if (event == OrderedJson::parse_event_t::object_start) open_.emplace_back();
+    if (event == OrderedJson::parse_event_t::object_end) open_.pop_back();
+    if (event == OrderedJson::parse_event_t::key) {
+      const auto name = parsed.get<std::string>();
+      if (!open_.back().insert(name).second) {
+        refuse(file_, "$", "repeated-field",
+               fmt::format("{:?}: given twice in one object", name.substr(0, 80)));
+      }
+    }
+    return true;
+  }
+
+ private:
+  std::string file_;
+  std::vector<std::set<std::string>> open_;  ///< names in the objects that have begun
+};
+
 OrderedJson parse_list(std::string_view text, const std::string& file) {
   OrderedJson list;
   try {
-    list = OrderedJson::parse(text);
+    StrictReading strict(file);
+    list = OrderedJson::parse(text, std::ref(strict));
   } catch (const OrderedJson::parse_error& error) {
     refuse(file, "$", "not-json", error.what());
   }

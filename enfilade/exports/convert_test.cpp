@@ -69,6 +69,15 @@ TEST(Convert, FaultsOfResultsHaveTheirPlaces) {
   EXPECT_THAT(tests::refusal<InvalidInput>(
                   [] { with_keys("[", "r.json", ResultKeys::kDuet, Task::kCvdn); }),
               HasSubstr("not-json"));
+  EXPECT_THAT(tests::refusal<InvalidInput>([] {
+                with_keys(R"([{"inst_idx": 1, "inst_idx": 2}])", "r.json", ResultKeys::kDuet,
+                          Task::kCvdn);
+              }),
+              HasSubstr("\"inst_idx\": given twice in one object"));
+  const std::string deep = std::string(100'000, '[') + std::string(100'000, ']');
+  EXPECT_THAT(tests::refusal<InvalidInput>(
+                  [&] { with_keys(deep, "r.json", ResultKeys::kDuet, Task::kCvdn); }),
+              HasSubstr("more than 64 levels"));
 }
 
 TEST(Convert, AnnotationsBecomeLinesAndAList) {
