@@ -96,19 +96,25 @@ def make_tasks(small: str, folder: Path) -> None:
             for p in paths
         ],
     )  # fmt: skip
-    write(
-        "reverie/REVERIE_val_unseen.json",
-        [
-            {
-                "id": f"{i}_7", "path_id": i, "scan": scan, "heading": 0.1, "path": p, "objId": 7,
-                "distance": 5.0, "instructions": ["Clean the pot"], "instructions_l": ["Clean"],
-            }
-            for i, p in enumerate(paths)
-        ],
-    )  # fmt: skip
+    write_reverie(folder, "val_unseen", [(scan, path) for path in paths])
+
+
+def write_reverie(folder: Path, split: str, paths: list[tuple[str, Any]]) -> None:
+    """A split of REVERIE whose paths all end where object 7 is seen, and the boxes. SYNTHETIC."""
+    (folder / "reverie").mkdir(exist_ok=True)
+    records = [
+        {
+            "id": f"{i}_7", "path_id": i, "scan": scan, "heading": 0.1, "path": list(path), "objId": 7,
+            "distance": 5.0, "instructions": ["Clean the pot"], "instructions_l": ["Clean"],
+        }
+        for i, (scan, path) in enumerate(paths)
+    ]  # fmt: skip
+    (folder / "reverie" / f"REVERIE_{split}.json").write_text(json.dumps(records))
     seen = {"7": {"name": "plant#pot", "visible_pos": [12, 13], "bbox2d": [[1, 2, 3, 4], [5, 6, 7, 8]]}}
-    boxes = {f"{scan}_{p[-1]}": {p[-1]: seen} for p in paths}
-    (folder / "reverie" / "BBoxes.json").write_text(json.dumps(boxes))
+    file = folder / "reverie" / "BBoxes.json"
+    boxes = json.loads(file.read_text()) if file.exists() else {}
+    boxes.update({f"{scan}_{path[-1]}": {path[-1]: seen} for scan, path in paths})
+    file.write_text(json.dumps(boxes))
 
 
 SPLITS = {"r2r": "val_unseen", "r2r-back": "val_unseen", "r4r": "val_unseen", "rxr": "val_unseen",

@@ -11,6 +11,7 @@ from typing import Any
 import enfilade
 import MatterSim
 import pytest
+from made_tasks import results_of, write_reverie
 
 np = pytest.importorskip("numpy")
 
@@ -28,13 +29,17 @@ def desk(homes: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     from enfilade import features
 
     folder = tmp_path_factory.mktemp("desk")
-    (folder / "data").symlink_to(homes)
+    (folder / "data").mkdir()
+    for part in Path(homes).iterdir():
+        (folder / "data" / part.name).symlink_to(part)
     episodes = enfilade.Episodes(folder / "data", "val_unseen")
-    results = [
-        {"instr_id": e.instruction_id, "trajectory": [[v, 0.0, 0.0] for v in e.path]}
-        for e in episodes
-    ]
-    (folder / "results.json").write_text(json.dumps(results))
+    if not (folder / "data" / "reverie").exists():
+        for split in ("train", "val_unseen"):
+            paths = {e.path_id: (e.scan, e.path) for e in enfilade.Episodes(homes, split)}
+            write_reverie(folder / "data", split, list(paths.values()))
+    objects = enfilade.Episodes(folder / "data", "val_unseen", task="reverie")
+    for name, some_episodes in (("results.json", episodes), ("reverie.json", objects)):
+        (folder / name).write_text(json.dumps(results_of(some_episodes)))
     texts = [e.text for e in episodes]
     enfilade.Vocabulary.build(texts, least_count=1).save(folder / "train_vocab.txt")
     key = (episodes[0].scan, episodes[0].path[0])
@@ -51,7 +56,7 @@ def test_the_pages_python_runs(
     graphs = enfilade.Graphs("data/connectivity")
     scan = graphs.scans[0]
     place = {"scan": scan, "viewpoint": next(filter(graphs[scan].included, graphs[scan].viewpoints))}
-    pages = {"python.md": {}, "python_gym.md": {}, "python_mattersim.md": place}
+    pages = {"python.md": {}, "python_gym.md": {}, "python_mattersim.md": place, "mattersim.md": place}
     for page, known in pages.items():
         blocks = blocks_of(page)
         names: dict[str, Any] = dict(known)
@@ -73,10 +78,10 @@ def test_the_pages_python_runs(
 
 def test_everything_public_says_what_it_is() -> None:
     gym = pytest.importorskip("enfilade.gym", reason="Gymnasium is not installed")
-    from enfilade import features, synth
+    from enfilade import camera, features, goals, synth
 
     silent = []
-    for module in (enfilade, MatterSim, gym, features, synth):
+    for module in (enfilade, MatterSim, gym, camera, features, goals, synth):
         own = [name for name, it in vars(module).items()
                if getattr(it, "__module__", "") == module.__name__]  # fmt: skip
         for name in getattr(module, "__all__", own):

@@ -52,8 +52,8 @@ const std::vector<ThirdParty>& third_parties() {
       {"hdf5.h", {"enfilade/features/"}},
       {"CLI/", {"apps/", "bench/", "tests/conformance/"}},
       {"benchmark/", {"bench/"}},
-      {"opencv2/", {"bench/peer/"}},
-      {"MatterSim.hpp", {"bench/peer/"}},
+      {"opencv2/", {"bench/peer/", "compat/"}},
+      {"MatterSim.hpp", {"bench/peer/", "compat/", "tests/install/"}},
       {"gtest/", {"tests/"}},
       {"gmock/", {"tests/"}},
   };
@@ -76,7 +76,8 @@ bool is_posix(std::string_view name) {
 /// The header of all names, for users' short programs: may include every folder, and none may it.
 constexpr std::string_view kAllNames = "enfilade/enfilade.h";
 
-constexpr std::array<std::string_view, 5> kRoots{"enfilade", "apps", "bench", "tests", "examples"};
+constexpr std::array<std::string_view, 6> kRoots{"enfilade", "apps",  "bench",
+                                                 "compat",   "tests", "examples"};
 
 /// Where a file lies: "enfilade/graph/x.h" is in the root enfilade and its folder graph.
 struct Place {

@@ -44,3 +44,10 @@ if [[ $output != "$expected" ]]; then
   exit 1
 fi
 printf '%s\n' "$output"
+
+mkdir "$work/graphs"
+output=$(${run[@]+"${run[@]}"} "$work/build/old_code" "$work/graphs")
+if [[ $output != 'c after 2 steps' ]]; then
+  printf 'expected: c after 2 steps\nbut the program printed:\n%s\n' "$output"
+  exit 1
+fi
