@@ -141,6 +141,28 @@ def test_networkx(home: Home, tmp_path: Path) -> None:
     assert nx.shortest_path_length(other, "new", path[0], weight="weight") == 1 and "new" not in graph
 
 
+def test_networkx_of_a_graph_with_a_one_way_edge(home: Home, tmp_path: Path) -> None:
+    nx = pytest.importorskip("networkx", reason="networkx is not installed")
+    file = f"connectivity/{home['scan']}_connectivity.json"
+    entries = json.loads((home["folder"] / file).read_text())
+    index = next(i for i, e in enumerate(entries) if e["included"] and any(e["unobstructed"]))
+    other = entries[index]["unobstructed"].index(True)
+    entries[index]["unobstructed"][other] = False
+    (tmp_path / "connectivity").mkdir()
+    (tmp_path / file).write_text(json.dumps(entries))
+    (tmp_path / "connectivity/scans.txt").write_text(home["scan"] + "\n")
+    run("export", "--as", "networkx", "--connectivity", tmp_path / "connectivity", "-o", tmp_path)
+    graph = pickle.loads((tmp_path / "connectivity_graphs.pkl").read_bytes())[home["scan"]]
+    assert type(graph) is nx.DiGraph
+    a, b = entries[index]["image_id"], entries[other]["image_id"]
+    assert graph.has_edge(b, a) and not graph.has_edge(a, b)
+    assert b in graph.predecessors(a) and graph.succ[b][a] is graph.pred[a][b] is graph.adj[b][a]
+    whole = {(v, w) for v, near in home["near"].items() for w in near}
+    assert set(graph.edges) == whole - {(a, b)} == set(graph.reverse().reverse().edges)
+    graph.remove_edge(b, a)
+    assert b not in graph.pred[a] and nx.is_weakly_connected(graph)
+
+
 def check_attributes(dataset: Any, home: Home, size: tuple[int, int, int]) -> None:
     attributes = dataset.attrs
     assert f"{attributes['scanId']}_{attributes['viewpointId']}" == dataset.name[1:]
