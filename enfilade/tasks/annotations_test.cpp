@@ -86,8 +86,10 @@ TEST(Annotations, NamesFieldPlaceAndWhatIsAllowed) {
   EXPECT_THAT(parse_faults("[3]"), HasSubstr("$[0]: number 3, not an object"));
   EXPECT_THAT(parse_faults("[NaN]"), HasSubstr("$[0]: line 1, column 2"));
   EXPECT_THAT(parse_faults(edited("\"scan\":\"square\",", "")), HasSubstr("$[0]: has no field"));
-  EXPECT_THAT(parse_faults(edited("\"path_id\":7", "\"path_id\":\"7\"")),
-              HasSubstr("$[0].path_id: string \"7\", not"));
+  EXPECT_THAT(parse_faults(edited("\"path_id\":7", "\"path_id\":\"\"")),
+              HasSubstr("$[0].path_id: an empty text"));
+  EXPECT_THAT(parse_faults(edited("\"path_id\":7", "\"path_id\":null")),
+              HasSubstr("$[0].path_id: null, not a whole number"));
   EXPECT_THAT(parse_faults(edited("\"path_id\":7", "\"path_id\":7.5")),
               HasSubstr("$[0].path_id: number 7.5, not"));
   EXPECT_THAT(parse_faults(edited("\"heading\":0.5", "\"heading\":null")),
