@@ -96,10 +96,11 @@ tasks::MeanInterval student_interval(std::span<const double> samples);
 
 /// For people, in columns.
 std::string to_text(const ResultsTable& table);
-/// {"task", "scorer", "synthetic", "columns": [{"metric", "label", "scale", "digits"}], "rows":
-/// [{"agent", "split", "language"?, "runs", "episodes", "interval", metric: {"mean", "low", "high",
-/// "published"?}}], "published": [{"agent", "source", metric: value}], "left_out"}; shares in
-/// [0, 1]. What isn't finite is null. Of R4R and RxR `ndtw` and `ndtw_collapsed` are both there.
+/// {"task", "scorer", "source", "synthetic", "columns": [{"metric", "label", "scale", "digits"}],
+/// "notes", "rows": [{"agent", "split", "language"?, "runs", "episodes", "interval", metric:
+/// {"mean", "low", "high", "published"?}}], "published": [{"agent", "source", metric: value}],
+/// "left_out"}; shares in [0, 1]. What isn't finite is null. Of R4R and RxR `ndtw` and
+/// `ndtw_collapsed` are both there.
 std::string to_json(const ResultsTable& table);
 /// A line for each row, as RFC 4180 has it: agent, split, (of RxR language,) runs, episodes,
 /// synthetic, then mean, low, high and published of each metric (empty where there is none); shares

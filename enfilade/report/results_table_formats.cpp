@@ -81,6 +81,12 @@ std::vector<PublishedResult> published_beside(const ResultsTable& table) {
   return beside;
 }
 
+// The repository of the scorer; empty for our own.
+std::string_view source_of(tasks::Task task) {
+  const auto scorer = table_scorer(task);
+  return scorer.empty() ? std::string_view() : tasks::public_scorer(task, scorer).source;
+}
+
 bool has_stars(const ResultsTable& table) {
   return std::ranges::any_of(table_columns(table.task), [](const TableColumn& column) {
     return column.label.find('*') != std::string_view::npos;
@@ -92,7 +98,7 @@ std::vector<std::string> notes_of(const ResultsTable& table) {
   if (table.synthetic) notes.emplace_back(kSynthetic);
   if (const auto scorer = table_scorer(table.task); !scorer.empty()) {
     notes.push_back(fmt::format("{}, scored as {} ({}).", tasks::title_of(table.task), scorer,
-                                tasks::public_scorer(table.task, scorer).source));
+                                source_of(table.task)));
   }
   if (has_stars(table)) notes.emplace_back(kStar);
   notes.emplace_back(kIntervals);
@@ -217,6 +223,7 @@ std::string to_json(const ResultsTable& table) {
   }
   const Json all{{"task", tasks::name_of(table.task)},
                  {"scorer", table_scorer(table.task)},
+                 {"source", source_of(table.task)},
                  {"synthetic", table.synthetic},
                  {"columns", columns_json(columns)},
                  {"rows", rows},

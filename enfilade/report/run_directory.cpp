@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 
 // The order of the paper's table, then by name; seeds by their number ("-10" after "-2").
 std::tuple<std::size_t, std::string, std::size_t, std::string> rank(const std::string& agent) {
-  constexpr std::array<std::string_view, 4> kFirst{"shortest", "random", "teacher", "student"};
+  constexpr std::array<std::string_view, 5> kFirst{"shortest", "reference", "random", "teacher",
+                                                   "student"};
   const std::string base(without_seed(agent));
   const auto known = std::ranges::find_if(
       kFirst, [&](std::string_view name) { return std::string_view(base).starts_with(name); });

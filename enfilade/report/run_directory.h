@@ -27,7 +27,7 @@ struct ModelDirectory {
 
 /// What was found in the folder of a run.
 struct RunDirectory {
-  std::vector<ResultsFile> results;      ///< shortest, random, teacher, student, others by name
+  std::vector<ResultsFile> results;      ///< shortest, reference, random, teacher, student, others
   std::vector<ModelDirectory> models;    ///< likewise
   tasks::Task task = tasks::Task::kR2r;  ///< what all results are of
 };

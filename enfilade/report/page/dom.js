@@ -51,7 +51,8 @@ function inOrder(splits) {
 
 function agentName(agent) {
   const names = {
-    shortest: 'Shortest', random: 'Random', teacher: 'Teacher-forcing', student: 'Student-forcing',
+    shortest: 'Shortest', reference: 'Reference', random: 'Random',
+    teacher: 'Teacher-forcing', student: 'Student-forcing',
     'teacher-forcing': 'Teacher-forcing', 'student-forcing': 'Student-forcing',
   };
   const [, base, seed] = /^(.+?)(?:-([0-9]+))?$/.exec(agent) || [null, agent];

@@ -102,7 +102,8 @@ function drawResults(section, data) {
   }
   section.append(resultTable(rows, data.table.columns));
   if (data.table.scorer) {
-    section.append(paragraph(`Scored as the public code of ${data.table.scorer} does.`, 'note'));
+    section.append(paragraph(
+      `Scored by the formulas of "${data.table.scorer}": ${data.table.source}.`, 'note'));
   }
   for (const note of data.table.notes) section.append(paragraph(note, 'note'));
   const several = rows.some((row) => row.runs.length > 1);
