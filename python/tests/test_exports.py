@@ -40,7 +40,11 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Home:
     run("homes", "-o", folder, "--preset", "small", "--homes", 1, "--size", 64, "--parts", "house")
     scan = (folder / "connectivity/scans.txt").read_text().split()[0]
     entries = json.loads((folder / f"connectivity/{scan}_connectivity.json").read_text())
-    at = {e["image_id"]: np.array([e["pose"][3], e["pose"][7], e["pose"][11]]) for e in entries if e["included"]}
+    at = {
+        e["image_id"]: np.array([e["pose"][3], e["pose"][7], e["pose"][11]])
+        for e in entries
+        if e["included"]
+    }
     near: dict[str, list[str]] = {vp: [] for vp in at}
     for e in entries:
         if e["included"]:
@@ -49,7 +53,13 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Home:
                 for other, free in zip(entries, e["unobstructed"])
                 if free and other["included"]
             ]
-    return {"folder": folder, "scan": scan, "at": at, "near": near, "keys": {f"{scan}_{vp}" for vp in at}}
+    return {
+        "folder": folder,
+        "scan": scan,
+        "at": at,
+        "near": near,
+        "keys": {f"{scan}_{vp}" for vp in at},
+    }
 
 
 def export(home: Home, form: str, to: Path, *more: object) -> str:
@@ -99,14 +109,18 @@ def test_langnav(home: Home, tmp_path: Path) -> None:
             assert c["scanId"] == home["scan"] and c["idx"] >= 1
             assert math.cos(c["normalized_heading"] - heading) == pytest.approx(1, abs=1e-9)
             assert c["elevation"] == pytest.approx(elevation, abs=1e-5)
-            assert c["distance"] == pytest.approx(from_views(heading, elevation)[c["pointId"], 2], abs=1e-5)
+            assert c["distance"] == pytest.approx(
+                from_views(heading, elevation)[c["pointId"], 2], abs=1e-5
+            )
             assert c["position"] == pytest.approx(home["at"][c["viewpointId"]], abs=1e-5)
 
 
 def test_navgpt(home: Home, tmp_path: Path) -> None:
     export(home, "navgpt", tmp_path)
     table = json.loads((tmp_path / f"{home['scan']}_navigable.json").read_text())
-    assert {vp: set(found) for vp, found in table.items()} == {vp: set(n) for vp, n in home["near"].items()}
+    assert {vp: set(found) for vp, found in table.items()} == {
+        vp: set(n) for vp, n in home["near"].items()
+    }
     for vp, found in table.items():
         for other, c in found.items():
             heading, elevation, distance = angles(home, vp, other)
@@ -120,7 +134,9 @@ def test_networkx(home: Home, tmp_path: Path) -> None:
     graphs = pickle.loads((tmp_path / "connectivity_graphs.pkl").read_bytes())
     graph = graphs[home["scan"]]
     assert type(graph) is nx.Graph and set(graph.nodes) == set(home["at"])
-    assert {frozenset(e) for e in graph.edges} == {frozenset((a, b)) for a, n in home["near"].items() for b in n}
+    assert {frozenset(e) for e in graph.edges} == {
+        frozenset((a, b)) for a, n in home["near"].items() for b in n
+    }
     for a, b, weight in graph.edges(data="weight"):
         assert weight == pytest.approx(angles(home, a, b)[2], abs=1e-9)
         assert graph[a][b] is graph[b][a], "one dictionary an edge, as networkx has it"
@@ -171,7 +187,9 @@ def check_attributes(dataset: Any, home: Home, size: tuple[int, int, int]) -> No
 
 
 def test_duet_hdf5(home: Home, tmp_path: Path) -> None:
-    save_file = pytest.importorskip("safetensors.numpy", reason="safetensors is not installed").save_file
+    save_file = pytest.importorskip(
+        "safetensors.numpy", reason="safetensors is not installed"
+    ).save_file
     random = np.random.default_rng(1)
     views = {key: random.standard_normal((36, 12)).astype(np.float32) for key in home["keys"]}
     logits = {key: random.standard_normal((36, 5)).astype(np.float32) for key in home["keys"]}
@@ -184,7 +202,11 @@ def test_duet_hdf5(home: Home, tmp_path: Path) -> None:
         with h5py().File(file, "r") as root:
             assert set(root) == home["keys"]
             for key, dataset in root.items():
-                assert dataset.shape == (36, 17) and dataset.dtype == dtype and dataset.compression == "gzip"
+                assert (
+                    dataset.shape == (36, 17)
+                    and dataset.dtype == dtype
+                    and dataset.compression == "gzip"
+                )
                 check_attributes(dataset, home, (640, 480, 60))
                 read = dataset[...][:, :12].astype(np.float32)  # as HAMT and DUET read it
                 assert (read == views[key].astype(dtype).astype(np.float32)).all()
@@ -193,7 +215,9 @@ def test_duet_hdf5(home: Home, tmp_path: Path) -> None:
 
 
 def test_object_hdf5(home: Home, tmp_path: Path) -> None:
-    save_file = pytest.importorskip("safetensors.numpy", reason="safetensors is not installed").save_file
+    save_file = pytest.importorskip(
+        "safetensors.numpy", reason="safetensors is not installed"
+    ).save_file
     scan, (first, second, *_) = home["scan"], sorted(home["at"])
     random = np.random.default_rng(2)
     views = {key: random.standard_normal((36, 4)).astype(np.float32) for key in home["keys"]}
@@ -215,7 +239,10 @@ def test_object_hdf5(home: Home, tmp_path: Path) -> None:
         assert one[0] == pytest.approx(mean, abs=1e-6)
         # The middle of the largest box is 260 pixels left of the picture's and 120 above it.
         focal = 240 / math.tan(math.radians(30))
-        direction = [math.radians(60) + math.atan(-260 / focal), math.atan(120 / math.hypot(260, focal))]
+        direction = [
+            math.radians(60) + math.atan(-260 / focal),
+            math.atan(120 / math.hypot(260, focal)),
+        ]
         assert one.attrs["directions"].shape == (1, 2)
         assert one.attrs["directions"][0] == pytest.approx(direction, abs=1e-6)
         assert one.attrs["sizes"].tolist() == [[100, 200]]
@@ -238,7 +265,9 @@ def rendered(home: Home, viewpoint: str, to: Path, size: int, field: int, output
 
 
 def test_gridmm(home: Home, tmp_path: Path) -> None:
-    save_file = pytest.importorskip("safetensors.numpy", reason="safetensors is not installed").save_file
+    save_file = pytest.importorskip(
+        "safetensors.numpy", reason="safetensors is not installed"
+    ).save_file
     tokens = {key: np.full((36, 50, 4), i, np.float32) for i, key in enumerate(sorted(home["keys"]))}
     save_file(tokens, tmp_path / "tokens.safetensors")
     export(home, "gridmm", tmp_path, "--features", tmp_path / "tokens.safetensors")
@@ -263,7 +292,9 @@ def test_gridmm(home: Home, tmp_path: Path) -> None:
 
 
 def test_bevbert(home: Home, tmp_path: Path) -> None:
-    save_file = pytest.importorskip("safetensors.numpy", reason="safetensors is not installed").save_file
+    save_file = pytest.importorskip(
+        "safetensors.numpy", reason="safetensors is not installed"
+    ).save_file
     random = np.random.default_rng(3)
     tokens = {key: random.standard_normal((12, 196, 6)).astype(np.float32) for key in home["keys"]}
     save_file(tokens, tmp_path / "tokens.safetensors")
@@ -299,15 +330,22 @@ def test_reverie_boxes(home: Home, tmp_path: Path) -> None:
         vp = key.removeprefix(home["scan"] + "_")
         assert set(content) == {vp}
         for ident, found in content[vp].items():
-            assert ident.isdigit() and found["name"] and len(found["visible_pos"]) == len(found["bbox2d"])
-            assert found["visible_pos"] == sorted(set(found["visible_pos"])) and found["visible_pos"][-1] < 36
+            assert (
+                ident.isdigit() and found["name"] and len(found["visible_pos"]) == len(found["bbox2d"])
+            )
+            assert (
+                found["visible_pos"] == sorted(set(found["visible_pos"]))
+                and found["visible_pos"][-1] < 36
+            )
             seen += len(found["bbox2d"])
             for x, y, w, h in found["bbox2d"]:
-                assert 0 <= x and 0 <= y and w > 0 and h > 0 and x + w <= 640 and y + h <= 480
+                assert x >= 0 and y >= 0 and w > 0 and h > 0 and x + w <= 640 and y + h <= 480
     assert seen > 20
     export(home, "reverie-boxes", tmp_path / "BBoxes.json", "--meshes", home["folder"])
     flat = json.loads((tmp_path / "BBoxes.json").read_text())
-    assert flat == {key: content[key.removeprefix(home["scan"] + "_")] for key, content in files.items()}
+    assert flat == {
+        key: content[key.removeprefix(home["scan"] + "_")] for key, content in files.items()
+    }
     # Back and forth between the three forms.
     run("convert", tmp_path / "BBoxes.json", tmp_path / "again", "--to", "folder")
     again = {file.stem: json.loads(file.read_text()) for file in (tmp_path / "again").iterdir()}
@@ -334,7 +372,9 @@ def test_mapgpt_views(home: Home, tmp_path: Path) -> None:
 
 
 def test_convert_features_results_and_annotations(home: Home, tmp_path: Path) -> None:
-    save_file = pytest.importorskip("safetensors.numpy", reason="safetensors is not installed").save_file
+    save_file = pytest.importorskip(
+        "safetensors.numpy", reason="safetensors is not installed"
+    ).save_file
     random = np.random.default_rng(4)
     views = {key: random.standard_normal((36, 3)).astype(np.float32) for key in home["keys"]}
     save_file(views, tmp_path / "a.safetensors")
