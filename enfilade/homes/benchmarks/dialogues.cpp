@@ -53,7 +53,7 @@ class Game {
     for (const std::size_t thing : site_.things_in(std::vector{room_})) {
       if (speaking::weight_of(site_.home(), thing) >= 1) things.push_back(thing);
     }
-    if (things.empty() || in_goal_room(at_)) return false;
+    if (things.empty() || in_goal_room(at_) || site_.naming().is_stairs(room_)) return false;
     target_ = site_.home().things[things[rng_.below(things.size())]].noun;
     return true;
   }
@@ -108,8 +108,8 @@ class Game {
       before = right == (turn > 0) ? "Yes. " : "No. ";
     } else if (kind == 1) {
       question = ask_for_room(before);
-    } else if (here) {
-      question = say("I am in the $room[ now|]. [where do I go|which way|where to now]?",
+    } else if (here && !site_.naming().is_stairs(*here)) {
+      question = say("I am in the $room[ now|]. [Where do I go|Which way|Where to now]?",
                      {{"room", site_.naming().room(*here, rng_)}});
     } else {
       question = say("[where do I go|which way|where to now]?", {});
@@ -128,6 +128,7 @@ class Game {
   std::string ask_for_room(std::string& before) {
     std::size_t room = room_;
     if (rng_.below(2) == 0) room = rng_.below(site_.home().plan.rooms.size());
+    if (site_.naming().is_stairs(room)) room = room_;
     before = site_.naming().same_room_name(room, room_) ? "Yes. " : "No. ";
     return say("is [it|the $thing] in the $room?",
                {{"room", site_.naming().room(room, rng_)}, {"thing", target_}});

@@ -61,7 +61,8 @@ tasks::PathAnnotation guide_of(const Site& site, const tasks::PathAnnotation& pa
       site.spoken(), viewpoints, path.heading.value, speaking::Speaker::kGuide, rng.next());
   Clock clock(rng);
   std::string text;
-  if (const auto room = site.room(viewpoints.front())) {
+  const auto room = site.room(viewpoints.front());
+  if (room && !site.naming().is_stairs(*room)) {
     text = speaking::sentence(
         speaking::expand("[okay,|alright,|so,|now,|] you are [standing|] in the $room",
                          {{"room", site.naming().room(*room, rng)}}, rng));

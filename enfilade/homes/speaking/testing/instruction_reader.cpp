@@ -1,7 +1,6 @@
 #include "enfilade/homes/speaking/testing/instruction_reader.h"
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <sstream>
 
@@ -9,11 +8,6 @@
 
 namespace enfilade::homes::speaking::testing {
 namespace {
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 Words words_of(const std::string& text) {
   std::istringstream in(text);
@@ -565,23 +559,15 @@ class Reader {
 
 }  // namespace
 
-std::vector<std::string> split_words(const std::string& text) {
-  Words words;
-  std::string word;
-  const auto flush = [&] {
-    if (!word.empty()) words.push_back(word);
-    word.clear();
-  };
-  for (const char c : lower(text)) {
-    if ((c >= 'a' && c <= 'z') || c == '\'' || c == '-') {
-      word += c;
-    } else {
-      flush();
-      if (c != ' ') words.emplace_back(1, c);
-    }
+std::vector<Named> read_names(const Home& home, const std::string& text) {
+  std::vector<Named> names;
+  std::string before;
+  for (const Piece& piece : Chunker(home).chunk(split_words(text))) {
+    const bool is_name = piece.kind == Piece::Kind::kThing || piece.kind == Piece::Kind::kRoom;
+    if (is_name) names.push_back({before, piece.thing, piece.rooms});
+    before = piece.text;
   }
-  flush();
-  return words;
+  return names;
 }
 
 Reading read_instruction(const Home& home, const std::string& text) {

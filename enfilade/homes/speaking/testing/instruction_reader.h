@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "enfilade/homes/home.h"
+#include "enfilade/homes/speaking/testing/instruction_words.h"
 
 namespace enfilade::homes::speaking::testing {
 
@@ -65,7 +66,13 @@ struct Reading {
 
 Reading read_instruction(const Home& home, const std::string& text);
 
-/// Lower-case words and punctuation.
-std::vector<std::string> split_words(const std::string& text);
+/// A thing or a room that a text names.
+struct Named {
+  std::string before;           // the word, or the phrase, before it
+  ThingNamed thing;             // without words: it is a room
+  std::set<std::size_t> rooms;  // that fit
+};
+/// In the order of the text.
+std::vector<Named> read_names(const Home& home, const std::string& text);
 
 }  // namespace enfilade::homes::speaking::testing

@@ -1,5 +1,6 @@
 #include "enfilade/homes/speaking/testing/instruction_words.h"
 
+#include <cctype>
 #include <set>
 
 namespace enfilade::homes::speaking::testing {
@@ -329,6 +330,30 @@ bool is_plain_phrase(const std::string& w) {
                                             "turn",        "back",        "slight left",
                                             "slight right"};
   return kKnown.contains(w);
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+Words split_words(const std::string& text) {
+  Words words;
+  std::string word;
+  const auto flush = [&] {
+    if (!word.empty()) words.push_back(word);
+    word.clear();
+  };
+  for (const char c : lower(text)) {
+    if ((c >= 'a' && c <= 'z') || c == '\'' || c == '-') {
+      word += c;
+    } else {
+      flush();
+      if (c != ' ') words.emplace_back(1, c);
+    }
+  }
+  flush();
+  return words;
 }
 
 }  // namespace enfilade::homes::speaking::testing

@@ -8,6 +8,10 @@ namespace enfilade::homes::speaking::testing {
 
 using Words = std::vector<std::string>;
 
+/// In small letters.
+std::string lower(std::string text);
+/// Lower-case words and punctuation.
+Words split_words(const std::string& text);
 /// What else a home's lists may call a thing, or a room.
 const std::map<std::string, Words>& other_words();
 const std::map<std::string, Words>& other_rooms();
