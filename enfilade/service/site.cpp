@@ -161,6 +161,12 @@ void Site::read_splits(const dataset::Dataset& data) {
   for (const std::string_view name : dataset::kSplits) {
     read_split(data, tasks::Task::kR2r, std::string(name));
   }
+  constexpr tasks::Task kOthers[]{tasks::Task::kR2rLast, tasks::Task::kR2rBack, tasks::Task::kR4r,
+                                  tasks::Task::kRxr,     tasks::Task::kReverie, tasks::Task::kCvdn,
+                                  tasks::Task::kSoon};
+  for (const tasks::Task task : kOthers) {
+    for (const std::string_view name : dataset::kSplits) read_split(data, task, std::string(name));
+  }
   for (const Phase& phase : phases_) read_split(data, phase.task, phase.split);
 }
 
@@ -195,6 +201,7 @@ void Site::read_phases(const dataset::Dataset& data) {
     for (const PublicSplit& split : splits_) {
       const std::string& name = split.annotations.split;
       if (name == "train" || has_hidden_goal(split.annotations)) continue;
+      if (split.annotations.task != tasks::Task::kR2r) continue;
       Phase& phase = phases_.emplace_back();
       phase.name = phase.title = phase.split = name;
     }

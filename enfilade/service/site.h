@@ -26,8 +26,8 @@ struct PublicSplit {
 /// uses.
 class Site {
  public:
-  /// Opens a data set in a layout of dataset::Dataset: graphs and R2R's splits train, val_seen,
-  /// val_unseen and test that it has, and those of the phases, of whatever benchmark. Without
+  /// Opens a data set in a layout of dataset::Dataset: graphs and the splits train, val_seen,
+  /// val_unseen and test of each benchmark that it has, and those of the phases. Without
   /// phases, each split of R2R but train whose goals are in the data set is a phase. A phase of
   /// REVERIE takes the boxes of objects from the data set.
   /// \throws FileError; InvalidInput for files that can't be used, and for secret goals in a folder
@@ -37,6 +37,7 @@ class Site {
                                           std::vector<Phase> phases = {});
 
   const graph::GraphSet& graphs() const noexcept { return *graphs_; }
+  const std::shared_ptr<const graph::GraphSet>& shared_graphs() const noexcept { return graphs_; }
   const scan::PanoramaSet& panoramas() const noexcept { return *panoramas_; }
   const std::vector<PublicSplit>& splits() const noexcept { return splits_; }
   /// Null if there is none.

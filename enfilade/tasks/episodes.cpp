@@ -8,6 +8,7 @@
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/instruction_ids.h"
 
 namespace enfilade::tasks {
 namespace {
@@ -170,12 +171,12 @@ std::vector<ReferencePath> look_up(const Annotations& annotations, const graph::
   return paths;
 }
 
-std::string id_of(const PathAnnotation& entry, std::size_t k) {
-  if (k < entry.details.size() && !entry.details[k].id.empty()) return entry.details[k].id;
-  return entry.id.empty() ? instruction_id(entry.path_id, k) : fmt::format("{}_{}", entry.id, k);
-}
-
 }  // namespace
+
+std::string instruction_id(const PathAnnotation& path, std::size_t k) {
+  if (k < path.details.size() && !path.details[k].id.empty()) return path.details[k].id;
+  return path.id.empty() ? instruction_id(path.path_id, k) : fmt::format("{}_{}", path.id, k);
+}
 
 bool goal_hidden(const ReferencePath& path) noexcept {
   return std::holds_alternative<HiddenGoal>(path.goal) ||
@@ -219,7 +220,7 @@ EpisodeSet make_episodes(const Annotations& annotations,
     }
     for (std::size_t k = 0; k < n; ++k) {
       Episode& episode = set.episodes.emplace_back(
-          Episode{id_of(entry, k), i, k, entry.instructions[k], InstructionDetails()});
+          Episode{instruction_id(entry, k), i, k, entry.instructions[k], InstructionDetails()});
       if (k < entry.details.size()) episode.details = entry.details[k];
     }
   }

@@ -1,17 +1,18 @@
 /** Navigation errors of a results file, computed in the browser: the file never leaves it. */
 import { distancesFrom } from './distances.ts';
 import type { Results } from './results.ts';
+import { episodesOf } from './splits.ts';
 import { type Api, type Episode, type Scan, viewpointIndex } from './scan.ts';
 
 /** Metres; a walk that stops nearer to its goal is a success. The paper's. */
 export const successDistance = 3;
 
-/** Of the whole split, page by page. */
+/** Of the whole split (splitKey()), page by page. */
 export async function allEpisodes(api: Api, split: string): Promise<Episode[]> {
   const all: Episode[] = [];
   for (;;) {
-    const query = new URLSearchParams({ offset: String(all.length), limit: '500' });
-    const { matching, episodes } = await api.call<{ matching: number; episodes: Episode[] }>(`splits/${encodeURIComponent(split)}/episodes?${query}`);
+    const { matching, episodes } = await api.call<{ matching: number; episodes: Episode[] }>(
+      episodesOf(split, { offset: String(all.length), limit: '500' }));
     all.push(...episodes);
     if (all.length >= matching || episodes.length === 0) return all;
   }

@@ -8,7 +8,9 @@
 #include <optional>
 
 #include "enfilade/draw/floor_plan.h"
+#include "enfilade/service/browsing/episode_json.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/instruction_ids.h"
 
 namespace enfilade::service::browsing {
 namespace {
@@ -44,28 +46,7 @@ bool contains(std::string_view text, std::string_view wanted) {
   return !std::ranges::search(text, wanted, {}, lower, lower).empty() || wanted.empty();
 }
 
-/// As tasks::make_episodes() makes it, and results name it.
-std::string id_of(const tasks::PathAnnotation& path, std::size_t k) {
-  if (k < path.details.size() && !path.details[k].id.empty()) return path.details[k].id;
-  return path.id.empty() ? tasks::instruction_id(path.path_id, k)
-                         : fmt::format("{}_{}", path.id, k);
-}
-
-ordered_json episode_json(const tasks::PathAnnotation& path, std::size_t k) {
-  ordered_json one{{"instruction_id", id_of(path, k)},
-                   {"path_id", path.path_id},
-                   {"scan", path.scan},
-                   {"heading", path.heading.value},
-                   {"instruction", path.instructions[k]},
-                   {"start", path.path.front()}};
-  if (!path.goal_hidden()) {
-    one["path"] = path.path;
-    if (path.distance) one["distance"] = *path.distance;
-  }
-  return one;
-}
-
-/// Instructions of all splits of R2R, by scan: those of other benchmarks are there for phases only.
+/// Instructions of all splits of R2R, by scan.
 std::map<std::string, std::size_t> count_instructions(const Site& site) {
   std::map<std::string, std::size_t> counts;
   for (const PublicSplit& split : site.splits()) {
@@ -111,31 +92,40 @@ ordered_json scan_json(const Site& site, ScanIndex scan) {
   return out;
 }
 
-ordered_json split_list_json(const Site& site, tasks::Task task) {
+ordered_json split_list_json(const Site& site, std::optional<tasks::Task> task) {
   auto list = ordered_json::array();
   for (const PublicSplit& split : site.splits()) {
     const tasks::Annotations& annotations = split.annotations;
-    if (annotations.task != task) continue;
+    if (task && annotations.task != *task) continue;
     std::size_t instructions = 0;
     for (const auto& path : annotations.paths) instructions += path.instructions.size();
     list.push_back({{"split", annotations.split},
+                    {"task", tasks::name_of(annotations.task)},
+                    {"title", tasks::title_of(annotations.task)},
                     {"paths", annotations.paths.size()},
                     {"instructions", instructions},
                     {"goals_hidden", split.goals_hidden}});
   }
-  return {{"task", tasks::name_of(task)}, {"splits", list}};
+  ordered_json out;
+  if (task) out["task"] = tasks::name_of(*task);
+  out["splits"] = list;
+  return out;
 }
 
-ordered_json episodes_json(const PublicSplit& split, const EpisodeFilter& filter) {
+ordered_json episodes_json(const Site& site, const PublicSplit& split,
+                           const EpisodeFilter& filter) {
   std::int64_t matching = 0;
   auto list = ordered_json::array();
   for (const tasks::PathAnnotation& path : split.annotations.paths) {
     if (!filter.scan.empty() && path.scan != filter.scan) continue;
     for (std::size_t k = 0; k < path.instructions.size(); ++k) {
       if (!contains(path.instructions[k], filter.words)) continue;
-      if (!filter.id.empty() && id_of(path, k) != filter.id) continue;
+      if (!filter.id.empty() && tasks::instruction_id(path, k) != filter.id) continue;
       const bool on_page = matching >= filter.offset && matching < filter.offset + filter.limit;
-      if (on_page) list.push_back(episode_json(path, k));
+      if (on_page) {
+        list.push_back(filter.id.empty() ? brief_episode_json(path, k)
+                                         : whole_episode_json(site, split, path, k));
+      }
       ++matching;
     }
   }

@@ -21,9 +21,11 @@ struct EpisodeFilter {
   std::int64_t offset = 0, limit = 50;
 };
 
-/// Those of a benchmark.
-nlohmann::ordered_json split_list_json(const Site& site, tasks::Task task);
-/// A page of the episodes that match, and how many there are.
-nlohmann::ordered_json episodes_json(const PublicSplit& split, const EpisodeFilter& filter);
+/// Those of a benchmark; without one, of all.
+nlohmann::ordered_json split_list_json(const Site& site, std::optional<tasks::Task> task);
+/// A page of the episodes that match, and how many there are. With an id: all that is known of it
+/// (episode_json.h). \pre the split is one of the site's
+nlohmann::ordered_json episodes_json(const Site& site, const PublicSplit& split,
+                                     const EpisodeFilter& filter);
 
 }  // namespace enfilade::service::browsing

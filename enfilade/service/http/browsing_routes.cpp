@@ -168,7 +168,9 @@ tasks::Task task_of(const std::string& name) {
 }
 
 Response splits(Context& context, const Request& request) {
-  return json_response(browsing::split_list_json(*context.site, task_of(request.text("task"))));
+  const std::string name = request.text("task");
+  if (name == "all") return json_response(browsing::split_list_json(*context.site, std::nullopt));
+  return json_response(browsing::split_list_json(*context.site, task_of(name)));
 }
 
 Response episodes(Context& context, const Request& request) {
@@ -176,9 +178,10 @@ Response episodes(Context& context, const Request& request) {
       context.site->find_split(request.parameter("split"), task_of(request.text("task")));
   if (split == nullptr) throw HttpError(404, "no split of this name");
   return json_response(
-      browsing::episodes_json(*split, {request.text("scan"), request.text("q"), request.text("id"),
-                                       request.number("offset", 0, 0, 1'000'000'000),
-                                       request.number("limit", 50, 1, kMostEpisodes)}));
+      browsing::episodes_json(*context.site, *split,
+                              {request.text("scan"), request.text("q"), request.text("id"),
+                               request.number("offset", 0, 0, 1'000'000'000),
+                               request.number("limit", 50, 1, kMostEpisodes)}));
 }
 
 }  // namespace

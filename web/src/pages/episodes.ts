@@ -4,10 +4,11 @@ import { labelled } from '../forms.ts';
 import { addSiteHeader, api, byId, empty, loading, make, problems, run, table, toast } from '../page.ts';
 import { forgetResults, keepResults, keptResults, parseResults, type Results } from '../results.ts';
 import type { Episode } from '../scan.ts';
+import { endCounts, episodesOf, type Split, splitKey, splitTitle } from '../splits.ts';
 import { allEpisodes, errorsOf, successDistance } from '../walk_errors.ts';
 
 interface SplitList {
-  readonly splits: readonly { split: string; instructions: number; goals_hidden: boolean }[];
+  readonly splits: readonly Split[];
 }
 interface EpisodeList {
   readonly matching: number;
@@ -59,11 +60,10 @@ class EpisodesPage {
   private asked = 0;
 
   constructor(main: HTMLElement, { splits }: SplitList, scans: readonly string[]) {
-    this.splits = splits.map(({ split }) => split);
+    this.splits = splits.map(splitKey);
     this.filters = parseFilters(location.search, this.splits);
     const select = (options: readonly (readonly [string, string])[]) => make('select', {}, ...options.map(([value, text]) => new Option(text, value)));
-    const [splitBox, split] = labelled('split', 'Split', select(splits.map((s) =>
-      [s.split, `${s.split} (${s.instructions.toLocaleString('en-US')}${s.goals_hidden ? ', goals hidden' : ''})`])));
+    const [splitBox, split] = labelled('split', 'Split', select(splits.map((one) => [splitKey(one), splitTitle(one)])));
     const [scanBox, scan] = labelled('scan', 'Building', select([['', 'all'], ...scans.map((name) => [name, name] as const)]));
     const [wordsBox, words] = labelled('words', 'Words in the instruction', make('input', { type: 'search' }));
     const [orderBox, order] = labelled('order', 'Sort by', select(orders));
@@ -127,8 +127,7 @@ class EpisodesPage {
   private async find(results: Results | undefined): Promise<EpisodeList> {
     const { split, scan, words, order, outcome, offset } = this.filters;
     if (!results && order === 'file' && outcome === 'all') { // the server does it
-      const query = new URLSearchParams({ q: words, scan, offset: String(offset), limit: String(perPage) });
-      return api.call<EpisodeList>(`splits/${encodeURIComponent(split)}/episodes?${query}`);
+      return api.call<EpisodeList>(episodesOf(split, { q: words, scan, offset: String(offset), limit: String(perPage) }));
     }
     const whole = await this.load(split, results);
     const found = inOrder(whole.episodes.filter((one) => matches(one, whole, this.filters)), whole, order);
@@ -177,9 +176,9 @@ class EpisodesPage {
       const href = `/view?${new URLSearchParams({ split, id: episode.instruction_id })}`;
       return [
         make('td', { class: 'wide' }, make('a', { href }, episode.instruction_id)),
-        make('td', { class: 'wide' }, episode.instruction),
+        this.textCell(episode),
         ...(results ? [this.errorCell(episode, results)] : []),
-        make('td', { class: 'number', 'data-label': 'Length, m' }, episode.distance === undefined ? 'hidden' : episode.distance.toFixed(1)),
+        make('td', { class: 'number', 'data-label': 'Length, m' }, episode.distance?.toFixed(1) ?? (episode.path ? '–' : 'hidden')),
         make('td', { class: 'half', 'data-label': 'Building' }, episode.scan),
       ];
     });
@@ -188,13 +187,23 @@ class EpisodesPage {
     return table(['Id', 'Instruction', ...(results ? [error] : []), length, 'Building'], rows, { kind: 'stack', label: `Episodes of ${split}` });
   }
 
+  private textCell({ instruction, language }: Episode): HTMLElement {
+    const cell = make('td', { class: 'wide' }, instruction);
+    if (language) {
+      cell.lang = language;
+      cell.append(' ', make('span', { class: 'badge' }, language));
+    }
+    return cell;
+  }
+
   private errorCell({ instruction_id }: Episode, results: Results): HTMLElement {
     const error = this.whole?.errors.get(instruction_id);
     const cell = make('td', { class: 'number', 'data-label': 'Error, m' });
     if (error === undefined) cell.append(make('span', { class: 'note' }, results.has(instruction_id) ? 'unknown' : 'no walk'));
     else {
       const good = error < successDistance;
-      cell.append(Number.isFinite(error) ? error.toFixed(1) : '∞', ' ', make('span', { class: good ? 'badge good' : 'badge bad' }, good ? 'success' : 'no success'));
+      cell.append(Number.isFinite(error) ? error.toFixed(1) : '∞', ' ');
+      if (endCounts(this.filters.split)) cell.append(make('span', { class: good ? 'badge good' : 'badge bad' }, good ? 'success' : 'no success'));
     }
     return cell;
   }
@@ -202,7 +211,7 @@ class EpisodesPage {
 
 run(async () => {
   await addSiteHeader();
-  const [splits, { scans }] = await Promise.all([api.call<SplitList>('splits'), api.call<{ scans: { scan: string }[] }>('scans')]);
+  const [splits, { scans }] = await Promise.all([api.call<SplitList>('splits?task=all'), api.call<{ scans: { scan: string }[] }>('scans')]);
   const main = byId('main');
   main.append(make('div', { class: 'page-head' }, make('h1', {}, 'Episodes'),
     make('p', { class: 'lead' }, 'Instructions and the paths that they describe. Open one to see it in its building.')));

@@ -2,6 +2,7 @@
 import { distancesFrom, lengthOf } from '../distances.ts';
 import { addHeader, api, byId, empty, make, run } from '../page.ts';
 import { type Episode, viewpointIndex } from '../scan.ts';
+import type { Split } from '../splits.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { agentRules, MiniMap, Viewer } from '../viewer/enfilade-viewer.ts';
 import { successDistance } from '../walk_errors.ts';
@@ -31,7 +32,7 @@ async function choose(): Promise<Chosen | undefined> {
     return episode?.path && { split, episode };
   }
   const [{ splits }, { scans }] = await Promise.all([
-    api.call<{ splits: { split: string; instructions: number; goals_hidden: boolean }[] }>('splits'),
+    api.call<{ splits: Split[] }>('splits'),
     api.call<{ scans: { scan: string; pictures: boolean }[] }>('scans')]);
   const open = splits.filter(({ instructions, goals_hidden }) => !goals_hidden && instructions > 0);
   const any = <T>(list: readonly T[]): T | undefined => list[Math.floor(Math.random() * list.length)];

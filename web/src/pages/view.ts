@@ -1,12 +1,11 @@
 /** One building, first person: `/view?split=S&id=I#scan/viewpoint/heading/elevation`. */
 import { formatLink, parseLink } from '../deep_link.ts';
-import { distancesFrom, lengthOf } from '../distances.ts';
 import { addHeader, api, byId, make, run } from '../page.ts';
-import { keptResults } from '../results.ts';
 import { type Episode, type Layer, type Plan, storeyOf, viewpointIndex } from '../scan.ts';
+import { episodesOf } from '../splits.ts';
 import { keyHelp } from '../viewer/controls.ts';
-import { Legend, MapPanel, MiniMap, Player, storeyName, Viewer } from '../viewer/enfilade-viewer.ts';
-import { successDistance } from '../walk_errors.ts';
+import { Legend, MapPanel, MiniMap, storeyName, Viewer } from '../viewer/enfilade-viewer.ts';
+import { showEpisode } from './episode_panel.ts';
 import './view.css';
 
 declare global {
@@ -20,9 +19,7 @@ async function findEpisode(): Promise<Episode | undefined> {
   const query = new URLSearchParams(location.search);
   const [split, id] = [query.get('split'), query.get('id')];
   if (!split || !id) return undefined;
-  const { episodes } = await api.call<{ episodes: Episode[] }>(
-    `splits/${encodeURIComponent(split)}/episodes?id=${encodeURIComponent(id)}`,
-  );
+  const { episodes } = await api.call<{ episodes: Episode[] }>(episodesOf(split, { id }));
   return episodes[0];
 }
 
@@ -126,37 +123,6 @@ function followAddress(viewer: Viewer): void {
   });
 }
 
-/** How a walk ended, as the tables measure it. */
-function verdict(viewer: Viewer, path: readonly number[], walk: readonly number[]): HTMLElement {
-  const error = distancesFrom(viewer.scan, path.at(-1)!)[walk.at(-1)!]!;
-  const away = Number.isFinite(error) ? `${error.toFixed(1)} m from the goal` : 'out of reach of the goal';
-  return make('p', { class: error < successDistance ? 'done' : 'problem' },
-    `The agent walked ${lengthOf(viewer.scan, walk).toFixed(1)} m and stopped ${away}: ` +
-      (error < successDistance ? 'a success.' : 'no success.'));
-}
-
-async function showEpisode(panel: HTMLElement, viewer: Viewer, map: MiniMap, episode: Episode): Promise<void> {
-  const indices = (ids: readonly string[]) => ids.map((id) => viewpointIndex(viewer.scan, id));
-  const path = indices(episode.path ?? []);
-  const results = await keptResults(new URLSearchParams(location.search).get('split') ?? '');
-  const walk = indices(results?.get(episode.instruction_id)?.viewpoints ?? []);
-  if (walk.includes(-1)) throw new Error(`${episode.instruction_id}: the results are of another building`);
-  viewer.setPath(path);
-  map.setPath(path, walk);
-  panel.append(make('p', { class: 'instruction' }, episode.instruction));
-  if (path.length === 0) panel.append(make('p', { class: 'note' }, 'The goal of this one is hidden.'));
-  if (path.length > 0) {
-    panel.append(make('h2', {}, 'Reference path'), new Player(viewer, path).element,
-      make('p', { class: 'note' }, `${path.length} viewpoints, ${episode.distance ?? '?'} m`));
-  }
-  if (walk.length > 0) {
-    const player = new Player(viewer, walk);
-    player.element.setAttribute('aria-label', "Fly-through of the agent's path");
-    panel.append(make('h2', {}, "The agent's path"), player.element);
-    if (path.length > 0) panel.append(verdict(viewer, path, walk));
-  }
-}
-
 run(async () => {
   const [view, side] = [make('div', { class: 'view' }), make('aside', { class: 'side' })];
   byId('main').append(view, side);
@@ -177,7 +143,7 @@ run(async () => {
   const panel = make('div', { class: 'panel' }, make('h1', {}, scan));
   view.append(placeName(viewer), tools(view, viewer), legend.element);
   side.append(make('div', { class: 'map' }, mapPanel.element), panel);
-  if (episode) await showEpisode(panel, viewer, map, episode);
+  if (episode) await showEpisode(panel, viewer, map, episode, new URLSearchParams(location.search).get('split') ?? '');
   const overlay = overlayControl(viewer, legend);
   panel.append(...(overlay ? [make('div', { class: 'controls' }, overlay)] : []),
     make('p', { class: 'note' }, 'Drag to look, click a disc to go. ', make('span', { class: 'keys' }, keyHelp(viewer))));

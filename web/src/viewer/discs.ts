@@ -4,7 +4,7 @@ import { norm, subtract, transpose, type Vec3 } from '../geometry.ts';
 import type { Scan } from '../scan.ts';
 import type { Panorama } from './panorama.ts';
 
-export type Mark = 'step' | 'candidate' | 'path' | 'start' | 'goal';
+export type Mark = 'step' | 'candidate' | 'path' | 'start' | 'goal' | 'seen';
 
 /** Told apart by shape as well: a step is a ring, a path's disc full, start and goal have poles. */
 const looks: Record<Mark, { colour: number; inner: number; pole: number }> = {
@@ -13,6 +13,7 @@ const looks: Record<Mark, { colour: number; inner: number; pole: number }> = {
   path: { colour: 0x2b7bff, inner: 0, pole: 0 },
   start: { colour: 0x0aa36b, inner: 0, pole: 0.9 },
   goal: { colour: 0xe8453c, inner: 0, pole: 1.4 },
+  seen: { colour: 0xf0e442, inner: 0.4, pole: 0 }, // of a goal's object or region
 };
 
 /** Metres; and the least angle that a disc is seen under, so that distant ones can be hit. */

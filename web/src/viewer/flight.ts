@@ -23,6 +23,13 @@ export interface Moment extends Direction {
   readonly share: number;
 }
 
+/** Where one is in the course of time. */
+export interface Timeline {
+  readonly seconds: number;
+  /** The moment after so many seconds; before 0 and beyond `seconds` the first or last. */
+  at(seconds: number): Moment;
+}
+
 interface Leg {
   readonly seconds: number;
   at(share: number): Moment;
@@ -31,7 +38,7 @@ interface Leg {
 const smooth = (t: number): number => t * t * (3 - 2 * t);
 
 /** Along a path of viewpoints, each next to the one before. */
-export class Flight {
+export class Flight implements Timeline {
   readonly seconds: number;
   private readonly legs: Leg[] = [];
 

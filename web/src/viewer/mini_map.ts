@@ -35,6 +35,7 @@ export class MiniMap {
   private plan: Plan | undefined;
   private path: readonly number[] = [];
   private walk: readonly number[] = [];
+  private seen: readonly number[] = [];
   private shown = -1;
   private standing = -1;
 
@@ -64,10 +65,11 @@ export class MiniMap {
     if (plan) this.setPlan(names ? plan : { ...plan, rooms: plan.rooms.map((room) => ({ ...room, name: '' })) });
   }
 
-  /** A path, and a walk that somebody took for it; empty: none. */
-  setPath(path: readonly number[], walk: readonly number[] = []): void {
+  /** A path, a walk that somebody took for it, and squares where the goal is seen; empty: none. */
+  setPath(path: readonly number[], walk: readonly number[] = [], seen: readonly number[] = []): void {
     this.path = path;
     this.walk = walk;
+    this.seen = seen;
     this.drawRoute();
   }
 
@@ -207,6 +209,11 @@ export class MiniMap {
       ['stop', this.walk.at(-1)],
     ];
     this.route.replaceChildren(line(this.path, 'path'), line(this.walk, 'walk'));
+    for (const v of this.seen) {
+      if (!here.has(v)) continue;
+      const [x, y] = this.at(v);
+      this.route.append(shape('rect', { x: x - 0.25, y: y - 0.25, width: 0.5, height: 0.5, class: 'seen' }));
+    }
     for (const [name, v] of ends) {
       if (v === undefined || !here.has(v)) continue;
       const [cx, cy] = this.at(v);

@@ -1,5 +1,5 @@
 /** Buttons of a fly-through: play, pause, again, speed, and a slider of its time. */
-import { Flight } from './flight.ts';
+import type { Timeline } from './flight.ts';
 import type { Viewer } from './viewer.ts';
 
 const speeds = [0.5, 1, 2, 4];
@@ -7,7 +7,8 @@ const speeds = [0.5, 1, 2, 4];
 export class Player {
   readonly element = document.createElement('div');
   private readonly viewer: Viewer;
-  private readonly flight: Flight;
+  private readonly flight: Timeline;
+  private readonly told: ((seconds: number) => void) | undefined;
   private readonly play = document.createElement('button');
   private readonly slider = document.createElement('input');
   private readonly speed = document.createElement('select');
@@ -15,10 +16,14 @@ export class Player {
   private running = false;
   private readonly ends = new AbortController();
 
-  /** @param path viewpoints, each next to the one before; the flight begins with the pose's look. */
-  constructor(viewer: Viewer, path: readonly number[]) {
+  /**
+   * @param what viewpoints, each next to the one before, along which a flight begins with the pose's look; or any timeline
+   * @param told is called with the time whenever it changes
+   */
+  constructor(viewer: Viewer, what: readonly number[] | Timeline, told?: (seconds: number) => void) {
     this.viewer = viewer;
-    this.flight = viewer.flight(path);
+    this.flight = 'at' in what && !Array.isArray(what) ? what as Timeline : viewer.flight(what as readonly number[]);
+    this.told = told;
     this.element.className = 'enfilade-player';
     this.element.setAttribute('role', 'group');
     this.element.setAttribute('aria-label', 'Fly-through of the path');
@@ -70,6 +75,7 @@ export class Player {
   async seek(seconds: number): Promise<void> {
     this.seconds = Math.min(Math.max(seconds, 0), this.flight.seconds);
     this.slider.value = String(this.seconds);
+    this.told?.(this.seconds);
     await this.viewer.showMoment(this.flight.at(this.seconds));
   }
 

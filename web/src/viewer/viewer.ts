@@ -17,6 +17,7 @@ import { Api, type Layer, type Scan, viewpointIndex } from '../scan.ts';
 import { Controls } from './controls.ts';
 import { floorBelow, type Mark } from './discs.ts';
 import { Flight, type Moment } from './flight.ts';
+import { type Outline, OutlineLayer } from './outline_layer.ts';
 import { type Panorama, Pictures } from './panorama.ts';
 import { type Passage, Stage } from './stage.ts';
 import { reachOf } from './surround.ts';
@@ -81,6 +82,7 @@ export class Viewer {
   private readonly pictures: Pictures;
   private readonly controls: Controls;
   private readonly resizes: ResizeObserver;
+  private readonly outlines = new OutlineLayer();
   private readonly listeners = new Set<Listener>();
   private readonly next = document.createElement('div');
   private readonly hint = document.createElement('div');
@@ -125,7 +127,7 @@ export class Viewer {
     this.stage = new Stage();
     element.classList.add('enfilade-viewer');
     if (options.rules) element.style.aspectRatio = String(options.rules.aspect);
-    element.append(this.stage.canvas);
+    element.append(this.stage.canvas, this.outlines.element);
     for (const [part, name] of [[this.next, 'enfilade-next'], [this.hint, 'enfilade-hint']] as const) {
       part.className = name;
       part.hidden = true;
@@ -290,11 +292,12 @@ export class Viewer {
     return k < 0 ? undefined : this.path[k + 1];
   }
 
-  /** Marks a path on the floor: blue discs, start and goal with poles. Empty: none. */
-  setPath(path: readonly number[]): void {
+  /** Marks a path on the floor: blue discs, start and goal with poles; yellow ones where a goal is seen. Empty: none. */
+  setPath(path: readonly number[], seen: readonly number[] = []): void {
     this.path = path;
     this.pointOn();
-    const marks = new Map<number, Mark>(path.map((viewpoint) => [viewpoint, 'path']));
+    const marks = new Map<number, Mark>([...path.map((viewpoint) => [viewpoint, 'path'] as const),
+      ...seen.map((viewpoint) => [viewpoint, 'seen'] as const)]);
     if (path.length > 0) {
       marks.set(path[0]!, 'start');
       marks.set(path.at(-1)!, 'goal');
@@ -306,6 +309,12 @@ export class Viewer {
   setMarks(marks: ReadonlyMap<number, Mark>): void {
     this.marks = marks;
     this.placeDiscs();
+    this.draw();
+  }
+
+  /** Lines around what is seen from viewpoints, drawn while one stands there. Replaces those before. */
+  setOutlines(outlines: readonly Outline[]): void {
+    this.outlines.set(outlines);
     this.draw();
   }
 
@@ -358,6 +367,7 @@ export class Viewer {
     this.controls.dispose();
     this.pictures.dispose();
     this.stage.dispose();
+    this.outlines.element.remove();
     this.next.remove();
     this.hint.remove();
     this.element.classList.remove('enfilade-viewer');
@@ -479,6 +489,7 @@ export class Viewer {
   }
 
   private drawNow(): void {
+    this.outlines.draw(this.moment ? undefined : this.pose_.viewpoint, this.view, this.pose_);
     if (this.moment) {
       const { from, to, share } = this.moment;
       this.stage.drawBetween(this.pose_, share, this.passage(from, to));

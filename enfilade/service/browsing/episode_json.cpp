@@ -1,0 +1,188 @@
+#include "enfilade/service/browsing/episode_json.h"
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/numbers.h"
+#include "enfilade/draw/outlines.h"
+#include "enfilade/draw/planned_goal.h"
+#include "enfilade/service/detail/json_list.h"
+#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/instruction_ids.h"
+#include "enfilade/tasks/pose_trace.h"
+
+namespace enfilade::service::browsing {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json turn_json(const tasks::DialogueTurn& turn) {
+  return {{"role", turn.role}, {"message", turn.message}, {"nav_step", turn.nav_step}};
+}
+
+ordered_json word_json(const tasks::TimedWord& word) {
+  ordered_json one{{"word", word.word}};
+  if (word.start) one["start"] = *word.start;
+  if (word.end) one["end"] = *word.end;
+  return one;
+}
+
+ordered_json part_json(const tasks::SubInstruction& part) {
+  ordered_json one{{"words", part.words}};
+  if (part.places) one["places"] = {part.places->first, part.places->second};
+  return one;
+}
+
+// To a thousandth of a degree.
+double rounded(double radians) { return std::round(radians * 1e5) / 1e5; }
+
+void append_outlines(const graph::NavGraph& graph, const tasks::Goal& goal,
+                     const std::vector<ViewpointIndex>& viewpoints,
+                     const tasks::ObjectBoxes* objects, const std::string& name,
+                     ordered_json& list) {
+  for (const ViewpointIndex v : viewpoints) {
+    for (const draw::Outline& outline : draw::goal_outlines(graph, goal, v, objects)) {
+      auto rim = ordered_json::array();
+      for (const Vec3d& one : outline.rim) {
+        const tasks::Direction at = draw::direction_of(one);
+        rim.push_back(rounded(at.heading.value));
+        rim.push_back(rounded(at.elevation.value));
+      }
+      list.push_back({{"viewpoint", graph.id(v)},
+                      {"label", outline.label.empty() ? name : outline.label},
+                      {"rim", rim}});
+    }
+  }
+}
+
+// Looks of a guide, at most 20 a second, in lists of one length. Seconds, ids, radians.
+ordered_json trace_json(const tasks::PoseTrace& trace) {
+  constexpr double kLeast = 0.05;  // seconds
+  ordered_json times = ordered_json::array(), viewpoints = times, headings = times,
+               elevations = times;
+  for (std::size_t k = 0; k < trace.snapshots.size(); ++k) {
+    const tasks::PoseSnapshot& one = trace.snapshots[k];
+    const bool moved = viewpoints.empty() || viewpoints.back() != one.viewpoint;
+    const bool last = k + 1 == trace.snapshots.size();
+    if (!moved && !last && one.time - times.back().get<double>() < kLeast) continue;
+    const tasks::CameraLook look = tasks::look_of(one);
+    times.push_back(std::round(one.time * 1e3) / 1e3);
+    viewpoints.push_back(one.viewpoint);
+    headings.push_back(rounded(look.heading.value));
+    elevations.push_back(rounded(look.elevation.value));
+  }
+  return {{"times", times},
+          {"viewpoints", viewpoints},
+          {"headings", headings},
+          {"elevations", elevations}};
+}
+
+// The guide's trace of an instruction of RxR, in the folder of its annotations as the data set is
+// unpacked, or without its split's folder. Empty: there is none.
+std::filesystem::path trace_file(const PublicSplit& split, const std::string& instruction_id) {
+  const std::string number = instruction_id.substr(instruction_id.rfind('_') + 1);
+  const auto id = parse_number<std::int64_t>(number);
+  if (!id) return {};
+  const std::string name = tasks::pose_trace_name(tasks::TraceRole::kGuide, *id);
+  const auto folder = std::filesystem::path(split.annotations.file).parent_path() / "pose_traces";
+  std::error_code code;
+  for (const auto& file : {folder / ("rxr_" + split.annotations.split) / name, folder / name}) {
+    if (std::filesystem::is_regular_file(file, code)) return file;
+  }
+  return {};
+}
+
+// A broken trace is told, and leaves the episode as it is.
+void add_trace(const PublicSplit& split, ordered_json& episode) {
+  const auto file = trace_file(split, episode.at("instruction_id"));
+  if (file.empty()) return;
+  try {
+    episode["trace"] = trace_json(tasks::load_pose_trace(file));
+  } catch (const Error&) {
+    episode["trace_problem"] = "the pose trace of this instruction cannot be read";
+  }
+}
+
+const char* name_of_kind(const tasks::Goal& goal) {
+  constexpr const char* kNames[] = {"end", "hidden", "turning_point", "object", "region", "boxes"};
+  return kNames[goal.index()];
+}
+
+ordered_json goal_json(const tasks::EpisodeSet& episodes, const tasks::ObjectBoxes* objects) {
+  const tasks::Episode& episode = episodes.episodes.front();
+  const tasks::ReferencePath& path = episodes.path_of(episode);
+  const graph::NavGraph& graph = episodes.graph_of(episode);
+  const std::string name = draw::name_of_goal(episodes, episode, objects);
+  ordered_json goal{{"kind", name_of_kind(path.goal)}};
+  if (!name.empty()) goal["name"] = name;
+  if (const auto* object = std::get_if<tasks::SeenObject>(&path.goal)) goal["object"] = object->id;
+  const auto planned = draw::planned_goal(path, name);
+  if (!planned) return goal;
+  auto& viewpoints = goal["viewpoints"] = ordered_json::array();
+  for (const ViewpointIndex v : planned->viewpoints) viewpoints.push_back(graph.id(v));
+  append_outlines(graph, path.goal, planned->viewpoints, objects, name,
+                  goal["outlines"] = ordered_json::array());
+  return goal;
+}
+
+// The path and its one instruction k, looked up.
+tasks::EpisodeSet looked_up(const Site& site, const PublicSplit& split,
+                            const tasks::PathAnnotation& path, std::size_t k,
+                            const tasks::ObjectBoxes* objects) {
+  const tasks::Annotations one{
+      split.annotations.split, split.annotations.file, {path}, split.annotations.task};
+  tasks::EpisodeSet set;
+  set.split = one.split;
+  set.graphs = site.shared_graphs();
+  set.paths = tasks::look_up_paths(one, site.graphs(), objects);
+  set.task = one.task;
+  set.episodes.push_back({tasks::instruction_id(path, k), 0, k, path.instructions[k],
+                          k < path.details.size() ? path.details[k] : tasks::InstructionDetails()});
+  return set;
+}
+
+}  // namespace
+
+ordered_json brief_episode_json(const tasks::PathAnnotation& path, std::size_t k) {
+  ordered_json one{{"instruction_id", tasks::instruction_id(path, k)},
+                   {"path_id", path.path_id},
+                   {"scan", path.scan},
+                   {"heading", path.heading.value},
+                   {"instruction", path.instructions[k]},
+                   {"start", path.path.front()}};
+  if (!path.goal_hidden()) {
+    one["path"] = path.path;
+    if (path.distance) one["distance"] = *path.distance;
+  }
+  if (k < path.details.size() && !path.details[k].language.empty()) {
+    one["language"] = path.details[k].language;
+  }
+  return one;
+}
+
+ordered_json whole_episode_json(const Site& site, const PublicSplit& split,
+                                const tasks::PathAnnotation& path, std::size_t k) {
+  ordered_json one = brief_episode_json(path, k);
+  one["task"] = tasks::name_of(split.annotations.task);
+  if (k < path.details.size()) {
+    const tasks::InstructionDetails& details = path.details[k];
+    if (!details.turns.empty()) one["turns"] = detail::json_list(details.turns, turn_json);
+    if (!details.words.empty()) one["words"] = detail::json_list(details.words, word_json);
+    if (!details.parts.empty()) one["parts"] = detail::json_list(details.parts, part_json);
+    for (const auto& [name, text] : details.fields) one["fields"][name] = text;
+  }
+  if (path.goal_hidden()) return one;
+  const tasks::ObjectBoxes* objects =
+      split.annotations.task == tasks::Task::kReverie ? site.objects() : nullptr;
+  if (split.annotations.task == tasks::Task::kRxr) add_trace(split, one);
+  one["goal"] = goal_json(looked_up(site, split, path, k, objects), objects);
+  return one;
+}
+
+}  // namespace enfilade::service::browsing
