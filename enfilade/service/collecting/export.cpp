@@ -16,7 +16,7 @@
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/tasks/annotations.h"
-#include "enfilade/tasks/formats/rxr.h"
+#include "enfilade/tasks/files.h"
 
 namespace enfilade::service::collecting {
 namespace {
@@ -244,7 +244,7 @@ std::string rxr_lines(const Selection& selection) {
     }
     annotations.paths.push_back(std::move(path));
   }
-  return tasks::formats::to_rxr_guide(annotations);
+  return tasks::to_text(annotations);
 }
 
 std::string cvdn_json(const Selection& selection, const graph::GraphSet& graphs) {

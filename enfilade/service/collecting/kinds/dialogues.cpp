@@ -15,7 +15,7 @@
 #include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
 
-namespace enfilade::service::collecting {
+namespace enfilade::service::collecting::kinds {
 namespace {
 
 using detail::Reason;
@@ -382,4 +382,4 @@ std::vector<ordered_json> cvdn_instances(const Task& task, const graph::GraphSet
   return instances;
 }
 
-}  // namespace enfilade::service::collecting
+}  // namespace enfilade::service::collecting::kinds

@@ -16,7 +16,12 @@
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/service/collecting/tasks.h"
 
+// What is here is used all over collecting/.
 namespace enfilade::service::collecting {
+inline namespace kinds {}
+}  // namespace enfilade::service::collecting
+
+namespace enfilade::service::collecting::kinds {
 
 enum class Role : std::uint8_t { kNavigator, kOracle };
 constexpr std::array<std::string_view, 2> names_of(Role /*enum*/) {
@@ -83,4 +88,4 @@ void act_in_dialogue(store::Database& db, const Visit& visit, std::int64_t task,
 /// said, and one after each answer. \param task  of its navigator
 std::vector<nlohmann::ordered_json> cvdn_instances(const Task& task, const graph::GraphSet& graphs);
 
-}  // namespace enfilade::service::collecting
+}  // namespace enfilade::service::collecting::kinds

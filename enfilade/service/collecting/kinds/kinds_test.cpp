@@ -6,9 +6,7 @@
 #include <optional>
 
 #include "enfilade/service/collecting/kinds/outlines.h"
-#include "enfilade/tasks/formats/cvdn.h"
-#include "enfilade/tasks/formats/reverie.h"
-#include "enfilade/tasks/formats/rxr.h"
+#include "enfilade/tasks/files.h"
 #include "tests/support/collecting.h"
 
 namespace enfilade::service {
@@ -94,7 +92,7 @@ TEST_F(Kinds, AnObjectIsDescribedFoundByAnotherAndExportedAsReverie) {
   EXPECT_EQ(writer.write(described, kText).at("status"), 200);
   EXPECT_EQ(accept(described).at("status"), 200);
   const std::string text = file("pilot/export?split=val_seen");
-  const auto read = tasks::formats::parse_reverie(text, "r.json", "val_seen");
+  const auto read = tasks::parse_annotations(text, "r.json", "val_seen", tasks::Task::kReverie);
   ASSERT_EQ(read.paths.size(), 1U) << text;
   EXPECT_EQ(read.paths[0].id, "1_7");
   EXPECT_THAT(read.paths[0].instructions, ElementsAre(kText));
@@ -125,7 +123,9 @@ TEST_F(Kinds, AnObjectIsDescribedFoundByAnotherAndExportedAsReverie) {
   EXPECT_EQ(results[0].at("instr_id"), "1_7_0");
   EXPECT_EQ(results[0].at("predObjId"), 7);
   EXPECT_EQ(results[0].at("trajectory").size(), 4U);
-  EXPECT_EQ(tasks::formats::parse_reverie(file("finding/export?split=val_seen"), "r", "s").paths,
+  EXPECT_EQ(tasks::parse_annotations(file("finding/export?split=val_seen"), "r", "s",
+                                     tasks::Task::kReverie)
+                .paths,
             read.paths);
 }
 
@@ -189,8 +189,8 @@ TEST_F(Kinds, AGuideKeepsWordsAndPosesWithTheirTimes) {
                 {{"instruction", kText}})
                 .at("status"),
             409);
-  const auto read =
-      tasks::formats::parse_rxr_guide(file("pilot/export?split=val_seen"), "g", "val_seen");
+  const auto read = tasks::parse_annotations(file("pilot/export?split=val_seen"), "g", "val_seen",
+                                             tasks::Task::kRxr);
   ASSERT_EQ(read.paths.size(), 1U);
   EXPECT_EQ(read.paths[0].details[0].language, "hi-IN");
   EXPECT_EQ(read.paths[0].details[0].id, "1_" + std::to_string(number));
@@ -248,7 +248,7 @@ TEST_F(Kinds, TwoPeopleTalkAndItIsADialogueOfCvdn) {
   EXPECT_EQ(reviewed.at("turns").size(), 5U);
 
   const std::string text = file("pilot/export?split=val_seen");
-  const auto read = tasks::formats::parse_cvdn(text, "c.json", "val_seen");
+  const auto read = tasks::parse_annotations(text, "c.json", "val_seen", tasks::Task::kCvdn);
   ASSERT_EQ(read.paths.size(), 2U) << text;
   EXPECT_THAT(read.paths[0].path,
               ElementsAre("v0", "v1", "v2"));  // the oracle's, as v2 was reached

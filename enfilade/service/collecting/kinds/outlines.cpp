@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-namespace enfilade::service::collecting {
+namespace enfilade::service::collecting::kinds {
 namespace {
 
 using nlohmann::ordered_json;
@@ -142,4 +142,4 @@ std::optional<std::int64_t> object_at(const tasks::ObjectBoxes& objects, const s
 
 std::string category_of(const std::string& name) { return name.substr(0, name.find('#')); }
 
-}  // namespace enfilade::service::collecting
+}  // namespace enfilade::service::collecting::kinds

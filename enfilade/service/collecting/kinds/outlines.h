@@ -9,7 +9,12 @@
 #include "enfilade/tasks/goal.h"
 #include "enfilade/tasks/objects.h"
 
+// What is here is used all over collecting/.
 namespace enfilade::service::collecting {
+inline namespace kinds {}
+}  // namespace enfilade::service::collecting
+
+namespace enfilade::service::collecting::kinds {
 
 /// A box of a view as directions from its viewpoint: left top, right top, right bottom, left
 /// bottom. Its edges are parts of great circles.
@@ -41,4 +46,4 @@ std::optional<std::int64_t> object_at(const tasks::ObjectBoxes& objects, const s
 /// "plant" of "plant#pot": what people call it.
 std::string category_of(const std::string& name);
 
-}  // namespace enfilade::service::collecting
+}  // namespace enfilade::service::collecting::kinds

@@ -7,10 +7,9 @@
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/service/collecting/kinds/outlines.h"
-#include "enfilade/tasks/formats/cvdn.h"
-#include "enfilade/tasks/formats/reverie.h"
+#include "enfilade/tasks/files.h"
 
-namespace enfilade::service::collecting {
+namespace enfilade::service::collecting::kinds {
 namespace {
 
 /// Those of them that can be walked to, sorted, each once.
@@ -92,9 +91,9 @@ tasks::Annotations parse_any(std::string_view json, const std::string& file,
     simdjson::dom::element found;
     return document.root().at(0).at_key(name).get(found) == simdjson::SUCCESS;
   };
-  if (has("objId")) return tasks::formats::parse_reverie(json, file, split);
-  if (has("inst_idx")) return tasks::formats::parse_cvdn(json, file, split);
+  if (has("objId")) return tasks::parse_annotations(json, file, split, tasks::Task::kReverie);
+  if (has("inst_idx")) return tasks::parse_annotations(json, file, split, tasks::Task::kCvdn);
   return tasks::parse_annotations(json, file, split);
 }
 
-}  // namespace enfilade::service::collecting
+}  // namespace enfilade::service::collecting::kinds

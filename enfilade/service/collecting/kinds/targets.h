@@ -10,7 +10,12 @@
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/objects.h"
 
+// What is here is used all over collecting/.
 namespace enfilade::service::collecting {
+inline namespace kinds {}
+}  // namespace enfilade::service::collecting
+
+namespace enfilade::service::collecting::kinds {
 
 /// A goal, as Item has it.
 struct Target {
@@ -37,4 +42,4 @@ std::vector<Target> targets_of(const tasks::PathAnnotation& path, const KnownObj
 tasks::Annotations parse_any(std::string_view json, const std::string& file,
                              const std::string& split);
 
-}  // namespace enfilade::service::collecting
+}  // namespace enfilade::service::collecting::kinds
