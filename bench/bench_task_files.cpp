@@ -1,7 +1,7 @@
 // Reading and making the files of the benchmarks: an RxR guide of 126,000 lines (SYNTHETIC: words
 // of chance along the paths of R2R, in the form of the released files), REVERIE's val unseen with
-// all boxes in one file, R4R joined from R2R and read back. Files lie in the system's temporary
-// folder and have just been written, so that they are in its cache.
+// all boxes in one file, R4R joined from R2R and read back, its walks scored and written. Files lie
+// in the system's temporary folder and have just been written, so that they are in its cache.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -10,6 +10,8 @@
 #include <iterator>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "bench/main.h"
 #include "enfilade/core/file.h"
@@ -20,6 +22,7 @@
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/r4r.h"
+#include "enfilade/tasks/task_score.h"
 
 namespace enfilade {
 namespace {
@@ -129,6 +132,53 @@ void read_r4r(benchmark::State& state) {
   state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(text.size()));
 }
 
+// R4R's val unseen with a walk of 20 actions in every episode.
+struct R4rWalks {
+  tasks::EpisodeSet episodes;
+  std::vector<tasks::Trajectory> trajectories;
+};
+
+R4rWalks r4r_walks() {
+  const auto graphs = graph::GraphSet::open(scan::DataRoot::from_environment()->connectivity());
+  tasks::Annotations r4r{"val_unseen", "R4R", {}, tasks::Task::kR4r};
+  for (tasks::JoinedPath& one : tasks::join_paths(r2r("val_unseen"), *graphs).paths) {
+    r4r.paths.push_back(std::move(one.path));
+  }
+  R4rWalks walks{tasks::make_episodes(r4r, graphs), {}};
+  Rng rng(1);
+  for (std::size_t i = 0; i < walks.episodes.episodes.size(); ++i) {
+    const tasks::Episode& episode = walks.episodes.episodes[i];
+    const graph::NavGraph& graph = walks.episodes.graph_of(episode);
+    ViewpointIndex at = walks.episodes.path_of(episode).viewpoints.front();
+    tasks::Trajectory& trajectory = walks.trajectories.emplace_back();
+    trajectory.episode = i;
+    for (std::uint64_t k = 0; k <= 20; ++k) {
+      trajectory.points.push_back({at, degrees(30.0 * static_cast<double>(k % 12)), Radians(0)});
+      const auto edges = graph.edges(at);
+      if (rng.below(3) > 0) at = edges[rng.below(edges.size())].target;  // else a turn
+    }
+  }
+  return walks;
+}
+
+// All of HAMT's metrics, nDTW, SDTW and CLS among them, with their intervals.
+void score_r4r(benchmark::State& state) {
+  const R4rWalks walks = r4r_walks();
+  const auto& scorer = tasks::public_scorers(tasks::Task::kR4r).front();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(compute_task_score(walks.trajectories, walks.episodes, scorer));
+  }
+  state.SetItemsProcessed(state.iterations() *
+                          static_cast<std::int64_t>(walks.trajectories.size()));
+}
+
+void write_results(benchmark::State& state) {
+  const R4rWalks walks = r4r_walks();
+  std::size_t bytes = 0;
+  for (auto _ : state) bytes = to_json(walks.trajectories, walks.episodes).size();
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(bytes));
+}
+
 template <class Function>
 void add(const char* name, const Function& function) {
   benchmark::RegisterBenchmark(name, function)
@@ -143,6 +193,8 @@ void register_all() {
   add("make_r4r/val_unseen", [](benchmark::State& state) { make_r4r(state, "val_unseen"); });
   add("make_r4r/train", [](benchmark::State& state) { make_r4r(state, "train"); });
   add("read_r4r/train", read_r4r);
+  add("score_r4r/val_unseen", score_r4r);
+  add("write_results/r4r_val_unseen", write_results);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ Json by_agent(const ScoredRuns& scored, const One& one) {
     groups[agent][run.split].push_back(&run);
   }
   if (agents.empty()) {
-    return missing("No agent but oracles, which always arrive, has results that can be scored.");
+    return missing("No agent but Shortest and Reference has results that can be scored.");
   }
   Json all = Json::array();
   for (const std::string& agent : agents) {
