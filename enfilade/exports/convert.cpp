@@ -222,6 +222,17 @@ std::string with_keys(std::string_view results, const std::string& file, ResultK
   return list_text(list);
 }
 
+namespace {
+
+/// Without what DUET's lines do not hold of SOON's entries: which alternatives belong together.
+tasks::PathAnnotation without_entry(tasks::PathAnnotation path) {
+  path.group.reset();
+  if (auto* boxes = std::get_if<tasks::NamedBoxes>(&path.goal)) boxes->first_alternative.clear();
+  return path;
+}
+
+}  // namespace
+
 std::string annotations_text(const tasks::Annotations& annotations, const AnnotationForm& form) {
   std::string text =
       form.released ? tasks::to_released_soon(annotations) : tasks::to_text(annotations);
@@ -231,8 +242,13 @@ std::string annotations_text(const tasks::Annotations& annotations, const Annota
   const tasks::Annotations again =
       tasks::parse_annotations(text, "<converted>", annotations.split, annotations.task);
   for (std::size_t i = 0; i < annotations.paths.size(); ++i) {
-    if (i < again.paths.size() && again.paths[i] == annotations.paths[i]) continue;
     const tasks::PathAnnotation& path = annotations.paths[i];
+    const bool lines_of_soon = annotations.task == Task::kSoon && !form.released;
+    if (i < again.paths.size() &&
+        (again.paths[i] == path ||
+         (lines_of_soon && without_entry(again.paths[i]) == without_entry(path)))) {
+      continue;
+    }
     throw ArgumentError(fmt::format("{}: path {} has what the other form cannot hold",
                                     annotations.file,
                                     path.id.empty() ? std::to_string(path.path_id) : path.id));

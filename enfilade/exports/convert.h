@@ -40,7 +40,8 @@ struct AnnotationForm {
   bool released = false;  ///< SOON's as they were released, not DUET's
   bool lines = false;     ///< JSON Lines, where the form itself is a list
 };
-/// tasks::to_text(), or to_released_soon(), after a check that the text is read back equal.
+/// tasks::to_text(), or to_released_soon(), after a check that the text is read back equal. DUET's
+/// lines of SOON do not say which paths are alternatives of one entry; that is lost.
 /// \throws ArgumentError for what the form cannot hold, naming the first path that would differ
 std::string annotations_text(const tasks::Annotations& annotations, const AnnotationForm& form);
 

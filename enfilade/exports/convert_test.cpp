@@ -92,5 +92,32 @@ TEST(Convert, AnnotationsBecomeLinesAndAList) {
   EXPECT_EQ(tasks::parse_annotations(again, "a.json", "train", Task::kR2r).paths, read.paths);
 }
 
+TEST(Convert, SoonsEntriesBecomeLinesWithoutWhatTiesThem) {
+  const auto corner = [](const char* name) {
+    return "\"" + std::string(name) + R"(": {"heading": 0.5, "elevation": -0.25})";
+  };
+  std::string target = corner("center");
+  for (const char* name : {"left_top", "right_top", "right_bottom", "left_bottom"}) {
+    target += ", " + corner(name);
+  }
+  const std::string released =
+      R"([{"path": [["a", "c"], ["a", "b", "c"]], "instructions": [["n", "a", "r", "g", "t"]], )"
+      R"("bboxes": [{"scan": "s", "image_id": "c", "obj_name": "vase", "target": {)" +
+      target + "}}]}]";
+  const tasks::Annotations read =
+      tasks::parse_annotations(released, "train.json", "train", Task::kSoon);
+  ASSERT_EQ(read.paths.size(), 2U);
+  const std::string lines = annotations_text(read, {});
+  const tasks::Annotations again =
+      tasks::parse_annotations(lines, "train.jsonl", "train", Task::kSoon);
+  ASSERT_EQ(again.paths.size(), 2U);
+  EXPECT_EQ(again.paths[1].path, read.paths[1].path);
+  EXPECT_FALSE(again.paths[1].group.has_value());
+  EXPECT_EQ(tasks::parse_annotations(annotations_text(read, {.released = true}), "train.json",
+                                     "train", Task::kSoon)
+                .paths,
+            read.paths);
+}
+
 }  // namespace
 }  // namespace enfilade::exports

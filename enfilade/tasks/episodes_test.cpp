@@ -258,6 +258,11 @@ TEST(TaskFiles, AreToldApartByTheirFirstRecord) {
   EXPECT_EQ(task("{\"path_id\": 1, \"language\": \"en-IN\"}\n{\"path_id\": 2}"), Task::kRxr);
   EXPECT_EQ(task(R"([{"inst_idx": 1, "scan": "a"}])"), Task::kCvdn);
   EXPECT_EQ(task(R"([{"path": [["a"]], "bboxes": []}])"), Task::kSoon);
+  EXPECT_EQ(task(R"([{"path": [["a"]], "instructions": [["n", "a", "r", "g", "t"]]}])"),
+            Task::kSoon)
+      << "a test split";
+  EXPECT_EQ(task(R"({"path_id": "4-0", "path": ["a"], "instructions": [{"full": "t"}]})"),
+            Task::kSoon);
   EXPECT_EQ(task(R"([{"path_id": 1, "midstop": "a"}])"), Task::kR2rBack);
   EXPECT_EQ(task(R"([{"path_id": 1, "first_path_id": 2}])"), Task::kR4r);
   for (const char* none : {"", "[]", "[1]", "[{\"a\": 1}]", "{", "[[[["}) {
