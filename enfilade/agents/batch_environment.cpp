@@ -49,6 +49,11 @@ void validate(const tasks::EpisodeSet& episodes, const EnvironmentConfig& config
   }
 }
 
+// 0 where the goal is out of reach, as an object that nobody sees is.
+double nearer(double before, double now) {
+  return std::isfinite(before) && std::isfinite(now) ? before - now : 0;
+}
+
 void check_length(const char* name, std::size_t found, std::size_t wanted) {
   if (found == wanted) return;
   throw ArgumentError(fmt::format("{}: {} elements for {} agents", name, found, wanted));
@@ -171,7 +176,8 @@ void BatchEnvironment::judge(std::size_t agent, bool stopped) {
   double reward = 0;
   if (config_.reward == Reward::kSuccess) reward = success ? 1 : 0;
   if (config_.reward == Reward::kProgress) {
-    reward = (moved ? before - now : 0) + (stopped ? (success ? kStopReward : -kStopReward) : 0);
+    reward =
+        (moved ? nearer(before, now) : 0) + (stopped ? (success ? kStopReward : -kStopReward) : 0);
   }
   if (moved) walked_[agent] += batch_.graph(agent).edge(from, to)->length;
   outcome_.distance[agent] = now;

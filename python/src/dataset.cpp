@@ -78,7 +78,7 @@ void bind_dataset(nb::module_& m) {
       .def(nb::new_(&open_dataset), "folder"_a.none())
       .def_prop_ro("folder", &Dataset::folder)
       .def_prop_ro("synthetic", &Dataset::synthetic)
-      .def_prop_ro("splits", &Dataset::splits)
+      .def_prop_ro("splits", [](const Dataset& d) { return d.splits(); })
       .def_prop_ro("graphs", [](const Dataset& d) { return d.graphs(); })
       .def_prop_ro("panoramas", [](const Dataset& d) { return d.panoramas(); })
       .def_prop_ro("panorama_places",
