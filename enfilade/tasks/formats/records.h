@@ -96,48 +96,45 @@ void for_each_record(std::string_view text, json::Faults& faults, const Read& re
   if (!any && records.is_lines()) refuse_empty(faults);
 }
 
+// What came of a part of a file.
+template <class Value>
+struct PartRead {
+  explicit PartRead(const std::string& file) : faults(file) {}
+  std::vector<Value> values;
+  json::Faults faults;
+  std::exception_ptr failure;
+  bool any = false;
+};
+
+// Reads part k, or a list whole.
 template <class Value, class Read>
-std::vector<Value> read_in_parallel(std::string_view text, json::Faults& faults, const Read& read) {
-  struct Part {
-    explicit Part(const std::string& file) : faults(file) {}
-    std::vector<Value> values;
-    json::Faults faults;
-    std::exception_ptr failure;
-    bool any = false;
-  };
-  constexpr std::size_t kPartBytes = std::size_t{1} << 22U;
-  const json::Parts split = json::split_records(text, kPartBytes);
-  std::vector<Part> parts(split.texts.size(), Part(faults.file()));
-  const auto read_part = [&](std::size_t k) {
-    Part& part = parts[k];
-    std::optional<json::Records> records;
-    if (split.is_lines) {
-      records.emplace(split.texts[k], faults.file(), kMostRecordBytes, split.begins[k]);
-    } else {
-      records.emplace(text, faults.file(), kMostRecordBytes);
-    }
-    go_through(*records, part.faults, part.any,
-               [&](const json::Element* element, const json::Path& path) {
-                 if (element != nullptr) {
-                   part.values.push_back(read(*element, path, part.faults));
-                 } else {
-                   part.values.emplace_back();
-                 }
-               });
-  };
-  parallel_for(parts.size(), 1, 0, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      try {
-        read_part(k);
-      } catch (...) {  // of several, the first in the file counts
-        parts[k].failure = std::current_exception();
-      }
-    }
-  });
+void read_part(std::string_view text, const json::Parts& split, std::size_t k,
+               PartRead<Value>& part, const Read& read) {
+  const std::string& file = part.faults.file();
+  std::optional<json::Records> records;
+  if (split.is_lines) {
+    records.emplace(split.texts[k], file, kMostRecordBytes, split.begins[k]);
+  } else {
+    records.emplace(text, file, kMostRecordBytes);
+  }
+  go_through(*records, part.faults, part.any,
+             [&](const json::Element* element, const json::Path& path) {
+               if (element != nullptr) {
+                 part.values.push_back(read(*element, path, part.faults));
+               } else {
+                 part.values.emplace_back();
+               }
+             });
+}
+
+// In their order, up to where one thread would have stopped.
+template <class Value>
+std::vector<Value> join_parts(const json::Parts& split, std::vector<PartRead<Value>>& parts,
+                              json::Faults& faults) {
   std::vector<Value> values;
   bool any = !split.is_lines;
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    Part& part = parts[k];
+    PartRead<Value>& part = parts[k];
     if (faults.full()) {
       faults.stop(json::Path(json::Path(), split.begins[k].record));
       break;
@@ -147,12 +144,29 @@ std::vector<Value> read_in_parallel(std::string_view text, json::Faults& faults,
     any = any || part.any;
     if (values.empty()) {
       values = std::move(part.values);
-      continue;
+    } else {
+      std::move(part.values.begin(), part.values.end(), std::back_inserter(values));
     }
-    std::move(part.values.begin(), part.values.end(), std::back_inserter(values));
   }
   if (!any) refuse_empty(faults);
   return values;
+}
+
+template <class Value, class Read>
+std::vector<Value> read_in_parallel(std::string_view text, json::Faults& faults, const Read& read) {
+  constexpr std::size_t kPartBytes = std::size_t{1} << 22U;
+  const json::Parts split = json::split_records(text, kPartBytes);
+  std::vector<PartRead<Value>> parts(split.texts.size(), PartRead<Value>(faults.file()));
+  parallel_for(parts.size(), 1, 0, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      try {
+        read_part(text, split, k, parts[k], read);
+      } catch (...) {  // of several, the first in the file counts
+        parts[k].failure = std::current_exception();
+      }
+    }
+  });
+  return join_parts(split, parts, faults);
 }
 
 }  // namespace enfilade::tasks::formats
