@@ -47,6 +47,7 @@ describe.skipIf(missing)('collections of', () => {
   const file = (name: string, query: Record<string, string> = {}): Promise<string> =>
     organiser.evaluate(async (path) => (await fetch(path)).text(),
       `/api/v1/collections/${name}/export?${new URLSearchParams({ split: 'val_seen', ...query })}`);
+  const seesMark = (page: Page) => page.locator('.enfilade-outlines circle:not([hidden])').waitFor({ state: 'attached' });
   const seesFrame = (page: Page) => page.locator('.enfilade-outlines polygon:not([hidden])').waitFor({ state: 'attached' });
 
   it('any kind are made on the page', async () => {
@@ -105,7 +106,7 @@ describe.skipIf(missing)('collections of', () => {
     expect(await yes.getAttribute('aria-disabled')).toBe('true');
     await finder.evaluate((heading) => window.walkTask!.viewer.look(heading, 0), east + 0.2);
     await finder.keyboard.press('Enter'); // the focus is on "Point at the middle"
-    await finder.locator('.enfilade-outlines circle:not([hidden])').waitFor({ state: 'attached' });
+    await seesMark(finder);
     for (let k = 0; k < 6; ++k) await finder.keyboard.press('ArrowLeft');
     await finder.evaluate((heading) => window.walkTask!.viewer.look(heading, 0), east);
     await finder.locator('canvas').click({ position: { x: 300, y: 200 } }); // by the mouse it goes elsewhere
@@ -119,6 +120,7 @@ describe.skipIf(missing)('collections of', () => {
     await organiser.goto(`${home.server}/review?collection=find-a-lamp`);
     await organiser.getByText('pointed at the object').waitFor();
     await inspect(organiser, 'review-find');
+    expect(await organiser.locator('.enfilade-outlines circle:not([hidden])').count()).toBe(0); // it belongs to the end of the walk
     await organiser.goto(`${home.server}/review?collection=describe-a-lamp&state=accepted`);
     await organiser.getByText('1 of 1 who looked for it found it').waitFor();
   });

@@ -251,7 +251,7 @@ std::string cvdn_json(const Selection& selection, const graph::GraphSet& graphs)
   std::vector<ordered_json> entries;
   for (const Task& task : tasks_of(selection)) {
     if (task.role != "navigator") continue;
-    for (ordered_json& one : cvdn_instances(task, graphs)) entries.push_back(std::move(one));
+    for (ordered_json& one : kinds::cvdn_instances(task, graphs)) entries.push_back(std::move(one));
   }
   return list_lines(entries);
 }

@@ -321,7 +321,7 @@ class Reader {
     try {
       const std::string text = simdjson::minify(element);
       const tasks::Annotations annotations = has_target(kind_)
-                                                 ? parse_any(text, kFileName, split)
+                                                 ? kinds::parse_any(text, kFileName, split)
                                                  : tasks::parse_annotations(text, kFileName, split);
       tasks::look_up_paths(annotations, site_.graphs());
       add_annotations(annotations, path, false);
@@ -410,7 +410,7 @@ class Reader {
 
   /// Paths whose end shows no object are left out where the annotation names none.
   void add_targets(const std::string& split, const tasks::PathAnnotation& one, const Path& path) {
-    const KnownObjects known{site_.objects(), site_.graphs()};
+    const kinds::KnownObjects known{site_.objects(), site_.graphs()};
     const bool region = std::holds_alternative<tasks::NamedRegion>(one.goal);
     if (known.boxes == nullptr && (!region || kind_ != Kind::kDialogue)) {
       faults_.error(path, "no-objects", "the data set has no boxes of objects (REVERIE's)");
@@ -422,11 +422,12 @@ class Reader {
                     "names no object; entries of REVERIE do, and what people described here");
       return;
     }
-    const std::vector<Target> targets = targets_of(one, known, practice_ ? 1 : objects_);
+    const std::vector<kinds::Target> targets =
+        kinds::targets_of(one, known, practice_ ? 1 : objects_);
     if (targets.empty() && !std::holds_alternative<tasks::NearEnd>(one.goal)) {
       faults_.error(path, "unseen-object", "no viewpoint sees its goal by the data set's boxes");
     }
-    for (const Target& target : targets) {
+    for (const kinds::Target& target : targets) {
       Item item = item_of(split, one, false, practice_);
       item.object = target.object;
       item.target = target.name;

@@ -229,14 +229,14 @@ std::optional<std::int64_t> pointed_at(const Item& item, const std::string& view
                                        const tasks::Direction& point,
                                        const tasks::ObjectBoxes* objects) {
   if (objects != nullptr && objects->has(item.scan, viewpoint)) {
-    const auto found = object_at(*objects, item.scan, viewpoint, point);
+    const auto found = kinds::object_at(*objects, item.scan, viewpoint, point);
     if (found) return found;
   }
-  const Outlines outlines = parse_outlines(item.outlines);
+  const kinds::Outlines outlines = kinds::parse_outlines(item.outlines);
   const auto here = outlines.find(viewpoint);
-  const bool hit =
-      here != outlines.end() &&
-      std::ranges::any_of(here->second, [&](const auto& one) { return contains(one, point); });
+  const bool hit = here != outlines.end() &&
+                   std::ranges::any_of(
+                       here->second, [&](const auto& one) { return kinds::contains(one, point); });
   return hit ? item.object : std::nullopt;
 }
 

@@ -67,7 +67,7 @@ bool has_place(store::Database& db, const Task& task) {
 bool is_still_held(store::Database& db, const Task& task) {
   if (task.state == TaskState::kLeased && task.expires > db.now()) return true;
   const bool open = task.state == TaskState::kLeased || task.state == TaskState::kLapsed;
-  if (task.kind == Kind::kDialogue && !holds_seat(db, task.id)) return false;
+  if (task.kind == Kind::kDialogue && !kinds::holds_seat(db, task.id)) return false;
   return open && has_place(db, task);
 }
 
@@ -127,7 +127,7 @@ Lease lease_next(store::Database& db, const Collection& collection, const Visit&
   if (is_finished(collection, visit)) return {std::nullopt, NoTask::kFinished};
   if (!collection.open) return {std::nullopt, NoTask::kClosed};
   const bool dialogue = collection.kind == Kind::kDialogue;
-  const auto seat = dialogue ? find_seat(db, collection, visit.worker) : std::nullopt;
+  const auto seat = dialogue ? kinds::find_seat(db, collection, visit.worker) : std::nullopt;
   const std::int64_t item = seat ? seat->item : next_item(db, collection, visit.worker);
   if (item == 0) return {std::nullopt, reason_for_none(db, collection, visit)};
   if (!pending_questions_of(db, collection, visit).empty()) {
@@ -138,7 +138,7 @@ Lease lease_next(store::Database& db, const Collection& collection, const Visit&
       item, visit.worker, visit.id, TaskState::kLeased, db.now() + collection.lease_seconds,
       db.now());
   db.run("UPDATE item SET state = 'begun' WHERE id = ? AND state = 'fresh'", item);
-  if (dialogue) take_seat(db, seat, id, item);
+  if (dialogue) kinds::take_seat(db, seat, id, item);
   return {db.find<Task>(tasks_where("task.id = ?"), id), {}};
 }
 

@@ -219,7 +219,7 @@ Response submit(Context& context, const Request& request) {
 }
 
 Response show_dialogue(Context& context, const Request& request) {
-  return json_response(collecting::dialogue_json(
+  return json_response(collecting::kinds::dialogue_json(
       context.db, own_visit(context, request), task_of(request),
       request.number("after", 0, 0, std::numeric_limits<std::int64_t>::max()),
       context.site->graphs()));
@@ -227,8 +227,8 @@ Response show_dialogue(Context& context, const Request& request) {
 
 Response act_in_dialogue(Context& context, const Request& request) {
   const Visit visit = own_visit(context, request);
-  collecting::act_in_dialogue(context.db, visit, task_of(request), request.body,
-                              context.site->graphs());
+  collecting::kinds::act_in_dialogue(context.db, visit, task_of(request), request.body,
+                                     context.site->graphs());
   return show_dialogue(context, request);
 }
 

@@ -209,7 +209,7 @@ function sourceFields({ splits }: SplitList): { box: HTMLElement; show(kind: Kin
     return { tick, label: make('label', { class: 'row' }, tick, `${split} (${paths} paths${goals_hidden ? ', goals hidden' : ''})`) };
   });
   const [fileBox, file] = field('paths', splits.length > 0 ? 'Or a file of paths' : 'A file of paths', { type: 'file', accept: '.json,application/json' },
-    'As enfilade sample writes, or any R2R file: path_id, scan, heading, path.');
+    'As enfilade sample writes, or any R2R file: path_id, scan, heading, path. Where objects are described or found, and for dialogues, also REVERIE files; for dialogues, CVDN files.');
   file.required = false;
   const [splitBox, split] = field('split', "That file's split, as the export will call it", { value: 'train', pattern: namePattern });
   const [mostBox, most] = field('most', 'Only the first paths of each', { type: 'number', min: '1', placeholder: 'all' });

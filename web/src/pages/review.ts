@@ -71,7 +71,7 @@ class Stage {
     this.map!.setPath(work.path ? path : [], work.path ? [] : path);
     this.player = new Player(viewer, path);
     this.outlines = work.object && new Outlines(viewer, outlinesIn(viewer.scan, work.object));
-    this.outlines?.setPoint(work.point);
+    this.outlines?.setPoint(work.point, path.at(-1));
     return this.player.element;
   }
 

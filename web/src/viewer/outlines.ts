@@ -21,7 +21,7 @@ export class Outlines {
   private readonly mark = document.createElementNS(svgNamespace, 'circle');
   private readonly ends: () => void;
   private readonly boxes: ReadonlyMap<number, Corners>;
-  private point: Direction | undefined;
+  private point: (Direction & { readonly viewpoint: number }) | undefined;
 
   /** @param boxes by viewpoint */
   constructor(viewer: Viewer, boxes: ReadonlyMap<number, Corners> = new Map()) {
@@ -42,9 +42,9 @@ export class Outlines {
     this.svg.remove();
   }
 
-  /** Where somebody points; nothing: nowhere. */
-  setPoint(point: Direction | undefined): void {
-    this.point = point;
+  /** Where somebody points, and from where; nothing: nowhere. */
+  setPoint(point: Direction | undefined, viewpoint = this.viewer.pose.viewpoint): void {
+    this.point = point && { heading: point.heading, elevation: point.elevation, viewpoint };
     this.show();
   }
 
@@ -59,7 +59,7 @@ export class Outlines {
     const seen = points.length > 0 && points.every((one) => one !== undefined);
     this.box.toggleAttribute('hidden', !seen);
     this.box.setAttribute('points', seen ? points.map((one) => one!.map((x) => x.toFixed(1)).join()).join(' ') : '');
-    const mark = this.point && this.at(this.point.heading, this.point.elevation);
+    const mark = this.point && this.point.viewpoint === pose.viewpoint && !onTheWay && this.at(this.point.heading, this.point.elevation);
     this.mark.toggleAttribute('hidden', !mark);
     if (mark) {
       this.mark.setAttribute('cx', mark[0].toFixed(1));

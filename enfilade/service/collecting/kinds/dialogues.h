@@ -16,11 +16,6 @@
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/service/collecting/tasks.h"
 
-// What is here is used all over collecting/.
-namespace enfilade::service::collecting {
-inline namespace kinds {}
-}  // namespace enfilade::service::collecting
-
 namespace enfilade::service::collecting::kinds {
 
 enum class Role : std::uint8_t { kNavigator, kOracle };

@@ -57,8 +57,8 @@ std::string dialogue(const json& task) {
 }
 
 TEST(Outlines, AreWhereTheirViewsLook) {
-  using collecting::contains;
-  const collecting::Outline ahead = collecting::outline_of(12, {220, 140, 200, 200});
+  using collecting::kinds::contains;
+  const collecting::kinds::Outline ahead = collecting::kinds::outline_of(12, {220, 140, 200, 200});
   EXPECT_TRUE(contains(ahead, {Radians(0), Radians(0)}));
   EXPECT_TRUE(contains(ahead, {Radians(2 * std::numbers::pi - 0.1), Radians(0.1)}));
   EXPECT_FALSE(contains(ahead, {Radians(0.3), Radians(0)}));
@@ -68,11 +68,11 @@ TEST(Outlines, AreWhereTheirViewsLook) {
               1e-9);
   EXPECT_NEAR(ahead[0].elevation.value, -ahead[3].elevation.value, 1e-12);
   // Up to the left: 12 views a row, 30 degrees each.
-  const collecting::Outline up = collecting::outline_of(24 + 9, {310, 230, 20, 20});
+  const collecting::kinds::Outline up = collecting::kinds::outline_of(24 + 9, {310, 230, 20, 20});
   EXPECT_TRUE(contains(up, {Radians(1.5 * std::numbers::pi), Radians(std::numbers::pi / 6)}));
   EXPECT_FALSE(contains(up, {Radians(1.5 * std::numbers::pi), Radians(0)}));
-  const collecting::Outlines outlines{{"v", {ahead}}};
-  EXPECT_NEAR(collecting::parse_outlines(collecting::outlines_json(outlines))
+  const collecting::kinds::Outlines outlines{{"v", {ahead}}};
+  EXPECT_NEAR(collecting::kinds::parse_outlines(collecting::kinds::outlines_json(outlines))
                   .at("v")
                   .at(0)[2]
                   .elevation.value,

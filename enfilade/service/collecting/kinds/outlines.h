@@ -9,11 +9,6 @@
 #include "enfilade/tasks/goal.h"
 #include "enfilade/tasks/objects.h"
 
-// What is here is used all over collecting/.
-namespace enfilade::service::collecting {
-inline namespace kinds {}
-}  // namespace enfilade::service::collecting
-
 namespace enfilade::service::collecting::kinds {
 
 /// A box of a view as directions from its viewpoint: left top, right top, right bottom, left

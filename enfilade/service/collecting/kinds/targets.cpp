@@ -5,7 +5,6 @@
 #include <utility>
 #include <variant>
 
-#include "enfilade/core/detail/json.h"
 #include "enfilade/service/collecting/kinds/outlines.h"
 #include "enfilade/tasks/files.h"
 
@@ -86,13 +85,10 @@ std::vector<Target> targets_of(const tasks::PathAnnotation& path, const KnownObj
 
 tasks::Annotations parse_any(std::string_view json, const std::string& file,
                              const std::string& split) {
-  const json::Document document = json::Document::parse(json, file);
-  const auto has = [&](std::string_view name) {
-    simdjson::dom::element found;
-    return document.root().at(0).at_key(name).get(found) == simdjson::SUCCESS;
-  };
-  if (has("objId")) return tasks::parse_annotations(json, file, split, tasks::Task::kReverie);
-  if (has("inst_idx")) return tasks::parse_annotations(json, file, split, tasks::Task::kCvdn);
+  const auto task = tasks::find_task(json);
+  if (task == tasks::Task::kReverie || task == tasks::Task::kCvdn) {
+    return tasks::parse_annotations(json, file, split, *task);
+  }
   return tasks::parse_annotations(json, file, split);
 }
 

@@ -10,11 +10,6 @@
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/objects.h"
 
-// What is here is used all over collecting/.
-namespace enfilade::service::collecting {
-inline namespace kinds {}
-}  // namespace enfilade::service::collecting
-
 namespace enfilade::service::collecting::kinds {
 
 /// A goal, as Item has it.
@@ -37,8 +32,8 @@ struct KnownObjects {
 std::vector<Target> targets_of(const tasks::PathAnnotation& path, const KnownObjects& known,
                                std::size_t most);
 
-/// Annotations of R2R, REVERIE (entries with "objId") or CVDN ("inst_idx"), by their first entry.
-/// \throws InvalidInput as the readers of tasks/formats
+/// Annotations of REVERIE or CVDN, if their first entry looks like it, else of R2R.
+/// \throws InvalidInput as tasks::parse_annotations()
 tasks::Annotations parse_any(std::string_view json, const std::string& file,
                              const std::string& split);
 
