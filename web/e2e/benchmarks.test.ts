@@ -72,7 +72,7 @@ describe.skipIf(missing)('benchmarks', () => {
     await hand(page, 'walks', 'walks', await results(home, true));
     await page.getByRole('row', { name: /walks.*scored/ }).waitFor();
     // A table for each benchmark.
-    const heads = async (label: string) => page.getByRole('table', { name: label }).getByRole('columnheader').allTextContents();
+    const heads = async (label: string) => page.getByRole('region', { name: label }).getByRole('columnheader').allTextContents();
     expect((await heads('Submissions to REVERIE, scored as official')).slice(3, 6)).toEqual(['RGSPL%', 'RGS%', 'SR%']);
     expect((await heads('Submissions to R2R')).slice(3, 6)).toEqual(['SPL%', 'SR%', 'OSR%']);
     await inspect(page, 'submit-benchmarks');
@@ -84,7 +84,7 @@ describe.skipIf(missing)('benchmarks', () => {
     const row = page.locator('tbody tr');
     expect(await row.count()).toBe(1); // both walked as well: what was named decides
     expect(await row.textContent()).toContain('finds it');
-    expect(await row.locator('td.number').first().textContent()).toMatch(/^100\.0/);
+    expect(await row.locator('td.number').nth(1).textContent()).toMatch(/^100\.0/); // RGS; one of the ways there is no shortest one
     await page.locator('dl.facts').getByText('RGSPL').waitFor();
     await page.getByRole('heading', { name: 'Progress' }).waitFor();
     await inspect(page, 'leaderboard-reverie');
