@@ -16,6 +16,7 @@
 #include "enfilade/homes/benchmarks/requests.h"
 #include "enfilade/homes/benchmarks/site.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/pose_trace.h"
 #include "enfilade/tasks/r4r.h"
 
 namespace enfilade::homes::benchmarks {
@@ -38,7 +39,9 @@ constexpr auto kParts = std::to_array<Part>({
     {"fgr2r",
      "Fine-grained R2R: which piece of an instruction in `r2r/` describes which piece of "
      "the path."},
-    {"rxr", "RxR: long instructions with timed words, of two guides a path, and their followers."},
+    {"rxr",
+     "RxR: long instructions with timed words, of two guides a path, their pose traces, and "
+     "followers."},
     {"reverie",
      "REVERIE: requests that name a room and an object; `BBoxes.json` has the objects "
      "within 3 m of each viewpoint, by view, in boxes that are exact to 6 pixels."},
@@ -201,8 +204,13 @@ class Benchmarks::Writer {
     for (const char* split : kOpenSplits) {
       std::vector<tasks::Demonstration> walks;
       for (const PathAnnotation& path : splits_.at(split).paths) {
-        const auto& own = said(path).guided.walks;
-        walks.insert(walks.end(), own.begin(), own.end());
+        const auto& own = said(path).guided;
+        walks.insert(walks.end(), own.walks.begin(), own.walks.end());
+        for (std::size_t k = 0; k < own.traces.size(); ++k) {
+          const std::string name =
+              tasks::pose_trace_name(tasks::TraceRole::kGuide, own.walks[k].instruction_id);
+          put("", fmt::format("pose_traces/rxr_{}/{}", split, name), tasks::to_npz(own.traces[k]));
+        }
       }
       put("", fmt::format("rxr_{}_follower.jsonl", split), tasks::to_text(walks));
     }
@@ -276,7 +284,7 @@ class Benchmarks::Writer {
   // \param before  "hidden", or nothing
   void put(const std::string& before, const std::string& file, const std::string& text) const {
     const fs::path place = before.empty() ? folder_ / part_ : folder_ / before / part_;
-    make_folder(place);
+    make_folder((place / file).parent_path());
     write_file_atomically(place / file, text);
   }
 

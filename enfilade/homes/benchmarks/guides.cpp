@@ -1,6 +1,7 @@
 #include "enfilade/homes/benchmarks/guides.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <sstream>
@@ -16,11 +17,6 @@ constexpr std::array<const char*, 2> kLanguages{"en-IN", "en-US"};
 constexpr double kPace = 1.2;  // metres a second
 
 double rounded(double seconds) { return std::round(10 * seconds) / 10; }
-
-double metres_of(const Site& site, std::span<const ViewpointIndex> path, std::size_t first,
-                 std::size_t last) {
-  return tasks::walked(site.graph(), path.subspan(first, last - first + 1));
-}
 
 // Says words one after another.
 class Clock {
@@ -38,15 +34,43 @@ class Clock {
     }
   }
   void wait(double seconds) { now_ += seconds; }
+  double now() const noexcept { return now_; }
 
  private:
   Rng& rng_;
   double now_ = 0.4;  // seconds since the recording began
 };
 
+// Where a guide stands and looks: always where the path goes on.
+class Camera {
+ public:
+  Camera(const Site& site, std::span<const ViewpointIndex> path, double heading)
+      : site_(site), path_(path) {
+    add(0, 0, heading);
+  }
+
+  void stand(std::size_t place, double time) {
+    const std::size_t from = std::min(place, path_.size() - 2);
+    add(place, time, site_.heading(path_[from], path_[from + 1]));
+  }
+  tasks::PoseTrace take() { return std::move(trace_); }
+
+ private:
+  void add(std::size_t place, double time, double heading) {
+    const ViewpointIndex v = path_[place];
+    const tasks::CameraLook look{to_double(site_.graph().position(v)), Radians(heading), Radians(0),
+                                 degrees(60), 4.0 / 3};
+    trace_.snapshots.push_back(tasks::snapshot_of(site_.graph().id(v), time, look));
+  }
+
+  const Site& site_;
+  std::span<const ViewpointIndex> path_;
+  tasks::PoseTrace trace_;
+};
+
 tasks::PathAnnotation guide_of(const Site& site, const tasks::PathAnnotation& path,
-                               std::span<const ViewpointIndex> viewpoints, std::size_t k,
-                               Rng& rng) {
+                               std::span<const ViewpointIndex> viewpoints, std::size_t k, Rng& rng,
+                               tasks::PoseTrace& trace) {
   tasks::PathAnnotation guide;
   guide.path_id = path.path_id;
   guide.id = fmt::to_string(path.path_id);
@@ -69,10 +93,16 @@ tasks::PathAnnotation guide_of(const Site& site, const tasks::PathAnnotation& pa
     clock.say(text, details.words);
     text += " ";
   }
+  Camera camera(site, viewpoints, path.heading.value);
   for (const speaking::SpokenPart& part : spoken.parts) {
+    camera.stand(part.first, clock.now());
     clock.say(part.text, details.words);
-    clock.wait(metres_of(site, viewpoints, part.first, part.last) / kPace);
+    for (std::size_t place = part.first; place < part.last; ++place) {
+      clock.wait(site.graph().distance(viewpoints[place], viewpoints[place + 1]) / kPace);
+      camera.stand(place + 1, clock.now());
+    }
   }
+  trace = camera.take();
   guide.instructions = {text + spoken.text};
   return guide;
 }
@@ -116,7 +146,7 @@ GuidedPath write_guides(const Site& site, const tasks::PathAnnotation& path, std
   GuidedPath result;
   const std::vector<ViewpointIndex> viewpoints = site.look_up(path.path);
   for (std::size_t k = 0; k < kLanguages.size(); ++k) {
-    result.guides.push_back(guide_of(site, path, viewpoints, k, rng));
+    result.guides.push_back(guide_of(site, path, viewpoints, k, rng, result.traces.emplace_back()));
     result.walks.push_back(follow(site, result.guides.back(), viewpoints, k, rng));
   }
   return result;

@@ -399,6 +399,22 @@ TEST(Guides, SayWhatIsTrueWordByWord) {
           ++words;
         }
         EXPECT_EQ(joined, text);
+        // The trace stands at each viewpoint of the path in turn, and lasts as long as the words.
+        std::vector<std::string> stood;
+        for (const tasks::PoseSnapshot& snapshot : guided.traces.at(k).snapshots) {
+          if (stood.empty() || stood.back() != snapshot.viewpoint) {
+            stood.push_back(snapshot.viewpoint);
+          }
+          const Vec3f at = place->graph.position(place->graph.find(snapshot.viewpoint).value());
+          EXPECT_LT(length(look_of(snapshot).position - to_double(at)), 1e-3);
+        }
+        EXPECT_EQ(stood, path.path);
+        const tasks::PoseTrace& trace = guided.traces[k];
+        EXPECT_NEAR(
+            std::remainder(look_of(trace.snapshots[0]).heading.value - path.heading.value, 2 * kPi),
+            0, 1e-5);
+        EXPECT_NEAR(trace.snapshots.back().time, now, 30);
+        EXPECT_GE(tasks::parse_pose_trace(to_npz(trace), "").snapshots.size(), path.path.size());
         const tasks::Demonstration& walk = guided.walks[k];
         const auto walked = place->site.look_up(walk.path);
         for (std::size_t i = 0; i + 1 < walked.size(); ++i) {
