@@ -208,10 +208,11 @@ Outline outline_of_corners(const std::array<Direction, 4>& corners) {
 std::size_t best_box(const tasks::ViewedObject& object, const std::optional<Direction>& towards) {
   EN_CHECK(object.visible());
   const auto rank = [&](std::size_t k) -> std::tuple<int, double> {
-    if (towards) {
-      return {0, -dot(unit_vector(direction_of_view(object.views[k])), unit_vector(*towards))};
-    }
     const std::array<std::int32_t, 4>& box = object.boxes[k];
+    if (towards) {
+      return {touched_edges(box),
+              -dot(unit_vector(direction_of_view(object.views[k])), unit_vector(*towards))};
+    }
     return {touched_edges(box), std::hypot(box[0] + 0.5 * box[2] - kBoxWidth / 2,
                                            box[1] + 0.5 * box[3] - kBoxHeight / 2)};
   };

@@ -42,9 +42,9 @@ Outline outline_of_box(std::uint8_t view, const std::array<std::int32_t, 4>& box
 /// the shorter way round, also across heading 0.
 Outline outline_of_corners(const std::array<tasks::Direction, 4>& corners);
 
-/// Which of an object's boxes to show. With a direction: that of the picture which looks nearest to
-/// it. Without: that which touches the fewest edges of its picture, so that most of the object is
-/// in it; of those the one nearest to the middle. \pre object.visible()
+/// Which of an object's boxes to show: that which touches the fewest edges of its picture, so that
+/// most of the object is in it. Of several, with a direction: that of the picture which looks
+/// nearest to it; without: that nearest to the middle of its picture. \pre object.visible()
 std::size_t best_box(const tasks::ViewedObject& object,
                      const std::optional<tasks::Direction>& towards = {});
 

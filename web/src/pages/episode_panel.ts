@@ -125,7 +125,7 @@ function says(viewer: Viewer, episode: Episode, path: readonly number[]): HTMLEl
     turns ? dialogue(episode) : timed ? recital(viewer, episode, path) : instruction(episode),
     ...(parts ? [pieces(viewer, parts, path)] : []),
     ...(parted.length > 0 ? [make('dl', { class: 'fields' }, ...parted.flatMap(([name, value]) =>
-      [make('dt', {}, capital(name.replaceAll('_', ' '))), make('dd', {}, value)]))] : []),
+      [make('dt', {}, name === 'obj_name' ? 'Object' : capital(name.replaceAll('_', ' '))), make('dd', {}, value)]))] : []),
   ];
 }
 
