@@ -14,6 +14,10 @@ const shownWord = (word) => word === '<EOS>' ? '∎' : word;  // the end, which 
 
 // The instruction; each word marked by the weight that it has now, the largest fully.
 function instructionText(episode, step) {
+  if (!episode.words && episode.lines) {  // a dialogue, a language, pieces
+    return element('div', {class: 'instruction'},
+      ...episode.lines.map((line) => element('p', {}, line)));
+  }
   if (!episode.words) return element('p', {class: 'instruction'}, episode.text);
   const text = element('p', {class: 'instruction'});
   const most = step.attention ? d3.max(step.attention) || 1 : 1;
@@ -98,7 +102,8 @@ class EpisodeView {
     this.moment = element('div', {class: 'moment'});
     this.heat = element('div');
     this.strip = element('div', {class: 'strip', role: 'group', 'aria-label': 'Steps'});
-    this.node = element('div', {class: 'episode'}, outcome(episode), this.text,
+    const goal = episode.goal ? paragraph(`Yellow on the map: ${episode.goal.label}.`, 'note') : '';
+    this.node = element('div', {class: 'episode'}, outcome(episode), this.text, goal,
       this.controls(), this.moment, this.strip, this.heat);
     this.fillStrip();
     this.show(0);

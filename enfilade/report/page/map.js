@@ -40,13 +40,25 @@ function drawWay(svg, place, viewpoints, kind) {
   }
 }
 
-function drawGoal(svg, place, viewpoint, distance) {
+function drawGoal(svg, place, viewpoint, distance, name) {
   const [x, y] = place.at(viewpoint);
   svg.append('circle').attr('class', 'goal').attr('r', distance * place.scale)
     .attr('cx', x).attr('cy', y);
   svg.append('path').attr('class', 'end')
     .attr('d', d3.symbol().type(d3.symbolStar).size(130)())
-    .attr('transform', `translate(${x},${y})`).append('title').text('goal');
+    .attr('transform', `translate(${x},${y})`).append('title').text(name);
+}
+
+// Squares on who sees an object, a diamond where one turns, discs of a region's floor.
+function drawMarks(svg, place, goal) {
+  const symbol = {'turning point': d3.symbolDiamond2 || d3.symbolDiamond, region: d3.symbolCircle}[goal.kind] ||
+    d3.symbolSquare;
+  for (const v of goal.viewpoints) {
+    const [x, y] = place.at(v);
+    svg.append('path').attr('class', 'seen')
+      .attr('d', d3.symbol().type(symbol).size(goal.kind === 'region' ? 220 : 90)())
+      .attr('transform', `translate(${x},${y})`).append('title').text(goal.label);
+  }
 }
 
 function drawAgent(svg, place, step) {
@@ -83,7 +95,9 @@ function drawMap(episode, building, index, successDistance) {
   const walked = episode.steps.map((s) => s.v);
   drawWay(svg, place, walked.slice(index), 'to-walk');
   drawWay(svg, place, walked.slice(0, index + 1), 'walked');
-  drawGoal(svg, place, goal, successDistance);
+  if (episode.goal) drawMarks(svg, place, episode.goal);
+  const near = !episode.goal || episode.goal.kind === 'turning point';
+  drawGoal(svg, place, goal, near ? successDistance : 0, near ? 'goal' : 'end of the reference path');
   drawAgent(svg, place, step);
   drawScaleBar(svg, place, width, height);
   svg.append('text').attr('x', 12).attr('y', height - 12).text('north is up' +

@@ -11,7 +11,9 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
+#include "enfilade/draw/episode_text.h"
 #include "enfilade/draw/floor_plan.h"
+#include "enfilade/draw/planned_goal.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/report/parts/dataset_parts.h"
 #include "enfilade/tasks/tokenizer.h"
@@ -118,19 +120,43 @@ Json building_json(const graph::NavGraph& graph) {
   return {{"x", x}, {"y", y}, {"storey", storey}, {"storeys", found.size()}, {"edges", edges}};
 }
 
+// What of a goal is to be seen in frames.
+struct ShownGoal {
+  const graph::NavGraph& graph;
+  const tasks::Goal& goal;
+  const tasks::ObjectBoxes* objects;
+  const std::string& episode;  // instruction id: others look at the same place for other objects
+};
+
+// The mark on the map: {"kind", "label", "viewpoints"}; null if the goal is the path's end.
+Json goal_json(const tasks::ReferencePath& path, const std::string& name) {
+  constexpr const char* kKinds[] = {"turning point", "object", "region", "boxes"};
+  const auto goal = draw::planned_goal(path, name);
+  if (!goal) return nullptr;
+  Json json{{"kind", kKinds[static_cast<std::size_t>(goal->kind)]},
+            {"label", goal->label},
+            {"viewpoints", Json::array()}};
+  for (const ViewpointIndex v : goal->viewpoints) json["viewpoints"].push_back(v.value);
+  return json;
+}
+
 // The frames of all episodes, each once.
 struct Frames {
   const dataset::Dataset& data;
   Json by_key = Json::object();
   std::string why_not{};  // a sentence: why the last missing frame is missing
 
-  // The key of the frame; null if there are no pictures.
-  Json add(const std::string& scan, const Moment& m) {
-    const std::string key = fmt::format("{} {} {:.0f} {:.0f}", scan, m.viewpoint.value,
-                                        to_degrees(m.heading), to_degrees(m.elevation));
+  // The key of the frame, which has the goal's object outlined; null if there are no pictures.
+  Json add(const std::string& scan, const Moment& m, const ShownGoal& goal) {
+    const std::vector<draw::Outline> outlines = draw::goal_outlines(
+        goal.graph, goal.goal, m.viewpoint, goal.objects, tasks::Direction{m.heading, m.elevation});
+    const std::string key =
+        fmt::format("{} {} {:.0f} {:.0f}{}", scan, m.viewpoint.value, to_degrees(m.heading),
+                    to_degrees(m.elevation), outlines.empty() ? "" : " " + goal.episode);
     if (!by_key.contains(key)) {
       const ScanIndex index = data.graphs()->at(scan);
-      const auto picture = view_uri(data, {index, m.viewpoint, m.heading, m.elevation}, kFrameSize);
+      const auto picture =
+          view_uri(data, {index, m.viewpoint, m.heading, m.elevation}, kFrameSize, outlines);
       if (!picture) {
         why_not = no_pictures_of(scan);
         return nullptr;
@@ -165,10 +191,12 @@ Json episode_json(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
     const auto found = gallery.attention->find(episode.instruction_id);
     if (found != gallery.attention->end()) attention = &found->second;
   }
+  const tasks::ObjectBoxes* objects = objects_of(episodes, frames.data);
+  const ShownGoal goal{graph, episodes.path_of(episode).goal, objects, episode.instruction_id};
   Json steps = Json::array(), reference = Json::array();
   for (const Moment& moment :
        attention != nullptr ? moments_of(*attention, graph, trajectory) : moments_of(trajectory)) {
-    steps.push_back(moment_json(moment, frames.add(graph.scan(), moment)));
+    steps.push_back(moment_json(moment, frames.add(graph.scan(), moment, goal)));
   }
   for (const ViewpointIndex v : episodes.path_of(episode).viewpoints) reference.push_back(v.value);
   Json json{{"kind", chosen.kind},
@@ -182,6 +210,12 @@ Json episode_json(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
             {"length", rounded(m.trajectory_length, 0.01)},
             {"shortest", rounded(m.shortest, 0.01)},
             {"spl", rounded(m.spl, 0.001)}};
+  const Json mark =
+      goal_json(episodes.path_of(episode), draw::name_of_goal(episodes, episode, objects));
+  if (!mark.is_null()) json["goal"] = mark;
+  const std::vector<std::string> lines = draw::episode_lines(episode);
+  // Of a plain instruction the text says it all.
+  if (episode.details != tasks::InstructionDetails()) json["lines"] = lines;
   if (attention != nullptr) {
     json["unknown"] = Json::array();
     json["words"] = readable_words(attention->words, episode.text, json["unknown"]);

@@ -10,6 +10,7 @@
 #include "enfilade/core/base64.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/views.h"
+#include "enfilade/draw/episode_text.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/report/parts/dataset_parts.h"
@@ -27,10 +28,12 @@ constexpr std::uint32_t kOversampling = 3;
 constexpr int kJpegQuality = 78;                 // the frames of a gallery take 10 to 20 kB each
 constexpr Radians kVerticalField = degrees(60);  // what the agents see
 
-std::string encode(const image::Image8& large) {
-  const std::vector<std::uint8_t> jpeg = image::encode_jpeg(
-      image::shrink(large, large.width / kOversampling, large.height / kOversampling),
-      kJpegQuality);
+image::Image8 averaged(const image::Image8& large) {
+  return image::shrink(large, large.width / kOversampling, large.height / kOversampling);
+}
+
+std::string encode(const image::Image8& picture) {
+  const std::vector<std::uint8_t> jpeg = image::encode_jpeg(picture, kJpegQuality);
   return data_uri("image/jpeg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
 }
 
@@ -72,16 +75,20 @@ std::string data_uri(std::string_view type, std::string_view bytes) {
 }
 
 std::optional<std::string> view_uri(const dataset::Dataset& data, const render::View& view,
-                                    PictureSize size) {
+                                    PictureSize size, std::span<const draw::Outline> outlines) {
   if (!has_colour(data, view.scan, view.viewpoint)) return std::nullopt;
-  return encode(render_colour(
+  image::Image8 picture = averaged(render_colour(
       data, view, {size.width * kOversampling, size.height * kOversampling, kVerticalField}));
+  for (const draw::Outline& outline : outlines) {
+    draw_outline(picture, outline, {view.heading, view.elevation}, kVerticalField);
+  }
+  return encode(picture);
 }
 
 std::optional<std::string> panorama_uri(const dataset::Dataset& data, const render::View& view,
                                         std::uint32_t width) {
   if (!has_colour(data, view.scan, view.viewpoint)) return std::nullopt;
-  return encode(render_panorama(data, view, width * kOversampling));
+  return encode(averaged(render_panorama(data, view, width * kOversampling)));
 }
 
 std::string no_pictures_of(std::string_view scan) {
@@ -137,8 +144,14 @@ Json panoramas_part(const dataset::Dataset& data, std::size_t most) {
   return {{"buildings", buildings}, {"panoramas", std::move(all)}};
 }
 
+const tasks::ObjectBoxes* objects_of(const tasks::EpisodeSet& episodes,
+                                     const dataset::Dataset& data) {
+  return episodes.task == tasks::Task::kReverie ? &data.objects() : nullptr;
+}
+
 Json plans_part(const ScoredRun& run, const tasks::EpisodeSet& episodes,
-                const std::vector<ChosenEpisode>& chosen) {
+                const std::vector<ChosenEpisode>& chosen, const dataset::Dataset& data) {
+  const tasks::ObjectBoxes* objects = objects_of(episodes, data);
   Json all = Json::array();
   for (const ChosenEpisode& one : chosen) {
     const tasks::Episode& episode = episodes.episodes[one.episode];
@@ -152,7 +165,9 @@ Json plans_part(const ScoredRun& run, const tasks::EpisodeSet& episodes,
     draw::FloorPlanOptions options;
     options.title =
         fmt::format("{}, episode {} ({})", graph.scan(), episode.instruction_id, one.kind);
-    options.note = episode.text;
+    options.lines = draw::episode_lines(episode);
+    options.goal = draw::planned_goal(episodes.path_of(episode),
+                                      draw::name_of_goal(episodes, episode, objects));
     const std::string svg = draw::floor_plan_svg(graph, {reference, agent}, options);
     all.push_back({{"scan", graph.scan()},
                    {"episode", episode.instruction_id},

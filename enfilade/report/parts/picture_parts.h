@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "enfilade/dataset/dataset.h"
+#include "enfilade/draw/outlines.h"
 #include "enfilade/render/renderer.h"
 #include "enfilade/report/scored_runs.h"
 #include "enfilade/tasks/annotations.h"
@@ -22,9 +24,10 @@ struct PictureSize {
   std::uint32_t width = 0, height = 0;
 };
 
-/// The view as a JPEG; nothing if the viewpoint has no panorama. \throws errors of broken pictures
+/// The view as a JPEG, with outlines over it; nothing if the viewpoint has no panorama.
+/// \throws errors of broken pictures
 std::optional<std::string> view_uri(const dataset::Dataset& data, const render::View& view,
-                                    PictureSize size);
+                                    PictureSize size, std::span<const draw::Outline> outlines = {});
 /// All directions, half as high as wide; the middle column looks along the view's heading.
 std::optional<std::string> panorama_uri(const dataset::Dataset& data, const render::View& view,
                                         std::uint32_t width);
@@ -46,8 +49,14 @@ struct ChosenEpisode {
   std::size_t episode = 0;  ///< of the split
 };
 
-/// Floor plans with the reference path and the agent's, of these episodes of a run.
+/// The boxes of objects that a split's goals need: REVERIE's; else null. Valid as long as a copy of
+/// `data`. \throws as Dataset::objects()
+const tasks::ObjectBoxes* objects_of(const tasks::EpisodeSet& episodes,
+                                     const dataset::Dataset& data);
+
+/// Floor plans with the reference path, the agent's and the goal, of these episodes of a run.
 nlohmann::ordered_json plans_part(const ScoredRun& run, const tasks::EpisodeSet& episodes,
-                                  const std::vector<ChosenEpisode>& chosen);
+                                  const std::vector<ChosenEpisode>& chosen,
+                                  const dataset::Dataset& data);
 
 }  // namespace enfilade::report::parts
