@@ -301,6 +301,9 @@ class HomeWriter {
     }
     std::vector<std::string> parts = home_tasks();
     for (const std::string& task : home_tasks()) parts.push_back("hidden/" + task);
+    for (const char* split : {"train", "val_seen", "val_unseen"}) {
+      parts.push_back(std::string("rxr/pose_traces/rxr_") + split);
+    }
     parts.insert(parts.end(), {".", "connectivity", "regions", "r2r", "hidden"});
     for (const std::string& part : parts) remove_unfinished(folder_ / part);
   }
