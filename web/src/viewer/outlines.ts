@@ -20,6 +20,7 @@ export class Outlines {
   private readonly box = document.createElementNS(svgNamespace, 'polygon');
   private readonly mark = document.createElementNS(svgNamespace, 'circle');
   private readonly ends: () => void;
+  private readonly resizes = new ResizeObserver(() => this.show());
   private readonly boxes: ReadonlyMap<number, Corners>;
   private point: (Direction & { readonly viewpoint: number }) | undefined;
 
@@ -34,11 +35,13 @@ export class Outlines {
     viewer.element.append(this.svg);
     this.said.setAttribute('role', 'status');
     this.ends = viewer.onChange(() => this.show());
+    this.resizes.observe(viewer.element);
     this.show();
   }
 
   dispose(): void {
     this.ends();
+    this.resizes.disconnect();
     this.svg.remove();
   }
 
