@@ -31,6 +31,11 @@ def open_panoramas(folder: Union[str, os.PathLike[str]], graphs: Graphs) -> Pano
     return Panoramas(images, connectivity, graphs)
 
 
+def _panoramas_again(images: Any, connectivity: Any, scans: list[str]) -> Panoramas:
+    """For pickling them."""
+    return Panoramas.of_scans(images, connectivity, scans)
+
+
 class Renderer:
     """Draws batches of views. Give each thread its own; drawing releases the GIL.
 

@@ -183,6 +183,7 @@ class Simulator:
         self._views = ViewArrays(s.scan, s.viewpoint, s.heading, s.elevation)  # for a Renderer
         self._nothing = np.zeros(self.batch_size)
         self._begun = False  # whether all agents have, as far as checked
+        self._known: dict[str, tuple[list[str], list[tuple[float, float, float]]]] = {}
         self._options = {
             "width": self.width,
             "height": self.height,
@@ -280,21 +281,26 @@ class Simulator:
 
         Raises UnknownNameError, for excluded viewpoints too.
         """
-        graph = self.graphs[scan]
         place = self.graphs.locate(scan, viewpoint)
-        names, positions = graph.viewpoints, graph.positions
+        names, positions = self._places_of(scan)
         found = []
         for ix, view, index, heading, elevation, right, up, angle, metres in self._core.candidates(
             *place
         ):
-            x, y, z = (float(value) for value in positions[ix])
             found.append(
                 Candidate(
                     names[ix], ix, view, index, heading, elevation, right, up, angle, metres,
-                    (x, y, z),
+                    positions[ix],
                 )  # fmt: skip
             )
         return found
+
+    def _places_of(self, scan: str) -> tuple[list[str], list[tuple[float, float, float]]]:
+        """Ids and positions by index, kept: to make the lists takes longer than to find candidates."""
+        if scan not in self._known:
+            graph = self.graphs[scan]
+            self._known[scan] = (graph.viewpoints, [(x, y, z) for x, y, z in graph.positions.tolist()])
+        return self._known[scan]
 
     def all_candidates(self, scans: Optional[Names] = None) -> CandidateTable:
         """candidates() of every included viewpoint of these scans, by names or indices (None: of all

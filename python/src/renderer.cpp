@@ -57,7 +57,7 @@ nb::tuple reduce_panoramas(nb::handle self) {
                           nb::make_tuple(self.attr("_folder")));
   }
   if (const scan::PanoramaPlaces* where = places().find(set)) {
-    return nb::make_tuple(self.type().attr("of_scans"),
+    return nb::make_tuple(nb::module_::import_("enfilade._renderer").attr("_panoramas_again"),
                           nb::make_tuple(where->images, where->connectivity, set.scans()));
   }
   throw nb::type_error("these panoramas are of no folder: pickle their Dataset");
