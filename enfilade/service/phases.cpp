@@ -13,6 +13,7 @@
 #include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/public_scorer.h"
 
 namespace enfilade::service {
 namespace {
@@ -94,15 +95,15 @@ std::optional<std::size_t> read_choice(const detail::Fields& fields, std::string
 
 /// "task", "scorer" and "primary", each of which says what is allowed in the next.
 void read_task(const detail::Fields& fields, Phase& phase, json::Faults& faults) {
-  using tasks::Task;
   if (fields.has("task")) {
     std::vector<std::string_view> names;
-    for (std::size_t k = 0; k <= static_cast<std::size_t>(Task::kSoon); ++k) {
-      names.push_back(tasks::name_of(static_cast<Task>(k)));
+    for (const tasks::PublicScorer& scorer : tasks::public_scorers()) {  // by task
+      const std::string_view name = tasks::name_of(scorer.task);
+      if (names.empty() || names.back() != name) names.push_back(name);
     }
     const auto task = read_choice(fields, "task", names, "unknown-task", faults);
     if (!task) return;
-    phase.task = static_cast<Task>(*task);
+    phase.task = tasks::task_named(names[*task]);
   }
   const auto scorers = tasks::scorer_names(phase.task);
   phase.scorer = scorers.front();
