@@ -91,7 +91,9 @@ DrawnPath find_path(const PathOptions& options, const std::string& scan,
                     const dataset::Dataset& data) {
   DrawnPath found;
   found.data = data;
-  found.episodes = data.episodes(tasks::task_named(options.task), options.split);
+  const tasks::Task task = tasks::task_named(options.task);
+  found.episodes =
+      task == tasks::Task::kR2r ? data.episodes(options.split) : data.episodes(task, options.split);
   if (options.path) {
     found.place = place_of_path(found.episodes, *options.path);
   } else {
