@@ -87,7 +87,9 @@ class TraceReader {
   bool fits(std::string_view name, const NpyArray& array, std::size_t width) {
     const Path place(root_, name);
     const auto& shape = array.shape();
-    const bool rows = !shape.empty() && shape[0] > 0 && array.size() == shape[0] * width &&
+    // By division: a first size beside a 0 may be so large that a product overflows.
+    const bool rows = !shape.empty() && shape[0] > 0 && array.size() % width == 0 &&
+                      array.size() / width == shape[0] &&
                       (shape.size() <= 2 || (width == kMatrix && shape[1] == 4));
     if (!rows) {
       faults_.error(place, "wrong-shape",
@@ -119,6 +121,15 @@ class TraceReader {
     return std::nullopt;
   }
 
+  std::optional<float> float_at(const NpyArray& array, std::size_t i, const Path& place) {
+    constexpr double kMost = std::numeric_limits<float>::max();
+    const auto value = finite(array, i, place);
+    if (!value) return std::nullopt;
+    if (std::abs(*value) <= kMost) return static_cast<float>(*value);
+    faults_.error(place, "too-large", fmt::format("{}, beyond {}", *value, kMost));
+    return std::nullopt;
+  }
+
   void read_panos(const Found& array) {
     if (!array) return;
     const Path list(root_, "pano");
@@ -143,7 +154,10 @@ class TraceReader {
     double before = -std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < array->size() && !faults_.full(); ++i) {
       const Path place(list, i);
-      if (i == 0 && std::isnan(array->number(0))) continue;  // 0, as in the data set's viewer
+      if (i == 0 && std::isnan(array->number(0))) {  // 0, as in the data set's viewer
+        before = 0;
+        continue;
+      }
       const auto time = finite(*array, i, place);
       if (!time) continue;
       trace_.snapshots[i].time = *time;
@@ -169,14 +183,8 @@ class TraceReader {
     for (std::size_t i = 0; i < array->size() && !faults_.full(); ++i) {
       const std::size_t row = i / kMatrix, k = i % kMatrix;
       const Path place(list, row);
-      const double most = std::numeric_limits<float>::max();
-      const auto value = finite(*array, i, Path(place, k));
-      if (!value) continue;
-      if (std::abs(*value) > most) {
-        faults_.error(Path(place, k), "too-large", fmt::format("{}, beyond {}", *value, most));
-        continue;
-      }
-      (trace_.snapshots[row].*matrix)[k] = static_cast<float>(*value);
+      const auto value = float_at(*array, i, Path(place, k));
+      if (value) (trace_.snapshots[row].*matrix)[k] = *value;
     }
   }
 
@@ -205,8 +213,8 @@ class TraceReader {
     trace_.feature_weights.assign(array.size(), 0);
     for (std::size_t i = 0; i < array.size() && !faults_.full(); ++i) {
       const Path row(list, i / kMaskViews);
-      const auto value = finite(array, i, Path(row, i % kMaskViews));
-      if (value) trace_.feature_weights[i] = static_cast<float>(*value);
+      const auto value = float_at(array, i, Path(row, i % kMaskViews));
+      if (value) trace_.feature_weights[i] = *value;
     }
   }
 
@@ -218,12 +226,12 @@ class TraceReader {
     return false;
   }
 
-  // \param row  the shape behind the number of viewpoints; 0: any
+  // \param row  the shape behind the number of viewpoints; 0: any size but 0
   bool has_shape(std::string_view name, const NpyArray& array, std::vector<std::size_t> row) {
     const auto& shape = array.shape();
     bool same = shape.size() == row.size() + 1 && shape[0] > 0;
     for (std::size_t d = 0; same && d < row.size(); ++d) {
-      same = row[d] == 0 || shape[d + 1] == row[d];
+      same = row[d] == 0 ? shape[d + 1] > 0 : shape[d + 1] == row[d];
     }
     const Path place(root_, name);
     if (!same) {
@@ -231,8 +239,9 @@ class TraceReader {
       for (const std::size_t one : row) {
         wanted += one == 0 ? ", m" : fmt::format(", {}", one);
       }
-      faults_.error(place, "wrong-shape",
-                    fmt::format("shape {}, not ({}) with k from 1", array.shape_text(), wanted));
+      faults_.error(
+          place, "wrong-shape",
+          fmt::format("shape {}, not ({}) with sizes from 1", array.shape_text(), wanted));
       return false;
     }
     if (trace_.viewpoints == 0) trace_.viewpoints = shape[0];

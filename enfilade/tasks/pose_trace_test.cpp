@@ -142,6 +142,10 @@ TEST(PoseTrace, RefusesWhatIsDamaged) {
        [&](Arrays& a) {
          a["time"] = floats({0, std::numeric_limits<float>::quiet_NaN(), 1}, {3});
        }},
+      {"$.time[1]: -1 s, after 0 s",
+       [&](Arrays& a) {
+         a["time"] = floats({std::numeric_limits<float>::quiet_NaN(), -1, 1}, {3});
+       }},
       {"$.audio_time[0]: inf, not a finite number",
        [&](Arrays& a) {
          a["audio_time"] = floats({std::numeric_limits<float>::infinity(), 1, 1}, {3});
@@ -164,6 +168,20 @@ TEST(PoseTrace, RefusesWhatIsDamaged) {
       {"$.image_mask: shape (1, 4), not (k, 128, 256)",
        [&](Arrays& a) {
          a["image_mask"] = floats({0, 1, 0, 1}, {1, 4});
+       }},
+      // 2^60 rows of nothing: times 16 that is 0 again.
+      {"$.extrinsic_matrix: shape (1152921504606846976, 0), not (n, 16)",
+       [](Arrays& a) {
+         a.erase("pano");
+         a.erase("time");
+         std::string empty = formats::write_npy(std::vector<float>{}, {0, 0});
+         const auto at = empty.find("(0, 0), }");
+         empty.replace(at, 27, "(1152921504606846976, 0), }");
+         a["extrinsic_matrix"] = empty;
+       }},
+      {"$.text_mask: shape (2, 0), not (k, m)",
+       [&](Arrays& a) {
+         a["text_mask"] = floats({}, {2, 0});
        }},
       {"$.feature_weights: shape (36,), not (k, 36)",
        [&](Arrays& a) { a["feature_weights"] = floats(count_up(36), {36}); }},
