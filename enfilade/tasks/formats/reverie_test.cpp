@@ -100,8 +100,9 @@ TEST(Reverie, TakesListsWithoutPathsOrInstructions) {
 }
 
 TEST(Reverie, GoalsOfATestSplitMayHaveItsNumbers) {
-  const auto read =
-      parse_reverie(edited(kItem, "1357_66", "2021"), "goals.json", "test").paths.at(0);
+  const Annotations goals = parse_reverie(edited(kItem, "1357_66", "2021"), "goals.json", "test");
+  EXPECT_EQ(parse_reverie(to_reverie(goals), "goals.json", "test").paths, goals.paths);
+  const PathAnnotation& read = goals.paths.at(0);
   EXPECT_EQ(read.id, "2021");
   EXPECT_EQ(read.path_id, 1357);
   EXPECT_EQ(read.goal, NamedGoal(NamedObject{66}));
