@@ -53,6 +53,10 @@ std::string convert_annotations(const Options& options) {
                                               ? tasks::find_task(text)
                                               : std::optional(tasks::task_named(options.task));
   if (!task) throw UsageError(fmt::format("{}: which benchmark? Give --task", options.from));
+  if (!options.form.empty() && *task != tasks::Task::kSoon) {
+    throw UsageError(fmt::format("--to {}: a form of SOON's annotations; those of {} have one only",
+                                 options.form, tasks::title_of(*task)));
+  }
   const tasks::Annotations read =
       tasks::parse_annotations(text, options.from, fs::path(options.from).stem().string(), *task);
   write_maybe_packed(options.to,
@@ -85,10 +89,10 @@ std::string convert_results(const Options& options) {
 
 std::string convert_boxes(const Options& options) {
   const tasks::ObjectBoxes boxes = tasks::ObjectBoxes::load(options.from);
-  const std::string form = !options.form.empty()              ? options.form
-                           : suffix_of(options.to) == ".json" ? "flat"
-                                                              : "folder";
+  const bool one_file = options.to == "-" || suffix_of(options.to) == ".json";
+  const std::string form = !options.form.empty() ? options.form : one_file ? "flat" : "folder";
   if (form == "folder") {
+    if (options.to == "-") throw UsageError("--to folder: not to standard output; name a folder");
     exports::write_box_folder(boxes, options.to);
   } else if (form == "flat" || form == "nested") {
     write_maybe_packed(options.to, boxes.to_json(form == "nested"));
@@ -142,9 +146,10 @@ void add_convert(CLI::App& app, int& /*status*/) {
   const auto options = std::make_shared<Options>();
   add_value(verb, "from", options->from, "FROM", "File, packed or not, or folder of boxes")
       ->required();
-  add_value(verb, "output", options->to, "TO",
-            "File to write, packed if it ends in .gz, lines if in .jsonl; - for standard output; "
-            "folder for boxes")
+  add_value(
+      verb, "output", options->to, "TO",
+      "File to write, packed if it ends in .gz, annotations as lines if in .jsonl; - for standard "
+      "output; folder for boxes")
       ->required();
   add_value(verb, "--to", options->form, "FORM",
             "Annotations: released or duet (SOON). Results: official (predObjId, inst_idx) or duet "

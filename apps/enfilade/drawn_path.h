@@ -43,7 +43,7 @@ struct DrawnPath {
   /// Who sees what, of REVERIE; else null. Valid as long as *this.
   const tasks::ObjectBoxes* objects() const;
 };
-/// \param scan may be empty. \throws UsageError for an unknown task; LookupError naming the option;
+/// \param scan may be empty. \throws LookupError for an unknown task, or naming the option;
 /// UsageError if the path is in another scan; as Dataset::episodes(), tasks::load_results()
 DrawnPath find_path(const PathOptions& options, const std::string& scan,
                     const dataset::Dataset& data);

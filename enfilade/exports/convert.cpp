@@ -8,6 +8,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -201,7 +202,8 @@ std::string_view to_string(FileKind kind) {
 }
 
 FileKind find_kind(const fs::path& file) {
-  if (fs::is_directory(file)) return FileKind::kBoxes;
+  std::error_code unreadable;  // reading it says why
+  if (fs::is_directory(file, unreadable)) return FileKind::kBoxes;
   if (is_feature_file(file)) return FileKind::kFeatures;
   const std::string text = read_text_file(file);
   if (looks_like_boxes(text)) return FileKind::kBoxes;

@@ -25,7 +25,8 @@ void check_note(const fs::path& folder, const dataset::Dataset& data,
   std::string note = fmt::format(
       "{} x {} pixels, {:.9g} degrees, quality {}\n", pictures.camera.width, pictures.camera.height,
       to_degrees(pictures.camera.vertical_field_of_view), pictures.quality);
-  note += fs::absolute(data.folder()).string() + "\n";
+  // Without a folder, graphs and panoramas are named one by one.
+  if (!data.folder().empty()) note += fs::absolute(data.folder()).string() + "\n";
   const fs::path file = folder / "enfilade_views.txt";
   if (!file_exists(file)) {
     write_file_atomically(file, note);
