@@ -12,6 +12,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/half.h"
+#include "enfilade/core/rng.h"
 #include "enfilade/exports/detail/numbers.h"
 #include "enfilade/exports/detail/scan_parts.h"
 #include "enfilade/features/feature_set.h"
@@ -241,9 +242,9 @@ void write_object_features(const Graphs& graphs, const tasks::ObjectBoxes& boxes
   check_range("most", static_cast<double>(most), 1, 1000);
   detail::StoredNumbers stored(source.type);
   Columns columns(*graphs, source);
-  const tasks::ObjectBoxes::Counts counts = boxes.count();
-  const std::string job = fmt::format("{}objects {} {} {}\n", job_of("objects", source),
-                                      counts.objects, counts.boxes, most);
+  const std::string all = boxes.to_json(false);
+  const std::string job = fmt::format("{}objects {:016x} {}\n", job_of("objects", source),
+                                      stream_of(all.data(), all.size()), most);
   detail::write_by_scan(
       *graphs, file, job, options,
       [&](features::Hdf5Writer& part, ScanIndex scan, ViewpointIndex v, const std::string& name) {

@@ -5,11 +5,26 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/rng.h"
 
 namespace enfilade::exports::detail {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Which viewpoints are written, so that parts of other graphs are not taken.
+std::string state_of_graphs(const graph::GraphSet& graphs) {
+  std::string text;
+  for (std::size_t i = 0; i < graphs.size(); ++i) {
+    const graph::NavGraph& graph = graphs.graph(ScanIndex(i));
+    std::string ids;
+    for (std::size_t v = 0; v < graph.size(); ++v) {
+      if (graph.included(ViewpointIndex(v))) ids += graph.id(ViewpointIndex(v)) + "\n";
+    }
+    text += fmt::format("{} {:016x}\n", graph.scan(), stream_of(ids.data(), ids.size()));
+  }
+  return text;
+}
 
 /// The folder of a job's parts, emptied if it holds another job's.
 fs::path open_parts(const fs::path& file, const std::string& job) {
@@ -29,7 +44,7 @@ fs::path open_parts(const fs::path& file, const std::string& job) {
 
 void write_by_scan(const graph::GraphSet& graphs, const fs::path& file, const std::string& job,
                    const ExportOptions& options, const WriteViewpoint& write) {
-  const fs::path parts = open_parts(file, job);
+  const fs::path parts = open_parts(file, job + state_of_graphs(graphs));
   std::size_t total = 0;
   std::size_t done = 0;
   for (std::size_t i = 0; i < graphs.size(); ++i)
