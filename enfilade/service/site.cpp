@@ -56,13 +56,20 @@ bool needs_boxes(const tasks::Annotations& annotations) {
   });
 }
 
-/// REVERIE's ids are "<path>_<object>", and teams have to know the ids.
+/// Whether an id is "<path>_<object>" or, as lines of single instructions have it,
+/// "<path>_<object>_<k>".
+bool id_names_object(std::string_view id, std::int64_t object) {
+  const std::string end = fmt::format("_{}", object);
+  return id.ends_with(end) || id.substr(0, id.rfind('_')).ends_with(end);
+}
+
+/// REVERIE's ids may name the object, and teams have to know the ids.
 void check_ids_are_silent(const tasks::Annotations& annotations) {
   std::vector<Diagnostic> faults;
   for (std::size_t k = 0; k < annotations.paths.size(); ++k) {
     const tasks::PathAnnotation& path = annotations.paths[k];
     const auto* object = std::get_if<tasks::NamedObject>(&path.goal);
-    if (object == nullptr || !path.id.ends_with(fmt::format("_{}", object->id))) continue;
+    if (object == nullptr || !id_names_object(path.id, object->id)) continue;
     faults.push_back({Severity::kError, annotations.file, fmt::format("$[{}].id", k),
                       "id-tells-object",
                       fmt::format("{:?} names the object that is secret; write a number, as the "

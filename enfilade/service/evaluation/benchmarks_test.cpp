@@ -226,6 +226,13 @@ TEST(SecretGoalsOfBenchmarks, IdsThatNameTheObjectAreRefused) {
   const std::string said =
       tests::refusal<InvalidInput>([&] { served.restart_with(phase_of(Task::kReverie)); });
   EXPECT_THAT(said, HasSubstr("$[0].id: \"7_66\" names the object that is secret"));
+  write_file_atomically(served.root() / "secret-reverie.json",
+                        R"({"instr_id": "7_66_0", "scan": "row", "heading": 1, "objid": "66", )"
+                        R"("path": ["v0", "v1"], "pos_vps": ["v1"], "instruction": "Go."})"
+                        "\n");
+  const std::string of_lines =
+      tests::refusal<InvalidInput>([&] { served.restart_with(phase_of(Task::kReverie)); });
+  EXPECT_THAT(of_lines, HasSubstr("$[0].id: \"7_66_0\" names the object that is secret"));
 }
 
 }  // namespace
