@@ -239,7 +239,10 @@ void finish(store::Database& db, const Place& place, const std::vector<Turn>& tu
             const graph::GraphSet& graphs) {
   const Item& item = place.task.item;
   const double error = nearest_end(item, here_of(item, turns).viewpoint, graphs).metres;
-  const std::string content = content_of(place.dialogue, item, turns, place.task.leased);
+  // A navigator who took over a free seat came later than the first turns.
+  const std::int64_t begun =
+      turns.empty() ? place.task.leased : std::min(place.task.leased, turns.front().at);
+  const std::string content = content_of(place.dialogue, item, turns, begun);
   for (const auto& task : {place.dialogue.navigator, place.dialogue.oracle}) {
     if (!task) continue;
     db.run(
