@@ -24,6 +24,10 @@ describe('times of words', () => {
     expect(times(retimed([], 'past the sofa', 6, 3))).toEqual([['past', 3, 4], ['the', 4, 5], ['sofa', 5, 6]]);
   });
 
+  it('are of the words that the server counts', () => {
+    expect(times(retimed([], 'Go\tto room\u00a03\n', 1))).toEqual([['Go', 1, 1], ['to', 1, 1], ['room\u00a03', 1, 1]]);
+  });
+
   it('run on whatever is done to the text', () => {
     const texts = ['a', 'a b', 'a b c', 'x a b c', 'x a c', 'x y z a c', 'a c', 'c', 'c c c', 'c d c'];
     let words = retimed([], '', 0);

@@ -131,8 +131,17 @@ export class DialogueTask {
     if (text === '') return this.message.focus();
     if (!this.mine) throw new Error(`It is the ${names[this.other].toLowerCase()}'s turn: wait for the answer.`);
     // The oracle wants to know where one looks.
-    if (this.role === 'navigator') this.pending.push(this.pose);
-    await this.act({ say: text });
+    if (this.role === 'navigator') {
+      this.pending.push(this.pose);
+      // A step after the question would come when it is the oracle's turn.
+      this.viewer.confine([this.viewer.pose.viewpoint]);
+    }
+    try {
+      await this.act({ say: text });
+    } catch (error) {
+      if (this.role === 'navigator') this.hold();
+      throw error;
+    }
     this.message.value = '';
     this.message.focus();
   }

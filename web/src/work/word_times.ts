@@ -1,7 +1,8 @@
 /** When each word of a text was written or said. */
 import type { TimedWord } from '../collections.ts';
 
-const split = (text: string): string[] => text.split(/\s+/).filter((word) => word !== '');
+/** As the server does: other spaces, such as those that do not break a line, are parts of words. */
+const split = (text: string): string[] => text.split(/[ \t\n\v\f\r]+/).filter((word) => word !== '');
 
 /** Of which words begin and end alike. */
 function common(a: readonly string[], b: readonly string[]): number {
