@@ -68,6 +68,10 @@ export function worldFromCamera({ heading, elevation }: Direction): Mat3 {
   ];
 }
 
+/** A direction as a unit vector of the world frame. */
+export const unitVector = ({ heading, elevation }: Direction): Vec3 =>
+  [Math.sin(heading) * Math.cos(elevation), Math.cos(heading) * Math.cos(elevation), Math.sin(elevation)];
+
 /** Where one looks from `from` to see `to`. */
 export function directionTo(from: Vec3, to: Vec3): Direction {
   const [dx, dy, dz] = subtract(to, from);

@@ -1,5 +1,5 @@
 /** Objects outlined in the view: lines over the picture, of what is seen from where one stands. */
-import { type Camera, type Direction, project, type Vec3 } from '../geometry.ts';
+import { type Camera, type Direction, project, unitVector, type Vec3 } from '../geometry.ts';
 import { shape } from '../svg.ts';
 
 /** A closed line around an object as one viewpoint sees it. */
@@ -14,15 +14,12 @@ export interface Outline {
 
 const origin: Vec3 = [0, 0, 0];
 
-const unit = (heading: number, elevation: number): Vec3 =>
-  [Math.sin(heading) * Math.cos(elevation), Math.cos(heading) * Math.cos(elevation), Math.sin(elevation)];
-
 type Point = readonly [number, number] | undefined;
 
 /** Where the rim's points are in the picture; nothing for those behind the camera. */
 export function rimInView(rim: readonly number[], camera: Camera, look: Direction): Point[] {
   const points: Point[] = [];
-  for (let k = 0; k + 1 < rim.length; k += 2) points.push(project(camera, look, origin, unit(rim[k]!, rim[k + 1]!)));
+  for (let k = 0; k + 1 < rim.length; k += 2) points.push(project(camera, look, origin, unitVector({ heading: rim[k]!, elevation: rim[k + 1]! })));
   return points;
 }
 

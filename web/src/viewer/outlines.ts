@@ -1,5 +1,5 @@
 /** Boxes around objects in the view, and a mark where somebody points. */
-import { type Direction, project, toDegrees, type Vec3 } from '../geometry.ts';
+import { type Direction, project, toDegrees, unitVector, type Vec3 } from '../geometry.ts';
 import type { Viewer } from './viewer.ts';
 
 const svgNamespace = 'http://www.w3.org/2000/svg';
@@ -7,8 +7,6 @@ const svgNamespace = 'http://www.w3.org/2000/svg';
 /** Corners as heading and elevation, radians. */
 type Corners = readonly (readonly [number, number])[];
 
-const towards = (heading: number, elevation: number): Vec3 =>
-  [Math.sin(heading) * Math.cos(elevation), Math.cos(heading) * Math.cos(elevation), Math.sin(elevation)];
 const origin: Vec3 = [0, 0, 0];
 
 /** Lies over a viewer's picture and turns with it. Says in words, too, where the object is. */
@@ -52,7 +50,7 @@ export class Outlines {
   }
 
   private at(heading: number, elevation: number): readonly [number, number] | undefined {
-    return project(this.viewer.view, this.viewer.pose, origin, towards(heading, elevation));
+    return project(this.viewer.view, this.viewer.pose, origin, unitVector({ heading, elevation }));
   }
 
   private show(): void {
