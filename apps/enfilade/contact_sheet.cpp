@@ -58,7 +58,8 @@ Plan plan_of_scan(const SheetArguments& a, const scan::PanoramaSource& source) {
   return plan;
 }
 
-// What the sheet's font has letters for; of other scripts it is said that they are left out.
+// What the sheet's font has letters for; of other scripts it is said that they are left out. A few
+// letters that it lacks are drawn as "?".
 std::string title_lines(const std::vector<std::string>& lines) {
   std::string title;
   for (const std::string& line : lines) {
@@ -68,8 +69,9 @@ std::string title_lines(const std::vector<std::string>& lines) {
         text.erase(at, quote.size());
       }
     }
-    const bool ascii = std::ranges::all_of(text, [](char c) { return (c & 0x80) == 0; });
-    title += (title.empty() ? ": " : " / ") + (ascii ? text : "(text in another script)");
+    const auto others = std::ranges::count_if(text, [](char c) { return (c & 0x80) != 0; });
+    const bool readable = static_cast<std::size_t>(others) * 4 <= text.size();
+    title += (title.empty() ? ": " : " / ") + (readable ? text : "(text in another script)");
   }
   return title;
 }

@@ -36,7 +36,7 @@ class Benchmarks {
              const std::map<std::string, tasks::Annotations>& splits,
              const graph::GraphSet& graphs) const;
 
-  /// How many instructions of R2R there are, and of all tasks that add_home() writes.
+  /// How many instructions of Room-to-Room add_home() has written.
   std::size_t instructions() const noexcept { return instructions_; }
 
  private:
