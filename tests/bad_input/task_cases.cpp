@@ -333,13 +333,14 @@ std::vector<Case> results() {
     return text.replace(text.find(from), from.size(), to);
   };
   return {
-      handed_in(kReverie, "no object named", "$[0]", R"([{"instr_id": "1_5_0", )" + walk + "}]"),
+      handed_in(kReverie, "no object named", "$[0]: neither predObjId nor pred_objid",
+                R"([{"instr_id": "1_5_0", )" + walk + "}]"),
       handed_in(kReverie, "an object that is a list", "$[0].predObjId",
                 R"([{"instr_id": "1_5_0", "predObjId": [5], )" + walk + "}]"),
       handed_in(kReverie, "an instruction that is not there", "$[0].instr_id",
                 R"([{"instr_id": "1_6_0", "predObjId": 5, )" + walk + "}]"),
       handed_in(kReverie, "no result for an instruction", "1_5_0", "[]"),
-      handed_in(kBack, "no turning point", "$[0]",
+      handed_in(kBack, "no turning point", "$[0]: has no field \"midstop\"",
                 R"([{"instr_id": "1_0", "trajectory": [["v0"], ["v1"], ["v0"]]}])"),
       handed_in(kBack, "a turning point that is not there", "$[0].midstop",
                 R"([{"instr_id": "1_0", "midstop": "v9", "trajectory": [["v0"], ["v1"]]}])"),
