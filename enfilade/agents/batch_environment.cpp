@@ -194,10 +194,11 @@ void BatchEnvironment::finish(std::size_t agent) {
   const double success = batch_.reached(agent, config_.success_distance) ? 1 : 0;
   const double shortest =
       tasks::shortest_to_goal(batch_.graph(agent), batch_.path(agent), state().viewpoint[agent]);
-  const double longest = std::max(walked_[agent], shortest);
+  // Also where the end is out of reach, and `shortest` infinite.
+  const double share = walked_[agent] > shortest ? shortest / walked_[agent] : 1;
   const bool hidden = std::isnan(distance);
   outcome_.success[agent] = hidden ? distance : success;
-  outcome_.spl[agent] = hidden ? distance : longest > 0 ? success * (shortest / longest) : success;
+  outcome_.spl[agent] = hidden ? distance : success * share;
 }
 
 tasks::EpisodeMetrics BatchEnvironment::compute_metrics(std::size_t agent) const {

@@ -38,8 +38,8 @@ void judge_by_goal(EpisodeMetrics& m, const graph::NavGraph& graph,
     if (goal_reached(graph, path, point.viewpoint, leg, kRadius)) m.oracle_success = 1;
   }
   m.shortest = shortest_to_goal(graph, path, end);
-  const double longest = std::max(m.trajectory_length, m.shortest);
-  m.spl = longest > 0 ? m.success * m.shortest / longest : m.success;
+  // Also where the end is out of reach, and `shortest` infinite.
+  m.spl = m.success * (m.trajectory_length > m.shortest ? m.shortest / m.trajectory_length : 1);
 }
 
 Scores score(const std::vector<Trajectory>& trajectories, const tasks::EpisodeSet& episodes) {
