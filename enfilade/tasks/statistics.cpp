@@ -38,10 +38,10 @@ class TaskGathering {
     if (const auto* object = std::get_if<NamedObject>(&entry.goal)) {
       objects_.emplace(entry.scan, object->id);
     }
-    if (const auto* region = std::get_if<NamedRegion>(&entry.goal)) targets_.insert(region->target);
+    if (const auto* region = std::get_if<NamedRegion>(&entry.goal)) add_target(region->target);
     if (const auto* boxes = std::get_if<NamedBoxes>(&entry.goal)) {
       facts_.boxes += boxes->boxes.size();
-      for (const NamedBox& box : boxes->boxes) targets_.insert(box.object);
+      for (const NamedBox& box : boxes->boxes) add_target(box.object);
     }
     if (const std::size_t n = goal_viewpoints(goal); n > 0) add(viewpoints_, n);
   }
@@ -68,6 +68,11 @@ class TaskGathering {
  private:
   static void add(std::vector<double>& values, std::size_t n) {
     values.push_back(static_cast<double>(n));
+  }
+
+  // Files may leave the name out.
+  void add_target(const std::string& name) {
+    if (!name.empty()) targets_.insert(name);
   }
 
   TaskFacts facts_;
