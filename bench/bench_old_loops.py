@@ -4,7 +4,8 @@
 
 The loops are those of the public agents of the HAMT and DUET families, written here from a description of
 their calls: a sweep of 36 views to tabulate candidates, teleports with getState() of batch 1, and shortest
-ways of all pairs by networkx. Times are of the CPU, one thread, each the best of five.
+ways of all pairs by networkx. Times are of the CPU, of all threads together, each the best of five runs
+(all_candidates(): of three; networkx: one run).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 // A benchmark of one's own in one file: a reader, a goal of a kind that there is, a list of
-// metrics. "Stay near": a line is scan, start, radius in moves and text, with tabs between; the
-// goal is any viewpoint that is that many moves from the start, and every step beyond the first
-// such costs.
+// metrics. "Stay near": a line is scan, start, number of moves and text, with tabs between; the
+// goal is any viewpoint whose shortest path from the start has that many moves. A second metric
+// says how many metres were walked beyond the shortest way to where the agent stopped.
 #include <enfilade/core/file.h>
 #include <enfilade/enfilade.h>
 #include <enfilade/tasks/goal_distance.h>

@@ -101,18 +101,17 @@ const char* rule_of(tasks::Task task) {
   switch (task) {
     case tasks::Task::kReverie:
       return "The goal is the nearest viewpoint that sees the object; an episode succeeds where it "
-             "is "
-             "seen.";
+             "is seen.";
     case tasks::Task::kCvdn:
       return "The goal is the nearest viewpoint of the region; an episode succeeds in it.";
     case tasks::Task::kSoon:
       return "The goal is the nearest viewpoint with a box of the object; an episode succeeds "
-             "there, "
-             "or less than 3 m from the end of the path.";
+             "there, or less than 3 m from the end of the path.";
     case tasks::Task::kR2rBack:
-      return "Until the turning point was named, the goal is behind it. An episode succeeds if "
-             "that "
-             "and the end are at most 3 m off.";
+      return "Where the agent named no viewpoint within 3 m of the turning point, the distance "
+             "goes "
+             "through that point. An episode succeeds if the named viewpoint and the end are at "
+             "most 3 m off.";
     default:
       return "An episode succeeds if it is less than 3 m.";
   }
