@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import pickle
+import shutil
 import warnings
 from pathlib import Path
 from typing import Any
@@ -537,3 +538,22 @@ def test_observations_may_be_without_text(small: str) -> None:
     seen, _ = env.reset(seed=1)
     assert "instruction" not in seen and env.observation_space.contains(seen)
     assert "instruction" not in RoomToRoomVectorEnv(EnvConfig(small, text=False), 2).reset()[0]
+
+
+def test_hidden_goals_are_walked_and_no_answer_is_right(made: Path, tmp_path: Path) -> None:
+    for folder in ("connectivity", "reverie"):
+        shutil.copytree(made / folder, tmp_path / folder)
+    file = tmp_path / "reverie" / "REVERIE_val_unseen.json"
+    records = json.loads(file.read_text())
+    for record in records:
+        del record["objId"]
+        record["id"] = str(record["path_id"])
+        record["path"] = record["path"][:1]
+    file.with_name("REVERIE_test.json").write_text(json.dumps(records))
+    with pytest.raises(enfilade.ArgumentError, match="hides its goals"):
+        gymnasium.make("enfilade/REVERIE-v0", config=EnvConfig(tmp_path, "test"))
+    env = gymnasium.make("enfilade/REVERIE-v0", config=EnvConfig(tmp_path, "test", reward="none"))
+    env.reset(seed=1)
+    env.unwrapped.answer(7)
+    _, _, stopped, _, info = env.step(0)
+    assert stopped and info["answered"] is False and np.isnan(info["success"])

@@ -196,11 +196,12 @@ class Batch:
         self.answers[whole("agent", agent, self.n - 1)] = answer
 
     def answered(self, agents: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Which of these agents have given a right answer."""
+        """Which of these agents have given a right answer; none where the goal is hidden."""
         right = np.zeros(self.n, bool)
         if self.config.task in ANSWERS:
             for agent in np.flatnonzero(agents):
-                if self.answers[agent] is not None:
+                hidden = np.isnan(self.arrays["success"][agent])
+                if self.answers[agent] is not None and not hidden:
                     right[agent] = self.metrics(int(agent))[ANSWERS[self.config.task]] > 0
         return right
 

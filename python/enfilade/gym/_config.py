@@ -46,7 +46,8 @@ class EnvConfig:
             "success" (1 for a successful stop), "none", or a function of a Transition that gives (n,) numbers; it has
             to be importable by its name for the config to be pickled.
         max_steps: actions after which an episode is truncated.
-        answer_reward: added for a stop with a right answer (answer()), where the task asks for one.
+        answer_reward: added to a reward that has a name, for a stop with a right answer (answer()), where
+            the task asks for one; a function finds Transition.answered instead.
         success_distance: metres along the graph, of goals that a distance decides.
         text: whether observations have the instruction's text, which not every library takes.
         observe: any of "rgb", "depth", "class", "instance".
