@@ -14,6 +14,7 @@ from made_tasks import SPLITS, results_of
 
 np = pytest.importorskip("numpy")
 
+
 def test_a_data_set_tells_its_benchmarks(made: Path) -> None:
     assert enfilade.Dataset(made).tasks == {task: [split] for task, split in SPLITS.items()}
 
@@ -186,7 +187,7 @@ def test_fine_grained_as_it_is_published(data: Path) -> None:
     every = enfilade.Episodes(data, "val_seen", file=file, all_instructions=True)
     assert len(every) == 1021 and "757_3" in every
     e = every[0]
-    assert e.parts and e.parts[0].places == (e.parts[0].places or ())
+    assert e.parts and e.parts[0].places is not None
     ids = [{"instr_id": e.instruction_id, "trajectory": list(e.path)} for e in every]
     score = every.score(ids)
     assert not score.warnings and "757_3" in score.episodes

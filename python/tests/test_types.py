@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import MatterSim
+import Matterport3DSimulator
 import enfilade
 import pytest
 
@@ -35,13 +36,14 @@ def test_a_strict_type_checker_has_nothing_to_say(tmp_path: Path) -> None:
     if sys.version_info < (3, 10):
         pytest.skip("Python 3.9 gets an older Gymnasium, whose types are others")
     packages = Path(enfilade.__file__).parent.parent
-    for name in ("enfilade", "MatterSim"):
+    names = ("enfilade", "MatterSim", "Matterport3DSimulator")
+    for name in names:
         shutil.copytree(packages / name, tmp_path / name)
-    command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", "enfilade", "MatterSim"]
+    command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", *names]
     done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 0, done.stdout
 
 
-def test_type_checkers_of_users_find_both_packages() -> None:
-    for package in (enfilade, MatterSim):
+def test_type_checkers_of_users_find_the_packages() -> None:
+    for package in (enfilade, MatterSim, Matterport3DSimulator):
         assert (Path(package.__file__).parent / "py.typed").exists()
