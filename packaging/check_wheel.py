@@ -71,7 +71,7 @@ class Program(unittest.TestCase):
         verbs = re.findall(r"^  ([a-z][a-z-]+) ", listed[listed.lower().index("subcommands") :], re.M)
         self.assertGreaterEqual(
             set(verbs),
-            {"demo", "doctor", "graph", "homes", "import", "pack", "render", "report", "run", "scan-mesh",
+            {"convert", "demo", "doctor", "export", "graph", "homes", "import", "pack", "render", "report", "run", "scan-mesh",
              "score", "serve", "stats", "submit", "table"},
         )  # fmt: skip
         for verb in verbs:
@@ -133,9 +133,11 @@ class Module(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_old_code_imports_the_drop_in(self):
-        code = "import MatterSim; s = MatterSim.Simulator(); s.setCameraResolution(640, 480); print(s)"
-        done = run(sys.executable, "-c", code)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        for statement in ("import MatterSim", "from Matterport3DSimulator import MatterSim"):
+            code = f"{statement}; s = MatterSim.Simulator(); s.setCameraResolution(640, 480); print(s)"
+            with self.subTest(statement=statement):
+                done = run(sys.executable, "-c", code)
+                self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_import_takes_milliseconds(self):
         taken = []
