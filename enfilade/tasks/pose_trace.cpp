@@ -25,6 +25,8 @@ using json::Faults;
 using json::Path;
 
 constexpr std::size_t kMostBytes = std::size_t{1} << 28U;  // of an array
+// A day at ten a second. A packed file of some hundred kilobytes may claim any number.
+constexpr std::size_t kMostSnapshots = std::size_t{1} << 20U;
 constexpr std::size_t kMatrix = 16;
 
 // Reads the arrays of one file.
@@ -94,6 +96,11 @@ class TraceReader {
     if (!rows) {
       faults_.error(place, "wrong-shape",
                     fmt::format("shape {}, not (n, {}) with n from 1", array.shape_text(), width));
+      return false;
+    }
+    if (shape[0] > kMostSnapshots) {
+      faults_.error(place, "too-large",
+                    fmt::format("{} snapshots; {} at most are read", shape[0], kMostSnapshots));
       return false;
     }
     if (!sized_) {

@@ -67,8 +67,9 @@ std::string pose_trace_name(TraceRole role, std::int64_t id);
 /// that is not a number is 0, as in the data set's viewer. Arrays of other names are read over.
 /// \throws FileError; InvalidInput listing its faults with places such as `$.pano[3]`: no zip file,
 /// a damaged one, no `pano`, `time`, `extrinsic_matrix` or `intrinsic_matrix`, arrays of more than
-/// 256 MiB, of other types or shapes, or whose lengths differ, an empty viewpoint, a number that is
-/// infinite or not one, or beyond a float in a matrix or weight, time that goes back
+/// 256 MiB or 1,048,576 snapshots, of other types or shapes, or whose lengths differ, an empty
+/// viewpoint, a number that is infinite or not one, or beyond a float in a matrix or weight, time
+/// that goes back
 PoseTrace load_pose_trace(const std::filesystem::path& file);
 /// The same of a file in memory. \param name  for messages
 PoseTrace parse_pose_trace(std::string bytes, const std::string& name);

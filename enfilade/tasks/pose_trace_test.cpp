@@ -179,6 +179,11 @@ TEST(PoseTrace, RefusesWhatIsDamaged) {
          empty.replace(at, 27, "(1152921504606846976, 0), }");
          a["extrinsic_matrix"] = empty;
        }},
+      {"$.time: 1048577 snapshots; 1048576 at most are read",
+       [&](Arrays& a) {
+         a.erase("pano");
+         a["time"] = floats(count_up(1048577), {1048577});
+       }},
       {"$.text_mask: shape (2, 0), not (k, m)",
        [&](Arrays& a) {
          a["text_mask"] = floats({}, {2, 0});
