@@ -123,6 +123,11 @@ nlohmann::ordered_json fields_of(const PathAnnotation& entry) {
         fmt::format("path {}: not one instruction to find an object with viewpoints that see it",
                     entry.path_id));
   }
+  if (entry.details[0].id.empty() || entry.path.empty() || goal->id < 0) {
+    throw ArgumentError(
+        fmt::format("path {}: no id of its instruction, no viewpoint, or a negative object id, {}",
+                    entry.path_id, goal->id));
+  }
   if (!std::isfinite(entry.heading.value)) {
     throw ArgumentError(fmt::format("path {}: a heading of {}, not a finite number", entry.path_id,
                                     entry.heading.value));

@@ -55,6 +55,14 @@ TEST(ObjectLines, WhatIsWrittenIsReadBackEqual) {
   Annotations other = all;
   other.paths[0].goal = NearEnd{};
   EXPECT_THROW(to_object_lines(other), ArgumentError);
+  for (const auto& damage :
+       {+[](PathAnnotation& one) { one.details[0].id.clear(); },
+        +[](PathAnnotation& one) { one.path.clear(); },
+        +[](PathAnnotation& one) { std::get<NamedObject>(one.goal).id = -1; }}) {
+    other = all;
+    damage(other.paths[0]);
+    EXPECT_THROW(to_object_lines(other), ArgumentError);
+  }
 }
 
 TEST(ObjectLines, ViewpointsThatSeeTheObjectAreTheFiles) {
