@@ -80,6 +80,20 @@ void check_ids_are_silent(const tasks::Annotations& annotations) {
   if (!faults.empty()) throw InvalidInput(std::move(faults));
 }
 
+/// Whether it is a split of R4R with the paths of another benchmark's secret phase. Its texts are
+/// those of two paths, one after the other, and the second starts near the end of the first.
+bool tells_ends(const PublicSplit& split, const std::vector<Phase>& phases) {
+  using tasks::Task;
+  if (split.annotations.task != Task::kR4r) return false;
+  bool own = false, others = false;
+  for (const Phase& phase : phases) {
+    if (!phase.goals_secret() || phase.split != split.annotations.split) continue;
+    own = own || phase.task == Task::kR4r;
+    others = others || (phase.task != Task::kR4r && share_paths(phase.task, Task::kR4r));
+  }
+  return others && !own;  // teams need the starts and texts of a phase of R4R
+}
+
 /// Absolute and without links; of what cannot be looked up, its name as it is written.
 fs::path real_path(const fs::path& path) {
   std::error_code error;
@@ -233,6 +247,7 @@ void Site::read_phases(const dataset::Dataset& data) {
 // The annotations of a secret phase may be in the data set too, by mistake; and what R2R says of a
 // path's end tells what REVERIE asks for there.
 void Site::hide_goals() {
+  std::erase_if(splits_, [this](const PublicSplit& split) { return tells_ends(split, phases_); });
   for (PublicSplit& split : splits_) {
     const bool secret = std::ranges::any_of(phases_, [&split](const Phase& phase) {
       return phase.goals_secret() && phase.split == split.annotations.split &&

@@ -212,8 +212,11 @@ TEST(SecretGoalsOfBenchmarks, HideThePathsOfR2rToo) {
                         to_json(row_annotations("test", true)));
   served.restart_with(phase_of(Task::kCvdn));
   EXPECT_THAT(served.get("/api/v1/splits/test/episodes")->body, HasSubstr("\"path\""));
+  EXPECT_EQ(served.get("/api/v1/splits/test/episodes?task=r4r")->status, 200);
   served.restart_with(phase_of(Task::kReverie));
   EXPECT_THAT(served.get("/api/v1/splits/test/episodes")->body, Not(HasSubstr("\"path\"")));
+  EXPECT_EQ(served.get("/api/v1/splits/test/episodes?task=r4r")->status, 404)
+      << "its joined texts tell where paths of R2R end";
 }
 
 TEST(SecretGoalsOfBenchmarks, IdsThatNameTheObjectAreRefused) {
