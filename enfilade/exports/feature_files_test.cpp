@@ -99,6 +99,43 @@ TEST_F(FeatureFiles, WhatWasStoppedGoesOn) {
   EXPECT_FALSE(file_exists(file("o.hdf5.parts")));
 }
 
+// Scans s, with two viewpoints or one, and t with one.
+std::shared_ptr<const graph::GraphSet> two_scans(bool whole) {
+  scan::Connectivity s = graph::testing::connectivity("s", {{0, 0, 0}, {1, 0, 0}}, {{0, 1}});
+  s.entries[1].included = whole;
+  std::vector<graph::NavGraph> graphs;
+  graphs.emplace_back(s);
+  graphs.emplace_back(graph::testing::connectivity("t", {{0, 0, 0}}, {}));
+  return graph::GraphSet::of(std::move(graphs));
+}
+
+TEST_F(FeatureFiles, FinishedScansAreKeptForTheSameViewpointsOnly) {
+  const std::vector<features::FeatureKey> keys{{"s", "v0"}, {"s", "v1"}, {"t", "v0"}};
+  features::FeatureInfo info;
+  info.dimensions = kColumns;
+  auto writer = features::FeatureWriter::create(file("f.safetensors"), info, keys);
+  const std::vector<float> numbers(36 * kColumns);
+  for (std::size_t k = 0; k < keys.size(); ++k) writer.write(k, numbers);
+  writer.finish();
+  const FeatureSource source{file("f.safetensors")};
+  for (const bool same : {true, false}) {
+    struct Stop {};
+    const auto stop = [](std::size_t done, std::size_t total) {
+      if (done == total) throw Stop();
+    };
+    EXPECT_THROW(write_view_features(two_scans(true), source, file("o.hdf5"), {.progress = stop}),
+                 Stop);
+    EXPECT_TRUE(file_exists(file("o.hdf5.parts") / "s.hdf5"));
+    EXPECT_FALSE(file_exists(file("o.hdf5.parts") / "t.hdf5"));
+    std::vector<std::size_t> steps;
+    const auto count = [&](std::size_t done, std::size_t) { steps.push_back(done); };
+    write_view_features(two_scans(same), source, file("o.hdf5"), {.progress = count});
+    ASSERT_FALSE(steps.empty());
+    EXPECT_EQ(steps[0], same ? 3U : 1U) << "the first viewpoint that is written";
+    EXPECT_EQ(features::FeatureSet::open(file("o.hdf5")).keys().size(), same ? 3U : 2U);
+  }
+}
+
 TEST_F(FeatureFiles, AViewpointThatSeesNoObjectIsNotThere) {
   tasks::ObjectBoxes boxes;
   boxes.add("s", "v0", {{7, "chair", {}, {}}});
