@@ -13,7 +13,6 @@
 namespace enfilade::tasks {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 constexpr ViewpointIndex v(std::size_t i) { return ViewpointIndex(i); }
@@ -155,14 +154,6 @@ TEST(Results, APartOfASplitOnPurpose) {
   EXPECT_THROW(parse_results(R"([{"instr_id": "9_9", "trajectory": ["v0"]}])", "r.json", set,
                              Coverage::kPart),
                InvalidInput);
-}
-
-TEST(Results, AFourthInstructionCountsWhereItIsAnEpisode) {
-  const EpisodeSet set = episodes_of(Task::kR2r, {"7_0", "7_1", "7_2", "7_3"});
-  const std::string text = to_json(walks(4), set);
-  const Results results = parse_results(text, "r.json", set);
-  EXPECT_THAT(results.warnings, ElementsAre());
-  EXPECT_EQ(results.trajectories.size(), 4U);
 }
 
 }  // namespace
