@@ -8,29 +8,20 @@
 #include <numbers>
 #include <utility>
 
+#include "enfilade/draw/outlines.h"
+#include "enfilade/geometry/vec.h"
+
 namespace enfilade::service::collecting::kinds {
 namespace {
 
 using nlohmann::ordered_json;
-using Vector = std::array<double, 3>;
 
 // Of the pictures that boxes are measured in.
 constexpr double kHalfWidth = 320, kHalfHeight = 240;
 constexpr double kViewStep = std::numbers::pi / 6;  // of headings and of elevations
 constexpr int kViewsARow = 12;
-// A finger's width of angle: edges are included whatever the last digits are.
+// Of a product of sines: edges are included whatever the last digits are.
 constexpr double kSlack = 1e-9;
-
-Vector vector_of(const tasks::Direction& direction) {
-  const double heading = direction.heading.value, elevation = direction.elevation.value;
-  return {std::sin(heading) * std::cos(elevation), std::cos(heading) * std::cos(elevation),
-          std::sin(elevation)};
-}
-
-Vector cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// Where a pixel of a view looks.
 tasks::Direction direction_of(std::uint8_t view, double x, double y) {
@@ -59,15 +50,13 @@ Outline outline_of(std::uint8_t view, const std::array<std::int32_t, 4>& box) {
 }
 
 bool contains(const Outline& outline, const tasks::Direction& direction) {
-  const Vector point = vector_of(direction);
-  Vector middle{};
-  for (const tasks::Direction& corner : outline) {
-    const Vector v = vector_of(corner);
-    for (std::size_t k = 0; k < middle.size(); ++k) middle[k] += v[k];
-  }
+  const Vec3d point = draw::unit_vector(direction);
+  Vec3d middle;
+  for (const tasks::Direction& corner : outline) middle += draw::unit_vector(corner);
   if (dot(point, middle) <= 0) return false;  // behind one's back
   for (std::size_t k = 0; k < outline.size(); ++k) {
-    const Vector edge = cross(vector_of(outline[k]), vector_of(outline[(k + 1) % outline.size()]));
+    const Vec3d edge =
+        cross(draw::unit_vector(outline[k]), draw::unit_vector(outline[(k + 1) % outline.size()]));
     if (dot(edge, point) * dot(edge, middle) < -kSlack) return false;
   }
   return true;
