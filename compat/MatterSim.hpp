@@ -7,6 +7,7 @@
 #pragma once
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -175,10 +176,7 @@ class Simulator {
 
   template <class Call>
   static void as_before(const Call& call);
-  enfilade::Camera camera() const {
-    return {static_cast<std::uint32_t>(active_.width), static_cast<std::uint32_t>(active_.height),
-            enfilade::Radians(active_.vfov)};
-  }
+  enfilade::Camera camera() const;
   std::size_t pixels() const {  ///< of a picture
     return static_cast<std::size_t>(active_.width) * static_cast<std::size_t>(active_.height);
   }
@@ -223,6 +221,15 @@ void Simulator::as_before(const Call& call) {
   }
 }
 
+inline enfilade::Camera Simulator::camera() const {
+  if (active_.width < 1 || active_.height < 1) {
+    throw enfilade::ArgumentError("camera resolution " + std::to_string(active_.width) + " x " +
+                                  std::to_string(active_.height) + ": at least 1 x 1 is needed");
+  }
+  return {static_cast<std::uint32_t>(active_.width), static_cast<std::uint32_t>(active_.height),
+          enfilade::Radians(active_.vfov)};
+}
+
 inline enfilade::sim::SimulatorConfig Simulator::config() const {
   namespace sim = enfilade::sim;
   sim::SimulatorConfig config = sim::SimulatorConfig::mattersim();
@@ -246,10 +253,7 @@ inline enfilade::sim::SimulatorConfig Simulator::config() const {
 inline void Simulator::initialize() {
   as_before([&] {
     active_ = settings_;
-    if (active_.width < 1 || active_.height < 1) {
-      throw enfilade::ArgumentError("camera resolution " + std::to_string(active_.width) + " x " +
-                                    std::to_string(active_.height) + ": at least 1 x 1 is needed");
-    }
+    static_cast<void>(camera());  // refuses a size that is none
     close();
     if (active_.batch_size > 0) enfilade::sim::validate(config());
     const std::size_t all = pixels() * active_.batch_size;
@@ -423,7 +427,7 @@ inline void Simulator::makeAction(const std::vector<unsigned int>& index,
 inline Simulator::Starts Simulator::after(const std::vector<enfilade::sim::Action>& actions) const {
   constexpr double kStep = enfilade::kPi / 6;
   const auto turn = [this](enfilade::Radians by) {
-    if (!active_.discretized) return by.value;
+    if (!active_.discretized || !std::isfinite(by.value)) return by.value;  // refused later
     return by.value > 0 ? kStep : by.value < 0 ? -kStep : 0.0;
   };
   const enfilade::sim::StateSpans& now = walk_->state();
@@ -482,20 +486,23 @@ inline void Simulator::preload() {
 inline void Simulator::draw(const enfilade::sim::StateSpans& state) {
   namespace render = enfilade::render;
   const std::size_t all = pixels() * active_.batch_size;
-  if (camera_changed_) {  // of another size, perhaps
-    colour_ = std::make_shared<unsigned char[]>(all * 3);
-    depth_ = std::make_shared<unsigned char[]>(all * 2);
+  std::shared_ptr<unsigned char[]> colour = colour_, depth = depth_;
+  if (camera_changed_) {  // of another size, perhaps; the states keep theirs if drawing fails
+    colour = std::make_shared<unsigned char[]>(all * 3);
+    depth = std::make_shared<unsigned char[]>(all * 2);
   }
   views_.resize(active_.batch_size);
   enfilade::sim::views_of(state, views_);
   render::Outputs outputs;
   outputs.colour = {
-      render::ColourFormat::kBgr8, {}, std::as_writable_bytes(std::span(colour_.get(), all * 3))};
+      render::ColourFormat::kBgr8, {}, std::as_writable_bytes(std::span(colour.get(), all * 3))};
   if (active_.depth) {
     outputs.depth = {render::DepthFormat::kQuarterMillimetresUint16, render::DepthMeasure::kZ,
-                     std::as_writable_bytes(std::span(depth_.get(), all * 2))};
+                     std::as_writable_bytes(std::span(depth.get(), all * 2))};
   }
   renderer_->render(camera(), views_, outputs);
+  colour_ = std::move(colour);
+  depth_ = std::move(depth);
 }
 
 inline void Simulator::show(SimState& state, std::size_t agent) const {

@@ -201,6 +201,12 @@ TEST_F(MatterSimHpp, RefusesWithTheOldTypes) {
   EXPECT_EQ(sim.getState()[0]->elevation, 0.5);
   EXPECT_THROW(sim.makeAction({99}, {0}, {0}), std::domain_error);
   EXPECT_EQ(sim.getState()[0]->step, 0U);
+  sim.setCameraResolution(-1, 10);
+  EXPECT_THROW(sim.makeAction({0}, {0}, {0}), std::invalid_argument);
+  sim.setCameraResolution(20, 10);
+  EXPECT_THROW(sim.makeAction({0}, {std::nan("")}, {0}), std::invalid_argument);
+  sim.makeAction({0}, {0}, {0});
+  EXPECT_EQ(sim.getState()[0]->step, 1U);
   sim.close();
   EXPECT_TRUE(sim.getState().empty());
   sim.setNavGraphPath("/nowhere");
