@@ -9,6 +9,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/exports/detail/file_names.h"
 #include "enfilade/mesh/ray_tracer.h"
 #include "enfilade/mesh/segmentation.h"
 
@@ -80,10 +81,8 @@ void write_box_folder(const ObjectBoxes& boxes, const fs::path& folder) {
     if (line.ends_with(',')) line.remove_suffix(1);
     const std::size_t close = line.find("\":");
     const std::string name(line.substr(1, close - 1));
-    if (name.find_first_of("/\\\"") != std::string::npos || name.starts_with('.')) {
-      throw ArgumentError(fmt::format("{:?}: not a name of a file", name.substr(0, 80)));
-    }
-    write_file_atomically(folder / (name + ".json"), std::string(line.substr(close + 2)) + "\n");
+    write_file_atomically(folder / (detail::checked_file_name(name) + ".json"),
+                          std::string(line.substr(close + 2)) + "\n");
   }
 }
 

@@ -11,6 +11,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
+#include "enfilade/exports/detail/file_names.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/render/renderer.h"
 
@@ -107,7 +108,8 @@ ViewPicturesReport write_view_pictures(const dataset::Dataset& data, const fs::p
     make_folder(folder / graph.scan());
     for (std::size_t v = 0; v < graph.size(); ++v) {
       if (!graph.included(ViewpointIndex(v))) continue;
-      const fs::path place = folder / graph.scan() / graph.id(ViewpointIndex(v));
+      const fs::path place =
+          folder / graph.scan() / detail::checked_file_name(graph.id(ViewpointIndex(v)));
       if (file_exists(place)) {
         ++report.kept;
       } else {

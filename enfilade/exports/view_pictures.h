@@ -25,8 +25,8 @@ struct ViewPicturesReport {
 /// each included viewpoint. A viewpoint's folder appears when all its pictures are there; a run
 /// that was stopped goes on. `enfilade_views.txt` in `folder` says of what the pictures are.
 /// `options.progress` counts viewpoints. \throws ArgumentError for a camera or quality out of
-/// range; LookupError for panoramas without colour; FileError, also if the folder has pictures of
-/// another camera or data set; InvalidInput
+/// range, or a viewpoint whose id is no name of a file; LookupError for panoramas without colour;
+/// FileError, also if the folder has pictures of another camera or data set; InvalidInput
 ViewPicturesReport write_view_pictures(const dataset::Dataset& data,
                                        const std::filesystem::path& folder,
                                        const ViewPicturesOptions& pictures = {},
