@@ -22,7 +22,8 @@ struct ObjectBoxOptions {
   /// Of a picture of 640 x 480 pixels: an object with fewer is not in that view.
   double least_pixels = 50;
   /// Rays around the horizon, shared by all views: a whole number of at least 36. Boxes and
-  /// outlines are exact to 360 degrees / this number, which is 1500 pixels / it. 0: a ray through
+  /// outlines are exact to 360 degrees / this number, which is 1500 pixels / it in the middle of a
+  /// picture and up to twice that in its corners. 0: a ray through
   /// the centre of each pixel of each view, some 100 times the time of 720.
   std::uint32_t around = 720;
   /// Categories of mpcat40 that are no objects.

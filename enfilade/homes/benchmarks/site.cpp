@@ -12,8 +12,8 @@
 namespace enfilade::homes::benchmarks {
 namespace {
 
-// Rays around the horizon: boxes are exact to 6 pixels. With more, sets without pictures would take
-// more than twice the time that they take without boxes.
+// Rays around the horizon: boxes are exact to 6 pixels in the middle of a view. With more, sets
+// without pictures would take more than twice the time that they take without boxes.
 constexpr std::uint32_t kRays = 240;
 // Below this share of interest (speaking::weight_of) nobody asks for a thing.
 constexpr double kLeastWeight = 0.4;
