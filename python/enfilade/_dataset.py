@@ -66,8 +66,8 @@ class Dataset:
             Matterport3DSimulator's, with all files side by side, or with stores alone. None: the
             folder that the environment variable ENFILADE_DATA names.
 
-    A part is opened when it is first used. Any thread may use it. Pickled, it is opened anew. Raises FileError if it is not a
-    folder.
+    A part is opened when it is first used. Any thread may use it. Pickled, it is opened anew. Raises
+    FileError if it is not a folder.
     """
 
     def __init__(self, folder: Optional[Union[str, os.PathLike[str]]] = None) -> None:

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from enfilade.goals import Goal
 
-TASKS = ("r2r", "r2r-last", "r2r-back", "r4r", "rxr", "reverie", "cvdn", "soon")
-
 
 @dataclass(frozen=True)
 class Scorer:
@@ -70,11 +68,14 @@ def score_paths(
     walked, wanted = list(trajectories), list(references)
     n = len(walked)
     names = [scans] * n if isinstance(scans, str) else list(scans)
-    asked = [None] * n if goals is None else [to_tuple(goal) for goal in goals]
+    asked: list[Any] = [None] * n if goals is None else [to_tuple(goal) for goal in goals]
     said = [None] * n if answers is None else [_answer(answer) for answer in answers]
     for what, given in (("scans", names), ("references", wanted), ("goals", asked), ("answers", said)):
         if len(given) != n:
             raise ArgumentError(f"{what}: {len(given)} for {n} trajectories")
+    if ("Hidden",) in asked:
+        hidden = asked.index(("Hidden",))
+        raise ArgumentError(f"goals: element {hidden} is hidden, so there is no score")
     chosen = scorers(task)[0] if not scorer else next(
         (one for one in scorers(task) if one.name == scorer), None
     )  # fmt: skip

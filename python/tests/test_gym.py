@@ -557,3 +557,5 @@ def test_hidden_goals_are_walked_and_no_answer_is_right(made: Path, tmp_path: Pa
     env.unwrapped.answer(7)
     _, _, stopped, _, info = env.step(0)
     assert stopped and info["answered"] is False and np.isnan(info["success"])
+    with pytest.raises(enfilade.ArgumentError, match="element 0 is hidden"):
+        env.unwrapped.metrics()
