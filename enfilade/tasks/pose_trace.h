@@ -36,9 +36,13 @@ struct PoseSnapshot {
   friend bool operator==(const PoseSnapshot&, const PoseSnapshot&) = default;
 };
 
-/// Size of a viewpoint's picture in `image_mask`, an equirectangular panorama whose middle column
-/// has heading 0; views in `feature_weights`, MatterSim's 36.
-inline constexpr std::size_t kMaskHeight = 128, kMaskWidth = 256, kMaskViews = 36;
+/// Rows of a viewpoint's picture in `image_mask`, an equirectangular panorama whose middle column
+/// has heading 0.
+inline constexpr std::size_t kMaskHeight = 128;
+/// Columns of that picture.
+inline constexpr std::size_t kMaskWidth = 256;
+/// Views in `feature_weights`: MatterSim's 36.
+inline constexpr std::size_t kMaskViews = 36;
 
 /// A trace. What belongs to a viewpoint of the path is in its order; each may be left out.
 struct PoseTrace {

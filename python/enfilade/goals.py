@@ -63,6 +63,7 @@ class Boxes:
 
 
 Goal = Union[NearEnd, Hidden, TurningPoint, Object, Region, Boxes]
+"""Any of them."""
 
 _KINDS: dict[str, Any] = {
     kind.__name__: kind for kind in (NearEnd, Hidden, TurningPoint, Object, Region)

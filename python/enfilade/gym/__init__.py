@@ -18,7 +18,6 @@ __all__ = ["ENV_TASKS", "EnvConfig", "RoomToRoomEnv", "RoomToRoomVectorEnv", "Tr
 
 ENV_ID = "RoomToRoom-v0"
 
-#: The ids of environments, and the task that each sets; that of the config where there is none.
 ENV_TASKS = {
     ENV_ID: None,
     "enfilade/R2R-v0": "r2r",
@@ -30,6 +29,7 @@ ENV_TASKS = {
     "enfilade/CVDN-v0": "cvdn",
     "enfilade/SOON-v0": "soon",
 }
+"""The ids of environments, and the task that each sets; that of the config where there is none."""
 
 
 def register() -> None:
