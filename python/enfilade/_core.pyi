@@ -80,7 +80,7 @@ class Graph:
 
     def edge_arrays(self) -> tuple[numpy.typing.NDArray[numpy.uint32], numpy.typing.NDArray[numpy.float64]]:
         """
-        (m, 2) indices from and to, and (m,) metres; every edge in both directions.
+        (m, 2) indices from and to, and (m,) metres; an edge for both ways is there twice.
         """
 
     def distances(self) -> numpy.typing.NDArray[numpy.float64]:

@@ -82,7 +82,7 @@ T* keep(std::unique_ptr<T> kept, nb::object& owner) {
   return pointer;
 }
 
-// (m, 2) indices, and (m) metres: every edge in both directions.
+// (m, 2) indices, and (m) metres; an edge that may be walked both ways is there twice.
 nb::tuple edge_arrays(const Graph& g) {
   auto pairs = std::make_unique<std::vector<std::uint32_t>>();
   auto lengths = std::make_unique<std::vector<double>>();
@@ -121,7 +121,7 @@ void bind_graph_arrays(nb::class_<Graph>& c) {
       .def("edge_arrays", edge_arrays,
            nb::sig("def edge_arrays(self) -> tuple[numpy.typing.NDArray[numpy.uint32], "
                    "numpy.typing.NDArray[numpy.float64]]"),
-           "(m, 2) indices from and to, and (m,) metres; every edge in both directions.")
+           "(m, 2) indices from and to, and (m,) metres; an edge for both ways is there twice.")
       .def("distances", distances,
            nb::sig("def distances(self) -> numpy.typing.NDArray[numpy.float64]"),
            "(n, n) shortest ways along edges, metres, by index; inf where there is none. What "
