@@ -15,10 +15,10 @@ import binascii
 import contextlib
 import importlib
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Callable, Union
+from typing import Any, Callable, Mapping, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ from enfilade._errors import ArgumentError, InvalidInput
 VIEWS = 36  #: of a viewpoint, in the order of viewIndex
 MOST_VALUES = 1 << 24  #: of a viewpoint; what a file may claim in a few bytes
 
-Key = tuple[str, str]  #: scan, viewpoint
+Key = Tuple[str, str]  #: scan, viewpoint
 Array = NDArray[np.float32]  #: (views, D)
 
 

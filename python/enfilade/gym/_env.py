@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Optional, Union
+from typing import Any, Dict, Optional, Union
 
 import gymnasium
 import numpy as np
@@ -15,7 +15,7 @@ from enfilade._episodes import Episodes
 from enfilade.gym._batch import ANSWERS, RENDER_MODES, Batch
 from enfilade.gym._config import EnvConfig
 
-Observation = dict[str, Any]
+Observation = Dict[str, Any]
 _ALONE = np.ones(1, bool)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
-from typing import Any, Optional, Union
+from typing import Any, Dict, Optional, Union
 
 import gymnasium
 import numpy as np
@@ -20,7 +20,7 @@ from enfilade._errors import ArgumentError
 from enfilade.gym._batch import ANSWERS, RENDER_MODES, Batch
 from enfilade.gym._config import EnvConfig
 
-Observation = dict[str, Any]
+Observation = Dict[str, Any]
 Flags = NDArray[np.bool_]
 
 

@@ -224,10 +224,20 @@ int get_buffer(PyObject* self, Py_buffer* view, int) {
 }
 
 PyTypeObject* make_mat_type() {
-  return make_type("MatterSim.Mat", sizeof(MatObject),
-                   "A picture: np.array(mat, copy=False) sees the simulator's own memory, shape "
-                   "(height, width, channels), row 0 on top.",
-                   free_mat, {{Py_bf_getbuffer, slot(get_buffer)}});
+#if PY_VERSION_HEX >= 0x03090000
+  const PyType_Slot buffer{Py_bf_getbuffer, slot(get_buffer)};
+#else
+  const PyType_Slot buffer{};  // Python 3.8 has no slot for it
+#endif
+  PyTypeObject* type =
+      make_type("MatterSim.Mat", sizeof(MatObject),
+                "A picture: np.array(mat, copy=False) sees the simulator's own memory, shape "
+                "(height, width, channels), row 0 on top.",
+                free_mat, {buffer});
+#if PY_VERSION_HEX < 0x03090000
+  if (type != nullptr) type->tp_as_buffer->bf_getbuffer = get_buffer;
+#endif
+  return type;
 }
 
 int add_type(PyObject* module, const char* name, PyTypeObject* type) {
