@@ -67,7 +67,7 @@ class Packaging(unittest.TestCase):
 
     def test_what_builds_is_read_from_pyproject(self):
         wanted = release.build_requirements(text("pyproject.toml"))
-        self.assertEqual([re.match(r"[-\w]+", w)[0] for w in wanted], ["scikit-build-core", "nanobind", "nanobind"])
+        self.assertEqual([re.match(r"[-\w]+", w)[0] for w in wanted], ["scikit-build-core"] + 3 * ["nanobind"])
 
     def test_the_changelog_s_part_is_its_newest_section(self):
         self.assertEqual(release.changes("# C\n\n## [2]\n\n## [1]\n\n- a\n\n## [0]\n\n- b\n"), "## [1]\n\n- a\n")
