@@ -86,7 +86,7 @@ EpisodeSet part_of(const EpisodeSet& episodes, std::vector<Trajectory>& trajecto
 /// `actions`: `instr_id` and `trajectory`; R2R-Back with `midstop`, REVERIE with `predObjId`, each
 /// null where there is no answer; RxR with `instruction_id`; CVDN with `inst_idx` for `instr_id`,
 /// where the id is a number; SOON with `path`, `obj_heading` and `obj_elevation` in `trajectory`.
-/// 45,000 trajectories take a fraction of a second. \throws ArgumentError for what JSON cannot say
+/// Linear in the points (bench/ has its time). \throws ArgumentError for what JSON cannot say
 std::string to_json(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes);
 
 /// \throws ArgumentError if a trajectory names no episode, is empty or leaves its graph, or if the

@@ -44,7 +44,7 @@ constexpr auto kParts = std::to_array<Part>({
      "followers."},
     {"reverie",
      "REVERIE: requests that name a room and an object; `BBoxes.json` has the objects "
-     "within 3 m of each viewpoint, by view, in boxes that are exact to 6 pixels."},
+     "within 3 m of each viewpoint, by view, in boxes exact to 6 pixels in mid-view."},
     {"cvdn",
      "CVDN: dialogues of a navigator who looks for a thing and an oracle who sees the next "
      "5 steps of a shortest path."},
