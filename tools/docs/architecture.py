@@ -10,6 +10,7 @@ read on light and on dark pages. Standard library only.
 from __future__ import annotations
 
 import html
+import math
 import re
 import sys
 from collections import defaultdict
@@ -75,7 +76,8 @@ def rows_of(direct: dict[str, set[str]]) -> list[list[str]]:
     rows = [[n for n in direct if depth[n] == k] for k in range(max(depth.values()) + 1)]
     place: dict[str, float] = {}
     for row in rows:
-        row.sort(key=lambda n: sum(place[b] for b in direct[n]) / len(direct[n]) if direct[n] else 0.5)
+        # fsum: a plain sum depends on the order of the set, which is another one in each process, and ties would fall either way.
+        row.sort(key=lambda n: math.fsum(place[b] for b in direct[n]) / len(direct[n]) if direct[n] else 0.5)
         for k, name in enumerate(row):
             place[name] = (k + 0.5) / len(row)
     return rows
