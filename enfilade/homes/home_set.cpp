@@ -1,7 +1,9 @@
 #include "enfilade/homes/home_set.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
+#include <array>
 #include <map>
 #include <memory>
 #include <system_error>
@@ -26,6 +28,13 @@ namespace {
 namespace fs = std::filesystem;
 using sets::HomeList;
 using sets::scan_name;
+
+struct NamedLight {
+  std::string_view name;
+  HomeLight light;
+};
+constexpr std::array<NamedLight, 2> kLights{
+    {{"fine", HomeLight::kFine}, {"coarse", HomeLight::kCoarse}}};
 
 constexpr std::string_view kMarker = "# Model homes: a SYNTHETIC data set made by Enfilade\n";
 constexpr std::size_t kMostHomes = 10000;
@@ -220,18 +229,27 @@ Homes claim(const fs::path& folder, const HomeSetOptions& options) {
   return homes;
 }
 
+mesh::BakeOptions bake_options(const HomeSetOptions& options) {
+  if (options.light == HomeLight::kCoarse) {
+    // Much coarser points save little: most are then corners of furniture.
+    return {.spacing = 1, .detail = 1, .rays = 12, .threads = options.threads};
+  }
+  // Takes a third of the time of the finest light; in rooms, the difference is hardly visible.
+  return {.detail = 0.5F, .rays = 48, .threads = options.threads};
+}
+
 // \param tell is called with how many of the home's kUnits are done
 void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivity,
                    const HomeSetOptions& options, const fs::path& folder,
                    const std::function<void(std::size_t units)>& tell) {
-  // Takes a third of the time of the finest light; in rooms, the difference is hardly visible.
-  const mesh::BakeOptions bake{.detail = 0.5F, .rays = 48, .threads = options.threads};
+  const mesh::BakeOptions bake = bake_options(options);
   const auto lit = std::make_shared<mesh::LitMesh>(built.tracer, built.home.lights, bake);
   tell(kLit);
   const mesh::CaptureOptions capture{.samples = options.samples};
   const std::string state =
-      fmt::format("model home, generation {}, seed {}, {} triangles, samples {}", kGeneration,
-                  built.home.plan.seed, built.home.mesh.triangles.size(), options.samples);
+      fmt::format("model home, generation {}, seed {}, {} triangles, samples {}{}", kGeneration,
+                  built.home.plan.seed, built.home.mesh.triangles.size(), options.samples,
+                  options.light == HomeLight::kFine ? "" : ", coarse light");
   const capture::MeshPanoramas panoramas(lit, connectivity, options.face_size, capture, state);
   const scan::PackOptions pack{.colour = scan::ColourCoding::kJpeg,
                                .jpeg_quality = options.jpeg_quality,
@@ -435,21 +453,46 @@ HomeSetOptions home_set_preset(std::string_view name) {
     o.least_area = 350;
     o.most_area = 850;
     o.face_size = 512;
-  } else if (name == "demo" || name == "graphs") {
+  } else if (name == "demo" || name == "graphs" || name == "training") {
     o.least_area = 85;
     o.most_area = 100;
     o.stairs_every = 8;
   } else {
-    throw ArgumentError(fmt::format("preset: {:?} is none of small, demo, full, graphs", name));
+    throw ArgumentError(
+        fmt::format("preset: {:?} is none of {}", name, fmt::join(home_set_presets(), ", ")));
   }
   if (name == "graphs") {
     o.homes = 6;
     o.face_size = 0;
+  } else if (name == "training") {
+    o.homes = 96;
+    o.face_size = 64;
+    o.samples = 1;
+    o.light = HomeLight::kCoarse;
   }
   return o;
 }
 
-std::vector<std::string> home_set_presets() { return {"small", "demo", "full", "graphs"}; }
+std::vector<std::string> home_set_presets() {
+  return {"small", "demo", "full", "graphs", "training"};
+}
+
+std::string_view to_string(HomeLight light) noexcept {
+  return light == HomeLight::kFine ? kLights[0].name : kLights[1].name;
+}
+
+std::vector<std::string> home_lights() {
+  std::vector<std::string> names;
+  for (const NamedLight& light : kLights) names.emplace_back(light.name);
+  return names;
+}
+
+HomeLight parse_home_light(std::string_view name) {
+  const auto found = std::ranges::find(kLights, name, &NamedLight::name);
+  if (found != kLights.end()) return found->light;
+  throw ArgumentError(
+      fmt::format("light: {:?} is none of {}", name, fmt::join(home_lights(), ", ")));
+}
 
 HomeSetReport write_homes(const fs::path& folder, const HomeSetOptions& options,
                           const SetProgress& progress) {

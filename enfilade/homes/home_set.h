@@ -16,6 +16,15 @@
 
 namespace enfilade::homes {
 
+/// How finely the light of pictures is computed.
+enum class HomeLight : std::uint8_t {
+  kFine,    ///< points 0.3 m apart, nearer at shadows: pictures to look at
+  kCoarse,  ///< points 1 m apart, few rays: a quarter of the time, for pictures to learn from
+};
+std::string_view to_string(HomeLight light) noexcept;  ///< "fine", "coarse"
+HomeLight parse_home_light(std::string_view name);     ///< \throws ArgumentError
+std::vector<std::string> home_lights();                ///< their names
+
 /// Which homes are made, and which files of them.
 struct HomeSetOptions {
   std::size_t homes = 16;
@@ -28,6 +37,7 @@ struct HomeSetOptions {
   std::uint32_t face_size = 256;  ///< texels of a panorama's faces; 0: no pictures
   std::uint32_t samples = 4;      ///< colour rays a texel
   int jpeg_quality = 92;
+  HomeLight light = HomeLight::kFine;  ///< of panoramas; those of `parts` have the finest
 
   // Options of one run: a later run of the same set may have others.
   /// Folder of `<scan>_corrections.json` (graph/corrections.h), applied on top of the graphs, also
@@ -43,7 +53,8 @@ struct HomeSetOptions {
 /// Options by name. "small": 2 homes of a few viewpoints, for tests. "demo": 16 homes of 25 to 50
 /// viewpoints, three of them with two storeys. "full": 90 homes of 117 viewpoints on average, faces
 /// of 512 texels. "graphs": 6 homes like those of "demo" but without pictures, made in a second or
-/// two. \throws ArgumentError for another name
+/// two. "training": 96 homes like those of "demo" for training alone: faces of 64 texels, one ray a
+/// texel, coarse light. \throws ArgumentError for another name
 HomeSetOptions home_set_preset(std::string_view name);
 std::vector<std::string> home_set_presets();
 

@@ -259,6 +259,25 @@ TEST(HomeSet, AHalfCorrectedGraphIsCorrectedAgain) {
   EXPECT_EQ(content_of(folder.path()), as_found);
 }
 
+TEST(HomeSet, CoarseLightIsInTheListAndMakesOtherPicturesOfTheSameHome) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
+  const TemporaryFolder fine("homes_fine"), coarse("homes_coarse");
+  HomeSetOptions options = tiny(1, 8);
+  write_homes(fine.path(), options);
+  options.light = HomeLight::kCoarse;
+  EXPECT_THAT(tests::refusal<FileError>([&] { write_homes(fine.path(), options); }),
+              HasSubstr(R"(light: "fine" there, "coarse" asked for)"));
+  write_homes(coarse.path(), options);
+  write_homes(coarse.path(), options);  // the list is read again
+  const auto file = [](const TemporaryFolder& folder, const char* name) {
+    return read_file(folder.path() / name);
+  };
+  const char* graph = "connectivity/home0001_connectivity.json";
+  EXPECT_EQ(file(coarse, graph), file(fine, graph));
+  EXPECT_NE(file(coarse, "store/home0001.enfilade"), file(fine, "store/home0001.enfilade"));
+  EXPECT_THROW(parse_home_light("bright"), ArgumentError);
+}
+
 TEST(HomeSet, RefusesOptionsOutOfRangeBeforeItMakesAFolder) {
   const TemporaryFolder made("homes");
   const fs::path folder = made.path() / "new";

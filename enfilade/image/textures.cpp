@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/core/threads.h"
+
 namespace enfilade::image {
 namespace {
 
@@ -41,15 +43,18 @@ Image8 paint(std::uint32_t width, std::uint32_t height,
   const auto byte = [](double x) {
     return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 1.0) * 255));
   };
-  for (std::uint32_t y = 0; y < height; ++y) {
-    for (std::uint32_t x = 0; x < width; ++x) {
-      const Rgb c = colour((x + 0.5) / width, (y + 0.5) / height);
-      std::uint8_t* p = out.at(x, y);
-      p[0] = byte(c.r);
-      p[1] = byte(c.g);
-      p[2] = byte(c.b);
+  constexpr std::size_t kGrain = 32;
+  parallel_for(height, kGrain, 0, [&](std::size_t first, std::size_t last) {
+    for (auto y = static_cast<std::uint32_t>(first); y < last; ++y) {
+      for (std::uint32_t x = 0; x < width; ++x) {
+        const Rgb c = colour((x + 0.5) / width, (y + 0.5) / height);
+        std::uint8_t* p = out.at(x, y);
+        p[0] = byte(c.r);
+        p[1] = byte(c.g);
+        p[2] = byte(c.b);
+      }
     }
-  }
+  });
   return out;
 }
 

@@ -17,6 +17,7 @@ Rgb mix(Rgb a, Rgb b, double t);
 Rgb shade(Rgb a, double by);
 
 /// A picture of 3 channels from the colour at each (u, v), pixel centres in (0, 1), v downwards.
+/// `colour` is called from several threads at once.
 Image8 paint(std::uint32_t width, std::uint32_t height,
              const std::function<Rgb(double u, double v)>& colour);
 

@@ -52,6 +52,7 @@ void for_fields(ConstOrNot<HomeSetOptions> auto& o, auto& visit) {
   visit("face_size", o.face_size);
   visit("samples", o.samples);
   visit("jpeg_quality", o.jpeg_quality);
+  visit.optional("light", o.light);
 }
 
 void for_fields(ConstOrNot<RoomEntry> auto& room, auto& visit) {
@@ -132,6 +133,7 @@ class Writer {
     return list;
   }
   static Json json_of(HomeKind kind) { return to_string(kind); }
+  static Json json_of(HomeLight light) { return to_string(light); }
   static Json json_of(char letter) { return std::string(1, letter); }
   static Json json_of(const Rect& r) { return {r.x0, r.y0, r.x1, r.y1}; }
 
@@ -217,6 +219,15 @@ class Reader {
       value = *kind;
     } else {
       faults_.error(at, "bad-kind", fmt::format("{:?} is no kind", *word));
+    }
+  }
+  void read(Element element, const Path& at, HomeLight& value) {
+    const auto word = json::string(element, at, faults_);
+    if (!word) return;
+    try {
+      value = parse_home_light(*word);
+    } catch (const ArgumentError& error) {
+      faults_.error(at, "bad-light", error.what());
     }
   }
   void read(Element element, const Path& at, Rect& value) {
