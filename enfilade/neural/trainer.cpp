@@ -6,11 +6,10 @@
 #include <utility>
 
 #include "enfilade/core/file.h"
-#include "enfilade/core/rng.h"
 #include "enfilade/models/folder_lock.h"
+#include "enfilade/models/instructions.h"
 #include "enfilade/models/model_directory.h"
-#include "enfilade/neural/detail/episode_order.h"
-#include "enfilade/neural/evaluation.h"
+#include "enfilade/neural/detail/learner.h"
 #include "enfilade/tasks/score.h"
 
 namespace enfilade::neural {
@@ -22,33 +21,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t kLogEvery = 10;  // iterations a line of training loss
 
 double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
-
-// Forwards all calls to an environment and adds up their time.
-class TimedEnvironment : public Environment {
- public:
-  explicit TimedEnvironment(Environment& inner) : inner_(inner) {}
-  Clock::duration spent() const noexcept { return spent_; }
-
-  std::size_t size() const override { return inner_.size(); }
-  std::size_t dimensions() const override { return inner_.dimensions(); }
-  bool has_teacher() const override { return inner_.has_teacher(); }
-  std::span<const std::uint8_t> ended() const override { return inner_.ended(); }
-  void observe(const EnvironmentView& out) override {
-    const Clock::time_point begin = Clock::now();
-    inner_.observe(out);
-    spent_ += Clock::now() - begin;
-  }
-  bool step(std::span<const std::int32_t> actions) override {
-    const Clock::time_point begin = Clock::now();
-    const bool walking = inner_.step(actions);
-    spent_ += Clock::now() - begin;
-    return walking;
-  }
-
- private:
-  Environment& inner_;
-  Clock::duration spent_{};
-};
 
 // The episodes of several splits as one.
 tasks::EpisodeSet join(std::vector<tasks::EpisodeSet> sets) {
@@ -109,7 +81,7 @@ class Training {
         vocabulary_(models::training_vocabulary(data.training, config.least_count)),
         model_{completed(config, data, vocabulary_), data.fingerprint},
         lock_((make_folder(directory), files_.lock())),
-        network_(model_.training.network, config.seed, device) {}
+        learner_(detail::make_seq2seq_learner(model_.training, vocabulary_, device)) {}
 
   bool run() {
     if (fs::exists(files_.config())) {
@@ -122,16 +94,13 @@ class Training {
     // After the vocabulary, so that there is no config.json without one. Always written, as the
     // iterations may have changed.
     write_file_atomically(files_.config(), to_json(model_));
-    prepare_data();
-    R2rEnvironment environment(
-        training_->episodes, training_->view_features(),
-        {config().batch_size, config().max_steps, config().after_end, config().forward});
+    learner_->prepare(data_);
     models::TrainingLog log(files_.log(), iteration_);
     log.start(to_json(model_), iteration_);
     begin_ = Clock::now();
     begun_at_ = iteration_;
     while (iteration_ < config().iterations) {
-      iterate(environment);
+      iterate();
       write_logs(log);
     }
     return true;
@@ -143,9 +112,6 @@ class Training {
   bool is_due(std::size_t every) const {
     return every > 0 && (is_last() || iteration_ % every == 0);
   }
-  const features::FeatureSet* features() const {
-    return config().network.inputs.vision ? &*data_.features : nullptr;
-  }
 
   void load_checkpoint() {
     const bool newest = fs::exists(files_.checkpoint());
@@ -153,7 +119,7 @@ class Training {
     try {
       const models::StateFile state =
           models::open_state(newest ? files_.checkpoint() : files_.previous_checkpoint());
-      network_.load_training_state(state.file);
+      learner_->load_training_state(state.file);
       iteration_ = state.iteration;
     } catch (const InvalidInput& error) {
       if (!newest || !fs::exists(files_.previous_checkpoint())) throw;
@@ -170,41 +136,21 @@ class Training {
   bool finish() {
     if (!fs::exists(files_.weights()) ||
         models::open_state(files_.weights()).iteration != iteration_) {
-      models::write_state(files_.weights(), network_.weights().arrays, iteration_);
+      models::write_state(files_.weights(), learner_->weights().arrays, iteration_);
     }
     return false;
   }
 
-  void prepare_data() {
-    const std::size_t words = config().network.max_words;
-    training_.emplace(prepare(data_.training, vocabulary_, words, features()));
-    if (config().evaluate_every > 0) {
-      for (const tasks::EpisodeSet& split : data_.validation) {
-        validation_.push_back(prepare(split, vocabulary_, words, features()));
-      }
-    }
-    order_.emplace(data_.training.episodes.size(), config().batch_size, config().seed);
-    tokens_.resize(config().batch_size * words);
-  }
-
-  void iterate(R2rEnvironment& environment) {
+  void iterate() {
     const Clock::time_point begin = Clock::now();
-    const auto episodes = order_->batch(iteration_);
-    training_->instructions.gather(episodes, tokens_);
-    environment.start(episodes);
-    const Clock::duration before = Clock::now() - begin;
-    TimedEnvironment timed(environment);
-    RolloutOptions rollout{config().feedback, config().max_steps, true, config().seed, iteration_};
-    const InstructionBatch batch{tokens_, config().batch_size};
-    last_loss_ = network_.rollout_with_gradients(batch, timed, rollout).loss /
-                 static_cast<double>(config().max_steps);
-    network_.update(config().adam);
+    const detail::Update update = learner_->update(iteration_);
     ++iteration_;
-    const Clock::duration whole = Clock::now() - begin;
-    training_time_ += whole;
-    data_time_ += before + timed.spent();
+    const double whole = seconds(Clock::now() - begin);
+    last_loss_ = update.loss;
+    training_seconds_ += whole;
+    data_seconds_ += update.data_seconds;
     stretch_.loss += last_loss_;
-    stretch_.seconds += seconds(whole);
+    stretch_.seconds += whole;
     ++stretch_length_;
   }
 
@@ -215,7 +161,7 @@ class Training {
     if (is_due(config().evaluate_every)) evaluate(log);
     // After the log's lines of this iteration: a continued training cuts off what follows them.
     if (checkpoint) {
-      write_checkpoint(files_, network_.training_state().arrays, network_.weights().arrays,
+      write_checkpoint(files_, learner_->training_state().arrays, learner_->weights().arrays,
                        iteration_);
     }
   }
@@ -233,33 +179,25 @@ class Training {
         seconds(Clock::now() - begin_) / static_cast<double>(iteration_ - begun_at_);
     listener_.iteration({iteration_, config().iterations, last_loss_,
                          pace * static_cast<double>(config().iterations - iteration_),
-                         seconds(data_time_) / seconds(training_time_)});
+                         data_seconds_ / training_seconds_});
   }
 
   void evaluate(models::TrainingLog& log) {
-    for (const PreparedSplit& split : validation_) {
-      const models::EvaluationRecord record = evaluate(split);
+    for (std::size_t k = 0; k < data_.validation.size(); ++k) {
+      const models::EvaluationRecord record = evaluate(k);
       log.add(record);
       if (listener_.evaluation) listener_.evaluation(record);
     }
   }
 
-  models::EvaluationRecord evaluate(const PreparedSplit& split) {
-    const std::string& name = split.episodes.split;
-    const WalkOptions walk_options{config().batch_size, config().max_steps};
-    // Other random numbers than training's; streams apart from those of other iterations.
-    const std::uint64_t seed = config().seed ^ stream_of(name.data(), name.size());
-    const LossOptions loss{walk_options,
-                           {config().feedback, config().max_steps, true, seed, iteration_ << 20U},
-                           config().after_end,
-                           config().forward};
-    models::EvaluationRecord record{iteration_, name, split.episodes.episodes.size(),
-                                    compute_loss(network_, split, loss)};
-    const GreedyWalk walk = walk_greedily(network_, split, walk_options);
-    write_walk(files_.results(name), files_.attention(name), walk, split, vocabulary_);
+  models::EvaluationRecord evaluate(std::size_t k) {
+    const tasks::EpisodeSet& split = data_.validation[k];
+    models::EvaluationRecord record{iteration_, split.split, split.episodes.size(),
+                                    learner_->validation_loss(k, iteration_)};
+    const std::vector<tasks::Trajectory> trajectories = learner_->walk(k, files_);
     tasks::ScoreOptions options;
     options.bootstrap_samples = 0;
-    const tasks::Score score = compute_score(walk.trajectories, split.episodes, options);
+    const tasks::Score score = compute_score(trajectories, split, options);
     record.trajectory_length = score.mean("trajectory_length").mean;
     record.nav_error = score.mean("nav_error").mean;
     record.success_rate = score.mean("success").mean;
@@ -274,16 +212,12 @@ class Training {
   tasks::Vocabulary vocabulary_;
   models::ModelConfig model_;
   models::FolderLock lock_;
-  Network network_;
-  std::optional<PreparedSplit> training_;
-  std::vector<PreparedSplit> validation_;
-  std::optional<detail::EpisodeOrder> order_;
-  std::vector<std::uint32_t> tokens_;
+  std::unique_ptr<detail::Learner> learner_;
   std::uint64_t iteration_ = 0;  // done
   std::uint64_t begun_at_ = 0;
   double last_loss_ = 0;
   Clock::time_point begin_;
-  Clock::duration training_time_{}, data_time_{};
+  double training_seconds_ = 0, data_seconds_ = 0;
   models::TrainRecord stretch_;  // sums since the last line of the log
   std::uint64_t stretch_length_ = 0;
 };

@@ -1,0 +1,51 @@
+/// \file  What training needs of an agent: its updates, its walks, its state.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "enfilade/features/tensor_file.h"
+#include "enfilade/models/model_directory.h"
+#include "enfilade/neural/network.h"
+#include "enfilade/neural/trainer.h"
+#include "enfilade/tasks/results.h"
+#include "enfilade/tasks/tokenizer.h"
+
+namespace enfilade::neural::detail {
+
+/// What one update did.
+struct Update {
+  double loss = 0;          ///< as the log has it
+  double data_seconds = 0;  ///< in environment, features and instructions
+};
+
+/// One kind of agent in training: train() owns directory, log, checkpoints and the order of things,
+/// a learner all else. Everything random is named by the config's seed and the iteration, so that
+/// the state is parameters and moments alone. One thread at a time.
+class Learner {
+ public:
+  virtual ~Learner() = default;
+  /// Encodes instructions and looks up features. Called once, before what follows it here.
+  virtual void prepare(const TrainingData& data) = 0;
+  /// One update of the weights. \param iteration updates before it
+  virtual Update update(std::uint64_t iteration) = 0;
+  /// Validation split `split` after so many iterations; no effect on the weights.
+  /// \pre split < TrainingData::validation.size()
+  virtual double validation_loss(std::size_t split, std::uint64_t iteration) = 0;
+  /// Greedy walks, one an episode, also written below `files`, with what the agent tells of them.
+  virtual std::vector<tasks::Trajectory> walk(std::size_t split,
+                                              const models::ModelFiles& files) = 0;
+
+  virtual Network::State weights() const = 0;
+  virtual Network::State training_state() const = 0;
+  /// \throws InvalidInput naming every missing, surplus and wrong-shaped array
+  virtual void load_training_state(const features::TensorFile& file) = 0;
+};
+
+/// The learner of the sequence-to-sequence agent. \param config outlives it \throws as Network
+std::unique_ptr<Learner> make_seq2seq_learner(const models::TrainConfig& config,
+                                              const tasks::Vocabulary& vocabulary,
+                                              const std::string& device);
+
+}  // namespace enfilade::neural::detail
