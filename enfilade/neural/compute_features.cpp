@@ -83,10 +83,8 @@ class Computation {
   }
 
   features::FeatureInfo info(const FeatureJob& job) const {
-    const std::string& name = job.encoder.name;
-    return {.encoder = name,
-            .preprocessing =
-                name == "home" ? "home" : std::string(to_string(job.encoder.preprocessing)),
+    return {.encoder = job.encoder.name,
+            .preprocessing = encoder_->preprocessing(),
             .weights = encoder_->weights_hash(),
             .views = render::kDiscreteViews,
             .dimensions = encoder_->dimensions(),

@@ -13,7 +13,10 @@ std::string_view to_string(Preprocessing preprocessing) noexcept {
   return preprocessing == Preprocessing::kCaffe ? "caffe" : "torchvision";
 }
 
-std::vector<std::string> encoder_names() { return {"resnet18", "resnet50", "resnet152", "home"}; }
+std::vector<std::string> encoder_names() {
+  return {"resnet18",      "resnet50",      "resnet152", "vit-b-16",
+          "clip-vit-b-16", "clip-vit-b-32", "home"};
+}
 
 std::unique_ptr<ImageEncoder> make_encoder(const EncoderConfig& config) {
   const std::vector<std::string> names = encoder_names();
@@ -21,6 +24,12 @@ std::unique_ptr<ImageEncoder> make_encoder(const EncoderConfig& config) {
     throw LookupError(
         fmt::format("encoder {:?}: one of {} is expected", config.name, fmt::join(names, ", ")));
   }
+  if (config.logits && config.name != "vit-b-16") {
+    throw ArgumentError(fmt::format(
+        "logits: encoder {:?} gives no class scores; vit-b-16 is expected", config.name));
+  }
+  if (config.name == "vit-b-16") return encoders::make_vit(config);
+  if (config.name.starts_with("clip")) return encoders::make_clip(config);
   if (config.name == "home") return encoders::make_home_encoder(config);
   return encoders::make_resnet(config);
 }

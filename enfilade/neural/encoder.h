@@ -14,7 +14,7 @@
 
 namespace enfilade::neural {
 
-/// The normalisation of pictures before the network.
+/// The normalisation of pictures before a ResNet.
 enum class Preprocessing {
   kCaffe,        ///< 0..255, B G R, minus (103.1, 115.9, 123.2): the released R2R features
   kTorchvision,  ///< R G B in [0, 1], minus ImageNet's mean, by its deviation
@@ -25,23 +25,29 @@ std::string_view to_string(Preprocessing preprocessing) noexcept;  ///< "caffe",
 /// Which network, with which weights, on which device.
 struct EncoderConfig {
   std::string name = "resnet152";  ///< one of encoder_names()
-  /// safetensors (torchvision's or timm's names) or torchvision's .pth; for "home", a file written
-  /// by pretrain_home_encoder(). Empty: random weights by `seed` (for tests and timings).
+  /// safetensors or a file of torch.save(): of ResNets, torchvision's or timm's names; of
+  /// "vit-b-16", timm's; of CLIP, OpenAI's or Hugging Face's; for "home", a file written by
+  /// pretrain_home_encoder(). Empty: random weights by `seed` (for tests and timings).
   std::filesystem::path weights = {};
   /// The one that the weights were trained with. Caffe's ResNets are another network than
   /// torchvision's: their bottlenecks have the stride elsewhere, see docs/features.md.
-  Preprocessing preprocessing = Preprocessing::kCaffe;  ///< "home" has its own
+  Preprocessing preprocessing = Preprocessing::kCaffe;  ///< others have their own
   std::string device = "cpu";                           ///< "cpu", "cuda", "cuda:1"
   std::uint64_t seed = 1;                               ///< of random weights
+  /// Whether the 1,000 scores of ImageNet's classes, ahead of the softmax, follow the features:
+  /// what HAMT and DUET are pretrained with. "vit-b-16" only.
+  bool logits = false;
 };
-std::vector<std::string> encoder_names();  ///< resnet18, resnet50, resnet152, home
+/// resnet18, resnet50, resnet152, vit-b-16, clip-vit-b-16, clip-vit-b-32, home
+std::vector<std::string> encoder_names();
 
-/// The mean-pooled last layer of a convolutional network. One thread at a time; it computes on
-/// libtorch's threads.
+/// Pictures to features: the mean-pooled last layer of a ResNet, a Vision Transformer's token for
+/// the picture as a whole. One thread at a time; it computes on libtorch's threads.
 class ImageEncoder {
  public:
   virtual ~ImageEncoder() = default;
-  virtual std::size_t dimensions() const = 0;  ///< 2048; 512 for resnet18
+  /// 2048; 512 for resnet18 and CLIP; 768 for vit-b-16, 1768 with its class scores
+  virtual std::size_t dimensions() const = 0;
   /// The normalisation that the renderer has to apply to its float pictures
   /// (ColourFormat::kPlanarFloat32).
   virtual render::Normalisation normalisation() const = 0;
@@ -52,11 +58,13 @@ class ImageEncoder {
   virtual void encode(std::span<const float> pictures, std::size_t n, const Camera& camera,
                       std::span<float> features) = 0;
   virtual std::string weights_hash() const = 0;  ///< 16 hex digits over names and values
+  /// Its name in feature files: "caffe", "torchvision", "vit", "clip", "home".
+  virtual std::string preprocessing() const = 0;
 };
 
 /// Loads an encoder. \throws LookupError for an unknown name; FileError, InvalidInput for the
-/// weights, naming every missing, surplus and wrong-shaped array at once; Error for a device that
-/// is not available
+/// weights, naming every missing, surplus and wrong-shaped array at once; ArgumentError for class
+/// scores of an encoder without them; Error for a device that is not available
 std::unique_ptr<ImageEncoder> make_encoder(const EncoderConfig& config);
 
 }  // namespace enfilade::neural

@@ -8,31 +8,13 @@ their channels in reverse order. Features are computed in float64 and then round
 have no error of their own to speak of.
 """
 import copy
-import json
-import struct
 import sys
 
 import torch
 import torchvision
 from torchvision.models.resnet import BasicBlock, Bottleneck
 
-
-def write_safetensors(path, tensors):
-    header, offset = {}, 0
-    for name, tensor in tensors.items():
-        size = tensor.numel() * 4
-        header[name] = {
-            "dtype": "F32",
-            "shape": list(tensor.shape),
-            "data_offsets": [offset, offset + size],
-        }
-        offset += size
-    text = json.dumps(header).encode()
-    text += b" " * (-len(text) % 8)
-    with open(path, "wb") as file:
-        file.write(struct.pack("<Q", len(text)) + text)
-        for tensor in tensors.values():
-            file.write(tensor.detach().contiguous().numpy().astype("<f4").tobytes())
+from safetensors_file import write_safetensors
 
 
 def random_network(name):

@@ -51,9 +51,13 @@ void set_encoder(Options& o) {
     throw UsageError(encoder.name == "home"
                          ? "--weights: the file that `enfilade pretrain` wrote is expected"
                          : fmt::format("--weights: a file of {}'s weights is expected "
-                                       "(torchvision's .pth, or .safetensors), or the word {}, "
+                                       "(PyTorch's .pth, or .safetensors), or the word {}, "
                                        "which makes useless features at the same speed",
                                        encoder.name, kRandomWeights));
+  }
+  if (encoder.logits && encoder.name != "vit-b-16") {
+    throw UsageError(
+        fmt::format("--logits: --encoder {} gives no class scores; vit-b-16 does", encoder.name));
   }
   if (o.weights != kRandomWeights) encoder.weights = o.weights;
 }
@@ -106,8 +110,12 @@ void add_options(CLI::App& verb, Options& o) {
               fmt::format("One of: {}", fmt::join(neural::encoder_names(), ", ")),
               CLI::IsMember(neural::encoder_names()));
   add_value(verb, "--weights", o.weights, "FILE",
-            "Torchvision's .pth, torchvision's or timm's .safetensors; of home: what "
+            ".safetensors or PyTorch's .pth; of ResNets with torchvision's or timm's names, of "
+            "vit-b-16 with timm's, of CLIP with OpenAI's or Hugging Face's; of home: what "
             "`enfilade pretrain` wrote; or the word random");
+  verb.add_flag("--logits", o.job.encoder.logits,
+                "With vit-b-16: behind its 768 numbers the scores of ImageNet's 1,000 classes, "
+                "which the pretraining of HAMT and DUET wants");
   add_setting(verb, "--preprocessing", o.preprocessing, "NAME",
               "What ResNet's weights were trained with: caffe (the released R2R features) or "
               "torchvision (all weights of torchvision and timm)",
@@ -139,6 +147,8 @@ void add_features(CLI::App& app, int& /*status*/) {
         "-o features.safetensors"),
        ("enfilade features --weights resnet152.safetensors --shard 3/16 --device cuda --batch 36 "
         "-o features.safetensors"),
+       ("enfilade features --encoder vit-b-16 --weights vit_base_patch16_224.safetensors --logits "
+        "-o pth_vit_base_patch16_224_imagenet.hdf5"),
        "enfilade features --merge features.*-of-16.safetensors -o features.safetensors",
        "enfilade features --merge ResNet-152-imagenet.tsv --float16 -o resnet152.safetensors"});
   verb.callback([options] { run(*options); });

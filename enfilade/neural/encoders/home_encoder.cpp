@@ -38,6 +38,7 @@ class HomeEncoder final : public ImageEncoder {
   std::size_t dimensions() const override { return static_cast<std::size_t>(mean_.numel()); }
   Camera camera() const override { return {kHomeWidth, kHomeHeight, degrees(60)}; }
   std::string weights_hash() const override { return hash_; }
+  std::string preprocessing() const override { return "home"; }
   render::Normalisation normalisation() const override {
     return {{kHomeMean, kHomeMean, kHomeMean}, {kHomeDeviation, kHomeDeviation, kHomeDeviation}};
   }

@@ -13,4 +13,11 @@ std::unique_ptr<ImageEncoder> make_home_encoder(const EncoderConfig& config);
 /// \throws as make_encoder()
 std::unique_ptr<ImageEncoder> make_resnet(const EncoderConfig& config);
 
+/// ViT-B/16 as in timm. \pre config.name == "vit-b-16" \throws as make_encoder()
+std::unique_ptr<ImageEncoder> make_vit(const EncoderConfig& config);
+
+/// CLIP's encoders of pictures. \pre config.name is clip-vit-b-16 or clip-vit-b-32 \throws as
+/// make_encoder()
+std::unique_ptr<ImageEncoder> make_clip(const EncoderConfig& config);
+
 }  // namespace enfilade::neural::encoders

@@ -152,6 +152,7 @@ class ResNet final : public ImageEncoder {
   std::size_t dimensions() const override { return static_cast<std::size_t>(plan_.features); }
   Camera camera() const override { return {640, 480, degrees(60)}; }
   std::string weights_hash() const override { return hash_; }
+  std::string preprocessing() const override { return std::string(to_string(preprocessing_)); }
 
   render::Normalisation normalisation() const override {
     if (preprocessing_ == Preprocessing::kTorchvision) return render::kImageNet;

@@ -1,0 +1,151 @@
+#include <ATen/ATen.h>
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/neural/detail/torch_device.h"
+#include "enfilade/neural/encoders/make_encoders.h"
+#include "enfilade/neural/encoders/transformer_encoder.h"
+
+namespace enfilade::neural::encoders {
+namespace {
+
+using features::TensorFile;
+
+constexpr std::int64_t kOutputs = 512;
+constexpr std::uint32_t kShorter = 224;
+// Of the pictures that CLIP was trained on, as published with it.
+constexpr render::Normalisation kClip{{0.48145466F, 0.4578275F, 0.40821073F},
+                                      {0.26862954F, 0.26130258F, 0.27577711F}};
+constexpr const char* kOutput = "visual.proj";  // (width, outputs): what is on the left is a row
+
+TransformerSizes sizes_of(const std::string& name) {
+  TransformerSizes sizes;
+  sizes.patch = name == "clip-vit-b-32" ? 32 : 16;
+  sizes.epsilon = 1e-5;
+  sizes.activation = Activation::kQuickGelu;
+  return sizes;
+}
+
+// OpenAI's; OpenCLIP has kept them.
+TransformerNames clip_names() {
+  TransformerNames names;
+  names.class_token = "visual.class_embedding";
+  names.positions = "visual.positional_embedding";
+  names.patches = "visual.conv1";
+  names.before = "visual.ln_pre";
+  names.block = "visual.transformer.resblocks.{}.";
+  names.norm1 = "ln_1";
+  names.qkv_weight = "attn.in_proj_weight";
+  names.qkv_bias = "attn.in_proj_bias";
+  names.proj = "attn.out_proj";
+  names.norm2 = "ln_2";
+  names.fc1 = "mlp.c_fc";
+  names.fc2 = "mlp.c_proj";
+  names.after = "visual.ln_post";
+  names.patch_bias = false;
+  names.leading_ones = false;
+  return names;
+}
+
+std::vector<ArraySpec> clip_arrays(const TransformerSizes& sizes) {
+  std::vector<ArraySpec> arrays = transformer_arrays(clip_names(), sizes);
+  arrays.push_back({kOutput, {sizes.width, kOutputs}});
+  return arrays;
+}
+
+// The encoder of texts, and numbers that no picture meets.
+bool is_of_text(std::string_view name) { return !name.starts_with("visual."); }
+bool is_of_text_in_transformers(std::string_view name) {
+  return !(name.starts_with("vision_model.") || name.starts_with("visual_projection.")) ||
+         name.ends_with(".position_ids");
+}
+
+// --- Hugging Face's names ---
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kTransformers{{
+    {"visual.class_embedding", "vision_model.embeddings.class_embedding"},
+    {"visual.positional_embedding", "vision_model.embeddings.position_embedding.weight"},
+    {"visual.conv1.", "vision_model.embeddings.patch_embedding."},
+    {"visual.ln_pre.", "vision_model.pre_layrnorm."},  // written so
+    {"visual.ln_post.", "vision_model.post_layernorm."},
+    {kOutput, "visual_projection.weight"},
+    {"visual.transformer.resblocks.", "vision_model.encoder.layers."},
+    {"attn.", "self_attn."},
+    {".ln_", ".layer_norm"},
+    {"mlp.c_fc.", "mlp.fc1."},
+    {"mlp.c_proj.", "mlp.fc2."},
+}};
+
+std::string transformers_name(std::string name) {
+  for (const auto& [from, to] : kTransformers) {
+    const std::size_t at = name.find(from);
+    if (at != std::string::npos) name.replace(at, from.size(), to);
+  }
+  return name;
+}
+
+// Queries, keys and values are three arrays there.
+std::vector<ArraySpec> parts_of(const ArraySpec& array) {
+  const std::string name = transformers_name(array.name);
+  constexpr std::string_view kJoined = "in_proj_";
+  const std::size_t at = name.find(kJoined);
+  std::vector<std::int64_t> shape = array.shape;
+  if (at == std::string::npos) {
+    if (array.name == kOutput) std::ranges::reverse(shape);
+    return {{name, shape}};
+  }
+  shape[0] /= 3;
+  std::vector<ArraySpec> parts;
+  for (const char part : {'q', 'k', 'v'}) {
+    parts.push_back(
+        {fmt::format("{}{}_proj.{}", name.substr(0, at), part, name.substr(at + kJoined.size())),
+         shape});
+  }
+  return parts;
+}
+
+// The same weights by OpenAI's names.
+Weights read_transformers(const TensorFile& file, std::span<const ArraySpec> wanted) {
+  std::vector<ArraySpec> all;
+  for (const ArraySpec& array : wanted) std::ranges::copy(parts_of(array), std::back_inserter(all));
+  const Weights found = read_weights(file, all, is_of_text_in_transformers);
+  Weights weights;
+  for (const ArraySpec& array : wanted) {
+    std::vector<at::Tensor> parts;
+    for (const ArraySpec& part : parts_of(array)) parts.push_back(found.at(part.name));
+    at::Tensor joined = parts.size() == 1 ? parts[0] : at::cat(parts);
+    if (array.name == kOutput) joined = joined.t().contiguous();
+    weights[array.name] = joined;
+  }
+  return weights;
+}
+
+Weights read_clip(const std::filesystem::path& path, std::span<const ArraySpec> wanted) {
+  const TensorFile file = TensorFile::open(path);
+  const bool transformers = std::ranges::any_of(
+      file.arrays(), [](const auto& array) { return array.name.starts_with("vision_model."); });
+  return transformers ? read_transformers(file, wanted) : read_weights(file, wanted, is_of_text);
+}
+
+}  // namespace
+
+std::unique_ptr<ImageEncoder> make_clip(const EncoderConfig& config) {
+  const c10::Device device = detail::open_device(config.device);
+  TransformerParts parts;
+  parts.sizes = sizes_of(config.name);
+  const std::vector<ArraySpec> wanted = clip_arrays(parts.sizes);
+  const Weights weights = config.weights.empty() ? random_transformer(wanted, config.seed)
+                                                 : read_clip(config.weights, wanted);
+  parts.arrays = arrays_of(clip_names(), parts.sizes, weights);
+  parts.preparation = {"clip", kShorter, kClip};
+  parts.output = {weights.at(kOutput).t(), {}};
+  parts.hash = hash_of(weights);
+  return make_transformer_encoder(std::move(parts), device);
+}
+
+}  // namespace enfilade::neural::encoders
