@@ -33,7 +33,7 @@ struct TensorFile::Impl {
     const auto bytes = std::as_bytes(map.bytes());
     const std::string name = file.string();
     if (formats::looks_like_zip(bytes)) {
-      stored = formats::read_torch_zip(file);
+      stored = formats::is_npz(file) ? formats::read_npz(file) : formats::read_torch_zip(file);
     } else if (formats::looks_like_pickle(bytes)) {
       stored = formats::read_torch_pickle(bytes, name);
     } else {

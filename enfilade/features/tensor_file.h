@@ -39,7 +39,8 @@ struct NamedArray {
 };
 
 /// The arrays of a file of weights, memory-mapped where the format allows. Immutable: any thread.
-/// Reads safetensors (https://github.com/huggingface/safetensors, "Format") and dictionaries of
+/// Reads safetensors (https://github.com/huggingface/safetensors, "Format"), NumPy's `.npz` (zip
+/// archives of `.npy`, named by their paths without ".npy"), and dictionaries of
 /// tensors written by PyTorch's torch.save(): zip archives (since 1.6) and the older plain pickles.
 /// From a pickle only a dictionary's tensors are built; no code that it names is ever run. In a
 /// checkpoint the dictionary below "state_dict", "model_state_dict", "model" or "module" is read.

@@ -134,8 +134,8 @@ std::string_view bare(std::string_view path) { return path.substr(path.rfind('/'
 /// parallel.
 class Zip final : public FileTree {
  public:
-  Zip(fs::path path, std::string bytes, std::string name)
-      : path_(std::move(path)), bytes_(std::move(bytes)), name_(std::move(name)) {
+  Zip(fs::path path, std::string bytes, std::string name, ZipNames names)
+      : path_(std::move(path)), bytes_(std::move(bytes)), name_(std::move(name)), names_(names) {
     Handle handle = open();
     build_index(handle.get());
     idle_.push_back(std::move(handle));
@@ -147,7 +147,9 @@ class Zip final : public FileTree {
     const Entry& entry = entries_[found->second];
     if (entry.twice) {
       refuse(path_of(name), "", "repeated-name",
-             fmt::format("lies in two folders of the zip, one of them {:?}", entry.path));
+             names_ == ZipNames::kBare
+                 ? fmt::format("lies in two folders of the zip, one of them {:?}", entry.path)
+                 : std::string("comes twice in the zip"));
     }
     Handle handle = take();
     std::string content = read_entry(handle.get(), entry, path_of(name), bytes);
@@ -205,6 +207,10 @@ class Zip final : public FileTree {
     return Handle(zip);
   }
 
+  std::string_view name_of(std::string_view path) const {
+    return names_ == ZipNames::kBare ? bare(path) : path;
+  }
+
   void build_index(zip_t* zip) {
     const auto count = static_cast<std::uint64_t>(zip_get_num_entries(zip, 0));
     entries_.reserve(count);
@@ -214,8 +220,7 @@ class Zip final : public FileTree {
       if (zip_stat_index(zip, i, ZIP_FL_ENC_RAW, &stat) != 0 || (stat.valid & ZIP_STAT_NAME) == 0) {
         refuse(name_, "", "bad-zip", fmt::format("a damaged zip file: entry {} has no name", i));
       }
-      const std::string_view name = bare(stat.name);
-      if (name.empty()) continue;  // a folder
+      if (bare(stat.name).empty()) continue;  // a folder
       if ((stat.valid & ZIP_STAT_ENCRYPTION_METHOD) != 0 && stat.encryption_method != ZIP_EM_NONE) {
         refuse(name_, "", "encrypted",
                fmt::format("{:?} is encrypted, which is not read", stat.name));
@@ -224,7 +229,7 @@ class Zip final : public FileTree {
     }
     index_.reserve(entries_.size());
     for (std::size_t i = 0; i < entries_.size(); ++i) {
-      const auto [at, fresh] = index_.emplace(bare(entries_[i].path), i);
+      const auto [at, fresh] = index_.emplace(name_of(entries_[i].path), i);
       if (!fresh) entries_[at->second].twice = true;
     }
   }
@@ -289,8 +294,9 @@ class Zip final : public FileTree {
   fs::path path_;      ///< empty: in memory
   std::string bytes_;  ///< of a zip in memory
   std::string name_;
+  ZipNames names_;
   std::vector<Entry> entries_;
-  std::unordered_map<std::string_view, std::size_t> index_;  ///< bare name -> place in entries_
+  std::unordered_map<std::string_view, std::size_t> index_;  ///< name_of() -> place in entries_
   mutable std::mutex mutex_;
   mutable std::vector<Handle> idle_;
 };
@@ -311,15 +317,15 @@ std::shared_ptr<const FileTree> FileTree::folder(const fs::path& path) {
   return std::make_shared<Folder>(path);
 }
 
-std::shared_ptr<const FileTree> FileTree::zip(const fs::path& path) {
+std::shared_ptr<const FileTree> FileTree::zip(const fs::path& path, ZipNames names) {
   std::error_code code;
   if (fs::is_directory(path, code)) fail(path.string(), "open", EISDIR);
-  return std::make_shared<Zip>(path, std::string(), path.string());
+  return std::make_shared<Zip>(path, std::string(), path.string(), names);
 }
 
 std::shared_ptr<const FileTree> FileTree::zip_in_memory(std::string bytes,
                                                         const std::string& name) {
-  return std::make_shared<Zip>(fs::path(), std::move(bytes), name);
+  return std::make_shared<Zip>(fs::path(), std::move(bytes), name, ZipNames::kBare);
 }
 
 }  // namespace enfilade::scan

@@ -1,6 +1,7 @@
 /// \file  FileTree: the files of a folder or of a zip file.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,6 +10,12 @@
 #include <vector>
 
 namespace enfilade::scan {
+
+/// By what names the files of a zip file are known.
+enum class ZipNames : std::uint8_t {
+  kBare,   ///< the last part of the path
+  kPaths,  ///< the whole path, with its '/'
+};
 
 /// Reads files by name. All functions may be called by several threads at once.
 class FileTree {
@@ -19,14 +26,16 @@ class FileTree {
   /// The files of a zip file. Its list of entries is read now (100,000 entries: 0.25 s) and once
   /// more for each further thread that reads at the same time. \throws FileError; InvalidInput if
   /// it is damaged, cut off or encrypted
-  static std::shared_ptr<const FileTree> zip(const std::filesystem::path& path);
+  static std::shared_ptr<const FileTree> zip(const std::filesystem::path& path,
+                                             ZipNames names = ZipNames::kBare);
   /// The same for a zip file in memory; `name` stands for it in messages. \throws InvalidInput
   static std::shared_ptr<const FileTree> zip_in_memory(std::string bytes, const std::string& name);
 
   /// The content of a file by its bare name. In a zip it may lie in any folder: downloads put
-  /// `<scan>/<kind>/` before it. No value if there is none, or if the name has a '/' in it.
+  /// `<scan>/<kind>/` before it. No value if there is none, or if the name has a '/' in it. With
+  /// ZipNames::kPaths a name is the path in the zip.
   /// \throws FileError; InvalidInput for a damaged entry (checksums are compared), one that claims
-  /// more than 1 GiB, and a name that lies in two folders of the zip
+  /// more than 1 GiB, and a name that the zip has twice
   std::optional<std::string> read(std::string_view name) const;
   /// As read(), but only the first `bytes` bytes, or all if the file has fewer. The rest
   /// is not checked.

@@ -13,16 +13,16 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/scan/file_tree.h"
+#include "enfilade/scan/npy.h"
 #include "enfilade/scan/zip_writer.h"
-#include "enfilade/tasks/formats/npy.h"
 
 namespace enfilade::tasks {
 namespace {
 
-using formats::NpyArray;
-using formats::NpyKind;
 using json::Faults;
 using json::Path;
+using scan::NpyArray;
+using scan::NpyKind;
 
 constexpr std::size_t kMostBytes = std::size_t{1} << 28U;  // of an array
 // A day at ten a second. A packed file of some hundred kilobytes may claim any number.
@@ -290,7 +290,7 @@ template <class Value>
 std::string vector_of(const PoseTrace& trace, const Value& value) {
   std::vector<float> values;
   for (const PoseSnapshot& one : trace.snapshots) values.push_back(static_cast<float>(value(one)));
-  return formats::write_npy(values, {values.size(), 1});
+  return scan::write_npy(values, {values.size(), 1});
 }
 
 std::string matrices_of(const PoseTrace& trace, std::array<float, kMatrix> PoseSnapshot::*matrix) {
@@ -298,13 +298,13 @@ std::string matrices_of(const PoseTrace& trace, std::array<float, kMatrix> PoseS
   for (const PoseSnapshot& one : trace.snapshots) {
     values.insert(values.end(), (one.*matrix).begin(), (one.*matrix).end());
   }
-  return formats::write_npy(values, {trace.snapshots.size(), kMatrix});
+  return scan::write_npy(values, {trace.snapshots.size(), kMatrix});
 }
 
 std::string panos_of(const PoseTrace& trace) {
   std::vector<std::string> panos;
   for (const PoseSnapshot& one : trace.snapshots) panos.push_back(one.viewpoint);
-  return formats::write_npy(panos, {panos.size(), 1});
+  return scan::write_npy(panos, {panos.size(), 1});
 }
 
 }  // namespace
@@ -338,13 +338,13 @@ std::string to_npz(const PoseTrace& trace) {
   add("intrinsic_matrix", matrices_of(trace, &PoseSnapshot::intrinsic));
   const std::size_t k = trace.viewpoints;
   if (!trace.image_mask.empty()) {
-    add("image_mask", formats::write_npy(trace.image_mask, {k, kMaskHeight, kMaskWidth}));
+    add("image_mask", scan::write_npy(trace.image_mask, {k, kMaskHeight, kMaskWidth}));
   }
   if (!trace.text_mask.empty()) {
-    add("text_mask", formats::write_npy(trace.text_mask, {k, trace.subwords}));
+    add("text_mask", scan::write_npy(trace.text_mask, {k, trace.subwords}));
   }
   if (!trace.feature_weights.empty()) {
-    add("feature_weights", formats::write_npy(trace.feature_weights, {k, kMaskViews}));
+    add("feature_weights", scan::write_npy(trace.feature_weights, {k, kMaskViews}));
   }
   std::string bytes = scan::zip(entries);
   try {

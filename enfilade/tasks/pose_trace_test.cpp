@@ -10,8 +10,8 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/scan/npy.h"
 #include "enfilade/scan/zip_writer.h"
-#include "enfilade/tasks/formats/npy.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
@@ -31,10 +31,10 @@ std::vector<float> count_up(std::size_t n) {
 // Three snapshots over two viewpoints, all by hand.
 Arrays small_arrays() {
   const std::vector<std::string> panos{"v0", "v0", "v1"};
-  return {{"pano", formats::write_npy(panos, {3, 1})},
-          {"time", formats::write_npy(std::vector<float>{0, 0.5F, 2}, {3, 1})},
-          {"extrinsic_matrix", formats::write_npy(count_up(48), {3, 16})},
-          {"intrinsic_matrix", formats::write_npy(count_up(48), {3, 4, 4})}};
+  return {{"pano", scan::write_npy(panos, {3, 1})},
+          {"time", scan::write_npy(std::vector<float>{0, 0.5F, 2}, {3, 1})},
+          {"extrinsic_matrix", scan::write_npy(count_up(48), {3, 16})},
+          {"intrinsic_matrix", scan::write_npy(count_up(48), {3, 4, 4})}};
 }
 
 std::string npz_of(const Arrays& arrays) {
@@ -80,9 +80,9 @@ TEST(PoseTrace, WhatIsWrittenIsReadBackEqual) {
 
 // NumPy keeps a transposed array in the order of its memory.
 TEST(PoseTrace, ArraysMayBeInFortransOrder) {
-  std::string bytes = formats::write_npy(std::vector<float>{1, 2, 3, 4, 5, 6}, {2, 3});
+  std::string bytes = scan::write_npy(std::vector<float>{1, 2, 3, 4, 5, 6}, {2, 3});
   bytes.replace(bytes.find("False"), 5, "True ");
-  const auto array = formats::NpyArray::parse(bytes);
+  const auto array = scan::NpyArray::parse(bytes);
   // Columns one after another: (1, 2), (3, 4), (5, 6).
   EXPECT_EQ(array.number(0), 1);
   EXPECT_EQ(array.number(1), 3);
@@ -91,13 +91,13 @@ TEST(PoseTrace, ArraysMayBeInFortransOrder) {
 
 TEST(PoseTrace, OtherTypesOfNumbersAreRead) {
   const auto array = [](const std::string& type, const std::string& data) {
-    std::string bytes = formats::write_npy(std::vector<float>{}, {0});
+    std::string bytes = scan::write_npy(std::vector<float>{}, {0});
     const auto replace = [&bytes](const std::string& from, const std::string& to) {
       bytes.replace(bytes.find(from), from.size(), to);
     };
     replace("<f4", type);
     replace("(0,)", "(1,)");
-    return formats::NpyArray::parse(bytes + data).number(0);
+    return scan::NpyArray::parse(bytes + data).number(0);
   };
   EXPECT_EQ(array("<f8", std::string("\0\0\0\0\0\0\xf8\x3f", 8)), 1.5);
   EXPECT_EQ(array(">f4", std::string("\x3f\xc0\0\0", 4)), 1.5);
@@ -109,9 +109,9 @@ TEST(PoseTrace, OtherTypesOfNumbersAreRead) {
 
 TEST(PoseTrace, TextsOfNumPyBecomeUtf8) {
   const std::vector<std::string> texts{"", "\xE0\xA4\x86x", "\xF0\x9F\x98\x80"};
-  const auto array = formats::NpyArray::parse(formats::write_npy(texts, {3}));
+  const auto array = scan::NpyArray::parse(scan::write_npy(texts, {3}));
   for (std::size_t i = 0; i < texts.size(); ++i) EXPECT_EQ(array.text(i), texts[i]);
-  EXPECT_THROW(formats::write_npy(std::vector<std::string>{"\xff"}, {1}), ArgumentError);
+  EXPECT_THROW(scan::write_npy(std::vector<std::string>{"\xff"}, {1}), ArgumentError);
 }
 
 struct Refusal {
@@ -121,7 +121,7 @@ struct Refusal {
 
 TEST(PoseTrace, RefusesWhatIsDamaged) {
   const auto floats = [](std::vector<float> values, std::vector<std::size_t> shape) {
-    return formats::write_npy(values, shape);
+    return scan::write_npy(values, shape);
   };
   const std::vector<Refusal> refusals{
       {"$: has no array \"pano\"", [](Arrays& a) { a.erase("pano"); }},
@@ -156,7 +156,7 @@ TEST(PoseTrace, RefusesWhatIsDamaged) {
        }},
       {"$.pano[1]: an empty text",
        [](Arrays& a) {
-         a["pano"] = formats::write_npy(std::vector<std::string>{"v0", "", "v1"}, {3, 1});
+         a["pano"] = scan::write_npy(std::vector<std::string>{"v0", "", "v1"}, {3, 1});
        }},
       {"$.time: elements of type \"<U2\", not numbers", [](Arrays& a) { a["time"] = a["pano"]; }},
       {"$.extrinsic_matrix: shape (3, 12), not (n, 16)",
@@ -174,7 +174,7 @@ TEST(PoseTrace, RefusesWhatIsDamaged) {
        [](Arrays& a) {
          a.erase("pano");
          a.erase("time");
-         std::string empty = formats::write_npy(std::vector<float>{}, {0, 0});
+         std::string empty = scan::write_npy(std::vector<float>{}, {0, 0});
          const auto at = empty.find("(0, 0), }");
          empty.replace(at, 27, "(1152921504606846976, 0), }");
          a["extrinsic_matrix"] = empty;
@@ -220,7 +220,7 @@ TEST(PoseTrace, RefusesWhatIsDamaged) {
 TEST(PoseTrace, AllFaultsAreInOneList) {
   Arrays arrays = small_arrays();
   arrays.erase("pano");
-  arrays["time"] = formats::write_npy(std::vector<float>{3, 2, 1}, {3});
+  arrays["time"] = scan::write_npy(std::vector<float>{3, 2, 1}, {3});
   arrays["intrinsic_matrix"] = "";
   try {
     parse_pose_trace(npz_of(arrays), "made.npz");
@@ -233,7 +233,7 @@ TEST(PoseTrace, AllFaultsAreInOneList) {
 TEST(PoseTrace, TheFirstTimeMayBeNoNumber) {
   Arrays arrays = small_arrays();
   arrays["time"] =
-      formats::write_npy(std::vector<float>{std::numeric_limits<float>::quiet_NaN(), 1, 2}, {3});
+      scan::write_npy(std::vector<float>{std::numeric_limits<float>::quiet_NaN(), 1, 2}, {3});
   EXPECT_EQ(parse_pose_trace(npz_of(arrays), "made.npz").snapshots[0].time, 0);
 }
 

@@ -48,6 +48,11 @@ bool looks_like_zip(std::span<const std::byte> file) noexcept;
 bool looks_like_pickle(std::span<const std::byte> file) noexcept;
 /// A zip archive, the format since PyTorch 1.6. \throws FileError, InvalidInput
 StoredArrays read_torch_zip(const std::filesystem::path& file);
+/// NumPy's `.npz`, a zip archive with a `.npy` for each array; names are the paths in the archive
+/// without ".npy". \throws FileError; InvalidInput naming each array that cannot be read
+StoredArrays read_npz(const std::filesystem::path& file);
+/// Whether a zip archive has `.npy` files alone, as `.npz` do. \throws FileError, InvalidInput
+bool is_npz(const std::filesystem::path& file);
 /// A pickle followed by storages, the format until PyTorch 1.5. Arrays that are contiguous and
 /// aligned point into `file`. \throws InvalidInput
 StoredArrays read_torch_pickle(std::span<const std::byte> file, const std::string& name);

@@ -1,5 +1,5 @@
-/// \file  NumPy's arrays as files (numpy.org, "numpy.lib.format"): RxR's pose traces are zip files
-/// of them. Internal.
+/// \file  NumPy's arrays as files (numpy.org, "numpy.lib.format"): `.npz` files are zip files of
+/// them.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace enfilade::tasks::formats {
+namespace enfilade::scan {
 
 /// What the elements of an array are.
 enum class NpyKind : std::uint8_t { kFloat, kInteger, kUnsigned, kBool, kText, kBytes };
@@ -33,6 +33,9 @@ class NpyArray {
 
   /// Element i in C order. A bool is 0 or 1. \pre is_number(), i < size()
   double number(std::size_t i) const;
+  /// Writes the elements in C order, little-endian. \param out size() times item_bytes()
+  void copy_elements(std::span<std::byte> out) const;
+  std::size_t item_bytes() const noexcept { return item_; }  ///< of an element
   /// UTF-8; zeros at its end do not count. A code that is no character is U+FFFD. \pre is_text()
   std::string text(std::size_t i) const;
 
@@ -56,4 +59,4 @@ std::string write_npy(std::span<const std::uint8_t> bools, const std::vector<std
 std::string write_npy(std::span<const std::string> texts, const std::vector<std::size_t>& shape);
 /// @}
 
-}  // namespace enfilade::tasks::formats
+}  // namespace enfilade::scan

@@ -1,9 +1,10 @@
-#include "enfilade/tasks/formats/npy.h"
+#include "enfilade/scan/npy.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <limits>
 #include <optional>
 
@@ -13,7 +14,7 @@
 #include "enfilade/core/numbers.h"
 #include "enfilade/core/utf8.h"
 
-namespace enfilade::tasks::formats {
+namespace enfilade::scan {
 namespace {
 
 constexpr std::string_view kMagic = "\x93NUMPY";
@@ -313,6 +314,23 @@ double NpyArray::number(std::size_t i) const {
   return finite ? value : std::numeric_limits<double>::quiet_NaN();
 }
 
+void NpyArray::copy_elements(std::span<std::byte> out) const {
+  EN_CHECK_EQ(out.size(), size_ * item_);
+  if (out.empty()) return;
+  const std::size_t width = kind_ == NpyKind::kText ? 4 : kind_ == NpyKind::kBytes ? 1 : item_;
+  if (!fortran_ && (!big_endian_ || width == 1)) {
+    std::memcpy(out.data(), bytes_.data() + data_, out.size());
+    return;
+  }
+  for (std::size_t i = 0; i < size_; ++i) {
+    const std::size_t from = place(i);
+    for (std::size_t k = 0; k < item_; ++k) {
+      const std::size_t at = big_endian_ ? k / width * width + (width - 1 - k % width) : k;
+      out[i * item_ + at] = static_cast<std::byte>(bytes_[from + k]);
+    }
+  }
+}
+
 std::string NpyArray::text(std::size_t i) const {
   EN_CHECK_LT(i, size_);
   const std::size_t begin = place(i), width = kind_ == NpyKind::kText ? 4 : 1;
@@ -364,4 +382,4 @@ std::string write_npy(std::span<const std::string> texts, const std::vector<std:
   return npy(fmt::format("<U{}", longest), shape, data);
 }
 
-}  // namespace enfilade::tasks::formats
+}  // namespace enfilade::scan
