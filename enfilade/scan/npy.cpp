@@ -175,7 +175,7 @@ NpyKind kind_of(const std::string& type) {
                   type));
 }
 
-std::size_t item_bytes(const std::string& type, NpyKind kind) {
+std::size_t bytes_of_item(const std::string& type, NpyKind kind) {
   const auto count = parse_number<std::size_t>(std::string_view(type).substr(2));
   const bool text = kind == NpyKind::kText || kind == NpyKind::kBytes;
   const bool fits =
@@ -259,7 +259,7 @@ NpyArray NpyArray::parse(std::string bytes) {
   Header header(text);
   header.read();
   array.kind_ = kind_of(header.type);
-  array.item_ = item_bytes(header.type, array.kind_);
+  array.item_ = bytes_of_item(header.type, array.kind_);
   array.big_endian_ = header.type[0] == '>';
   array.type_ = std::move(header.type);
   array.fortran_ = *header.fortran;
