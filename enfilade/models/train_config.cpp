@@ -92,14 +92,21 @@ void validate(const TrainConfig& config) {
   check_positive("iterations", config.iterations);
   check_positive("checkpoint_every", config.checkpoint_every);
   check_positive("splits", config.splits.size());
+  if (config.buildings) check_positive("buildings", *config.buildings);
 }
 
 std::vector<std::string> differences(const TrainConfig& there, const TrainConfig& here) {
   std::vector<std::string> found;
   const auto compare = [&found](const Json& a, const Json& b) {
-    for (const auto& [name, value] : a.items()) {
-      if (is_free(name) || value == b.at(name)) continue;
-      found.push_back(fmt::format("{}: {}, not {}", name, value.dump(), b.at(name).dump()));
+    const auto text = [](const Json& config, const std::string& name) {
+      return config.contains(name) ? config.at(name).dump() : std::string("none");
+    };
+    Json names = a;
+    names.update(b);  // either may lack what it has no value for
+    for (const auto& [name, value] : names.items()) {
+      const std::string was = text(a, name), is = text(b, name);
+      if (is_free(name) || was == is) continue;
+      found.push_back(fmt::format("{}: {}, not {}", name, was, is));
     }
   };
   compare(detail::to_json(there.network), detail::to_json(here.network));

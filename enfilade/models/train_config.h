@@ -1,6 +1,7 @@
 /// \file  How a sequence-to-sequence agent is trained.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,7 +43,10 @@ struct TrainConfig {
   ForwardTo forward = ForwardTo::kNearest;
   std::uint64_t seed = 1;  ///< of weights, order of episodes, dropout and sampled actions
   std::vector<std::string> splits{"train"};  ///< trained on; the vocabulary is made of them too
-  std::size_t least_count = 5;               ///< occurrences of a word in the vocabulary
+  /// Only the paths in so many buildings are trained on, those that come first in the files: for
+  /// curves of success by the number of buildings. No value: all.
+  std::optional<std::size_t> buildings = {};
+  std::size_t least_count = 5;  ///< occurrences of a word in the vocabulary
   /// Splits of which validation loss and greedy scores are computed every `evaluate_every`
   /// iterations (0: never) and after the last. Does not affect the weights.
   std::vector<std::string> validation{"val_seen", "val_unseen"};

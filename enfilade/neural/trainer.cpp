@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -35,6 +36,22 @@ tasks::EpisodeSet join(std::vector<tasks::EpisodeSet> sets) {
     }
   }
   return all;
+}
+
+// Leaves only the episodes in the first `most` scans, in the order of the paths.
+void keep_buildings(tasks::EpisodeSet& episodes, std::size_t most) {
+  std::vector<ScanIndex> scans;
+  for (const tasks::ReferencePath& path : episodes.paths) {
+    if (std::ranges::find(scans, path.scan) == scans.end()) scans.push_back(path.scan);
+  }
+  if (scans.size() < most) {
+    throw ArgumentError(
+        fmt::format("buildings: {}, but split {} has {}", most, episodes.split, scans.size()));
+  }
+  scans.resize(most);
+  std::erase_if(episodes.episodes, [&](const tasks::Episode& episode) {
+    return std::ranges::find(scans, episodes.path_of(episode).scan) == scans.end();
+  });
 }
 
 models::TrainConfig completed(models::TrainConfig config, const TrainingData& data,
@@ -245,6 +262,7 @@ TrainingData load_training_data(const dataset::Dataset& dataset, const models::T
     training.push_back(load(split, tasks::Instructions::kAll));
   }
   data.training = join(std::move(training));
+  if (config.buildings) keep_buildings(data.training, *config.buildings);
   for (const std::string& split : config.validation) {
     data.validation.push_back(load(split, tasks::Instructions::kScored));
   }

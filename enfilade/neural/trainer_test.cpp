@@ -147,6 +147,30 @@ TEST_F(TrainerTest, GoesOnToTheBitAfterBeingStoppedAnywhere) {
   }
 }
 
+TEST_F(TrainerTest, TrainsInTheFirstBuildingsAlone) {
+  models::TrainConfig config = small_->config();
+  config.splits = {"train", "val_unseen"};  // the small set has one building in each
+  const tasks::EpisodeSet all = small_->load(config).training;
+  config.buildings = 1;
+  const tasks::EpisodeSet one = small_->load(config).training;
+  ASSERT_FALSE(one.episodes.empty());
+  ASSERT_LT(one.episodes.size(), all.episodes.size());
+  for (std::size_t i = 0; i < one.episodes.size(); ++i) {
+    EXPECT_EQ(one.episodes[i].instruction_id, all.episodes[i].instruction_id);
+    EXPECT_EQ(one.path_of(one.episodes[i]).scan, all.paths.front().scan);
+  }
+  const fs::path folder = fresh("model");
+  train_into(folder, config);
+  EXPECT_EQ(models::load_model_config(models::ModelFiles{folder}.config()).training.buildings, 1U);
+  config.buildings = std::nullopt;
+  EXPECT_THAT([&] { train_into(folder, config); },
+              ThrowsMessage<ArgumentError>(HasSubstr("buildings: 1, not none")));
+  config.buildings = 3;
+  EXPECT_THAT(
+      [&] { small_->load(config); },
+      ThrowsMessage<ArgumentError>(HasSubstr("buildings: 3, but split train+val_unseen has 2")));
+}
+
 TEST_F(TrainerTest, EvaluationChangesNoWeight) {
   models::TrainConfig config = small_->config();
   train_into(fresh("with"), config);

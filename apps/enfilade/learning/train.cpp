@@ -150,6 +150,9 @@ void add_data(CLI::App& verb, Options& options) {
               "Trained on, and the vocabulary's; for the test submission "
               "train,val_seen,val_unseen")
       ->delimiter(',');
+  add_value(verb, "--buildings", options.config.buildings, "N",
+            "Train in the first N buildings of the splits alone, for curves; else in all")
+      ->check(whole_number(1));
   add_setting(verb, "--validation", options.config.validation, "", "Splits to validate with")
       ->delimiter(',');
 }

@@ -47,6 +47,7 @@ void for_fields(ConstOrNot<TrainConfig> auto& config, const auto& visit) {
   visit("forward", config.forward);
   visit("seed", config.seed);
   visit("splits", config.splits);
+  visit("buildings", config.buildings);
   visit("least_count", config.least_count);
   visit("learning_rate", config.adam.learning_rate);
   visit("beta1", config.adam.beta1);
