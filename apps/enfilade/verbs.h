@@ -29,6 +29,7 @@ void add_scan_mesh(CLI::App& app, int& status);      ///< makes a scan from a me
 void add_score(CLI::App& app, int& status);          ///< scores a results file
 void add_serve(CLI::App& app, int& status);          ///< serves pages and evaluation over HTTP
 void add_stats(CLI::App& app, int& status);          ///< statistics of a data set
+void add_study(CLI::App& app, int& status);          ///< success by number of homes
 void add_submit(CLI::App& app, int& status);         ///< sends results to a server
 void add_synth(CLI::App& app, int& status);          ///< model homes without pictures
 void add_table(CLI::App& app, int& status);          ///< a table of runs' scores, as in the paper

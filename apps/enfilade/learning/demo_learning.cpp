@@ -1,20 +1,14 @@
 #include "apps/enfilade/learning/demo_learning.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <cstring>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
-#include "apps/common/program.h"
+#include "apps/enfilade/learning/run_verb.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-
-extern char** environ;
 
 namespace enfilade::apps {
 namespace {
@@ -26,34 +20,6 @@ using Words = std::vector<std::string>;
 // and minutes.
 const Words kRecipe = {"--iterations", "600", "--evaluate-every", "100", "--learning-rate", "0.001",
                        "--hidden",     "256", "--seed",           "1"};
-
-int wait_for(pid_t child) {
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : kInternal;
-}
-
-// A verb of this program, in a process of its own: libtorch is another program's.
-int run_verb(const Words& words) {
-  fmt::print("\n$ enfilade {}\n", fmt::join(words, " "));
-  std::fflush(stdout);
-  std::string program = own_program().string();
-  std::vector<char*> arguments{program.data()};
-  Words copy = words;
-  for (std::string& word : copy) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  const Stopwatch clock;
-  pid_t child = 0;
-  const int error =
-      posix_spawn(&child, program.c_str(), nullptr, nullptr, arguments.data(), environ);
-  if (error != 0) {
-    throw FileError(fmt::format("{}: cannot be started: {}", program, std::strerror(error)));
-  }
-  const int status = wait_for(child);
-  if (status == 0) fmt::print("({:.0f} s)\n", clock.seconds());
-  return status;
-}
 
 bool is_newer(const fs::path& file, const fs::path& than) {
   std::error_code code;

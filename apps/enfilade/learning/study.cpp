@@ -1,0 +1,188 @@
+// enfilade study: success in unseen homes by the number of homes that an agent was trained in.
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/learning/learn.h"
+#include "apps/enfilade/learning/run_verb.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/agents/run.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/models/model_directory.h"
+#include "enfilade/report/scaling_curve.h"
+#include "enfilade/tasks/path_sampling.h"
+#include "enfilade/tasks/results.h"
+#include "enfilade/tasks/score.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string output;
+  std::vector<std::size_t> homes{10, 30, 100, 300};
+  std::size_t seeds = 1;
+  std::size_t iterations = 2000;
+  std::size_t batch = 100;
+  std::size_t hidden = 256;
+  double learning_rate = 1e-3;
+  std::string feedback = "student";
+};
+
+// How many homes leave `wanted` for training, by the shares of the splits.
+std::size_t set_size(std::size_t wanted) {
+  const tasks::SplitOptions split;
+  const std::size_t all = split.train_scans + split.val_unseen_scans + split.test_scans;
+  const double homes = static_cast<double>(wanted * all) / static_cast<double>(split.train_scans);
+  // Shares are rounded, so that one more may be needed.
+  return std::max<std::size_t>(static_cast<std::size_t>(std::ceil(homes)) + 1, 6);
+}
+
+// The whole study, a folder: each step goes on where it was, and does nothing when it is done.
+class Study {
+ public:
+  explicit Study(const Options& options) : o_(options), folder_(options.output) {}
+
+  int run() {
+    make_folder(folder_);
+    const std::size_t most = std::ranges::max(o_.homes);
+    step({"homes", "-o", data(), "--preset", "training", "--homes", std::to_string(set_size(most)),
+          "--tasks", "r2r"});
+    if (!fs::exists(encoder())) step({"pretrain", "--data", data(), "-o", encoder().string()});
+    if (!fs::exists(features())) {
+      step({"features", "--data", data(), "--encoder", "home", "--weights", encoder().string(),
+            "-o", features().string()});
+    }
+    for (const std::size_t homes : o_.homes) {
+      for (std::size_t seed = 1; seed <= o_.seeds; ++seed) train(homes, seed);
+    }
+    if (status_ == kSuccess) write_page();
+    return status_;
+  }
+
+ private:
+  std::string data() const { return (folder_ / "homes").string(); }
+  fs::path encoder() const { return folder_ / "encoder.safetensors"; }
+  fs::path features() const { return folder_ / "features.safetensors"; }
+  fs::path model(std::size_t homes, std::size_t seed) const {
+    return folder_ / "models" / fmt::format("homes{}_seed{}", homes, seed);
+  }
+
+  void step(const std::vector<std::string>& words) {
+    if (status_ == kSuccess) status_ = run_verb(words);
+  }
+
+  void train(std::size_t homes, std::size_t seed) {
+    step({"train",
+          "--data",
+          data(),
+          "--features",
+          features().string(),
+          "--feedback",
+          o_.feedback,
+          "-o",
+          model(homes, seed).string(),
+          "--buildings",
+          std::to_string(homes),
+          "--validation",
+          "val_unseen",
+          "--iterations",
+          std::to_string(o_.iterations),
+          "--evaluate-every",
+          std::to_string(o_.iterations),
+          "--batch",
+          std::to_string(o_.batch),
+          "--hidden",
+          std::to_string(o_.hidden),
+          "--learning-rate",
+          fmt::format("{}", o_.learning_rate),
+          "--seed",
+          std::to_string(seed)});
+  }
+
+  void write_page() const {
+    const dataset::Dataset set(data());
+    const tasks::EpisodeSet unseen = set.episodes("val_unseen");
+    report::ScalingCurve curve{"Success by number of training homes", set.synthetic(), {}, {}, {}};
+    fmt::print("\n{:>7}{:>6}  {:<24}{}\n", "homes", "seed", "SR (%)", "SPL (%)  val_unseen");
+    for (const std::size_t homes : o_.homes) {
+      for (std::size_t seed = 1; seed <= o_.seeds; ++seed) {
+        const auto file = models::ModelFiles{model(homes, seed)}.results("val_unseen");
+        const auto score = compute_score(load_results(file, unseen).trajectories, unseen);
+        curve.points.push_back({homes, seed, score.mean("success"), score.mean("spl")});
+        print(curve.points.back());
+      }
+    }
+    const auto random = agents::make_agent("random");
+    curve.floor = compute_score(agents::run_agent(*random, unseen), unseen).mean("success");
+    fmt::print("{:>13}  {:.1f} [{:.1f}, {:.1f}]\n", "random", 100 * curve.floor->mean,
+               100 * curve.floor->low, 100 * curve.floor->high);
+    curve.facts = {{"agent", "seq2seq, " + o_.feedback + "-forcing"},
+                   {"iterations", fmt::format("{} of {} episodes", o_.iterations, o_.batch)},
+                   {"hidden", std::to_string(o_.hidden)},
+                   {"learning rate", fmt::format("{}", o_.learning_rate)},
+                   {"unseen episodes", std::to_string(unseen.episodes.size())},
+                   {"pictures", "one encoder, pretrained in the homes of the largest training set"},
+                   {"Enfilade", EN_VERSION}};
+    write_output(folder_ / "study.html", report::scaling_curve_page(curve));
+    write_output(folder_ / "study.svg", report::scaling_curve_svg(curve));
+    fmt::print("\nThe curve, one page for any browser: {}\n",
+               fs::absolute(folder_ / "study.html").string());
+  }
+
+  static void print(const report::CurvePoint& point) {
+    const auto text = [](const tasks::MeanInterval& value) {
+      return fmt::format("{:.1f} [{:.1f}, {:.1f}]", 100 * value.mean, 100 * value.low,
+                         100 * value.high);
+    };
+    fmt::print("{:>7}{:>6}  {:<24}{}\n", point.buildings, point.seed, text(point.success),
+               text(point.spl));
+  }
+
+  const Options& o_;
+  fs::path folder_;
+  int status_ = kSuccess;
+};
+
+}  // namespace
+
+void add_study(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "study",
+      "Train agents in more and more model homes, at equal compute: a curve of success in "
+      "unseen homes");
+  const auto options = std::make_shared<Options>();
+  add_value(verb, "-o,--output", options->output, "DIR",
+            "A new folder, or one of a study that was stopped: it goes on where it was")
+      ->required();
+  add_setting(verb, "--homes", options->homes, "N,...", "Training homes of each point",
+              whole_number(1, 5000))
+      ->delimiter(',');
+  add_whole_number(verb, "--seeds", options->seeds, "Agents a point");
+  add_whole_number(verb, "--iterations", options->iterations, "Updates, the same for each agent");
+  add_whole_number(verb, "--batch", options->batch, "Episodes an iteration");
+  add_whole_number(verb, "--hidden", options->hidden, "Of the agent's LSTMs");
+  add_setting(verb, "--learning-rate", options->learning_rate, "", "Of Adam", finite_number());
+  add_setting(verb, "--feedback", options->feedback, "", "student or teacher",
+              CLI::IsMember({"student", "teacher"}));
+  set_examples(verb, {"enfilade study -o study --homes 10,30,100,300,1000",
+                      "enfilade study -o small --homes 3,6 --iterations 50 --batch 20"});
+  verb.footer(verb.get_footer() +
+              "\nEach agent is trained in the first N of the same homes and walks through the same "
+              "unseen ones.\nAll of it is synthetic, and says so.");
+  verb.callback([options, &status] {
+    if (!can_learn()) hand_over_to_learn();  // says what is missing
+    std::ranges::sort(options->homes);
+    const auto twice = std::ranges::unique(options->homes);
+    options->homes.erase(twice.begin(), twice.end());
+    status = Study(*options).run();
+  });
+}
+
+}  // namespace enfilade::apps

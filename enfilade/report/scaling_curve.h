@@ -1,0 +1,41 @@
+/// \file  Success in unseen buildings by the number of training buildings: a curve and its page.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "enfilade/tasks/bootstrap.h"
+
+namespace enfilade::report {
+
+/// One trained agent, scored in buildings that it was not trained in.
+struct CurvePoint {
+  std::size_t buildings = 0;  ///< trained in, >= 1
+  std::uint64_t seed = 1;
+  tasks::MeanInterval success;  ///< shares
+  tasks::MeanInterval spl;      ///< likewise
+};
+
+/// A curve, and what its reader has to know.
+struct ScalingCurve {
+  std::string title;
+  bool synthetic = false;  ///< model homes: said on the picture
+  std::vector<CurvePoint> points;
+  std::optional<tasks::MeanInterval> floor;  ///< success of an agent that learns nothing; a share
+  /// Named facts below the curve, in order, such as {"iterations", "2000"}.
+  std::vector<std::pair<std::string, std::string>> facts;
+};
+
+/// Success in per cent over the number of buildings, whose axis is logarithmic; a dot an agent with
+/// its interval, and the line through the means of the seeds. \throws ArgumentError for no point,
+/// or one with no building
+std::string scaling_curve_svg(const ScalingCurve& curve);
+
+/// One HTML document with the curve, a table of its points and the facts; needs no other file.
+/// \throws as scaling_curve_svg()
+std::string scaling_curve_page(const ScalingCurve& curve);
+
+}  // namespace enfilade::report
