@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "enfilade/agents/panorama.h"
 #include "enfilade/core/errors.h"
 
 namespace enfilade::agents {
@@ -55,6 +56,7 @@ void EpisodeBatch::began(std::size_t slot, std::size_t episode) {
   tasks::Trajectory& trajectory = trajectories_[slot];
   trajectory.episode = episode;
   trajectory.points.clear();
+  trajectory.actions.reset();
   give(slot, {});
   legs_[slot] = tasks::Leg::kOut;
   trajectory.points.reserve(reserved_steps_ + 1);
@@ -68,6 +70,17 @@ void EpisodeBatch::step(std::span<const sim::Action> actions) {
   for (std::size_t i = 0; i < size(); ++i) {
     if (ended_[i] == 0) record(i);
   }
+}
+
+void EpisodeBatch::walk(std::size_t slot, std::span<const ViewpointIndex> path,
+                        std::uint32_t view) {
+  const Radians heading = view_heading(view), elevation = view_elevation(view);
+  simulator_.new_episode(slot, {{this->path(slot).scan, path.back()}, heading, elevation});
+  tasks::Trajectory& trajectory = trajectories_[slot];
+  for (const ViewpointIndex viewpoint : path) {
+    trajectory.points.push_back({viewpoint, heading, elevation});
+  }
+  trajectory.actions = trajectory.actions.value_or(0) + 1;
 }
 
 void EpisodeBatch::end(std::size_t slot) {

@@ -47,6 +47,10 @@ class EpisodeBatch {
   /// One action for every slot; slots that have not ended add a point to their trajectories.
   /// \throws as sim::Simulator::step(); then nothing has happened
   void step(std::span<const sim::Action> actions);
+  /// The agent of a slot walks along edges, as one action: each viewpoint becomes a point of its
+  /// trajectory, with the pose of the arrival, which is that of view `view` (0..35). Others stay.
+  /// \pre `path` is not empty, its viewpoints are included; the slot has not ended
+  void walk(std::size_t slot, std::span<const ViewpointIndex> path, std::uint32_t view);
   /// The slot's episode is over: its trajectory stays as it is until the next begin().
   void end(std::size_t slot);
 

@@ -73,6 +73,24 @@ TEST(EpisodeBatch, RecordsWhatRunningSlotsDoAndNothingOfEndedOnes) {
   EXPECT_EQ(batch.observation(0).step, 1U);
 }
 
+TEST(EpisodeBatch, AWalkIsOneActionWithAPointForEachViewpoint) {
+  const tasks::EpisodeSet episodes = square_episodes();
+  EpisodeBatch batch(episodes, two_agents());
+  batch.begin(kBoth);
+  const std::array<ViewpointIndex, 2> path{ViewpointIndex(1), ViewpointIndex(2)};
+  batch.walk(0, path, 15);  // level, to the east
+  EXPECT_EQ(batch.state().viewpoint[0], ViewpointIndex(2));
+  EXPECT_EQ(batch.state().view_index[0], 15U);
+  EXPECT_EQ(batch.state().viewpoint[1], ViewpointIndex(1));
+  ASSERT_EQ(batch.trajectory(0).points.size(), 3U);
+  EXPECT_EQ(batch.trajectory(0).points[1].viewpoint, ViewpointIndex(1));
+  EXPECT_NEAR(batch.trajectory(0).points[2].heading.value, degrees(90).value, 1e-12);
+  EXPECT_EQ(batch.trajectory(0).actions, 1U);
+  EXPECT_EQ(batch.trajectory(1).actions, std::nullopt);
+  batch.begin(0, 0);
+  EXPECT_EQ(batch.trajectory(0).actions, std::nullopt);
+}
+
 TEST(EpisodeBatch, ASlotBeginsAnewWithoutTheOthers) {
   const tasks::EpisodeSet episodes = square_episodes();
   EpisodeBatch batch(episodes, two_agents(), 5);

@@ -1,0 +1,58 @@
+#include "enfilade/agents/panorama.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "enfilade/render/renderer.h"
+
+namespace enfilade::agents {
+namespace {
+
+using render::kDiscreteViews;
+
+constexpr std::uint32_t kColumns = 12;
+constexpr double kStep = 30;  // degrees between views
+
+}  // namespace
+
+PanoramaCache::PanoramaCache(std::shared_ptr<const graph::GraphSet> graphs,
+                             const sim::SimulatorConfig& config)
+    : finder_(std::move(graphs), config) {}
+
+const Panorama& PanoramaCache::at(graph::Location location) {
+  const auto known = known_.find({location.scan, location.viewpoint});
+  if (known != known_.end()) return known->second;
+  Panorama panorama{finder_.find(location), {}};
+  std::array<bool, kDiscreteViews> used{};
+  for (const sim::Candidate& candidate : panorama.candidates) {
+    panorama.token_views.push_back(candidate.view);
+    used[candidate.view] = true;
+  }
+  for (std::uint32_t view = 0; view < kDiscreteViews; ++view) {
+    if (!used[view]) panorama.token_views.push_back(view);
+  }
+  return known_.emplace(std::pair(location.scan, location.viewpoint), std::move(panorama))
+      .first->second;
+}
+
+AngleFeature angle_feature(Radians heading, Radians elevation) {
+  return {static_cast<float>(std::sin(heading.value)), static_cast<float>(std::cos(heading.value)),
+          static_cast<float>(std::sin(elevation.value)),
+          static_cast<float>(std::cos(elevation.value))};
+}
+
+Radians view_heading(std::uint32_t view) { return degrees(kStep * (view % kColumns)); }
+
+Radians view_elevation(std::uint32_t view) {
+  return degrees(kStep * (static_cast<double>(view / kColumns) - 1));
+}
+
+sim::Action step_towards(const sim::Candidate& candidate, std::uint32_t view) {
+  const std::uint32_t row = view / kColumns, wanted = candidate.view / kColumns;
+  if (row != wanted) return {0, Radians(0), degrees(row < wanted ? kStep : -kStep)};
+  if (view != candidate.view) return {0, degrees(kStep), Radians(0)};
+  return {candidate.index, Radians(0), Radians(0)};
+}
+
+}  // namespace enfilade::agents

@@ -1,0 +1,58 @@
+/// \file  What panoramic agents look at and choose from: the 36 views of a viewpoint, and where one
+/// can go.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "enfilade/core/ids.h"
+#include "enfilade/geometry/angle.h"
+#include "enfilade/sim/candidates.h"
+#include "enfilade/sim/simulator.h"
+
+namespace enfilade::agents {
+
+/// A viewpoint's views and candidates. They do not depend on where an agent looks.
+struct Panorama {
+  /// Where an agent can go, in the order in which turning through the views meets them.
+  std::vector<sim::Candidate> candidates;
+  /// Of each of DUET's picture tokens its view: those of the candidates, in their order (several
+  /// may share one), then all views that no candidate has, ascending. More than 36 if some are
+  /// shared.
+  std::vector<std::uint32_t> token_views;
+};
+
+/// Computes panoramas, each once. One thread at a time.
+class PanoramaCache {
+ public:
+  /// \throws ArgumentError as CandidateFinder
+  explicit PanoramaCache(std::shared_ptr<const graph::GraphSet> graphs,
+                         const sim::SimulatorConfig& config = sim::SimulatorConfig::room_to_room());
+
+  /// Valid as long as *this. \throws as CandidateFinder::find()
+  const Panorama& at(graph::Location location);
+
+ private:
+  sim::CandidateFinder finder_;
+  std::map<std::pair<ScanIndex, ViewpointIndex>, Panorama> known_;
+};
+
+/// [sin h, cos h, sin e, cos e], computed in double precision.
+using AngleFeature = std::array<float, 4>;
+AngleFeature angle_feature(Radians heading, Radians elevation);
+
+/// Heading and elevation of the middle of a discretized view: 12 headings from 0 in steps of 30
+/// degrees, at elevations -30, 0 and 30. \pre view < 36
+Radians view_heading(std::uint32_t view);
+Radians view_elevation(std::uint32_t view);  ///< likewise
+
+/// The next of the low-level actions with which EnvDrop's agent goes to a candidate (Tan, Yu,
+/// Bansal 2019): up or down to the row of its view, right until its column, then forward. Each is
+/// an entry of the trajectory; the last keeps the view. \param view of the agent now \pre both
+/// views are below 36
+sim::Action step_towards(const sim::Candidate& candidate, std::uint32_t view);
+
+}  // namespace enfilade::agents

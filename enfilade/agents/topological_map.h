@@ -1,0 +1,99 @@
+/// \file  The map that an agent draws while it walks: what it has visited, and what it has seen
+/// from there.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "enfilade/core/ids.h"
+#include "enfilade/geometry/vec.h"
+#include "enfilade/graph/nav_graph.h"
+#include "enfilade/sim/candidates.h"
+
+namespace enfilade::agents {
+
+/// The topological map of DUET (Chen et al., CVPR 2022, section 3.1): nodes are all viewpoints seen
+/// so far, in the order of first sight; edges lead from visited nodes to their neighbours. Known
+/// paths run through visited nodes only. A plain value; clear() keeps its memory, so that after the
+/// first episodes nothing allocates. One thread at a time.
+class TopologicalMap {
+ public:
+  /// A node by its place in the order of first sight.
+  using Node = std::uint32_t;
+
+  void clear();
+
+  /// The agent has arrived at `here`, at its step `step`, and sees these candidates: adds what is
+  /// new, in their order, edges of straight length (kept if shorter than what is known), then
+  /// relaxes all pairs through `here`, which is visited from now on.
+  /// \param candidates as CandidateFinder gives them \pre all are viewpoints of `graph`
+  void arrive(const graph::NavGraph& graph, ViewpointIndex here,
+              std::span<const sim::Candidate> candidates, std::uint32_t step);
+
+  std::size_t size() const noexcept { return nodes_.size(); }  ///< nodes
+  ViewpointIndex viewpoint(Node node) const { return nodes_[node].viewpoint; }
+  std::optional<Node> find(ViewpointIndex viewpoint) const;
+  bool visited(Node node) const { return nodes_[node].visited; }
+  /// 0 while open; of a visited node the step of its last visit + 1.
+  std::uint32_t step_id(Node node) const { return nodes_[node].step_id; }
+  Vec3d position(Node node) const { return nodes_[node].position; }  ///< metres, world
+  /// Nodes that are not visited.
+  std::size_t open() const noexcept { return nodes_.size() - visits_.size(); }
+  /// Visited nodes, in the order of their first visits.
+  std::span<const Node> visits() const noexcept { return visits_; }
+  /// Visited nodes, then open ones, both in the order of first sight: the rows of DUET's global
+  /// branch behind its [stop]. Valid until the next arrive() or clear().
+  std::span<const Node> rows() const noexcept { return rows_; }
+
+  /// Length of the shortest known path, metres; 0 for a == b, +inf if none is known.
+  double distance(Node a, Node b) const { return a == b ? 0 : pair(a, b).distance; }
+  /// The known path from a to b without a; empty for a == b. \pre distance(a, b) is finite
+  void path(Node a, Node b, std::vector<ViewpointIndex>& out) const;
+  /// The number of viewpoints of path(). \pre as there
+  std::size_t hops(Node a, Node b) const;
+
+ private:
+  static constexpr Node kDirect = 0xffffffff;
+  struct Entry {
+    ViewpointIndex viewpoint;
+    Vec3d position;
+    bool visited = false;
+    std::uint32_t step_id = 0;
+  };
+  struct Pair {
+    double distance;
+    Node middle;  // kDirect, or a node that the path runs through
+  };
+  Node add(const graph::NavGraph& graph, ViewpointIndex viewpoint);
+  // Of the triangle below the diagonal.
+  static std::size_t place(Node a, Node b) {
+    const std::size_t high = a > b ? a : b, low = a > b ? b : a;
+    return high * (high - 1) / 2 + low;
+  }
+  const Pair& pair(Node a, Node b) const { return pairs_[place(a, b)]; }
+  Pair& pair(Node a, Node b) { return pairs_[place(a, b)]; }
+  void relax(Node through);
+  template <class Use>
+  void unfold(Node a, Node b, const Use& use) const;
+
+  std::vector<Entry> nodes_;
+  std::vector<Pair> pairs_;
+  std::vector<Node> visits_, rows_;
+};
+
+/// Where something lies for DUET's position features: [sin h, cos h, sin e, cos e, straight line /
+/// 30 m, distance along the map / 30 m, viewpoints on the way / 10], h and e relative to the agent.
+using MapFeature = std::array<float, 7>;
+
+/// Of [stop], which lies nowhere.
+inline constexpr MapFeature kStopFeature{0, 1, 0, 1, 0, 0, 0};
+
+/// Of `to`, as seen from `from` by an agent that looks to `heading` and `elevation`. Angles are
+/// rounded to single precision ahead of sine and cosine, as in the released code.
+MapFeature map_feature(const TopologicalMap& map, TopologicalMap::Node from,
+                       TopologicalMap::Node to, Radians heading, Radians elevation);
+
+}  // namespace enfilade::agents
