@@ -24,7 +24,7 @@ class TopologicalMap {
   /// A node by its place in the order of first sight.
   using Node = std::uint32_t;
 
-  void clear();
+  void clear();  ///< no node is left
 
   /// The agent has arrived at `here`, at its step `step`, and sees these candidates: adds what is
   /// new, in their order, edges of straight length (kept if shorter than what is known), then
@@ -33,10 +33,10 @@ class TopologicalMap {
   void arrive(const graph::NavGraph& graph, ViewpointIndex here,
               std::span<const sim::Candidate> candidates, std::uint32_t step);
 
-  std::size_t size() const noexcept { return nodes_.size(); }  ///< nodes
-  ViewpointIndex viewpoint(Node node) const { return nodes_[node].viewpoint; }
-  std::optional<Node> find(ViewpointIndex viewpoint) const;
-  bool visited(Node node) const { return nodes_[node].visited; }
+  std::size_t size() const noexcept { return nodes_.size(); }                   ///< nodes
+  ViewpointIndex viewpoint(Node node) const { return nodes_[node].viewpoint; }  ///< of a node
+  std::optional<Node> find(ViewpointIndex viewpoint) const;       ///< its node, if it has been seen
+  bool visited(Node node) const { return nodes_[node].visited; }  ///< or only seen
   /// 0 while open; of a visited node the step of its last visit + 1.
   std::uint32_t step_id(Node node) const { return nodes_[node].step_id; }
   Vec3d position(Node node) const { return nodes_[node].position; }  ///< metres, world
