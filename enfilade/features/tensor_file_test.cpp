@@ -288,6 +288,21 @@ TEST_F(TensorFileTest, FindsTheTensorsOfACheckpoint) {
   }
 }
 
+TEST_F(TensorFileTest, FindsTheTensorsOfATorchScriptModule) {
+  const TensorFile file = TensorFile::open(kSeeds / "script.pth");
+  ASSERT_EQ(file.arrays().size(), 3U);
+  const NamedArray* weight = file.find("parts.0.linear.weight");
+  ASSERT_NE(weight, nullptr);
+  EXPECT_EQ(weight->type, DType::kFloat16);
+  EXPECT_THAT(weight->shape, ElementsAre(3, 2));
+  // 0, 1.5, 0.5, 2, 1, 2.5: a transposed view of the stored numbers.
+  EXPECT_THAT(values<std::uint16_t>(weight),
+              ElementsAre(0, 0x3e00, 0x3800, 0x4000, 0x3c00, 0x4100));
+  EXPECT_THAT(values<std::uint16_t>(file.find("parts.0.linear.bias")),
+              ElementsAre(0x3800, 0x3c00, 0x3e00));
+  EXPECT_THAT(values<std::int64_t>(file.find("size")), ElementsAre(224));
+}
+
 TEST_F(TensorFileTest, NamesOtherCodeThatAPickleHolds) {
   EXPECT_THAT(tests::refusal<InvalidInput>([] { TensorFile::open(kSeeds / "foreign.pth"); }),
               AllOf(HasSubstr("argparse.Namespace"), HasSubstr("foreign-code")));
@@ -311,7 +326,8 @@ TEST_F(TensorFileTest, PicklesCutAnywhereAreRefused) {
 // One byte wrong at a time: refused, or other numbers, names or shapes; never a crash, and never an
 // array whose bytes are not those of its shape.
 TEST_F(TensorFileTest, DamagedPicklesAreHarmless) {
-  for (const char* name : {"legacy.pth", "very_old.pth", "zip.pth", "checkpoint_4.pth"}) {
+  for (const char* name :
+       {"legacy.pth", "very_old.pth", "zip.pth", "checkpoint_4.pth", "script.pth"}) {
     const std::string whole = read_file(kSeeds / name);
     for (std::size_t at = 0; at < whole.size(); ++at) {
       std::string damaged = whole;
@@ -384,6 +400,11 @@ TEST_F(PickleTest, TensorsAreWellFormed) {
 TEST_F(PickleTest, DictionariesWithoutTensorsAreRefused) {
   EXPECT_THAT(refusal_of_pickle("}."), HasSubstr("no-tensors"));
   EXPECT_THAT(refusal_of_pickle("N."), HasSubstr("no-tensors"));
+  EXPECT_THAT(refusal_of_pickle("c__torch__.a\nB\n)\x81}b."), HasSubstr("no-tensors"));
+  // A module that is in itself.
+  EXPECT_THAT(refusal_of_pickle("c__torch__.a\nB\n)\x81q\x01}U\x01"
+                                "ah\x01sb."),
+              HasSubstr("no-tensors"));
   // A dictionary that is in itself.
   EXPECT_THAT(refusal_of_pickle("}q\x01U\x0astate_dicth\x01s."), HasSubstr("no-tensors"));
 }

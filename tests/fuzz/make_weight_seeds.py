@@ -73,6 +73,35 @@ def save_tensors(folder):
     torch.save({"i16": torch.tensor([1], dtype=torch.int16)}, folder / "i16.pth", **old)
 
 
+class Part(torch.nn.Module):
+    def __init__(self):
+        super().__init__()
+        self.linear = torch.nn.Linear(2, 3).half()
+        self.linear.weight.data = tensors()["f32"].t().half()
+        self.linear.bias.data = torch.tensor([0.5, 1, 1.5]).half()
+
+    def forward(self, x):
+        return x @ self.linear.weight.t().float() + self.linear.bias.float()
+
+
+class Whole(torch.nn.Module):
+    """Modules in modules, a buffer, and a tensor that is neither: a constant of the traced code."""
+
+    def __init__(self):
+        super().__init__()
+        self.parts = torch.nn.Sequential(Part(), torch.nn.ReLU())
+        self.register_buffer("size", torch.tensor(224))
+        self.mask = torch.tensor([[7.0, 8.0, 9.0]])
+
+    def forward(self, x):
+        return self.parts(x) * self.mask
+
+
+def save_script(folder):
+    """As OpenAI saved CLIP."""
+    torch.jit.save(torch.jit.trace(Whole().eval(), torch.ones(1, 2)), folder / "script.pth")
+
+
 def save_features(folder):
     """As HAMT's precompute scripts have it, but of 3 dimensions."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -91,4 +120,5 @@ def save_features(folder):
 
 if __name__ == "__main__":
     save_tensors(SEEDS / "pickle")
+    save_script(SEEDS / "pickle")
     save_features(SEEDS / "feature_hdf5")

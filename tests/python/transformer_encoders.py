@@ -3,7 +3,8 @@
 usage: transformer_encoders.py NAME FOLDER
 
 NAME is vit-b-16 (timm), clip-vit-b-16 or clip-vit-b-32 (OpenAI's code), or transformers (CLIP
-ViT-B/32 of Hugging Face). Writes FOLDER/weights.pth (as torch.save() does) and
+ViT-B/32 of Hugging Face). Writes FOLDER/weights.pth (as torch.save() does; for clip-vit-b-32 as
+TorchScript, in which OpenAI published them) and
 FOLDER/case.safetensors: `pictures` (2, 3, 240, 320) in whole numbers from 0 to 255, `resized`
 (2, 3, 224, 224) as Pillow makes them, and `features` of them. Features are computed in float64 and
 then rounded, so that they have no error of their own to speak of.
@@ -71,6 +72,25 @@ def transformers_network():
     )
 
 
+class Pictures(torch.nn.Module):
+    """The half of CLIP that sees pictures, with the names that it has in the whole."""
+
+    def __init__(self, network):
+        super().__init__()
+        self.visual = network.visual
+
+    def forward(self, pictures):
+        return self.visual(pictures)
+
+
+def save(name, network, file):
+    if name == "clip-vit-b-32":
+        traced = torch.jit.trace(Pictures(network), torch.zeros(1, 3, 224, 224))
+        torch.jit.save(traced, file)
+    else:
+        torch.save(network.state_dict(), file)
+
+
 def is_resize(step):
     return isinstance(step, (transforms.Resize, transforms.CenterCrop))
 
@@ -84,7 +104,7 @@ def main(name, folder):
         network, transform, features = transformers_network()
     else:
         network, transform, features = clip_network(int(name.rsplit("-", 1)[1]))
-    torch.save(network.state_dict(), f"{folder}/weights.pth")
+    save(name, network, f"{folder}/weights.pth")
     # Noise that is coarse in one picture and fine in the other: both smooth and sharp edges.
     coarse = torch.rand(3, 12, 16).repeat_interleave(20, 1).repeat_interleave(20, 2)
     pictures = torch.stack([coarse, torch.rand(3, 240, 320)]).mul(256).to(torch.uint8)

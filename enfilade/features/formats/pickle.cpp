@@ -24,7 +24,14 @@ constexpr Global kGlobals[] = {
     {"torch._utils._rebuild_parameter", Callable::kParameter},
     {"torch._utils._rebuild_parameter_with_state", Callable::kParameter},
     {"torch.nn.parameter.Parameter", Callable::kParameter},
+    {"torch.device", Callable::kDropped},
 };
+// Code that a file of TorchScript brings with it has names of this kind.
+constexpr std::string_view kScripted = "__torch__.";
+constexpr Global kModule{kScripted, Callable::kModule};
+// What marks the types of TorchScript's lists and dictionaries.
+constexpr std::string_view kScriptedTypes = "torch.jit._pickle.";
+constexpr Global kTyped{kScriptedTypes, Callable::kDropped};
 // Of the modules torch and torch.cuda.
 constexpr Global kStorageTypes[] = {
     {"HalfStorage", Callable::kStorageType, DType::kFloat16},
@@ -233,6 +240,8 @@ class Machine {
     const std::string full = module + "." + name;
     const auto found = std::ranges::find(kGlobals, full, &Global::name);
     if (found != std::end(kGlobals)) return *found;
+    if (full.starts_with(kScripted)) return kModule;
+    if (full.starts_with(kScriptedTypes)) return kTyped;
     const bool is_storage =
         (module == "torch" || module == "torch.cuda") && name.ends_with("Storage");
     const auto type = std::ranges::find(kStorageTypes, name, &Global::name);
@@ -273,6 +282,12 @@ class Machine {
         push(arguments.items.empty() ? PickledTensor{}
                                      : as<PickledTensor>(arguments.items[0], "a tensor"));
         return;
+      case Callable::kModule:
+        push(Module{});
+        return;
+      case Callable::kDropped:
+        push(Other{});
+        return;
       case Callable::kStorageType:
         fail_bad("a storage's type is called like a function");
     }
@@ -291,6 +306,11 @@ class Machine {
 
   void build() {
     Value* const state = pop();
+    if (auto* const module = std::get_if<Module>(&top()->is)) {
+      const auto* attributes = std::get_if<Dictionary>(&state->is);
+      if (attributes != nullptr) module->attributes = *attributes;
+      return;
+    }
     auto* const built = std::get_if<PickledTensor>(&top()->is);
     // The state of a dictionary is its _metadata, that of a tensor whether it is trained.
     if (built == nullptr || built->storage != nullptr) return;

@@ -25,6 +25,8 @@ enum class Callable : std::uint8_t {
   kRebuildTensor,  ///< (storage, offset, shape, strides, ...)
   kParameter,      ///< (tensor, ...)
   kStorageType,    ///< torch.FloatStorage and the like; may be named, not called
+  kModule,         ///< a class of TorchScript's code, which is not run: what is set on it is kept
+  kDropped,        ///< makes something that no tensor is in
 };
 /// A class or function that a pickle names.
 struct Global {
@@ -61,10 +63,14 @@ struct Tuple {
 struct Dictionary {
   std::vector<std::pair<Value*, Value*>> items;  ///< a key may repeat; its last value is valid
 };
+/// An object of TorchScript: a dictionary of its attributes.
+struct Module {
+  Dictionary attributes;
+};
 struct Other {};  ///< None, a float, bytes, a set, an integer of more than 64 bits
 
 struct Value {
-  std::variant<Other, bool, std::int64_t, std::string, Tuple, List, Dictionary, Global,
+  std::variant<Other, bool, std::int64_t, std::string, Tuple, List, Dictionary, Module, Global,
                PickledStorage, PickledTensor>
       is;
 };

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -45,12 +46,35 @@ Tensors tensors_in(const Dictionary& dictionary) {
   return tensors;
 }
 
+// The tensors of a TorchScript module and of the modules in it, by the names that its state_dict()
+// has. Each module is looked at once: a file may make them refer to each other.
+void add_tensors(const Module& module, const std::string& prefix, std::set<const Module*>& seen,
+                 Tensors& tensors) {
+  constexpr std::size_t kLongest = 4096;  // of names: a small file can nest them without end
+  if (prefix.size() > kLongest || !seen.insert(&module).second) return;
+  for (const auto& [name, tensor] : tensors_in(module.attributes)) {
+    tensors.insert_or_assign(prefix + name, tensor);
+  }
+  for (const auto& [name, value] : module.attributes.items) {
+    const auto* text = std::get_if<std::string>(&name->is);
+    const auto* inner = std::get_if<Module>(&value->is);
+    if (text == nullptr || inner == nullptr) continue;
+    add_tensors(*inner, prefix + *text + ".", seen, tensors);
+  }
+}
+
 // Training programs put the dictionary of tensors into another one, beside the epoch, the optimiser
 // and so on.
 Tensors find_tensors(const Value* root, const std::string& name) {
   constexpr std::array<std::string_view, 4> kInner{"state_dict", "model_state_dict", "model",
                                                    "module"};
   constexpr int kDeepest = 4;
+  if (const auto* module = std::get_if<Module>(&root->is)) {
+    std::set<const Module*> seen;
+    Tensors tensors;
+    add_tensors(*module, "", seen, tensors);
+    if (!tensors.empty()) return tensors;
+  }
   for (int depth = 0; depth < kDeepest && root != nullptr; ++depth) {
     const auto* dictionary = std::get_if<Dictionary>(&root->is);
     if (dictionary == nullptr) break;
@@ -63,7 +87,7 @@ Tensors find_tensors(const Value* root, const std::string& name) {
   }
   refuse(name, "", "no-tensors",
          "holds no dictionary of tensors, neither as the outermost value nor below \"state_dict\", "
-         "\"model_state_dict\", \"model\" or \"module\"");
+         "\"model_state_dict\", \"model\" or \"module\"; nor a TorchScript module with tensors");
 }
 
 // --- from storages to arrays ---
@@ -263,6 +287,25 @@ void check_byte_order(const Pickle& pickle, const std::string& name) {
   }
 }
 
+// The folder of data.pkl, which every other part lies in or below: "archive/".
+std::string archive_folder(const scan::FileTree& zip, const std::string& name) {
+  constexpr std::string_view kPickle = "data.pkl";
+  std::vector<std::string> found;
+  for (std::string& path : zip.names()) {
+    if (!path.ends_with(kPickle)) continue;
+    path.resize(path.size() - kPickle.size());
+    if (path.empty() || path.ends_with('/')) found.push_back(std::move(path));
+  }
+  if (found.empty()) {
+    refuse(name, "", "no-tensors", "a zip archive without data.pkl: not written by torch.save()");
+  }
+  if (found.size() > 1) {
+    refuse(name, "data.pkl", "repeated-name",
+           fmt::format("lies in two folders of the zip, {:?} and {:?}", found[0], found[1]));
+  }
+  return found[0];
+}
+
 }  // namespace
 
 bool looks_like_zip(Bytes file) noexcept {
@@ -280,15 +323,14 @@ bool looks_like_pickle(Bytes file) noexcept {
 
 StoredArrays read_torch_zip(const std::filesystem::path& file) {
   const std::string name = file.string();
-  const auto zip = scan::FileTree::zip(file);
-  const auto text = zip->read("data.pkl");
-  if (!text) {
-    refuse(name, "", "no-tensors", "a zip archive without data.pkl: not written by torch.save()");
-  }
-  if (zip->read("byteorder").value_or("little") != "little") {
+  // By their paths: TorchScript's constants have the names of tensors, in another folder.
+  const auto zip = scan::FileTree::zip(file, scan::ZipNames::kPaths);
+  const std::string folder = archive_folder(*zip, name);
+  const auto text = zip->read(folder + "data.pkl");
+  if (zip->read(folder + "byteorder").value_or("little") != "little") {
     refuse(name, "byteorder", "big-endian", "not \"little\", the only byte order that is read");
   }
-  const Pickle pickle = read_pickle(bytes_of(*text), zip->path_of("data.pkl"));
+  const Pickle pickle = read_pickle(bytes_of(text.value()), name + ":data.pkl");
   StoredArrays read;
   std::unordered_map<std::string, Bytes> storages;
   build_arrays(
@@ -296,7 +338,7 @@ StoredArrays read_torch_zip(const std::filesystem::path& file) {
       [&](const PickledStorage& storage) {
         const auto known = storages.find(storage.key);
         if (known != storages.end()) return known->second;
-        auto content = zip->read(storage.key);
+        auto content = zip->read(folder + "data/" + storage.key);
         if (!content) refuse(name, "data/" + storage.key, "truncated", "missing from the archive");
         const auto kept = std::make_shared<const std::string>(*std::move(content));
         read.memory.push_back(kept);
