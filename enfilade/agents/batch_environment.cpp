@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "enfilade/agents/shortest.h"
 #include "enfilade/agents/six_actions.h"
 #include "enfilade/core/errors.h"
 
@@ -54,6 +55,22 @@ double nearer(double before, double now) {
   return std::isfinite(before) && std::isfinite(now) ? before - now : 0;
 }
 
+std::int64_t count_actions(const tasks::EpisodeSet& episodes, const EnvironmentConfig& config) {
+  if (config.actions == ActionSpace::kSixActions) return kSixActions;
+  if (config.actions != ActionSpace::kMap) return static_cast<std::int64_t>(config.max_navigable);
+  std::size_t most = 0;
+  for (const tasks::ReferencePath& path : episodes.paths) {
+    most = std::max(most, episodes.graphs->graph(path.scan).included_count());
+  }
+  return static_cast<std::int64_t>(most) + 1;
+}
+
+double length(const graph::NavGraph& graph, ViewpointIndex from, ViewpointIndex to) {
+  const graph::Edge* edge = graph.edge(from, to);
+  if (edge == nullptr) edge = graph.edge(to, from);  // maps have one-way edges in both directions
+  return edge->length;
+}
+
 void check_length(const char* name, std::size_t found, std::size_t wanted) {
   if (found == wanted) return;
   throw ArgumentError(fmt::format("{}: {} elements for {} agents", name, found, wanted));
@@ -74,16 +91,20 @@ BatchEnvironment::BatchEnvironment(std::shared_ptr<const tasks::EpisodeSet> epis
     reals->resize(n);
   }
   outcome_.episode.resize(n);
+  outcome_.actions.resize(n);
+  passed_.resize(n);
+  action_count_ = count_actions(*episodes_, config_);
+  if (has_panoramas()) {
+    auto published = sim::SimulatorConfig::room_to_room();
+    published.max_navigable = config.max_navigable;
+    panoramas_ = std::make_unique<PanoramaCache>(episodes_->graphs, published);
+    seen_.resize(n);
+  }
+  if (config.actions == ActionSpace::kMap) maps_.resize(n);
   for (std::size_t i = 0; i < n; ++i) rngs_.emplace_back(config.seed + i);
 }
 
 void BatchEnvironment::seed(std::size_t agent, std::uint64_t seed) { rngs_[agent] = Rng(seed); }
-
-std::int64_t BatchEnvironment::action_count() const noexcept {
-  return config_.actions == ActionSpace::kSixActions
-             ? kSixActions
-             : static_cast<std::int64_t>(config_.max_navigable);
-}
 
 void BatchEnvironment::begin(std::size_t agent, std::size_t episode) {
   batch_.begin(agent, episode);
@@ -94,6 +115,20 @@ void BatchEnvironment::begin(std::size_t agent, std::size_t episode) {
   batch_.take_leg(agent, config_.success_distance);
   outcome_.distance[agent] = batch_.distance_to_goal(agent);
   walked_[agent] = 0;
+  passed_[agent] = 1;
+  outcome_.actions[agent] = 0;
+  if (!maps_.empty()) maps_[agent].clear();
+  look(agent);
+}
+
+// Panorama and map of where an agent has come to.
+void BatchEnvironment::look(std::size_t agent) {
+  if (!has_panoramas()) return;
+  const graph::Location here{state().scan[agent], state().viewpoint[agent]};
+  seen_[agent] = &panoramas_->at(here);
+  if (maps_.empty()) return;
+  maps_[agent].arrive(batch_.graph(agent), here.viewpoint, seen_[agent]->candidates,
+                      outcome_.actions[agent]);
 }
 
 void BatchEnvironment::reset(std::span<const std::uint8_t> mask,
@@ -147,12 +182,44 @@ sim::Action BatchEnvironment::action_of(std::size_t agent, std::int64_t number) 
   return {index, Radians(now.navigable_rel_heading[row]), Radians(-now.elevation[agent])};
 }
 
+// Where an action leads, into way_; returns the view at its end.
+std::uint32_t BatchEnvironment::plan(std::size_t agent, std::int64_t number) {
+  const ViewpointIndex here = state().viewpoint[agent];
+  const std::uint32_t view = state().view_index[agent];
+  way_.assign(1, here);
+  if (number == 0) return view;
+  const auto k = static_cast<std::size_t>(number - 1);
+  if (maps_.empty()) {
+    const std::vector<sim::Candidate>& candidates = seen_[agent]->candidates;
+    if (k >= candidates.size()) return view;
+    way_[0] = candidates[k].viewpoint;
+    return candidates[k].view;
+  }
+  const TopologicalMap& map = maps_[agent];
+  const auto node = static_cast<TopologicalMap::Node>(k);
+  if (k >= map.size() || map.visited(node)) return view;
+  map.path(map.find(here).value(), node, way_);
+  const ViewpointIndex last = way_.size() > 1 ? way_[way_.size() - 2] : here;
+  return arrival_view(panoramas_->at({state().scan[agent], last}), way_.back()).value_or(view);
+}
+
+void BatchEnvironment::walk(std::size_t agent, std::int64_t number) {
+  const std::uint32_t view = plan(agent, number);
+  batch_.walk(agent, way_, view);
+}
+
 void BatchEnvironment::step(std::span<const std::int64_t> actions) {
   check_actions(actions);
-  for (std::size_t i = 0; i < actions.size(); ++i) {
-    actions_[i] = batch_.ended(i) ? sim::Action{} : action_of(i, actions[i]);
+  if (has_panoramas()) {
+    for (std::size_t i = 0; i < actions.size(); ++i) {
+      if (!batch_.ended(i)) walk(i, actions[i]);
+    }
+  } else {
+    for (std::size_t i = 0; i < actions.size(); ++i) {
+      actions_[i] = batch_.ended(i) ? sim::Action{} : action_of(i, actions[i]);
+    }
+    batch_.step(actions_);
   }
-  batch_.step(actions_);
   const bool six = config_.actions == ActionSpace::kSixActions;
   const std::int64_t stop = six ? static_cast<std::int64_t>(SixAction::kStop) : 0;
   for (std::size_t i = 0; i < actions.size(); ++i) {
@@ -160,17 +227,29 @@ void BatchEnvironment::step(std::span<const std::int64_t> actions) {
     if (batch_.ended(i)) {
       begin(i, rngs_[i].below(episodes_->episodes.size()));
     } else {
+      ++outcome_.actions[i];
       judge(i, actions[i] == stop);
     }
   }
 }
 
+// Counts what an agent has walked since the last call, viewpoint by viewpoint.
+void BatchEnvironment::pass(std::size_t agent) {
+  const std::vector<tasks::TrajectoryPoint>& points = batch_.trajectory(agent).points;
+  for (std::size_t& i = passed_[agent]; i < points.size(); ++i) {
+    const ViewpointIndex from = points[i - 1].viewpoint, to = points[i].viewpoint;
+    if (from == to) continue;
+    walked_[agent] += length(batch_.graph(agent), from, to);
+    batch_.take_leg(agent, to, config_.success_distance);
+  }
+}
+
 void BatchEnvironment::judge(std::size_t agent, bool stopped) {
   const std::vector<tasks::TrajectoryPoint>& points = batch_.trajectory(agent).points;
-  const ViewpointIndex from = points[points.size() - 2].viewpoint, to = points.back().viewpoint;
-  const bool moved = from != to;
+  const bool moved = points[passed_[agent] - 1].viewpoint != points.back().viewpoint;
   const double before = outcome_.distance[agent];
-  if (moved) batch_.take_leg(agent, config_.success_distance);
+  pass(agent);
+  if (moved) look(agent);
   const double now = moved ? batch_.distance_to_goal(agent) : before;
   const bool success = stopped && batch_.reached(agent, config_.success_distance);
   double reward = 0;
@@ -179,11 +258,10 @@ void BatchEnvironment::judge(std::size_t agent, bool stopped) {
     reward =
         (moved ? nearer(before, now) : 0) + (stopped ? (success ? kStopReward : -kStopReward) : 0);
   }
-  if (moved) walked_[agent] += batch_.graph(agent).edge(from, to)->length;
   outcome_.distance[agent] = now;
   outcome_.reward[agent] = reward;
   outcome_.terminated[agent] = stopped ? 1 : 0;
-  outcome_.truncated[agent] = !stopped && state().step[agent] >= config_.max_steps ? 1 : 0;
+  outcome_.truncated[agent] = !stopped && outcome_.actions[agent] >= config_.max_steps ? 1 : 0;
   if ((outcome_.terminated[agent] | outcome_.truncated[agent]) != 0) finish(agent);
 }
 
@@ -201,11 +279,66 @@ void BatchEnvironment::finish(std::size_t agent) {
   outcome_.spl[agent] = hidden ? distance : success * share;
 }
 
-tasks::EpisodeMetrics BatchEnvironment::compute_metrics(std::size_t agent) const {
-  if (agent >= config_.batch_size || !started_) {
-    throw ArgumentError(
-        fmt::format("agent {} of {}: no episode was begun", agent, config_.batch_size));
+void BatchEnvironment::check_agent(std::size_t agent) const {
+  if (agent < config_.batch_size && started_) return;
+  throw ArgumentError(
+      fmt::format("agent {} of {}: no episode was begun", agent, config_.batch_size));
+}
+
+const Panorama& BatchEnvironment::panorama(std::size_t agent) const {
+  check_agent(agent);
+  if (has_panoramas()) return *seen_[agent];
+  throw ArgumentError("panorama(): only the panoramic and the map action space have them");
+}
+
+const TopologicalMap& BatchEnvironment::map(std::size_t agent) const {
+  check_agent(agent);
+  if (!maps_.empty()) return maps_[agent];
+  throw ArgumentError("map(): only the map action space has them");
+}
+
+std::optional<std::int64_t> BatchEnvironment::map_action(std::size_t agent, ExpertRule rule) const {
+  if (goal_hidden(batch_.path(agent))) return std::nullopt;
+  std::vector<ViewpointIndex> walked;
+  for (const tasks::TrajectoryPoint& point : batch_.trajectory(agent).points) {
+    if (walked.empty() || walked.back() != point.viewpoint) walked.push_back(point.viewpoint);
   }
+  const std::vector<ViewpointIndex>& reference = batch_.path(agent).viewpoints;
+  const TopologicalMap& map = maps_[agent];
+  const auto to = map_expert({batch_.graph(agent), map, walked, reference}, rule);
+  if (!to) return std::nullopt;
+  return *to == walked.back() ? 0 : std::int64_t{map.find(*to).value()} + 1;
+}
+
+// The action that leads to a neighbour.
+std::int64_t BatchEnvironment::action_to(std::size_t agent, ViewpointIndex neighbour) const {
+  if (config_.actions == ActionSpace::kPanoramic) {
+    const std::vector<sim::Candidate>& candidates = seen_[agent]->candidates;
+    const auto found = std::ranges::find(candidates, neighbour, &sim::Candidate::viewpoint);
+    return found - candidates.begin() + 1;
+  }
+  const auto list = state().navigable_viewpoint.subspan(agent * config_.max_navigable,
+                                                        state().navigable_count[agent]);
+  return std::ranges::find(list, neighbour) - list.begin();
+}
+
+std::optional<std::int64_t> BatchEnvironment::expert(std::size_t agent, ExpertRule rule) const {
+  check_agent(agent);
+  if (config_.actions == ActionSpace::kMap) return map_action(agent, rule);
+  const auto goal = batch_.nearest_goal(agent);
+  if (!goal) return std::nullopt;
+  if (config_.actions == ActionSpace::kSixActions) {
+    return static_cast<std::int64_t>(
+        six_action_of(teacher_decision(batch_.observation(agent), *goal)));
+  }
+  const ViewpointIndex here = state().viewpoint[agent];
+  const auto next = next_on_shortest(batch_.graph(agent), here, *goal);
+  if (!next) return std::nullopt;
+  return *next == here ? 0 : action_to(agent, *next);
+}
+
+tasks::EpisodeMetrics BatchEnvironment::compute_metrics(std::size_t agent) const {
+  check_agent(agent);
   const tasks::ReferencePath& path = batch_.path(agent);
   if (goal_hidden(path)) {
     throw ArgumentError(fmt::format("path {} hides its goal", path.path_id));

@@ -3,10 +3,14 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "enfilade/agents/episode_batch.h"
+#include "enfilade/agents/experts.h"
+#include "enfilade/agents/panorama.h"
+#include "enfilade/agents/topological_map.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/sim/simulator.h"
 #include "enfilade/tasks/annotations.h"
@@ -21,6 +25,12 @@ enum class ActionSpace {
   /// direction of the walk, elevation 0.
   kViewpoint,
   kSixActions,  ///< SixAction: 0 left, 1 right, 2 up, 3 down, 4 forward, 5 stop
+  /// 0: stop; k: walk to candidate k - 1 of panorama(), and look as the view that has it (Fried et
+  /// al. 2018; EnvDrop without its turns).
+  kPanoramic,
+  /// 0: stop; k: walk to node k - 1 of map() if it is open, through visited ones, and look as the
+  /// last of them has it (DUET, Chen et al. 2022). Edges count in both directions.
+  kMap,
 };
 
 /// The reward of a step.
@@ -57,6 +67,7 @@ struct Outcome {
   /// until the agent has been there.
   std::vector<double> distance;
   std::vector<std::uint32_t> episode;  ///< index into EpisodeSet::episodes
+  std::vector<std::uint32_t> actions;  ///< taken in the present episode
   std::vector<std::uint8_t> began;     ///< 1: an episode began
   std::vector<double> success;         ///< of the episode that has ended: 1 or 0; NaN if hidden
   /// Likewise. Of R2R as tasks::EpisodeMetrics has both; of other goals by tasks::goal_reached()
@@ -64,7 +75,8 @@ struct Outcome {
   std::vector<double> spl;
 };
 
-/// step() allocates nothing but memory of growing trajectories. One thread at a time.
+/// step() allocates nothing but memory of growing trajectories, and of panoramas that are seen for
+/// the first time. One thread at a time.
 class BatchEnvironment {
  public:
   /// \throws ArgumentError naming the field for values out of range, max_navigable that a graph
@@ -85,9 +97,22 @@ class BatchEnvironment {
 
   const EnvironmentConfig& config() const noexcept { return config_; }
   const tasks::EpisodeSet& episodes() const noexcept { return *episodes_; }
-  std::int64_t action_count() const noexcept;
+  /// How many actions there are; of kMap 1 + the viewpoints of the largest building.
+  std::int64_t action_count() const noexcept { return action_count_; }
   const sim::StateSpans& state() const noexcept { return batch_.state(); }
   const Outcome& outcome() const noexcept { return outcome_; }
+  /// What an agent can see and choose from where it stands: of 640 x 480 pixels and 60 degrees as
+  /// published, whatever the camera. Valid as long as *this. \throws ArgumentError for other action
+  /// spaces than kPanoramic and kMap, an agent beyond the batch, or before reset()
+  const Panorama& panorama(std::size_t agent) const;
+  /// What an agent knows of the building in its present episode. Valid until the next step() or
+  /// reset(). \throws ArgumentError for other action spaces than kMap, likewise
+  const TopologicalMap& map(std::size_t agent) const;
+  /// The action of a teacher, an oracle: of kMap that of map_expert() by `rule`, towards the end of
+  /// the annotated path; else a step on the shortest path to the nearest viewpoint that satisfies
+  /// the goal, and stop on it. No value if the goal is hidden or out of reach, or no node is open.
+  /// \throws ArgumentError for an agent beyond the batch, or before reset()
+  std::optional<std::int64_t> expert(std::size_t agent, ExpertRule rule = ExpertRule::kSpl) const;
   /// All metrics of what the agent has walked in its episode so far. O(steps * reference length).
   /// \throws ArgumentError for an agent beyond the batch, before reset(), or if the goal is hidden
   tasks::EpisodeMetrics compute_metrics(std::size_t agent) const;
@@ -96,9 +121,19 @@ class BatchEnvironment {
   const tasks::Trajectory& trajectory(std::size_t agent) const { return batch_.trajectory(agent); }
 
  private:
+  bool has_panoramas() const noexcept {
+    return config_.actions == ActionSpace::kPanoramic || config_.actions == ActionSpace::kMap;
+  }
+  void check_agent(std::size_t agent) const;
   void check_actions(std::span<const std::int64_t> actions) const;
   void begin(std::size_t agent, std::size_t episode);
   sim::Action action_of(std::size_t agent, std::int64_t number) const;
+  void walk(std::size_t agent, std::int64_t number);
+  std::uint32_t plan(std::size_t agent, std::int64_t number);
+  void look(std::size_t agent);
+  std::optional<std::int64_t> map_action(std::size_t agent, ExpertRule rule) const;
+  std::int64_t action_to(std::size_t agent, ViewpointIndex neighbour) const;
+  void pass(std::size_t agent);
   void judge(std::size_t agent, bool stopped);
   void finish(std::size_t agent);
 
@@ -108,7 +143,13 @@ class BatchEnvironment {
   Outcome outcome_;
   std::vector<Rng> rngs_;
   std::vector<sim::Action> actions_;
-  std::vector<double> walked_;  // metres, of the present episode
+  std::vector<double> walked_;       // metres, of the present episode
+  std::vector<std::size_t> passed_;  // points of the trajectory that walked_ includes
+  std::int64_t action_count_ = 0;
+  std::unique_ptr<PanoramaCache> panoramas_;
+  std::vector<const Panorama*> seen_;  // by agent
+  std::vector<TopologicalMap> maps_;   // likewise
+  std::vector<ViewpointIndex> way_;    // of walk()
   bool started_ = false;
 };
 

@@ -130,6 +130,95 @@ TEST(BatchEnvironment, SixActionsTurnLookAndGoForward) {
   EXPECT_EQ(environment.outcome().terminated[0], 1);
 }
 
+// A cross: v0 in the middle; v1 to the north, v2 to the east, v4 beyond v2; v3 beyond v1.
+std::shared_ptr<const tasks::EpisodeSet> cross_episodes() {
+  std::vector<graph::NavGraph> graphs;
+  graphs.emplace_back(graph::testing::connectivity(
+      "cross", {{0, 0, 1.5}, {0, 2, 1.5}, {2, 0, 1.5}, {0, 4, 1.5}, {4, 0, 1.5}},
+      {{0, 1}, {0, 2}, {1, 3}, {2, 4}}));
+  auto set = std::make_shared<tasks::EpisodeSet>();
+  set->split = "made";
+  set->graphs = graph::GraphSet::of(std::move(graphs));
+  const auto v = [](std::size_t i) { return ViewpointIndex(i); };
+  set->paths = {{0, ScanIndex(0), Radians(0), {v(0), v(2), v(4)}}};
+  set->episodes = {{"0_0", 0, 0, "walk"}};
+  return set;
+}
+
+TEST(BatchEnvironment, PanoramicActionsGoToCandidatesAndLookAlong) {
+  BatchEnvironment environment(cross_episodes(),
+                               config(1, ActionSpace::kPanoramic, Reward::kProgress));
+  EXPECT_THROW((void)environment.panorama(0), ArgumentError);
+  environment.reset();
+  EXPECT_THROW((void)environment.map(0), ArgumentError);
+  EXPECT_EQ(environment.action_count(), 16);
+  const auto& candidates = environment.panorama(0).candidates;
+  ASSERT_EQ(candidates.size(), 2U);
+  EXPECT_EQ(candidates[0].viewpoint, ViewpointIndex(1));  // north is met first
+  EXPECT_EQ(candidates[1].viewpoint, ViewpointIndex(2));
+  EXPECT_EQ(environment.expert(0), 2);
+  environment.step(std::array<std::int64_t, 1>{3});  // there is none
+  EXPECT_EQ(environment.state().viewpoint[0], ViewpointIndex(0));
+  environment.step(std::array<std::int64_t, 1>{2});
+  EXPECT_EQ(environment.state().viewpoint[0], ViewpointIndex(2));
+  EXPECT_EQ(environment.state().view_index[0], 15U);  // east, level
+  EXPECT_DOUBLE_EQ(environment.outcome().reward[0], 2);
+  environment.step(std::array{environment.expert(0).value()});
+  EXPECT_EQ(environment.expert(0), 0);
+  environment.step(std::array<std::int64_t, 1>{0});
+  EXPECT_EQ(environment.outcome().terminated[0], 1);
+  EXPECT_EQ(environment.outcome().actions[0], 4U);
+  EXPECT_DOUBLE_EQ(environment.outcome().spl[0], 1);
+}
+
+TEST(BatchEnvironment, MapActionsWalkToAnyOpenNodeAsOneAction) {
+  EnvironmentConfig c = config(1, ActionSpace::kMap, Reward::kProgress);
+  c.max_steps = 4;
+  BatchEnvironment environment(cross_episodes(), c);
+  environment.reset();
+  EXPECT_EQ(environment.action_count(), 6);  // five viewpoints
+  const auto act = [&](std::int64_t number) { environment.step(std::array{number}); };
+  const auto node = [&](std::size_t viewpoint) {
+    return std::int64_t{environment.map(0).find(ViewpointIndex(viewpoint)).value()} + 1;
+  };
+  EXPECT_EQ(environment.map(0).size(), 3U);
+  EXPECT_EQ(environment.expert(0), node(2));
+  act(node(1));
+  EXPECT_DOUBLE_EQ(environment.outcome().reward[0], -2);
+  EXPECT_EQ(environment.map(0).open(), 2U);
+  EXPECT_EQ(environment.expert(0), node(2));
+  EXPECT_EQ(environment.expert(0, ExpertRule::kNdtw), node(2));
+  act(node(0));  // visited: it stays
+  EXPECT_EQ(environment.state().viewpoint[0], ViewpointIndex(1));
+  act(node(2));  // back through the middle
+  EXPECT_EQ(environment.state().viewpoint[0], ViewpointIndex(2));
+  EXPECT_EQ(environment.state().view_index[0], 15U);
+  EXPECT_DOUBLE_EQ(environment.outcome().reward[0], 4);
+  EXPECT_EQ(environment.trajectory(0).points.size(), 5U);
+  EXPECT_EQ(environment.trajectory(0).actions, 3U);
+  EXPECT_EQ(environment.map(0).step_id(environment.map(0).find(ViewpointIndex(2)).value()), 4U);
+  act(node(4));
+  EXPECT_EQ(environment.outcome().truncated[0], 1);
+  EXPECT_DOUBLE_EQ(environment.outcome().success[0], 1);
+  EXPECT_DOUBLE_EQ(environment.outcome().spl[0], 0.5);  // 4 m of 8 m
+  environment.reset();
+  EXPECT_EQ(environment.map(0).size(), 3U);
+}
+
+TEST(BatchEnvironment, EveryActionSpaceHasATeacherThatArrives) {
+  for (const ActionSpace space : {ActionSpace::kViewpoint, ActionSpace::kSixActions,
+                                  ActionSpace::kPanoramic, ActionSpace::kMap}) {
+    BatchEnvironment environment(cross_episodes(), config(2, space, Reward::kSuccess));
+    EXPECT_THROW((void)environment.expert(0), ArgumentError);
+    environment.reset();
+    for (int i = 0; i < 20 && environment.outcome().terminated[0] == 0; ++i) {
+      environment.step(std::array{environment.expert(0).value(), environment.expert(1).value()});
+    }
+    EXPECT_THAT(environment.outcome().reward, ElementsAre(1, 1)) << static_cast<int>(space);
+    EXPECT_DOUBLE_EQ(environment.outcome().spl[0], 1);
+  }
+}
+
 TEST(BatchEnvironment, CutsOffAndBeginsAnewAtTheNextStepIfAsked) {
   EnvironmentConfig c = config(2, ActionSpace::kSixActions, Reward::kNone);
   c.max_steps = 2;

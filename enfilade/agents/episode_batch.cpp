@@ -68,7 +68,9 @@ void EpisodeBatch::began(std::size_t slot, std::size_t episode) {
 void EpisodeBatch::step(std::span<const sim::Action> actions) {
   simulator_.step(actions);
   for (std::size_t i = 0; i < size(); ++i) {
-    if (ended_[i] == 0) record(i);
+    if (ended_[i] != 0) continue;
+    record(i);
+    if (trajectories_[i].actions) ++*trajectories_[i].actions;
   }
 }
 
@@ -77,10 +79,10 @@ void EpisodeBatch::walk(std::size_t slot, std::span<const ViewpointIndex> path,
   const Radians heading = view_heading(view), elevation = view_elevation(view);
   simulator_.new_episode(slot, {{this->path(slot).scan, path.back()}, heading, elevation});
   tasks::Trajectory& trajectory = trajectories_[slot];
+  trajectory.actions = trajectory.actions.value_or(trajectory.points.size() - 1) + 1;
   for (const ViewpointIndex viewpoint : path) {
     trajectory.points.push_back({viewpoint, heading, elevation});
   }
-  trajectory.actions = trajectory.actions.value_or(0) + 1;
 }
 
 void EpisodeBatch::end(std::size_t slot) {
@@ -104,9 +106,12 @@ bool EpisodeBatch::reached(std::size_t slot, double radius) const {
   return tasks::goal_reached(graph(slot), path(slot), state().viewpoint[slot], legs_[slot], radius);
 }
 
-void EpisodeBatch::take_leg(std::size_t slot, double radius) {
-  legs_[slot] =
-      tasks::leg_after(graph(slot), path(slot), state().viewpoint[slot], legs_[slot], radius);
+void EpisodeBatch::take_leg(std::size_t slot, ViewpointIndex passed, double radius) {
+  legs_[slot] = tasks::leg_after(graph(slot), path(slot), passed, legs_[slot], radius);
+}
+
+std::optional<ViewpointIndex> EpisodeBatch::nearest_goal(std::size_t slot) const {
+  return tasks::nearest_goal(graph(slot), path(slot), state().viewpoint[slot], legs_[slot]);
 }
 
 std::span<const tasks::ViewedObject> EpisodeBatch::objects_around(std::size_t slot) const {
@@ -129,7 +134,7 @@ Observation EpisodeBatch::observation(std::size_t slot) const {
           .heading = Radians(now.heading[slot]),
           .elevation = Radians(now.elevation[slot]),
           .view_index = now.view_index[slot],
-          .step = now.step[slot],
+          .step = static_cast<std::uint32_t>(trajectories_[slot].actions.value_or(now.step[slot])),
           .navigable = {now.navigable_viewpoint.subspan(row, n),
                         now.navigable_rel_heading.subspan(row, n),
                         now.navigable_rel_elevation.subspan(row, n),

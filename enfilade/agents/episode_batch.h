@@ -1,6 +1,7 @@
 /// \file  A batch of episodes in one simulator.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -76,7 +77,14 @@ class EpisodeBatch {
   bool reached(std::size_t slot, double radius) const;
   /// Of R2R-Back: whoever is within `radius` metres of the turning point is on the way back from
   /// now on.
-  void take_leg(std::size_t slot, double radius);
+  void take_leg(std::size_t slot, double radius) {
+    take_leg(slot, state().viewpoint[slot], radius);
+  }
+  /// The same for a viewpoint that it has passed on a walk.
+  void take_leg(std::size_t slot, ViewpointIndex passed, double radius);
+  /// The viewpoint to walk to from here: tasks::nearest_goal(). No value if the goal is hidden or
+  /// out of reach.
+  std::optional<ViewpointIndex> nearest_goal(std::size_t slot) const;
   /// The slot's observation, without `rng`. Valid until the next step() or begin().
   Observation observation(std::size_t slot) const;
 

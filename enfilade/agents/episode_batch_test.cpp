@@ -87,6 +87,13 @@ TEST(EpisodeBatch, AWalkIsOneActionWithAPointForEachViewpoint) {
   EXPECT_NEAR(batch.trajectory(0).points[2].heading.value, degrees(90).value, 1e-12);
   EXPECT_EQ(batch.trajectory(0).actions, 1U);
   EXPECT_EQ(batch.trajectory(1).actions, std::nullopt);
+  EXPECT_EQ(batch.observation(0).step, 1U);
+  batch.step(std::vector<sim::Action>(2));
+  EXPECT_EQ(batch.trajectory(0).actions, 2U);
+  EXPECT_EQ(batch.observation(0).step, 2U);
+  EXPECT_EQ(batch.observation(1).step, 1U);
+  batch.walk(1, std::array{ViewpointIndex(1)}, 12);  // one that has taken a step before
+  EXPECT_EQ(batch.trajectory(1).actions, 2U);
   batch.begin(0, 0);
   EXPECT_EQ(batch.trajectory(0).actions, std::nullopt);
 }

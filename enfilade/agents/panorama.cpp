@@ -48,6 +48,12 @@ Radians view_elevation(std::uint32_t view) {
   return degrees(kStep * (static_cast<double>(view / kColumns) - 1));
 }
 
+std::optional<std::uint32_t> arrival_view(const Panorama& panorama, ViewpointIndex neighbour) {
+  const auto found = std::ranges::find(panorama.candidates, neighbour, &sim::Candidate::viewpoint);
+  if (found == panorama.candidates.end()) return std::nullopt;
+  return found->view;
+}
+
 sim::Action step_towards(const sim::Candidate& candidate, std::uint32_t view) {
   const std::uint32_t row = view / kColumns, wanted = candidate.view / kColumns;
   if (row != wanted) return {0, Radians(0), degrees(row < wanted ? kStep : -kStep)};

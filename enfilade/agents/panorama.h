@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -48,6 +49,10 @@ AngleFeature angle_feature(Radians heading, Radians elevation);
 /// degrees, at elevations -30, 0 and 30. \pre view < 36
 Radians view_heading(std::uint32_t view);
 Radians view_elevation(std::uint32_t view);  ///< likewise
+
+/// The view with which an agent comes to a neighbour: that in which this panorama has it, so that
+/// the agent looks on along its way. No value if the viewpoint is no candidate.
+std::optional<std::uint32_t> arrival_view(const Panorama& panorama, ViewpointIndex neighbour);
 
 /// The next of the low-level actions with which EnvDrop's agent goes to a candidate (Tan, Yu,
 /// Bansal 2019): up or down to the row of its view, right until its column, then forward. Each is

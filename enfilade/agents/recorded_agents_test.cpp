@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "enfilade/agents/experts.h"
+#include "enfilade/agents/final_stop.h"
 #include "enfilade/agents/panorama.h"
 #include "enfilade/agents/topological_map.h"
 #include "enfilade/core/gzip.h"
@@ -78,10 +79,12 @@ class DuetWalk {
       check_map(step);
       check_features(step, panorama);
       check_experts(step);
+      stops_.remember(map_.find(here_).value(), step["stop_prob"].get<double>());
       if (::testing::Test::HasFatalFailure()) return;
       if (step["go_to"].is_null() || !step.contains("arrives")) break;
       move(step);
     }
+    check_end();
   }
 
  private:
@@ -166,13 +169,27 @@ class DuetWalk {
       EXPECT_EQ(graph_.id(path[i]), step["walked"][i]) << what_;
     }
     const ViewpointIndex last = path.size() > 1 ? path[path.size() - 2] : here_;
-    for (const sim::Candidate& candidate : cache_.at({scan_, last}).candidates) {
-      if (candidate.viewpoint != path.back()) continue;
-      EXPECT_EQ(candidate.view, step["arrives"][1].get<std::uint32_t>()) << what_;
-      EXPECT_NEAR(view_heading(candidate.view).value, step["arrives"][2].get<double>(), 1e-12);
-      EXPECT_NEAR(view_elevation(candidate.view).value, step["arrives"][3].get<double>(), 1e-12);
-    }
+    const auto view = arrival_view(cache_.at({scan_, last}), path.back());
+    ASSERT_TRUE(view.has_value()) << what_;
+    EXPECT_EQ(*view, step["arrives"][1].get<std::uint32_t>()) << what_;
+    EXPECT_NEAR(view_heading(*view).value, step["arrives"][2].get<double>(), 1e-12) << what_;
+    EXPECT_NEAR(view_elevation(*view).value, step["arrives"][3].get<double>(), 1e-12) << what_;
     walked_.insert(walked_.end(), path.begin(), path.end());
+  }
+
+  // The walk back after the last action, also after a stop of its own.
+  void check_end() {
+    const Json& ends = episode_["steps"].back()["ends"];
+    const LastAction last = ends == "stop"    ? LastAction::kStop
+                            : ends == "limit" ? LastAction::kLimit
+                                              : LastAction::kNothingOpen;
+    std::vector<ViewpointIndex> back;
+    final_walk(map_, map_.find(here_).value(), stops_, last, FinalStop::kAlways, back);
+    EXPECT_EQ(graph_.id(back.empty() ? here_ : back.back()), episode_["stop_node"]) << what_;
+    if (back.empty()) return;
+    const Json& entry = episode_["trajectory"].back();
+    ASSERT_EQ(back.size(), entry.size()) << what_;
+    for (std::size_t i = 0; i < back.size(); ++i) EXPECT_EQ(graph_.id(back[i]), entry[i]) << what_;
   }
 
   const Json& episode_;
@@ -180,6 +197,7 @@ class DuetWalk {
   ScanIndex scan_;
   PanoramaCache& cache_;
   TopologicalMap map_;
+  StopMemory stops_;
   std::vector<ViewpointIndex> reference_, walked_;
   ViewpointIndex here_;
   Radians heading_, elevation_;
