@@ -11,8 +11,10 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/report/results_table.h"
+#include "enfilade/tasks/files.h"
 #include "enfilade/tasks/results.h"
 #include "enfilade/tasks/score.h"
+#include "enfilade/tasks/soon_submission.h"
 #include "enfilade/tasks/task_score.h"
 
 namespace enfilade::apps {
@@ -20,7 +22,7 @@ namespace {
 
 struct Options {
   std::string data, features, output;
-  std::string agent = "random", split = "val_unseen", task;
+  std::string agent = "random", split = "val_unseen", task, form;
   agents::RunOptions run;
 };
 
@@ -35,17 +37,35 @@ void print_score(const std::vector<tasks::Trajectory>& trajectories,
   fmt::print("{}", to_table(compute_task_score(trajectories, episodes, scorer), episodes));
 }
 
+std::string results_text(const Options& options, const std::vector<tasks::Trajectory>& trajectories,
+                         const tasks::EpisodeSet& episodes) {
+  return options.form.empty() ? to_json(trajectories, episodes)
+                              : to_released_soon(trajectories, episodes);
+}
+
+void check_form(const std::string& form, tasks::Task task) {
+  if (form.empty()) return;
+  if (form != "released") throw UsageError(fmt::format("--to {}: only released is known", form));
+  if (task != tasks::Task::kSoon) {
+    throw UsageError(fmt::format("--to released: a form of SOON's results; those of {} have one",
+                                 tasks::title_of(task)));
+  }
+}
+
 void run(const Options& options) {
   const bool trained = std::filesystem::is_directory(options.agent);
   std::unique_ptr<agents::Agent> agent;
   if (!trained) agent = agents::make_agent(options.agent);
   const dataset::Dataset data = open_data(options.data);
   const tasks::EpisodeSet episodes = episodes_of(data, task_of(options.task, data), options.split);
+  check_form(options.form, episodes.task);
   if (trained) agent = load_trained_agent(options.agent, options.features, episodes);
   const auto trajectories = agents::run_agent(*agent, episodes, options.run,
                                               progress_bar(options.agent + ", " + options.split));
   const bool to_stdout = options.output == "-";
-  if (!options.output.empty()) write_output(options.output, to_json(trajectories, episodes));
+  if (!options.output.empty()) {
+    write_output(options.output, results_text(options, trajectories, episodes));
+  }
   if (to_stdout) return;
   fmt::print("{} on {}: {} episodes{}\n", options.agent, options.split, trajectories.size(),
              options.output.empty() ? "" : " -> " + options.output);
@@ -74,6 +94,9 @@ void add_run(CLI::App& app, int& /*status*/) {
             "Image features, for a model with vision");
   add_value(verb, "-o,--output", options->output, "FILE",
             "Results file, as the benchmark's public code has it; - for standard output");
+  add_value(verb, "--to", options->form, "FORM",
+            "released: SOON's results as its own code writes them, an entry with its alternatives "
+            "an element (default: as DUET does)");
   add_whole_number(verb, "--seed", options->run.seed, "Seed of the agent's random numbers", 0);
   add_whole_number(verb, "--batch", options->run.batch_size, "Episodes at once; changes no result");
   set_examples(verb, {"enfilade run --agent random --split val_unseen -o results.json",

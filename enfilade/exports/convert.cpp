@@ -226,8 +226,17 @@ std::string with_keys(std::string_view results, const std::string& file, ResultK
 
 namespace {
 
+/// Without the id of SOON's entries, which they get where they had none.
+tasks::PathAnnotation without_id(tasks::PathAnnotation path) {
+  for (tasks::InstructionDetails& details : path.details) {
+    std::erase_if(details.fields, [](const auto& field) { return field.first == "instr_id"; });
+  }
+  return path;
+}
+
 /// Without what DUET's lines do not hold of SOON's entries: which alternatives belong together.
 tasks::PathAnnotation without_entry(tasks::PathAnnotation path) {
+  path = without_id(std::move(path));
   path.group.reset();
   if (auto* boxes = std::get_if<tasks::NamedBoxes>(&path.goal)) boxes->first_alternative.clear();
   return path;
@@ -247,7 +256,7 @@ std::string annotations_text(const tasks::Annotations& annotations, const Annota
     const tasks::PathAnnotation& path = annotations.paths[i];
     const bool lines_of_soon = annotations.task == Task::kSoon && !form.released;
     if (i < again.paths.size() &&
-        (again.paths[i] == path ||
+        (again.paths[i] == path || (form.released && without_id(again.paths[i]) == path) ||
          (lines_of_soon && without_entry(again.paths[i]) == without_entry(path)))) {
       continue;
     }

@@ -101,7 +101,7 @@ TEST(Convert, SoonsEntriesBecomeLinesWithoutWhatTiesThem) {
     target += ", " + corner(name);
   }
   const std::string released =
-      R"([{"path": [["a", "c"], ["a", "b", "c"]], "instructions": [["n", "a", "r", "g", "t"]], )"
+      R"([{"instr_id": "x", "path": [["a", "c"], ["a", "b", "c"]], "instructions": [["n", "a", "r", "g", "t"]], )"
       R"("bboxes": [{"scan": "s", "image_id": "c", "obj_name": "vase", "target": {)" +
       target + "}}]}]";
   const tasks::Annotations read =

@@ -98,9 +98,11 @@ bool first_has_compound_instructions(std::string_view text) {
   });
 }
 
+/// Whether a field of the first record is an object, or a list of them.
 bool first_has_object(std::string_view text, std::string_view field) {
   return look_at_first(text, [field](const simdjson::dom::object& object) {
-    return object.at_key(field).is_object();
+    const auto value = object.at_key(field);
+    return value.is_object() || value.at(0).is_object();
   });
 }
 
@@ -151,7 +153,7 @@ std::optional<Task> find_task_of_results(std::string_view text) {
   if (first_has(text, {"inst_idx"})) return Task::kCvdn;
   if (first_has(text, {"midstop"})) return Task::kR2rBack;
   if (first_has(text, {"instruction_id"})) return Task::kRxr;
-  if (first_has_object(text, "trajectory")) return Task::kSoon;
+  if (first_has_object(text, "trajectory")) return Task::kSoon;  // also in a list, as released
   return std::nullopt;
 }
 

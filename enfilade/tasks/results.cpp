@@ -13,6 +13,7 @@
 #include "enfilade/core/detail/json_entries.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/tasks/formats/soon_entries.h"
 
 namespace enfilade::tasks {
 namespace {
@@ -227,6 +228,7 @@ class Reader {
         coverage_(coverage),
         wanted_(fields_of(episodes.task)),
         faults_(file),
+        soon_(episodes),
         places_(episodes.episodes.size()) {
     by_id_.reserve(places_.size());
     results_.trajectories.resize(places_.size());
@@ -271,6 +273,10 @@ class Reader {
   void read_entry(Element element, std::size_t place, const Path& path) {
     Found found;
     json::fields(element, wanted_, found, path, faults_);  // what it lacks is reported; go on
+    if (episodes_.task == Task::kSoon && found[kTrajectory] && found[kTrajectory]->is_array()) {
+      read_alternatives(found, place, path);
+      return;
+    }
     const auto [id_element, id_field] = id_of(found);
     std::optional<std::size_t> episode;
     bool keep = false;
@@ -291,11 +297,63 @@ class Reader {
     }
     Trajectory read;
     read_trajectory(found, episode, path, read);
+    if (keep) keep_as(*episode, std::move(read));
+  }
+
+  void keep_as(std::size_t episode, Trajectory read) {
+    read.episode = episode;
     // A copy, because a vector that grew has room for twice as many.
-    if (!keep) return;
-    read.episode = *episode;
     read.points.assign(points_.begin(), points_.end());
-    results_.trajectories[*episode] = std::move(read);
+    results_.trajectories[episode] = std::move(read);
+  }
+
+  // SOON as released: one entry answers an instruction from the starts of all its alternatives.
+  void read_alternatives(const Found& found, std::size_t place, const Path& path) {
+    std::optional<std::string> id;
+    const Path id_path(path, "instr_id");
+    if (found[kInstrId]) id = read_id(*found[kInstrId], "instr_id", id_path);
+    if (id && !soon_.knows(*id)) {
+      faults_.error(id_path, "unknown-instr-id",
+                    fmt::format("{} is not one of the {} entries that split {} names", shown(*id),
+                                soon_.size(), episodes_.split));
+      id.reset();
+    }
+    const Path list(path, "trajectory");
+    std::size_t k = 0;
+    const simdjson::dom::array answers = found[kTrajectory]->get_array().value_unsafe();
+    for (const Element one : answers) {
+      const Path at(list, k++);
+      if (faults_.full()) return faults_.stop(at);
+      read_alternative(one, id, place, at);
+    }
+    if (k == 0) faults_.error(list, "empty-trajectory", "no alternative; one or more are expected");
+  }
+
+  void read_alternative(Element element, const std::optional<std::string>& id, std::size_t place,
+                        const Path& path) {
+    const auto start = id ? formats::soon_start(element) : std::nullopt;
+    std::optional<std::size_t> episode;
+    if (start) {
+      const auto answered = [this](std::size_t e) { return places_[e].has_value(); };
+      const formats::SoonEntries::Found found = soon_.find(*id, *start, answered);
+      episode = found.episode;
+      if (!episode && found.any) {
+        faults_.error(path, "repeated-instr-id",
+                      fmt::format("all paths of entry {} that begin at {} have an answer already",
+                                  shown(*id), shown(*start)));
+      } else if (!episode) {
+        faults_.error(
+            Path(path, "path"), "wrong-start",
+            fmt::format("starts at {}, but no path of entry {} does", shown(*start), shown(*id)));
+      }
+    }
+    Trajectory read;
+    TrajectoryReader reader(episodes_, episode, faults_, points_);
+    read_pointed(element, path, PointForm::kNumber, reader, read);
+    read.actions = reader.actions();
+    if (!episode) return;
+    places_[*episode] = place;
+    keep_as(*episode, std::move(read));
   }
 
   const char* own_id_field() const {
@@ -323,7 +381,7 @@ class Reader {
                        Trajectory& read) {
     TrajectoryReader reader(episodes_, episode, faults_, points_);
     if (found[kTrajectory] && episodes_.task == Task::kSoon) {
-      read_pointed(*found[kTrajectory], Path(path, "trajectory"), reader, read);
+      read_pointed(*found[kTrajectory], Path(path, "trajectory"), PointForm::kList, reader, read);
     } else if (found[kTrajectory]) {
       reader.read(*found[kTrajectory], Path(path, "trajectory"));
     } else if (found[kPath]) {
@@ -353,21 +411,26 @@ class Reader {
     return id ? std::to_string(*id) : std::string();
   }
 
+  // How DUET and SOON's own code write a number of the point: [x] and x.
+  enum class PointForm : std::uint8_t { kList, kNumber };
+
   // SOON: {"path": [...], "obj_heading": [h], "obj_elevation": [e]}.
-  void read_pointed(Element element, const Path& path, TrajectoryReader& reader, Trajectory& read) {
+  void read_pointed(Element element, const Path& path, PointForm form, TrajectoryReader& reader,
+                    Trajectory& read) {
     constexpr std::array<json::Field, 3> kWanted{{{"path"}, {"obj_heading"}, {"obj_elevation"}}};
     std::array<std::optional<Element>, 3> found;
     json::fields(element, kWanted, found, path, faults_);
     if (found[0]) reader.read(*found[0], Path(path, "path"));
     if (!found[1] || !found[2]) return;
-    const auto heading = read_one(*found[1], Path(path, "obj_heading"));
-    const auto elevation = read_one(*found[2], Path(path, "obj_elevation"));
+    const auto heading = read_one(*found[1], Path(path, "obj_heading"), form);
+    const auto elevation = read_one(*found[2], Path(path, "obj_elevation"), form);
     if (heading && elevation) read.point = SpherePoint{*heading, *elevation};
   }
 
-  // [x], or null: the agent points nowhere.
-  std::optional<double> read_one(Element element, const Path& path) {
+  // Null: the agent points nowhere.
+  std::optional<double> read_one(Element element, const Path& path, PointForm form) {
     if (element.is_null()) return std::nullopt;
+    if (form == PointForm::kNumber) return json::number(element, path, faults_);
     const auto list = json::array(element, path, faults_);
     if (!list) return std::nullopt;
     if (list->size() != 1) {
@@ -442,6 +505,7 @@ class Reader {
   Coverage coverage_;
   Fields wanted_;
   Faults faults_;
+  formats::SoonEntries soon_;
   std::unordered_map<std::string_view, std::size_t> by_id_;  // indices of episodes
   // RxR's instruction_id, which ends its instr_id.
   std::unordered_map<std::string_view, std::size_t> by_number_;

@@ -34,6 +34,7 @@ tasks::EpisodeSet episodes_of(Task task) {
   path.path = {"v0", "v1", "v2"};
   path.instructions = {"Walk."};
   path.goal = goal_of(task);
+  if (task == Task::kSoon) path.details.emplace_back().fields = {{"instr_id", "7"}};
   tasks::Annotations annotations{"made", "<made>", {path}, task};
   tasks::ObjectBoxes boxes;
   tasks::ViewedObject object;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
+#include <unordered_set>
 #include <utility>
 #include <variant>
 
@@ -34,11 +35,12 @@ constexpr std::size_t kOtherSplit = 9;
 // few kB could ask for more.
 constexpr std::size_t kMostCopiedBytes = std::size_t{1} << 31U;
 
-enum Wanted : std::size_t { kPath, kInstructions, kBoxes, kScan, kReleasedFields };
+enum Wanted : std::size_t { kPath, kInstructions, kBoxes, kScan, kSharedFields };
+enum OfEntry : std::size_t { kEntryId = kSharedFields, kReleasedFields };
 constexpr std::array<json::Field, kReleasedFields> kReleased{
-    {{"path"}, {"instructions"}, {"bboxes", false}, {"scan", false}}};
+    {{"path"}, {"instructions"}, {"bboxes", false}, {"scan", false}, {kSoonEntryId, false}}};
 
-enum OfLine : std::size_t { kPathId = kReleasedFields, kEncodings, kLineFields };
+enum OfLine : std::size_t { kPathId = kSharedFields, kEncodings, kLineFields };
 constexpr std::array<json::Field, kLineFields> kOfLine{{{"path"},
                                                         {"instructions"},
                                                         {"bboxes", false},
@@ -223,6 +225,7 @@ class Released {
     entry.group = group;
     read_goal(found[kScan], found[kBoxes], path, faults, entry);
     read_instructions(*found[kInstructions], Path(path, "instructions"), faults, read_list, entry);
+    if (found[kEntryId]) read_id(*found[kEntryId], Path(path, kSoonEntryId), faults, entry);
     const auto alternatives = read_alternatives(*found[kPath], Path(path, "path"), faults);
     if (faults.errors() > 0) return;
     copied_ += (alternatives.size() - 1) * bytes_of(entry, alternatives);
@@ -237,6 +240,14 @@ class Released {
   }
 
  private:
+  void read_id(Element element, const Path& path, Faults& faults, PathAnnotation& entry) {
+    const std::size_t errors = faults.errors();
+    const std::string id = read_text(element, path, faults);
+    if (faults.errors() != errors) return;
+    once_.check(id, static_cast<std::size_t>(*entry.group), path, faults);
+    for (InstructionDetails& details : entry.details) details.fields.emplace_back(kSoonEntryId, id);
+  }
+
   void add(PathAnnotation entry, const std::vector<std::string>& path,
            const std::vector<std::vector<std::string>>& alternatives) {
     entry.path_id = static_cast<std::int64_t>(result_.paths.size());
@@ -252,6 +263,7 @@ class Released {
 
   Annotations& result_;
   std::size_t split_;
+  Once once_{"repeated-id"};
   std::int64_t entries_ = 0;
   std::size_t copied_ = 0;
 };
@@ -316,6 +328,14 @@ nlohmann::ordered_json json_of(const PathAnnotation& entry, const NamedBox& box)
           {"target", std::move(target)}};
 }
 
+using Fields = std::vector<std::pair<std::string, std::string>>;
+
+// The texts beside the whole: what is left without the entry's id, which stands last.
+std::span<const Fields::value_type> texts_of(const InstructionDetails& details) {
+  const std::span<const Fields::value_type> all(details.fields);
+  return soon_entry(details) ? all.first(all.size() - 1) : all;
+}
+
 void check_form(const PathAnnotation& entry) {
   if (!running_number(entry.id)) throw not_soon(entry, "its id is no SOON path's");
   if (entry.details.size() != entry.instructions.size()) {
@@ -329,7 +349,7 @@ void check_form(const PathAnnotation& entry) {
   }
   for (const InstructionDetails& details : entry.details) {
     auto part = kParts.begin();  // they are read back in this order
-    for (const auto& [name, text] : details.fields) {
+    for (const auto& [name, text] : texts_of(details)) {
       part = std::find(part, kParts.end(), name);
       if (part++ == kParts.end()) {
         throw not_soon(entry, fmt::format("field {:?} is unknown, or not in SOON's order", name));
@@ -354,7 +374,7 @@ std::string line_of(const PathAnnotation& entry) {
   bool encoded = false;
   for (std::size_t k = 0; k < entry.instructions.size(); ++k) {
     nlohmann::ordered_json texts;
-    for (const auto& [name, text] : entry.details[k].fields) texts[name] = text;
+    for (const auto& [name, text] : texts_of(entry.details[k])) texts[name] = text;
     texts["full"] = entry.instructions[k];
     instructions.push_back(std::move(texts));
     encodings.push_back({{"full", entry.details[k].tokens}});
@@ -373,13 +393,13 @@ std::string line_of(const PathAnnotation& entry) {
 
 // An instruction as a list of five texts.
 nlohmann::ordered_json texts_json(const PathAnnotation& entry, std::size_t k) {
-  const InstructionDetails& details = entry.details[k];
-  if (details.fields.size() != kParts.size()) {
+  const std::span<const Fields::value_type> parts = texts_of(entry.details[k]);
+  if (parts.size() != kParts.size()) {
     throw not_soon(entry, fmt::format("{} texts beside the whole of instruction {}, not {}",
-                                      details.fields.size(), k, kParts.size()));
+                                      parts.size(), k, kParts.size()));
   }
   auto texts = nlohmann::ordered_json::array();
-  for (const auto& [name, text] : details.fields) texts.push_back(text);
+  for (const auto& [name, text] : parts) texts.push_back(text);
   texts.push_back(entry.instructions[k]);
   return texts;
 }
@@ -397,8 +417,21 @@ nlohmann::ordered_json shared_json(const PathAnnotation& entry) {
   return shared;
 }
 
+// The id that all instructions of all paths of an entry have, else its number in the file.
+std::string entry_id(std::span<const PathAnnotation> paths, std::size_t number) {
+  std::optional<std::string> id;
+  for (const PathAnnotation& path : paths) {
+    for (const InstructionDetails& details : path.details) {
+      const auto own = soon_entry(details);
+      if (id && own != id) throw not_soon(path, "two instr_ids in one entry");
+      id = own;
+    }
+  }
+  return id.value_or(fmt::to_string(number));
+}
+
 // One entry. \pre paths is not empty
-std::string released_line(std::span<const PathAnnotation> paths, std::size_t number) {
+std::string released_line(std::span<const PathAnnotation> paths, const std::string& id) {
   const nlohmann::ordered_json shared = shared_json(paths.front());
   auto alternatives = nlohmann::ordered_json::array();
   for (const PathAnnotation& path : paths) {
@@ -412,7 +445,7 @@ std::string released_line(std::span<const PathAnnotation> paths, std::size_t num
   }
   nlohmann::ordered_json entry{{"path", std::move(alternatives)}};
   entry.update(shared);
-  entry["instr_id"] = fmt::to_string(number);
+  entry[std::string(kSoonEntryId)] = id;
   try {
     return entry.dump();
   } catch (const nlohmann::json::type_error&) {
@@ -422,8 +455,14 @@ std::string released_line(std::span<const PathAnnotation> paths, std::size_t num
 
 }  // namespace
 
+std::optional<std::string> soon_entry(const InstructionDetails& details) {
+  if (details.fields.empty() || details.fields.back().first != kSoonEntryId) return std::nullopt;
+  return details.fields.back().second;
+}
+
 std::string to_soon(const Annotations& annotations) {
   const std::span<const PathAnnotation> paths(annotations.paths);
+  std::unordered_set<std::string> ids;
   std::string text = "[";
   std::size_t number = 0;
   for (std::size_t begin = 0; begin < paths.size(); ++number) {
@@ -431,7 +470,12 @@ std::string to_soon(const Annotations& annotations) {
     while (end < paths.size() && paths[begin].group && paths[end].group == paths[begin].group) {
       ++end;
     }
-    text += (number == 0 ? "\n" : ",\n") + released_line(paths.subspan(begin, end - begin), number);
+    const auto entry = paths.subspan(begin, end - begin);
+    const std::string id = entry_id(entry, number);
+    if (!ids.insert(id).second) {
+      throw not_soon(entry.front(), fmt::format("its entry has the instr_id {:?} of another", id));
+    }
+    text += (number == 0 ? "\n" : ",\n") + released_line(entry, id);
     begin = end;
   }
   return text + "\n]\n";

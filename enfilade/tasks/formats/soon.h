@@ -1,11 +1,18 @@
 /// \file  SOON's files, as released (github.com/ZhuFengdaaa/SOON) and as DUET reads them.
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "enfilade/tasks/annotations.h"
 
 namespace enfilade::tasks::formats {
+
+/// The last of the details' `fields` where a file as released names its entries: the `instr_id`
+/// that an entry's alternatives and instructions share, and by which submissions answer it.
+inline constexpr std::string_view kSoonEntryId = "instr_id";
+/// That id. No value: none was given.
+std::optional<std::string> soon_entry(const InstructionDetails& details);
 
 /// Reads `<split>.json` as released: entries with several alternative paths. Each alternative
 /// becomes a path of its own, with id `<split number>-<running number>` as in DUET's files
@@ -14,11 +21,12 @@ namespace enfilade::tasks::formats {
 /// its list of five texts: name, attribute, relation, region (details' fields `obj_name`,
 /// `attribute`, `relation`, `region`), and the whole, which is the text. Goals are NamedBoxes;
 /// hidden where there are no `bboxes`, or none in the list. The scan is that of the boxes, or the
-/// entry's own `scan`. The heading is 1.52, with which DUET evaluates. Of a box, `target` counts;
-/// its own `heading` and `elevation`, `mouse_*`, and an entry's `instr_id` are read over.
+/// entry's own `scan`. The heading is 1.52, with which DUET evaluates. An `instr_id` is kept: see
+/// kSoonEntryId. Of a box, `target` counts; its own `heading` and `elevation`, and `mouse_*`, are
+/// read over.
 /// \throws InvalidInput listing its faults with JSON paths: missing or wrongly typed fields, no
-/// path, an empty path, two scans in one entry, instructions that are no lists of five,
-/// alternatives that repeat more than 2 GiB of their entries
+/// path, an empty path, two scans in one entry, an instr_id that another entry has, instructions
+/// that are no lists of five, alternatives that repeat more than 2 GiB of their entries
 Annotations parse_soon(std::string_view json, const std::string& file, std::string split);
 
 /// The same of DUET's lines (`<split>_enc.jsonl`, `<split>_enc_pseudo_obj_label.jsonl`): a path a
@@ -30,18 +38,19 @@ Annotations parse_soon(std::string_view json, const std::string& file, std::stri
 Annotations parse_soon_lines(std::string_view lines, const std::string& file, std::string split);
 
 /// The released form, an entry a line: neighbouring paths of one group are an entry's alternatives,
-/// a path without a group is an entry. What parse_soon() gave is read back equal, if its split has
-/// the same name; of parse_soon_lines(), all but the ids, the order of first alternatives and
-/// tokens, which this form does not have.
-/// \throws ArgumentError for other annotations than SOON's, naming the path: instructions without
-/// the four texts beside the whole, paths of one group that differ in more than the path; for what
-/// JSON cannot say: an infinite number, text that is not UTF-8
+/// a path without a group is an entry. An entry without an `instr_id` gets its number in the file.
+/// What parse_soon() gave is read back equal but for that, if its split has the same name; of
+/// parse_soon_lines(), all but the ids, the order of first alternatives and tokens, which this form
+/// does not have. \throws ArgumentError for other annotations than SOON's, naming the path:
+/// instructions without the four texts beside the whole, paths of one group that differ in more
+/// than the path, two groups of one instr_id; for what JSON cannot say: an infinite number, text
+/// that is not UTF-8
 std::string to_soon(const Annotations& annotations);
 
 /// Lines in DUET's form: what parse_soon_lines() gave is read back equal, if it is not empty; what
-/// parse_soon() gave is too, but for groups and first alternatives. Encodings have `full` alone.
-/// \throws ArgumentError for other annotations than SOON's, and for what JSON cannot say: an
-/// infinite number, text that is not UTF-8
+/// parse_soon() gave is too, but for groups, first alternatives and entries' ids. Encodings have
+/// `full` alone. \throws ArgumentError for other annotations than SOON's, and for what JSON cannot
+/// say: an infinite number, text that is not UTF-8
 std::string to_soon_lines(const Annotations& annotations);
 
 }  // namespace enfilade::tasks::formats

@@ -88,7 +88,9 @@ TEST(Soon, SplitsAnEntryIntoItsAlternatives) {
     EXPECT_EQ(entry.details[0].id, "");
     EXPECT_THAT(entry.details[0].fields,
                 ElementsAre(Pair("obj_name", "The vase. "), Pair("attribute", "Round. "),
-                            Pair("relation", "By a wall. "), Pair("region", "In a hall. ")));
+                            Pair("relation", "By a wall. "), Pair("region", "In a hall. "),
+                            Pair("instr_id", "7")));
+    EXPECT_EQ(soon_entry(entry.details[0]), "7");
     EXPECT_THAT(std::get<NamedBoxes>(entry.goal).boxes, ElementsAre(vase()));
   }
   EXPECT_THAT(read.paths[0].path, ElementsAre("v0", "v1", "v2"));
@@ -138,6 +140,8 @@ TEST(Soon, NamesFieldPlaceAndWhatIsAllowed) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"[null]", "$[0]: null, not an object"},
       {"{}", "$[0]: has no field \"path\""},
+      {edited(kEntry, "\"7\"", "7"), "$[0].instr_id: number 7, not a string"},
+      {"[" + kEntry + ", " + kEntry + "]", "$[1].instr_id: \"7\" stands at $[0]"},
       {"[" + kEntry.substr(0, 300), "[not-json]"},
       {"[{\"path\": " + std::string(3000, '['), "[not-json]"},
       {edited(kEntry, paths, "[]"), "$[0].path: no path; a list of one or more"},
@@ -189,11 +193,24 @@ TEST(Soon, DoesNotRepeatAnEntryWithoutLimit) {
 
 TEST(Soon, ReadsWhatItWrites) {
   const Annotations read =
-      parse_soon("[" + kEntry + ", " + kHidden + ", " + kEntry + "]", "s.json", "val_unseen_house");
+      parse_soon("[" + kEntry + ", " + edited(kHidden, "{", "{\"instr_id\": \"\", ") + ", " +
+                     edited(kEntry, "\"7\"", "\"b_7\"") + "]",
+                 "s.json", "val_unseen_house");
   ASSERT_THAT(read.paths, SizeIs(7));
+  EXPECT_EQ(soon_entry(read.paths[3].details[0]), "");
   const std::string written = to_soon(read);
   EXPECT_EQ(std::ranges::count(written, '\n'), 5) << "an entry a line";
   EXPECT_EQ(parse_soon(written, "s.json", "val_unseen_house").paths, read.paths);
+}
+
+TEST(Soon, NumbersEntriesThatHaveNoId) {
+  Annotations read = parse_soon("[" + kHidden + ", " + kHidden + "]", "s.json", "test");
+  EXPECT_EQ(soon_entry(read.paths[1].details[0]), std::nullopt);
+  Annotations again = parse_soon(to_soon(read), "s.json", "test");
+  EXPECT_EQ(soon_entry(again.paths.at(1).details[0]), "1");
+  again.paths[1].details[0].fields.back().second = "0";
+  EXPECT_THAT(tests::refusal<ArgumentError>([&] { to_soon(again); }),
+              HasSubstr("path \"4-1\": its entry has the instr_id \"0\" of another"));
 }
 
 TEST(Soon, DoesNotWriteWhatItCouldNotRead) {
@@ -204,7 +221,9 @@ TEST(Soon, DoesNotWriteWhatItCouldNotRead) {
   };
   EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.instructions[0] = "Go."; }),
               HasSubstr("path \"0-1\": of the group of \"0-0\", but differs from it"));
-  EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.details[0].fields.pop_back(); }),
+  EXPECT_THAT(refusal_of([](PathAnnotation& p) {
+                p.details[0].fields.erase(p.details[0].fields.begin() + 3);
+              }),
               HasSubstr("3 texts beside the whole of instruction 0, not 4"));
   EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.path.clear(); }), HasSubstr("no viewpoint"));
   EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.goal = NearEnd{}; }),
@@ -287,6 +306,9 @@ TEST(SoonLines, WritesReleasedEntriesWithoutWhatTiesThem) {
   const Annotations again = parse_soon_lines(to_soon_lines(read), "s.jsonl", "test");
   for (PathAnnotation& entry : read.paths) {
     entry.group.reset();
+    for (auto& details : entry.details) {
+      std::erase_if(details.fields, [](const auto& field) { return field.first == kSoonEntryId; });
+    }
     if (auto* const goal = std::get_if<NamedBoxes>(&entry.goal)) goal->first_alternative.clear();
   }
   EXPECT_EQ(again.paths, read.paths);
@@ -342,7 +364,11 @@ TEST(SoonRecorded, BothFormsHoldTheSamePaths) {
       instructions += entry.instructions.size();
       tied += goal.first_alternative.empty() ? 0 : 1;
       goal.first_alternative.clear();
-      for (InstructionDetails& details : entry.details) details.tokens = {101, 2023, 102};
+      for (InstructionDetails& details : entry.details) {
+        EXPECT_EQ(soon_entry(details), std::to_string(entries.size() - 1));
+        details.fields.pop_back();
+        details.tokens = {101, 2023, 102};
+      }
     }
     EXPECT_EQ(entries.size(), 50U);
     EXPECT_EQ(read.paths.size(), 107U);
