@@ -83,9 +83,7 @@ std::string DrawnPath::goal_name() const {
   return shown == nullptr ? "" : draw::name_of_goal(episodes, *shown, objects());
 }
 
-const tasks::ObjectBoxes* DrawnPath::objects() const {
-  return episodes.task == tasks::Task::kReverie ? &data->objects() : nullptr;
-}
+const tasks::ObjectBoxes* DrawnPath::objects() const { return episodes.objects.get(); }
 
 DrawnPath find_path(const PathOptions& options, const std::string& scan,
                     const dataset::Dataset& data) {

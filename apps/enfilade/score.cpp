@@ -47,11 +47,13 @@ Task find_task(const Options& options, const std::string& annotations, const std
   return found.value_or(Task::kR2r);
 }
 
-std::shared_ptr<const tasks::ObjectBoxes> load_objects(const Options& options, Task task) {
-  if (task != Task::kReverie) return nullptr;
+std::shared_ptr<const tasks::ObjectBoxes> load_objects(const Options& options,
+                                                       const tasks::Annotations& annotations) {
+  if (annotations.task != Task::kReverie) return nullptr;
   if (!options.objects.empty()) {
     return std::make_shared<tasks::ObjectBoxes>(tasks::ObjectBoxes::load(options.objects));
   }
+  if (!tasks::needs_boxes(annotations)) return nullptr;
   const auto data = std::make_shared<dataset::Dataset>(open_data(options.data));
   return {data, &data->objects()};
 }
@@ -77,7 +79,7 @@ tasks::EpisodeSet load_episodes(const Options& options, Task task, const std::st
                                              : tasks::parse_annotations(text, file, split, task);
   const auto graphs = options.connectivity.empty() ? open_data(options.data).graphs()
                                                    : graph::GraphSet::open(options.connectivity);
-  const auto objects = load_objects(options, task);
+  const auto objects = load_objects(options, annotations);
   return tasks::make_episodes(annotations, graphs, which, objects.get());
 }
 

@@ -1,5 +1,6 @@
 // enfilade stats: what a data set is like, in numbers.
 #include <fmt/format.h>
+#include <algorithm>
 #include <memory>
 
 #include "apps/common/program.h"
@@ -51,11 +52,13 @@ std::vector<tasks::Annotations> load_splits(const Options& options, const datase
 }
 
 // Boxes tell who sees the objects of REVERIE's goals; the rest can be counted without.
-const tasks::ObjectBoxes* objects_of(const dataset::Dataset& data, tasks::Task task) {
+const tasks::ObjectBoxes* objects_of(const dataset::Dataset& data, tasks::Task task,
+                                     const std::vector<tasks::Annotations>& splits) {
   if (task != tasks::Task::kReverie) return nullptr;
   try {
     return &data.objects();
   } catch (const FileError& error) {
+    if (std::ranges::none_of(splits, tasks::needs_boxes)) return nullptr;
     fmt::print(stderr, "note: who sees which object is not counted: {}\n", error.what());
     return nullptr;
   }
@@ -64,8 +67,9 @@ const tasks::ObjectBoxes* objects_of(const dataset::Dataset& data, tasks::Task t
 void stats(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
   const tasks::Task task = task_of(options.task, data);
-  const auto statistics = tasks::compute_statistics(load_splits(options, data, task), data.graphs(),
-                                                    options.top, objects_of(data, task));
+  const auto splits = load_splits(options, data, task);
+  const auto statistics =
+      tasks::compute_statistics(splits, data.graphs(), options.top, objects_of(data, task, splits));
   if (!options.json.empty()) write_output(options.json, to_json(statistics));
   if (options.json != "-") fmt::print("{}", to_table(statistics));
 }

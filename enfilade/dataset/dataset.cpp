@@ -97,6 +97,13 @@ std::string count_panoramas(const Dataset& dataset) {
   return fmt::format("of {} of {} scans", found, panoramas.size());
 }
 
+bool has_boxes(const fs::path& folder) {
+  return std::ranges::any_of(tasks::object_places(), [&folder](const fs::path& place) {
+    std::error_code ignored;
+    return fs::exists(folder / place, ignored);
+  });
+}
+
 }  // namespace
 
 struct Dataset::Opened {
@@ -202,10 +209,11 @@ tasks::Annotations Dataset::annotations(tasks::Task task, std::string_view split
 
 tasks::EpisodeSet Dataset::episodes(tasks::Task task, std::string_view split,
                                     tasks::Instructions instructions) const {
-  const bool seen = task == tasks::Task::kReverie;
-  auto set = tasks::make_episodes(annotations(task, split), graphs(), instructions,
-                                  seen ? &objects() : nullptr);
-  if (seen) set.objects = std::shared_ptr<const tasks::ObjectBoxes>(opened_, &objects());
+  const tasks::Annotations read = annotations(task, split);
+  const bool boxes =
+      task == tasks::Task::kReverie && (tasks::needs_boxes(read) || has_boxes(folder()));
+  auto set = tasks::make_episodes(read, graphs(), instructions, boxes ? &objects() : nullptr);
+  if (boxes) set.objects = std::shared_ptr<const tasks::ObjectBoxes>(opened_, &objects());
   return set;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "enfilade/core/errors.h"
@@ -38,6 +39,29 @@ void write_square(const fs::path& folder) {
         R"([{"path_id": 7, "scan": "square", "heading": 0, "path": ["v0", "v1", "v2"],
              "distance": 4, "instructions": ["one", "two", "three", "four"]}])");
   write(folder / "regions/region_to_panorama.json", R"({"square": {"0": ["v0", "v1"]}})");
+}
+
+// Lines that name who sees their objects need no boxes; where there are some, agents get them.
+TEST(Dataset, AsksForBoxesOnlyWhereGoalsNeedThem) {
+  const tests::TemporaryFolder made("dataset_boxes");
+  write_square(made.path());
+  const std::string line =
+      R"({"instr_id": "square_v0_5_0", "scan": "square", "path": ["v0", "v1"], )"
+      R"("pos_vps": ["v1"], "objid": 5, "instruction": "Find the vase.", "instr_encoding": [1]})";
+  write(made.path() / "reverie/REVERIE_val_unseen.json", line);
+  write(made.path() / "reverie/REVERIE_val_seen.json",
+        R"([{"id": "7_5", "path_id": 7, "scan": "square", "heading": 0, "path": ["v0", "v1"],
+             "distance": 2, "objId": 5, "instructions": ["Find the vase."]}])");
+  using tasks::Task;
+  const Dataset data(made.path());
+  const auto set = data.episodes(Task::kReverie, "val_unseen");
+  EXPECT_EQ(set.objects, nullptr);
+  EXPECT_THAT(std::get<tasks::SeenObject>(set.paths.at(0).goal).seen_from,
+              ElementsAre(ViewpointIndex(1)));
+  EXPECT_THAT([&] { (void)data.episodes(Task::kReverie, "val_seen"); },
+              ThrowsMessage<FileError>(HasSubstr("tried: reverie/BBoxes.json")));
+  write(made.path() / "reverie/BBoxes.json", R"({"square_v1": {}})");
+  EXPECT_NE(data.episodes(Task::kReverie, "val_unseen").objects, nullptr);
 }
 
 TEST(Dataset, FindsFilesAsDataRootDoesButTakesWhatIsNamed) {

@@ -53,7 +53,7 @@ std::string decoded(const std::string& uri) {
 }
 
 TEST_F(Goals, PlansMarkWhoSeesTheObject) {
-  const auto part = parts::plans_part(run_, episodes_, {{"worst", 0}}, *data_);
+  const auto part = parts::plans_part(run_, episodes_, {{"worst", 0}});
   ASSERT_EQ(part.at("plans").size(), 1U);
   const std::string svg = decoded(part["plans"][0].at("picture"));
   EXPECT_THAT(svg, HasSubstr("sees the plant (1 viewpoint)"));
@@ -62,7 +62,7 @@ TEST_F(Goals, PlansMarkWhoSeesTheObject) {
 }
 
 TEST_F(Goals, ObjectsAreOutlinedInPictures) {
-  const tasks::ObjectBoxes* objects = parts::objects_of(episodes_, *data_);
+  const tasks::ObjectBoxes* objects = episodes_.objects.get();
   ASSERT_NE(objects, nullptr);
   const graph::NavGraph& graph = episodes_.graph_of(episodes_.episodes[0]);
   const ViewpointIndex there(2);
@@ -74,9 +74,6 @@ TEST_F(Goals, ObjectsAreOutlinedInPictures) {
   const auto outlined = parts::view_uri(*data_, view, {64, 48}, outlines);
   ASSERT_TRUE(plain && outlined);
   EXPECT_NE(*plain, *outlined);
-  tasks::EpisodeSet r2r = episodes_;
-  r2r.task = tasks::Task::kR2r;
-  EXPECT_EQ(parts::objects_of(r2r, *data_), nullptr);
 }
 
 }  // namespace

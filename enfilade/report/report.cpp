@@ -103,7 +103,7 @@ class Reporter {
     for (const parts::ChosenEpisode& one : chosen_) {
       if (first.empty() || first.back().kind != one.kind) first.push_back(one);
     }
-    return plans_part(*chosen_run_->run, runs_.splits.at(chosen_run_->run->split), first, data_);
+    return plans_part(*chosen_run_->run, runs_.splits.at(chosen_run_->run->split), first);
   }
 
   Json about() const {

@@ -48,14 +48,6 @@ void hide_goal(tasks::PathAnnotation& path) {
   }
 }
 
-/// Whether the data set's boxes say who sees the objects, and not the annotations themselves.
-bool needs_boxes(const tasks::Annotations& annotations) {
-  return std::ranges::any_of(annotations.paths, [](const tasks::PathAnnotation& path) {
-    const auto* object = std::get_if<tasks::NamedObject>(&path.goal);
-    return object != nullptr && object->seen_from.empty();
-  });
-}
-
 /// Whether an id is "<path>_<object>" or, as lines of single instructions have it,
 /// "<path>_<object>_<k>".
 bool id_names_object(std::string_view id, std::int64_t object) {
@@ -235,8 +227,9 @@ void Site::read_phases(const dataset::Dataset& data) {
     const fs::path file = phase.goals_secret() ? phase.annotations : public_file();
     const tasks::Annotations annotations = tasks::load_annotations(file, phase.split, phase.task);
     if (phase.goals_secret()) check_ids_are_silent(annotations);
-    secret_.push_back(tasks::make_episodes(annotations, graphs_, tasks::Instructions::kScored,
-                                           needs_boxes(annotations) ? &data.objects() : nullptr));
+    secret_.push_back(
+        tasks::make_episodes(annotations, graphs_, tasks::Instructions::kScored,
+                             tasks::needs_boxes(annotations) ? &data.objects() : nullptr));
     if (tasks::goals_hidden(secret_.back())) {
       throw InvalidInput({{Severity::kError, file.string(), "$", "hidden-goal",
                            "phase " + phase.name + " cannot be scored: a path in it has no goal"}});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <variant>
 
 #include "enfilade/core/detail/json_records.h"
 #include "enfilade/core/errors.h"
@@ -239,6 +240,13 @@ std::span<const std::string_view> usual_splits(Task task) noexcept {
   if (task == Task::kRxr) return kRxr;
   if (task == Task::kCvdn) return kCvdn;
   return task == Task::kSoon ? std::span<const std::string_view>(kSoon) : kUsual;
+}
+
+bool needs_boxes(const Annotations& annotations) {
+  return std::ranges::any_of(annotations.paths, [](const PathAnnotation& path) {
+    const auto* object = std::get_if<NamedObject>(&path.goal);
+    return object != nullptr && object->seen_from.empty();
+  });
 }
 
 std::vector<std::filesystem::path> object_places() {

@@ -57,6 +57,9 @@ std::vector<std::filesystem::path> annotation_places(Task task, std::string_view
 /// "train", "val_seen", "val_unseen", "test"; of CVDN "test_cleaned"; of RxR and SOON others
 /// beside. Any other name may be asked for, too.
 std::span<const std::string_view> usual_splits(Task task) noexcept;
+/// Whether only boxes of objects can say who sees a goal: those of REVERIE need them, HM3DAutoVLN's
+/// lines name the viewpoints themselves, and hidden goals say nothing.
+bool needs_boxes(const Annotations& annotations);
 /// Where REVERIE's boxes may be in that folder: a file, or a folder.
 std::vector<std::filesystem::path> object_places();
 

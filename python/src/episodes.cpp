@@ -36,9 +36,9 @@ tasks::EpisodeSet load(const dataset::Dataset& dataset, tasks::Task task, const 
     return dataset.episodes(split, wanted);
   }
   if (!file) return dataset.episodes(task, split, wanted);
-  const bool seen = task == tasks::Task::kReverie;
-  return tasks::make_episodes(tasks::load_annotations(*file, split, task), dataset.graphs(), wanted,
-                              seen ? &dataset.objects() : nullptr);
+  const tasks::Annotations read = tasks::load_annotations(*file, split, task);
+  return tasks::make_episodes(read, dataset.graphs(), wanted,
+                              tasks::needs_boxes(read) ? &dataset.objects() : nullptr);
 }
 
 /// The episodes, and their places by id once somebody has asked for one.

@@ -191,7 +191,7 @@ Json episode_json(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
     const auto found = gallery.attention->find(episode.instruction_id);
     if (found != gallery.attention->end()) attention = &found->second;
   }
-  const tasks::ObjectBoxes* objects = objects_of(episodes, frames.data);
+  const tasks::ObjectBoxes* objects = episodes.objects.get();
   const ShownGoal goal{graph, episodes.path_of(episode).goal, objects, episode.instruction_id};
   Json steps = Json::array(), reference = Json::array();
   for (const Moment& moment :

@@ -144,14 +144,9 @@ Json panoramas_part(const dataset::Dataset& data, std::size_t most) {
   return {{"buildings", buildings}, {"panoramas", std::move(all)}};
 }
 
-const tasks::ObjectBoxes* objects_of(const tasks::EpisodeSet& episodes,
-                                     const dataset::Dataset& data) {
-  return episodes.task == tasks::Task::kReverie ? &data.objects() : nullptr;
-}
-
 Json plans_part(const ScoredRun& run, const tasks::EpisodeSet& episodes,
-                const std::vector<ChosenEpisode>& chosen, const dataset::Dataset& data) {
-  const tasks::ObjectBoxes* objects = objects_of(episodes, data);
+                const std::vector<ChosenEpisode>& chosen) {
+  const tasks::ObjectBoxes* objects = episodes.objects.get();
   Json all = Json::array();
   for (const ChosenEpisode& one : chosen) {
     const tasks::Episode& episode = episodes.episodes[one.episode];

@@ -49,14 +49,8 @@ struct ChosenEpisode {
   std::size_t episode = 0;  ///< of the split
 };
 
-/// The boxes of objects that a split's goals need: REVERIE's; else null. Valid as long as a copy of
-/// `data`. \throws as Dataset::objects()
-const tasks::ObjectBoxes* objects_of(const tasks::EpisodeSet& episodes,
-                                     const dataset::Dataset& data);
-
 /// Floor plans with the reference path, the agent's and the goal, of these episodes of a run.
 nlohmann::ordered_json plans_part(const ScoredRun& run, const tasks::EpisodeSet& episodes,
-                                  const std::vector<ChosenEpisode>& chosen,
-                                  const dataset::Dataset& data);
+                                  const std::vector<ChosenEpisode>& chosen);
 
 }  // namespace enfilade::report::parts
