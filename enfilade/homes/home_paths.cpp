@@ -4,12 +4,12 @@
 #include <span>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/homes/benchmarks/benchmarks.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/homes/home_set.h"
 #include "enfilade/homes/sets/scan_names.h"
+#include "enfilade/homes/sets/written_files.h"
 #include "enfilade/scan/regions.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/path_sampling.h"
@@ -28,12 +28,10 @@ void speak_in(const HomeEntry& entry, const graph::GraphSet& graphs,
                       std::span(own.begin(), own.end()));
 }
 
-void write_splits(const fs::path& folder, const std::map<std::string, tasks::Annotations>& splits,
-                  bool test_split) {
+void write_splits(sets::WrittenFiles& files,
+                  const std::map<std::string, tasks::Annotations>& splits, bool test_split) {
   const auto write = [&](const char* part, const char* name, const char* split) {
-    make_folder(folder / part);
-    write_file_atomically(folder / part / fmt::format("R2R_{}.json", name),
-                          to_json(splits.at(split)));
+    files.write(fs::path(part) / fmt::format("R2R_{}.json", name), to_json(splits.at(split)));
   };
   for (const char* split : {"train", "val_seen", "val_unseen"}) write("r2r", split, split);
   if (!test_split) return;
@@ -67,8 +65,10 @@ HomePathReport write_home_paths(const fs::path& folder, const HomePathOptions& o
   tasks::SplitOptions split{.val_seen_share = options.val_seen_share, .seed = options.seed};
   if (!options.test_split) split.test_scans = 0;
   const auto splits = tasks::split_by_building(paths, split);
-  write_splits(folder, splits, options.test_split);
-  benchmarks.write(folder, splits, *graphs);
+  sets::WrittenFiles files(folder);
+  write_splits(files, splits, options.test_split);
+  benchmarks.write(files, splits, *graphs);
+  files.finish();
   return {paths.size(), benchmarks.instructions()};
 }
 

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
 #include "enfilade/homes/benchmarks/derived.h"
 #include "enfilade/homes/benchmarks/descriptions.h"
 #include "enfilade/homes/benchmarks/dialogues.h"
@@ -134,9 +133,9 @@ std::string soon_lines(Annotations annotations) {
 // Writes the files of one part.
 class Benchmarks::Writer {
  public:
-  Writer(const Benchmarks& all, const fs::path& folder,
+  Writer(const Benchmarks& all, sets::WrittenFiles& files,
          const std::map<std::string, Annotations>& splits, const graph::GraphSet& graphs)
-      : all_(all), folder_(folder), splits_(splits), graphs_(graphs) {}
+      : all_(all), files_(files), splits_(splits), graphs_(graphs) {}
 
   void write(const Part& part) {
     part_ = part.name;
@@ -283,9 +282,7 @@ class Benchmarks::Writer {
 
   // \param before  "hidden", or nothing
   void put(const std::string& before, const std::string& file, const std::string& text) const {
-    const fs::path place = before.empty() ? folder_ / part_ : folder_ / before / part_;
-    make_folder((place / file).parent_path());
-    write_file_atomically(place / file, text);
+    files_.write(fs::path(before) / part_ / file, text);
   }
 
   const Said& said(const PathAnnotation& path) const { return all_.said_.at(path.path_id); }
@@ -293,7 +290,7 @@ class Benchmarks::Writer {
   static constexpr std::array<const char*, 3> kOpenSplits{"train", "val_seen", "val_unseen"};
 
   const Benchmarks& all_;
-  const fs::path& folder_;
+  sets::WrittenFiles& files_;
   const std::map<std::string, Annotations>& splits_;
   const graph::GraphSet& graphs_;
   std::string_view part_;  // that is being written
@@ -345,9 +342,9 @@ void Benchmarks::add_home(const BuiltHome& built, const graph::NavGraph& graph,
   }
 }
 
-void Benchmarks::write(const fs::path& folder, const std::map<std::string, Annotations>& splits,
+void Benchmarks::write(sets::WrittenFiles& files, const std::map<std::string, Annotations>& splits,
                        const graph::GraphSet& graphs) const {
-  Writer writer(*this, folder, splits, graphs);
+  Writer writer(*this, files, splits, graphs);
   for (const Part& part : kParts) {
     if (wants(part.name)) writer.write(part);
   }

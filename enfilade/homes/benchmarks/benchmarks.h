@@ -13,6 +13,7 @@
 #include "enfilade/homes/benchmarks/guides.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/homes/home_set.h"
+#include "enfilade/homes/sets/written_files.h"
 #include "enfilade/homes/speaking/speaker.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/objects.h"
@@ -32,8 +33,7 @@ class Benchmarks {
   /// Writes `<task>/` of all tasks but R2R itself, and what is hidden below `hidden/<task>/`.
   /// \param splits  of Room-to-Room, as tasks::split_by_building() gives them, with instructions
   /// \throws FileError
-  void write(const std::filesystem::path& folder,
-             const std::map<std::string, tasks::Annotations>& splits,
+  void write(sets::WrittenFiles& files, const std::map<std::string, tasks::Annotations>& splits,
              const graph::GraphSet& graphs) const;
 
   /// How many instructions of Room-to-Room add_home() has written.

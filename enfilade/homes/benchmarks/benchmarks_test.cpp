@@ -251,6 +251,25 @@ TEST(HomeBenchmarks, AreTheSameAgainAndOnlyThoseThatAreAskedFor) {
       HasSubstr("tasks: \"r3r\" is none of r2r-last, r2r-back"));
 }
 
+// Another seed or fewer tasks leave no old annotations, and what people put beside them stays.
+TEST(HomeBenchmarks, OldAnnotationsGo) {
+  const tests::TemporaryFolder made("benchmarks_old"), fresh("benchmarks_fresh");
+  const HomePathOptions again{.per_home = 20, .seed = 2, .tasks = {"rxr"}};
+  for (const fs::path& place : {made.path(), fresh.path()}) write_homes(place, three_homes());
+  write_home_paths(made.path(), {.per_home = 30});
+  write_home_paths(made.path(), again);
+  write_home_paths(fresh.path(), again);
+  EXPECT_TRUE(tests::content_of(made.path()) == tests::content_of(fresh.path()));
+  EXPECT_FALSE(fs::exists(made.path() / "reverie")) << "empty folders go too";
+  write_file_atomically(made.path() / "rxr/notes.txt", "mine");
+  write_home_paths(made.path(), {.per_home = 20, .tasks = {}});
+  EXPECT_EQ(read_file(made.path() / "rxr/notes.txt"), "mine");
+  EXPECT_FALSE(fs::exists(made.path() / "rxr/README.md"));
+  write_file_atomically(made.path() / "annotations.txt", "r2r/R2R_train.json\n../notes.txt\n");
+  EXPECT_THAT(tests::refusal<InvalidInput>([&] { write_home_paths(made.path(), again); }),
+              HasSubstr("annotations.txt: line 2: \"../notes.txt\", not a path of a file below"));
+}
+
 TEST(HomeBenchmarks, AGraphOfAnotherNameIsThereForOldCode) {
   const auto graphs = graph::GraphSet::open(folder() / "connectivity");
   EXPECT_EQ(graphs->find("ZMojNkEp431"), std::nullopt) << "no home of the set";

@@ -1,0 +1,31 @@
+/// \file  The annotation files in a folder of homes, of which the next run removes what is old.
+#pragma once
+#include <filesystem>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace enfilade::homes::sets {
+
+/// Writes annotation files and lists them in `annotations.txt`, one path a line. Files that the
+/// list of an earlier run names and this run does not write are removed at the end, with folders
+/// that become empty: other seeds and fewer tasks leave nothing behind. What people put into these
+/// folders themselves is in no list, and stays.
+class WrittenFiles {
+ public:
+  explicit WrittenFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  /// Writes `<folder>/<file>`, whole or not at all. \param file  relative \throws FileError
+  void write(const std::filesystem::path& file, std::string_view text);
+
+  /// Removes old files and writes the list. \throws FileError; InvalidInput for a list that names
+  /// anything that is not below the folder
+  void finish();
+
+ private:
+  std::filesystem::path folder_;
+  std::set<std::string> files_;
+};
+
+}  // namespace enfilade::homes::sets
