@@ -12,6 +12,7 @@
 #include "enfilade/exports/box_files.h"
 #include "enfilade/exports/convert.h"
 #include "enfilade/features/feature_set.h"
+#include "enfilade/models/subwords.h"
 #include "enfilade/tasks/files.h"
 
 namespace enfilade::apps {
@@ -21,7 +22,8 @@ namespace fs = std::filesystem;
 using exports::FileKind;
 
 struct Options {
-  std::string from, to, form, task;
+  std::string from, to, form, task, vocabulary;
+  bool cased = false;
 };
 
 /// Packed, if the file's name says so.
@@ -57,8 +59,13 @@ std::string convert_annotations(const Options& options) {
     throw UsageError(fmt::format("--to {}: a form of SOON's annotations; those of {} have one only",
                                  options.form, tasks::title_of(*task)));
   }
-  const tasks::Annotations read =
+  tasks::Annotations read =
       tasks::parse_annotations(text, options.from, fs::path(options.from).stem().string(), *task);
+  if (!options.vocabulary.empty()) {
+    using models::Letters;
+    const auto letters = options.cased ? Letters::kAsWritten : Letters::kFolded;
+    encode_instructions(read, models::Subwords::load(options.vocabulary, letters));
+  }
   write_maybe_packed(options.to,
                      exports::annotations_text(read, {.released = options.form == "released",
                                                       .lines = suffix_of(options.to) == ".jsonl"}));
@@ -117,7 +124,12 @@ std::string convert_feature_file(const Options& options) {
 
 void convert(const Options& options) {
   std::string what;
-  switch (exports::find_kind(options.from)) {
+  const FileKind kind = exports::find_kind(options.from);
+  if (kind != FileKind::kAnnotations && !options.vocabulary.empty()) {
+    throw UsageError(
+        fmt::format("--vocabulary: for annotations; {} holds {}", options.from, to_string(kind)));
+  }
+  switch (kind) {
     case FileKind::kAnnotations:
       what = convert_annotations(options);
       break;
@@ -157,8 +169,13 @@ void add_convert(CLI::App& app, int& /*status*/) {
             "Features: f16 or f32");
   add_value(verb, "--task", options->task, "NAME",
             "The benchmark: r2r, rxr, ... (default: found by the fields)");
+  add_value(
+      verb, "--vocabulary", options->vocabulary, "FILE",
+      "Annotations: put token ids in (instr_encodings), of BERT's vocab.txt or XLM-R's .model");
+  verb.add_flag("--cased", options->cased, "The vocab.txt is a cased one (default: uncased)");
   set_examples(
-      verb, {"enfilade convert REVERIE_val_unseen.json.gz val.jsonl",
+      verb, {"enfilade convert R2R_train.json R2R_train_enc.json --vocabulary vocab.txt",
+             "enfilade convert REVERIE_val_unseen.json.gz val.jsonl",
              "enfilade convert BBox BBoxes.json", "enfilade convert BBoxes.json BBox --to folder",
              "enfilade convert results.json official.json --to official --task reverie",
              "enfilade convert features.tsv features.safetensors --to f16"});

@@ -295,6 +295,7 @@ const std::map<std::string, Arrows, std::less<>>& rooms() {
         {"sets", {}},
         {"benchmarks", {"speaking", "sets"}}}},
       {"mesh", {{"light", {}}, {"readers", {}}}},
+      {"models", {{"vocabularies", {}}}},
       {"neural", {{"encoders", {}}, {"seq2seq", {}}}},
       {"render", {{"cpu", {}}, {"gl", {"cpu"}}}},
       {"report", {{"parts", {}}}},
