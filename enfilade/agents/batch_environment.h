@@ -108,10 +108,12 @@ class BatchEnvironment {
   /// What an agent knows of the building in its present episode. Valid until the next step() or
   /// reset(). \throws ArgumentError for other action spaces than kMap, likewise
   const TopologicalMap& map(std::size_t agent) const;
-  /// The action of a teacher, an oracle: of kMap that of map_expert() by `rule`, towards the end of
-  /// the annotated path; else a step on the shortest path to the nearest viewpoint that satisfies
-  /// the goal, and stop on it. No value if the goal is hidden or out of reach, or no node is open.
-  /// \throws ArgumentError for an agent beyond the batch, or before reset()
+  /// The action of a teacher, an oracle. Of kSixActions that of the released R2R code, whose
+  /// "forward" leads to entry 1 of the list even where the teacher means another one, so that it
+  /// may go in circles. Of kMap that of map_expert() by `rule`, towards the end of the annotated
+  /// path; else a step on the shortest path to the nearest viewpoint that satisfies the goal, and
+  /// stop on it. No value if the goal is hidden or out of reach, or no node is open. \throws
+  /// ArgumentError for an agent beyond the batch, or before reset()
   std::optional<std::int64_t> expert(std::size_t agent, ExpertRule rule = ExpertRule::kSpl) const;
   /// All metrics of what the agent has walked in its episode so far. O(steps * reference length).
   /// \throws ArgumentError for an agent beyond the batch, before reset(), or if the goal is hidden

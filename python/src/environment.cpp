@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "python/src/bindings.h"
@@ -21,6 +22,7 @@ namespace {
 using namespace nb::literals;
 
 constexpr std::size_t kCandidateValues = 3;  // rel_heading, rel_elevation, distance
+constexpr std::size_t kNodeValues = std::tuple_size_v<agents::MapFeature>;
 
 /// An environment, and its candidates as one array.
 class Environment {
@@ -30,7 +32,18 @@ class Environment {
       : native_(std::move(episodes), config),
         candidates_(config.batch_size * config.max_navigable * kCandidateValues),
         mask_(config.batch_size * config.max_navigable),
-        filled_(config.batch_size) {}
+        filled_(config.batch_size) {
+    const std::size_t rows = config.batch_size * config.max_navigable;
+    if (has_panoramas()) {
+      viewpoints_.resize(rows);
+      candidate_views_.resize(rows);
+    }
+    if (!has_maps()) return;
+    node_viewpoints_.resize(config.batch_size * nodes());
+    node_mask_.resize(config.batch_size * nodes());
+    node_visited_.resize(config.batch_size * nodes());
+    node_features_.resize(config.batch_size * nodes() * kNodeValues);
+  }
 
   void reset(const std::optional<Row<std::uint8_t>>& mask,
              const std::optional<Row<std::int64_t>>& chosen) {
@@ -61,10 +74,22 @@ class Environment {
     d["viewpoint"] = view_of(state.viewpoint, self, n);
     d["heading"] = view_of(state.heading, self, n);
     d["elevation"] = view_of(state.elevation, self, n);
-    d["step"] = view_of(state.step, self, n);
+    d["step"] = view_of(out.actions, self, n);
+    d["view_index"] = view_of(state.view_index, self, n);
     d["candidates"] = view_of(candidates_, self, n, m, kCandidateValues);
     d["candidate_mask"] = view_of(mask_, self, n, m);
-    d["candidate_viewpoint"] = view_of(state.navigable_viewpoint, self, n, m);
+    if (has_panoramas()) {
+      d["candidate_viewpoint"] = view_of(viewpoints_, self, n, m);
+      d["candidate_view"] = view_of(candidate_views_, self, n, m);
+    } else {
+      d["candidate_viewpoint"] = view_of(state.navigable_viewpoint, self, n, m);
+    }
+    if (has_maps()) {
+      d["nodes"] = view_of(node_features_, self, n, nodes(), kNodeValues);
+      d["node_mask"] = view_of(node_mask_, self, n, nodes());
+      d["node_visited"] = view_of(node_visited_, self, n, nodes());
+      d["node_viewpoint"] = view_of(node_viewpoints_, self, n, nodes());
+    }
     d["reward"] = view_of(out.reward, self, n);
     d["terminated"] = view_of(out.terminated, self, n);
     d["truncated"] = view_of(out.truncated, self, n);
@@ -78,7 +103,71 @@ class Environment {
   const agents::BatchEnvironment& native() const { return native_; }
 
  private:
+  bool has_maps() const { return native_.config().actions == agents::ActionSpace::kMap; }
+  bool has_panoramas() const {
+    return has_maps() || native_.config().actions == agents::ActionSpace::kPanoramic;
+  }
+  std::size_t nodes() const { return static_cast<std::size_t>(native_.action_count()); }
+
   void gather() {
+    if (!has_panoramas()) {
+      gather_lists();
+      return;
+    }
+    for (std::size_t i = 0; i < native_.config().batch_size; ++i) {
+      gather_panorama(i);
+      if (has_maps()) gather_map(i);
+    }
+  }
+
+  // Row 0 is where the agent stands, row k what action k of the panoramic space leads to.
+  void gather_panorama(std::size_t agent) {
+    const sim::StateSpans& state = native_.state();
+    const std::size_t m = native_.config().max_navigable, first = agent * m;
+    const std::vector<sim::Candidate>& candidates = native_.panorama(agent).candidates;
+    std::fill_n(&mask_[first], m, std::int8_t{0});
+    std::fill_n(&candidates_[first * kCandidateValues], m * kCandidateValues, 0.0F);
+    mask_[first] = 1;
+    viewpoints_[first] = state.viewpoint[agent];
+    candidate_views_[first] = state.view_index[agent];
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      const std::size_t at = first + k + 1;
+      const sim::Candidate& candidate = candidates[k];
+      const Radians right = wrap_difference(candidate.heading - Radians(state.heading[agent]));
+      mask_[at] = 1;
+      viewpoints_[at] = candidate.viewpoint;
+      candidate_views_[at] = candidate.view;
+      float* out = &candidates_[at * kCandidateValues];
+      out[0] = static_cast<float>(right.value);
+      out[1] = static_cast<float>(candidate.elevation.value - state.elevation[agent]);
+      out[2] = static_cast<float>(candidate.distance);
+    }
+  }
+
+  // Row 0 is [stop], row k what action k of the map space leads to.
+  void gather_map(std::size_t agent) {
+    const sim::StateSpans& state = native_.state();
+    const agents::TopologicalMap& map = native_.map(agent);
+    const std::size_t first = agent * nodes();
+    std::fill_n(&node_mask_[first], nodes(), std::int8_t{0});
+    std::fill_n(&node_visited_[first], nodes(), std::int8_t{0});
+    std::fill_n(&node_features_[first * kNodeValues], nodes() * kNodeValues, 0.0F);
+    node_mask_[first] = 1;
+    node_viewpoints_[first] = state.viewpoint[agent];
+    std::ranges::copy(agents::kStopFeature, &node_features_[first * kNodeValues]);
+    const auto here = map.find(state.viewpoint[agent]).value();
+    for (agents::TopologicalMap::Node node = 0; node < map.size(); ++node) {
+      const std::size_t at = first + node + 1;
+      node_mask_[at] = map.visited(node) ? 0 : 1;
+      node_visited_[at] = map.visited(node) ? 1 : 0;
+      node_viewpoints_[at] = map.viewpoint(node);
+      std::ranges::copy(agents::map_feature(map, here, node, Radians(state.heading[agent]),
+                                            Radians(state.elevation[agent])),
+                        &node_features_[at * kNodeValues]);
+    }
+  }
+
+  void gather_lists() {
     const sim::StateSpans& state = native_.state();
     const std::size_t m = native_.config().max_navigable;
     for (std::size_t i = 0; i < native_.config().batch_size; ++i) {
@@ -104,18 +193,33 @@ class Environment {
   std::vector<float> candidates_;      // (n, m, 3), 0 beyond the list
   std::vector<std::int8_t> mask_;      // (n, m), 1 within it
   std::vector<std::uint32_t> filled_;  // (n), rows in use
+  // Of the panoramic and the map space alone, (n, m).
+  std::vector<ViewpointIndex> viewpoints_;
+  std::vector<std::uint32_t> candidate_views_;
+  // Of the map space alone, (n, actions), and (n, actions, 7).
+  std::vector<ViewpointIndex> node_viewpoints_;
+  std::vector<std::int8_t> node_mask_, node_visited_;
+  std::vector<float> node_features_;
   std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
 };
 
+agents::ActionSpace parse_actions(const std::string& name) {
+  if (name == "viewpoint") return agents::ActionSpace::kViewpoint;
+  if (name == "six") return agents::ActionSpace::kSixActions;
+  if (name == "panoramic") return agents::ActionSpace::kPanoramic;
+  if (name == "map") return agents::ActionSpace::kMap;
+  throw ArgumentError("actions '" + name + "': viewpoint, six, panoramic and map are allowed");
+}
+
 std::unique_ptr<Environment> make_environment(nb::handle episodes, std::size_t batch_size,
-                                              bool six_actions, const std::string& reward,
+                                              const std::string& actions, const std::string& reward,
                                               std::uint32_t max_steps, double success_distance,
                                               bool reset_at_next_step, std::uint64_t seed,
                                               std::uint32_t width, std::uint32_t height,
                                               double vfov, std::size_t max_navigable) {
   agents::EnvironmentConfig config;
   config.batch_size = batch_size;
-  if (six_actions) config.actions = agents::ActionSpace::kSixActions;
+  config.actions = parse_actions(actions);
   if (reward == "none") {
     config.reward = agents::Reward::kNone;
   } else if (reward == "success") {
@@ -137,9 +241,9 @@ std::unique_ptr<Environment> make_environment(nb::handle episodes, std::size_t b
 void bind_environment(nb::module_& m) {
   nb::class_<Environment>(m, "BatchEnvironment",
                           "What the environments of enfilade.gym are made of.")
-      .def(nb::new_(&make_environment), "episodes"_a, nb::kw_only(), "batch_size"_a,
-           "six_actions"_a, "reward"_a, "max_steps"_a, "success_distance"_a, "reset_at_next_step"_a,
-           "seed"_a, "width"_a, "height"_a, "vfov"_a, "max_navigable"_a)
+      .def(nb::new_(&make_environment), "episodes"_a, nb::kw_only(), "batch_size"_a, "actions"_a,
+           "reward"_a, "max_steps"_a, "success_distance"_a, "reset_at_next_step"_a, "seed"_a,
+           "width"_a, "height"_a, "vfov"_a, "max_navigable"_a)
       .def("reset", &Environment::reset, "mask"_a.none(), "chosen"_a.none())
       .def("step", &Environment::step, "actions"_a)
       .def("seed", &Environment::seed, "agent"_a, "seed"_a)
@@ -147,6 +251,12 @@ void bind_environment(nb::module_& m) {
       .def(
           "arrays", [](nb::handle self) { return nb::cast<const Environment&>(self).arrays(self); },
           nb::sig("def arrays(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"))
+      .def(
+          "expert",
+          [](const Environment& e, std::size_t agent, const std::string& rule) {
+            return e.native().expert(agent, agents::parse_expert_rule(rule));
+          },
+          "agent"_a, "rule"_a, nb::sig("def expert(self, agent: int, rule: str) -> int | None"))
       .def(
           "walked",
           [](const Environment& e, std::size_t agent) {

@@ -39,7 +39,7 @@ def equal(a: Any, b: Any) -> bool:
     return bool(np.array_equal(a, b, equal_nan=np.asarray(a).dtype.kind == "f"))
 
 
-@pytest.mark.parametrize("actions", ["viewpoint", "six"])
+@pytest.mark.parametrize("actions", ["viewpoint", "six", "panoramic", "map"])
 def test_the_environment_passes_gymnasiums_checker(
     small: str, vocabulary: str, actions: str
 ) -> None:
@@ -54,7 +54,7 @@ def test_the_environment_passes_gymnasiums_checker(
     env.close()
 
 
-@pytest.mark.parametrize("actions", ["viewpoint", "six"])
+@pytest.mark.parametrize("actions", ["viewpoint", "six", "panoramic", "map"])
 @pytest.mark.parametrize("mode", list(AutoresetMode))
 def test_the_vector_environment_does_what_single_ones_do(
     small: str, vocabulary: str, actions: str, mode: AutoresetMode
@@ -98,6 +98,48 @@ def check_final(ours: dict[str, Any], theirs: dict[str, Any], mode: AutoresetMod
         got = ours["final_info"][name]
         mask = ours["_final_obs"]
         assert equal(np.where(mask, got, 0), np.where(mask, theirs["final_info"][name], 0))
+
+
+@pytest.mark.parametrize("actions", ["viewpoint", "six", "panoramic", "map"])
+def test_the_teacher_names_possible_actions_and_arrives(small: str, actions: str) -> None:
+    env = RoomToRoomEnv(EnvConfig(small, actions=actions, max_steps=200))
+    with pytest.raises(enfilade.ArgumentError, match="reset"):
+        env.expert()
+    for episode in range(4):
+        env.reset(options={"episode": episode})
+        ended, info = False, {}
+        while not ended:
+            action = env.expert()
+            assert action is not None and env.action_masks()[action]
+            _, _, stopped, cut, info = env.step(action)
+            ended = stopped or cut
+        # "six" goes forward to the nearest to the middle, which may be another than the teacher means.
+        assert actions == "six" or (stopped and info["success"] == 1)
+    with pytest.raises(enfilade.ArgumentError, match="spl, ndtw"):
+        env.expert("cls")
+
+
+def test_map_arrays_say_where_each_action_leads(small: str) -> None:
+    env = RoomToRoomEnv(EnvConfig(small, actions="map"))
+    env.reset(seed=3)
+    rng = np.random.default_rng(4)
+    for _ in range(6):
+        arrays, masks = env.arrays, env.action_masks()
+        assert masks.shape == (env.action_space.n,)
+        assert not (arrays["node_visited"][0] & arrays["node_mask"][0])[1:].any()
+        seen = set(arrays["candidate_viewpoint"][0][arrays["candidate_mask"][0] == 1])
+        known = (arrays["node_visited"][0] | arrays["node_mask"][0]) == 1
+        assert seen <= set(arrays["node_viewpoint"][0][known])
+        assert arrays["nodes"][0, 0].tolist() == [0, 1, 0, 1, 0, 0, 0]
+        choices = np.flatnonzero(masks)[1:]
+        if not len(choices):
+            break
+        action = int(rng.choice(choices))
+        wanted = int(arrays["node_viewpoint"][0, action])
+        env.step(action)
+        assert env.arrays["viewpoint"][0] == wanted
+        assert env.arrays["node_visited"][0, action] == 1  # a node keeps its number
+    assert env.arrays["step"][0] > 0
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
@@ -496,13 +538,13 @@ def test_the_vector_environment_answers(made: Path) -> None:
     assert envs.metrics(1)["rgs"] == 1 and envs.objects(0) == []
 
 
-@pytest.mark.parametrize("actions", ["viewpoint", "six"])
+@pytest.mark.parametrize("actions", ["viewpoint", "six", "panoramic", "map"])
 def test_masks_say_which_actions_do_something(small: str, actions: str) -> None:
     envs = RoomToRoomVectorEnv(EnvConfig(small, actions=actions, max_steps=1000), 4,
                                autoreset_mode="Disabled")  # fmt: skip
     envs.reset(seed=3)
     rng = np.random.default_rng(1)
-    stop = 0 if actions == "viewpoint" else 5
+    stop = 5 if actions == "six" else 0
     forbidden = 0
     for _ in range(60):
         masks = envs.action_masks()

@@ -15,7 +15,7 @@ from enfilade._dataset import Dataset, SeenObject
 from enfilade._episodes import Episodes
 from enfilade._errors import ArgumentError
 from enfilade._renderer import Renderer
-from enfilade.gym._config import EnvConfig, Transition
+from enfilade.gym._config import EXPERTS, EnvConfig, Transition
 
 RENDER_MODES = ["rgb_array", "ansi"]
 PI = np.float32(np.pi)  # above pi, as a rounded angle may be
@@ -44,7 +44,7 @@ class Batch:
         self.core = BatchEnvironment(
             self.episodes._core,
             batch_size=whole("num_envs", n),
-            six_actions=config.actions == "six",
+            actions=config.actions,
             reward=reward,
             max_steps=config.max_steps,
             success_distance=config.success_distance,
@@ -114,6 +114,10 @@ class Batch:
             )
         if self.vocabulary is not None:
             space["tokens"] = spaces.Box(0, len(self.vocabulary) - 1, (config.tokens,), np.int64)
+        if config.actions == "map":
+            nodes = int(self.core.action_count)
+            space["nodes"] = spaces.Box(-1, MOST_METRES, (nodes, 7), np.float32)
+            space["node_mask"] = spaces.MultiBinary(nodes)
         shape = (config.height, config.width)
         for name in config.observe:
             if name == "rgb":
@@ -217,6 +221,15 @@ class Batch:
         scored = self.episodes.score_paths([self.core.walked(agent)], places=[place], answers=answers)
         return {name: float(values[0]) for name, values in scored.items()}
 
+    def expert(self, agent: int, rule: str) -> Optional[int]:
+        """The action of a teacher. Raises ArgumentError before reset()."""
+        if not self._begun:
+            raise ArgumentError("expert(): reset() has to come first")
+        if rule not in EXPERTS:
+            raise ArgumentError(f"rule '{rule}': one of {', '.join(EXPERTS)} is wanted")
+        action: Optional[int] = self.core.expert(whole("agent", agent, self.n - 1), rule)
+        return action
+
     def objects(self, agent: int) -> list[SeenObject]:
         """What may be named where an agent is: the objects that a view shows (REVERIE)."""
         scan = self.episodes.graphs.scans[int(self.arrays["scan"][agent])]
@@ -225,8 +238,12 @@ class Batch:
 
     def action_masks(self) -> NDArray[np.bool_]:
         """(n, actions): which do something. The others leave an agent where it is."""
+        if self.config.actions == "map":
+            open_nodes: NDArray[np.bool_] = self.arrays["node_mask"].astype(bool)
+            open_nodes[:, 0] = True
+            return open_nodes
         there: NDArray[np.bool_] = self.arrays["candidate_mask"].astype(bool)
-        if self.config.actions == "viewpoint":
+        if self.config.actions != "six":
             there[:, 0] = True  # to stop
             return there
         possible = np.ones((self.n, 6), bool)
@@ -284,6 +301,9 @@ class Batch:
             "candidates": self.arrays["candidates"].copy(),
             "pose": pose,
         }
+        if self.config.actions == "map":
+            seen["nodes"] = self.arrays["nodes"].copy()
+            seen["node_mask"] = self.arrays["node_mask"].copy()
         if self.config.text:
             seen["instruction"] = tuple(self.texts)
         if self.vocabulary is not None:

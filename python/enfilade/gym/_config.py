@@ -14,7 +14,8 @@ from enfilade._arguments import whole
 from enfilade._errors import ArgumentError
 from enfilade._renderer import CACHES
 
-ACTIONS = ("viewpoint", "six")
+ACTIONS = ("viewpoint", "six", "panoramic", "map")
+EXPERTS = ("spl", "ndtw")
 REWARDS = ("progress", "success", "none")
 LAYERS = ("rgb", "depth", "class", "instance")
 
@@ -40,8 +41,10 @@ class EnvConfig:
         task: the benchmark: "r2r", "r4r", "rxr", "reverie", "cvdn", "soon", ...; environments whose ids
             name a benchmark set it.
         actions: "viewpoint": 0 stops, k walks to candidate k and looks along the way; "six": left,
-            right, up, down (30 degrees), forward, stop. An action that is not possible leaves
-            the agent where it is.
+            right, up, down (30 degrees), forward, stop; "panoramic": 0 stops, k walks to candidate k
+            of all neighbours and looks as the one of 36 views that has it; "map": 0 stops, k walks
+            to node k of what the agent has seen so far, unless it was there before. An action that
+            is not possible leaves the agent where it is.
         reward: "progress" (metres nearer to the goal, 2 for a successful stop, -2 for another),
             "success" (1 for a successful stop), "none", or a function of a Transition that gives (n,) numbers; it has
             to be importable by its name for the config to be pickled.

@@ -26,7 +26,9 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
     instruction: text, unless the config has text=False. pose: heading and elevation, radians. candidates: (m, 3) rel_heading,
     rel_elevation (radians from where the agent looks) and distance (metres); row 0 is where it
     stands. candidate_mask: (m,) 1 for rows in use. tokens: token ids, where the config names a
-    vocabulary. rgb, depth, class, instance: where the config wants them.
+    vocabulary. rgb, depth, class, instance: where the config wants them. Of "map" actions also nodes:
+    (actions, 7), where each lies, as DUET's position features have it (docs/agents.md), row 0 being [stop], and
+    node_mask: (actions,) 1 where the agent can go.
 
     reset(options={"episode": e}) takes an index or instruction id instead of drawing one.
     info: instruction_id, scan, viewpoint, distance (metres to the goal); at an episode's end also
@@ -80,6 +82,12 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
     def objects(self) -> list[SeenObject]:
         """What may be named here: the objects around the agent that a view shows (REVERIE)."""
         return self._batch.objects(0)
+
+    def expert(self, rule: str = "spl") -> Optional[int]:
+        """The action of a teacher, which knows the goal: a step on the shortest path to it, or stop; of
+        "map" actions that of DUET's pseudo-expert, by its rule "spl" or "ndtw". None if the goal is
+        hidden or out of reach."""
+        return self._batch.expert(0, rule)
 
     def action_masks(self) -> NDArray[np.bool_]:
         """(actions,) bool: which actions do something, as sb3-contrib's MaskablePPO asks for them."""

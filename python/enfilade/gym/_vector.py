@@ -121,6 +121,10 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         """What may be named where an agent is; as RoomToRoomEnv.objects()."""
         return self._batch.objects(agent)
 
+    def expert(self, agent: int, rule: str = "spl") -> Optional[int]:
+        """The action of a teacher; as RoomToRoomEnv.expert()."""
+        return self._batch.expert(agent, rule)
+
     def action_masks(self) -> NDArray[np.bool_]:
         """(n, actions) bool: which actions do something."""
         return self._batch.action_masks()
@@ -133,8 +137,10 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
         """The state of n agents, by name: scan, viewpoint (indices), heading, elevation (radians),
-        step, episode, distance (metres), reward, terminated, truncated, began, success, spl: (n,);
-        candidate_viewpoint (indices), candidate_mask: (n, m); candidates: (n, m, 3). Views of the
+        view_index, step, episode, distance (metres), reward, terminated, truncated, began, success, spl:
+        (n,); candidate_viewpoint (indices), candidate_mask: (n, m); candidates: (n, m, 3). Of "panoramic"
+        and "map" actions candidate_view (of 36): (n, m); of "map" node_viewpoint, node_visited, node_mask:
+        (n, actions), nodes: (n, actions, 7). Views of the
         environment's memory, read-only, written over by the next call: for teachers."""
         return self._batch.arrays
 
