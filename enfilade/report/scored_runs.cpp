@@ -33,7 +33,11 @@ void judge_by_goal(EpisodeMetrics& m, const graph::NavGraph& graph,
   m.success = goal_reached(graph, path, end, leg, kRadius) ? 1 : 0;
   m.oracle_error = m.nav_error;
   m.oracle_success = m.success;
+  tasks::Leg at = tasks::Leg::kOut;
   for (const tasks::TrajectoryPoint& point : trajectory.points) {
+    // On the way out, R2R-Back's start is no end that was reached.
+    at = leg_after(graph, path, point.viewpoint, at, kRadius);
+    if (leg == tasks::Leg::kBack && at == tasks::Leg::kOut) continue;
     m.oracle_error = std::min(m.oracle_error, distance_to_goal(graph, path, point.viewpoint, leg));
     if (goal_reached(graph, path, point.viewpoint, leg, kRadius)) m.oracle_success = 1;
   }

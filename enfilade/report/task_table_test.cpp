@@ -77,6 +77,29 @@ TEST_F(TaskTableTest, ReverieHasItsColumnsHeadlineFirst) {
   EXPECT_THAT(to_markdown(made), HasSubstr("| RGSPL (%) |"));
 }
 
+// The start is the end of R2R-Back's way: it counts from the turning point on.
+TEST_F(TaskTableTest, TheOracleOfR2rBackTurnsFirst) {
+  make_folder(made_.data() / "r2r-back");
+  write_file_atomically(made_.data() / "r2r-back/R2R_val_unseen.json", R"([
+{"path_id": 1, "scan": "row", "heading": 0, "distance": 16, "midstop": "v4",
+ "path": ["v0", "v1", "v2", "v3", "v4", "v3", "v2", "v1", "v0"],
+ "instructions": ["Go and come.", "Go on.", "Come."]}])");
+  write("walker_val_unseen.json", R"([
+{"instr_id": "1_0", "trajectory": ["v0", "v1", "v2", "v3", "v4"], "midstop": "v4"},
+{"instr_id": "1_1", "trajectory": ["v0", "v1", "v2", "v3", "v4", "v3", "v2", "v1", "v2"], "midstop": "v4"},
+{"instr_id": "1_2", "trajectory": ["v0", "v1", "v2"], "midstop": "v4"}])");
+  const dataset::Dataset data(made_.data());
+  const std::vector<std::filesystem::path> named{made_.run()};
+  const auto runs = score_runs(find_runs(named, data, Task::kR2rBack), data);
+  ASSERT_EQ(runs.runs.size(), 1U);
+  const auto& episodes = runs.runs[0].scores.ours.episodes;
+  EXPECT_EQ(episodes[0].oracle_error, 6) << "it stays where it turns, which begins at v3";
+  EXPECT_EQ(episodes[0].oracle_success, 0);
+  EXPECT_EQ(episodes[1].oracle_error, 2) << "it came near, and went away again";
+  EXPECT_EQ(episodes[1].oracle_success, 1);
+  EXPECT_EQ(episodes[2].oracle_error, 4) << "never at the turning point: where it ends";
+}
+
 TEST_F(TaskTableTest, TheTaskIsFoundFromTheResults) {
   write("random_val_unseen.json", kFound);
   const std::vector<std::filesystem::path> named{made_.run()};
