@@ -3,8 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
+#include <variant>
 
+#include "enfilade/core/errors.h"
+#include "enfilade/scan/data_root.h"
 #include "enfilade/tasks/files.h"
 #include "tests/support/graphs.h"
 #include "tests/support/recorded_annotations.h"
@@ -127,6 +133,45 @@ TEST(SoonSubmission, NeedsToKnowTheEntries) {
   EXPECT_THAT(tests::refusal<InvalidInput>(
                   [&] { parse_results("[" + entry("7", answer("v0")) + "]", "r.json", set); }),
               HasSubstr("\"7\" is not one of the 0 entries that split val names"));
+}
+
+// Each recorded answer stands in both forms.
+TEST(SoonSubmissionRecorded, SaysWhatDuetsFormSays) {
+  const auto data = scan::DataRoot::from_environment();
+  const std::string split = "val_seen_instrs";
+  const auto text = tests::recorded_annotations("soon_" + split + "_synthetic.json.gz");
+  const auto duet = tests::recorded_annotations("../results/soon_" + split + "_duet.json.gz");
+  const auto own = tests::recorded_annotations("../results/soon_" + split + "_official.json.gz");
+  if (!text || !duet || !own) GTEST_SKIP() << tests::kNoRecordedAnnotations;
+  const auto annotations = parse_annotations(*text, "soon", split, Task::kSoon);
+  const EpisodeSet set = make_episodes(annotations, graph::GraphSet::open(data->connectivity()));
+  const auto theirs = nlohmann::json::parse(*duet), ours = nlohmann::json::parse(*own);
+  ASSERT_EQ(theirs.size(), 157U);
+  ASSERT_EQ(ours.size(), theirs.size());
+  const auto one = [&set](const nlohmann::json& entry) -> std::optional<Trajectory> {
+    const std::string list = nlohmann::json::array({entry}).dump();
+    try {
+      return parse_results(list, "r", set, Coverage::kPart).trajectories.at(0);
+    } catch (const InvalidInput&) {
+      return std::nullopt;  // it jumps
+    }
+  };
+  std::size_t read = 0;
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    const auto a = one(theirs[i]), b = one(ours[i]);
+    ASSERT_EQ(a.has_value(), b.has_value()) << i;
+    if (!a) continue;
+    ++read;
+    const auto& goal = std::get<Boxes>(set.path_of(set.episodes[a->episode]).goal);
+    if (goal.first_alternative.empty()) {
+      EXPECT_EQ(set.episodes[a->episode].path, set.episodes[b->episode].path) << i;
+    }
+    EXPECT_TRUE(std::ranges::equal(a->points, b->points, {}, &TrajectoryPoint::viewpoint,
+                                   &TrajectoryPoint::viewpoint))
+        << i;
+    EXPECT_EQ(a->point, b->point) << i;
+  }
+  EXPECT_EQ(read, 151U) << "the others jump";
 }
 
 }  // namespace
