@@ -158,10 +158,15 @@ void Site::count_rooms(const dataset::Dataset& data) {
 }
 
 const tasks::ObjectBoxes* Site::objects() const {
+  const std::scoped_lock lock(objects_mutex_);
+  if (broken_objects_) std::rethrow_exception(broken_objects_);
   try {
     return &data_->objects();
   } catch (const FileError&) {
     return nullptr;  // many data sets have none
+  } catch (const InvalidInput&) {
+    broken_objects_ = std::current_exception();
+    throw;
   }
 }
 

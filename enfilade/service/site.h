@@ -1,7 +1,9 @@
 /// \file  The data set of a server, in a public part and a secret one.
 #pragma once
+#include <exception>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -50,7 +52,7 @@ class Site {
   /// How many rooms of a scan have viewpoints; none if the data set does not say which those are.
   std::optional<std::size_t> rooms(ScanIndex scan) const;
   /// Which objects are seen from where, read at the first call; null if the data set does not say.
-  /// \throws InvalidInput
+  /// \throws InvalidInput, again at each call, without reading the broken file again
   const tasks::ObjectBoxes* objects() const;
   /// The data set's folder, and those in which its panoramas are looked for.
   const std::filesystem::path& folder() const noexcept { return folder_; }
@@ -70,6 +72,8 @@ class Site {
   void count_rooms(const dataset::Dataset& data);
 
   std::optional<dataset::Dataset> data_;
+  mutable std::mutex objects_mutex_;
+  mutable std::exception_ptr broken_objects_;  // what objects() throws
   std::shared_ptr<const graph::GraphSet> graphs_;
   std::shared_ptr<const scan::PanoramaSet> panoramas_;
   std::vector<PublicSplit> splits_;
