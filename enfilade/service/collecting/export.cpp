@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "enfilade/scan/zip_writer.h"
 #include "enfilade/service/collecting/collection_json.h"
 #include "enfilade/service/collecting/kinds/dialogues.h"
 #include "enfilade/service/detail/json_list.h"
@@ -17,6 +19,7 @@
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/pose_trace.h"
 
 namespace enfilade::service::collecting {
 namespace {
@@ -318,6 +321,28 @@ std::string walks_json(const Selection& selection) {
     if (task.kind == Kind::kFind) one["point"] = ordered_json::parse(task.content).at("point");
     one["steps"] = steps_of(task);
   });
+}
+
+std::string traces_zip(const Selection& selection, const graph::GraphSet& graphs) {
+  constexpr Radians kHigh(std::numbers::pi / 3);
+  constexpr double kAspect = 4.0 / 3;
+  std::vector<scan::ZipEntry> files;
+  for (const Task& task : tasks_of(selection)) {
+    const graph::NavGraph& graph = graphs.graph(task.item.scan);
+    tasks::PoseTrace trace;
+    for (const ordered_json& step : steps_of(task)) {
+      const auto viewpoint = step.at("viewpoint").get<std::string>();
+      const Vec3f at = graph.position(graph.find(viewpoint).value());
+      trace.snapshots.push_back(tasks::snapshot_of(viewpoint, step.at("seconds").get<double>(),
+                                                   {{at.x, at.y, at.z},
+                                                    Radians(step.at("heading").get<double>()),
+                                                    Radians(step.at("elevation").get<double>()),
+                                                    kHigh,
+                                                    kAspect}));
+    }
+    files.push_back({tasks::pose_trace_name(tasks::TraceRole::kGuide, task.id), to_npz(trace)});
+  }
+  return scan::zip(files);
 }
 
 std::string tasks_json(store::Database& db, const ExportedSplit& exported) {

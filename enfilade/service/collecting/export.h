@@ -63,6 +63,11 @@ std::string results_json(const Selection& selection);
 /// \pre it is of walks or of guides
 std::string walks_json(const Selection& selection);
 
+/// The pose traces of guides as RxR's, a zip file of `<id>_guide_pose_trace.npz`, where id is the
+/// instruction's. What the page does not record is that of MatterSim's usual view: 60 degrees high,
+/// 4 to 3. \pre it is of guides
+std::string traces_zip(const Selection& selection, const graph::GraphSet& graphs);
+
 /// All submitted tasks of the split, whatever their state, an object each: task, state, path_id,
 /// number, worker, times, flags. With that, what other files leave out can be looked up.
 std::string tasks_json(store::Database& db, const ExportedSplit& exported);

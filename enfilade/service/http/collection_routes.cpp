@@ -105,10 +105,19 @@ std::string file_of(Context& context, const collecting::Selection& selection,
   if (what != "annotations") {
     throw HttpError(400,
                     "what: not annotations, tasks, report, nor, where instructions are walked, "
-                    "results or walks, of guides walks, of dialogues dialogues");
+                    "results or walks, of guides walks or traces, of dialogues dialogues");
   }
   if (selection.secret) throw HttpError(403, "the goals of this split are secret");
   return collecting::annotations_json(selection, context.site->graphs());
+}
+
+/// The pose traces of guides. \throws HttpError 400 for other work
+Response traces_of(Context& context, const collecting::Selection& selection) {
+  if (selection.report.kind != collecting::Kind::kGuide) {
+    throw HttpError(400, "what: traces are of guides");
+  }
+  return archive_response(collecting::traces_zip(selection, context.site->graphs()),
+                          fmt::format("rxr_{}_pose_traces.zip", selection.report.split));
 }
 
 /// As the benchmark calls its file.
@@ -132,7 +141,8 @@ Response export_file(Context& context, const Request& request) {
   if (what == "tasks") return file_response(collecting::tasks_json(context.db, exported), name);
   const collecting::Selection selection = collecting::select_work(context.db, exported);
   if (what == "report") return json_response(collecting::report_json(selection.report));
-  Response response = file_response(file_of(context, selection, what), name);
+  Response response = what == "traces" ? traces_of(context, selection)
+                                       : file_response(file_of(context, selection, what), name);
   response.add_header("X-Enfilade-Export", selection.report.summary());
   return response;
 }

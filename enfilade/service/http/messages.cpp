@@ -195,6 +195,12 @@ Response file_response(std::string json, const std::string& name) {
   return response;
 }
 
+Response archive_response(std::string zip, const std::string& name) {
+  Response response = text_response("application/zip", std::move(zip));
+  response.add_header("Content-Disposition", fmt::format("attachment; filename=\"{}\"", name));
+  return response;
+}
+
 Response error_response(int status, std::string_view message,
                         const std::vector<Diagnostic>& diagnostics) {
   const auto* found = std::ranges::find(kAnswers, status, &Answer::status);

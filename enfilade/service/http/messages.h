@@ -75,6 +75,8 @@ Response text_response(std::string type, std::string text);
 Response csv_response(std::string csv);
 /// JSON to be saved as a file.
 Response file_response(std::string json, const std::string& name);
+/// A zip file, to be saved.
+Response archive_response(std::string zip, const std::string& name);
 
 /// {"error": {"code", "message"}}, with "diagnostics" if there are any: at most 200 of them, and
 /// how many there were. The code is the word of the status: "not-found" of 404.

@@ -293,7 +293,9 @@ ordered_json dialogue_json(store::Database& db, const Visit& visit, std::int64_t
   return db.transact([&] {
     const Place place = place_of(db, visit, id);
     const bool open = place.task.state == TaskState::kLeased;
-    if (open && place.task.expires - db.now() < place.task.lease_seconds / 2) {
+    // One that ran out may have gone to another: asking for a task renews it if there is a place.
+    const std::int64_t left = place.task.expires - db.now();
+    if (open && left > 0 && left < place.task.lease_seconds / 2) {
       db.run("UPDATE task SET expires = ? WHERE id = ?", db.now() + place.task.lease_seconds, id);
     }
     const std::vector<Turn> turns = turns_of(db, place.dialogue.id);

@@ -5,8 +5,10 @@
 #include <numbers>
 #include <optional>
 
+#include "enfilade/scan/file_tree.h"
 #include "enfilade/service/collecting/kinds/outlines.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/pose_trace.h"
 #include "tests/support/collecting.h"
 
 namespace enfilade::service {
@@ -161,6 +163,15 @@ json guide_body(const std::string& instruction, int last) {
   return {{"instruction", instruction}, {"words", words}, {"steps", row_steps(0, last)}};
 }
 
+TEST_F(Kinds, ABrokenFileOfBoxesIsReadOnce) {
+  const auto file = served_.root() / "data/reverie/BBoxes.json";
+  write_file_atomically(file, "{\"row_v2\": 7}");
+  const std::string first = faults_of(collection_body("pilot", "describe"));
+  EXPECT_THAT(first, HasSubstr("$.row_v2"));
+  write_file_atomically(file, kBoxes);
+  EXPECT_EQ(faults_of(collection_body("pilot", "describe")), first) << "as until the next start";
+}
+
 TEST_F(Kinds, AGuideKeepsWordsAndPosesWithTheirTimes) {
   json body = collection_body("pilot", "guide");
   body["language"] = "hi-IN";
@@ -198,6 +209,18 @@ TEST_F(Kinds, AGuideKeepsWordsAndPosesWithTheirTimes) {
   const json traces = json::parse(file("pilot/export?split=val_seen&what=walks"));
   EXPECT_EQ(traces.at(0).at("instr_id"), "1_" + std::to_string(number));
   EXPECT_EQ(traces.at(0).at("steps").size(), 4U);
+  const auto zip =
+      scan::FileTree::zip_in_memory(file("pilot/export?split=val_seen&what=traces"), "traces.zip");
+  ASSERT_EQ(zip->names().size(), 1U);
+  const std::string name = tasks::pose_trace_name(tasks::TraceRole::kGuide, number);
+  const tasks::PoseTrace trace = tasks::parse_pose_trace(zip->read(name).value(), name);
+  ASSERT_EQ(trace.snapshots.size(), 4U);
+  EXPECT_EQ(trace.snapshots[3].viewpoint, "v3");
+  const json& last = traces.at(0).at("steps").at(3);
+  EXPECT_NEAR(trace.snapshots[3].time, last.at("seconds").get<double>(), 1e-6);
+  const tasks::CameraLook look = look_of(trace.snapshots[3]);
+  EXPECT_NEAR(look.heading.value, last.at("heading").get<double>(), 1e-6);
+  EXPECT_NEAR(look.view_angle.value, std::numbers::pi / 3, 1e-6);
 }
 
 json post(testing::Served& served, const Worker& who, const std::string& target, const json& body) {
