@@ -43,8 +43,10 @@ struct NamedArray {
 /// archives of `.npy`, named by their paths without ".npy"), and dictionaries of
 /// tensors written by PyTorch's torch.save(): zip archives (since 1.6) and the older plain pickles.
 /// From a pickle only a dictionary's tensors are built; no code that it names is ever run. In a
-/// checkpoint the dictionary below "state_dict", "model_state_dict", "model" or "module" is read,
-/// of a TorchScript module the tensors of all modules in it.
+/// checkpoint the dictionary below "state_dict", "model_state_dict", "model" or "module" is read;
+/// in one of several networks ({"encoder": {"state_dict": ...}, ...}) those of all, named
+/// "encoder.<name>" (once, and without PyTorch's wrapper "module."); of a TorchScript module the
+/// tensors of all modules in it.
 /// docs/features.md has more.
 class TensorFile {
  public:

@@ -385,6 +385,25 @@ TEST_F(PickleTest, TensorsStayWithinTheirStorages) {
               HasSubstr("a storage of 16 bytes, not of 3 elements of 4 bytes"));
 }
 
+TEST_F(PickleTest, FindsTheTensorsOfEachOfSeveralNetworks) {
+  std::string one = tensor(number(0), number(4) + "\x85", number(1) + "\x85").substr(4);
+  one.resize(one.size() - 2);  // the tensor without the dictionary around it
+  const auto item = [](const std::string& key, const std::string& value) {
+    return "U" + std::string(1, static_cast<char>(key.size())) + key + value + "s";
+  };
+  const auto network = [&](const std::string& key, const std::string& name) {
+    return item(key, "}" + item("epoch", number(8)) + item("state_dict", "}" + item(name, one)));
+  };
+  const fuzz::MemoryFile memory(scan::testing::zip_of(
+      {{"archive/data.pkl", "\x80\x02}" + network("encoder", "module.word") +
+                                network("net", "module.net.word") + item("step", number(3)) + "."},
+       {"archive/data/0", std::string(16, 'x')}}));
+  const TensorFile file = TensorFile::open(memory.path());
+  ASSERT_EQ(file.arrays().size(), 2U);
+  EXPECT_NE(file.find("encoder.word"), nullptr);
+  EXPECT_NE(file.find("net.word"), nullptr) << "the network's name stands there once";
+}
+
 TEST_F(PickleTest, TensorsAreWellFormed) {
   const std::string minus = "J\xff\xff\xff\xff";
   EXPECT_THAT(refusal_of_pickle(tensor(minus, number(4) + "\x85", number(1) + "\x85")),

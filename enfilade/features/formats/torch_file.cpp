@@ -65,7 +65,7 @@ void add_tensors(const Module& module, const std::string& prefix, std::set<const
 
 // Training programs put the dictionary of tensors into another one, beside the epoch, the optimiser
 // and so on.
-Tensors find_tensors(const Value* root, const std::string& name) {
+Tensors find_tensors_below(const Value* root) {
   constexpr std::array<std::string_view, 4> kInner{"state_dict", "model_state_dict", "model",
                                                    "module"};
   constexpr int kDeepest = 4;
@@ -85,9 +85,42 @@ Tensors find_tensors(const Value* root, const std::string& name) {
       root = find(*dictionary, kInner[i]);
     }
   }
+  return {};
+}
+
+std::string_view without_wrapper(std::string_view name) {
+  constexpr std::string_view kWrapper = "module.";
+  return name.starts_with(kWrapper) ? name.substr(kWrapper.size()) : name;
+}
+
+// Agents of several networks save a dictionary of them, each with a "state_dict" of its own. Names
+// become "<network>.<name>", once.
+Tensors find_parts(const Value* root) {
+  Tensors all;
+  const auto* dictionary = root == nullptr ? nullptr : std::get_if<Dictionary>(&root->is);
+  if (dictionary == nullptr) return all;
+  for (const auto& [key, value] : dictionary->items) {
+    const auto* part = std::get_if<std::string>(&key->is);
+    const auto* inner = std::get_if<Dictionary>(&value->is);
+    if (part == nullptr || inner == nullptr || find(*inner, "state_dict") == nullptr) continue;
+    const std::string prefix = *part + ".";
+    for (const auto& [name, tensor] : find_tensors_below(find(*inner, "state_dict"))) {
+      const std::string_view bare = without_wrapper(name);
+      all.insert_or_assign(
+          bare.starts_with(prefix) ? std::string(bare) : prefix + std::string(bare), tensor);
+    }
+  }
+  return all;
+}
+
+Tensors find_tensors(const Value* root, const std::string& name) {
+  Tensors tensors = find_tensors_below(root);
+  if (tensors.empty()) tensors = find_parts(root);
+  if (!tensors.empty()) return tensors;
   refuse(name, "", "no-tensors",
          "holds no dictionary of tensors, neither as the outermost value nor below \"state_dict\", "
-         "\"model_state_dict\", \"model\" or \"module\"; nor a TorchScript module with tensors");
+         "\"model_state_dict\", \"model\" or \"module\", nor several networks that each have a "
+         "\"state_dict\"; nor a TorchScript module with tensors");
 }
 
 // --- from storages to arrays ---
