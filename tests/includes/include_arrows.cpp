@@ -296,7 +296,7 @@ const std::map<std::string, Arrows, std::less<>>& rooms() {
         {"benchmarks", {"speaking", "sets"}}}},
       {"mesh", {{"light", {}}, {"readers", {}}}},
       {"models", {{"vocabularies", {}}}},
-      {"neural", {{"encoders", {}}, {"seq2seq", {}}}},
+      {"neural", {{"encoders", {}}, {"duet", {"encoders"}}, {"seq2seq", {}}}},
       {"render", {{"cpu", {}}, {"gl", {"cpu"}}}},
       {"report", {{"parts", {}}}},
       {"report", {{"page", {}}}},

@@ -1,0 +1,217 @@
+#include "enfilade/neural/duet/duet_network.h"
+
+#include <ATen/ATen.h>
+#include <fmt/format.h>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "enfilade/core/rng.h"
+#include "enfilade/neural/encoders/random_weights.h"
+
+namespace enfilade::neural::duet {
+namespace {
+
+constexpr double kDeviation = 0.02;  // BERT's initializer_range
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// (n, length) -> (n, 1, 1, length), added to the scores of an attention.
+at::Tensor bias_of(const at::Tensor& mask, double padding) {
+  return at::zeros(mask.sizes(), at::kFloat)
+      .masked_fill(mask.logical_not(), padding)
+      .unsqueeze(1)
+      .unsqueeze(1);
+}
+
+at::Tensor uniform(const std::vector<std::int64_t>& shape, Rng& rng) {
+  const double bound = std::sqrt(6.0 / static_cast<double>(shape[0] + shape[1]));
+  at::Tensor values = at::empty(shape, at::kFloat);
+  auto* numbers = values.data_ptr<float>();
+  for (std::int64_t i = 0; i < values.numel(); ++i) {
+    numbers[i] = static_cast<float>((2 * rng.uniform() - 1) * bound);
+  }
+  return values;
+}
+
+bool is_norm(std::string_view name) {
+  for (const char* part : {"LayerNorm.", "layer_norm.", ".norm1.", ".norm2.", ".norm.", ".net.2.",
+                           "pos_embeddings.1."}) {
+    if (name.find(part) != std::string_view::npos) return true;
+  }
+  return false;
+}
+
+at::Tensor initial(const encoders::ArraySpec& spec, Rng& rng) {
+  const std::string_view name = spec.name;
+  if (name.ends_with("bias")) return at::zeros(spec.shape, at::kFloat);
+  if (is_norm(name)) return at::ones(spec.shape, at::kFloat);
+  if (name.ends_with("in_proj_weight")) return uniform(spec.shape, rng);
+  at::Tensor values = encoders::normal(spec.shape, kDeviation, rng);
+  if (name.ends_with("word_embeddings.weight")) values[0].zero_();  // padding
+  return values;
+}
+
+// What the published code saves beside the network's weights.
+bool ignored(std::string_view name) {
+  return name.ends_with("position_ids") || !name.starts_with("vln_bert.");
+}
+
+}  // namespace
+
+at::Tensor mask_of(const at::Tensor& lengths, std::int64_t longest) {
+  return at::arange(longest, at::kLong).unsqueeze(0).lt(lengths.unsqueeze(1));
+}
+
+DuetNetwork::DuetNetwork(const DuetConfig& config, std::uint64_t seed) : config_(config) {
+  validate(config);
+  Rng rng(seed);
+  for (const encoders::ArraySpec& spec : arrays_of(config)) {
+    weights_.emplace(spec.name, initial(spec, rng));
+  }
+  for (auto& [name, values] : weights_) values.requires_grad_();
+}
+
+DuetNetwork::DuetNetwork(const DuetConfig& config, const features::TensorFile& file)
+    : config_(config) {
+  validate(config);
+  weights_ = encoders::read_weights(file, arrays_of(config), ignored);
+  for (auto& [name, values] : weights_) values.requires_grad_();
+}
+
+void DuetNetwork::save(const std::filesystem::path& file) const {
+  features::write_safetensors(file, encoders::as_arrays(weights_), {{"format", "pt"}});
+}
+
+Tokens DuetNetwork::encode_text(const at::Tensor& ids, const at::Tensor& lengths,
+                                Dropout* dropout) const {
+  const Layers layers(weights_, config_.heads, dropout);
+  const std::string table = "vln_bert.embeddings";
+  const at::Tensor mask = mask_of(lengths, ids.size(1));
+  at::Tensor x = at::embedding(layers.weight(table + ".word_embeddings.weight"), ids, 0) +
+                 layers.weight(table + ".position_embeddings.weight").narrow(0, 0, ids.size(1)) +
+                 layers.weight(table + ".token_type_embeddings.weight")[0];
+  x = layers.drop(layers.norm(x, table + ".LayerNorm"));
+  const at::Tensor bias = bias_of(mask, kSoftMask);
+  for (std::int64_t i = 0; i < config_.text_layers; ++i) {
+    const std::string layer = fmt::format("vln_bert.lang_encoder.layer.{}", i);
+    x = layers.attention(x, x, bias, layer + ".attention.self", layer + ".attention.output");
+    x = layers.feed_forward(x, layer + ".intermediate", layer + ".output");
+  }
+  return {x, mask};
+}
+
+Tokens DuetNetwork::encode_panorama(const PanoramaInput& input, Dropout* dropout) const {
+  const Layers layers(weights_, config_.heads, dropout);
+  const std::string table = "vln_bert.img_embeddings";
+  const std::int64_t longest = input.locations.size(1);
+  at::Tensor x =
+      layers.norm(layers.linear(input.views, table + ".img_linear"), table + ".img_layer_norm");
+  at::Tensor counts = input.view_counts;
+  const at::Tensor place = at::arange(longest, at::kLong).unsqueeze(0);
+  at::Tensor from = place.expand({x.size(0), longest});
+  if (input.objects.defined() && input.objects.size(1) > 0) {
+    const std::string kind = config_.own_object_map() ? ".obj" : ".img";
+    const at::Tensor objects = layers.norm(layers.linear(input.objects, table + kind + "_linear"),
+                                           table + kind + "_layer_norm");
+    const at::Tensor views = input.view_counts.unsqueeze(1);
+    from = at::where(place.lt(views), place, place - views + x.size(1));
+    x = at::cat({x, objects}, 1);
+    counts = counts + input.object_counts;
+  }
+  const at::Tensor mask = mask_of(counts, longest);
+  from = at::where(mask, from, at::zeros_like(from));
+  x = x.gather(1, from.unsqueeze(2).expand({x.size(0), longest, config_.hidden}));
+  x = x +
+      layers.norm(layers.linear(input.locations, table + ".loc_linear"),
+                  table + ".loc_layer_norm") +
+      at::embedding(layers.weight(table + ".nav_type_embedding.weight"), input.types) +
+      layers.weight("vln_bert.embeddings.token_type_embeddings.weight")[1];
+  x = layers.drop(layers.norm(x, table + ".layer_norm"));
+  if (config_.panorama_layers == 0) return {x, mask};
+  const at::Tensor bias = bias_of(mask, -kInfinity);
+  for (std::int64_t i = 0; i < config_.panorama_layers; ++i) {
+    x = layers.pre_norm_layer(x, bias, fmt::format("{}.pano_encoder.layers.{}", table, i));
+  }
+  return {layers.norm(x, table + ".pano_encoder.norm"), mask};
+}
+
+at::Tensor DuetNetwork::branch(const Layers& layers, at::Tensor x, const Tokens& text,
+                               const at::Tensor& mask, const at::Tensor& bias,
+                               const char* name) const {
+  const at::Tensor words = bias_of(text.mask, kSoftMask);
+  at::Tensor own = bias_of(mask, kSoftMask);
+  if (bias.defined()) own = own + bias;
+  for (std::int64_t i = 0; i < config_.cross_layers; ++i) {
+    const std::string layer = fmt::format("vln_bert.{}.encoder.x_layers.{}", name, i);
+    x = layers.attention(x, text.values, words, layer + ".visual_attention.att",
+                         layer + ".visual_attention.output");
+    x = layers.attention(x, x, own, layer + ".visn_self_att.self", layer + ".visn_self_att.output");
+    x = layers.feed_forward(x, layer + ".visn_inter", layer + ".visn_output");
+  }
+  return x;
+}
+
+NavigationOutput DuetNetwork::navigate(const Tokens& text, const NavigationInput& input,
+                                       Dropout* dropout) const {
+  const Layers layers(weights_, config_.heads, dropout);
+  const std::string map = "vln_bert.global_encoder", here = "vln_bert.local_encoder";
+  const auto place = [&](const at::Tensor& positions, const std::string& name) {
+    return layers.norm(layers.linear(positions, name + ".0"), name + ".1");
+  };
+  NavigationOutput out;
+  at::Tensor bias;
+  if (config_.map_distances) {
+    bias = (input.distances * layers.weight(map + ".sprel_linear.weight").squeeze() +
+            layers.weight(map + ".sprel_linear.bias").squeeze())
+               .unsqueeze(1);
+  }
+  out.nodes = input.nodes +
+              at::embedding(layers.weight(map + ".gmap_step_embeddings.weight"), input.steps) +
+              place(input.node_positions, map + ".gmap_pos_embeddings");
+  out.nodes = branch(layers, out.nodes, text, input.node_mask, bias, "global_encoder");
+  out.tokens = input.tokens + place(input.token_positions, here + ".vp_pos_embeddings");
+  out.tokens = branch(layers, out.tokens, text, input.token_mask, {}, "local_encoder");
+  fuse(layers, input, out);
+  if (config_.object != 0 && input.objects.defined()) {
+    out.object_logits = layers.head(out.tokens, "vln_bert.og_head")
+                            .masked_fill(input.objects.logical_not(), -kInfinity);
+  }
+  return out;
+}
+
+void DuetNetwork::fuse(const Layers& layers, const NavigationInput& input,
+                       NavigationOutput& out) const {
+  const std::int64_t n = input.nodes.size(0), g = input.nodes.size(1);
+  out.global_scores = layers.head(out.nodes, "vln_bert.global_sap_head");
+  out.local_scores = layers.head(out.tokens, "vln_bert.local_sap_head");
+  out.fuse_weight = at::full({n, 1}, 0.5, at::kFloat);
+  if (config_.fusion == Fusion::kDynamic) {
+    const at::Tensor both = at::cat({out.nodes.select(1, 0), out.tokens.select(1, 0)}, 1);
+    out.fuse_weight = at::sigmoid(layers.head(both, "vln_bert.sap_fuse_linear")).unsqueeze(1);
+  }
+  const at::Tensor global = out.global_scores * out.fuse_weight;
+  const at::Tensor local = out.local_scores * (1 - out.fuse_weight);
+  const at::Tensor open = input.visited.logical_not().logical_and(input.node_mask);
+  out.global_logits = global.masked_fill(open.logical_not(), -kInfinity);
+  out.local_logits = local.masked_fill(input.choices.logical_not(), -kInfinity);
+  // Candidates on the map give their logit to their node; those visited to all the open nodes that
+  // are no candidates.
+  const at::Tensor row = input.node_of_token;
+  const at::Tensor candidate = row.gt(0);
+  const at::Tensor known = at::where(candidate, row, at::zeros_like(row));
+  const at::Tensor back = input.visited.gather(1, known).logical_and(candidate);
+  const at::Tensor own = known.unsqueeze(1)
+                             .eq(at::arange(g, at::kLong).view({1, g, 1}))
+                             .logical_and(candidate.logical_and(back.logical_not()).unsqueeze(1));
+  const at::Tensor others = own.any(2, true).logical_not().logical_and(back.unsqueeze(1));
+  at::Tensor share = own.logical_or(others).to(at::kFloat);
+  share = share * open.unsqueeze(2);
+  at::Tensor stop = at::zeros_like(share.select(1, 0));
+  stop.select(1, 0).fill_(1);
+  share.select(1, 0).copy_(stop);
+  out.fused_logits = out.global_logits + at::bmm(share, local.unsqueeze(2)).squeeze(2);
+}
+
+}  // namespace enfilade::neural::duet

@@ -1,0 +1,95 @@
+/// \file  The dual-scale graph transformer DUET: text, panorama, map and viewpoint.
+#pragma once
+#include <ATen/core/Tensor.h>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "enfilade/features/tensor_file.h"
+#include "enfilade/neural/duet/duet_config.h"
+#include "enfilade/neural/duet/layers.h"
+#include "enfilade/neural/encoders/weights.h"
+
+namespace enfilade::neural::duet {
+
+/// Vectors of n rows padded to a common length, and how many of each row are there.
+struct Tokens {
+  at::Tensor values;  ///< (n, longest, hidden); what stands at padding means nothing
+  at::Tensor mask;    ///< (n, longest) bool, true for a token
+};
+
+/// Panoramas as tokens: views, then at once each row's own objects, then padding.
+struct PanoramaInput {
+  at::Tensor views;          ///< (n, views, image)
+  at::Tensor view_counts;    ///< (n) int64
+  at::Tensor objects;        ///< (n, objects, object); not defined without objects
+  at::Tensor object_counts;  ///< (n) int64; not defined without objects
+  at::Tensor locations;      ///< (n, longest, 7)
+  at::Tensor types;          ///< (n, longest) int64: 0 view, 1 candidate, 2 object
+};
+
+/// What the two branches get. Row 0 of map and viewpoint is "stop".
+struct NavigationInput {
+  at::Tensor nodes;            ///< (n, g, hidden) embeddings of the map's nodes; zeros for stop
+  at::Tensor steps;            ///< (n, g) int64: 0, or 1 + the step that visited the node
+  at::Tensor node_positions;   ///< (n, g, 7)
+  at::Tensor node_mask;        ///< (n, g) bool
+  at::Tensor visited;          ///< (n, g) bool
+  at::Tensor distances;        ///< (n, g, g) metres; row and column 0 are 0
+  at::Tensor tokens;           ///< (n, v, hidden): zeros for stop, then the panorama's tokens
+  at::Tensor token_positions;  ///< (n, v, 14)
+  at::Tensor token_mask;       ///< (n, v) bool
+  at::Tensor choices;          ///< (n, v) bool: stop and candidates
+  at::Tensor objects;          ///< (n, v) bool; not defined without objects
+  /// (n, v) int64: the map's row of a candidate, -1 for all else. Row 0 is no candidate's.
+  at::Tensor node_of_token;
+};
+
+/// What they say. Logits are minus infinity where nothing can be chosen.
+struct NavigationOutput {
+  at::Tensor nodes, tokens;                ///< embeddings after the last layer
+  at::Tensor fuse_weight;                  ///< (n, 1) the map's share
+  at::Tensor global_scores, local_scores;  ///< the heads' outputs, before weight and mask
+  at::Tensor global_logits;                ///< (n, g)
+  at::Tensor local_logits;                 ///< (n, v)
+  at::Tensor fused_logits;                 ///< (n, g)
+  at::Tensor object_logits;                ///< (n, v); not defined without objects
+};
+
+/// The network's parameters and what they compute. Autograd follows every call, unless a guard is
+/// set. One thread at a time.
+class DuetNetwork {
+ public:
+  /// Random weights by `seed`: normal of deviation 0.02 as in BERT; the packed maps of the
+  /// panorama's attention uniform as in PyTorch. \throws ArgumentError as validate()
+  DuetNetwork(const DuetConfig& config, std::uint64_t seed);
+  /// The weights of a checkpoint of the published code, of arrays by the same names, or of
+  /// save()'s file. Arrays of its critic are ignored.
+  /// \throws InvalidInput naming every missing, surplus and wrong-shaped array
+  DuetNetwork(const DuetConfig& config, const features::TensorFile& file);
+
+  const DuetConfig& config() const noexcept { return config_; }
+  const encoders::Weights& weights() const noexcept { return weights_; }
+  void save(const std::filesystem::path& file) const;  ///< safetensors. \throws FileError
+
+  /// \param ids (n, longest) int64, any value at padding that is in the vocabulary
+  /// \param lengths (n) int64
+  Tokens encode_text(const at::Tensor& ids, const at::Tensor& lengths,
+                     Dropout* dropout = nullptr) const;
+  Tokens encode_panorama(const PanoramaInput& input, Dropout* dropout = nullptr) const;
+  NavigationOutput navigate(const Tokens& text, const NavigationInput& input,
+                            Dropout* dropout = nullptr) const;
+
+ private:
+  at::Tensor branch(const Layers& layers, at::Tensor x, const Tokens& text, const at::Tensor& mask,
+                    const at::Tensor& bias, const char* name) const;
+  void fuse(const Layers& layers, const NavigationInput& input, NavigationOutput& out) const;
+
+  DuetConfig config_;
+  encoders::Weights weights_;
+};
+
+/// (n, longest) bool: the first lengths[i] of row i.
+at::Tensor mask_of(const at::Tensor& lengths, std::int64_t longest);
+
+}  // namespace enfilade::neural::duet

@@ -1,0 +1,92 @@
+#include "enfilade/neural/duet/layers.h"
+
+#include <ATen/ATen.h>
+#include <ATen/CPUGeneratorImpl.h>
+#include <cmath>
+
+#include "enfilade/core/check.h"
+
+namespace enfilade::neural::duet {
+namespace {
+
+constexpr double kTorchEpsilon = 1e-5;  // of torch.nn.LayerNorm, where nobody chose another
+
+}  // namespace
+
+Dropout::Dropout(std::uint64_t seed, double rate)
+    : generator_(at::detail::createCPUGenerator(seed)), rate_(rate) {}
+
+at::Tensor Dropout::operator()(const at::Tensor& values) { return (*this)(values, rate_); }
+
+at::Tensor Dropout::operator()(const at::Tensor& values, double rate) {
+  if (rate <= 0) return values;
+  const double kept = 1 - rate;
+  // Drawn on the CPU, so that devices agree.
+  const at::Tensor mask = at::empty(values.sizes(), at::kFloat).bernoulli_(kept, generator_);
+  return values * mask.div_(kept).to(values.device());
+}
+
+const at::Tensor& Layers::weight(const std::string& name) const {
+  const auto found = weights_.find(name);
+  EN_CHECK(found != weights_.end());
+  return found->second;
+}
+
+at::Tensor Layers::drop(const at::Tensor& values) const {
+  return dropout_ == nullptr ? values : (*dropout_)(values);
+}
+
+at::Tensor Layers::linear(const at::Tensor& x, const std::string& name) const {
+  return at::linear(x, weight(name + ".weight"), weight(name + ".bias"));
+}
+
+at::Tensor Layers::norm(const at::Tensor& x, const std::string& name, double eps) const {
+  const at::Tensor& scale = weight(name + ".weight");
+  return at::layer_norm(x, scale.sizes(), scale, weight(name + ".bias"), eps);
+}
+
+at::Tensor Layers::attend(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
+                          const at::Tensor& bias) const {
+  const std::int64_t n = query.size(0), hidden = query.size(2), width = hidden / heads_;
+  const auto split = [&](const at::Tensor& x) {
+    return x.reshape({n, x.size(1), heads_, width}).transpose(1, 2);
+  };
+  at::Tensor scores =
+      at::matmul(split(query), split(key).transpose(2, 3)) / std::sqrt(static_cast<double>(width));
+  if (bias.defined()) scores = scores + bias;
+  const at::Tensor shares = drop(at::softmax(scores, -1));
+  return at::matmul(shares, split(value)).transpose(1, 2).reshape({n, query.size(1), hidden});
+}
+
+at::Tensor Layers::attention(const at::Tensor& x, const at::Tensor& to, const at::Tensor& bias,
+                             const std::string& inner, const std::string& output) const {
+  const at::Tensor seen = attend(linear(x, inner + ".query"), linear(to, inner + ".key"),
+                                 linear(to, inner + ".value"), bias);
+  return norm(drop(linear(seen, output + ".dense")) + x, output + ".LayerNorm");
+}
+
+at::Tensor Layers::feed_forward(const at::Tensor& x, const std::string& inner,
+                                const std::string& output) const {
+  const at::Tensor wide = at::gelu(linear(x, inner + ".dense"));
+  return norm(drop(linear(wide, output + ".dense")) + x, output + ".LayerNorm");
+}
+
+at::Tensor Layers::pre_norm_layer(const at::Tensor& x, const at::Tensor& bias,
+                                  const std::string& name) const {
+  const at::Tensor before = norm(x, name + ".norm1", kTorchEpsilon);
+  const auto parts = at::linear(before, weight(name + ".self_attn.in_proj_weight"),
+                                weight(name + ".self_attn.in_proj_bias"))
+                         .chunk(3, -1);
+  const at::Tensor seen = attend(parts[0], parts[1], parts[2], bias);
+  const at::Tensor y = x + drop(linear(seen, name + ".self_attn.out_proj"));
+  const at::Tensor wide =
+      at::gelu(linear(norm(y, name + ".norm2", kTorchEpsilon), name + ".linear1"));
+  return y + drop(linear(drop(wide), name + ".linear2"));
+}
+
+at::Tensor Layers::head(const at::Tensor& x, const std::string& name) const {
+  const at::Tensor inner = norm(at::relu(linear(x, name + ".net.0")), name + ".net.2");
+  return linear(inner, name + ".net.3").squeeze(-1);
+}
+
+}  // namespace enfilade::neural::duet

@@ -1,0 +1,65 @@
+/// \file  Layers of transformers, on parameters that are found by name.
+#pragma once
+#include <ATen/core/Generator.h>
+#include <ATen/core/Tensor.h>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "enfilade/neural/encoders/weights.h"
+
+namespace enfilade::neural::duet {
+
+/// Sets a random part of the numbers to 0 and scales up the rest. The same seed gives the same
+/// masks.
+class Dropout {
+ public:
+  /// \param rate share of numbers that become 0, in [0, 1)
+  Dropout(std::uint64_t seed, double rate);
+  at::Tensor operator()(const at::Tensor& values);               ///< at the rate
+  at::Tensor operator()(const at::Tensor& values, double rate);  ///< at another rate
+
+ private:
+  at::Generator generator_;
+  double rate_;
+};
+
+/// Where tokens are: (n, length) 1 for a token and 0 for padding, or empty for "all".
+/// The value that is added to the scores of padding.
+inline constexpr double kSoftMask = -10000;
+
+/// The layers of one network. `dropout` may be null: then there is none.
+class Layers {
+ public:
+  Layers(const encoders::Weights& weights, std::int64_t heads, Dropout* dropout)
+      : weights_(weights), heads_(heads), dropout_(dropout) {}
+
+  const at::Tensor& weight(const std::string& name) const;
+  at::Tensor drop(const at::Tensor& values) const;
+  at::Tensor linear(const at::Tensor& x, const std::string& name) const;
+  at::Tensor norm(const at::Tensor& x, const std::string& name, double eps = 1e-12) const;
+
+  /// Attention of `x` (n, a, hidden) to `to` (n, b, hidden), then sum and norm.
+  /// \param bias added to the scores, as (n, 1, a or 1, b)
+  at::Tensor attention(const at::Tensor& x, const at::Tensor& to, const at::Tensor& bias,
+                       const std::string& inner, const std::string& output) const;
+  /// Two linear maps with GELU (of erf) between them, then sum and norm.
+  at::Tensor feed_forward(const at::Tensor& x, const std::string& inner,
+                          const std::string& output) const;
+  /// A layer that norms first, with torch.nn.MultiheadAttention's parameters.
+  /// \param bias as in attention(); minus infinity for padding
+  at::Tensor pre_norm_layer(const at::Tensor& x, const at::Tensor& bias,
+                            const std::string& name) const;
+  /// Linear, ReLU, norm, linear to one number: (..., hidden) -> (...).
+  at::Tensor head(const at::Tensor& x, const std::string& name) const;
+
+ private:
+  at::Tensor attend(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
+                    const at::Tensor& bias) const;
+
+  const encoders::Weights& weights_;
+  std::int64_t heads_;
+  Dropout* dropout_;
+};
+
+}  // namespace enfilade::neural::duet

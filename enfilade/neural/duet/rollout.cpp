@@ -1,0 +1,336 @@
+#include "enfilade/neural/duet/rollout.h"
+
+#include <ATen/ATen.h>
+#include <ATen/core/Reduction.h>
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/rng.h"
+#include "enfilade/neural/duet/labels.h"
+#include "enfilade/neural/duet/walk_state.h"
+
+namespace enfilade::neural::duet {
+namespace {
+
+constexpr std::size_t kMostObjects = 20;
+constexpr std::int64_t kViews = 36;
+
+std::size_t first_of_the_greatest(std::span<const float> values) {
+  return static_cast<std::size_t>(std::ranges::max_element(values) - values.begin());
+}
+
+std::span<const float> row_of(const at::Tensor& values, std::int64_t i) {
+  return {values.data_ptr<float>() + i * values.size(1), static_cast<std::size_t>(values.size(1))};
+}
+
+// One rollout.
+class Run {
+ public:
+  Run(Walker& walker, const graph::GraphSet& graphs, const DuetNetwork& network,
+      std::span<const WalkEpisode> episodes, const WalkOptions& options, const StepWatcher& watcher)
+      : walker_(walker),
+        network_(network),
+        config_(network.config()),
+        options_(options),
+        watcher_(watcher) {
+    for (const WalkEpisode& episode : episodes) {
+      states_.push_back(
+          std::make_unique<WalkState>(episode, states_.size(), graphs.graph(episode.scan)));
+      look(*states_.back(), 0);
+    }
+    if (options.dropout) {
+      Rng rng(options.seed, options.stream, 1);
+      dropout_.emplace(rng.next(), config_.dropout);
+    }
+    const auto [ids, lengths] = words_of(episodes, config_);
+    text_ = network_.encode_text(ids, lengths, dropout());
+  }
+
+  Rollout walk() {
+    Rollout result;
+    for (std::size_t t = 0; t < static_cast<std::size_t>(config_.max_actions); ++t) {
+      active_.clear();
+      for (const auto& state : states_) {
+        if (!state->ended) active_.push_back(state.get());
+      }
+      if (active_.empty()) break;
+      step(t, result);
+      ++result.steps;
+    }
+    for (const auto& state : states_) result.walks.push_back(std::move(state->walk));
+    return result;
+  }
+
+ private:
+  Dropout* dropout() { return dropout_ ? &*dropout_ : nullptr; }
+
+  void look(WalkState& state, std::size_t t) {
+    state.look(walker_.place(config_, {state.episode->scan, state.pose.viewpoint}), t);
+  }
+
+  Tokens text_of_active() const {
+    if (active_.size() == states_.size()) return text_;
+    std::vector<std::int64_t> which;
+    for (const WalkState* state : active_) {
+      which.push_back(static_cast<std::int64_t>(state->number));
+    }
+    const at::Tensor rows = at::tensor(which, at::kLong);
+    return {text_.values.index_select(0, rows), text_.mask.index_select(0, rows)};
+  }
+
+  Tokens see() {
+    PanoramaInput input = panorama_of(active_, config_);
+    if (dropout_) {
+      input.views = (*dropout_)(input.views, config_.feature_dropout);
+      if (input.objects.defined()) {
+        input.objects = (*dropout_)(input.objects, config_.feature_dropout);
+      }
+    }
+    Tokens seen = network_.encode_panorama(input, dropout());
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      const Walker::Place& place = *active_[i]->place;
+      const auto n =
+          static_cast<std::int64_t>(place.panorama->token_views.size() + place.objects.size());
+      active_[i]->embed(seen.values[static_cast<std::int64_t>(i)].narrow(0, 0, n));
+    }
+    return seen;
+  }
+
+  void step(std::size_t t, Rollout& result) {
+    const Tokens seen = see();
+    std::vector<std::vector<TopologicalMap::Node>> nodes;
+    for (const WalkState* state : active_) {
+      nodes.emplace_back(state->map.rows().begin(), state->map.rows().end());
+    }
+    const NavigationInput input = navigation_of(active_, nodes, seen, config_);
+    const NavigationOutput output = network_.navigate(text_of_active(), input, dropout());
+    std::vector<StepRow> rows(active_.size());
+    for (std::size_t i = 0; i < active_.size(); ++i) begin_row(*active_[i], nodes[i], rows[i]);
+    remember(output, rows);
+    if (options_.expert) {
+      for (std::size_t i = 0; i < active_.size(); ++i) label(*active_[i], t, rows[i]);
+      add_loss(output, rows, result.loss);
+    }
+    choose(output, t, rows);
+    const bool last = t + 1 == static_cast<std::size_t>(config_.max_actions);
+    for (std::size_t i = 0; i < active_.size(); ++i) decide(*active_[i], last, rows[i]);
+    if (watcher_) watcher_({t, rows, &seen, &input, &output});
+    for (std::size_t i = 0; i < active_.size(); ++i) move(*active_[i], t, rows[i]);
+  }
+
+  static void begin_row(const WalkState& state, const std::vector<TopologicalMap::Node>& nodes,
+                        StepRow& row) {
+    row.episode = state.number;
+    row.pose = state.pose;
+    row.map = &state.map;
+    row.nodes = nodes;
+    row.candidates = state.place->panorama->candidates;
+    row.views = state.place->panorama->token_views.size();
+    row.objects = state.place->objects;
+  }
+
+  // The probability of stopping here, and the best object.
+  void remember(const NavigationOutput& output, const std::vector<StepRow>& rows) {
+    probabilities_ = at::softmax(output.fused_logits.detach(), 1).contiguous();
+    at::Tensor objects;
+    if (output.object_logits.defined()) objects = output.object_logits.detach().contiguous();
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      const auto r = static_cast<std::int64_t>(i);
+      active_[i]->walk.stop_probabilities.emplace_back(active_[i]->pose.viewpoint,
+                                                       row_of(probabilities_, r)[0]);
+      std::string best;
+      if (objects.defined() && !rows[i].objects.empty()) {
+        const auto own = row_of(objects, r).subspan(rows[i].views + 1, rows[i].objects.size());
+        best = rows[i].objects[first_of_the_greatest(own)].id;
+      }
+      active_[i]->objects.push_back(std::move(best));
+    }
+  }
+
+  static std::int64_t expert_label(const WalkState& state, agents::ExpertRule rule) {
+    const std::vector<ViewpointIndex> walked = state.walked();
+    const auto goes_to =
+        agents::map_expert({*state.graph, state.map, walked, state.episode->reference}, rule);
+    return goes_to ? row_of_viewpoint(state, *goes_to) : kNoLabel;
+  }
+
+  // 0 for the one where the agent stands.
+  static std::int64_t row_of_viewpoint(const WalkState& state, ViewpointIndex viewpoint) {
+    if (viewpoint == state.pose.viewpoint) return 0;
+    const auto node = state.map.find(viewpoint);
+    if (!node) {
+      throw ArgumentError(fmt::format("episode {}: the annotated path goes to {:?}, not yet seen",
+                                      state.episode->id, state.graph->id(viewpoint)));
+    }
+    const auto rows = state.map.rows();
+    return std::ranges::find(rows, *node) - rows.begin() + 1;
+  }
+
+  void label(const WalkState& state, std::size_t t, StepRow& row) const {
+    std::vector<ViewpointIndex> neighbours;
+    const std::span<const ViewpointIndex> reference = state.episode->reference;
+    switch (*options_.expert) {
+      case Expert::kReference:
+        row.label = row_of_viewpoint(
+            state, next_on_reference(*state.graph, state.pose.viewpoint, t, reference));
+        break;
+      case Expert::kShortest:
+        row.label = expert_label(state, agents::ExpertRule::kSpl);
+        break;
+      case Expert::kLikest:
+        row.label = expert_label(state, agents::ExpertRule::kNdtw);
+        break;
+    }
+    for (const sim::Candidate& candidate : row.candidates) {
+      neighbours.push_back(candidate.viewpoint);
+    }
+    row.local_label =
+        neighbour_label(*state.graph, state.pose.viewpoint, reference.back(), neighbours);
+    for (std::size_t k = 0; k < row.objects.size(); ++k) {
+      if (row.objects[k].id != state.episode->object) continue;
+      row.object_label = static_cast<std::int64_t>(1 + row.views + k);
+      break;
+    }
+  }
+
+  static void add(const at::Tensor& logits, const std::vector<StepRow>& rows,
+                  std::int64_t StepRow::*label, at::Tensor& loss) {
+    std::vector<std::int64_t> labels, which;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (rows[i].*label == kNoLabel) continue;
+      which.push_back(static_cast<std::int64_t>(i));
+      labels.push_back(rows[i].*label);
+    }
+    if (labels.empty()) return;
+    const at::Tensor part =
+        at::cross_entropy_loss(logits.index_select(0, at::tensor(which, at::kLong)),
+                               at::tensor(labels, at::kLong), {}, at::Reduction::Sum);
+    loss = loss.defined() ? loss + part : part;
+  }
+
+  void add_loss(const NavigationOutput& output, const std::vector<StepRow>& rows,
+                at::Tensor& loss) const {
+    add(output.fused_logits, rows, &StepRow::label, loss);
+    if (options_.three_losses) {
+      add(output.global_logits, rows, &StepRow::label, loss);
+      add(output.local_logits, rows, &StepRow::local_label, loss);
+    }
+    if (output.object_logits.defined()) {
+      add(output.object_logits, rows, &StepRow::object_label, loss);
+    }
+  }
+
+  void choose(const NavigationOutput& output, std::size_t t, std::vector<StepRow>& rows) const {
+    const at::Tensor logits = output.fused_logits.detach().contiguous();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const auto r = static_cast<std::int64_t>(i);
+      const WalkState& state = *active_[i];
+      const auto best = static_cast<std::int64_t>(first_of_the_greatest(row_of(logits, r)));
+      Rng rng(options_.seed, options_.stream,
+              stream_of(state.episode->id.data(), state.episode->id.size()) + 2 * t);
+      rows[i].choice = best;
+      if (options_.feedback == WalkFeedback::kTeacher) {
+        rows[i].choice = rows[i].label;
+      } else if (options_.feedback == WalkFeedback::kSample && !options_.draw_best) {
+        rows[i].choice = drawn(row_of(probabilities_, r), rng.uniform());
+      } else if (options_.feedback == WalkFeedback::kExplore && rng.uniform() < options_.explore) {
+        const std::uint64_t row = rng.below(state.map.open() + 1);  // open nodes come last
+        rows[i].choice =
+            row == 0 ? 0 : static_cast<std::int64_t>(rows[i].nodes.size() - state.map.open() + row);
+      }
+    }
+  }
+
+  static std::int64_t drawn(std::span<const float> shares, double at) {
+    double sum = 0;
+    std::int64_t last = 0;
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      if (shares[i] <= 0) continue;
+      last = static_cast<std::int64_t>(i);
+      sum += double{shares[i]};
+      if (at < sum) break;
+    }
+    return last;
+  }
+
+  // Where it goes, and whether it ends here.
+  void decide(WalkState& state, bool last, StepRow& row) const {
+    const bool training =
+        options_.feedback == WalkFeedback::kTeacher || options_.feedback == WalkFeedback::kSample;
+    const bool stops = training ? !state.episode->reference.empty() &&
+                                      state.pose.viewpoint == state.episode->reference.back()
+                                : row.choice == 0;
+    if (stops || last || state.map.open() == 0) {
+      row.ends = true;
+    } else if (row.choice > 0) {
+      row.goes_to = state.map.viewpoint(row.nodes[static_cast<std::size_t>(row.choice - 1)]);
+    }
+  }
+
+  void move(WalkState& state, std::size_t t, const StepRow& row) {
+    if (row.goes_to) {
+      state.go(*state.map.find(*row.goes_to), walker_, config_);
+      look(state, t + 1);
+      return;
+    }
+    // A stop that was drawn off the goal ends a training walk without the walk to the best.
+    if (row.ends) state.walk_to_best();
+    state.ended = true;
+  }
+
+  Walker& walker_;
+  const DuetNetwork& network_;
+  const DuetConfig& config_;
+  const WalkOptions& options_;
+  const StepWatcher& watcher_;
+  std::vector<std::unique_ptr<WalkState>> states_;
+  std::vector<WalkState*> active_;
+  std::optional<Dropout> dropout_;
+  Tokens text_;
+  at::Tensor probabilities_;
+};
+
+}  // namespace
+
+std::vector<SeenObject> Surroundings::objects(const graph::NavGraph&, ViewpointIndex) { return {}; }
+
+void Surroundings::object(const graph::NavGraph&, ViewpointIndex, std::size_t, std::span<float>) {}
+
+Walker::Walker(std::shared_ptr<const graph::GraphSet> graphs, Surroundings& surroundings)
+    : graphs_(std::move(graphs)), surroundings_(surroundings), panoramas_(graphs_) {}
+
+Walker::~Walker() = default;
+
+const Walker::Place& Walker::place(const DuetConfig& config, graph::Location location) {
+  auto& known = places_[{location.scan.value, location.viewpoint.value}];
+  if (known) return *known;
+  auto place = std::make_unique<Place>();
+  const graph::NavGraph& graph = graphs_->graph(location.scan);
+  place->panorama = &panoramas_.at(location);
+  const auto floats = [](const at::Tensor& values) {
+    return std::span<float>(values.data_ptr<float>(), static_cast<std::size_t>(values.numel()));
+  };
+  place->views = at::zeros({kViews, config.image});
+  surroundings_.views(graph, location.viewpoint, floats(place->views));
+  if (config.object != 0) {
+    place->objects = surroundings_.objects(graph, location.viewpoint);
+    if (place->objects.size() > kMostObjects) place->objects.resize(kMostObjects);
+    place->object_features = at::zeros({std::ssize(place->objects), config.object});
+    const auto columns = static_cast<std::size_t>(config.object);
+    for (std::size_t i = 0; i < place->objects.size(); ++i) {
+      surroundings_.object(graph, location.viewpoint, i,
+                           floats(place->object_features).subspan(i * columns, columns));
+    }
+  }
+  known = std::move(place);
+  return *known;
+}
+
+Rollout Walker::walk(const DuetNetwork& network, std::span<const WalkEpisode> episodes,
+                     const WalkOptions& options, const StepWatcher& watcher) {
+  return Run(*this, *graphs_, network, episodes, options, watcher).walk();
+}
+
+}  // namespace enfilade::neural::duet

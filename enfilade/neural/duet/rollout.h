@@ -1,0 +1,161 @@
+/// \file  Walks of DUET: a batch of episodes from their starts to their ends.
+#pragma once
+#include <ATen/core/Tensor.h>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "enfilade/agents/experts.h"
+#include "enfilade/agents/panorama.h"
+#include "enfilade/agents/topological_map.h"
+#include "enfilade/core/ids.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/neural/duet/duet_network.h"
+#include "enfilade/sim/candidates.h"
+
+namespace enfilade::neural::duet {
+
+using agents::TopologicalMap;
+
+/// Where an agent stands, and which of the 36 views it has.
+struct Pose {
+  ViewpointIndex viewpoint;
+  std::uint32_t view = 12;
+
+  Radians heading() const { return agents::view_heading(view); }
+  Radians elevation() const { return agents::view_elevation(view); }
+};
+
+/// An object as one viewpoint shows it.
+struct SeenObject {
+  std::string id;
+  Radians heading, elevation;    ///< of its middle, in the world
+  double width = 0, height = 0;  ///< pixels, of a picture of 640 x 480
+};
+
+/// Features by viewpoint: of its 36 views, and of what is to be seen there.
+class Surroundings {
+ public:
+  virtual ~Surroundings() = default;
+  /// \param out (36, config.image)
+  virtual void views(const graph::NavGraph& graph, ViewpointIndex viewpoint,
+                     std::span<float> out) = 0;
+  /// The objects of a viewpoint, in their order; the network sees the first 20. None by default.
+  virtual std::vector<SeenObject> objects(const graph::NavGraph& graph, ViewpointIndex viewpoint);
+  /// \param out (config.object) of object `i` of objects()
+  virtual void object(const graph::NavGraph& graph, ViewpointIndex viewpoint, std::size_t i,
+                      std::span<float> out);
+};
+
+/// What is walked.
+struct WalkEpisode {
+  std::string id;
+  ScanIndex scan;
+  ViewpointIndex start;
+  std::uint32_t start_view = 12;          ///< 0..35
+  std::vector<std::int64_t> words;        ///< ids, those at both ends included
+  std::vector<ViewpointIndex> reference;  ///< the annotated path, start to goal; for labels only
+  std::string object;                     ///< the one that is asked for; empty: none
+};
+
+/// Who chooses, and when an episode ends.
+enum class WalkFeedback : std::uint8_t {
+  kTeacher,  ///< the labels lead; ends on the goal
+  kSample,   ///< drawn from the probabilities; ends on the goal, or silently at a drawn stop
+  kGreedy,   ///< the most likely; ends at stop
+  kExplore,  ///< likewise, but now and then any open node or stop; ends at stop
+};
+/// Which node a label names.
+enum class Expert : std::uint8_t {
+  kReference,  ///< the annotated path's next viewpoint; the walk must follow that path
+  kShortest,   ///< the least way there and on to the goal
+  kLikest,     ///< the greatest nDTW of the walk so far and the way there
+};
+
+struct WalkOptions {
+  WalkFeedback feedback = WalkFeedback::kGreedy;
+  std::optional<Expert> expert;  ///< none: no labels, no loss
+  bool three_losses = false;  ///< map and viewpoint have losses of their own beside the common one
+  bool draw_best = false;     ///< kSample takes the most likely instead of drawing
+  double explore = 0.6;       ///< probability of kExplore's random choices
+  bool dropout = false;
+  std::uint64_t seed = 1, stream = 0;  ///< of dropout and draws
+};
+
+/// One agent's part of a step.
+struct StepRow {
+  std::size_t episode = 0;  ///< its place in the batch
+  Pose pose;
+  const TopologicalMap* map = nullptr;
+  std::vector<TopologicalMap::Node> nodes;  ///< of the map's rows from 1
+  std::span<const sim::Candidate> candidates;
+  std::size_t views = 0;  ///< tokens that are candidates or views
+  std::vector<SeenObject> objects;
+  std::int64_t choice = 0;  ///< row of the map; 0: stop
+  std::int64_t label = -100, local_label = -100, object_label = -100;
+  std::optional<ViewpointIndex> goes_to;  ///< none: it moves no more
+  bool ends = false;                      ///< here; then it walks to where stopping was most likely
+};
+/// Rows are the episodes that have not ended.
+struct StepOfAll {
+  std::size_t step = 0;
+  std::span<const StepRow> rows;
+  const Tokens* panorama = nullptr;
+  const NavigationInput* input = nullptr;
+  const NavigationOutput* output = nullptr;
+};
+using StepWatcher = std::function<void(const StepOfAll&)>;
+
+/// What became of an episode.
+struct Walk {
+  /// [[start], [a], [b, c], ...]: an entry a decision, with the viewpoints passed through.
+  std::vector<std::vector<ViewpointIndex>> path;
+  std::vector<std::pair<ViewpointIndex, double>> stop_probabilities;  ///< in order of visiting
+  ViewpointIndex stop;  ///< the visited one with the highest
+  std::string object;   ///< the answer; empty: none
+};
+
+struct Rollout {
+  std::vector<Walk> walks;
+  at::Tensor loss;  ///< the sum over steps and episodes; not defined without an expert
+  std::size_t steps = 0;
+};
+
+/// Walks episodes of networks whose features have the same sizes. Keeps what it knows of viewpoints
+/// between calls. One thread at a time.
+class Walker {
+ public:
+  Walker(std::shared_ptr<const graph::GraphSet> graphs, Surroundings& surroundings);
+  ~Walker();
+  Walker(const Walker&) = delete;
+  Walker& operator=(const Walker&) = delete;
+
+  /// Autograd follows it, unless a guard is set.
+  /// \throws ArgumentError for kReference off the annotated path, or without a reference
+  Rollout walk(const DuetNetwork& network, std::span<const WalkEpisode> episodes,
+               const WalkOptions& options, const StepWatcher& watcher = {});
+
+  /// What it knows of a viewpoint; valid as long as the walker.
+  struct Place {
+    const agents::Panorama* panorama = nullptr;
+    at::Tensor views;                 ///< (36, image)
+    std::vector<SeenObject> objects;  ///< 20 at most
+    at::Tensor object_features;       ///< (objects, object)
+  };
+  const Place& place(const DuetConfig& config, graph::Location location);
+
+ private:
+  std::shared_ptr<const graph::GraphSet> graphs_;
+  Surroundings& surroundings_;
+  agents::PanoramaCache panoramas_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::unique_ptr<Place>> places_;
+};
+
+}  // namespace enfilade::neural::duet

@@ -1,0 +1,280 @@
+#include "enfilade/neural/duet/walk_state.h"
+
+#include <ATen/ATen.h>
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+#include "enfilade/core/check.h"
+
+namespace enfilade::neural::duet {
+namespace {
+
+constexpr double kPictureWidth = 640, kPictureHeight = 480;
+
+// A tensor that is filled element by element.
+template <class T>
+class Filled {
+ public:
+  Filled(std::vector<std::int64_t> shape, at::ScalarType type)
+      : tensor_(at::zeros(shape, type)),
+        data_(tensor_.data_ptr<T>()),
+        strides_(tensor_.strides().vec()) {}
+  T* at(std::int64_t i, std::int64_t j) { return data_ + i * strides_[0] + j * strides_[1]; }
+  at::Tensor tensor() const { return tensor_; }
+
+ private:
+  at::Tensor tensor_;
+  T* data_;
+  std::vector<std::int64_t> strides_;
+};
+
+// Rows of different lengths as one tensor, zeros behind the shorter.
+at::Tensor padded(const std::vector<at::Tensor>& rows) {
+  std::int64_t longest = 0;
+  for (const at::Tensor& row : rows) longest = std::max(longest, row.size(0));
+  std::vector<at::Tensor> all;
+  for (const at::Tensor& row : rows) {
+    all.push_back(at::constant_pad_nd(row, {0, 0, 0, longest - row.size(0)}));
+  }
+  return at::stack(all);
+}
+
+// Angle feature relative to a pose, then the box.
+void write_location(float* to, Radians heading, Radians elevation, const Pose& pose, float height,
+                    float width) {
+  const agents::AngleFeature angles =
+      agents::angle_feature(heading - pose.heading(), elevation - pose.elevation());
+  std::ranges::copy(angles, to);
+  to[4] = height;
+  to[5] = width;
+  to[6] = height * width;
+}
+
+}  // namespace
+
+WalkState::WalkState(const WalkEpisode& walked, std::size_t place_in_batch,
+                     const graph::NavGraph& scan)
+    : episode(&walked),
+      number(place_in_batch),
+      graph(&scan),
+      pose{walked.start, walked.start_view} {
+  walk.path = {{walked.start}};
+}
+
+void WalkState::look(const Walker::Place& seen, std::size_t step) {
+  place = &seen;
+  map.arrive(*graph, pose.viewpoint, seen.panorama->candidates, static_cast<std::uint32_t>(step));
+  embeddings.resize(map.size());
+  shown.resize(map.size(), 0);
+}
+
+void WalkState::embed(const at::Tensor& tokens) {
+  embeddings[node()] = tokens.mean(0);
+  shown[node()] = 1;
+  for (std::size_t i = 0; i < place->panorama->candidates.size(); ++i) {
+    const TopologicalMap::Node seen = *map.find(place->panorama->candidates[i].viewpoint);
+    if (map.visited(seen)) continue;
+    const at::Tensor token = tokens[static_cast<std::int64_t>(i)];
+    embeddings[seen] = embeddings[seen].defined() ? embeddings[seen] + token : token;
+    ++shown[seen];
+  }
+}
+
+void WalkState::go(TopologicalMap::Node to, Walker& walker, const DuetConfig& config) {
+  std::vector<ViewpointIndex> way;
+  map.path(node(), to, way);
+  const ViewpointIndex before = way.size() > 1 ? way[way.size() - 2] : pose.viewpoint;
+  const auto& candidates = walker.place(config, {episode->scan, before}).panorama->candidates;
+  const auto seen = std::ranges::find(candidates, way.back(), &sim::Candidate::viewpoint);
+  EN_CHECK(seen != candidates.end());
+  pose = {way.back(), seen->view};
+  walk.path.push_back(way);
+}
+
+void WalkState::walk_to_best() {
+  const auto best = std::ranges::max_element(walk.stop_probabilities, {},
+                                             &std::pair<ViewpointIndex, double>::second);
+  walk.stop = best->first;
+  walk.object = objects[static_cast<std::size_t>(best - walk.stop_probabilities.begin())];
+  if (walk.stop == pose.viewpoint) return;
+  map.path(node(), *map.find(walk.stop), walk.path.emplace_back());
+}
+
+std::vector<ViewpointIndex> WalkState::walked() const {
+  std::vector<ViewpointIndex> all;
+  for (const auto& part : walk.path) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+std::pair<at::Tensor, at::Tensor> words_of(std::span<const WalkEpisode> episodes,
+                                           const DuetConfig& config) {
+  std::vector<at::Tensor> rows;
+  std::vector<std::int64_t> lengths;
+  for (const WalkEpisode& episode : episodes) {
+    const auto n =
+        std::min(std::ssize(episode.words), static_cast<std::ptrdiff_t>(config.max_words));
+    lengths.push_back(n);
+    rows.push_back(at::tensor(episode.words, at::kLong).narrow(0, 0, n).unsqueeze(1));
+  }
+  return {padded(rows).squeeze(2), at::tensor(lengths, at::kLong)};
+}
+
+PanoramaInput panorama_of(std::span<WalkState* const> states, const DuetConfig& config) {
+  const auto n = std::ssize(states);
+  std::int64_t longest = 0;
+  std::vector<std::int64_t> views, objects;
+  std::vector<at::Tensor> features, object_features;
+  for (const WalkState* state : states) {
+    const Walker::Place& place = *state->place;
+    const auto& seen = place.panorama->token_views;
+    const std::vector<std::int64_t> which(seen.begin(), seen.end());
+    features.push_back(place.views.index_select(0, at::tensor(which, at::kLong)));
+    views.push_back(std::ssize(which));
+    objects.push_back(std::ssize(place.objects));
+    if (config.object != 0) object_features.push_back(place.object_features);
+    longest = std::max(longest, views.back() + objects.back());
+  }
+  PanoramaInput input;
+  input.views = padded(features);
+  input.view_counts = at::tensor(views, at::kLong);
+  if (config.object != 0) {
+    input.objects = padded(object_features);
+    input.object_counts = at::tensor(objects, at::kLong);
+  }
+  Filled<float> locations({n, longest, kLocation}, at::kFloat);
+  Filled<std::int64_t> types({n, longest}, at::kLong);
+  for (std::int64_t i = 0; i < n; ++i) {
+    const WalkState& state = *states[static_cast<std::size_t>(i)];
+    std::int64_t j = 0;
+    for (const sim::Candidate& c : state.place->panorama->candidates) {
+      *types.at(i, j) = 1;
+      write_location(locations.at(i, j++), c.heading, c.elevation, state.pose, 1, 1);
+    }
+    const auto& all = state.place->panorama->token_views;
+    for (const std::uint32_t view : std::span(all).subspan(static_cast<std::size_t>(j))) {
+      const Pose centre{{}, view};
+      write_location(locations.at(i, j++), centre.heading(), centre.elevation(), state.pose, 1, 1);
+    }
+    for (const SeenObject& object : state.place->objects) {
+      *types.at(i, j) = 2;
+      write_location(locations.at(i, j++), object.heading, object.elevation, state.pose,
+                     static_cast<float>(object.height / kPictureHeight),
+                     static_cast<float>(object.width / kPictureWidth));
+    }
+  }
+  input.locations = locations.tensor();
+  input.types = types.tensor();
+  return input;
+}
+
+namespace {
+
+// Where a node is for an agent.
+agents::MapFeature feature_of(const WalkState& state, TopologicalMap::Node node) {
+  return agents::map_feature(state.map, *state.map.find(state.pose.viewpoint), node,
+                             state.pose.heading(), state.pose.elevation());
+}
+
+// Rows of the map of one state.
+struct MapRows {
+  Filled<std::int64_t>& steps;
+  Filled<float>& positions;
+  Filled<float>& distances;
+  Filled<bool>& mask;
+  Filled<bool>& visited;
+
+  void write(std::int64_t i, const WalkState& state, std::span<const TopologicalMap::Node> rows) {
+    std::ranges::copy(agents::kStopFeature, positions.at(i, 0));
+    *mask.at(i, 0) = true;
+    for (std::size_t a = 0; a < rows.size(); ++a) {
+      const auto row = static_cast<std::int64_t>(a) + 1;
+      std::ranges::copy(feature_of(state, rows[a]), positions.at(i, row));
+      *steps.at(i, row) = state.map.step_id(rows[a]);
+      *mask.at(i, row) = true;
+      *visited.at(i, row) = state.map.visited(rows[a]);
+      for (std::size_t b = 0; b < rows.size(); ++b) {
+        distances.at(i, row)[b + 1] = static_cast<float>(state.map.distance(rows[a], rows[b]));
+      }
+    }
+  }
+};
+
+at::Tensor node_embeddings(const WalkState& state, std::span<const TopologicalMap::Node> rows,
+                           std::int64_t hidden) {
+  std::vector<at::Tensor> all{at::zeros({hidden})};
+  for (const TopologicalMap::Node node : rows) {
+    all.push_back(state.embeddings[node] / static_cast<double>(state.shown[node]));
+  }
+  return at::stack(all);
+}
+
+// Tokens of the viewpoint of one state, stop before them.
+struct TokenRows {
+  Filled<float>& positions;
+  Filled<bool>& choices;
+  Filled<bool>& objects;
+  Filled<std::int64_t>& nodes;
+
+  void write(std::int64_t i, std::int64_t length, const WalkState& state,
+             std::span<const TopologicalMap::Node> rows) {
+    const agents::MapFeature start = feature_of(state, 0);
+    for (std::int64_t j = 0; j < length; ++j) {
+      std::ranges::copy(start, positions.at(i, j));
+      *nodes.at(i, j) = -1;
+    }
+    *choices.at(i, 0) = true;
+    std::int64_t j = 1;
+    for (const sim::Candidate& candidate : state.place->panorama->candidates) {
+      const TopologicalMap::Node node = *state.map.find(candidate.viewpoint);
+      std::ranges::copy(feature_of(state, node), positions.at(i, j) + kPosition);
+      *choices.at(i, j) = true;
+      *nodes.at(i, j++) = std::ranges::find(rows, node) - rows.begin() + 1;
+    }
+    const auto first = static_cast<std::int64_t>(state.place->panorama->token_views.size()) + 1;
+    for (std::int64_t k = 0; k < std::ssize(state.place->objects); ++k) {
+      *objects.at(i, first + k) = true;
+    }
+  }
+};
+
+}  // namespace
+
+NavigationInput navigation_of(std::span<WalkState* const> states,
+                              std::span<const std::vector<TopologicalMap::Node>> rows,
+                              const Tokens& panorama, const DuetConfig& config) {
+  const auto n = std::ssize(states);
+  std::int64_t g = 1;
+  for (const auto& list : rows) g = std::max(g, std::ssize(list) + 1);
+  const std::int64_t v = panorama.values.size(1) + 1;
+  Filled<std::int64_t> steps({n, g}, at::kLong), nodes({n, v}, at::kLong);
+  Filled<float> positions({n, g, kPosition}, at::kFloat), distances({n, g, g}, at::kFloat);
+  Filled<float> token_positions({n, v, 2 * kPosition}, at::kFloat);
+  Filled<bool> mask({n, g}, at::kBool), visited({n, g}, at::kBool);
+  Filled<bool> choices({n, v}, at::kBool), objects({n, v}, at::kBool);
+  MapRows map{steps, positions, distances, mask, visited};
+  TokenRows tokens{token_positions, choices, objects, nodes};
+  std::vector<at::Tensor> embeddings;
+  for (std::int64_t i = 0; i < n; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    map.write(i, *states[at], rows[at]);
+    tokens.write(i, v, *states[at], rows[at]);
+    embeddings.push_back(node_embeddings(*states[at], rows[at], config.hidden));
+  }
+  NavigationInput input;
+  input.nodes = padded(embeddings);
+  input.steps = steps.tensor();
+  input.node_positions = positions.tensor();
+  input.node_mask = mask.tensor();
+  input.visited = visited.tensor();
+  input.distances = distances.tensor();
+  input.tokens = at::cat({at::zeros({n, 1, config.hidden}), panorama.values}, 1);
+  input.token_positions = token_positions.tensor();
+  input.token_mask = at::cat({at::ones({n, 1}, at::kBool), panorama.mask}, 1);
+  input.choices = choices.tensor();
+  if (config.object != 0) input.objects = objects.tensor();
+  input.node_of_token = nodes.tensor();
+  return input;
+}
+
+}  // namespace enfilade::neural::duet
