@@ -16,6 +16,7 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/features/tensor_file.h"
+#include "enfilade/neural/duet/training.h"
 #include "enfilade/neural/encoders/random_weights.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
@@ -263,6 +264,47 @@ TEST(DuetNetworkTest, WeightsOfAnotherNetworkAreRefusedByName) {
   other.fusion = Fusion::kAverage;
   EXPECT_THAT(refusal<InvalidInput>([&] { DuetNetwork(other, file); }),
               HasSubstr("vln_bert.sap_fuse_linear.net.0.weight"));
+}
+
+void add_gradients(const DuetNetwork& network) {
+  const NavigationOutput out = Batch().run(network);
+  at::cross_entropy_loss(out.fused_logits, integers({2, 4})).backward();
+}
+
+TEST(DuetTrainingTest, AnUpdateIsAdamWs) {
+  const DuetNetwork network(tiny(), 1);
+  AdamWConfig config;
+  config.rate = 1e-3;
+  const at::Tensor& weight = network.weights().at("vln_bert.global_sap_head.net.0.weight");
+  const at::Tensor before = weight.detach().clone();
+  add_gradients(network);
+  const at::Tensor gradient = weight.grad().clone();
+  EXPECT_LT(AdamW(config).update(network), config.clip) << "so nothing is scaled down";
+  // Of the first update the moments' quotient is g / (|g| + epsilon).
+  const at::Tensor expected =
+      before * (1 - 1e-3 * 0.01) - 1e-3 * gradient / (gradient.abs() + 1e-8);
+  EXPECT_LT((weight.detach() - expected).abs().max().item<double>(), 1e-6);
+  EXPECT_FALSE(weight.grad().defined()) << "gradients are forgotten";
+}
+
+TEST(DuetTrainingTest, GoesOnFromAFileAsIfNothingHadHappened) {
+  const TemporaryFolder folder("duet");
+  const DuetNetwork network(tiny(), 1);
+  AdamW optimizer({});
+  add_gradients(network);
+  optimizer.update(network);
+  optimizer.save(network, folder.path() / "state.safetensors");
+  DuetNetwork other(tiny(), 2);
+  AdamW resumed({});
+  resumed.load(other, features::TensorFile::open(folder.path() / "state.safetensors"));
+  EXPECT_EQ(resumed.updates(), 1U);
+  add_gradients(network);
+  optimizer.update(network);
+  add_gradients(other);
+  resumed.update(other);
+  for (const auto& [name, values] : network.weights()) {
+    EXPECT_TRUE(at::equal(values, other.weights().at(name))) << name;
+  }
 }
 
 TEST(DuetConfigTest, ImpossibleSizesAreNamed) {

@@ -24,8 +24,7 @@ class Dropout {
   double rate_;
 };
 
-/// Where tokens are: (n, length) 1 for a token and 0 for padding, or empty for "all".
-/// The value that is added to the scores of padding.
+/// What is added to an attention's scores of padding.
 inline constexpr double kSoftMask = -10000;
 
 /// The layers of one network. `dropout` may be null: then there is none.
