@@ -1,0 +1,132 @@
+#include "enfilade/neural/panoramic/panoramic_config.h"
+
+#include <fmt/format.h>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade::neural::panoramic {
+namespace {
+
+constexpr double kMostSize = 1U << 24U;
+
+void add_lstm(std::vector<encoders::ArraySpec>& specs, const std::string& prefix,
+              const std::string& suffix, std::int64_t input, std::int64_t hidden) {
+  specs.push_back({prefix + "weight_ih" + suffix, {4 * hidden, input}});
+  specs.push_back({prefix + "weight_hh" + suffix, {4 * hidden, hidden}});
+  specs.push_back({prefix + "bias_ih" + suffix, {4 * hidden}});
+  specs.push_back({prefix + "bias_hh" + suffix, {4 * hidden}});
+}
+
+void add_linear(std::vector<encoders::ArraySpec>& specs, const std::string& name,
+                std::int64_t output, std::int64_t input) {
+  specs.push_back({name + ".weight", {output, input}});
+  specs.push_back({name + ".bias", {output}});
+}
+
+// Attention of `hidden` to vectors of `context` numbers; it has no bias.
+void add_attention(std::vector<encoders::ArraySpec>& specs, const std::string& name,
+                   std::int64_t hidden, std::int64_t context) {
+  specs.push_back({name + ".linear_in.weight", {context, hidden}});
+  specs.push_back({name + ".linear_out.weight", {hidden, hidden + context}});
+}
+
+std::int64_t as_int(std::size_t size) { return static_cast<std::int64_t>(size); }
+
+// A side of an array of a file.
+class Sides {
+ public:
+  explicit Sides(const features::TensorFile& file) : file_(file) {}
+
+  std::size_t side(std::string_view name, std::size_t at) {
+    const features::NamedArray* array = file_.find(name);
+    if (array == nullptr || array->shape.size() != 2) {
+      faults_.push_back({Severity::kError, file_.path().string(), std::string(name),
+                         array == nullptr ? "missing-array" : "wrong-shape",
+                         array == nullptr ? "not in the file; an array of EnvDrop's listener"
+                                          : fmt::format("{} sides, not 2", array->shape.size())});
+      return 0;
+    }
+    return static_cast<std::size_t>(array->shape[at]);
+  }
+
+  void throw_faults() {
+    if (!faults_.empty()) throw InvalidInput(std::move(faults_));
+  }
+
+ private:
+  const features::TensorFile& file_;
+  std::vector<Diagnostic> faults_;
+};
+
+}  // namespace
+
+void validate(const PanoramicConfig& config) {
+  const std::array<std::pair<const char*, std::size_t>, 6> sizes{
+      {{"vocabulary", config.vocabulary},
+       {"word_embedding", config.word_embedding},
+       {"action_embedding", config.action_embedding},
+       {"hidden", config.hidden},
+       {"image", config.image},
+       {"angle", config.angle}}};
+  for (const auto& [name, size] : sizes) {
+    check_range(name, static_cast<double>(size), 1, kMostSize);
+  }
+  if (config.bidirectional && config.hidden % 2 != 0) {
+    throw ArgumentError(fmt::format("hidden: {}, not even, as two directions need", config.hidden));
+  }
+  if (config.angle % 4 != 0) {
+    throw ArgumentError(fmt::format("angle: {}, not a multiple of 4", config.angle));
+  }
+  constexpr double kMostDropout = 0.99;
+  check_range("dropout", config.dropout, 0, kMostDropout);
+  check_range("feature_dropout", config.feature_dropout, 0, kMostDropout);
+}
+
+std::vector<encoders::ArraySpec> array_specs(const PanoramicConfig& config) {
+  const std::int64_t hidden = as_int(config.hidden), words = as_int(config.word_embedding);
+  const std::int64_t action = as_int(config.action_embedding), feature = as_int(config.feature());
+  const std::int64_t direction = config.bidirectional ? hidden / 2 : hidden;
+  std::vector<encoders::ArraySpec> specs{
+      {"encoder.embedding.weight", {as_int(config.vocabulary), words}}};
+  add_lstm(specs, "encoder.lstm.", "_l0", words, direction);
+  if (config.bidirectional) add_lstm(specs, "encoder.lstm.", "_l0_reverse", words, direction);
+  add_linear(specs, "encoder.encoder2decoder", hidden, hidden);
+  add_linear(specs, "decoder.embedding.0", action, as_int(config.angle));
+  add_lstm(specs, "decoder.lstm.", "", action + feature, hidden);
+  add_attention(specs, "decoder.feat_att_layer", hidden, feature);
+  add_attention(specs, "decoder.attention_layer", hidden, hidden);
+  add_attention(specs, "decoder.candidate_att_layer", hidden, feature);
+  add_linear(specs, "critic.state2value.0", hidden, hidden);
+  add_linear(specs, "critic.state2value.3", 1, hidden);
+  return specs;
+}
+
+PanoramicConfig config_of(const features::TensorFile& file, const PanoramicConfig& defaults) {
+  PanoramicConfig config = defaults;
+  Sides sides(file);
+  config.vocabulary = sides.side("encoder.embedding.weight", 0);
+  config.word_embedding = sides.side("encoder.embedding.weight", 1);
+  config.action_embedding = sides.side("decoder.embedding.0.weight", 0);
+  config.angle = sides.side("decoder.embedding.0.weight", 1);
+  config.hidden = sides.side("decoder.lstm.weight_hh", 1);
+  const std::size_t feature = sides.side("decoder.feat_att_layer.linear_in.weight", 0);
+  sides.throw_faults();
+  if (feature <= config.angle) {
+    refuse(
+        file.path().string(), "decoder.feat_att_layer.linear_in.weight", "wrong-shape",
+        fmt::format("{} numbers a view, not more than the {} of its angle", feature, config.angle));
+  }
+  config.image = feature - config.angle;
+  config.bidirectional = file.find("encoder.lstm.weight_ih_l0_reverse") != nullptr;
+  try {
+    validate(config);
+  } catch (const ArgumentError& wrong) {
+    refuse(file.path().string(), "", "wrong-shape", wrong.what());
+  }
+  return config;
+}
+
+}  // namespace enfilade::neural::panoramic

@@ -1,0 +1,199 @@
+#include "enfilade/neural/panoramic/panoramic_network.h"
+
+#include <ATen/ATen.h>
+#include <ATen/CPUGeneratorImpl.h>
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <tuple>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/rng.h"
+
+namespace enfilade::neural::panoramic {
+namespace {
+
+constexpr double kNone = -std::numeric_limits<double>::infinity();
+
+bool is_embedding(std::string_view name) { return name == "encoder.embedding.weight"; }
+
+// The bound of the uniform distribution that PyTorch's modules draw from: of LSTMs by their hidden
+// size, of linear layers by their inputs.
+double bound_of(const PanoramicConfig& config, const encoders::ArraySpec& spec) {
+  std::int64_t size = static_cast<std::int64_t>(config.hidden);
+  if (spec.name.starts_with("encoder.lstm.") && config.bidirectional) size /= 2;
+  if (spec.name.find(".lstm.") == std::string::npos) {
+    if (spec.shape.size() == 2) size = spec.shape[1];
+    if (spec.name == "decoder.embedding.0.bias") size = static_cast<std::int64_t>(config.angle);
+  }
+  return 1 / std::sqrt(static_cast<double>(size));
+}
+
+// Scores of vectors against a query: (n, k, d) and (n, d) to (n, k).
+at::Tensor scores(const at::Tensor& context, const at::Tensor& query) {
+  return at::bmm(context, query.unsqueeze(2)).squeeze(2);
+}
+
+at::Tensor weighted(const at::Tensor& weights, const at::Tensor& context) {
+  return at::bmm(weights.unsqueeze(1), context).squeeze(1);
+}
+
+void check_words(const WordBatch& words, const PanoramicConfig& config) {
+  if (!words.ids.defined() || words.ids.dim() != 2 ||
+      words.ids.size(0) != static_cast<std::int64_t>(words.lengths.size()) ||
+      words.lengths.empty()) {
+    throw ArgumentError("words: ids and lengths are not of equally many sentences, from 1");
+  }
+  std::int64_t before = words.ids.size(1);
+  for (const std::int64_t length : words.lengths) {
+    if (length < 1 || length > before) {
+      throw ArgumentError(fmt::format(
+          "words: a sentence of {} after one of {}; lengths fall, and are from 1", length, before));
+    }
+    before = length;
+  }
+  const auto least = words.ids.min().item<std::int64_t>();
+  const auto most = words.ids.max().item<std::int64_t>();
+  if (least < 0 || most >= static_cast<std::int64_t>(config.vocabulary)) {
+    throw ArgumentError(fmt::format("words: id {}, not from 0 to {}", least < 0 ? least : most,
+                                    config.vocabulary - 1));
+  }
+}
+
+}  // namespace
+
+PanoramicNetwork::PanoramicNetwork(const PanoramicConfig& config, std::uint64_t seed)
+    : config_(config) {
+  validate(config);
+  for (const encoders::ArraySpec& spec : array_specs(config)) {
+    Rng rng(seed, stream_of(spec.name.data(), spec.name.size()));
+    at::Generator generator = at::detail::createCPUGenerator(rng.next());
+    at::Tensor values = at::empty(spec.shape, at::kFloat);
+    if (is_embedding(spec.name)) {
+      values.normal_(0, 1, generator);
+      values[0].zero_();
+    } else {
+      const double bound = bound_of(config, spec);
+      values.uniform_(-bound, bound, generator);
+    }
+    weights_.emplace(spec.name, values);
+  }
+  require_gradients();
+}
+
+PanoramicNetwork::PanoramicNetwork(const PanoramicConfig& config, const features::TensorFile& file)
+    : config_(config) {
+  validate(config);
+  weights_ =
+      encoders::read_weights(file, array_specs(config), [](std::string_view) { return false; });
+  require_gradients();
+}
+
+void PanoramicNetwork::require_gradients() {
+  for (auto& [name, values] : weights_) values.set_requires_grad(true);
+}
+
+const at::Tensor& PanoramicNetwork::weight(std::string_view name) const {
+  const auto found = weights_.find(name);
+  if (found == weights_.end()) {
+    throw LookupError(fmt::format("the panoramic network has no array {:?}", name));
+  }
+  return found->second;
+}
+
+void PanoramicNetwork::set_dropout(std::optional<std::uint64_t> seed) {
+  generator_.reset();
+  if (seed) generator_ = at::detail::createCPUGenerator(*seed);
+}
+
+at::Tensor PanoramicNetwork::drop(const at::Tensor& x, double rate) {
+  if (!generator_ || rate == 0) return x;
+  const at::Tensor kept =
+      at::empty(x.sizes(), x.options().requires_grad(false)).bernoulli_(1 - rate, *generator_);
+  return x * kept.div_(1 - rate);
+}
+
+// Of each view's numbers only those of the picture are dropped.
+at::Tensor PanoramicNetwork::drop_images(const at::Tensor& features) {
+  if (!generator_ || config_.feature_dropout == 0) return features;
+  const auto image = static_cast<std::int64_t>(config_.image);
+  return at::cat({drop(features.narrow(2, 0, image), config_.feature_dropout),
+                  features.narrow(2, image, features.size(2) - image)},
+                 2);
+}
+
+at::Tensor PanoramicNetwork::linear(const at::Tensor& x, const std::string& name) const {
+  return at::linear(x, weight(name + ".weight"), weight(name + ".bias"));
+}
+
+Encoding PanoramicNetwork::encode(const WordBatch& words) {
+  check_words(words, config_);
+  const auto n = words.ids.size(0);
+  const std::int64_t directions = config_.bidirectional ? 2 : 1;
+  const std::int64_t width = static_cast<std::int64_t>(config_.hidden) / directions;
+  const std::int64_t longest = words.ids.size(1);
+  const at::Tensor lengths = at::tensor(words.lengths, at::kLong);
+  const at::Tensor embedded =
+      drop(at::embedding(weight("encoder.embedding.weight"), words.ids, 0), config_.dropout);
+  const auto [packed, sizes] = at::_pack_padded_sequence(embedded, lengths, true);
+  std::vector<at::Tensor> parameters;
+  for (const char* suffix : {"_l0", "_l0_reverse"}) {
+    if (parameters.size() == 4 && !config_.bidirectional) break;
+    for (const char* part : {"weight_ih", "weight_hh", "bias_ih", "bias_hh"}) {
+      parameters.push_back(weight(std::string("encoder.lstm.") + part + suffix));
+    }
+  }
+  const at::Tensor zeros = at::zeros({directions, n, width}, embedded.options());
+  const auto [outputs, hidden, cells] =
+      at::lstm(packed, sizes, {zeros, zeros}, parameters, true, 1, 0.0, false, directions == 2);
+  const auto [context, unused] = at::_pad_packed_sequence(outputs, sizes, true, 0, longest);
+  const auto joined = [&](const at::Tensor& state) {
+    return directions == 2 ? at::cat({state[1], state[0]}, 1) : state[0];
+  };
+  Encoding encoding;
+  const at::Tensor from =
+      config_.subout == Subout::kMax ? std::get<0>(context.max(1)) : joined(hidden);
+  encoding.start = at::tanh(linear(from, "encoder.encoder2decoder"));
+  encoding.cell = joined(cells);
+  encoding.context = drop(context, config_.dropout);
+  encoding.mask = at::arange(longest, at::kLong).unsqueeze(0).ge(lengths.unsqueeze(1));
+  return encoding;
+}
+
+StepOutput PanoramicNetwork::step(const Encoding& encoding, const DecoderState& state,
+                                  const StepInput& input) {
+  StepOutput out;
+  const at::Tensor own =
+      drop(at::tanh(linear(input.action, "decoder.embedding.0")), config_.dropout);
+  const at::Tensor views = drop_images(input.views);
+  const at::Tensor query = at::linear(drop(state.tilde, config_.dropout),
+                                      weight("decoder.feat_att_layer.linear_in.weight"));
+  out.view_attention = at::softmax(scores(views, query), 1);
+  out.attended_view = weighted(out.view_attention, views);
+  // The hidden state of the LSTM is the one after attention: the published code never uses the
+  // other.
+  std::tie(out.hidden, out.next.cell) =
+      at::lstm_cell(at::cat({own, out.attended_view}, 1), {state.tilde, state.cell},
+                    weight("decoder.lstm.weight_ih"), weight("decoder.lstm.weight_hh"),
+                    weight("decoder.lstm.bias_ih"), weight("decoder.lstm.bias_hh"));
+  const at::Tensor dropped = drop(out.hidden, config_.dropout);
+  const at::Tensor asked = at::linear(dropped, weight("decoder.attention_layer.linear_in.weight"));
+  out.word_attention =
+      at::softmax(scores(encoding.context, asked).masked_fill(encoding.mask, kNone), 1);
+  out.next.tilde =
+      at::tanh(at::linear(at::cat({weighted(out.word_attention, encoding.context), dropped}, 1),
+                          weight("decoder.attention_layer.linear_out.weight")));
+  const at::Tensor choice = at::linear(drop(out.next.tilde, config_.dropout),
+                                       weight("decoder.candidate_att_layer.linear_in.weight"));
+  out.logits = scores(drop_images(input.candidates), choice).masked_fill(input.closed, kNone);
+  return out;
+}
+
+at::Tensor PanoramicNetwork::value(const at::Tensor& hidden) {
+  const at::Tensor inner = drop(at::relu(linear(hidden, "critic.state2value.0")), config_.dropout);
+  return linear(inner, "critic.state2value.3").squeeze(1);
+}
+
+}  // namespace enfilade::neural::panoramic

@@ -1,0 +1,269 @@
+#include "enfilade/neural/panoramic/panoramic_rollout.h"
+
+#include <ATen/ATen.h>
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/rng.h"
+
+namespace enfilade::neural::panoramic {
+namespace {
+
+using models::Feedback;
+
+// What a step leaves for the losses.
+struct Kept {
+  at::Tensor hidden;      // of the LSTM
+  at::Tensor log_chosen;  // (n) of the probability of the choice
+  at::Tensor entropy;     // (n)
+  at::Tensor active;      // (n) float
+  std::vector<double> reward;
+};
+
+at::Tensor row_tensor(const std::vector<double>& values) {
+  return at::tensor(values, at::kDouble).to(at::kFloat);
+}
+
+class Rollout {
+ public:
+  Rollout(PanoramicNetwork& network, std::span<PanoramicWalk> walks, const ImageSource& images,
+          const PanoramicRolloutOptions& options)
+      : network_(network), walks_(walks), images_(images), options_(options) {
+    for (std::size_t i = 0; i < walks.size(); ++i) {
+      rngs_.emplace_back(options.seed, options.stream, i);
+    }
+  }
+
+  RolloutLosses run(const WordBatch& words, const PanoramicObserver& observer) {
+    const Encoding encoding = network_.encode(words);
+    DecoderState state{encoding.start, encoding.cell};
+    at::Tensor imitation = at::zeros({}, at::kFloat);
+    for (std::size_t t = 0; t < options_.max_actions && going(); ++t) {
+      const StepInput input = look(walks_, network_.config(), images_);
+      const StepOutput out = network_.step(encoding, state, input);
+      state = out.next;
+      const at::Tensor logs = at::log_softmax(out.logits, 1);
+      const std::vector<std::size_t> teachers = teachers_of();
+      const std::vector<std::size_t> choices = choices_of(out.logits, teachers);
+      if (options_.imitate) imitation = imitation - pick(logs, teachers).mul(active()).sum();
+      if (options_.reinforce) keep(out, logs, choices);
+      if (observer) observer({t, input, out, walks_, choices});
+      move(choices);
+      ++losses_.steps;
+    }
+    if (options_.imitate) losses_.imitation = imitation / static_cast<double>(walks_.size());
+    if (options_.reinforce) reinforce(encoding, state);
+    return std::move(losses_);
+  }
+
+ private:
+  bool going() const {
+    return std::ranges::any_of(walks_, [](const PanoramicWalk& walk) { return !walk.ended(); });
+  }
+
+  at::Tensor active() const {
+    std::vector<double> active;
+    for (const PanoramicWalk& walk : walks_) active.push_back(walk.ended() ? 0 : 1);
+    return row_tensor(active);
+  }
+
+  std::vector<std::size_t> teachers_of() const {
+    std::vector<std::size_t> teachers(walks_.size(), 0);
+    if (!options_.imitate && options_.feedback != Feedback::kTeacher) return teachers;
+    for (std::size_t i = 0; i < walks_.size(); ++i) {
+      if (!walks_[i].ended()) teachers[i] = walks_[i].teacher();
+    }
+    return teachers;
+  }
+
+  std::vector<std::size_t> choices_of(const at::Tensor& logits,
+                                      const std::vector<std::size_t>& teachers) {
+    if (options_.feedback == Feedback::kTeacher) return teachers;
+    const at::Tensor best = logits.detach().argmax(1);
+    const at::Tensor shares = at::softmax(logits.detach(), 1).contiguous();
+    const bool draw = options_.feedback == Feedback::kSample && options_.draw == Draw::kRandom;
+    std::vector<std::size_t> choices;
+    for (std::size_t i = 0; i < walks_.size(); ++i) {
+      const auto likeliest = best[static_cast<std::int64_t>(i)].item<std::int64_t>();
+      const auto width = static_cast<std::size_t>(logits.size(1));
+      const std::span<const float> row(shares.data_ptr<float>() + i * width, width);
+      choices.push_back(draw && !walks_[i].ended() ? drawn(row, i)
+                                                   : static_cast<std::size_t>(likeliest));
+    }
+    return choices;
+  }
+
+  std::size_t drawn(std::span<const float> shares, std::size_t row) {
+    double left = rngs_[row].uniform();
+    const std::size_t stop = walks_[row].stop();
+    for (std::size_t k = 0; k < stop; ++k) {
+      left -= static_cast<double>(shares[k]);
+      if (left < 0) return k;
+    }
+    return stop;
+  }
+
+  static at::Tensor pick(const at::Tensor& logs, const std::vector<std::size_t>& choices) {
+    std::vector<std::int64_t> index(choices.begin(), choices.end());
+    return logs.gather(1, at::tensor(index, at::kLong).unsqueeze(1)).squeeze(1);
+  }
+
+  void keep(const StepOutput& out, const at::Tensor& logs,
+            const std::vector<std::size_t>& choices) {
+    Kept kept;
+    kept.hidden = out.hidden;
+    kept.log_chosen = pick(logs, choices);
+    // 0 where the probability is 0, and no gradient there.
+    const at::Tensor finite = logs.masked_fill(out.logits.eq(-HUGE_VAL), 0);
+    kept.entropy = -(logs.exp() * finite).sum(1);
+    kept.active = active();
+    kept_.push_back(std::move(kept));
+  }
+
+  void move(const std::vector<std::size_t>& choices) {
+    std::vector<double> rewards(walks_.size(), 0);
+    std::vector<std::uint8_t> acted(walks_.size(), 0);
+    for (std::size_t i = 0; i < walks_.size(); ++i) {
+      PanoramicWalk& walk = walks_[i];
+      if (walk.ended()) continue;
+      acted[i] = 1;
+      const float before = options_.reinforce ? static_cast<float>(walk.distance()) : 0;
+      walk.choose(std::min(choices[i], walk.stop()));
+      if (!options_.reinforce) continue;
+      const auto after = static_cast<float>(walk.distance());
+      if (walk.ended()) {
+        rewards[i] = after < static_cast<float>(options_.success_distance) ? 2 : -2;
+      } else {
+        rewards[i] = after < before ? 1 : after > before ? -1 : 0;
+      }
+    }
+    if (!options_.reinforce) return;
+    kept_.back().reward = rewards;
+    losses_.rewards.push_back(std::move(rewards));
+    losses_.active.push_back(std::move(acted));
+  }
+
+  void reinforce(const Encoding& encoding, const DecoderState& state) {
+    const at::Tensor last = last_values(encoding, state);
+    losses_.last_values.assign(last.data_ptr<double>(), last.data_ptr<double>() + last.numel());
+    std::vector<double> returns(walks_.size(), 0);
+    for (std::size_t i = 0; i < walks_.size(); ++i) {
+      if (!walks_[i].ended()) returns[i] = losses_.last_values[i];
+    }
+    losses_.returns.resize(kept_.size());
+    losses_.values.resize(kept_.size());
+    at::Tensor loss = at::zeros({}, at::kFloat);
+    double actions = 0;
+    for (std::size_t t = kept_.size(); t-- > 0;) {
+      const Kept& kept = kept_[t];
+      for (std::size_t i = 0; i < returns.size(); ++i) {
+        returns[i] = returns[i] * options_.discount + kept.reward[i];
+      }
+      losses_.returns[t] = returns;
+      const at::Tensor value = network_.value(kept.hidden);
+      const at::Tensor numbers = value.detach().to(at::kDouble).contiguous();
+      losses_.values[t].assign(numbers.data_ptr<double>(),
+                               numbers.data_ptr<double>() + numbers.numel());
+      const at::Tensor error = row_tensor(returns) - value;
+      const at::Tensor terms = -kept.log_chosen * error.detach() + 0.5 * error.square() -
+                               options_.entropy * kept.entropy;
+      loss = loss + (terms * kept.active).sum();
+      actions += kept.active.sum().item<double>();
+    }
+    losses_.reinforcement = loss / std::max(actions, 1.0);
+  }
+
+  // Of one more step, without a gradient.
+  at::Tensor last_values(const Encoding& encoding, const DecoderState& state) {
+    const at::NoGradGuard guard;
+    const StepOutput out = network_.step(encoding, state, look(walks_, network_.config(), images_));
+    return network_.value(out.hidden).to(at::kDouble).contiguous();
+  }
+
+  PanoramicNetwork& network_;
+  std::span<PanoramicWalk> walks_;
+  const ImageSource& images_;
+  const PanoramicRolloutOptions& options_;
+  std::vector<Rng> rngs_;
+  std::vector<Kept> kept_;
+  RolloutLosses losses_;
+};
+
+}  // namespace
+
+std::vector<std::int64_t> encode_words(const tasks::Vocabulary& vocabulary, std::string_view text,
+                                       std::size_t most) {
+  std::vector<std::int64_t> ids{static_cast<std::int64_t>(vocabulary.size())};
+  for (const std::string& word : tasks::tokenize(text)) ids.push_back(vocabulary.id(word));
+  ids.push_back(tasks::Vocabulary::kEnd);
+  if (ids.size() > most) {
+    ids.resize(most);
+    ids.back() = tasks::Vocabulary::kEnd;
+  }
+  return ids;
+}
+
+WordBatch batch_words(std::span<const std::vector<std::int64_t>> sentences) {
+  WordBatch batch;
+  std::size_t longest = 0;
+  for (const auto& sentence : sentences) longest = std::max(longest, sentence.size());
+  batch.ids = at::zeros({std::ssize(sentences), static_cast<std::int64_t>(longest)}, at::kLong);
+  for (std::size_t i = 0; i < sentences.size(); ++i) {
+    std::ranges::copy(sentences[i], batch.ids.data_ptr<std::int64_t>() + i * longest);
+    batch.lengths.push_back(std::ssize(sentences[i]));
+  }
+  return batch;
+}
+
+RolloutLosses roll_out(PanoramicNetwork& network, const WordBatch& words,
+                       std::span<PanoramicWalk> walks, const ImageSource& images,
+                       const PanoramicRolloutOptions& options, const PanoramicObserver& observer) {
+  if (words.lengths.size() != walks.size()) {
+    throw ArgumentError(
+        fmt::format("words: {} sentences for {} walks", words.lengths.size(), walks.size()));
+  }
+  const bool goals = options.imitate || options.reinforce || options.feedback == Feedback::kTeacher;
+  if (goals && !std::ranges::all_of(walks, &PanoramicWalk::has_goal)) {
+    throw ArgumentError("walks: one has no goal, which a teacher or a reward needs");
+  }
+  return Rollout(network, walks, images, options).run(words, observer);
+}
+
+double RmsProp::norm(const PanoramicNetwork& network, std::string_view part) {
+  double sum = 0;
+  for (const auto& [name, values] : network.weights()) {
+    if (!name.starts_with(part) || !values.grad().defined()) continue;
+    sum += values.grad().to(at::kDouble).square().sum().item<double>();
+  }
+  return std::sqrt(sum);
+}
+
+void RmsProp::update(PanoramicNetwork& network) {
+  const at::NoGradGuard guard;
+  for (const auto& [name, values] : network.weights()) {
+    if (values.grad().defined() && !at::isfinite(values.grad()).all().item<bool>()) {
+      throw Error(fmt::format("the gradient of {:?} is not finite", name));
+    }
+  }
+  constexpr double kSmall = 1e-6;  // as in torch.nn.utils.clip_grad_norm_
+  for (const char* part : {"encoder.", "decoder."}) {
+    const double share = options_.most_norm / (norm(network, part) + kSmall);
+    if (share >= 1) continue;
+    for (const auto& [name, values] : network.weights()) {
+      if (name.starts_with(part) && values.grad().defined()) values.grad().mul_(share);
+    }
+  }
+  for (const auto& [name, values] : network.weights()) {
+    const at::Tensor gradient = values.grad();
+    if (!gradient.defined()) continue;
+    at::Tensor& square = squares_.try_emplace(name, at::zeros_like(gradient)).first->second;
+    square.mul_(options_.alpha).addcmul_(gradient, gradient, 1 - options_.alpha);
+    values.data().addcdiv_(gradient, square.sqrt().add_(options_.epsilon), -options_.learning_rate);
+    values.mutable_grad().reset();
+  }
+}
+
+}  // namespace enfilade::neural::panoramic

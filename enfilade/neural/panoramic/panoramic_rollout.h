@@ -1,0 +1,102 @@
+/// \file  Walks of the panoramic agent: greedy, behind a teacher, or drawn, with the losses of
+/// EnvDrop.
+#pragma once
+#include <ATen/core/Tensor.h>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/models/train_config.h"
+#include "enfilade/neural/panoramic/panoramic_network.h"
+#include "enfilade/neural/panoramic/panoramic_walk.h"
+#include "enfilade/tasks/tokenizer.h"
+
+namespace enfilade::neural::panoramic {
+
+/// The ids of an instruction: `<BOS>` (one more than the vocabulary's last id), the words, `<EOS>`.
+/// Of more than `most` the last that is kept becomes `<EOS>`.
+std::vector<std::int64_t> encode_words(const tasks::Vocabulary& vocabulary, std::string_view text,
+                                       std::size_t most = 80);
+
+/// Pads sentences for the encoder. \pre sentences by falling length, none empty
+WordBatch batch_words(std::span<const std::vector<std::int64_t>> sentences);
+
+/// How choices of models::Feedback::kSample are made.
+enum class Draw : std::uint8_t {
+  kRandom,     ///< by the network's probabilities
+  kLikeliest,  ///< the likeliest, as in recordings
+};
+
+/// Options of a rollout.
+struct PanoramicRolloutOptions {
+  models::Feedback feedback = models::Feedback::kArgmax;
+  std::size_t max_actions = 20;  ///< after which an episode ends where it is
+  bool imitate = false;          ///< compute RolloutLosses::imitation
+  bool reinforce = false;        ///< compute RolloutLosses::reinforcement
+  Draw draw = Draw::kRandom;
+  std::uint64_t seed = 1, stream = 0;  ///< of the draws
+  double discount = 0.9;               ///< of a reward per step
+  double entropy = 0.01;               ///< weight of the entropy
+  double success_distance = 3;         ///< metres, strictly below: a stop is rewarded with 2
+};
+
+/// One step, for an observer; valid during the call, before anybody moves.
+struct PanoramicStep {
+  std::size_t step = 0;
+  const StepInput& input;
+  const StepOutput& output;
+  std::span<const PanoramicWalk> walks;
+  std::span<const std::size_t> choices;  ///< (n); of ended walks meaningless
+};
+/// Called at each step of a rollout.
+using PanoramicObserver = std::function<void(const PanoramicStep&)>;
+
+/// What a rollout gives for training. Arrays are [step][row]; where `active` is 0 they mean
+/// nothing.
+struct RolloutLosses {
+  at::Tensor imitation;      ///< cross-entropy of the teacher's choices, summed, divided by rows
+  at::Tensor reinforcement;  ///< advantage actor-critic, divided by the actions taken
+  std::size_t steps = 0;
+  std::vector<std::vector<double>> rewards, returns, values;
+  std::vector<std::vector<std::uint8_t>> active;  ///< 1: the row acted
+  std::vector<double> last_values;                ///< of the states after the last step
+};
+
+/// Walks to the end or max_actions. Rewards: the sign of the fall in distance (0 for none), 2 or -2
+/// for a stop. A walk that goes on at the limit has the critic's value of its last state as return.
+/// \pre rows of `words` and `walks` belong together
+/// \throws ArgumentError for other sizes, or a teacher or reward without goals
+RolloutLosses roll_out(PanoramicNetwork& network, const WordBatch& words,
+                       std::span<PanoramicWalk> walks, const ImageSource& images,
+                       const PanoramicRolloutOptions& options,
+                       const PanoramicObserver& observer = {});
+
+/// As the published code updates: RMSprop (no momentum, not centred) on what has a gradient.
+struct RmsPropOptions {
+  double learning_rate = 1e-4;
+  double alpha = 0.99;    ///< share of the old mean of squares
+  double epsilon = 1e-8;  ///< added to its root
+  double most_norm = 40;  ///< of the gradients of encoder and of decoder, apart
+};
+
+/// The optimiser's state, and its updates. One thread at a time.
+class RmsProp {
+ public:
+  explicit RmsProp(const RmsPropOptions& options) : options_(options) {}
+
+  /// Norms of the gradients of "encoder", "decoder" and "critic", 0 for none.
+  static double norm(const PanoramicNetwork& network, std::string_view part);
+  /// Clips, updates, and clears the gradients. \throws Error naming an array whose gradient is not
+  /// finite; then nothing has changed
+  void update(PanoramicNetwork& network);
+  /// Means of squares, by the names of the weights that were updated.
+  const encoders::Weights& squares() const noexcept { return squares_; }
+
+ private:
+  RmsPropOptions options_;
+  encoders::Weights squares_;
+};
+
+}  // namespace enfilade::neural::panoramic

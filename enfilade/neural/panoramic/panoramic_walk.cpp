@@ -1,0 +1,128 @@
+#include "enfilade/neural/panoramic/panoramic_walk.h"
+
+#include <ATen/ATen.h>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
+
+namespace enfilade::neural::panoramic {
+namespace {
+
+constexpr std::uint32_t kHeadings = 12, kViews = 36;
+constexpr double kTurn = kPi / 6;  // between two views
+
+std::uint32_t view_of(Radians heading) {
+  const long turns = std::lround(wrap_heading(heading).value / kTurn);
+  return kHeadings + static_cast<std::uint32_t>(turns) % kHeadings;
+}
+
+// [sin h, cos h, sin e, cos e], repeated.
+void write_angle(Radians heading, Radians elevation, std::span<float> out) {
+  const agents::AngleFeature numbers = agents::angle_feature(heading, elevation);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = numbers[i % numbers.size()];
+}
+
+std::span<float> row_of(const at::Tensor& tensor, std::size_t row, std::size_t width) {
+  return {tensor.data_ptr<float>() + row * width, width};
+}
+
+}  // namespace
+
+PanoramicWalk::PanoramicWalk(agents::PanoramaCache& panoramas, const graph::GraphSet& graphs,
+                             const WalkStart& start)
+    : panoramas_(&panoramas),
+      graphs_(&graphs),
+      location_(start.location),
+      view_(view_of(start.heading)),
+      goal_(start.goal) {
+  arrive();
+}
+
+Radians PanoramicWalk::heading() const noexcept { return agents::view_heading(view_); }
+Radians PanoramicWalk::elevation() const noexcept { return agents::view_elevation(view_); }
+
+void PanoramicWalk::add_point() {
+  points_.push_back({location_.viewpoint, heading(), elevation()});
+}
+
+void PanoramicWalk::arrive() {
+  candidates_ = &panoramas_->at(location_).candidates;
+  add_point();
+}
+
+double PanoramicWalk::distance() const {
+  EN_CHECK(goal_.has_value());
+  return graphs_->graph(location_.scan).distance(location_.viewpoint, *goal_);
+}
+
+std::size_t PanoramicWalk::teacher() const {
+  EN_CHECK(goal_.has_value());
+  if (location_.viewpoint == *goal_) return stop();
+  const auto path = graphs_->graph(location_.scan).path(location_.viewpoint, *goal_);
+  if (!path) return stop();
+  const auto next = std::ranges::find(*candidates_, (*path)[1], &sim::Candidate::viewpoint);
+  return static_cast<std::size_t>(next - candidates_->begin());
+}
+
+void PanoramicWalk::choose(std::size_t choice) {
+  EN_CHECK(!ended_);
+  EN_CHECK_LE(choice, stop());
+  if (choice == stop()) {
+    ended_ = true;
+    return;
+  }
+  const sim::Candidate& chosen = (*candidates_)[choice];
+  for (;;) {
+    const sim::Action action = agents::step_towards(chosen, view_);
+    if (action.index != 0) break;
+    if (action.elevation_change.value != 0) {
+      view_ = action.elevation_change.value > 0 ? view_ + kHeadings : view_ - kHeadings;
+    } else {
+      view_ = view_ / kHeadings * kHeadings + (view_ + 1) % kHeadings;
+    }
+    add_point();
+  }
+  location_.viewpoint = chosen.viewpoint;
+  arrive();
+}
+
+StepInput look(std::span<const PanoramicWalk> walks, const PanoramicConfig& config,
+               const ImageSource& images) {
+  std::size_t most = 0;
+  for (const PanoramicWalk& walk : walks) most = std::max(most, walk.stop() + 1);
+  const auto n = static_cast<std::int64_t>(walks.size());
+  const auto slots = static_cast<std::int64_t>(most);
+  const std::size_t width = config.feature();
+  const auto wide = static_cast<std::int64_t>(width);
+  StepInput input;
+  input.action = at::empty({n, static_cast<std::int64_t>(config.angle)}, at::kFloat);
+  input.views = at::empty({n, kViews, wide}, at::kFloat);
+  input.candidates = at::zeros({n, slots, wide}, at::kFloat);
+  input.closed = at::zeros({n, slots}, at::kBool);
+  for (std::size_t i = 0; i < walks.size(); ++i) {
+    const PanoramicWalk& walk = walks[i];
+    const Radians base = walk.heading();
+    write_angle(base, walk.elevation(), row_of(input.action, i, config.angle));
+    for (std::uint32_t view = 0; view < kViews; ++view) {
+      const auto out = row_of(input.views, i * kViews + view, width);
+      images(walk.location(), view, out.first(config.image));
+      write_angle(agents::view_heading(view) - base, agents::view_elevation(view),
+                  out.subspan(config.image));
+    }
+    for (std::size_t k = 0; k < walk.stop(); ++k) {
+      const sim::Candidate& candidate = walk.candidates()[k];
+      const auto out = row_of(input.candidates, i * most + k, width);
+      const auto picture = row_of(input.views, i * kViews + candidate.view, width);
+      std::ranges::copy(picture.first(config.image), out.begin());
+      write_angle(candidate.heading - base, candidate.elevation, out.subspan(config.image));
+    }
+    bool* const closed = input.closed.data_ptr<bool>() + i * most;
+    std::fill(closed + walk.stop() + 1, closed + most, true);
+  }
+  return input;
+}
+
+}  // namespace enfilade::neural::panoramic
