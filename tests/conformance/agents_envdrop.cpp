@@ -11,7 +11,7 @@
 #include "enfilade/neural/panoramic/panoramic_rollout.h"
 #include "enfilade/neural/panoramic/panoramic_walk.h"
 #include "tests/conformance/agents_golden.h"
-#include "tests/conformance/synthetic.h"
+#include "tests/conformance/envdrop_episodes.h"
 
 namespace enfilade::tests {
 namespace {
@@ -20,14 +20,7 @@ using namespace neural::panoramic;
 using models::Feedback;
 using nlohmann::json;
 
-std::vector<double> numbers(const at::Tensor& tensor) {
-  const at::Tensor flat = tensor.detach().to(at::kDouble).contiguous();
-  return {flat.data_ptr<double>(), flat.data_ptr<double>() + flat.numel()};
-}
-
-std::span<const double> first(const std::vector<double>& values, std::size_t count) {
-  return std::span(values).first(std::min(count, values.size()));
-}
+// --- parts of the network ---
 
 at::Tensor tensor_of(const features::TensorFile& file, const std::string& name) {
   const std::vector<double> values = golden_array(file, name);
@@ -35,19 +28,10 @@ at::Tensor tensor_of(const features::TensorFile& file, const std::string& name) 
   return at::tensor(values, at::kDouble).view(array->shape);
 }
 
-PanoramicNetwork network_of(const AgentsFolder& folder, const std::string& name, Subout subout) {
-  const features::TensorFile file = folder.tensors(name);
-  PanoramicConfig config;
-  config.subout = subout;
-  return {config_of(file, config), file};
-}
-
-// --- parts of the network ---
-
 void check_encoding(const features::TensorFile& units, const std::string& name,
                     const Encoding& encoding, AgentsTally& tally) {
   const auto check = [&](const char* what, const at::Tensor& ours) {
-    tally.near(name + what, golden_array(units, name + what), numbers(ours));
+    tally.near_all(name + what, golden_array(units, name + what), numbers(ours));
   };
   check("ctx", encoding.context);
   check("decoder_init", encoding.start);
@@ -70,7 +54,7 @@ void check_case(const features::TensorFile& units, const std::string& name, Pano
   in.closed = at::zeros({in.candidates.size(0), in.candidates.size(1)}, at::kBool);
   const StepOutput out = max.step(encoding, {encoding.start, encoding.cell}, in);
   const auto check = [&](const char* what, const at::Tensor& ours) {
-    tally.near(name + what, golden_array(units, name + what), numbers(ours));
+    tally.near_all(name + what, golden_array(units, name + what), numbers(ours));
   };
   check("/inner.attended_view", out.attended_view);
   check("/inner.view_attention", out.view_attention);
@@ -100,67 +84,11 @@ void check_weights(const AgentsFolder& folder, AgentsTally& tally) {
   const features::TensorFile arrays = folder.tensors("envdrop.npz");
   const PanoramicNetwork loaded = network_of(folder, "envdrop.pt", Subout::kMax);
   for (const auto& [name, values] : loaded.weights()) {
-    tally.near(name, golden_array(arrays, name), numbers(values), 0);
+    tally.near_all(name, golden_array(arrays, name), numbers(values), 0);
   }
 }
 
 // --- episodes ---
-
-struct GoldenEpisode {
-  std::string id, scan;
-  WalkStart start;
-  std::vector<std::int64_t> words;
-  const json* recorded = nullptr;
-};
-
-class Episodes {
- public:
-  Episodes(const AgentsFolder& folder, const std::vector<json>& lines)
-      : graphs_(folder.data().graphs()), cache_(graphs_) {
-    for (std::size_t i = 1; i < lines.size(); ++i) add(lines[i]);
-    images_ = [this](graph::Location at, std::uint32_t view, std::span<float> out) {
-      const graph::NavGraph& graph = graphs_->graph(at.scan);
-      synthetic_view(graph.scan(), graph.id(at.viewpoint), view, out);
-    };
-  }
-
-  const GoldenEpisode& at(const std::string& id) const { return episodes_.at(id); }
-  const std::map<std::string, GoldenEpisode>& all() const { return episodes_; }
-  const graph::NavGraph& graph_of(const GoldenEpisode& e) const {
-    return graphs_->graph(e.start.location.scan);
-  }
-  const ImageSource& images() const { return images_; }
-
-  std::vector<PanoramicWalk> walks(const std::vector<std::string>& ids) {
-    std::vector<PanoramicWalk> walks;
-    for (const std::string& id : ids) walks.emplace_back(cache_, *graphs_, at(id).start);
-    return walks;
-  }
-  WordBatch words(const std::vector<std::string>& ids) const {
-    std::vector<std::vector<std::int64_t>> sentences;
-    for (const std::string& id : ids) sentences.push_back(at(id).words);
-    return batch_words(sentences);
-  }
-
- private:
-  void add(const json& recorded) {
-    GoldenEpisode e;
-    e.id = recorded.at("instr_id");
-    e.scan = recorded.at("scan");
-    const json& path = recorded.at("gt_path");
-    e.start.location = graphs_->locate(e.scan, path.front().get<std::string>());
-    e.start.heading = Radians(recorded.at("start_heading").get<double>());
-    e.start.goal = graphs_->locate(e.scan, path.back().get<std::string>()).viewpoint;
-    e.words = recorded.at("token_ids").get<std::vector<std::int64_t>>();
-    e.recorded = &recorded;
-    episodes_.emplace(e.id, std::move(e));
-  }
-
-  std::shared_ptr<const graph::GraphSet> graphs_;
-  agents::PanoramaCache cache_;
-  std::map<std::string, GoldenEpisode> episodes_;
-  ImageSource images_;
-};
 
 json point_of(const graph::NavGraph& graph, const tasks::TrajectoryPoint& point) {
   return {graph.id(point.viewpoint), point.heading.value, point.elevation.value};
@@ -180,75 +108,6 @@ void check_points(const std::string& name, const json& recorded, const graph::Na
   }
 }
 
-// A row of a step of a rollout, before the move.
-class RowCheck {
- public:
-  RowCheck(const PanoramicStep& step, std::size_t row, const graph::NavGraph& graph,
-           std::string name, AgentsTally& tally)
-      : step_(step),
-        row_(row),
-        walk_(step.walks[row]),
-        graph_(graph),
-        name_(std::move(name)),
-        tally_(tally) {}
-
-  // What training and evaluation have in common.
-  void choice(const json& recorded) {
-    const std::size_t slots = walk_.stop() + 1, chosen = step_.choices[row_];
-    tally_.equal(name_ + ".viewpoint", recorded.at("viewpoint"),
-                 graph_.id(walk_.location().viewpoint));
-    tally_.near(name_ + ".distance", golden_number(recorded.at("distance")), walk_.distance());
-    const std::vector<double> logits = numbers(row(step_.output.logits));
-    tally_.near(name_ + ".logits", recorded.at("logits"), first(logits, slots));
-    tally_.equal(name_ + ".action", recorded.at("action"), chosen);
-    tally_.equal(name_ + ".teacher", recorded.at("teacher"), walk_.teacher());
-    tally_.equal(
-        name_ + ".go_to", recorded.at("go_to"),
-        chosen >= walk_.stop() ? json() : json(graph_.id(walk_.candidates()[chosen].viewpoint)));
-    const at::Tensor open = row(step_.output.logits).narrow(0, 0, std::int64_t(slots));
-    const at::Tensor logs = at::log_softmax(open.detach().to(at::kDouble), 0);
-    tally_.near(name_ + ".log_prob", golden_number(recorded.at("log_prob")),
-                numbers(logs)[std::min(chosen, walk_.stop())]);
-    tally_.near(name_ + ".entropy", golden_number(recorded.at("entropy")),
-                numbers(-(logs.exp() * logs).sum())[0]);
-  }
-
-  // What evaluation alone has.
-  void pose(const json& recorded) {
-    constexpr double kAngle = 1e-6;
-    tally_.equal(name_ + ".view_index", recorded.at("view_index"), walk_.view());
-    tally_.near(name_ + ".heading", golden_number(recorded.at("heading")), walk_.heading().value);
-    tally_.near(name_ + ".elevation", golden_number(recorded.at("elevation")),
-                walk_.elevation().value);
-    const std::vector<double> own = numbers(row(step_.input.action));
-    tally_.near(name_ + ".input_angle", recorded.at("input_angle"), first(own, 4), kAngle);
-    const json& candidates = recorded.at("candidates");
-    tally_.equal(name_ + ".candidates", candidates.size(), walk_.stop());
-    const std::int64_t image = step_.input.candidates.size(2) - step_.input.action.size(1);
-    for (std::size_t k = 0; k < std::min(candidates.size(), walk_.stop()); ++k) {
-      const sim::Candidate& ours = walk_.candidates()[k];
-      const std::string at = fmt::format("{}.candidates[{}]", name_, k);
-      tally_.equal(at, json({candidates[k][0], candidates[k][1], candidates[k][2]}),
-                   json({graph_.id(ours.viewpoint), ours.view, ours.index}));
-      tally_.near(at + ".heading", golden_number(candidates[k][3]), ours.heading.value, kAngle);
-      tally_.near(at + ".elevation", golden_number(candidates[k][4]), ours.elevation.value, kAngle);
-      const at::Tensor angle = row(step_.input.candidates)[std::int64_t(k)].narrow(0, image, 4);
-      const std::vector<double> angles = numbers(angle);
-      tally_.near(at + ".angles", recorded.at("candidate_angles")[k], angles, kAngle);
-    }
-  }
-
- private:
-  at::Tensor row(const at::Tensor& all) const { return all[static_cast<std::int64_t>(row_)]; }
-
-  const PanoramicStep& step_;
-  std::size_t row_;
-  const PanoramicWalk& walk_;
-  const graph::NavGraph& graph_;
-  std::string name_;
-  AgentsTally& tally_;
-};
-
 // Inner values of the episodes that have them.
 void check_inner(const features::TensorFile& tensors, const std::string& name,
                  const StepOutput& out, std::size_t row, std::size_t words, AgentsTally& tally) {
@@ -257,8 +116,8 @@ void check_inner(const features::TensorFile& tensors, const std::string& name,
   const auto check = [&](const char* what, const at::Tensor& ours) {
     const std::vector<double> values = numbers(ours[at]);
     const bool sentence = std::string_view(what) == ".word_attention";
-    tally.near(name + what, golden_array(tensors, name + what),
-               first(values, sentence ? words : values.size()));
+    tally.near_all(name + what, golden_array(tensors, name + what),
+                   first(values, sentence ? words : values.size()));
   };
   check(".attended_view", out.attended_view);
   check(".view_attention", out.view_attention);
@@ -268,7 +127,7 @@ void check_inner(const features::TensorFile& tensors, const std::string& name,
   check(".h_tilde", out.next.tilde);
 }
 
-void check_sentences(const features::TensorFile& tensors, const Episodes& episodes,
+void check_sentences(const features::TensorFile& tensors, const EnvdropEpisodes& episodes,
                      const std::vector<std::string>& ids, PanoramicNetwork& network,
                      AgentsTally& tally) {
   const at::NoGradGuard guard;
@@ -277,11 +136,12 @@ void check_sentences(const features::TensorFile& tensors, const Episodes& episod
     if (tensors.find(ids[i] + ".ctx") == nullptr) continue;
     const auto at = static_cast<std::int64_t>(i);
     const auto words = static_cast<std::int64_t>(episodes.at(ids[i]).words.size());
-    tally.near(ids[i] + ".ctx", golden_array(tensors, ids[i] + ".ctx"),
-               numbers(encoding.context[at].narrow(0, 0, words)));
-    tally.near(ids[i] + ".decoder_init", golden_array(tensors, ids[i] + ".decoder_init"),
-               numbers(encoding.start[at]));
-    tally.near(ids[i] + ".c_t", golden_array(tensors, ids[i] + ".c_t"), numbers(encoding.cell[at]));
+    tally.near_all(ids[i] + ".ctx", golden_array(tensors, ids[i] + ".ctx"),
+                   numbers(encoding.context[at].narrow(0, 0, words)));
+    tally.near_all(ids[i] + ".decoder_init", golden_array(tensors, ids[i] + ".decoder_init"),
+                   numbers(encoding.start[at]));
+    tally.near_all(ids[i] + ".c_t", golden_array(tensors, ids[i] + ".c_t"),
+                   numbers(encoding.cell[at]));
   }
 }
 
@@ -292,7 +152,7 @@ class EpisodeCheck {
       : folder_(folder),
         tally_(tally),
         lines_(folder.json_lines("envdrop_episodes.jsonl.gz")),
-        episodes_(folder, lines_),
+        episodes_(folder.data(), lines_),
         network_(network_of(folder, "envdrop.npz", Subout::kMax)) {}
 
   void run() {
@@ -326,7 +186,7 @@ class EpisodeCheck {
                }
              });
     for (std::size_t i = 0; i < ids.size(); ++i) {
-      const GoldenEpisode& e = episodes_.at(ids[i]);
+      const EnvdropEpisode& e = episodes_.at(ids[i]);
       tally_.equal(e.id + ".stopped", e.recorded->at("stopped"), walks[i].ended());
       tally_.near(e.id + ".end_distance", golden_number(e.recorded->at("end_distance")),
                   walks[i].distance());
@@ -337,27 +197,27 @@ class EpisodeCheck {
   }
 
   void check_row(const PanoramicStep& step, std::size_t row, const std::string& id) {
-    const GoldenEpisode& e = episodes_.at(id);
+    const EnvdropEpisode& e = episodes_.at(id);
     const std::string name = fmt::format("{}.{}", id, step.step);
     const json& steps = e.recorded->at("steps");
     if (step.step >= steps.size()) {
       tally_.equal(name, "no such step", "a step");
       return;
     }
-    RowCheck check(step, row, episodes_.graph_of(e), name, tally_);
-    check.pose(steps[step.step]);
-    check.choice(steps[step.step]);
+    EnvdropRow check(step, row, episodes_.graph_of(e), name, tally_);
+    check.check_pose(steps[step.step]);
+    check.check_choice(steps[step.step]);
   }
 
-  void alone(const GoldenEpisode& e) {
+  void alone(const EnvdropEpisode& e) {
     std::vector<PanoramicWalk> walks = episodes_.walks({e.id});
     const json& recorded = e.recorded->at("alone");
     std::vector<std::string> viewpoints;
     roll_out(network_, episodes_.words({e.id}), walks, episodes_.images(), {},
              [&](const PanoramicStep& step) {
                if (step.step == 0) {
-                 tally_.near(e.id + ".alone", recorded.at("first_logits"),
-                             numbers(step.output.logits));
+                 tally_.near_json(e.id + ".alone", recorded.at("first_logits"),
+                                  numbers(step.output.logits));
                }
                viewpoints.push_back(episodes_.graph_of(e).id(step.walks[0].location().viewpoint));
              });
@@ -409,7 +269,7 @@ class EpisodeCheck {
   const AgentsFolder& folder_;
   AgentsTally& tally_;
   std::vector<json> lines_;
-  Episodes episodes_;
+  EnvdropEpisodes episodes_;
   PanoramicNetwork network_;
   std::vector<std::vector<std::string>> batches_;
   std::map<std::string, std::vector<tasks::TrajectoryPoint>> walked_;
@@ -419,9 +279,14 @@ class EpisodeCheck {
 
 void check_envdrop(const AgentsFolder& folder, AgentsTally& tally) {
   if (!folder.has("envdrop.npz")) return;
+  tally.begin("envdrop.npz");
+  tally.equal("arrays", folder.tensors("envdrop.npz").arrays().size(),
+              network_of(folder, "envdrop.npz", Subout::kMax).weights().size());
   if (folder.has("envdrop.pt")) check_weights(folder, tally);
   if (folder.has("envdrop_units.npz")) check_units(folder, tally);
-  if (folder.has("envdrop_episodes.jsonl.gz")) EpisodeCheck(folder, tally).run();
+  if (!folder.has("envdrop_episodes.jsonl.gz")) return;
+  EpisodeCheck(folder, tally).run();
+  if (folder.has("envdrop_training.json.gz")) check_envdrop_training(folder, tally);
 }
 
 }  // namespace enfilade::tests

@@ -65,6 +65,11 @@ std::vector<std::string> AgentsFolder::names() const {
 }
 
 void AgentsTally::begin(const std::string& file) {
+  const auto known = std::ranges::find(files_, file, &File::name);
+  if (known != files_.end()) {  // goes on with it: it becomes the last again
+    std::rotate(known, known + 1, files_.end());
+    return;
+  }
   files_.emplace_back();
   files_.back().name = file;
 }
@@ -92,8 +97,8 @@ void AgentsTally::near(std::string_view name, double recorded, double ours, doub
   wrong(fmt::format("{}: recorded {}, ours {}", name, recorded, ours));
 }
 
-void AgentsTally::near(std::string_view name, std::span<const double> recorded,
-                       std::span<const double> ours, double tolerance) {
+void AgentsTally::near_all(std::string_view name, std::span<const double> recorded,
+                           std::span<const double> ours, double tolerance) {
   if (recorded.size() != ours.size()) {
     ++files_.back().values;
     wrong(fmt::format("{}: {} numbers, ours are {}", name, recorded.size(), ours.size()));
@@ -104,11 +109,11 @@ void AgentsTally::near(std::string_view name, std::span<const double> recorded,
   }
 }
 
-void AgentsTally::near(std::string_view name, const nlohmann::json& recorded,
-                       std::span<const double> ours, double tolerance) {
+void AgentsTally::near_json(std::string_view name, const nlohmann::json& recorded,
+                            std::span<const double> ours, double tolerance) {
   std::vector<double> numbers;
   for (const auto& value : recorded) numbers.push_back(golden_number(value));
-  near(name, std::span<const double>(numbers), ours, tolerance);
+  near_all(name, numbers, ours, tolerance);
 }
 
 double golden_number(const nlohmann::json& value) {

@@ -47,17 +47,17 @@ class AgentsTally {
     std::vector<std::string> examples;  ///< the first few, a line each
   };
 
-  /// What follows is of this file.
+  /// What follows is of this file, which may have been begun before.
   void begin(const std::string& file);
   void equal(std::string_view name, const nlohmann::json& recorded, const nlohmann::json& ours);
   /// Numbers that may differ by `tolerance`, or by that share of the recorded one if it is above 1.
   void near(std::string_view name, double recorded, double ours, double tolerance = kTolerance);
   /// All elements; another count is a mismatch.
-  void near(std::string_view name, std::span<const double> recorded, std::span<const double> ours,
-            double tolerance = kTolerance);
+  void near_all(std::string_view name, std::span<const double> recorded,
+                std::span<const double> ours, double tolerance = kTolerance);
   /// Numbers of JSON, where null is minus infinity.
-  void near(std::string_view name, const nlohmann::json& recorded, std::span<const double> ours,
-            double tolerance = kTolerance);
+  void near_json(std::string_view name, const nlohmann::json& recorded,
+                 std::span<const double> ours, double tolerance = kTolerance);
 
   const std::vector<File>& files() const noexcept { return files_; }
 

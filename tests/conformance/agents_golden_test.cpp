@@ -21,8 +21,8 @@ TEST(AgentsTally, CountsValuesAndMismatchesOfEachFile) {
   tally.near("number", 1.0, 1.001);
   tally.near("large", 1000.0, 1000.05);
   tally.begin("b");
-  tally.near("row", json::parse("[null, 0.5]"),
-             std::vector{-std::numeric_limits<double>::infinity(), 0.5});
+  tally.near_json("row", json::parse("[null, 0.5]"),
+                  std::vector{-std::numeric_limits<double>::infinity(), 0.5});
   ASSERT_EQ(tally.files().size(), 2U);
   EXPECT_EQ(tally.files()[0].values, 5U);
   EXPECT_EQ(tally.files()[0].mismatches, 2U);
@@ -35,7 +35,7 @@ TEST(AgentsTally, WhatIsNoNumberOrLacksElementsIsAMismatch) {
   AgentsTally tally;
   tally.begin("a");
   tally.near("nan", 1.0, std::nan(""));
-  tally.near("short", std::vector{1.0, 2.0}, std::vector{1.0});
+  tally.near_all("short", std::vector{1.0, 2.0}, std::vector{1.0});
   tally.near("infinite", golden_number(json()), 3.0);
   EXPECT_EQ(tally.files()[0].mismatches, 3U);
   EXPECT_THROW(golden_number(json("x")), Error);
