@@ -93,7 +93,8 @@ void AgentsTally::near(std::string_view name, double recorded, double ours, doub
   ++files_.back().values;
   if (recorded == ours) return;
   const double allowed = tolerance * std::max(1.0, std::abs(recorded));
-  if (std::abs(recorded - ours) <= allowed) return;  // false for NaN
+  // False for NaN; of infinities only equal ones agree.
+  if (std::isfinite(recorded) && std::abs(recorded - ours) <= allowed) return;
   wrong(fmt::format("{}: recorded {}, ours {}", name, recorded, ours));
 }
 

@@ -187,7 +187,7 @@ TEST(PanoramicNetwork, FilesTellTheirSizesOrWhatIsWrong) {
   config.hidden = 10;
   EXPECT_THAT(tests::refusal<InvalidInput>([&] { PanoramicNetwork(config, read); }),
               AllOf(HasSubstr("decoder.lstm.weight_hh"), HasSubstr("[40, 10] is expected"),
-                    HasSubstr("critic.state2value.0.weight")));
+                    HasSubstr("and 9 more")));
   arrays.erase(arrays.begin() + 8, arrays.end());
   features::write_safetensors(file, arrays);
   EXPECT_THAT(
