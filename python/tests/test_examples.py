@@ -16,6 +16,7 @@ NEEDS = {
     "walk_and_see": {"PIL": "Pillow"},
     "extract_features": {"torch": "torch"},
     "imitation": {"torch": "torch"},
+    "panoramic_imitation": {"torch": "torch"},
     "rl": {"stable_baselines3": "Stable-Baselines3"},
     "port": {},
 }
@@ -32,6 +33,7 @@ def skip_without_what_it_needs(example: str) -> None:
         ("walk_and_see", "(4, 480, 640, 3)"),
         ("extract_features", "(36, 128)"),
         ("imitation", "after"),
+        ("panoramic_imitation", "after"),
         ("rl", "after"),
         ("port", "every viewpoint"),
     ],
