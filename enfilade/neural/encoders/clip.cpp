@@ -17,7 +17,7 @@ namespace {
 using features::TensorFile;
 
 constexpr std::int64_t kOutputs = 512;
-constexpr std::uint32_t kShorter = 224;
+constexpr std::uint32_t kClipShorter = 224;
 // Of the pictures that CLIP was trained on, as published with it.
 constexpr render::Normalisation kClip{{0.48145466F, 0.4578275F, 0.40821073F},
                                       {0.26862954F, 0.26130258F, 0.27577711F}};
@@ -142,7 +142,7 @@ std::unique_ptr<ImageEncoder> make_clip(const EncoderConfig& config) {
   const Weights weights = config.weights.empty() ? random_transformer(wanted, config.seed)
                                                  : read_clip(config.weights, wanted);
   parts.arrays = arrays_of(clip_names(), parts.sizes, weights);
-  parts.preparation = {"clip", kShorter, kClip};
+  parts.preparation = {"clip", kClipShorter, kClip};
   parts.output = {weights.at(kOutput).t(), {}};
   parts.hash = hash_of(weights);
   return make_transformer_encoder(std::move(parts), device);

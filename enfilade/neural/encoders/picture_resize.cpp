@@ -22,8 +22,8 @@ double bicubic(double x) {
 }
 
 std::int32_t rounded(std::int32_t sum) {
-  constexpr std::int32_t kHalf = 1 << (kBits - 1), kWhite = 255;
-  return std::clamp((sum + kHalf) >> kBits, 0, kWhite);
+  constexpr std::int32_t kHalf = 1 << (kBits - 1), kBrightest = 255;
+  return std::clamp((sum + kHalf) >> kBits, 0, kBrightest);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace enfilade::neural::encoders {
 namespace {
 
-constexpr double kWhite = 255;
+constexpr double kBrightest = 255;
 
 at::Tensor channels(const std::array<float, 3>& numbers, c10::Device device) {
   return at::tensor(at::ArrayRef<float>(numbers)).view({3, 1, 1}).to(device);
@@ -46,7 +46,7 @@ class TransformerEncoder final : public ImageEncoder {
 
   // Whole numbers from 0 to 255: resizing rounds to them.
   render::Normalisation normalisation() const override {
-    constexpr auto kStep = static_cast<float>(1 / kWhite);
+    constexpr auto kStep = static_cast<float>(1 / kBrightest);
     return {{0, 0, 0}, {kStep, kStep, kStep}};
   }
 
@@ -57,7 +57,7 @@ class TransformerEncoder final : public ImageEncoder {
     if (!resize_ || resize_->from() != camera) resize_.emplace(camera, shorter_, side_);
     const c10::InferenceMode no_gradients;
     at::Tensor seen = resize_->apply(pictures, n).to(network_.device());
-    seen.div_(kWhite).sub_(mean_).div_(deviation_);
+    seen.div_(kBrightest).sub_(mean_).div_(deviation_);
     const at::Tensor output = finish(network_.run(seen)).cpu().contiguous();
     std::ranges::copy_n(output.data_ptr<float>(), output.numel(), features.begin());
   }

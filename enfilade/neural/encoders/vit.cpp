@@ -12,8 +12,8 @@ namespace {
 
 // As timm's vit_base_patch16_224: its sizes, its names, its pictures. HAMT and DUET ran it so.
 constexpr TransformerSizes kVitB16{};
-constexpr std::int64_t kClasses = 1000;  // of ImageNet
-constexpr std::uint32_t kShorter = 248;  // 224 pixels are 90 % of it
+constexpr std::int64_t kClasses = 1000;     // of ImageNet
+constexpr std::uint32_t kVitShorter = 248;  // 224 pixels are 90 % of it
 constexpr render::Normalisation kHalves{{0.5F, 0.5F, 0.5F}, {0.5F, 0.5F, 0.5F}};
 
 TransformerNames vit_names() {
@@ -35,7 +35,7 @@ TransformerNames vit_names() {
 
 // The classifier, where no class scores are asked for.
 bool is_head(std::string_view name) { return name.starts_with("head."); }
-bool is_nothing(std::string_view /*name*/) { return false; }
+bool has_no_surplus(std::string_view /*name*/) { return false; }
 
 }  // namespace
 
@@ -49,11 +49,11 @@ std::unique_ptr<ImageEncoder> make_vit(const EncoderConfig& config) {
   const Weights weights = config.weights.empty()
                               ? random_transformer(wanted, config.seed)
                               : read_weights(features::TensorFile::open(config.weights), wanted,
-                                             config.logits ? is_nothing : is_head);
+                                             config.logits ? has_no_surplus : is_head);
   TransformerParts parts;
   parts.sizes = kVitB16;
   parts.arrays = arrays_of(vit_names(), kVitB16, weights);
-  parts.preparation = {"vit", kShorter, kHalves};
+  parts.preparation = {"vit", kVitShorter, kHalves};
   parts.beside = config.logits;
   if (config.logits) parts.output = {weights.at("head.weight"), weights.at("head.bias")};
   parts.hash = hash_of(weights);

@@ -1,11 +1,14 @@
 /// \file  Actions and loss from six logits per row; a few numbers, so on the host.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "enfilade/neural/network.h"
 
 namespace enfilade::neural::seq2seq {
+
+inline constexpr auto kLogits = static_cast<std::size_t>(kSixActions);  ///< numbers a row
 
 /// One step of n rows.
 struct Choices {

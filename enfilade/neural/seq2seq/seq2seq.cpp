@@ -11,8 +11,6 @@
 namespace enfilade::neural::seq2seq {
 namespace {
 
-constexpr auto kActions = static_cast<std::size_t>(kSixActions);
-
 models::NetworkConfig checked(const models::NetworkConfig& config) {
   validate(config);
   return config;
@@ -36,7 +34,7 @@ Choices Seq2Seq::Walk::choices(std::size_t step) {
 
 std::span<double> Seq2Seq::Walk::gradient_of(std::size_t step) {
   if (gradient.empty()) return {};
-  return std::span(gradient).subspan(step * n * kActions, n * kActions);
+  return std::span(gradient).subspan(step * n * kLogits, n * kLogits);
 }
 
 void Seq2Seq::Walk::read(const at::Tensor& step_logits) {
@@ -75,8 +73,8 @@ void Seq2Seq::begin_walk(const Environment& environment, const RolloutOptions& o
   w.forward_open.assign(w.steps * w.n, 0);
   w.labels.assign(w.labelled ? w.steps * w.n : 0, kIgnoreLabel);
   w.features.resize(w.n * environment.dimensions());
-  w.logits.resize(w.n * kActions);
-  w.gradient.resize(with_gradients == WithGradients::kYes ? w.steps * w.n * kActions : 0);
+  w.logits.resize(w.n * kLogits);
+  w.gradient.resize(with_gradients == WithGradients::kYes ? w.steps * w.n * kLogits : 0);
 }
 
 RolloutResult Seq2Seq::rollout(const InstructionBatch& instructions, Environment& environment,
@@ -180,7 +178,7 @@ void Seq2Seq::begin(const InstructionBatch& instructions, std::size_t max_steps)
   w.actions.assign(w.n, 0);
   w.forward_open.assign(w.n, 0);
   w.features.assign(w.n * config_.features, 0);
-  w.logits.resize(w.n * kActions);
+  w.logits.resize(w.n * kLogits);
   Begun begun{lay_out(instructions, config_), {}, 0, max_steps};
   if (w.n > 0) {
     const Dropout none{0, 0, 0};
