@@ -74,5 +74,7 @@ std::vector<double> golden_array(const features::TensorFile& file, const std::st
 /// Checks of one agent: does nothing where its files are not there.
 /// EnvDrop's listener: `envdrop*`.
 void check_envdrop(const AgentsFolder& folder, AgentsTally& tally);
+/// DUET with R2R's and REVERIE's heads: `duet_*`.
+void check_duet(const AgentsFolder& folder, AgentsTally& tally);
 
 }  // namespace enfilade::tests
