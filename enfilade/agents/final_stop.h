@@ -25,7 +25,7 @@ enum class FinalStop {
 /// How probable stopping was at each place that an agent has visited. clear() keeps the memory.
 class StopMemory {
  public:
-  using Node = TopologicalMap::Node;
+  using Node = TopologicalMap::Node;  ///< of the map
 
   void clear() { known_.clear(); }  ///< nothing is remembered
   /// The probability of stopping at a node where the agent stands. What was remembered of the same
