@@ -54,7 +54,6 @@ std::vector<std::string> episode_lines(const tasks::Episode& episode) {
   std::size_t number = 0;
   for (const tasks::SubInstruction& part : details.parts) lines.push_back(line_of(part, ++number));
   for (const auto& [name, value] : details.fields) {
-    if (name == "instr_id") continue;  // of SOON's entry: nothing to read
     if (!value.empty()) lines.push_back(fmt::format("{}: {}", name, value));
   }
   return lines;

@@ -228,9 +228,7 @@ namespace {
 
 /// Without the id of SOON's entries, which they get where they had none.
 tasks::PathAnnotation without_id(tasks::PathAnnotation path) {
-  for (tasks::InstructionDetails& details : path.details) {
-    std::erase_if(details.fields, [](const auto& field) { return field.first == "instr_id"; });
-  }
+  for (tasks::InstructionDetails& details : path.details) details.entry.reset();
   return path;
 }
 

@@ -57,6 +57,9 @@ struct InstructionDetails {
   std::vector<std::int32_t> tokens;   ///< `instr_encoding(s)`: ids of BERT's or XLM-R's vocabulary
   /// Parts by name, as SOON has them: obj_name, attribute, relation, region.
   std::vector<std::pair<std::string, std::string>> fields;
+  /// Of SOON as released, the `instr_id` of its entry, by which submissions answer it: an entry's
+  /// alternatives and instructions share it. No value: the file names no entries.
+  std::optional<std::string> entry = {};
   friend bool operator==(const InstructionDetails&, const InstructionDetails&) = default;
 };
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/tasks/formats/soon.h"
 
 namespace enfilade::tasks {
 namespace {
@@ -36,7 +35,7 @@ Json answer_of(const Trajectory& trajectory, const EpisodeSet& episodes, const E
 }
 
 std::string entry_of(const Episode& episode) {
-  if (auto id = formats::soon_entry(episode.details)) return std::move(*id);
+  if (episode.details.entry) return *episode.details.entry;
   throw ArgumentError(
       fmt::format("{}: its annotations do not say which entry it belongs to; they "
                   "have to be in the released form, with instr_id",

@@ -35,7 +35,7 @@ EpisodeSet episodes(bool named = true) {
   set.paths.push_back({3, ScanIndex(0), Radians(0), {v(3)}});
   const auto add = [&](const std::string& entry, std::size_t path, std::size_t k) {
     InstructionDetails details;
-    if (named) details.fields = {{"instr_id", entry}};
+    if (named) details.entry = entry;
     set.episodes.push_back({"9-" + std::to_string(path) + "_" + std::to_string(k), path, k, "It.",
                             std::move(details)});
   };

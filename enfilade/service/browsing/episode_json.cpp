@@ -175,9 +175,7 @@ ordered_json whole_episode_json(const Site& site, const PublicSplit& split,
     if (!details.turns.empty()) one["turns"] = detail::json_list(details.turns, turn_json);
     if (!details.words.empty()) one["words"] = detail::json_list(details.words, word_json);
     if (!details.parts.empty()) one["parts"] = detail::json_list(details.parts, part_json);
-    for (const auto& [name, text] : details.fields) {
-      if (name != "instr_id") one["fields"][name] = text;  // that is an id of the file's entry
-    }
+    for (const auto& [name, text] : details.fields) one["fields"][name] = text;
   }
   if (path.goal_hidden()) return one;
   const tasks::ObjectBoxes* objects =

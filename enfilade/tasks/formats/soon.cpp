@@ -38,7 +38,7 @@ constexpr std::size_t kMostCopiedBytes = std::size_t{1} << 31U;
 enum Wanted : std::size_t { kPath, kInstructions, kBoxes, kScan, kSharedFields };
 enum OfEntry : std::size_t { kEntryId = kSharedFields, kReleasedFields };
 constexpr std::array<json::Field, kReleasedFields> kReleased{
-    {{"path"}, {"instructions"}, {"bboxes", false}, {"scan", false}, {kSoonEntryId, false}}};
+    {{"path"}, {"instructions"}, {"bboxes", false}, {"scan", false}, {"instr_id", false}}};
 
 enum OfLine : std::size_t { kPathId = kSharedFields, kEncodings, kLineFields };
 constexpr std::array<json::Field, kLineFields> kOfLine{{{"path"},
@@ -203,6 +203,7 @@ std::size_t bytes_of(const PathAnnotation& entry,
   for (std::size_t k = 0; k < entry.instructions.size(); ++k) {
     bytes += sizeof(InstructionDetails) + entry.instructions[k].size();
     for (const auto& [name, text] : entry.details[k].fields) bytes += kTexts + text.size();
+    if (entry.details[k].entry) bytes += kTexts + entry.details[k].entry->size();
   }
   return bytes + 2 * longest * kTexts;  // with the first alternative
 }
@@ -225,7 +226,7 @@ class Released {
     entry.group = group;
     read_goal(found[kScan], found[kBoxes], path, faults, entry);
     read_instructions(*found[kInstructions], Path(path, "instructions"), faults, read_list, entry);
-    if (found[kEntryId]) read_id(*found[kEntryId], Path(path, kSoonEntryId), faults, entry);
+    if (found[kEntryId]) read_id(*found[kEntryId], Path(path, "instr_id"), faults, entry);
     const auto alternatives = read_alternatives(*found[kPath], Path(path, "path"), faults);
     if (faults.errors() > 0) return;
     copied_ += (alternatives.size() - 1) * bytes_of(entry, alternatives);
@@ -245,7 +246,7 @@ class Released {
     const std::string id = read_text(element, path, faults);
     if (faults.errors() != errors) return;
     once_.check(id, static_cast<std::size_t>(*entry.group), path, faults);
-    for (InstructionDetails& details : entry.details) details.fields.emplace_back(kSoonEntryId, id);
+    for (InstructionDetails& details : entry.details) details.entry = id;
   }
 
   void add(PathAnnotation entry, const std::vector<std::string>& path,
@@ -328,14 +329,6 @@ nlohmann::ordered_json json_of(const PathAnnotation& entry, const NamedBox& box)
           {"target", std::move(target)}};
 }
 
-using Fields = std::vector<std::pair<std::string, std::string>>;
-
-// The texts beside the whole: what is left without the entry's id, which stands last.
-std::span<const Fields::value_type> texts_of(const InstructionDetails& details) {
-  const std::span<const Fields::value_type> all(details.fields);
-  return soon_entry(details) ? all.first(all.size() - 1) : all;
-}
-
 void check_form(const PathAnnotation& entry) {
   if (!running_number(entry.id)) throw not_soon(entry, "its id is no SOON path's");
   if (entry.details.size() != entry.instructions.size()) {
@@ -349,7 +342,7 @@ void check_form(const PathAnnotation& entry) {
   }
   for (const InstructionDetails& details : entry.details) {
     auto part = kParts.begin();  // they are read back in this order
-    for (const auto& [name, text] : texts_of(details)) {
+    for (const auto& [name, text] : details.fields) {
       part = std::find(part, kParts.end(), name);
       if (part++ == kParts.end()) {
         throw not_soon(entry, fmt::format("field {:?} is unknown, or not in SOON's order", name));
@@ -374,7 +367,7 @@ std::string line_of(const PathAnnotation& entry) {
   bool encoded = false;
   for (std::size_t k = 0; k < entry.instructions.size(); ++k) {
     nlohmann::ordered_json texts;
-    for (const auto& [name, text] : texts_of(entry.details[k])) texts[name] = text;
+    for (const auto& [name, text] : entry.details[k].fields) texts[name] = text;
     texts["full"] = entry.instructions[k];
     instructions.push_back(std::move(texts));
     encodings.push_back({{"full", entry.details[k].tokens}});
@@ -393,7 +386,7 @@ std::string line_of(const PathAnnotation& entry) {
 
 // An instruction as a list of five texts.
 nlohmann::ordered_json texts_json(const PathAnnotation& entry, std::size_t k) {
-  const std::span<const Fields::value_type> parts = texts_of(entry.details[k]);
+  const auto& parts = entry.details[k].fields;
   if (parts.size() != kParts.size()) {
     throw not_soon(entry, fmt::format("{} texts beside the whole of instruction {}, not {}",
                                       parts.size(), k, kParts.size()));
@@ -422,9 +415,8 @@ std::string entry_id(std::span<const PathAnnotation> paths, std::size_t number) 
   std::optional<std::string> id;
   for (const PathAnnotation& path : paths) {
     for (const InstructionDetails& details : path.details) {
-      const auto own = soon_entry(details);
-      if (id && own != id) throw not_soon(path, "two instr_ids in one entry");
-      id = own;
+      if (id && details.entry != id) throw not_soon(path, "two instr_ids in one entry");
+      id = details.entry;
     }
   }
   return id.value_or(fmt::to_string(number));
@@ -445,7 +437,7 @@ std::string released_line(std::span<const PathAnnotation> paths, const std::stri
   }
   nlohmann::ordered_json entry{{"path", std::move(alternatives)}};
   entry.update(shared);
-  entry[std::string(kSoonEntryId)] = id;
+  entry["instr_id"] = id;
   try {
     return entry.dump();
   } catch (const nlohmann::json::type_error&) {
@@ -454,11 +446,6 @@ std::string released_line(std::span<const PathAnnotation> paths, const std::stri
 }
 
 }  // namespace
-
-std::optional<std::string> soon_entry(const InstructionDetails& details) {
-  if (details.fields.empty() || details.fields.back().first != kSoonEntryId) return std::nullopt;
-  return details.fields.back().second;
-}
 
 std::string to_soon(const Annotations& annotations) {
   const std::span<const PathAnnotation> paths(annotations.paths);

@@ -1,18 +1,11 @@
 /// \file  SOON's files, as released (github.com/ZhuFengdaaa/SOON) and as DUET reads them.
 #pragma once
-#include <optional>
 #include <string>
 #include <string_view>
 
 #include "enfilade/tasks/annotations.h"
 
 namespace enfilade::tasks::formats {
-
-/// The last of the details' `fields` where a file as released names its entries: the `instr_id`
-/// that an entry's alternatives and instructions share, and by which submissions answer it.
-inline constexpr std::string_view kSoonEntryId = "instr_id";
-/// That id. No value: none was given.
-std::optional<std::string> soon_entry(const InstructionDetails& details);
 
 /// Reads `<split>.json` as released: entries with several alternative paths. Each alternative
 /// becomes a path of its own, with id `<split number>-<running number>` as in DUET's files
@@ -21,12 +14,12 @@ std::optional<std::string> soon_entry(const InstructionDetails& details);
 /// its list of five texts: name, attribute, relation, region (details' fields `obj_name`,
 /// `attribute`, `relation`, `region`), and the whole, which is the text. Goals are NamedBoxes;
 /// hidden where there are no `bboxes`, or none in the list. The scan is that of the boxes, or the
-/// entry's own `scan`. The heading is 1.52, with which DUET evaluates. An `instr_id` is kept: see
-/// kSoonEntryId. Of a box, `target` counts; its own `heading` and `elevation`, and `mouse_*`, are
-/// read over.
-/// \throws InvalidInput listing its faults with JSON paths: missing or wrongly typed fields, no
-/// path, an empty path, two scans in one entry, an instr_id that another entry has, instructions
-/// that are no lists of five, alternatives that repeat more than 2 GiB of their entries
+/// entry's own `scan`. The heading is 1.52, with which DUET evaluates. An `instr_id` is kept:
+/// InstructionDetails::entry. Of a box, `target` counts; its own `heading` and `elevation`, and
+/// `mouse_*`, are read over. \throws InvalidInput listing its faults with JSON paths: missing or
+/// wrongly typed fields, no path, an empty path, two scans in one entry, an instr_id that another
+/// entry has, instructions that are no lists of five, alternatives that repeat more than 2 GiB of
+/// their entries
 Annotations parse_soon(std::string_view json, const std::string& file, std::string split);
 
 /// The same of DUET's lines (`<split>_enc.jsonl`, `<split>_enc_pseudo_obj_label.jsonl`): a path a

@@ -1,7 +1,6 @@
 #include "enfilade/tasks/formats/soon_entries.h"
 
 #include "enfilade/core/numbers.h"
-#include "enfilade/tasks/formats/soon.h"
 
 namespace enfilade::tasks::formats {
 
@@ -24,8 +23,8 @@ SoonEntries::SoonEntries(const EpisodeSet& episodes) : episodes_(episodes) {
   if (episodes.task != Task::kSoon) return;
   for (std::size_t i = 0; i < episodes.episodes.size(); ++i) {
     const Episode& episode = episodes.episodes[i];
-    if (auto id = soon_entry(episode.details)) {
-      entries_[std::move(*id)][episode.instruction].push_back(i);
+    if (episode.details.entry) {
+      entries_[*episode.details.entry][episode.instruction].push_back(i);
     }
   }
 }

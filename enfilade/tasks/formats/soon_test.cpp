@@ -88,9 +88,8 @@ TEST(Soon, SplitsAnEntryIntoItsAlternatives) {
     EXPECT_EQ(entry.details[0].id, "");
     EXPECT_THAT(entry.details[0].fields,
                 ElementsAre(Pair("obj_name", "The vase. "), Pair("attribute", "Round. "),
-                            Pair("relation", "By a wall. "), Pair("region", "In a hall. "),
-                            Pair("instr_id", "7")));
-    EXPECT_EQ(soon_entry(entry.details[0]), "7");
+                            Pair("relation", "By a wall. "), Pair("region", "In a hall. ")));
+    EXPECT_EQ(entry.details[0].entry, "7");
     EXPECT_THAT(std::get<NamedBoxes>(entry.goal).boxes, ElementsAre(vase()));
   }
   EXPECT_THAT(read.paths[0].path, ElementsAre("v0", "v1", "v2"));
@@ -197,7 +196,7 @@ TEST(Soon, ReadsWhatItWrites) {
                      edited(kEntry, "\"7\"", "\"b_7\"") + "]",
                  "s.json", "val_unseen_house");
   ASSERT_THAT(read.paths, SizeIs(7));
-  EXPECT_EQ(soon_entry(read.paths[3].details[0]), "");
+  EXPECT_EQ(read.paths[3].details[0].entry, "");
   const std::string written = to_soon(read);
   EXPECT_EQ(std::ranges::count(written, '\n'), 5) << "an entry a line";
   EXPECT_EQ(parse_soon(written, "s.json", "val_unseen_house").paths, read.paths);
@@ -205,10 +204,10 @@ TEST(Soon, ReadsWhatItWrites) {
 
 TEST(Soon, NumbersEntriesThatHaveNoId) {
   Annotations read = parse_soon("[" + kHidden + ", " + kHidden + "]", "s.json", "test");
-  EXPECT_EQ(soon_entry(read.paths[1].details[0]), std::nullopt);
+  EXPECT_EQ(read.paths[1].details[0].entry, std::nullopt);
   Annotations again = parse_soon(to_soon(read), "s.json", "test");
-  EXPECT_EQ(soon_entry(again.paths.at(1).details[0]), "1");
-  again.paths[1].details[0].fields.back().second = "0";
+  EXPECT_EQ(again.paths.at(1).details[0].entry, "1");
+  again.paths[1].details[0].entry = "0";
   EXPECT_THAT(tests::refusal<ArgumentError>([&] { to_soon(again); }),
               HasSubstr("path \"4-1\": its entry has the instr_id \"0\" of another"));
 }
@@ -306,9 +305,7 @@ TEST(SoonLines, WritesReleasedEntriesWithoutWhatTiesThem) {
   const Annotations again = parse_soon_lines(to_soon_lines(read), "s.jsonl", "test");
   for (PathAnnotation& entry : read.paths) {
     entry.group.reset();
-    for (auto& details : entry.details) {
-      std::erase_if(details.fields, [](const auto& field) { return field.first == kSoonEntryId; });
-    }
+    for (auto& details : entry.details) details.entry.reset();
     if (auto* const goal = std::get_if<NamedBoxes>(&entry.goal)) goal->first_alternative.clear();
   }
   EXPECT_EQ(again.paths, read.paths);
@@ -365,8 +362,8 @@ TEST(SoonRecorded, BothFormsHoldTheSamePaths) {
       tied += goal.first_alternative.empty() ? 0 : 1;
       goal.first_alternative.clear();
       for (InstructionDetails& details : entry.details) {
-        EXPECT_EQ(soon_entry(details), std::to_string(entries.size() - 1));
-        details.fields.pop_back();
+        EXPECT_EQ(details.entry, std::to_string(entries.size() - 1));
+        details.entry.reset();
         details.tokens = {101, 2023, 102};
       }
     }
