@@ -14,6 +14,11 @@ using render::kDiscreteViews;
 constexpr std::uint32_t kColumns = 12;
 constexpr double kStep = 30;  // degrees between views
 
+const render::View& view_at(std::uint32_t view) {
+  static const auto kAll = render::discrete_views({}, {});
+  return kAll[view];
+}
+
 }  // namespace
 
 PanoramaCache::PanoramaCache(std::shared_ptr<const graph::GraphSet> graphs,
@@ -42,10 +47,21 @@ AngleFeature angle_feature(Radians heading, Radians elevation) {
           static_cast<float>(std::cos(elevation.value))};
 }
 
-Radians view_heading(std::uint32_t view) { return degrees(kStep * (view % kColumns)); }
+Radians view_heading(std::uint32_t view) { return view_at(view).heading; }
+Radians view_elevation(std::uint32_t view) { return view_at(view).elevation; }
 
-Radians view_elevation(std::uint32_t view) {
-  return degrees(kStep * (static_cast<double>(view / kColumns) - 1));
+std::uint32_t level_view(Radians heading) {
+  const long steps = std::lround(to_degrees(wrap_heading(heading)) / kStep);
+  return kColumns + static_cast<std::uint32_t>(steps) % kColumns;
+}
+
+std::uint32_t view_after(const sim::Action& action, std::uint32_t view) {
+  const auto step = [](Radians change) { return (change.value > 0) - (change.value < 0); };
+  const int row = std::clamp(static_cast<int>(view / kColumns) + step(action.elevation_change), 0,
+                             static_cast<int>(kDiscreteViews / kColumns) - 1);
+  const auto column =
+      view % kColumns + kColumns + static_cast<std::uint32_t>(step(action.heading_change));
+  return static_cast<std::uint32_t>(row) * kColumns + column % kColumns;
 }
 
 std::optional<std::uint32_t> arrival_view(const Panorama& panorama, ViewpointIndex neighbour) {

@@ -49,6 +49,11 @@ AngleFeature angle_feature(Radians heading, Radians elevation);
 /// degrees, at elevations -30, 0 and 30. \pre view < 36
 Radians view_heading(std::uint32_t view);
 Radians view_elevation(std::uint32_t view);  ///< likewise
+/// The level view whose heading is nearest: where episodes start.
+std::uint32_t level_view(Radians heading);
+/// The view of an agent that had `view` and turned as an action of the discretized simulator says:
+/// by one view or none, to the right or left, up or down. \pre view < 36
+std::uint32_t view_after(const sim::Action& action, std::uint32_t view);
 
 /// The view with which an agent comes to a neighbour: that in which this panorama has it, so that
 /// the agent looks on along its way. No value if the viewpoint is no candidate.

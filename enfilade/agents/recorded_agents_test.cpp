@@ -259,11 +259,7 @@ TEST(RecordedEnvDrop, CandidatesMovesAndTeacherAreTheRecordedOnes) {
       std::size_t moves = 0;
       while (true) {
         const sim::Action action = step_towards(chosen, view);
-        if (action.elevation_change.value != 0) {
-          view = action.elevation_change.value > 0 ? view + 12 : view - 12;
-        } else if (action.heading_change.value != 0) {
-          view = view / 12 * 12 + (view + 1) % 12;
-        }
+        view = view_after(action, view);
         ASSERT_LT(moves, step["moves"].size()) << what;
         const Json& entry = step["moves"][moves++];
         EXPECT_NEAR(view_heading(view).value, entry[1].get<double>(), 1e-9) << what;

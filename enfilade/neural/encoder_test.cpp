@@ -14,6 +14,7 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/features/tensor_file.h"
 #include "enfilade/neural/device.h"
+#include "tests/support/encoders.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
@@ -24,7 +25,11 @@ namespace fs = std::filesystem;
 using ::testing::Contains;
 using ::testing::Field;
 using ::testing::HasSubstr;
+using tests::encoded;
+using tests::numbers;
+using tests::python_with;
 using tests::refusal;
+using tests::relative_difference;
 using tests::TemporaryFolder;
 
 const Camera kSmall{96, 64, degrees(60)};
@@ -36,44 +41,10 @@ std::vector<float> random_pictures(std::size_t n, const Camera& camera) {
   return pictures;
 }
 
-std::vector<float> encoded(ImageEncoder& encoder, std::span<const float> pictures, std::size_t n,
-                           const Camera& camera) {
-  std::vector<float> features(n * encoder.dimensions());
-  encoder.encode(pictures, n, camera, features);
-  return features;
-}
-
-// Largest difference beside the largest number.
-double relative_difference(std::span<const float> a, std::span<const float> b) {
-  double largest = 0, difference = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    largest = std::max(largest, std::abs(double{b[i]}));
-    difference = std::max(difference, std::abs(double{a[i]} - double{b[i]}));
-  }
-  return difference / largest;
-}
-
-// A python3 that has torchvision: the first on the path may be another one than Debian's.
-std::optional<std::string> python_with_torchvision() {
-  for (const std::string python : {"python3", "/usr/bin/python3"}) {
-    if (std::system((python + " -c 'import torchvision' > /dev/null 2>&1").c_str()) == 0) {
-      return python;
-    }
-  }
-  return std::nullopt;
-}
-
-std::vector<float> numbers(const features::TensorFile& file, const char* name) {
-  const features::NamedArray& array = *file.find(name);
-  std::vector<float> values(array.elements());
-  std::memcpy(values.data(), array.bytes.data(), array.bytes.size());
-  return values;
-}
-
 class Torchvision : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Torchvision, GivesTheSameFeatures) {
-  const auto python = python_with_torchvision();
+  const auto python = python_with("torchvision");
   if (!python) GTEST_SKIP() << "no torchvision for python3: apt-get install python3-torchvision";
   const TemporaryFolder folder("torchvision");
   const std::string command = *python + " '" EN_SOURCE_DIR "/tests/python/torchvision_resnet.py' " +

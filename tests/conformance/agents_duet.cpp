@@ -15,8 +15,6 @@ namespace {
 using namespace neural::duet;
 using nlohmann::json;
 
-std::vector<double> numbers(const at::Tensor& values) { return duet_numbers(values); }
-
 // Of a row of a batch.
 std::vector<double> part(const at::Tensor& values, std::int64_t row, std::int64_t begin,
                          std::int64_t length) {
@@ -179,7 +177,7 @@ class EpisodeCheck {
     std::vector<WalkEpisode> batch;
     for (std::size_t k = begin; k < end; ++k) batch.push_back(duet_episode(records_[k], *graphs_));
     WalkOptions options;
-    options.expert = Expert::kShortest;
+    options.expert = Expert::kSpl;
     std::vector<std::size_t> steps(batch.size());
     const Rollout rollout = walker_.walk(network_, batch, options, [&](const StepOfAll& step) {
       for (std::size_t i = 0; i < step.rows.size(); ++i) {

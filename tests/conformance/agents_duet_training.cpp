@@ -20,7 +20,7 @@ WalkOptions options_of(const std::string& task, const std::string& variant, cons
   options.draw_best = true;
   options.explore = 0;
   options.three_losses = variant == "three_losses";
-  options.expert = variant == "ndtw_sample" ? Expert::kLikest : Expert::kShortest;
+  options.expert = variant == "ndtw_sample" ? Expert::kNdtw : Expert::kSpl;
   options.feedback = feedback == "teacher"  ? WalkFeedback::kTeacher
                      : feedback == "sample" ? WalkFeedback::kSample
                      : feedback == "argmax" ? WalkFeedback::kGreedy

@@ -15,8 +15,6 @@ namespace {
 using namespace neural::duet;
 using nlohmann::json;
 
-std::vector<double> numbers(const at::Tensor& values) { return duet_numbers(values); }
-
 at::Tensor tensor_of(const features::NamedArray& array) {
   const auto type = array.type == features::DType::kFloat32 ? at::kFloat
                     : array.type == features::DType::kInt64 ? at::kLong

@@ -1,6 +1,5 @@
 #include "tests/conformance/duet_episodes.h"
 
-#include <ATen/ATen.h>
 #include <fmt/format.h>
 #include <cmath>
 
@@ -93,8 +92,7 @@ void TrainingEpisodes::add(const json& items, const graph::GraphSet& graphs) {
       record["gt_path"] = item["path"];
       record["gt_obj_id"] = object;
       record["token_ids"] = synthetic_words(item["instructions"][n].get<std::string>());
-      const long turns = std::lround(item["heading"].get<double>() / (kPi / 6));
-      record["start_view"] = 12 + turns % 12;
+      record["start_view"] = agents::level_view(Radians(item["heading"].get<double>()));
       WalkEpisode episode = duet_episode(record, graphs);
       episodes_.emplace(episode.id, std::move(episode));
     }
@@ -106,11 +104,6 @@ DuetNetwork duet_network(const AgentsFolder& folder, const std::string& task) {
   DuetConfig config = infer_config(weights, 4);
   config.max_words = 100;
   return DuetNetwork(config, weights);
-}
-
-std::vector<double> duet_numbers(const at::Tensor& values) {
-  const at::Tensor all = values.detach().to(at::kDouble).contiguous();
-  return {all.data_ptr<double>(), all.data_ptr<double>() + all.numel()};
 }
 
 }  // namespace enfilade::tests

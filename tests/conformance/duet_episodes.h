@@ -1,6 +1,5 @@
 /// \file  The recorded episodes of DUET, and what they are walked with.
 #pragma once
-#include <ATen/core/Tensor.h>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -11,6 +10,7 @@
 #include "enfilade/neural/duet/duet_network.h"
 #include "enfilade/neural/duet/rollout.h"
 #include "tests/conformance/agents_golden.h"
+#include "tests/conformance/tensor_numbers.h"
 
 namespace enfilade::tests {
 
@@ -45,9 +45,6 @@ class TrainingEpisodes {
 
 /// The network of `duet_<task>.pt`, which takes 100 words at most.
 neural::duet::DuetNetwork duet_network(const AgentsFolder& folder, const std::string& task);
-
-/// All elements in double precision, row-major.
-std::vector<double> duet_numbers(const at::Tensor& values);
 
 /// `duet_units.*`
 void check_duet_units(const AgentsFolder& folder, AgentsTally& tally);

@@ -12,11 +12,6 @@ namespace enfilade::tests {
 using namespace neural::panoramic;
 using nlohmann::json;
 
-std::vector<double> numbers(const at::Tensor& tensor) {
-  const at::Tensor flat = tensor.detach().to(at::kDouble).contiguous();
-  return {flat.data_ptr<double>(), flat.data_ptr<double>() + flat.numel()};
-}
-
 std::span<const double> first(const std::vector<double>& values, std::size_t count) {
   return std::span(values).first(std::min(count, values.size()));
 }

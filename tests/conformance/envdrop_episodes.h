@@ -1,6 +1,5 @@
 /// \file  The episodes of EnvDrop's recordings, to be walked again.
 #pragma once
-#include <ATen/core/Tensor.h>
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -13,12 +12,11 @@
 #include "enfilade/neural/panoramic/panoramic_rollout.h"
 #include "enfilade/neural/panoramic/panoramic_walk.h"
 #include "tests/conformance/agents_golden.h"
+#include "tests/conformance/tensor_numbers.h"
 
 namespace enfilade::tests {
 
-/// The elements of a tensor of any type, row by row.
-std::vector<double> numbers(const at::Tensor& tensor);
-/// At most `count` of them.
+/// At most `count` of some numbers.
 std::span<const double> first(const std::vector<double>& values, std::size_t count);
 
 /// The network with the weights of one of the folder's files.

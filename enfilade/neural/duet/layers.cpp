@@ -1,7 +1,6 @@
 #include "enfilade/neural/duet/layers.h"
 
 #include <ATen/ATen.h>
-#include <ATen/CPUGeneratorImpl.h>
 #include <cmath>
 
 #include "enfilade/core/check.h"
@@ -12,19 +11,6 @@ namespace {
 constexpr double kTorchEpsilon = 1e-5;  // of torch.nn.LayerNorm, where nobody chose another
 
 }  // namespace
-
-Dropout::Dropout(std::uint64_t seed, double rate)
-    : generator_(at::detail::createCPUGenerator(seed)), rate_(rate) {}
-
-at::Tensor Dropout::operator()(const at::Tensor& values) { return (*this)(values, rate_); }
-
-at::Tensor Dropout::operator()(const at::Tensor& values, double rate) {
-  if (rate <= 0) return values;
-  const double kept = 1 - rate;
-  // Drawn on the CPU, so that devices agree.
-  const at::Tensor mask = at::empty(values.sizes(), at::kFloat).bernoulli_(kept, generator_);
-  return values * mask.div_(kept).to(values.device());
-}
 
 const at::Tensor& Layers::weight(const std::string& name) const {
   const auto found = weights_.find(name);

@@ -1,26 +1,25 @@
 /// \file  Layers of transformers, on parameters that are found by name.
 #pragma once
-#include <ATen/core/Generator.h>
 #include <ATen/core/Tensor.h>
 #include <cstdint>
 #include <optional>
 #include <string>
 
+#include "enfilade/neural/detail/dropout.h"
 #include "enfilade/neural/encoders/weights.h"
 
 namespace enfilade::neural::duet {
 
-/// Sets a random part of the numbers to 0 and scales up the rest. The same seed gives the same
-/// masks.
+/// Dropout at the network's rate, or at another one.
 class Dropout {
  public:
   /// \param rate share of numbers that become 0, in [0, 1)
-  Dropout(std::uint64_t seed, double rate);
-  at::Tensor operator()(const at::Tensor& values);               ///< at the rate
-  at::Tensor operator()(const at::Tensor& values, double rate);  ///< at another rate
+  Dropout(std::uint64_t seed, double rate) : drop_(seed), rate_(rate) {}
+  at::Tensor operator()(const at::Tensor& values) { return drop_(values, rate_); }
+  at::Tensor operator()(const at::Tensor& values, double rate) { return drop_(values, rate); }
 
  private:
-  at::Generator generator_;
+  detail::Dropout drop_;
   double rate_;
 };
 

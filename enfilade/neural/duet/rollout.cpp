@@ -8,7 +8,6 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/duet/labels.h"
 #include "enfilade/neural/duet/walk_state.h"
 
 namespace enfilade::neural::duet {
@@ -138,14 +137,12 @@ class Run {
     if (output.object_logits.defined()) objects = output.object_logits.detach().contiguous();
     for (std::size_t i = 0; i < active_.size(); ++i) {
       const auto r = static_cast<std::int64_t>(i);
-      active_[i]->walk.stop_probabilities.emplace_back(active_[i]->pose.viewpoint,
-                                                       row_of(probabilities_, r)[0]);
       std::string best;
       if (objects.defined() && !rows[i].objects.empty()) {
         const auto own = row_of(objects, r).subspan(rows[i].views + 1, rows[i].objects.size());
         best = rows[i].objects[first_of_the_greatest(own)].id;
       }
-      active_[i]->objects.push_back(std::move(best));
+      active_[i]->remember(row_of(probabilities_, r)[0], std::move(best));
     }
   }
 
@@ -176,10 +173,10 @@ class Run {
         row.label = row_of_viewpoint(
             state, next_on_reference(*state.graph, state.pose.viewpoint, t, reference));
         break;
-      case Expert::kShortest:
+      case Expert::kSpl:
         row.label = expert_label(state, agents::ExpertRule::kSpl);
         break;
-      case Expert::kLikest:
+      case Expert::kNdtw:
         row.label = expert_label(state, agents::ExpertRule::kNdtw);
         break;
     }

@@ -18,6 +18,7 @@
 #include "enfilade/core/ids.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/neural/duet/duet_network.h"
+#include "enfilade/neural/duet/labels.h"
 #include "enfilade/sim/candidates.h"
 
 namespace enfilade::neural::duet {
@@ -75,8 +76,8 @@ enum class WalkFeedback : std::uint8_t {
 /// Which node a label names.
 enum class Expert : std::uint8_t {
   kReference,  ///< the annotated path's next viewpoint; the walk must follow that path
-  kShortest,   ///< the least way there and on to the goal
-  kLikest,     ///< the greatest nDTW of the walk so far and the way there
+  kSpl,        ///< agents::ExpertRule::kSpl
+  kNdtw,       ///< agents::ExpertRule::kNdtw
 };
 
 struct WalkOptions {
@@ -99,7 +100,7 @@ struct StepRow {
   std::size_t views = 0;  ///< tokens that are candidates or views
   std::vector<SeenObject> objects;
   std::int64_t choice = 0;  ///< row of the map; 0: stop
-  std::int64_t label = -100, local_label = -100, object_label = -100;
+  std::int64_t label = kNoLabel, local_label = kNoLabel, object_label = kNoLabel;
   std::optional<ViewpointIndex> goes_to;  ///< none: it moves no more
   bool ends = false;                      ///< here; then it walks to where stopping was most likely
 };

@@ -14,8 +14,6 @@ constexpr const char* kFirst = "adam.first.";
 constexpr const char* kSecond = "adam.second.";
 constexpr const char* kUpdates = "adam.updates";
 
-bool ignored(std::string_view) { return false; }
-
 }  // namespace
 
 void clear_gradients(const DuetNetwork& network) {
@@ -75,7 +73,8 @@ void AdamW::load(DuetNetwork& network, const features::TensorFile& file) {
     wanted.push_back({kSecond + spec.name, spec.shape});
   }
   wanted.push_back({kUpdates, {1}});
-  const encoders::Weights read = encoders::read_weights(file, wanted, ignored);
+  const encoders::Weights read =
+      encoders::read_weights(file, wanted, [](std::string_view) { return false; });
   const c10::NoGradGuard no_gradients;
   first_.clear();
   second_.clear();

@@ -67,6 +67,7 @@ void WalkState::look(const Walker::Place& seen, std::size_t step) {
   map.arrive(*graph, pose.viewpoint, seen.panorama->candidates, static_cast<std::uint32_t>(step));
   embeddings.resize(map.size());
   shown.resize(map.size(), 0);
+  objects.resize(map.size());
 }
 
 void WalkState::embed(const at::Tensor& tokens) {
@@ -85,20 +86,27 @@ void WalkState::go(TopologicalMap::Node to, Walker& walker, const DuetConfig& co
   std::vector<ViewpointIndex> way;
   map.path(node(), to, way);
   const ViewpointIndex before = way.size() > 1 ? way[way.size() - 2] : pose.viewpoint;
-  const auto& candidates = walker.place(config, {episode->scan, before}).panorama->candidates;
-  const auto seen = std::ranges::find(candidates, way.back(), &sim::Candidate::viewpoint);
-  EN_CHECK(seen != candidates.end());
-  pose = {way.back(), seen->view};
+  const Walker::Place& last = walker.place(config, {episode->scan, before});
+  const auto view = agents::arrival_view(*last.panorama, way.back());
+  EN_CHECK(view.has_value());
+  pose = {way.back(), *view};
   walk.path.push_back(way);
 }
 
+void WalkState::remember(double stop_probability, std::string best_object) {
+  walk.stop_probabilities.emplace_back(pose.viewpoint, stop_probability);
+  stops.remember(node(), stop_probability);
+  objects[node()] = std::move(best_object);
+}
+
 void WalkState::walk_to_best() {
-  const auto best = std::ranges::max_element(walk.stop_probabilities, {},
-                                             &std::pair<ViewpointIndex, double>::second);
-  walk.stop = best->first;
-  walk.object = objects[static_cast<std::size_t>(best - walk.stop_probabilities.begin())];
-  if (walk.stop == pose.viewpoint) return;
-  map.path(node(), *map.find(walk.stop), walk.path.emplace_back());
+  const TopologicalMap::Node best = *stops.best();
+  walk.stop = map.viewpoint(best);
+  walk.object = objects[best];
+  std::vector<ViewpointIndex> way;
+  agents::final_walk(map, node(), stops, agents::LastAction::kStop, agents::FinalStop::kAlways,
+                     way);
+  if (!way.empty()) walk.path.push_back(std::move(way));
 }
 
 std::vector<ViewpointIndex> WalkState::walked() const {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/agents/final_stop.h"
 #include "enfilade/neural/duet/rollout.h"
 
 namespace enfilade::neural::duet {
@@ -23,6 +24,8 @@ class WalkState {
   void embed(const at::Tensor& tokens);
   /// Goes to a node by known ways and takes the view in which the viewpoint before it has it.
   void go(TopologicalMap::Node node, Walker& walker, const DuetConfig& config);
+  /// What the network says where it stands. \param best_object empty: none is there
+  void remember(double stop_probability, std::string best_object);
   /// The walk to the visited viewpoint with the highest probability of stopping.
   void walk_to_best();
   std::vector<ViewpointIndex> walked() const;  ///< all viewpoints so far
@@ -35,7 +38,8 @@ class WalkState {
   const Walker::Place* place = nullptr;
   std::vector<at::Tensor> embeddings;  ///< visited: the mean; open: the sum
   std::vector<std::int64_t> shown;     ///< how many embeddings are in the sum
-  std::vector<std::string> objects;    ///< by visit: the best
+  std::vector<std::string> objects;    ///< the best where it has been; empty: none
+  agents::StopMemory stops;
   Walk walk;
   bool ended = false;
 

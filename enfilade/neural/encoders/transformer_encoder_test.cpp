@@ -14,6 +14,7 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/features/tensor_file.h"
 #include "enfilade/neural/encoders/picture_resize.h"
+#include "tests/support/encoders.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
@@ -25,32 +26,12 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::Field;
 using ::testing::HasSubstr;
+using tests::encoded;
+using tests::numbers;
+using tests::python_with;
 using tests::refusal;
+using tests::relative_difference;
 using tests::TemporaryFolder;
-
-std::vector<float> encoded(ImageEncoder& encoder, std::span<const float> pictures, std::size_t n,
-                           const Camera& camera) {
-  std::vector<float> features(n * encoder.dimensions());
-  encoder.encode(pictures, n, camera, features);
-  return features;
-}
-
-// Largest difference beside the largest number.
-double relative_difference(std::span<const float> a, std::span<const float> b) {
-  double largest = 0, difference = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    largest = std::max(largest, std::abs(double{b[i]}));
-    difference = std::max(difference, std::abs(double{a[i]} - double{b[i]}));
-  }
-  return difference / largest;
-}
-
-std::vector<float> numbers(const features::TensorFile& file, const char* name) {
-  const features::NamedArray& array = *file.find(name);
-  std::vector<float> values(array.elements());
-  std::memcpy(values.data(), array.bytes.data(), array.bytes.size());
-  return values;
-}
 
 // --- against the code of others ---
 
@@ -62,15 +43,6 @@ struct Other {
 };
 
 std::ostream& operator<<(std::ostream& out, const Other& other) { return out << other.name; }
-
-// A python3 that has these: the first on the path may be another one than Debian's.
-std::optional<std::string> python_with(const std::string& packages) {
-  for (const std::string python : {"python3", "/usr/bin/python3"}) {
-    const std::string command = python + " -c 'import " + packages + "' > /dev/null 2>&1";
-    if (std::system(command.c_str()) == 0) return python;
-  }
-  return std::nullopt;
-}
 
 class Others : public ::testing::TestWithParam<Other> {};
 

@@ -104,20 +104,17 @@ const at::Tensor& PanoramicNetwork::weight(std::string_view name) const {
 }
 
 void PanoramicNetwork::set_dropout(std::optional<std::uint64_t> seed) {
-  generator_.reset();
-  if (seed) generator_ = at::detail::createCPUGenerator(*seed);
+  dropout_.reset();
+  if (seed) dropout_.emplace(*seed);
 }
 
 at::Tensor PanoramicNetwork::drop(const at::Tensor& x, double rate) {
-  if (!generator_ || rate == 0) return x;
-  const at::Tensor kept =
-      at::empty(x.sizes(), x.options().requires_grad(false)).bernoulli_(1 - rate, *generator_);
-  return x * kept.div_(1 - rate);
+  return dropout_ ? (*dropout_)(x, rate) : x;
 }
 
 // Of each view's numbers only those of the picture are dropped.
 at::Tensor PanoramicNetwork::drop_images(const at::Tensor& features) {
-  if (!generator_ || config_.feature_dropout == 0) return features;
+  if (!dropout_ || config_.feature_dropout == 0) return features;
   const auto image = static_cast<std::int64_t>(config_.image);
   return at::cat({drop(features.narrow(2, 0, image), config_.feature_dropout),
                   features.narrow(2, image, features.size(2) - image)},

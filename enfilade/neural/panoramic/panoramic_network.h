@@ -1,12 +1,12 @@
 /// \file  The panoramic LSTM agent's network: EnvDrop's listener (Tan, Yu, Bansal 2019).
 #pragma once
-#include <ATen/core/Generator.h>
 #include <ATen/core/Tensor.h>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "enfilade/features/tensor_file.h"
+#include "enfilade/neural/detail/dropout.h"
 #include "enfilade/neural/encoders/weights.h"
 #include "enfilade/neural/panoramic/panoramic_config.h"
 
@@ -89,7 +89,7 @@ class PanoramicNetwork {
 
   PanoramicConfig config_;
   encoders::Weights weights_;
-  std::optional<at::Generator> generator_;  // of dropout
+  std::optional<detail::Dropout> dropout_;
 };
 
 }  // namespace enfilade::neural::panoramic

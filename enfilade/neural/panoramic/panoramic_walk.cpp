@@ -2,22 +2,16 @@
 
 #include <ATen/ATen.h>
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
+#include "enfilade/agents/experts.h"
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 
 namespace enfilade::neural::panoramic {
 namespace {
 
-constexpr std::uint32_t kHeadings = 12, kViews = 36;
-constexpr double kTurn = kPi / 6;  // between two views
-
-std::uint32_t view_of(Radians heading) {
-  const long turns = std::lround(wrap_heading(heading).value / kTurn);
-  return kHeadings + static_cast<std::uint32_t>(turns) % kHeadings;
-}
+constexpr std::uint32_t kViews = 36;
 
 // [sin h, cos h, sin e, cos e], repeated.
 void write_angle(Radians heading, Radians elevation, std::span<float> out) {
@@ -36,7 +30,7 @@ PanoramicWalk::PanoramicWalk(agents::PanoramaCache& panoramas, const graph::Grap
     : panoramas_(&panoramas),
       graphs_(&graphs),
       location_(start.location),
-      view_(view_of(start.heading)),
+      view_(agents::level_view(start.heading)),
       goal_(start.goal) {
   arrive();
 }
@@ -60,11 +54,11 @@ double PanoramicWalk::distance() const {
 
 std::size_t PanoramicWalk::teacher() const {
   EN_CHECK(goal_.has_value());
-  if (location_.viewpoint == *goal_) return stop();
-  const auto path = graphs_->graph(location_.scan).path(location_.viewpoint, *goal_);
-  if (!path) return stop();
-  const auto next = std::ranges::find(*candidates_, (*path)[1], &sim::Candidate::viewpoint);
-  return static_cast<std::size_t>(next - candidates_->begin());
+  const auto next =
+      agents::next_on_shortest(graphs_->graph(location_.scan), location_.viewpoint, *goal_);
+  if (!next || *next == location_.viewpoint) return stop();
+  const auto chosen = std::ranges::find(*candidates_, *next, &sim::Candidate::viewpoint);
+  return static_cast<std::size_t>(chosen - candidates_->begin());
 }
 
 void PanoramicWalk::choose(std::size_t choice) {
@@ -78,11 +72,7 @@ void PanoramicWalk::choose(std::size_t choice) {
   for (;;) {
     const sim::Action action = agents::step_towards(chosen, view_);
     if (action.index != 0) break;
-    if (action.elevation_change.value != 0) {
-      view_ = action.elevation_change.value > 0 ? view_ + kHeadings : view_ - kHeadings;
-    } else {
-      view_ = view_ / kHeadings * kHeadings + (view_ + 1) % kHeadings;
-    }
+    view_ = agents::view_after(action, view_);
     add_point();
   }
   location_.viewpoint = chosen.viewpoint;
