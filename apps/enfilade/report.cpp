@@ -9,6 +9,7 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
+#include "apps/enfilade/version.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/report/report.h"
 #include "enfilade/report/run_directory.h"
@@ -23,11 +24,6 @@ struct Options {
   report::ReportConfig config;
 };
 
-std::string version() {
-  constexpr std::string_view kCommit = EN_COMMIT;
-  return kCommit.empty() ? EN_VERSION : fmt::format("{}, commit {}", EN_VERSION, kCommit);
-}
-
 void make(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
   report::ReportConfig config = options.config;
@@ -36,7 +32,7 @@ void make(const Options& options) {
       task_of(options.task, data,
               options.task.empty() ? report::find_task_of_runs(config.runs) : std::nullopt);
   config.facts = {
-      {"Enfilade", version()},
+      {"Enfilade", version_with_commit()},
       {"made on", fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))},
       {"made with", fmt::format("{}, {} cores", processor_name(), available_threads())}};
   const std::string page = make_report(config, data, progress_bar("report"));

@@ -146,9 +146,9 @@ struct HomePathReport {
 /// same paths, the other benchmarks' annotations are written in the forms and under the names that
 /// tasks::annotation_places() looks for, each folder with a README.md that calls it synthetic;
 /// their whole test splits are in `hidden/<task>/`. `annotations.txt` lists what was written; what
-/// an earlier call listed and this one does not write is removed. \throws ArgumentError for an unknown task; as
-/// read_home_list(), graph::GraphSet; FileError if there are fewer homes than the splits need or
-/// the splits cannot be written
+/// an earlier call listed and this one does not write is removed. \throws ArgumentError for an
+/// unknown task; as read_home_list(), graph::GraphSet; FileError if there are fewer homes than the
+/// splits need or the splits cannot be written
 HomePathReport write_home_paths(const std::filesystem::path& folder, const HomePathOptions& options,
                                 const SetProgress& progress = {});
 

@@ -30,7 +30,7 @@ void check(const ScalingCurve& curve) {
 class Axes {
  public:
   explicit Axes(const ScalingCurve& curve) {
-    double top = curve.floor ? curve.floor->high : 0;
+    double top = curve.random ? curve.random->high : 0;
     first_ = last_ = static_cast<double>(curve.points.front().buildings);
     for (const CurvePoint& point : curve.points) {
       top = std::max(top, point.success.high);
@@ -89,17 +89,17 @@ std::string grid(const ScalingCurve& curve, const Axes& axes) {
   return out;
 }
 
-std::string floor_of(const ScalingCurve& curve, const Axes& axes) {
-  if (!curve.floor) return "";
-  const double high = axes.y(curve.floor->high), low = axes.y(curve.floor->low);
+std::string random_of(const ScalingCurve& curve, const Axes& axes) {
+  if (!curve.random) return "";
+  const double high = axes.y(curve.random->high), low = axes.y(curve.random->low);
   return fmt::format(
       "<rect x=\"{}\" y=\"{:.1f}\" width=\"{}\" height=\"{:.1f}\" fill=\"{}\" "
       "fill-opacity=\".15\"/>"
       "<path d=\"M{} {:.1f}H{}\" stroke=\"{}\" stroke-dasharray=\"5 4\"/>"
       "<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">random</text>\n",
       kLeft, high, kWidth - kLeft - kRight, std::max(low - high, 0.5), kGrey, kLeft,
-      axes.y(curve.floor->mean), kWidth - kRight, kGrey, kWidth - kRight - 4,
-      axes.y(curve.floor->mean) - 4);
+      axes.y(curve.random->mean), kWidth - kRight, kGrey, kWidth - kRight - 4,
+      axes.y(curve.random->mean) - 4);
 }
 
 std::string dots(const ScalingCurve& curve, const Axes& axes) {
@@ -146,7 +146,7 @@ std::string scaling_curve_svg(const ScalingCurve& curve) {
       "<text x=\"{2}\" y=\"18\" font-size=\"15\" font-weight=\"600\">{3}{4}</text>\n{5}{6}{7}"
       "</svg>\n",
       kWidth, kHeight, kLeft, escape(curve.title), curve.synthetic ? " (SYNTHETIC)" : "",
-      grid(curve, axes), floor_of(curve, axes), dots(curve, axes));
+      grid(curve, axes), random_of(curve, axes), dots(curve, axes));
 }
 
 std::string scaling_curve_page(const ScalingCurve& curve) {

@@ -24,7 +24,7 @@ struct ScalingCurve {
   std::string title;
   bool synthetic = false;  ///< model homes: said on the picture
   std::vector<CurvePoint> points;
-  std::optional<tasks::MeanInterval> floor;  ///< success of an agent that learns nothing; a share
+  std::optional<tasks::MeanInterval> random;  ///< success of the Random agent; a share
   /// Named facts below the curve, in order, such as {"iterations", "2000"}.
   std::vector<std::pair<std::string, std::string>> facts;
 };

@@ -47,7 +47,7 @@ TEST(ScalingCurve, ThePageHasATableAndFacts) {
   EXPECT_THAT(page, HasSubstr("SYNTHETIC: model homes"));
   ScalingCurve real = curve();
   real.synthetic = false;
-  real.floor.reset();
+  real.random.reset();
   EXPECT_THAT(scaling_curve_page(real), Not(HasSubstr("SYNTHETIC")));
   EXPECT_THAT(scaling_curve_page(real), Not(HasSubstr("random")));
 }

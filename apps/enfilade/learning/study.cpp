@@ -10,9 +10,11 @@
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/learning/run_verb.h"
 #include "apps/enfilade/verbs.h"
+#include "apps/enfilade/version.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/threads.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/report/scaling_curve.h"
 #include "enfilade/tasks/path_sampling.h"
@@ -120,16 +122,17 @@ class Study {
       }
     }
     const auto random = agents::make_agent("random");
-    curve.floor = compute_score(agents::run_agent(*random, unseen), unseen).mean("success");
-    fmt::print("{:>13}  {:.1f} [{:.1f}, {:.1f}]\n", "random", 100 * curve.floor->mean,
-               100 * curve.floor->low, 100 * curve.floor->high);
+    curve.random = compute_score(agents::run_agent(*random, unseen), unseen).mean("success");
+    fmt::print("{:>13}  {:.1f} [{:.1f}, {:.1f}]\n", "random", 100 * curve.random->mean,
+               100 * curve.random->low, 100 * curve.random->high);
     curve.facts = {{"agent", "seq2seq, " + o_.feedback + "-forcing"},
                    {"iterations", fmt::format("{} of {} episodes", o_.iterations, o_.batch)},
                    {"hidden", std::to_string(o_.hidden)},
                    {"learning rate", fmt::format("{}", o_.learning_rate)},
                    {"unseen episodes", std::to_string(unseen.episodes.size())},
-                   {"pictures", "one encoder, pretrained in the homes of the largest training set"},
-                   {"Enfilade", EN_VERSION}};
+                   {"pictures", "one encoder for all, pretrained in all training homes"},
+                   {"machine", fmt::format("{}, {} cores", processor_name(), available_threads())},
+                   {"Enfilade", version_with_commit()}};
     write_output(folder_ / "study.html", report::scaling_curve_page(curve));
     write_output(folder_ / "study.svg", report::scaling_curve_svg(curve));
     fmt::print("\nThe curve, one page for any browser: {}\n",
@@ -175,7 +178,8 @@ void add_study(CLI::App& app, int& status) {
                       "enfilade study -o small --homes 3,6 --iterations 50 --batch 20"});
   verb.footer(verb.get_footer() +
               "\nEach agent is trained in the first N of the same homes and walks through the same "
-              "unseen ones.\nAll of it is synthetic, and says so.");
+              "unseen ones.\nSeeds, and points below the largest, can be added later; a larger one "
+              "needs another folder.\nAll of it is synthetic, and says so.");
   verb.callback([options, &status] {
     if (!can_learn()) hand_over_to_learn();  // says what is missing
     std::ranges::sort(options->homes);

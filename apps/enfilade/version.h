@@ -1,0 +1,10 @@
+/// \file  Which Enfilade made a page.
+#pragma once
+#include <string>
+
+namespace enfilade::apps {
+
+/// "0.3.0, commit 0123456789ab"; the version alone where the sources are no clone.
+std::string version_with_commit();
+
+}  // namespace enfilade::apps
