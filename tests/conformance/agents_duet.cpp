@@ -1,5 +1,6 @@
 // DUET against its recordings: greedy episodes of R2R and REVERIE, and checkpoints.
 #include <ATen/ATen.h>
+#include <c10/core/GradMode.h>
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
@@ -163,7 +164,7 @@ class EpisodeCheck {
 
   // \return the results, as they are submitted
   json check() {
-    const at::NoGradGuard no_gradients;
+    const c10::NoGradGuard no_gradients;
     json results = json::array();
     constexpr std::size_t kBatch = 8;
     for (std::size_t begin = 1; begin < records_.size(); begin += kBatch) {

@@ -1,5 +1,6 @@
 // The parts of DUET's network on random inputs.
 #include <ATen/ATen.h>
+#include <c10/core/GradMode.h>
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
@@ -99,7 +100,7 @@ DuetNetwork network_of(const json& about, const features::TensorFile& weights,
                        const features::TensorFile& arrays) {
   const DuetConfig config = case_config(about, weights);
   DuetNetwork network(config, 1);
-  const at::NoGradGuard no_gradients;
+  const c10::NoGradGuard no_gradients;
   for (const auto& [name, values] : network.weights()) {
     const auto* found = weights.find(name);
     if (found == nullptr) {
@@ -117,7 +118,7 @@ void check_duet_units(const AgentsFolder& folder, AgentsTally& tally) {
   tally.begin("duet_units.npz");
   const json about = folder.json("duet_units.json");
   const features::TensorFile arrays = folder.tensors("duet_units.npz");
-  const at::NoGradGuard no_gradients;
+  const c10::NoGradGuard no_gradients;
   for (const json& one : about["cases"]) {
     const features::TensorFile weights = folder.tensors(one["weights"].get<std::string>());
     const DuetNetwork network = network_of(one, weights, arrays);

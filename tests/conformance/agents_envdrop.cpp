@@ -1,5 +1,6 @@
 // EnvDrop's listener against its recordings.
 #include <ATen/ATen.h>
+#include <c10/core/GradMode.h>
 #include <fmt/format.h>
 #include <algorithm>
 #include <cstring>
@@ -40,7 +41,7 @@ void check_encoding(const features::TensorFile& units, const std::string& name,
 
 void check_case(const features::TensorFile& units, const std::string& name, PanoramicNetwork& max,
                 PanoramicNetwork& tanh, AgentsTally& tally) {
-  const at::NoGradGuard guard;
+  const c10::NoGradGuard guard;
   WordBatch words;
   words.ids = tensor_of(units, name + "/in.ids").to(at::kLong);
   for (const double length : golden_array(units, name + "/in.lengths")) {
@@ -130,7 +131,7 @@ void check_inner(const features::TensorFile& tensors, const std::string& name,
 void check_sentences(const features::TensorFile& tensors, const EnvdropEpisodes& episodes,
                      const std::vector<std::string>& ids, PanoramicNetwork& network,
                      AgentsTally& tally) {
-  const at::NoGradGuard guard;
+  const c10::NoGradGuard guard;
   const Encoding encoding = network.encode(episodes.words(ids));
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (tensors.find(ids[i] + ".ctx") == nullptr) continue;
@@ -156,7 +157,7 @@ class EpisodeCheck {
         network_(network_of(folder, "envdrop.npz", Subout::kMax)) {}
 
   void run() {
-    const at::NoGradGuard guard;
+    const c10::NoGradGuard guard;
     tally_.begin("envdrop_episodes.jsonl.gz");
     std::map<std::size_t, std::map<std::size_t, std::string>> batches;
     for (const auto& [id, e] : episodes_.all()) {

@@ -48,7 +48,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"epoxy/", {"enfilade/render/gl/"}},
       {"ATen/", {"enfilade/neural/", "tests/conformance/"}},
       {"torch/", {"enfilade/neural/"}},
-      {"c10/", {"enfilade/neural/"}},
+      {"c10/", {"enfilade/neural/", "tests/conformance/"}},
       {"hdf5.h", {"enfilade/features/"}},
       {"CLI/", {"apps/", "bench/", "tests/conformance/"}},
       {"benchmark/", {"bench/"}},

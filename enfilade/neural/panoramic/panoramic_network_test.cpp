@@ -1,6 +1,7 @@
 #include "enfilade/neural/panoramic/panoramic_network.h"
 
 #include <ATen/ATen.h>
+#include <c10/core/GradMode.h>
 #include <gmock/gmock.h>
 #include <cmath>
 #include <limits>
@@ -70,7 +71,7 @@ TEST(PanoramicNetwork, SameSeedSameWeightsWithinPyTorchsBounds) {
 
 // The published code's largest value runs over zeros at padding, its last state does not.
 TEST(PanoramicNetwork, MaximumSeesThePaddingOfTheBatch) {
-  const at::NoGradGuard guard;
+  const c10::NoGradGuard guard;
   for (const Subout subout : {Subout::kMax, Subout::kTanh}) {
     PanoramicNetwork network(small(subout), 1);
     const Encoding alone = network.encode(words({{4, 5, 2}}));
@@ -93,7 +94,7 @@ TEST(PanoramicNetwork, MaximumSeesThePaddingOfTheBatch) {
 }
 
 TEST(PanoramicNetwork, FinalStatesAreJoinedBackwardFirst) {
-  const at::NoGradGuard guard;
+  const c10::NoGradGuard guard;
   PanoramicNetwork network(small(Subout::kTanh), 1);
   const Encoding encoding = network.encode(words({{4, 5, 2}}));
   const at::Tensor last =
@@ -105,7 +106,7 @@ TEST(PanoramicNetwork, FinalStatesAreJoinedBackwardFirst) {
 }
 
 TEST(PanoramicNetwork, StopIsZeroAndClosedIsMinusInfinity) {
-  const at::NoGradGuard guard;
+  const c10::NoGradGuard guard;
   PanoramicNetwork network(small(), 1);
   const Encoding encoding = network.encode(words({{7, 8, 9, 2}, {4, 2}}));
   StepInput in = input(2, 3);
@@ -125,7 +126,7 @@ TEST(PanoramicNetwork, StopIsZeroAndClosedIsMinusInfinity) {
 
 // The LSTM by its equations: its hidden state is the one after attention.
 TEST(PanoramicNetwork, StepIsWhatItsEquationsSay) {
-  const at::NoGradGuard guard;
+  const c10::NoGradGuard guard;
   PanoramicNetwork network(small(), 3);
   const Encoding encoding = network.encode(words({{7, 8, 9, 2}}));
   const StepInput in = input(1, 2);
@@ -147,7 +148,7 @@ TEST(PanoramicNetwork, StepIsWhatItsEquationsSay) {
 }
 
 TEST(PanoramicNetwork, DropoutFollowsItsSeedAndCanBeTurnedOff) {
-  const at::NoGradGuard guard;
+  const c10::NoGradGuard guard;
   PanoramicNetwork network(small(), 1);
   const auto start = [&](std::optional<std::uint64_t> seed) {
     network.set_dropout(seed);

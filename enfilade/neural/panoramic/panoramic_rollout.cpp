@@ -1,6 +1,7 @@
 #include "enfilade/neural/panoramic/panoramic_rollout.h"
 
 #include <ATen/ATen.h>
+#include <c10/core/GradMode.h>
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
@@ -178,7 +179,7 @@ class Rollout {
 
   // Of one more step, without a gradient.
   at::Tensor last_values(const Encoding& encoding, const DecoderState& state) {
-    const at::NoGradGuard guard;
+    const c10::NoGradGuard guard;
     const StepOutput out = network_.step(encoding, state, look(walks_, network_.config(), images_));
     return network_.value(out.hidden).to(at::kDouble).contiguous();
   }
@@ -242,7 +243,7 @@ double RmsProp::norm(const PanoramicNetwork& network, std::string_view part) {
 }
 
 void RmsProp::update(PanoramicNetwork& network) {
-  const at::NoGradGuard guard;
+  const c10::NoGradGuard guard;
   for (const auto& [name, values] : network.weights()) {
     if (values.grad().defined() && !at::isfinite(values.grad()).all().item<bool>()) {
       throw Error(fmt::format("the gradient of {:?} is not finite", name));

@@ -1,6 +1,7 @@
 #include "enfilade/neural/panoramic/panoramic_rollout.h"
 
 #include <ATen/ATen.h>
+#include <c10/core/GradMode.h>
 #include <gmock/gmock.h>
 #include <cmath>
 #include <set>
@@ -166,7 +167,7 @@ TEST_F(PanoramicRolloutTest, GradientsAreThoseOfFiniteDifferences) {
   for (const char* name : {"encoder.lstm.weight_hh_l0_reverse", "decoder.lstm.weight_ih",
                            "decoder.feat_att_layer.linear_in.weight", "decoder.embedding.0.bias"}) {
     const at::Tensor flat = network.weight(name).detach().view(-1);
-    const at::NoGradGuard guard;
+    const c10::NoGradGuard guard;
     const double before = flat[3].item<double>();
     flat[3] = before + kStep;
     const double above = loss().item<double>();
@@ -182,7 +183,7 @@ TEST_F(PanoramicRolloutTest, GradientsAreThoseOfFiniteDifferences) {
 
 TEST_F(PanoramicRolloutTest, DrawsFollowTheSeed) {
   PanoramicNetwork network(small(), 1);
-  const at::NoGradGuard guard;
+  const c10::NoGradGuard guard;
   const std::vector<std::vector<std::int64_t>> sentences{{4, 2}};
   const auto walked = [&](std::uint64_t seed) {
     std::vector<PanoramicWalk> walks{walk(2, 4)};
