@@ -225,7 +225,7 @@ TEST(HomeBenchmarks, SoonHasBothForms) {
         tasks::load_annotations(folder() / "soon" / (split + ".jsonl"), split, Task::kSoon);
     for (PathAnnotation& path : released.paths) {
       path.group.reset();
-      for (auto& details : path.details) details.fields.pop_back();  // the entry's id
+      for (auto& details : path.details) details.entry.reset();
       if (auto* const goal = std::get_if<tasks::NamedBoxes>(&path.goal)) {
         goal->first_alternative.clear();
       }
