@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/models/detail/config_json.h"
@@ -16,10 +17,27 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<std::string_view, 4> kInputs{"none", "language", "vision", "language+vision"};
 
 // What weights do not depend on.
-bool is_free(std::string_view field) {
-  return field == "iterations" || field == "validation" || field == "evaluate_every" ||
-         field == "checkpoint_every";
+bool is_free(std::string_view field, Schedule schedule) {
+  return (field == "iterations" && schedule == Schedule::kConstant) || field == "validation" ||
+         field == "evaluate_every" || field == "checkpoint_every";
 }
+
+// The value of an enumeration by its place in `names`.
+template <class T>
+T parse(std::string_view what, std::string_view name, std::span<const std::string_view> names) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == name) return static_cast<T>(i);
+  }
+  throw ArgumentError(fmt::format("{} {:?}: {} is allowed", what, name, fmt::join(names, " or ")));
+}
+
+constexpr std::array<std::string_view, 3> kAgents{"seq2seq", "panoramic", "duet"};
+constexpr std::array<std::string_view, 3> kOptimizers{"adam", "adamw", "rmsprop"};
+constexpr std::array<std::string_view, 2> kSchedules{"constant", "linear"};
+constexpr std::array<std::string_view, 2> kSampledLosses{"labels", "reinforce"};
+constexpr std::array<std::string_view, 2> kMapTeachers{"spl", "ndtw"};
+
+constexpr double kMostNorm = 1e9;
 
 void check_positive(const char* name, std::size_t value) {
   if (value > 0) return;
@@ -35,6 +53,80 @@ void check_adam(const AdamConfig& adam) {
 }
 
 }  // namespace
+
+std::string_view to_string(AgentKind value) noexcept {
+  return kAgents[static_cast<std::size_t>(value)];
+}
+AgentKind parse_agent_kind(std::string_view name) {
+  return parse<AgentKind>("agent", name, kAgents);
+}
+std::string_view to_string(Optimizer value) noexcept {
+  return kOptimizers[static_cast<std::size_t>(value)];
+}
+Optimizer parse_optimizer(std::string_view name) {
+  return parse<Optimizer>("optimizer", name, kOptimizers);
+}
+std::string_view to_string(Schedule value) noexcept {
+  return kSchedules[static_cast<std::size_t>(value)];
+}
+Schedule parse_schedule(std::string_view name) {
+  return parse<Schedule>("schedule", name, kSchedules);
+}
+std::string_view to_string(SampledLoss value) noexcept {
+  return kSampledLosses[static_cast<std::size_t>(value)];
+}
+SampledLoss parse_sampled_loss(std::string_view name) {
+  return parse<SampledLoss>("sampled loss", name, kSampledLosses);
+}
+std::string_view to_string(MapTeacher value) noexcept {
+  return kMapTeachers[static_cast<std::size_t>(value)];
+}
+MapTeacher parse_map_teacher(std::string_view name) {
+  return parse<MapTeacher>("map teacher", name, kMapTeachers);
+}
+
+TrainConfig recipe(AgentKind agent) {
+  TrainConfig config;
+  config.agent = agent;
+  if (agent == AgentKind::kSeq2Seq) return config;
+  config.evaluate_every = 1000;
+  config.checkpoint_every = 500;
+  if (agent == AgentKind::kPanoramic) {
+    config.optimizer = Optimizer::kRmsProp;
+    config.adam.beta2 = 0.99;
+    config.adam.weight_decay = 0;
+    config.iterations = 80'000;
+    config.batch_size = 64;
+    config.max_steps = 35;
+    return config;
+  }
+  config.optimizer = Optimizer::kAdamW;
+  config.adam.learning_rate = 1e-5;
+  config.adam.weight_decay = 0.01;
+  config.iterations = 200'000;
+  config.batch_size = 8;
+  config.max_steps = 15;
+  config.network.max_words = 200;
+  return config;
+}
+
+PanoramicConfig panoramic_sizes(const TrainConfig& config) {
+  constexpr std::size_t kBegin = 1;  // <BOS>
+  PanoramicConfig sizes = config.panoramic;
+  sizes.vocabulary = config.network.vocabulary + kBegin;
+  sizes.image = config.network.features;
+  return sizes;
+}
+
+DuetConfig duet_sizes(const TrainConfig& config) {
+  constexpr std::size_t kBeginAndMask = 2;
+  DuetConfig sizes = config.duet;
+  sizes.vocabulary = static_cast<std::int64_t>(config.network.vocabulary + kBeginAndMask);
+  sizes.image = static_cast<std::int64_t>(config.network.features);
+  sizes.max_words = static_cast<std::int64_t>(config.network.max_words);
+  sizes.max_actions = static_cast<std::int64_t>(config.max_steps);
+  return sizes;
+}
 
 std::size_t paper_iterations(Feedback feedback) noexcept {
   return feedback == Feedback::kTeacher ? 5'000 : 20'000;
@@ -83,6 +175,16 @@ void validate(const TrainConfig& config) {
   network.vocabulary = 4;  // it, and features, come from the data
   if (network.features == 0) network.features = 1;
   validate(network);
+  TrainConfig completed = config;
+  completed.network = network;
+  if (config.agent == AgentKind::kPanoramic) validate(panoramic_sizes(completed));
+  if (config.agent == AgentKind::kDuet) validate(duet_sizes(completed));
+  if (config.agent == AgentKind::kSeq2Seq && config.optimizer != Optimizer::kAdam) {
+    throw ArgumentError(
+        fmt::format("optimizer {}: seq2seq has adam alone", to_string(config.optimizer)));
+  }
+  check_range("clip", config.clip, 0, kMostNorm);
+  check_range("teacher_weight", config.teacher_weight, 0, 1);
   check_adam(config.adam);
   if (config.feedback == Feedback::kArgmax) {
     throw ArgumentError("feedback argmax: student or teacher is allowed in training");
@@ -97,7 +199,7 @@ void validate(const TrainConfig& config) {
 
 std::vector<std::string> differences(const TrainConfig& there, const TrainConfig& here) {
   std::vector<std::string> found;
-  const auto compare = [&found](const Json& a, const Json& b) {
+  const auto compare = [&](const Json& a, const Json& b) {
     const auto text = [](const Json& config, const std::string& name) {
       return config.contains(name) ? config.at(name).dump() : std::string("none");
     };
@@ -105,11 +207,14 @@ std::vector<std::string> differences(const TrainConfig& there, const TrainConfig
     names.update(b);  // either may lack what it has no value for
     for (const auto& [name, value] : names.items()) {
       const std::string was = text(a, name), is = text(b, name);
-      if (is_free(name) || was == is) continue;
+      if (is_free(name, here.schedule) || was == is) continue;
       found.push_back(fmt::format("{}: {}, not {}", name, was, is));
     }
   };
-  compare(detail::to_json(there.network), detail::to_json(here.network));
+  if (there.agent != here.agent) {
+    return {fmt::format("agent: {}, not {}", to_string(there.agent), to_string(here.agent))};
+  }
+  compare(detail::network_to_json(there), detail::network_to_json(here));
   compare(detail::to_json(there), detail::to_json(here));
   return found;
 }

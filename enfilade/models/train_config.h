@@ -1,4 +1,4 @@
-/// \file  How a sequence-to-sequence agent is trained.
+/// \file  How an agent is trained.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -6,9 +6,20 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/models/duet_config.h"
 #include "enfilade/models/network_config.h"
+#include "enfilade/models/panoramic_config.h"
 
 namespace enfilade::models {
+
+/// The kinds of agents that are trained.
+enum class AgentKind : std::uint8_t {
+  kSeq2Seq,    ///< Anderson et al. 2018: six actions, no memory but an LSTM's
+  kPanoramic,  ///< EnvDrop's listener (Tan et al. 2019): an LSTM that chooses among neighbours
+  kDuet,       ///< DUET (Chen et al. 2022): a Transformer with a map
+};
+std::string_view to_string(AgentKind value) noexcept;  ///< "seq2seq", "panoramic", "duet"
+AgentKind parse_agent_kind(std::string_view name);     ///< \throws ArgumentError
 
 /// What happens to an agent that chose `end` away from its goal, while others of its batch go on.
 enum class AfterEnd {
@@ -29,18 +40,68 @@ enum class ForwardTo {
 std::string_view to_string(ForwardTo value) noexcept;  ///< "nearest", "intended"
 ForwardTo parse_forward_to(std::string_view name);     ///< \throws ArgumentError
 
-/// Settings of a training; the defaults are the paper's for student-forcing. For teacher-forcing it
-/// has 5,000 iterations.
+/// How gradients become updates.
+enum class Optimizer : std::uint8_t {
+  kAdam,     ///< with L2 regularisation inside: seq2seq's
+  kAdamW,    ///< Adam with decay of the weights beside it (Loshchilov, Hutter 2019), as PyTorch's
+  kRmsProp,  ///< without momentum, not centred, as PyTorch's; no decay
+};
+std::string_view to_string(Optimizer value) noexcept;  ///< "adam", "adamw", "rmsprop"
+Optimizer parse_optimizer(std::string_view name);      ///< \throws ArgumentError
+
+/// What becomes of the learning rate after the warm-up.
+enum class Schedule : std::uint8_t {
+  kConstant,
+  kLinear,  ///< falls to 0 at TrainConfig::iterations, which then cannot be changed later
+};
+std::string_view to_string(Schedule value) noexcept;  ///< "constant", "linear"
+Schedule parse_schedule(std::string_view name);       ///< \throws ArgumentError
+
+/// What a panoramic agent learns from a walk of its own.
+enum class SampledLoss : std::uint8_t {
+  kLabels,     ///< the teacher's choice wherever it comes: student-forcing
+  kReinforce,  ///< rewards: advantage actor-critic, as EnvDrop
+};
+std::string_view to_string(SampledLoss value) noexcept;  ///< "labels", "reinforce"
+SampledLoss parse_sampled_loss(std::string_view name);   ///< \throws ArgumentError
+
+/// Which node of its map an agent's teacher names in a walk of the agent's own.
+enum class MapTeacher : std::uint8_t {
+  kSpl,   ///< the one with the least way through it to the goal
+  kNdtw,  ///< the one that keeps nearest to the annotated path
+};
+std::string_view to_string(MapTeacher value) noexcept;  ///< "spl", "ndtw"
+MapTeacher parse_map_teacher(std::string_view name);    ///< \throws ArgumentError
+
+/// Settings of a training. The defaults are the paper's for seq2seq and student-forcing; recipe()
+/// has those of the other agents.
 struct TrainConfig {
-  /// `vocabulary` and `features` follow from the data.
+  AgentKind agent = AgentKind::kSeq2Seq;
+  /// The network of seq2seq. Of it `max_words`, `inputs`, and `vocabulary` and `features`, which
+  /// follow from the data, are meant for every agent.
   NetworkConfig network;
+  PanoramicConfig panoramic;  ///< of that agent: all but `vocabulary` and `image`
+  DuetConfig duet;            ///< likewise; its max_words and max_actions do not count either
+  /// Rates and decay of any optimizer. RMSprop's share of the old mean is beta2.
   AdamConfig adam;
-  Feedback feedback = Feedback::kSample;  ///< not kArgmax
+  Optimizer optimizer = Optimizer::kAdam;  ///< seq2seq has Adam alone
+  double clip = 40;         ///< largest norm of the gradients; not of seq2seq, which has no limit
+  std::size_t warm_up = 0;  ///< first updates, in which the rate rises; not of seq2seq
+  Schedule schedule = Schedule::kConstant;  ///< not of seq2seq
+  /// kTeacher: walks behind the teacher alone. kSample: walks of its own, and those behind the
+  /// teacher as `teacher_weight` says. Not kArgmax.
+  Feedback feedback = Feedback::kSample;
+  /// Weight of the loss of a walk behind the teacher beside one of its own; 0: no such walk. Not of
+  /// seq2seq.
+  double teacher_weight = 0.2;
+  SampledLoss sampled_loss = SampledLoss::kReinforce;  ///< of panoramic
+  MapTeacher map_teacher = MapTeacher::kSpl;           ///< of duet
   std::size_t iterations = 20'000;
   std::size_t batch_size = 100;
+  /// Actions of an episode; of agents that choose among viewpoints, choices.
   std::size_t max_steps = 20;
-  AfterEnd after_end = AfterEnd::kWalksOn;
-  ForwardTo forward = ForwardTo::kNearest;
+  AfterEnd after_end = AfterEnd::kWalksOn;  ///< of seq2seq
+  ForwardTo forward = ForwardTo::kNearest;  ///< of seq2seq
   std::uint64_t seed = 1;  ///< of weights, order of episodes, dropout and sampled actions
   std::vector<std::string> splits{"train"};  ///< trained on; the vocabulary is made of them too
   /// Only the paths in so many buildings are trained on, those that come first in the files: for
@@ -53,6 +114,14 @@ struct TrainConfig {
   std::size_t evaluate_every = 100;
   std::size_t checkpoint_every = 100;  ///< iterations; also after the last
 };
+
+/// How the published code trains an agent: EnvDrop's run script, DUET's of R2R, and for seq2seq
+/// the defaults.
+TrainConfig recipe(AgentKind agent);
+
+/// The sizes of the networks, with what follows from the data. \pre the agent is of that kind
+PanoramicConfig panoramic_sizes(const TrainConfig& config);
+DuetConfig duet_sizes(const TrainConfig& config);  ///< likewise
 
 /// The paper's number of iterations: 5,000 for kTeacher, 20,000 for kSample.
 std::size_t paper_iterations(Feedback feedback) noexcept;

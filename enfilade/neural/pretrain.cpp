@@ -110,7 +110,7 @@ void train(encoders::HomeTraining& network, const encoders::LabelledPictures& pi
 
 // Means and deviations that normalise the features of training pictures.
 void add_scales(const encoders::LabelledPictures& pictures, c10::Device device,
-                encoders::Weights& weights) {
+                detail::Weights& weights) {
   constexpr std::int64_t kEnough = 2048, kAtOnce = 64;  // pictures
   // Features that hardly vary are not scaled up to a deviation of 1.
   constexpr double kLeastDeviation = 0.02;
@@ -170,7 +170,7 @@ PretrainReport pretrain_home_encoder(const std::shared_ptr<const scan::PanoramaS
   encoders::HomeTraining network(words, pictures, config.seed, device);
   report.parameters = network.parameters();
   train(network, pictures, config, report, progress);
-  encoders::Weights weights = network.folded();
+  detail::Weights weights = network.folded();
   add_scales(pictures, device, weights);
   report.training_seconds = since(start);
 

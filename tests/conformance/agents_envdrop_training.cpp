@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/neural/detail/optimizer.h"
 #include "tests/conformance/envdrop_episodes.h"
 
 namespace enfilade::tests {
@@ -42,7 +43,7 @@ class VariantCheck {
         name_(std::move(name)),
         tally_(tally),
         network_(network_of(folder, "envdrop.npz", Subout::kMax)),
-        optimiser_(options_of(settings)) {}
+        optimizer_(options_of(settings)) {}
 
   void run(const json& variant) {
     const json& iterations = variant.at("iterations");
@@ -65,12 +66,14 @@ class VariantCheck {
   }
 
  private:
-  static RmsPropOptions options_of(const json& settings) {
-    RmsPropOptions options;
-    options.learning_rate = settings.at("lr");
-    options.alpha = settings.at("alpha");
-    options.epsilon = settings.at("eps");
-    options.most_norm = settings.at("clip");
+  static neural::detail::OptimizerConfig options_of(const json& settings) {
+    neural::detail::OptimizerConfig options;
+    options.kind = models::Optimizer::kRmsProp;
+    options.rates.learning_rate = settings.at("lr");
+    options.rates.beta2 = settings.at("alpha");
+    options.rates.epsilon = settings.at("eps");
+    options.clip = settings.at("clip");
+    options.parts = {"encoder.", "decoder."};
     return options;
   }
 
@@ -85,7 +88,7 @@ class VariantCheck {
     loss.backward();
     for (const auto& [part, norm] : recorded.at("norms").items()) {
       tally_.near(fmt::format("{}.norm.{}", name, part), golden_number(norm),
-                  RmsProp::norm(network_, part + "."));
+                  neural::detail::gradient_norm(network_.weights(), part + "."));
     }
     for (const auto& [array, gradient] : recorded.at("gradients").items()) {
       const at::Tensor ours = network_.weight(array).grad();
@@ -93,7 +96,7 @@ class VariantCheck {
       tally_.equal(at, gradient.is_null(), !ours.defined());
       if (ours.defined() && !gradient.is_null()) tally_.near_json(at, gradient, of_gradient(ours));
     }
-    optimiser_.update(network_);
+    optimizer_.update(network_.weights());
   }
 
   at::Tensor roll(const json& recorded, double weight, const std::string& name) {
@@ -158,7 +161,7 @@ class VariantCheck {
   std::string name_;
   AgentsTally& tally_;
   PanoramicNetwork network_;
-  RmsProp optimiser_;
+  neural::detail::Optimizer optimizer_;
 };
 
 }  // namespace

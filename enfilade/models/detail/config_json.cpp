@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <array>
 #include <concepts>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <type_traits>
@@ -24,17 +25,71 @@ constexpr std::array<std::string_view, 2> kFeedbacks{"student", "teacher"};
 template <class T, class Object>
 concept ConstOrNot = std::same_as<std::remove_const_t<T>, Object>;
 
+// Enumerations whose values have names.
+template <class T>
+concept Named =
+    std::same_as<T, AfterEnd> || std::same_as<T, ForwardTo> || std::same_as<T, AgentKind> ||
+    std::same_as<T, Optimizer> || std::same_as<T, Schedule> || std::same_as<T, SampledLoss> ||
+    std::same_as<T, MapTeacher> || std::same_as<T, Subout> || std::same_as<T, Fusion>;
+
 // One function for each object of the file: calls visit(name, field) for each of its fields.
 
-void for_fields(ConstOrNot<NetworkConfig> auto& config, const auto& visit) {
-  visit("vocabulary", config.vocabulary);
-  visit("max_words", config.max_words);
-  visit("word_embedding", config.word_embedding);
-  visit("hidden", config.hidden);
-  visit("action_embedding", config.action_embedding);
-  visit("features", config.features);
-  visit("dropout", config.dropout);
-  visit("inputs", config.inputs);
+// What follows from the data stands beside it.
+void for_sizes(ConstOrNot<PanoramicConfig> auto& sizes, const auto& visit) {
+  visit("word_embedding", sizes.word_embedding);
+  visit("action_embedding", sizes.action_embedding);
+  visit("hidden", sizes.hidden);
+  visit("angle", sizes.angle);
+  visit("bidirectional", sizes.bidirectional);
+  visit("subout", sizes.subout);
+  visit("dropout", sizes.dropout);
+  visit("feature_dropout", sizes.feature_dropout);
+}
+
+void for_sizes(ConstOrNot<DuetConfig> auto& sizes, const auto& visit) {
+  visit("hidden", sizes.hidden);
+  visit("heads", sizes.heads);
+  visit("feed_forward", sizes.feed_forward);
+  visit("panorama_feed_forward", sizes.panorama_feed_forward);
+  visit("text_layers", sizes.text_layers);
+  visit("panorama_layers", sizes.panorama_layers);
+  visit("cross_layers", sizes.cross_layers);
+  visit("positions", sizes.positions);
+  visit("token_types", sizes.token_types);
+  visit("steps", sizes.steps);
+  visit("object", sizes.object);
+  visit("fusion", sizes.fusion);
+  visit("map_distances", sizes.map_distances);
+  visit("dropout", sizes.dropout);
+  visit("feature_dropout", sizes.feature_dropout);
+}
+
+// The network of a training's agent.
+template <class Training>
+struct NetworkPart {
+  Training& training;
+};
+template <class Training>
+void for_fields(const NetworkPart<Training>& part, const auto& visit) {
+  auto& network = part.training.network;
+  visit("vocabulary", network.vocabulary);
+  visit("max_words", network.max_words);
+  visit("features", network.features);
+  visit("inputs", network.inputs);
+  switch (part.training.agent) {
+    case AgentKind::kSeq2Seq:
+      visit("word_embedding", network.word_embedding);
+      visit("hidden", network.hidden);
+      visit("action_embedding", network.action_embedding);
+      visit("dropout", network.dropout);
+      break;
+    case AgentKind::kPanoramic:
+      for_sizes(part.training.panoramic, visit);
+      break;
+    case AgentKind::kDuet:
+      for_sizes(part.training.duet, visit);
+      break;
+  }
 }
 
 // Without its network, which is an object beside it.
@@ -43,8 +98,18 @@ void for_fields(ConstOrNot<TrainConfig> auto& config, const auto& visit) {
   visit("iterations", config.iterations);
   visit("batch_size", config.batch_size);
   visit("max_steps", config.max_steps);
-  visit("after_end", config.after_end);
-  visit("forward", config.forward);
+  if (config.agent == AgentKind::kSeq2Seq) {
+    visit("after_end", config.after_end);
+    visit("forward", config.forward);
+  } else {
+    visit("optimizer", config.optimizer);
+    visit("clip", config.clip);
+    visit("warm_up", config.warm_up);
+    visit("schedule", config.schedule);
+    visit("teacher_weight", config.teacher_weight);
+  }
+  if (config.agent == AgentKind::kPanoramic) visit("sampled_loss", config.sampled_loss);
+  if (config.agent == AgentKind::kDuet) visit("map_teacher", config.map_teacher);
   visit("seed", config.seed);
   visit("splits", config.splits);
   visit("buildings", config.buildings);
@@ -80,7 +145,9 @@ void for_fields(ConstOrNot<DataFingerprint> auto& data, const auto& visit) {
 }
 
 void for_fields(ConstOrNot<ModelConfig> auto& config, const auto& visit) {
-  visit("network", config.training.network);
+  visit("agent", config.training.agent);
+  const NetworkPart network{config.training};
+  visit("network", network);
   visit("training", config.training);
   visit("data", config.data);
 }
@@ -92,6 +159,8 @@ struct Writer {
   void operator()(const char* name, const T& value) const {
     if constexpr (requires { for_fields(value, *this); }) {
       for_fields(value, Writer{out[name]});
+    } else if constexpr (Named<T>) {
+      out[name] = to_string(value);
     } else {
       out[name] = value;
     }
@@ -104,8 +173,6 @@ struct Writer {
     out[name] = kFeedbacks[value == Feedback::kTeacher ? 1 : 0];
   }
   void operator()(const char* name, const Inputs& value) const { out[name] = to_string(value); }
-  void operator()(const char* name, AfterEnd value) const { out[name] = to_string(value); }
-  void operator()(const char* name, ForwardTo value) const { out[name] = to_string(value); }
   void operator()(const char* name, Radians value) const { out[name] = to_degrees(value); }
 };
 
@@ -117,6 +184,12 @@ struct Reader {
   template <class T>
   void operator()(const char* name, T& value) const {
     if (const auto found = json::field(object, {name}, path, faults)) {
+      read(*found, Path(path, name), value);
+    }
+  }
+  // Files of before there were several kinds of agents have none.
+  void operator()(const char* name, AgentKind& value) const {
+    if (const auto found = json::field(object, {name, false}, path, faults)) {
       read(*found, Path(path, name), value);
     }
   }
@@ -132,7 +205,10 @@ struct Reader {
   void read(Element element, const Path& at, T& value) const {
     if (json::object(element, at, faults)) for_fields(value, Reader{element, at, faults});
   }
-  template <std::unsigned_integral T>
+  void read(Element element, const Path& at, bool& value) const {
+    value = json::boolean(element, at, faults).value_or(false);
+  }
+  template <std::integral T>
   void read(Element element, const Path& at, T& value) const {
     const auto number = json::integer(element, at, faults);
     if (!number) return;
@@ -173,6 +249,27 @@ struct Reader {
   void read(Element element, const Path& at, ForwardTo& value) const {
     read_name(element, at, value, parse_forward_to);
   }
+  void read(Element element, const Path& at, AgentKind& value) const {
+    read_name(element, at, value, parse_agent_kind);
+  }
+  void read(Element element, const Path& at, Optimizer& value) const {
+    read_name(element, at, value, parse_optimizer);
+  }
+  void read(Element element, const Path& at, Schedule& value) const {
+    read_name(element, at, value, parse_schedule);
+  }
+  void read(Element element, const Path& at, SampledLoss& value) const {
+    read_name(element, at, value, parse_sampled_loss);
+  }
+  void read(Element element, const Path& at, MapTeacher& value) const {
+    read_name(element, at, value, parse_map_teacher);
+  }
+  void read(Element element, const Path& at, Subout& value) const {
+    read_name(element, at, value, parse_subout);
+  }
+  void read(Element element, const Path& at, Fusion& value) const {
+    read_name(element, at, value, parse_fusion);
+  }
 
   template <class T>
   void read_name(Element element, const Path& at, T& value, T (*parse)(std::string_view)) const {
@@ -195,7 +292,9 @@ Json json_of(const T& config) {
 
 }  // namespace
 
-Json to_json(const NetworkConfig& config) { return json_of(config); }
+Json network_to_json(const TrainConfig& config) {
+  return json_of(NetworkPart<const TrainConfig>{config});
+}
 Json to_json(const TrainConfig& config) { return json_of(config); }
 
 Json to_json(const ModelConfig& config) {

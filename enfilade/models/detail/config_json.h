@@ -7,9 +7,9 @@
 
 namespace enfilade::models::detail {
 
-nlohmann::ordered_json to_json(const NetworkConfig& config);
-nlohmann::ordered_json to_json(const TrainConfig& config);  ///< without its network
-nlohmann::ordered_json to_json(const ModelConfig& config);  ///< the whole file
+nlohmann::ordered_json network_to_json(const TrainConfig& config);  ///< of its agent
+nlohmann::ordered_json to_json(const TrainConfig& config);          ///< without its network
+nlohmann::ordered_json to_json(const ModelConfig& config);          ///< the whole file
 
 /// Reads a whole file; what is missing or wrong is added to `faults`.
 ModelConfig read_config(json::Element root, json::Faults& faults);

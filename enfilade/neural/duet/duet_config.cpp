@@ -1,7 +1,7 @@
 #include "enfilade/neural/duet/duet_config.h"
 
 #include <fmt/format.h>
-#include <optional>
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -16,7 +16,7 @@ class Specs {
  public:
   explicit Specs(const DuetConfig& config) : c_(config) {}
 
-  std::vector<encoders::ArraySpec> list() {
+  std::vector<detail::ArraySpec> list() {
     text();
     panorama();
     branch("vln_bert.local_encoder", "vp_pos_embeddings", 2 * kPosition);
@@ -110,7 +110,7 @@ class Specs {
   }
 
   const DuetConfig& c_;
-  std::vector<encoders::ArraySpec> specs_;
+  std::vector<detail::ArraySpec> specs_;
 };
 
 // Looks up shapes by published names, with or without the wrapper's prefix.
@@ -149,50 +149,7 @@ class Shapes {
   std::vector<Diagnostic> faults_;
 };
 
-void require(bool possible, std::string_view name, std::int64_t value, std::string_view allowed) {
-  if (possible) return;
-  throw ArgumentError(fmt::format("DUET: {} is {}; allowed: {}", name, value, allowed));
-}
-
 }  // namespace
-
-DuetConfig duet_preset(std::string_view name) {
-  DuetConfig config;
-  if (name == "duet") return config;
-  if (name != "duet-s") {
-    throw ArgumentError(fmt::format("{:?} is no size of DUET; there are duet, duet-s", name));
-  }
-  config.hidden = 128;
-  config.heads = 4;
-  config.feed_forward = config.panorama_feed_forward = 512;
-  config.text_layers = 2;
-  config.panorama_layers = 1;
-  config.cross_layers = 2;
-  return config;
-}
-
-void validate(const DuetConfig& c) {
-  const auto positive = [](std::string_view name, std::int64_t value, std::int64_t least = 1) {
-    require(value >= least, name, value, fmt::format("{} or more", least));
-  };
-  positive("hidden", c.hidden);
-  require(c.heads >= 1 && c.hidden % c.heads == 0, "heads", c.heads,
-          fmt::format("a divisor of hidden, {}", c.hidden));
-  positive("feed_forward", c.feed_forward);
-  positive("panorama_feed_forward", c.panorama_feed_forward);
-  positive("text_layers", c.text_layers, 0);
-  positive("panorama_layers", c.panorama_layers, 0);
-  positive("cross_layers", c.cross_layers, 0);
-  positive("vocabulary", c.vocabulary);
-  positive("positions", c.positions);
-  positive("token_types", c.token_types, 2);
-  positive("image", c.image);
-  positive("object", c.object, 0);
-  require(c.max_words >= 1 && c.max_words <= c.positions, "max_words", c.max_words,
-          fmt::format("1 to positions, {}", c.positions));
-  require(c.max_actions >= 1 && c.max_actions <= c.steps, "max_actions", c.max_actions,
-          fmt::format("1 to steps, {}", c.steps));
-}
 
 DuetConfig infer_config(const features::TensorFile& file, std::int64_t heads) {
   const std::string image = "vln_bert.img_embeddings", map = "vln_bert.global_encoder";
@@ -226,8 +183,6 @@ DuetConfig infer_config(const features::TensorFile& file, std::int64_t heads) {
   return c;
 }
 
-std::vector<encoders::ArraySpec> arrays_of(const DuetConfig& config) {
-  return Specs(config).list();
-}
+std::vector<detail::ArraySpec> arrays_of(const DuetConfig& config) { return Specs(config).list(); }
 
 }  // namespace enfilade::neural::duet

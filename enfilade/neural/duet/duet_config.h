@@ -1,58 +1,22 @@
-/// \file  Sizes of a DUET network, and how to find them in a file of weights.
+/// \file  The arrays of DUET, and how to find its sizes in a file of weights.
 #pragma once
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 #include "enfilade/features/tensor_file.h"
-#include "enfilade/neural/encoders/weights.h"
+#include "enfilade/models/duet_config.h"
+#include "enfilade/neural/detail/weights.h"
 
 namespace enfilade::neural::duet {
 
-/// How the scores of the map and of the viewpoint become one.
-enum class Fusion : std::uint8_t {
-  kDynamic,  ///< a weight that the network computes
-  kAverage,  ///< one half each
-};
+using models::duet_preset;
+using models::DuetConfig;
+using models::Fusion;
 
 /// Numbers of a token's location: an angle feature of 4, and height, width and area of a box.
 inline constexpr std::int64_t kLocation = 7;
 /// Numbers of a position on the map: an angle feature of 4, two distances, hops.
 inline constexpr std::int64_t kPosition = 7;
-
-/// Sizes of the network of Chen et al., "Think Global, Act Local: Dual-scale Graph Transformer for
-/// Vision-and-Language Navigation" (CVPR 2022). The defaults are the published ones for R2R.
-struct DuetConfig {
-  std::int64_t hidden = 768;
-  std::int64_t heads = 12;                    ///< of each attention; divides `hidden`
-  std::int64_t feed_forward = 3072;           ///< inner size of a layer's two linear maps
-  std::int64_t panorama_feed_forward = 3072;  ///< likewise, of the panorama's layers
-  std::int64_t text_layers = 9;
-  std::int64_t panorama_layers = 2;
-  std::int64_t cross_layers = 4;  ///< of each of the two branches
-  std::int64_t vocabulary = 30522;
-  std::int64_t positions = 512;  ///< of words
-  std::int64_t token_types = 2;
-  std::int64_t steps = 100;  ///< rows of the table of step numbers
-  std::int64_t image = 768;  ///< columns of a view's features
-  std::int64_t object = 0;   ///< columns of an object's features; 0: no objects
-  Fusion fusion = Fusion::kDynamic;
-  bool map_distances = true;      ///< the map's distances bias the attention among its nodes
-  std::int64_t max_words = 200;   ///< of an instruction, those at both ends included
-  std::int64_t max_actions = 15;  ///< decisions of an episode; the last one always stops
-  double dropout = 0.1;           ///< within the network, in training
-  double feature_dropout = 0.4;   ///< of image and object features, in training
-
-  /// The object features have linear maps of their own.
-  bool own_object_map() const noexcept { return object != 0 && object != image; }
-};
-
-/// "duet" (as published) or "duet-s" (a small one for two CPU cores).
-/// \throws ArgumentError for another name, naming those that there are
-DuetConfig duet_preset(std::string_view name);
-
-/// \throws ArgumentError naming the first size that is not possible, and what is
-void validate(const DuetConfig& config);
 
 /// The sizes behind a file of weights, from its arrays' names and shapes. The number of heads is in
 /// no shape: it is hidden / 64, as in all published networks, unless `heads` is given.
@@ -60,6 +24,6 @@ void validate(const DuetConfig& config);
 DuetConfig infer_config(const features::TensorFile& file, std::int64_t heads = 0);
 
 /// The arrays of a network by their published names ("vln_bert.embeddings.LayerNorm.weight").
-std::vector<encoders::ArraySpec> arrays_of(const DuetConfig& config);
+std::vector<detail::ArraySpec> arrays_of(const DuetConfig& config);
 
 }  // namespace enfilade::neural::duet

@@ -43,7 +43,7 @@ bool is_norm(std::string_view name) {
   return false;
 }
 
-at::Tensor initial(const encoders::ArraySpec& spec, Rng& rng) {
+at::Tensor initial(const detail::ArraySpec& spec, Rng& rng) {
   const std::string_view name = spec.name;
   if (name.ends_with("bias")) return at::zeros(spec.shape, at::kFloat);
   if (is_norm(name)) return at::ones(spec.shape, at::kFloat);
@@ -67,7 +67,7 @@ at::Tensor mask_of(const at::Tensor& lengths, std::int64_t longest) {
 DuetNetwork::DuetNetwork(const DuetConfig& config, std::uint64_t seed) : config_(config) {
   validate(config);
   Rng rng(seed);
-  for (const encoders::ArraySpec& spec : arrays_of(config)) {
+  for (const detail::ArraySpec& spec : arrays_of(config)) {
     weights_.emplace(spec.name, initial(spec, rng));
   }
   for (auto& [name, values] : weights_) values.requires_grad_();
@@ -76,12 +76,12 @@ DuetNetwork::DuetNetwork(const DuetConfig& config, std::uint64_t seed) : config_
 DuetNetwork::DuetNetwork(const DuetConfig& config, const features::TensorFile& file)
     : config_(config) {
   validate(config);
-  weights_ = encoders::read_weights(file, arrays_of(config), ignored);
+  weights_ = detail::read_weights(file, arrays_of(config), ignored);
   for (auto& [name, values] : weights_) values.requires_grad_();
 }
 
 void DuetNetwork::save(const std::filesystem::path& file) const {
-  features::write_safetensors(file, encoders::as_arrays(weights_), {{"format", "pt"}});
+  features::write_safetensors(file, detail::as_arrays(weights_), {{"format", "pt"}});
 }
 
 Tokens DuetNetwork::encode_text(const at::Tensor& ids, const at::Tensor& lengths,

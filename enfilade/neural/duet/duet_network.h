@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "enfilade/features/tensor_file.h"
+#include "enfilade/neural/detail/weights.h"
 #include "enfilade/neural/duet/duet_config.h"
 #include "enfilade/neural/duet/layers.h"
-#include "enfilade/neural/encoders/weights.h"
 
 namespace enfilade::neural::duet {
 
@@ -69,7 +69,7 @@ class DuetNetwork {
   DuetNetwork(const DuetConfig& config, const features::TensorFile& file);
 
   const DuetConfig& config() const noexcept { return config_; }
-  const encoders::Weights& weights() const noexcept { return weights_; }
+  const detail::Weights& weights() const noexcept { return weights_; }
   void save(const std::filesystem::path& file) const;  ///< safetensors. \throws FileError
 
   /// \param ids (n, longest) int64, any value at padding that is in the vocabulary
@@ -86,7 +86,7 @@ class DuetNetwork {
   void fuse(const Layers& layers, const NavigationInput& input, NavigationOutput& out) const;
 
   DuetConfig config_;
-  encoders::Weights weights_;
+  detail::Weights weights_;
 };
 
 /// (n, longest) bool: the first lengths[i] of row i.

@@ -273,13 +273,15 @@ void add_gradients(const DuetNetwork& network) {
 
 TEST(DuetTrainingTest, AnUpdateIsAdamWs) {
   const DuetNetwork network(tiny(), 1);
-  AdamWConfig config;
-  config.rate = 1e-3;
+  detail::OptimizerConfig config;
+  config.rates.learning_rate = 1e-3;
+  config.rates.weight_decay = 0.01;
   const at::Tensor& weight = network.weights().at("vln_bert.global_sap_head.net.0.weight");
   const at::Tensor before = weight.detach().clone();
   add_gradients(network);
   const at::Tensor gradient = weight.grad().clone();
-  EXPECT_LT(AdamW(config).update(network), config.clip) << "so nothing is scaled down";
+  EXPECT_LT(detail::Optimizer(config).update(network.weights()), config.clip)
+      << "so nothing is scaled down";
   // Of the first update the moments' quotient is g / (|g| + epsilon).
   const at::Tensor expected =
       before * (1 - 1e-3 * 0.01) - 1e-3 * gradient / (gradient.abs() + 1e-8);
@@ -288,23 +290,49 @@ TEST(DuetTrainingTest, AnUpdateIsAdamWs) {
 }
 
 TEST(DuetTrainingTest, GoesOnFromAFileAsIfNothingHadHappened) {
-  const TemporaryFolder folder("duet");
-  const DuetNetwork network(tiny(), 1);
-  AdamW optimizer({});
-  add_gradients(network);
-  optimizer.update(network);
-  optimizer.save(network, folder.path() / "state.safetensors");
-  DuetNetwork other(tiny(), 2);
-  AdamW resumed({});
-  resumed.load(other, features::TensorFile::open(folder.path() / "state.safetensors"));
-  EXPECT_EQ(resumed.updates(), 1U);
-  add_gradients(network);
-  optimizer.update(network);
-  add_gradients(other);
-  resumed.update(other);
-  for (const auto& [name, values] : network.weights()) {
-    EXPECT_TRUE(at::equal(values, other.weights().at(name))) << name;
+  for (const auto kind :
+       {models::Optimizer::kAdam, models::Optimizer::kAdamW, models::Optimizer::kRmsProp}) {
+    const TemporaryFolder folder("duet");
+    const DuetNetwork network(tiny(), 1);
+    detail::OptimizerConfig config;
+    config.kind = kind;
+    config.warm_up = 3;
+    config.end = 9;
+    detail::Optimizer optimizer(config);
+    add_gradients(network);
+    optimizer.update(network.weights());
+    features::write_safetensors(folder.path() / "state.safetensors",
+                                detail::as_arrays(optimizer.state(network.weights())));
+    const DuetNetwork other(tiny(), 2);
+    detail::Optimizer resumed(config);
+    resumed.load(other.weights(), arrays_of(tiny()),
+                 features::TensorFile::open(folder.path() / "state.safetensors"));
+    EXPECT_EQ(resumed.updates(), 1U);
+    EXPECT_EQ(resumed.rate(), optimizer.rate());
+    add_gradients(network);
+    optimizer.update(network.weights());
+    add_gradients(other);
+    resumed.update(other.weights());
+    for (const auto& [name, values] : network.weights()) {
+      EXPECT_TRUE(at::equal(values, other.weights().at(name))) << name;
+    }
   }
+}
+
+TEST(OptimizerTest, TheRateRisesThenFallsToNothing) {
+  detail::OptimizerConfig config;
+  config.warm_up = 2;
+  config.end = 6;
+  config.rates.learning_rate = 8;
+  detail::Weights weights{{"w", at::zeros({1}).set_requires_grad(true)}};
+  detail::Optimizer optimizer(config);
+  std::vector<double> rates;
+  for (int i = 0; i < 7; ++i) {
+    rates.push_back(optimizer.rate());
+    weights.at("w").sum().backward();
+    optimizer.update(weights);
+  }
+  EXPECT_THAT(rates, ::testing::ElementsAre(4, 8, 8, 6, 4, 2, 0));
 }
 
 TEST(DuetConfigTest, ImpossibleSizesAreNamed) {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "enfilade/neural/detail/dropout.h"
-#include "enfilade/neural/encoders/weights.h"
+#include "enfilade/neural/detail/weights.h"
 
 namespace enfilade::neural::duet {
 
@@ -29,7 +29,7 @@ inline constexpr double kSoftMask = -10000;
 /// The layers of one network. `dropout` may be null: then there is none.
 class Layers {
  public:
-  Layers(const encoders::Weights& weights, std::int64_t heads, Dropout* dropout)
+  Layers(const detail::Weights& weights, std::int64_t heads, Dropout* dropout)
       : weights_(weights), heads_(heads), dropout_(dropout) {}
 
   const at::Tensor& weight(const std::string& name) const;
@@ -55,7 +55,7 @@ class Layers {
   at::Tensor attend(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
                     const at::Tensor& bias) const;
 
-  const encoders::Weights& weights_;
+  const detail::Weights& weights_;
   std::int64_t heads_;
   Dropout* dropout_;
 };

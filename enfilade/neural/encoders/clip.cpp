@@ -52,8 +52,8 @@ TransformerNames clip_names() {
   return names;
 }
 
-std::vector<ArraySpec> clip_arrays(const TransformerSizes& sizes) {
-  std::vector<ArraySpec> arrays = transformer_arrays(clip_names(), sizes);
+std::vector<detail::ArraySpec> clip_arrays(const TransformerSizes& sizes) {
+  std::vector<detail::ArraySpec> arrays = transformer_arrays(clip_names(), sizes);
   arrays.push_back({kOutput, {sizes.width, kOutputs}});
   return arrays;
 }
@@ -90,7 +90,7 @@ std::string transformers_name(std::string name) {
 }
 
 // Queries, keys and values are three arrays there.
-std::vector<ArraySpec> parts_of(const ArraySpec& array) {
+std::vector<detail::ArraySpec> parts_of(const detail::ArraySpec& array) {
   const std::string name = transformers_name(array.name);
   constexpr std::string_view kJoined = "in_proj_";
   const std::size_t at = name.find(kJoined);
@@ -100,7 +100,7 @@ std::vector<ArraySpec> parts_of(const ArraySpec& array) {
     return {{name, shape}};
   }
   shape[0] /= 3;
-  std::vector<ArraySpec> parts;
+  std::vector<detail::ArraySpec> parts;
   for (const char part : {'q', 'k', 'v'}) {
     parts.push_back(
         {fmt::format("{}{}_proj.{}", name.substr(0, at), part, name.substr(at + kJoined.size())),
@@ -110,14 +110,16 @@ std::vector<ArraySpec> parts_of(const ArraySpec& array) {
 }
 
 // The same weights by OpenAI's names.
-Weights read_transformers(const TensorFile& file, std::span<const ArraySpec> wanted) {
-  std::vector<ArraySpec> all;
-  for (const ArraySpec& array : wanted) std::ranges::copy(parts_of(array), std::back_inserter(all));
-  const Weights found = read_weights(file, all, is_of_text_in_transformers);
-  Weights weights;
-  for (const ArraySpec& array : wanted) {
+detail::Weights read_transformers(const TensorFile& file,
+                                  std::span<const detail::ArraySpec> wanted) {
+  std::vector<detail::ArraySpec> all;
+  for (const detail::ArraySpec& array : wanted)
+    std::ranges::copy(parts_of(array), std::back_inserter(all));
+  const detail::Weights found = detail::read_weights(file, all, is_of_text_in_transformers);
+  detail::Weights weights;
+  for (const detail::ArraySpec& array : wanted) {
     std::vector<at::Tensor> parts;
-    for (const ArraySpec& part : parts_of(array)) parts.push_back(found.at(part.name));
+    for (const detail::ArraySpec& part : parts_of(array)) parts.push_back(found.at(part.name));
     at::Tensor joined = parts.size() == 1 ? parts[0] : at::cat(parts);
     if (array.name == kOutput) joined = joined.t().contiguous();
     weights[array.name] = joined;
@@ -125,11 +127,13 @@ Weights read_transformers(const TensorFile& file, std::span<const ArraySpec> wan
   return weights;
 }
 
-Weights read_clip(const std::filesystem::path& path, std::span<const ArraySpec> wanted) {
+detail::Weights read_clip(const std::filesystem::path& path,
+                          std::span<const detail::ArraySpec> wanted) {
   const TensorFile file = TensorFile::open(path);
   const bool transformers = std::ranges::any_of(
       file.arrays(), [](const auto& array) { return array.name.starts_with("vision_model."); });
-  return transformers ? read_transformers(file, wanted) : read_weights(file, wanted, is_of_text);
+  return transformers ? read_transformers(file, wanted)
+                      : detail::read_weights(file, wanted, is_of_text);
 }
 
 }  // namespace
@@ -138,13 +142,13 @@ std::unique_ptr<ImageEncoder> make_clip(const EncoderConfig& config) {
   const c10::Device device = detail::open_device(config.device);
   TransformerParts parts;
   parts.sizes = sizes_of(config.name);
-  const std::vector<ArraySpec> wanted = clip_arrays(parts.sizes);
-  const Weights weights = config.weights.empty() ? random_transformer(wanted, config.seed)
-                                                 : read_clip(config.weights, wanted);
+  const std::vector<detail::ArraySpec> wanted = clip_arrays(parts.sizes);
+  const detail::Weights weights = config.weights.empty() ? random_transformer(wanted, config.seed)
+                                                         : read_clip(config.weights, wanted);
   parts.arrays = arrays_of(clip_names(), parts.sizes, weights);
   parts.preparation = {"clip", kClipShorter, kClip};
   parts.output = {weights.at(kOutput).t(), {}};
-  parts.hash = hash_of(weights);
+  parts.hash = detail::hash_of(weights);
   return make_transformer_encoder(std::move(parts), device);
 }
 

@@ -19,7 +19,7 @@ HomeFile random_network(std::uint64_t seed) {
   home.words.rooms = "abcdefghij";
   for (std::int64_t i = 0; i < 36; ++i) home.words.classes.push_back(i);
   Rng rng(seed);
-  for (const ArraySpec& array : home_arrays(home.words)) {
+  for (const detail::ArraySpec& array : home_arrays(home.words)) {
     home.weights[array.name] = array.shape.size() > 1               ? he_normal(array.shape, rng)
                                : array.name == "features.deviation" ? at::ones(array.shape)
                                                                     : at::zeros(array.shape);
@@ -33,7 +33,7 @@ class HomeEncoder final : public ImageEncoder {
       : network_(file.weights, device),
         mean_(file.weights.at("features.mean").to(device)),
         deviation_(file.weights.at("features.deviation").to(device)),
-        hash_(hash_of(file.weights)) {}
+        hash_(detail::hash_of(file.weights)) {}
 
   std::size_t dimensions() const override { return static_cast<std::size_t>(mean_.numel()); }
   Camera camera() const override { return {kHomeWidth, kHomeHeight, degrees(60)}; }

@@ -183,9 +183,9 @@ void HomeTraining::adam(double learning_rate) {
   }
 }
 
-Weights HomeTraining::folded() const {
+detail::Weights HomeTraining::folded() const {
   const c10::NoGradGuard no_gradients;
-  Weights weights;
+  detail::Weights weights;
   const auto keep = [&weights](const std::string& name, const Head& values) {
     weights[name + ".weight"] = values.weight.detach().cpu().contiguous().clone();
     weights[name + ".bias"] = values.bias.detach().cpu().contiguous().clone();

@@ -7,11 +7,11 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/neural/detail/torch_device.h"
+#include "enfilade/neural/detail/weights.h"
 #include "enfilade/neural/encoders/convolution.h"
 #include "enfilade/neural/encoders/encoder_input.h"
 #include "enfilade/neural/encoders/make_encoders.h"
 #include "enfilade/neural/encoders/random_weights.h"
-#include "enfilade/neural/encoders/weights.h"
 
 namespace enfilade::neural::encoders {
 namespace {
@@ -102,8 +102,8 @@ Plan plan_network(const Architecture& a) {
 constexpr std::array<const char*, 4> kNormArrays{".weight", ".bias", ".running_mean",
                                                  ".running_var"};
 
-std::vector<ArraySpec> arrays_of(Plan& plan) {
-  std::vector<ArraySpec> arrays;
+std::vector<detail::ArraySpec> arrays_of(Plan& plan) {
+  std::vector<detail::ArraySpec> arrays;
   for (const Layer* l : plan.layers()) {
     arrays.push_back({l->convolution + ".weight", {l->out, l->in, l->size, l->size}});
     for (const char* array : kNormArrays) arrays.push_back({l->norm + array, {l->out}});
@@ -118,10 +118,10 @@ bool is_unused(std::string_view name) {
 
 // Normalisations are the identity, except the last of each block, which halves: otherwise values
 // would double from block to block.
-Weights random_weights(Plan& plan, std::uint64_t seed) {
-  Weights weights;
+detail::Weights random_weights(Plan& plan, std::uint64_t seed) {
+  detail::Weights weights;
   Rng rng(seed);
-  for (const ArraySpec& array : arrays_of(plan)) {
+  for (const detail::ArraySpec& array : arrays_of(plan)) {
     const bool zeros = array.name.ends_with(".running_mean") || array.name.ends_with(".bias");
     weights[array.name] = array.shape.size() > 1 ? he_normal(array.shape, rng)
                           : zeros                ? at::zeros(array.shape)
@@ -140,11 +140,11 @@ class ResNet final : public ImageEncoder {
       : preprocessing_(config.preprocessing),
         device_(detail::open_device(config.device)),
         plan_(plan_network(architecture(config.name))) {
-    const Weights weights =
-        config.weights.empty()
-            ? random_weights(plan_, config.seed)
-            : read_weights(features::TensorFile::open(config.weights), arrays_of(plan_), is_unused);
-    hash_ = hash_of(weights);
+    const detail::Weights weights =
+        config.weights.empty() ? random_weights(plan_, config.seed)
+                               : detail::read_weights(features::TensorFile::open(config.weights),
+                                                      arrays_of(plan_), is_unused);
+    hash_ = detail::hash_of(weights);
     const c10::InferenceMode no_gradients;
     for (Layer* layer : plan_.layers()) layer->loaded = make(*layer, weights);
   }
@@ -171,7 +171,7 @@ class ResNet final : public ImageEncoder {
   }
 
  private:
-  Convolution make(const Layer& layer, const Weights& weights) const {
+  Convolution make(const Layer& layer, const detail::Weights& weights) const {
     const auto norm = [&](const char* array) { return weights.at(layer.norm + array); };
     Convolution c;
     c.weight = weights.at(layer.convolution + ".weight");

@@ -86,11 +86,11 @@ std::string block_name(const TransformerNames& names, std::int64_t block) {
 
 }  // namespace
 
-std::vector<ArraySpec> transformer_arrays(const TransformerNames& names,
-                                          const TransformerSizes& sizes) {
+std::vector<detail::ArraySpec> transformer_arrays(const TransformerNames& names,
+                                                  const TransformerSizes& sizes) {
   const std::int64_t width = sizes.width, hidden = sizes.hidden;
-  std::vector<ArraySpec> arrays{{names.class_token, {width}},
-                                {names.positions, {sizes.tokens(), width}}};
+  std::vector<detail::ArraySpec> arrays{{names.class_token, {width}},
+                                        {names.positions, {sizes.tokens(), width}}};
   if (names.leading_ones) {
     arrays[0].shape = {1, 1, width};
     arrays[1].shape = {1, sizes.tokens(), width};
@@ -118,7 +118,7 @@ std::vector<ArraySpec> transformer_arrays(const TransformerNames& names,
 }
 
 TransformerArrays arrays_of(const TransformerNames& names, const TransformerSizes& sizes,
-                            const Weights& weights) {
+                            const detail::Weights& weights) {
   const auto linear = [&](const std::string& name) {
     return Linear{weights.at(name + ".weight"), weights.at(name + ".bias")};
   };
@@ -146,11 +146,11 @@ std::unique_ptr<ImageEncoder> make_transformer_encoder(TransformerParts parts, c
   return std::make_unique<TransformerEncoder>(std::move(parts), device);
 }
 
-Weights random_transformer(std::span<const ArraySpec> arrays, std::uint64_t seed) {
+detail::Weights random_transformer(std::span<const detail::ArraySpec> arrays, std::uint64_t seed) {
   constexpr double kDeviation = 0.02;
-  Weights weights;
+  detail::Weights weights;
   Rng rng(seed);
-  for (const ArraySpec& array : arrays) {
+  for (const detail::ArraySpec& array : arrays) {
     const bool bias = array.name.ends_with("bias");
     const bool norm = array.shape.size() == 1 && array.name.ends_with(".weight");
     weights[array.name] = bias   ? at::zeros(array.shape)

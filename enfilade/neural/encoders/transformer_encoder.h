@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/neural/detail/weights.h"
 #include "enfilade/neural/encoder.h"
 #include "enfilade/neural/encoders/vision_transformer.h"
-#include "enfilade/neural/encoders/weights.h"
 
 namespace enfilade::neural::encoders {
 
@@ -28,11 +28,11 @@ struct TransformerNames {
   bool leading_ones = true;  ///< token and positions have shapes (1, 1, width), (1, n, width)
 };
 /// The arrays of a network by these names, with their shapes in files.
-std::vector<ArraySpec> transformer_arrays(const TransformerNames& names,
-                                          const TransformerSizes& sizes);
+std::vector<detail::ArraySpec> transformer_arrays(const TransformerNames& names,
+                                                  const TransformerSizes& sizes);
 /// The same arrays of `weights`, by their places in the network. \pre all are there
 TransformerArrays arrays_of(const TransformerNames& names, const TransformerSizes& sizes,
-                            const Weights& weights);
+                            const detail::Weights& weights);
 
 /// Everything that an encoder has beside its device.
 struct TransformerParts {
@@ -49,6 +49,6 @@ std::unique_ptr<ImageEncoder> make_transformer_encoder(TransformerParts parts, c
 
 /// Arrays of these names and shapes with random values: normal with a deviation of 0.02, as the
 /// networks begin their training; normalisations are the identity and biases 0.
-Weights random_transformer(std::span<const ArraySpec> arrays, std::uint64_t seed);
+detail::Weights random_transformer(std::span<const detail::ArraySpec> arrays, std::uint64_t seed);
 
 }  // namespace enfilade::neural::encoders

@@ -41,22 +41,23 @@ bool has_no_surplus(std::string_view /*name*/) { return false; }
 
 std::unique_ptr<ImageEncoder> make_vit(const EncoderConfig& config) {
   const c10::Device device = detail::open_device(config.device);
-  std::vector<ArraySpec> wanted = transformer_arrays(vit_names(), kVitB16);
+  std::vector<detail::ArraySpec> wanted = transformer_arrays(vit_names(), kVitB16);
   if (config.logits) {
     wanted.push_back({"head.weight", {kClasses, kVitB16.width}});
     wanted.push_back({"head.bias", {kClasses}});
   }
-  const Weights weights = config.weights.empty()
-                              ? random_transformer(wanted, config.seed)
-                              : read_weights(features::TensorFile::open(config.weights), wanted,
-                                             config.logits ? has_no_surplus : is_head);
+  const detail::Weights weights =
+      config.weights.empty()
+          ? random_transformer(wanted, config.seed)
+          : detail::read_weights(features::TensorFile::open(config.weights), wanted,
+                                 config.logits ? has_no_surplus : is_head);
   TransformerParts parts;
   parts.sizes = kVitB16;
   parts.arrays = arrays_of(vit_names(), kVitB16, weights);
   parts.preparation = {"vit", kVitShorter, kHalves};
   parts.beside = config.logits;
   if (config.logits) parts.output = {weights.at("head.weight"), weights.at("head.bias")};
-  parts.hash = hash_of(weights);
+  parts.hash = detail::hash_of(weights);
   return make_transformer_encoder(std::move(parts), device);
 }
 

@@ -1,7 +1,7 @@
 #include "enfilade/neural/panoramic/panoramic_config.h"
 
 #include <fmt/format.h>
-#include <array>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -10,9 +10,7 @@
 namespace enfilade::neural::panoramic {
 namespace {
 
-constexpr double kMostSize = 1U << 24U;
-
-void add_lstm(std::vector<encoders::ArraySpec>& specs, const std::string& prefix,
+void add_lstm(std::vector<detail::ArraySpec>& specs, const std::string& prefix,
               const std::string& suffix, std::int64_t input, std::int64_t hidden) {
   specs.push_back({prefix + "weight_ih" + suffix, {4 * hidden, input}});
   specs.push_back({prefix + "weight_hh" + suffix, {4 * hidden, hidden}});
@@ -20,14 +18,14 @@ void add_lstm(std::vector<encoders::ArraySpec>& specs, const std::string& prefix
   specs.push_back({prefix + "bias_hh" + suffix, {4 * hidden}});
 }
 
-void add_linear(std::vector<encoders::ArraySpec>& specs, const std::string& name,
-                std::int64_t output, std::int64_t input) {
+void add_linear(std::vector<detail::ArraySpec>& specs, const std::string& name, std::int64_t output,
+                std::int64_t input) {
   specs.push_back({name + ".weight", {output, input}});
   specs.push_back({name + ".bias", {output}});
 }
 
 // Attention of `hidden` to vectors of `context` numbers; it has no bias.
-void add_attention(std::vector<encoders::ArraySpec>& specs, const std::string& name,
+void add_attention(std::vector<detail::ArraySpec>& specs, const std::string& name,
                    std::int64_t hidden, std::int64_t context) {
   specs.push_back({name + ".linear_in.weight", {context, hidden}});
   specs.push_back({name + ".linear_out.weight", {hidden, hidden + context}});
@@ -63,33 +61,11 @@ class Sides {
 
 }  // namespace
 
-void validate(const PanoramicConfig& config) {
-  const std::array<std::pair<const char*, std::size_t>, 6> sizes{
-      {{"vocabulary", config.vocabulary},
-       {"word_embedding", config.word_embedding},
-       {"action_embedding", config.action_embedding},
-       {"hidden", config.hidden},
-       {"image", config.image},
-       {"angle", config.angle}}};
-  for (const auto& [name, size] : sizes) {
-    check_range(name, static_cast<double>(size), 1, kMostSize);
-  }
-  if (config.bidirectional && config.hidden % 2 != 0) {
-    throw ArgumentError(fmt::format("hidden: {}, not even, as two directions need", config.hidden));
-  }
-  if (config.angle % 4 != 0) {
-    throw ArgumentError(fmt::format("angle: {}, not a multiple of 4", config.angle));
-  }
-  constexpr double kMostDropout = 0.99;
-  check_range("dropout", config.dropout, 0, kMostDropout);
-  check_range("feature_dropout", config.feature_dropout, 0, kMostDropout);
-}
-
-std::vector<encoders::ArraySpec> array_specs(const PanoramicConfig& config) {
+std::vector<detail::ArraySpec> array_specs(const PanoramicConfig& config) {
   const std::int64_t hidden = as_int(config.hidden), words = as_int(config.word_embedding);
   const std::int64_t action = as_int(config.action_embedding), feature = as_int(config.feature());
   const std::int64_t direction = config.bidirectional ? hidden / 2 : hidden;
-  std::vector<encoders::ArraySpec> specs{
+  std::vector<detail::ArraySpec> specs{
       {"encoder.embedding.weight", {as_int(config.vocabulary), words}}};
   add_lstm(specs, "encoder.lstm.", "_l0", words, direction);
   if (config.bidirectional) add_lstm(specs, "encoder.lstm.", "_l0_reverse", words, direction);
@@ -114,10 +90,9 @@ PanoramicConfig config_of(const features::TensorFile& file, const PanoramicConfi
   config.hidden = sides.side("decoder.lstm.weight_hh", 1);
   const std::size_t feature = sides.side("decoder.feat_att_layer.linear_in.weight", 0);
   sides.throw_faults();
-  if (feature <= config.angle) {
-    refuse(
-        file.path().string(), "decoder.feat_att_layer.linear_in.weight", "wrong-shape",
-        fmt::format("{} numbers a view, not more than the {} of its angle", feature, config.angle));
+  if (feature < config.angle) {
+    refuse(file.path().string(), "decoder.feat_att_layer.linear_in.weight", "wrong-shape",
+           fmt::format("{} numbers a view, fewer than the {} of its angle", feature, config.angle));
   }
   config.image = feature - config.angle;
   config.bidirectional = file.find("encoder.lstm.weight_ih_l0_reverse") != nullptr;

@@ -1,44 +1,18 @@
-/// \file  The sizes of the panoramic LSTM agent, and the arrays that it has.
+/// \file  The arrays of the panoramic LSTM agent.
 #pragma once
-#include <cstddef>
-#include <cstdint>
-#include <string>
 #include <vector>
 
 #include "enfilade/features/tensor_file.h"
-#include "enfilade/neural/encoders/weights.h"
+#include "enfilade/models/panoramic_config.h"
+#include "enfilade/neural/detail/weights.h"
 
 namespace enfilade::neural::panoramic {
 
-/// What the decoder starts from.
-enum class Subout : std::uint8_t {
-  kTanh,  ///< the last hidden state of the sentence
-  kMax,   ///< the largest value of each number over the sentence (EnvDrop's run script)
-};
-
-/// The sizes of EnvDrop's listener (Tan, Yu, Bansal 2019) as its run script has them.
-struct PanoramicConfig {
-  std::size_t vocabulary = 992;       ///< words, `<BOS>` among them
-  std::size_t word_embedding = 256;   ///< numbers a word
-  std::size_t action_embedding = 64;  ///< numbers of the agent's own direction, embedded
-  std::size_t hidden = 512;           ///< of the decoder; even if bidirectional
-  std::size_t image = 2048;           ///< of a view's picture
-  std::size_t angle = 128;            ///< of a direction: 4 numbers, repeated
-  bool bidirectional = true;          ///< the sentence is read in both directions
-  Subout subout = Subout::kMax;
-  double dropout = 0.5;          ///< of embeddings and hidden states, in training
-  double feature_dropout = 0.3;  ///< of the pictures' numbers, in training
-
-  std::size_t feature() const noexcept { return image + angle; }  ///< numbers of a view
-  friend bool operator==(const PanoramicConfig&, const PanoramicConfig&) = default;
-};
-
-/// \throws ArgumentError naming the field for sizes of 0 or above 2^24, an odd `hidden` with two
-/// directions, an `angle` that is no multiple of 4, or a dropout outside [0, 1)
-void validate(const PanoramicConfig& config);
+using models::PanoramicConfig;
+using models::Subout;
 
 /// The arrays of encoder, decoder and critic, by the names of the published code.
-std::vector<encoders::ArraySpec> array_specs(const PanoramicConfig& config);
+std::vector<detail::ArraySpec> array_specs(const PanoramicConfig& config);
 
 /// The sizes that a file of weights has, from the shapes of its arrays; dropout and
 /// `subout` are those of `defaults`, as no shape tells them.

@@ -21,7 +21,7 @@ bool is_embedding(std::string_view name) { return name == "encoder.embedding.wei
 
 // The bound of the uniform distribution that PyTorch's modules draw from: of LSTMs by their hidden
 // size, of linear layers by their inputs.
-double bound_of(const PanoramicConfig& config, const encoders::ArraySpec& spec) {
+double bound_of(const PanoramicConfig& config, const detail::ArraySpec& spec) {
   std::int64_t size = static_cast<std::int64_t>(config.hidden);
   if (spec.name.starts_with("encoder.lstm.") && config.bidirectional) size /= 2;
   if (spec.name.find(".lstm.") == std::string::npos) {
@@ -67,7 +67,7 @@ void check_words(const WordBatch& words, const PanoramicConfig& config) {
 PanoramicNetwork::PanoramicNetwork(const PanoramicConfig& config, std::uint64_t seed)
     : config_(config) {
   validate(config);
-  for (const encoders::ArraySpec& spec : array_specs(config)) {
+  for (const detail::ArraySpec& spec : array_specs(config)) {
     Rng rng(seed, stream_of(spec.name.data(), spec.name.size()));
     at::Generator generator = at::detail::createCPUGenerator(rng.next());
     at::Tensor values = at::empty(spec.shape, at::kFloat);
@@ -87,7 +87,7 @@ PanoramicNetwork::PanoramicNetwork(const PanoramicConfig& config, const features
     : config_(config) {
   validate(config);
   weights_ =
-      encoders::read_weights(file, array_specs(config), [](std::string_view) { return false; });
+      detail::read_weights(file, array_specs(config), [](std::string_view) { return false; });
   require_gradients();
 }
 

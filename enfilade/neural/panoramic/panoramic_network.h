@@ -7,7 +7,7 @@
 
 #include "enfilade/features/tensor_file.h"
 #include "enfilade/neural/detail/dropout.h"
-#include "enfilade/neural/encoders/weights.h"
+#include "enfilade/neural/detail/weights.h"
 #include "enfilade/neural/panoramic/panoramic_config.h"
 
 namespace enfilade::neural::panoramic {
@@ -67,7 +67,7 @@ class PanoramicNetwork {
 
   const PanoramicConfig& config() const noexcept { return config_; }
   /// By the published names. Handles to the network's own memory.
-  const encoders::Weights& weights() const noexcept { return weights_; }
+  const detail::Weights& weights() const noexcept { return weights_; }
   /// \throws LookupError for an unknown name
   const at::Tensor& weight(std::string_view name) const;
 
@@ -88,7 +88,7 @@ class PanoramicNetwork {
   at::Tensor linear(const at::Tensor& x, const std::string& name) const;
 
   PanoramicConfig config_;
-  encoders::Weights weights_;
+  detail::Weights weights_;
   std::optional<detail::Dropout> dropout_;
 };
 

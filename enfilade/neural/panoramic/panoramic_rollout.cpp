@@ -233,38 +233,4 @@ RolloutLosses roll_out(PanoramicNetwork& network, const WordBatch& words,
   return Rollout(network, walks, images, options).run(words, observer);
 }
 
-double RmsProp::norm(const PanoramicNetwork& network, std::string_view part) {
-  double sum = 0;
-  for (const auto& [name, values] : network.weights()) {
-    if (!name.starts_with(part) || !values.grad().defined()) continue;
-    sum += values.grad().to(at::kDouble).square().sum().item<double>();
-  }
-  return std::sqrt(sum);
-}
-
-void RmsProp::update(PanoramicNetwork& network) {
-  const c10::NoGradGuard guard;
-  for (const auto& [name, values] : network.weights()) {
-    if (values.grad().defined() && !at::isfinite(values.grad()).all().item<bool>()) {
-      throw Error(fmt::format("the gradient of {:?} is not finite", name));
-    }
-  }
-  constexpr double kSmall = 1e-6;  // as in torch.nn.utils.clip_grad_norm_
-  for (const char* part : {"encoder.", "decoder."}) {
-    const double share = options_.most_norm / (norm(network, part) + kSmall);
-    if (share >= 1) continue;
-    for (const auto& [name, values] : network.weights()) {
-      if (name.starts_with(part) && values.grad().defined()) values.grad().mul_(share);
-    }
-  }
-  for (const auto& [name, values] : network.weights()) {
-    const at::Tensor gradient = values.grad();
-    if (!gradient.defined()) continue;
-    at::Tensor& square = squares_.try_emplace(name, at::zeros_like(gradient)).first->second;
-    square.mul_(options_.alpha).addcmul_(gradient, gradient, 1 - options_.alpha);
-    values.data().addcdiv_(gradient, square.sqrt().add_(options_.epsilon), -options_.learning_rate);
-    values.mutable_grad().reset();
-  }
-}
-
 }  // namespace enfilade::neural::panoramic

@@ -73,30 +73,4 @@ RolloutLosses roll_out(PanoramicNetwork& network, const WordBatch& words,
                        const PanoramicRolloutOptions& options,
                        const PanoramicObserver& observer = {});
 
-/// As the published code updates: RMSprop (no momentum, not centred) on what has a gradient.
-struct RmsPropOptions {
-  double learning_rate = 1e-4;
-  double alpha = 0.99;    ///< share of the old mean of squares
-  double epsilon = 1e-8;  ///< added to its root
-  double most_norm = 40;  ///< of the gradients of encoder and of decoder, apart
-};
-
-/// The optimiser's state, and its updates. One thread at a time.
-class RmsProp {
- public:
-  explicit RmsProp(const RmsPropOptions& options) : options_(options) {}
-
-  /// Norms of the gradients of "encoder", "decoder" and "critic", 0 for none.
-  static double norm(const PanoramicNetwork& network, std::string_view part);
-  /// Clips, updates, and clears the gradients. \throws Error naming an array whose gradient is not
-  /// finite; then nothing has changed
-  void update(PanoramicNetwork& network);
-  /// Means of squares, by the names of the weights that were updated.
-  const encoders::Weights& squares() const noexcept { return squares_; }
-
- private:
-  RmsPropOptions options_;
-  encoders::Weights squares_;
-};
-
 }  // namespace enfilade::neural::panoramic

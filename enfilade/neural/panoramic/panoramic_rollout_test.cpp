@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/neural/detail/optimizer.h"
 #include "tests/support/graphs.h"
 
 namespace enfilade::neural::panoramic {
@@ -205,9 +206,9 @@ TEST_F(PanoramicRolloutTest, DrawsFollowTheSeed) {
 
 TEST_F(PanoramicRolloutTest, ALearnerLearnsToStop) {
   PanoramicNetwork network(small(), 1);
-  RmsPropOptions fast;
-  fast.learning_rate = 1e-2;
-  RmsProp optimiser(fast);
+  models::TrainConfig fast = recipe(models::AgentKind::kPanoramic);
+  fast.adam.learning_rate = 1e-2;
+  detail::Optimizer optimizer(detail::optimizer_of(fast, {"encoder.", "decoder."}));
   const std::vector<std::vector<std::int64_t>> sentences{{4, 5, 2}, {7, 2}};
   double first = 0, last = 0;
   for (int i = 0; i < 40; ++i) {
@@ -218,11 +219,13 @@ TEST_F(PanoramicRolloutTest, ALearnerLearnsToStop) {
     const at::Tensor loss =
         roll_out(network, batch_words(sentences), walks, pictures, options).imitation;
     loss.backward();
-    optimiser.update(network);
+    optimizer.update(network.weights());
     (i == 0 ? first : last) = loss.item<double>();
   }
   EXPECT_LT(last, first / 4);
-  EXPECT_FALSE(optimiser.squares().contains("decoder.feat_att_layer.linear_out.weight"))
+  const auto state = optimizer.state(network.weights());
+  EXPECT_EQ(
+      state.at("optimizer.second.decoder.feat_att_layer.linear_out.weight").sum().item<double>(), 0)
       << "never takes part";
 }
 

@@ -11,7 +11,7 @@
 
 #include "enfilade/features/tensor_file.h"
 
-namespace enfilade::neural::encoders {
+namespace enfilade::neural::detail {
 
 /// An array that a network needs.
 struct ArraySpec {
@@ -35,4 +35,4 @@ std::string hash_of(const Weights& weights);
 /// Views for write_safetensors(), valid as long as the tensors. \pre as hash_of()
 std::vector<features::NamedArray> as_arrays(const Weights& weights);
 
-}  // namespace enfilade::neural::encoders
+}  // namespace enfilade::neural::detail

@@ -1,4 +1,4 @@
-#include "enfilade/neural/encoders/weights.h"
+#include "enfilade/neural/detail/weights.h"
 
 #include <ATen/ATen.h>
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 
 #include "enfilade/core/errors.h"
 
-namespace enfilade::neural::encoders {
+namespace enfilade::neural::detail {
 namespace {
 
 constexpr std::string_view kWrapper = "module.";
@@ -123,4 +123,4 @@ std::string hash_of(const Weights& weights) {
   return fmt::format("{:016x}", hash);
 }
 
-}  // namespace enfilade::neural::encoders
+}  // namespace enfilade::neural::detail

@@ -1,0 +1,64 @@
+#include "enfilade/models/instruction_words.h"
+
+#include <utility>
+
+namespace enfilade::models {
+
+using tasks::Vocabulary;
+
+InstructionWords::InstructionWords(Vocabulary words) : words_(std::move(words)) {}
+InstructionWords::InstructionWords(Subwords pieces) : words_(std::move(pieces)) {}
+
+std::size_t InstructionWords::size() const noexcept {
+  const Vocabulary* const words = vocabulary();
+  return words != nullptr ? words->size() + 2 : std::get<Subwords>(words_).size();
+}
+
+std::int64_t InstructionWords::begin() const noexcept {
+  const Vocabulary* const words = vocabulary();
+  return words != nullptr ? static_cast<std::int64_t>(words->size())
+                          : std::get<Subwords>(words_).begin();
+}
+
+std::int64_t InstructionWords::end() const noexcept {
+  return vocabulary() != nullptr ? Vocabulary::kEnd : std::get<Subwords>(words_).end();
+}
+
+std::int64_t InstructionWords::pad() const noexcept {
+  return vocabulary() != nullptr ? Vocabulary::kPad : std::get<Subwords>(words_).pad();
+}
+
+std::optional<std::int64_t> InstructionWords::mask() const {
+  if (vocabulary() != nullptr) return begin() + 1;
+  const auto mask = std::get<Subwords>(words_).mask();
+  if (!mask) return std::nullopt;
+  return *mask;
+}
+
+std::string InstructionWords::word(std::int64_t id) const {
+  const Vocabulary* const words = vocabulary();
+  if (words == nullptr) {
+    return std::string(std::get<Subwords>(words_).piece(static_cast<std::uint32_t>(id)));
+  }
+  if (id == begin()) return "<BOS>";
+  if (id == mask()) return "<MASK>";
+  return words->words()[static_cast<std::size_t>(id)];
+}
+
+std::vector<std::int64_t> InstructionWords::encode(std::string_view text, std::size_t most) const {
+  std::vector<std::int64_t> ids;
+  if (const Vocabulary* const words = vocabulary()) {
+    ids.push_back(begin());
+    for (const std::string& word : tasks::tokenize(text)) ids.push_back(words->id(word));
+    ids.push_back(end());
+  } else {
+    for (const std::int32_t id : std::get<Subwords>(words_).encode(text)) ids.push_back(id);
+  }
+  if (ids.size() > most) {
+    ids.resize(most);
+    ids.back() = end();
+  }
+  return ids;
+}
+
+}  // namespace enfilade::models

@@ -1,0 +1,40 @@
+/// \file  How agents that choose among viewpoints read an instruction: as ids, first word first.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "enfilade/models/subwords.h"
+#include "enfilade/tasks/tokenizer.h"
+
+namespace enfilade::models {
+
+/// The words of the training instructions (then `<BOS>` and `<MASK>` have the two ids after them),
+/// or the pieces of a released vocabulary. Immutable: any thread.
+class InstructionWords {
+ public:
+  explicit InstructionWords(tasks::Vocabulary words);
+  explicit InstructionWords(Subwords pieces);
+
+  std::size_t size() const noexcept;         ///< ids are below it
+  std::int64_t begin() const noexcept;       ///< `<BOS>`, [CLS], `<s>`
+  std::int64_t end() const noexcept;         ///< `<EOS>`, [SEP], `</s>`
+  std::int64_t pad() const noexcept;         ///< `<PAD>`, [PAD], `<pad>`
+  std::optional<std::int64_t> mask() const;  ///< `<MASK>`, [MASK], `<mask>`
+  std::string word(std::int64_t id) const;   ///< to be looked at. \pre id < size()
+  /// Null if these are pieces.
+  const tasks::Vocabulary* vocabulary() const { return std::get_if<tasks::Vocabulary>(&words_); }
+
+  /// begin(), the words, end(). Of more than `most` ids the last that is kept becomes end().
+  /// \pre most >= 2
+  std::vector<std::int64_t> encode(std::string_view text, std::size_t most) const;
+
+ private:
+  std::variant<tasks::Vocabulary, Subwords> words_;
+};
+
+}  // namespace enfilade::models

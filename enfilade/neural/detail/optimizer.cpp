@@ -1,0 +1,155 @@
+#include "enfilade/neural/detail/optimizer.h"
+
+#include <ATen/ATen.h>
+#include <c10/core/GradMode.h>
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade::neural::detail {
+namespace {
+
+constexpr const char* kFirst = "optimizer.first.";
+constexpr const char* kSecond = "optimizer.second.";
+// Two halves, as float32 counts exactly only to 2^24.
+constexpr const char* kUpdates = "optimizer.updates";
+constexpr std::uint64_t kHalf = 1U << 20U;
+
+at::Tensor count_tensor(std::uint64_t count) {
+  return at::tensor({static_cast<float>(count / kHalf), static_cast<float>(count % kHalf)});
+}
+
+}  // namespace
+
+void clear_gradients(const Weights& weights) {
+  for (const auto& [name, weight] : weights) at::Tensor(weight).mutable_grad().reset();
+}
+
+double gradient_norm(const Weights& weights, std::string_view part) {
+  std::vector<at::Tensor> norms;
+  for (const auto& [name, weight] : weights) {
+    if (name.starts_with(part) && weight.grad().defined()) norms.push_back(weight.grad().norm());
+  }
+  return norms.empty() ? 0 : at::stack(norms).norm().item<double>();
+}
+
+OptimizerConfig optimizer_of(const models::TrainConfig& config, std::vector<std::string> parts) {
+  OptimizerConfig own;
+  own.kind = config.optimizer;
+  own.rates = config.adam;
+  own.clip = config.clip;
+  own.parts = std::move(parts);
+  own.warm_up = config.warm_up;
+  own.end = config.schedule == models::Schedule::kLinear ? config.iterations : 0;
+  return own;
+}
+
+double Optimizer::rate() const noexcept {
+  const auto next = static_cast<double>(updates_ + 1);
+  double share = 1;
+  if (updates_ < config_.warm_up) {
+    share = next / static_cast<double>(config_.warm_up);
+  } else if (config_.end > config_.warm_up) {
+    const auto end = static_cast<double>(config_.end);
+    share = std::max(
+        0.0, (end - static_cast<double>(updates_)) / (end - static_cast<double>(config_.warm_up)));
+  }
+  return share * config_.rates.learning_rate;
+}
+
+void Optimizer::clip(const Weights& weights) const {
+  constexpr double kSmall = 1e-6;  // as in torch.nn.utils.clip_grad_norm_
+  for (const std::string& part : config_.parts) {
+    const double share = config_.clip / (gradient_norm(weights, part) + kSmall);
+    if (share >= 1) continue;
+    for (const auto& [name, weight] : weights) {
+      if (name.starts_with(part) && weight.grad().defined()) weight.grad().mul_(share);
+    }
+  }
+}
+
+double Optimizer::update(const Weights& weights) {
+  const c10::NoGradGuard no_gradients;
+  const double norm = gradient_norm(weights);
+  if (!std::isfinite(norm)) {
+    for (const auto& [name, weight] : weights) {
+      if (!weight.grad().defined() || at::isfinite(weight.grad()).all().item<bool>()) continue;
+      throw Error(fmt::format("the gradient of {} is not finite", name));
+    }
+    throw Error("the gradients are too large to be added up");
+  }
+  clip(weights);
+  for (const auto& [name, weight] : weights) {
+    if (weight.grad().defined()) step(name, weight);
+  }
+  ++updates_;
+  clear_gradients(weights);
+  return norm;
+}
+
+void Optimizer::step(const std::string& name, at::Tensor weight) {
+  const models::AdamConfig& rates = config_.rates;
+  const double rate = this->rate();
+  at::Tensor gradient = weight.grad();
+  if (config_.kind == models::Optimizer::kAdamW) weight.mul_(1 - rate * rates.weight_decay);
+  if (config_.kind == models::Optimizer::kAdam && rates.weight_decay > 0) {
+    gradient = gradient.add(weight, rates.weight_decay);
+  }
+  at::Tensor& second = second_.try_emplace(name, at::zeros_like(weight)).first->second;
+  second.mul_(rates.beta2).addcmul_(gradient, gradient, 1 - rates.beta2);
+  if (!has_first()) {
+    weight.addcdiv_(gradient, second.sqrt().add_(rates.epsilon), -rate);
+    return;
+  }
+  at::Tensor& first = first_.try_emplace(name, at::zeros_like(weight)).first->second;
+  first.mul_(rates.beta1).add_(gradient, 1 - rates.beta1);
+  const auto t = static_cast<double>(updates_ + 1);
+  const double first_share = 1 - std::pow(rates.beta1, t);
+  const double second_share = 1 - std::pow(rates.beta2, t);
+  const at::Tensor scale = (second.sqrt() / std::sqrt(second_share)).add_(rates.epsilon);
+  weight.addcdiv_(first, scale, -rate / first_share);
+}
+
+Weights Optimizer::state(const Weights& weights) const {
+  Weights all;
+  const auto add = [&](const Weights& moments, const char* prefix,
+                       const std::string& name, const at::Tensor& weight) {
+    const auto found = moments.find(name);
+    all.emplace(prefix + name,
+                found != moments.end() ? found->second : at::zeros_like(weight.detach()));
+  };
+  for (const auto& [name, weight] : weights) {
+    all.emplace(name, weight.detach());
+    if (has_first()) add(first_, kFirst, name, weight);
+    add(second_, kSecond, name, weight);
+  }
+  all.emplace(kUpdates, count_tensor(updates_));
+  return all;
+}
+
+void Optimizer::load(const Weights& weights, std::span<const ArraySpec> specs,
+                     const features::TensorFile& file) {
+  std::vector<ArraySpec> wanted(specs.begin(), specs.end());
+  for (const ArraySpec& spec : specs) {
+    if (has_first()) wanted.push_back({kFirst + spec.name, spec.shape});
+    wanted.push_back({kSecond + spec.name, spec.shape});
+  }
+  wanted.push_back({kUpdates, {2}});
+  const Weights read =
+      read_weights(file, wanted, [](std::string_view) { return false; });
+  const c10::NoGradGuard no_gradients;
+  first_.clear();
+  second_.clear();
+  for (const auto& [name, weight] : weights) {
+    at::Tensor(weight).copy_(read.at(name));
+    if (has_first()) first_.emplace(name, read.at(kFirst + name));
+    second_.emplace(name, read.at(kSecond + name));
+  }
+  const at::Tensor count = read.at(kUpdates);
+  updates_ = static_cast<std::uint64_t>(count[0].item<double>()) * kHalf +
+             static_cast<std::uint64_t>(count[1].item<double>());
+}
+
+}  // namespace enfilade::neural::detail
