@@ -1,5 +1,6 @@
 #include "enfilade/models/instruction_words.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace enfilade::models {
@@ -59,6 +60,18 @@ std::vector<std::int64_t> InstructionWords::encode(std::string_view text, std::s
     ids.back() = end();
   }
   return ids;
+}
+
+std::vector<std::int64_t> InstructionWords::encode(const tasks::Episode& episode,
+                                                   std::size_t most) const {
+  const std::vector<std::int32_t>& given = episode.details.tokens;
+  const auto is_id = [&](std::int32_t id) {
+    return id >= 0 && static_cast<std::size_t>(id) < size();
+  };
+  const bool usable = vocabulary() == nullptr && given.size() >= 2 && given.front() == begin() &&
+                      given.back() == end() && std::ranges::all_of(given, is_id);
+  if (!usable) return encode(episode.text, most);
+  return {given.begin(), given.begin() + static_cast<std::ptrdiff_t>(std::min(most, given.size()))};
 }
 
 }  // namespace enfilade::models

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "enfilade/models/subwords.h"
+#include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/tokenizer.h"
 
 namespace enfilade::models {
@@ -32,6 +33,10 @@ class InstructionWords {
   /// begin(), the words, end(). Of more than `most` ids the last that is kept becomes end().
   /// \pre most >= 2
   std::vector<std::int64_t> encode(std::string_view text, std::size_t most) const;
+  /// An episode's instruction. Where its annotation brings ids of these pieces (`tokens` that go
+  /// from begin() to end(), all below size()), these, the first `most` of them: as the released
+  /// agents read. Otherwise its text. \pre most >= 2
+  std::vector<std::int64_t> encode(const tasks::Episode& episode, std::size_t most) const;
 
  private:
   std::variant<tasks::Vocabulary, Subwords> words_;

@@ -40,5 +40,22 @@ TEST(InstructionWords, PiecesAreThoseOfTheReleasedVocabulary) {
   EXPECT_EQ(words.vocabulary(), nullptr);
 }
 
+TEST(InstructionWords, IdsOfTheAnnotationsAreReadAsTheyAre) {
+  const InstructionWords words(
+      Subwords::parse_word_pieces("[PAD]\n[UNK]\n[CLS]\n[SEP]\n[MASK]\ngo\nle\n##ft\n", "vocab"));
+  tasks::Episode episode;
+  episode.text = "Go left";
+  EXPECT_THAT(words.encode(episode, 10), ElementsAre(2, 5, 6, 7, 3)) << "there are none";
+  episode.details.tokens = {2, 7, 7, 6, 3};
+  EXPECT_THAT(words.encode(episode, 10), ElementsAre(2, 7, 7, 6, 3));
+  EXPECT_THAT(words.encode(episode, 3), ElementsAre(2, 7, 7)) << "without an end, as published";
+  episode.details.tokens = {2, 7, 8, 3};
+  EXPECT_THAT(words.encode(episode, 10), ElementsAre(2, 5, 6, 7, 3)) << "8 is no id";
+  episode.details.tokens = {0, 7, 2};
+  EXPECT_THAT(words.encode(episode, 10), ElementsAre(2, 5, 6, 7, 3)) << "another vocabulary's";
+  episode.details.tokens = {2, 7, 3};
+  EXPECT_THAT(InstructionWords(models::words()).encode(episode, 10), ElementsAre(5, 3, 4, 2));
+}
+
 }  // namespace
 }  // namespace enfilade::models

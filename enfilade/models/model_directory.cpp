@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <system_error>
+#include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/numbers.h"
@@ -28,6 +29,11 @@ std::string hash_of_arrays(std::span<const features::NamedArray> arrays) {
 }
 
 }  // namespace
+
+fs::path ModelFiles::text(TextKind kind) const {
+  if (kind == TextKind::kWords) return vocabulary();
+  return folder / (kind == TextKind::kWordPieces ? "pieces.txt" : "pieces.model");
+}
 
 fs::path ModelFiles::results(std::string_view split) const {
   return folder / "results" / fmt::format("{}.json", split);
@@ -55,6 +61,21 @@ tasks::Vocabulary load_vocabulary(const ModelFiles& files, const NetworkConfig& 
                        network.vocabulary));
   }
   return vocabulary;
+}
+
+InstructionWords load_instruction_words(const ModelFiles& files, const TrainConfig& training) {
+  const NetworkConfig& network = training.network;
+  if (training.text == TextKind::kWords) return InstructionWords(load_vocabulary(files, network));
+  const fs::path file = files.text(training.text);
+  Subwords pieces = training.text == TextKind::kWordPieces
+                        ? Subwords::load_word_pieces(file, training.letters)
+                        : Subwords::load_sentence_pieces(file);
+  if (pieces.size() != network.vocabulary) {
+    refuse(file, "", "wrong-size",
+           fmt::format("{} pieces, but the network was made for {}", pieces.size(),
+                       network.vocabulary));
+  }
+  return InstructionWords(std::move(pieces));
 }
 
 const features::FeatureSet* usable_features(const ModelConfig& config,

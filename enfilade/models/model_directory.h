@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "enfilade/models/data_fingerprint.h"
+#include "enfilade/models/instruction_words.h"
 #include "enfilade/models/train_config.h"
 #include "enfilade/tasks/tokenizer.h"
 
@@ -18,6 +19,9 @@ struct ModelFiles {
 
   std::filesystem::path config() const { return folder / "config.json"; }
   std::filesystem::path vocabulary() const { return folder / "vocabulary.txt"; }
+  /// The file of the words or pieces that the agent reads: `vocabulary.txt`, `pieces.txt` (BERT's)
+  /// or `pieces.model` (XLM-R's).
+  std::filesystem::path text(TextKind kind) const;
   std::filesystem::path weights() const { return folder / "weights.safetensors"; }
   std::filesystem::path checkpoint() const { return folder / "checkpoint.safetensors"; }
   std::filesystem::path previous_checkpoint() const {
@@ -44,6 +48,10 @@ ModelConfig load_model_config(const std::filesystem::path& file);
 
 /// Reads vocabulary.txt. \throws FileError; InvalidInput, also if its size is not the network's
 tasks::Vocabulary load_vocabulary(const ModelFiles& files, const NetworkConfig& network);
+
+/// Reads the words or pieces of an agent that chooses among viewpoints, from the file that it has
+/// of its kind of text. \throws FileError; InvalidInput, also if their number is not the network's
+InstructionWords load_instruction_words(const ModelFiles& files, const TrainConfig& training);
 
 /// `features` if the model sees, else null. \throws ArgumentError if it sees and there are none, or
 /// their size is not the network's

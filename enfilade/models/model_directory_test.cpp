@@ -91,6 +91,36 @@ TEST_F(ModelDirectoryTest, ABrokenByteOfAStateIsFound) {
               ThrowsMessage<InvalidInput>(HasSubstr("its bytes are not those that were written")));
 }
 
+TEST_F(ModelDirectoryTest, AgentsReadWordsOrPieces) {
+  TrainConfig& training = config_.training;
+  training = recipe(AgentKind::kDuet);
+  training.network.vocabulary = 5;
+  const auto again = [&] {
+    write_file_atomically(files_.config(), to_json(config_));
+    return load_model_config(files_.config()).training;
+  };
+  EXPECT_EQ(load_instruction_words(files_, again()).size(), 7U) << "<BOS> and <MASK> beside";
+  EXPECT_EQ(duet_sizes(training).vocabulary, 7);
+  edit_config("  \"text\": \"words\",\n", "");
+  EXPECT_EQ(load_model_config(files_.config()).training.text, TextKind::kWords) << "as before";
+
+  training.text = TextKind::kWordPieces;
+  training.letters = Letters::kAsWritten;
+  EXPECT_EQ(duet_sizes(training).vocabulary, 5);
+  write_file_atomically(files_.text(training.text), "[PAD]\n[UNK]\n[CLS]\n[SEP]\nGo\n");
+  EXPECT_THAT(load_instruction_words(files_, again()).encode("Go go", 9), ElementsAre(2, 4, 1, 3));
+  training.network.vocabulary = 6;
+  EXPECT_THAT([&] { load_instruction_words(files_, again()); },
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("pieces.txt: 5 pieces, but the network was made for 6")));
+  edit_config("\"cased\"", "\"big\"");
+  EXPECT_THAT([&] { load_model_config(files_.config()); },
+              ThrowsMessage<InvalidInput>(HasSubstr("$.network.letters: letters \"big\": cased")));
+  training.text = TextKind::kSentencePieces;
+  EXPECT_THAT([&] { load_instruction_words(files_, again()); },
+              ThrowsMessage<FileError>(HasSubstr("pieces.model")));
+}
+
 TEST_F(ModelDirectoryTest, FeaturesOfAnotherSizeAreAnError) {
   EXPECT_THAT([&] { usable_features(config_, nullptr); },
               ThrowsMessage<ArgumentError>(HasSubstr("needs features")));

@@ -9,16 +9,10 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/models/text_kind.h"
 #include "enfilade/tasks/annotations.h"
 
 namespace enfilade::models {
-
-/// Whether text is read as it is written, or without its capitals and accents: released BERT models
-/// come as "cased" and "uncased".
-enum class Letters : std::uint8_t {
-  kAsWritten,  ///< cased
-  kFolded,     ///< uncased: lower case, accents stripped
-};
 
 /// Pieces of words and their ids, with which text becomes what BERT's and XLM-R's descendants
 /// (HAMT, DUET, ...) read. Immutable: any thread. A copy shares the pieces.

@@ -33,6 +33,8 @@ T parse(std::string_view what, std::string_view name, std::span<const std::strin
 
 constexpr std::array<std::string_view, 3> kAgents{"seq2seq", "panoramic", "duet"};
 constexpr std::array<std::string_view, 3> kOptimizers{"adam", "adamw", "rmsprop"};
+constexpr std::array<std::string_view, 3> kTexts{"words", "word-pieces", "sentence-pieces"};
+constexpr std::array<std::string_view, 2> kLetters{"cased", "uncased"};
 constexpr std::array<std::string_view, 2> kSchedules{"constant", "linear"};
 constexpr std::array<std::string_view, 2> kSampledLosses{"labels", "reinforce"};
 constexpr std::array<std::string_view, 2> kMapTeachers{"spl", "ndtw"};
@@ -66,6 +68,14 @@ std::string_view to_string(Optimizer value) noexcept {
 Optimizer parse_optimizer(std::string_view name) {
   return parse<Optimizer>("optimizer", name, kOptimizers);
 }
+std::string_view to_string(TextKind value) noexcept {
+  return kTexts[static_cast<std::size_t>(value)];
+}
+TextKind parse_text_kind(std::string_view name) { return parse<TextKind>("text", name, kTexts); }
+std::string_view to_string(Letters value) noexcept {
+  return kLetters[static_cast<std::size_t>(value)];
+}
+Letters parse_letters(std::string_view name) { return parse<Letters>("letters", name, kLetters); }
 std::string_view to_string(Schedule value) noexcept {
   return kSchedules[static_cast<std::size_t>(value)];
 }
@@ -113,7 +123,7 @@ TrainConfig recipe(AgentKind agent) {
 PanoramicConfig panoramic_sizes(const TrainConfig& config) {
   constexpr std::size_t kBegin = 1;  // <BOS>
   PanoramicConfig sizes = config.panoramic;
-  sizes.vocabulary = config.network.vocabulary + kBegin;
+  sizes.vocabulary = config.network.vocabulary + (config.text == TextKind::kWords ? kBegin : 0);
   sizes.image = config.network.features;
   return sizes;
 }
@@ -121,7 +131,8 @@ PanoramicConfig panoramic_sizes(const TrainConfig& config) {
 DuetConfig duet_sizes(const TrainConfig& config) {
   constexpr std::size_t kBeginAndMask = 2;
   DuetConfig sizes = config.duet;
-  sizes.vocabulary = static_cast<std::int64_t>(config.network.vocabulary + kBeginAndMask);
+  sizes.vocabulary = static_cast<std::int64_t>(
+      config.network.vocabulary + (config.text == TextKind::kWords ? kBeginAndMask : 0));
   sizes.image = static_cast<std::int64_t>(config.network.features);
   sizes.max_words = static_cast<std::int64_t>(config.network.max_words);
   sizes.max_actions = static_cast<std::int64_t>(config.max_steps);
@@ -182,6 +193,9 @@ void validate(const TrainConfig& config) {
   if (config.agent == AgentKind::kSeq2Seq && config.optimizer != Optimizer::kAdam) {
     throw ArgumentError(
         fmt::format("optimizer {}: seq2seq has adam alone", to_string(config.optimizer)));
+  }
+  if (config.agent == AgentKind::kSeq2Seq && config.text != TextKind::kWords) {
+    throw ArgumentError(fmt::format("text {}: seq2seq reads words alone", to_string(config.text)));
   }
   check_range("clip", config.clip, 0, kMostNorm);
   check_range("teacher_weight", config.teacher_weight, 0, 1);

@@ -9,6 +9,7 @@
 #include "enfilade/models/duet_config.h"
 #include "enfilade/models/network_config.h"
 #include "enfilade/models/panoramic_config.h"
+#include "enfilade/models/text_kind.h"
 
 namespace enfilade::models {
 
@@ -80,8 +81,11 @@ struct TrainConfig {
   /// The network of seq2seq. Of it `max_words`, `inputs`, and `vocabulary` and `features`, which
   /// follow from the data, are meant for every agent.
   NetworkConfig network;
-  PanoramicConfig panoramic;  ///< of that agent: all but `vocabulary` and `image`
-  DuetConfig duet;            ///< likewise; its max_words and max_actions do not count either
+  /// What the agent reads; network.vocabulary counts its words or pieces. Seq2seq has words alone.
+  TextKind text = TextKind::kWords;
+  Letters letters = Letters::kFolded;  ///< of word pieces
+  PanoramicConfig panoramic;           ///< of that agent: all but `vocabulary` and `image`
+  DuetConfig duet;  ///< likewise; its max_words and max_actions do not count either
   /// Rates and decay of any optimizer. RMSprop's share of the old mean is beta2.
   AdamConfig adam;
   Optimizer optimizer = Optimizer::kAdam;  ///< seq2seq has Adam alone
@@ -119,7 +123,8 @@ struct TrainConfig {
 /// the defaults.
 TrainConfig recipe(AgentKind agent);
 
-/// The sizes of the networks, with what follows from the data. \pre the agent is of that kind
+/// The sizes of the networks, with what follows from the data. `<BOS>` and `<MASK>` have rows
+/// beside those of words; pieces have all of theirs. \pre the agent is of that kind
 PanoramicConfig panoramic_sizes(const TrainConfig& config);
 DuetConfig duet_sizes(const TrainConfig& config);  ///< likewise
 

@@ -30,7 +30,8 @@ template <class T>
 concept Named =
     std::same_as<T, AfterEnd> || std::same_as<T, ForwardTo> || std::same_as<T, AgentKind> ||
     std::same_as<T, Optimizer> || std::same_as<T, Schedule> || std::same_as<T, SampledLoss> ||
-    std::same_as<T, MapTeacher> || std::same_as<T, Subout> || std::same_as<T, Fusion>;
+    std::same_as<T, MapTeacher> || std::same_as<T, TextKind> || std::same_as<T, Letters> ||
+    std::same_as<T, Subout> || std::same_as<T, Fusion>;
 
 // One function for each object of the file: calls visit(name, field) for each of its fields.
 
@@ -76,6 +77,10 @@ void for_fields(const NetworkPart<Training>& part, const auto& visit) {
   visit("max_words", network.max_words);
   visit("features", network.features);
   visit("inputs", network.inputs);
+  if (part.training.agent != AgentKind::kSeq2Seq) {
+    visit("text", part.training.text);
+    if (part.training.text == TextKind::kWordPieces) visit("letters", part.training.letters);
+  }
   switch (part.training.agent) {
     case AgentKind::kSeq2Seq:
       visit("word_embedding", network.word_embedding);
@@ -187,12 +192,10 @@ struct Reader {
       read(*found, Path(path, name), value);
     }
   }
-  // Files of before there were several kinds of agents have none.
-  void operator()(const char* name, AgentKind& value) const {
-    if (const auto found = json::field(object, {name, false}, path, faults)) {
-      read(*found, Path(path, name), value);
-    }
-  }
+  // Files of before there were several kinds of agents, or of texts, have none.
+  void operator()(const char* name, AgentKind& value) const { read_if_there(name, value); }
+  void operator()(const char* name, TextKind& value) const { read_if_there(name, value); }
+  void operator()(const char* name, Letters& value) const { read_if_there(name, value); }
   template <class T>
   void operator()(const char* name, std::optional<T>& value) const {
     if (const auto found = json::field(object, {name, false}, path, faults)) {
@@ -201,6 +204,12 @@ struct Reader {
   }
 
  private:
+  template <class T>
+  void read_if_there(const char* name, T& value) const {
+    if (const auto found = json::field(object, {name, false}, path, faults)) {
+      read(*found, Path(path, name), value);
+    }
+  }
   template <class T>
   void read(Element element, const Path& at, T& value) const {
     if (json::object(element, at, faults)) for_fields(value, Reader{element, at, faults});
@@ -263,6 +272,12 @@ struct Reader {
   }
   void read(Element element, const Path& at, MapTeacher& value) const {
     read_name(element, at, value, parse_map_teacher);
+  }
+  void read(Element element, const Path& at, TextKind& value) const {
+    read_name(element, at, value, parse_text_kind);
+  }
+  void read(Element element, const Path& at, Letters& value) const {
+    read_name(element, at, value, parse_letters);
   }
   void read(Element element, const Path& at, Subout& value) const {
     read_name(element, at, value, parse_subout);
