@@ -18,8 +18,8 @@ namespace enfilade::agents {
 struct RunOptions {
   std::size_t batch_size = 100;
   /// Actions after which an episode is ended. Far above what the agents here need: the longest
-  /// teacher path of R2R takes 35.
-  std::size_t max_actions = 200;
+  /// teacher path of R2R takes 35; DUET's goes back and forth, and turns at each viewpoint.
+  std::size_t max_actions = 1000;
   std::uint64_t seed = 1;  ///< an episode's stream is named by its instruction id
   /// Batch size and seed in it are replaced by those above.
   sim::SimulatorConfig simulator = sim::SimulatorConfig::room_to_room();

@@ -8,14 +8,17 @@
 
 namespace enfilade::models {
 
+constexpr std::array<std::string_view, 3> kSubouts{"tanh", "max", "own-max"};
+
 std::string_view to_string(Subout value) noexcept {
-  return value == Subout::kTanh ? "tanh" : "max";
+  return kSubouts[static_cast<std::size_t>(value)];
 }
 
 Subout parse_subout(std::string_view name) {
-  if (name == to_string(Subout::kTanh)) return Subout::kTanh;
-  if (name == to_string(Subout::kMax)) return Subout::kMax;
-  throw ArgumentError(fmt::format("subout {:?}: tanh or max is allowed", name));
+  for (std::size_t i = 0; i < kSubouts.size(); ++i) {
+    if (kSubouts[i] == name) return static_cast<Subout>(i);
+  }
+  throw ArgumentError(fmt::format("subout {:?}: tanh, max or own-max is allowed", name));
 }
 
 void validate(const PanoramicConfig& config) {

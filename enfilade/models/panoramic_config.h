@@ -9,9 +9,12 @@ namespace enfilade::models {
 /// What the decoder starts from.
 enum class Subout : std::uint8_t {
   kTanh,  ///< the last hidden state of the sentence
-  kMax,   ///< the largest value of each number over the sentence (EnvDrop's run script)
+  /// The largest value of each number over the sentence and the zeros behind it, up to the longest
+  /// of the batch (EnvDrop's run script): what an agent does depends on who walks beside it.
+  kMax,
+  kOwnMax,  ///< the largest value over its own words
 };
-std::string_view to_string(Subout value) noexcept;  ///< "tanh", "max"
+std::string_view to_string(Subout value) noexcept;  ///< "tanh", "max", "own-max"
 Subout parse_subout(std::string_view name);         ///< \throws ArgumentError
 
 /// The sizes of EnvDrop's listener (Tan, Yu, Bansal 2019) as its run script has them.

@@ -12,6 +12,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/models/attention.h"
+#include "enfilade/neural/detail/batches.h"
 #include "enfilade/tasks/score.h"
 
 namespace enfilade::neural {
@@ -23,23 +24,20 @@ constexpr auto kEnd = static_cast<std::int32_t>(SixAction::kStop);
 // split, in its order; the last batch may be smaller.
 template <class Body>
 void for_each_batch(const PreparedSplit& split, R2rEnvironmentConfig config, const Body& body) {
-  const std::size_t total = split.episodes.episodes.size(), most = config.batch_size;
-  if (most == 0) throw ArgumentError("batch size 0: at least 1 is needed");
   std::optional<R2rEnvironment> environment;
-  std::vector<std::size_t> episodes;
   std::vector<std::uint32_t> tokens;
-  for (std::size_t first = 0; first < total; first += most) {
-    config.batch_size = std::min(most, total - first);
-    episodes.resize(config.batch_size);
-    std::iota(episodes.begin(), episodes.end(), first);
-    tokens.resize(config.batch_size * split.instructions.max_words());
-    split.instructions.gather(episodes, tokens);
-    if (!environment || environment->size() != config.batch_size) {
-      environment.emplace(split.episodes, split.view_features(), config);
-    }
-    environment->start(episodes);
-    body(*environment, InstructionBatch{tokens, config.batch_size}, first);
-  }
+  detail::for_each_batch(
+      split.episodes.episodes.size(), config.batch_size,
+      [&](std::span<const std::size_t> episodes) {
+        config.batch_size = episodes.size();
+        tokens.resize(config.batch_size * split.instructions.max_words());
+        split.instructions.gather(episodes, tokens);
+        if (!environment || environment->size() != config.batch_size) {
+          environment.emplace(split.episodes, split.view_features(), config);
+        }
+        environment->start(episodes);
+        body(*environment, InstructionBatch{tokens, config.batch_size}, episodes.front());
+      });
 }
 
 // The episodes whose attention write_walk() writes: the first ones, the best by SPL (of equal SPLs
@@ -147,8 +145,10 @@ double compute_loss(Network& network, const PreparedSplit& split, const LossOpti
 void write_walk(const std::filesystem::path& results, const std::filesystem::path& attention,
                 const GreedyWalk& walk, const PreparedSplit& split,
                 const tasks::Vocabulary& vocabulary, std::size_t attention_episodes) {
-  for (const auto& file : {results, attention}) make_folder(file.parent_path());
+  make_folder(results.parent_path());
   write_file_atomically(results, to_json(walk.trajectories, split.episodes));
+  if (attention.empty()) return;
+  make_folder(attention.parent_path());
   std::vector<std::pair<std::string, models::EpisodeAttention>> shown;
   for (const std::size_t i : shown_episodes(walk, split.episodes, attention_episodes)) {
     shown.emplace_back(split.episodes.episodes[i].instruction_id,

@@ -66,8 +66,8 @@ struct LossOptions {
 double compute_loss(Network& network, const PreparedSplit& split, const LossOptions& options);
 
 /// Writes `results/<split>.json` and `results/<split>.attention.json` of a model directory.
-/// The latter has the first `attention_episodes` episodes and, if the split can be scored, a
-/// third as many of the best by SPL and of the worst by navigation error.
+/// The latter, unless its name is empty, has the first `attention_episodes` episodes and, if the
+/// split can be scored, a third as many of the best by SPL and of the worst by navigation error.
 /// \throws FileError
 void write_walk(const std::filesystem::path& results, const std::filesystem::path& attention,
                 const GreedyWalk& walk, const PreparedSplit& split,

@@ -71,7 +71,9 @@ TEST_F(EvaluationTest, TheAgentMakesTheSameWalksAsTheBatch) {
   for (const char* name : {"val_seen", "test"}) {
     const PreparedSplit split = prepared(name);
     const GreedyWalk walk = walk_greedily(model_.network, split, options());
-    Seq2SeqAgent agent(load_model(folder()), ViewFeatures(features_, split.episodes));
+    Seq2SeqAgent agent(load_model(folder()));
+    agent.enter(split.episodes, &features_);
+    EXPECT_TRUE(same(agent.walk({options().batch_size}, {}), walk.trajectories, split.episodes));
     agents::RunOptions run;
     run.batch_size = options().batch_size;
     EXPECT_TRUE(
@@ -126,7 +128,9 @@ TEST_F(EvaluationTest, AttentionFilesSayWhatWasReadDoneAndSeen) {
 }
 
 TEST_F(EvaluationTest, AgentsThatSeeNeedFeaturesOfTheirSize) {
-  EXPECT_THROW(Seq2SeqAgent(load_model(folder()), std::nullopt), ArgumentError);
+  const PreparedSplit split = prepared("val_seen");
+  const auto agent = load_trained_agent(folder());
+  EXPECT_THROW(agent->enter(split.episodes, nullptr), ArgumentError);
 }
 
 }  // namespace

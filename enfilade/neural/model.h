@@ -1,4 +1,4 @@
-/// \file  A trained agent, loaded from its model directory.
+/// \file  A trained sequence-to-sequence network, loaded from its model directory.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -17,9 +17,12 @@ struct Model {
   std::uint64_t iteration = 0;  ///< of the weights
   Network network;
 };
-/// Loads a model. \throws FileError for a missing file; InvalidInput for damaged files, a
-/// vocabulary that has not the network's size, or weights that do not fit; Error for a device that
-/// is not available
+/// The files of a model directory. \throws FileError if it is none, naming the file that is missing
+models::ModelFiles require_model(const std::filesystem::path& folder);
+
+/// Loads a model of seq2seq. \throws FileError for a missing file; InvalidInput for damaged files,
+/// a vocabulary that has not the network's size, or weights that do not fit; ArgumentError for
+/// another agent's; Error for a device that is not available
 Model load_model(const std::filesystem::path& folder, const std::string& device = "cpu");
 
 }  // namespace enfilade::neural

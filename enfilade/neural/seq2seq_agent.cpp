@@ -1,22 +1,23 @@
 #include "enfilade/neural/seq2seq_agent.h"
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <utility>
 
-#include "enfilade/core/errors.h"
-
 namespace enfilade::neural {
 
-Seq2SeqAgent::Seq2SeqAgent(Model model, std::optional<ViewFeatures> features)
-    : model_(std::move(model)), features_(std::move(features)) {
-  const models::NetworkConfig& network = model_.config.training.network;
-  if (!network.inputs.vision) {
-    features_.reset();
-  } else if (!features_ || features_->dimensions() != network.features) {
-    throw ArgumentError(fmt::format("features of {} numbers a view; the network needs {}",
-                                    features_ ? features_->dimensions() : 0, network.features));
+void Seq2SeqAgent::enter(const tasks::EpisodeSet& episodes, const features::FeatureSet* features) {
+  split_.emplace(prepare(episodes, model_.vocabulary, model_.config.training.network.max_words,
+                         usable_features(model_.config, features)));
+}
+
+std::vector<tasks::Trajectory> Seq2SeqAgent::walk(const SplitWalk& options,
+                                                  const Progress& progress) {
+  GreedyWalk walk = walk_greedily(model_.network, *split_,
+                                  {options.batch_size, model_.config.training.max_steps}, progress);
+  if (!options.results.empty()) {
+    write_walk(options.results, options.attention, walk, *split_, model_.vocabulary);
   }
+  return std::move(walk.trajectories);
 }
 
 void Seq2SeqAgent::start(std::span<const agents::Observation> batch) {
@@ -27,7 +28,7 @@ void Seq2SeqAgent::start(std::span<const agents::Observation> batch) {
   for (const agents::Observation& seen : batch) {
     const auto row = model_.vocabulary.encode(seen.episode->text, words);
     tokens.insert(tokens.end(), row.begin(), row.end());
-    if (features_) scans_.push_back(features_->scan(seen.graph->scan()));
+    if (features() != nullptr) scans_.push_back(features()->scan(seen.graph->scan()));
   }
   seen_.resize(batch.size() * model_.config.training.network.features);
   forward_open_.resize(batch.size());
@@ -44,10 +45,10 @@ void Seq2SeqAgent::act(std::span<const agents::Observation> batch,
   }
   for (std::size_t i = 0; i < batch.size(); ++i) {
     forward_open_[i] = batch[i].navigable.size() > 1 ? 1 : 0;
-    if (!features_) continue;
-    const std::size_t n = features_->dimensions();
-    features_->copy(scans_[i], batch[i].viewpoint, batch[i].view_index,
-                    std::span(seen_).subspan(i * n, n));
+    if (features() == nullptr) continue;
+    const std::size_t n = features()->dimensions();
+    features()->copy(scans_[i], batch[i].viewpoint, batch[i].view_index,
+                     std::span(seen_).subspan(i * n, n));
   }
   model_.network.act(seen_, forward_open_, actions_);
   for (std::size_t i = 0; i < batch.size(); ++i) {

@@ -3,21 +3,25 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "enfilade/agents/agent.h"
+#include "enfilade/neural/evaluation.h"
 #include "enfilade/neural/model.h"
+#include "enfilade/neural/trained_agent.h"
 #include "enfilade/neural/view_features.h"
 
 namespace enfilade::neural {
 
-/// Chooses the most likely action at each step, at most TrainConfig::max_steps (20), in the
-/// simulator's room_to_room() configuration. walk_greedily() makes the same trajectories faster.
-class Seq2SeqAgent : public agents::Agent {
+/// Chooses the most likely action at each step, at most TrainConfig::max_steps (20).
+class Seq2SeqAgent : public TrainedAgent {
  public:
-  /// \param features of the episodes' scans; none if the model does not see
-  /// \throws ArgumentError if the model sees and there are none, or their size is not the network's
-  Seq2SeqAgent(Model model, std::optional<ViewFeatures> features);
+  explicit Seq2SeqAgent(Model model) : model_(std::move(model)) {}
+
+  const models::ModelConfig& config() const noexcept override { return model_.config; }
+  std::uint64_t iteration() const noexcept override { return model_.iteration; }
+  void enter(const tasks::EpisodeSet& episodes, const features::FeatureSet* features) override;
+  std::vector<tasks::Trajectory> walk(const SplitWalk& options, const Progress& progress) override;
 
   std::string_view name() const override { return "seq2seq"; }
   void start(std::span<const agents::Observation> batch) override;
@@ -25,8 +29,10 @@ class Seq2SeqAgent : public agents::Agent {
            std::span<agents::Decision> decisions) override;
 
  private:
+  const ViewFeatures* features() const { return split_->view_features(); }
+
   Model model_;
-  std::optional<ViewFeatures> features_;
+  std::optional<PreparedSplit> split_;
   std::vector<ScanIndex> scans_;  // by slot
   std::vector<float> seen_;
   std::vector<std::uint8_t> forward_open_;

@@ -11,6 +11,9 @@
 #include "enfilade/models/instructions.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/neural/detail/learner.h"
+#include "enfilade/neural/duet/duet_learner.h"
+#include "enfilade/neural/panoramic/panoramic_learner.h"
+#include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/score.h"
 
 namespace enfilade::neural {
@@ -88,6 +91,17 @@ void check_same_model(const models::ModelFiles& files, const models::ModelConfig
       files.folder.string(), fmt::join(found, "\n  ")));
 }
 
+std::unique_ptr<detail::Learner> make_learner(const models::TrainConfig& config,
+                                              const tasks::Vocabulary& vocabulary,
+                                              const std::string& device) {
+  if (config.agent == models::AgentKind::kSeq2Seq) {
+    return detail::make_seq2seq_learner(config, vocabulary, device);
+  }
+  require_cpu(config.agent, device);
+  if (config.agent == models::AgentKind::kDuet) return duet::make_duet_learner(config, vocabulary);
+  return panoramic::make_panoramic_learner(config, vocabulary);
+}
+
 class Training {
  public:
   Training(const models::TrainConfig& config, const TrainingData& data, const fs::path& directory,
@@ -98,7 +112,7 @@ class Training {
         vocabulary_(models::training_vocabulary(data.training, config.least_count)),
         model_{completed(config, data, vocabulary_), data.fingerprint},
         lock_((make_folder(directory), files_.lock())),
-        learner_(detail::make_seq2seq_learner(model_.training, vocabulary_, device)) {}
+        learner_(make_learner(model_.training, vocabulary_, device)) {}
 
   bool run() {
     if (fs::exists(files_.config())) {

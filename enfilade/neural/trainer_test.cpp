@@ -5,15 +5,18 @@
 #include <sys/resource.h>
 
 #include <fmt/format.h>
+#include <array>
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "enfilade/agents/run.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/models/folder_lock.h"
 #include "enfilade/neural/device.h"
 #include "enfilade/neural/model.h"
+#include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/score.h"
 #include "tests/support/refusal.h"
 #include "tests/support/small_training.h"
@@ -26,6 +29,9 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
+
+constexpr std::array<models::AgentKind, 3> kKinds{
+    models::AgentKind::kSeq2Seq, models::AgentKind::kPanoramic, models::AgentKind::kDuet};
 
 // What an interrupted run throws, in place of the signal that a process would get.
 struct Stop : std::runtime_error {
@@ -130,21 +136,93 @@ TEST_F(TrainerTest, ThreadsChangeNothing) {
   set_threads(0);
 }
 
+// Each way in which each agent is trained.
+std::vector<models::TrainConfig> ways_to_train() {
+  std::vector<models::TrainConfig> ways;
+  for (const models::AgentKind agent : kKinds) {
+    for (const models::Feedback feedback :
+         {models::Feedback::kSample, models::Feedback::kTeacher}) {
+      ways.push_back(tests::SmallTraining::config(agent));
+      ways.back().feedback = feedback;
+    }
+  }
+  models::TrainConfig labels = tests::SmallTraining::config(models::AgentKind::kPanoramic);
+  labels.sampled_loss = models::SampledLoss::kLabels;
+  labels.optimizer = models::Optimizer::kAdamW;
+  labels.schedule = models::Schedule::kLinear;
+  labels.warm_up = 4;
+  ways.push_back(labels);
+  return ways;
+}
+
 TEST_F(TrainerTest, GoesOnToTheBitAfterBeingStoppedAnywhere) {
-  for (const models::Feedback feedback : {models::Feedback::kSample, models::Feedback::kTeacher}) {
-    models::TrainConfig config = small_->config();
-    config.feedback = feedback;
-    const std::string name(to_string(feedback));
+  std::size_t way = 0;
+  for (const models::TrainConfig& config : ways_to_train()) {
+    const std::string name = std::to_string(way++) + std::string(to_string(config.agent));
     train_into(fresh(name), config);
     // Before the first checkpoint, between two, right after one, and between evaluation and end.
     for (const std::uint64_t stop : {3U, 7U, 10U, 12U}) {
-      const fs::path folder = fresh(name + std::to_string(stop));
+      const fs::path folder = fresh(name + "_" + std::to_string(stop));
       train_until(folder, config, stop);
       EXPECT_TRUE(train_into(folder, config));
       EXPECT_EQ(weights(folder), weights(fresh(name))) << name << " stopped at " << stop;
       EXPECT_EQ(log(folder), log(fresh(name))) << name << " stopped at " << stop;
     }
   }
+}
+
+// The viewpoints of a trajectory, each once where the agent stays.
+std::vector<ViewpointIndex> places(const tasks::Trajectory& trajectory) {
+  std::vector<ViewpointIndex> places;
+  for (const tasks::TrajectoryPoint& point : trajectory.points) {
+    if (places.empty() || places.back() != point.viewpoint) places.push_back(point.viewpoint);
+  }
+  return places;
+}
+
+TEST_F(TrainerTest, AgentsWalkStepByStepAsInWholeSplits) {
+  const features::FeatureSet features = features::FeatureSet::open(small_->features());
+  for (const models::AgentKind kind : kKinds) {
+    const models::TrainConfig config = small_->config(kind);
+    const fs::path folder = fresh(std::string(to_string(kind)));
+    train_into(folder, config);
+    const auto agent = load_trained_agent(folder);
+    EXPECT_EQ(agent->name(), to_string(kind));
+    EXPECT_EQ(agent->iteration(), 12U);
+    const auto data = small_->load(config);
+    for (const tasks::EpisodeSet& split : data.validation) {
+      agent->enter(split, &features);
+      const auto whole = agent->walk({16}, {});
+      const auto results = load_results(models::ModelFiles{folder}.results(split.split), split);
+      for (const std::size_t batch : {100U, 7U}) {
+        agents::RunOptions run;
+        run.batch_size = batch;
+        const auto steps = agents::run_agent(*agent, split, run);
+        ASSERT_EQ(steps.size(), whole.size());
+        for (std::size_t i = 0; i < whole.size(); ++i) {
+          EXPECT_EQ(places(steps[i]), places(whole[i])) << to_string(kind) << " " << i;
+          EXPECT_EQ(places(results.trajectories[i]), places(whole[i])) << to_string(kind);
+        }
+      }
+    }
+  }
+}
+
+TEST_F(TrainerTest, APanoramicAgentsConfigIsReadBack) {
+  const models::TrainConfig config = small_->config(models::AgentKind::kPanoramic);
+  const fs::path folder = fresh("model");
+  train_into(folder, config);
+  const auto there = models::load_model_config(models::ModelFiles{folder}.config()).training;
+  EXPECT_EQ(there.agent, models::AgentKind::kPanoramic);
+  EXPECT_EQ(there.panoramic.subout, models::Subout::kOwnMax);
+  EXPECT_EQ(there.panoramic.hidden, 8U);
+  EXPECT_EQ(there.optimizer, models::Optimizer::kRmsProp);
+  EXPECT_THAT([&] { load_model(folder); },
+              ThrowsMessage<ArgumentError>(HasSubstr("an agent panoramic, not seq2seq")));
+  EXPECT_THAT([&] { load_trained_agent(folder, "cuda"); },
+              ThrowsMessage<ArgumentError>(HasSubstr("computes on cpu alone")));
+  EXPECT_THAT([&] { train_into(folder, small_->config()); },
+              ThrowsMessage<ArgumentError>(HasSubstr("agent: panoramic, not seq2seq")));
 }
 
 TEST_F(TrainerTest, TrainsInTheFirstBuildingsAlone) {
@@ -232,11 +310,15 @@ TEST_F(TrainerTest, NeedsFeaturesOnlyToSee) {
   models::TrainConfig config = small_->config();
   EXPECT_THAT([&] { load_training_data(small_->root(), config, std::nullopt); },
               ThrowsMessage<ArgumentError>(HasSubstr("needs features")));
-  for (const char* inputs : {"language", "none"}) {
-    config.network.inputs = models::parse_inputs(inputs);
-    EXPECT_TRUE(
-        train(config, load_training_data(small_->root(), config, std::nullopt), fresh(inputs)));
-    EXPECT_EQ(load_model(fresh(inputs)).config.training.network.features, 0U);
+  for (const models::AgentKind kind : kKinds) {
+    for (const char* inputs : {"language", "none"}) {
+      config = small_->config(kind);
+      config.network.inputs = models::parse_inputs(inputs);
+      const fs::path folder = fresh(fmt::format("{}_{}", to_string(kind), inputs));
+      EXPECT_TRUE(train(config, load_training_data(small_->root(), config, std::nullopt), folder));
+      const auto agent = load_trained_agent(folder);
+      EXPECT_EQ(agent->config().training.network.features, 0U);
+    }
   }
 }
 

@@ -54,12 +54,22 @@ class SmallTraining {
 
   /// Learns nothing, but goes through everything: 12 iterations, evaluation at 6 and 12,
   /// checkpoints at 5, 10 and 12.
-  static models::TrainConfig config() {
-    models::TrainConfig config;
+  static models::TrainConfig config(models::AgentKind agent = models::AgentKind::kSeq2Seq) {
+    models::TrainConfig config = models::recipe(agent);
     config.network.max_words = 30;
     config.network.word_embedding = 6;
     config.network.hidden = 8;
     config.network.action_embedding = 3;
+    config.panoramic.word_embedding = 6;
+    config.panoramic.action_embedding = 3;
+    config.panoramic.hidden = 8;
+    config.panoramic.angle = 4;
+    config.panoramic.subout = models::Subout::kOwnMax;
+    config.duet = models::duet_preset("duet-s");
+    config.duet.hidden = 8;
+    config.duet.heads = 2;
+    config.duet.feed_forward = config.duet.panorama_feed_forward = 12;
+    config.duet.text_layers = config.duet.panorama_layers = config.duet.cross_layers = 1;
     config.iterations = 12;
     config.batch_size = 16;
     config.max_steps = 6;

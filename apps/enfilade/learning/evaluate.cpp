@@ -8,8 +8,8 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/neural/evaluation.h"
-#include "enfilade/neural/model.h"
+#include "enfilade/neural/network.h"
+#include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/score.h"
 
 namespace enfilade::apps {
@@ -37,46 +37,45 @@ tasks::EpisodeSet load_split(const std::string& split, const dataset::Dataset& d
   return episodes;
 }
 
-void evaluate(const Options& options, neural::Model& model, const neural::PreparedSplit& split) {
-  const std::string& name = split.episodes.split;
-  const neural::WalkOptions walk_options{options.batch_size, model.config.training.max_steps};
-  const neural::GreedyWalk walk = neural::walk_greedily(
-      model.network, split, walk_options, progress_bar(fmt::format("{}, {}", options.model, name)));
+void evaluate(const Options& options, neural::TrainedAgent& agent,
+              const tasks::EpisodeSet& episodes) {
+  const std::string& name = episodes.split;
   const models::ModelFiles files{options.model};
   const fs::path folder(options.output);
   const bool named = !options.output.empty();
-  write_walk(named ? folder / (name + ".json") : files.results(name),
-             named ? folder / (name + ".attention.json") : files.attention(name), walk, split,
-             model.vocabulary);
-  fmt::print("{} (iteration {}) on {}: {} episodes\n", options.model, model.iteration, name,
-             walk.trajectories.size());
-  if (goals_hidden(split.episodes)) {
+  const auto trajectories =
+      agent.walk({options.batch_size, named ? folder / (name + ".json") : files.results(name),
+                  named ? folder / (name + ".attention.json") : files.attention(name)},
+                 progress_bar(fmt::format("{}, {}", options.model, name)));
+  fmt::print("{} ({}, iteration {}) on {}: {} episodes\n", options.model, agent.name(),
+             agent.iteration(), name, trajectories.size());
+  if (goals_hidden(episodes)) {
     fmt::print("The goals of this split are hidden; hand the results file in.\n");
   } else {
-    fmt::print("{}", to_table(compute_score(walk.trajectories, split.episodes)));
+    fmt::print("{}", to_table(compute_score(trajectories, episodes)));
   }
 }
 
 void run(const Options& options) {
   neural::set_threads(options.threads);
-  neural::Model model = neural::load_model(options.model, options.device);
+  const auto agent = neural::load_trained_agent(options.model, options.device);
   std::optional<features::FeatureSet> file;
-  if (model.config.training.network.inputs.vision && !options.features.empty()) {
+  if (agent->config().training.network.inputs.vision && !options.features.empty()) {
     file = features::FeatureSet::open(options.features);
   }
-  const features::FeatureSet* features = usable_features(model.config, file ? &*file : nullptr);
+  const features::FeatureSet* features = usable_features(agent->config(), file ? &*file : nullptr);
   const dataset::Dataset data = open_data(options.data);
   models::DataFingerprint here;
   if (file) here.features = file->info();
-  std::vector<neural::PreparedSplit> splits;
-  for (const std::string& split : options.splits) {
-    splits.push_back(neural::prepare(load_split(split, data, here), model.vocabulary,
-                                     model.config.training.network.max_words, features));
-  }
+  std::vector<tasks::EpisodeSet> splits;
+  for (const std::string& split : options.splits) splits.push_back(load_split(split, data, here));
   const auto warnings =
-      differences(model.config.data, here, models::ModelFiles{options.model}.config().string());
+      differences(agent->config().data, here, models::ModelFiles{options.model}.config().string());
   if (!warnings.empty()) print_diagnostics(warnings);
-  for (const neural::PreparedSplit& split : splits) evaluate(options, model, split);
+  for (const tasks::EpisodeSet& split : splits) {
+    agent->enter(split, features);
+    evaluate(options, *agent, split);
+  }
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ inline constexpr const char* kPretrainHelp =
     "room: for model homes, where ImageNet's weights are not at hand. Learns from the homes of "
     "the split train alone; prints how well it does elsewhere.";
 inline constexpr const char* kTrainHelp =
-    "Train the sequence-to-sequence agent; run again, it goes on where it was";
+    "Train an agent: seq2seq, panoramic or duet; run again, it goes on where it was";
 
 /// What to do where the second program is missing: wheels do not have it.
 inline constexpr const char* kHowToLearn =

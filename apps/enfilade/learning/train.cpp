@@ -1,12 +1,15 @@
-// enfilade train: a sequence-to-sequence agent.
+// enfilade train: an agent that learns.
 #include <fmt/format.h>
 #include <unistd.h>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/learning/learn.h"
+#include "apps/enfilade/learning/training_options.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/trainer.h"
@@ -17,14 +20,11 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string data, features, output;
-  std::string feedback = "student", inputs = "language+vision";
-  std::string after_end{to_string(models::AfterEnd::kWalksOn)};
-  std::string forward{to_string(models::ForwardTo::kNearest)};
-  std::string device = "cpu";
-  std::size_t iterations = 0;  // 0: the paper's
+  std::string data, features, output, device = "cpu";
   int threads = 0;
-  models::TrainConfig config;
+  TrainingOptions training;
+  std::vector<std::string> splits{"train"}, validation{"val_seen", "val_unseen"};
+  std::optional<std::size_t> buildings;
 };
 
 std::string duration(double seconds) {
@@ -78,13 +78,10 @@ class Reporter {
 };
 
 models::TrainConfig config_of(const Options& options) {
-  models::TrainConfig config = options.config;
-  config.feedback = models::parse_feedback(options.feedback);
-  config.network.inputs = models::parse_inputs(options.inputs);
-  config.after_end = models::parse_after_end(options.after_end);
-  config.forward = models::parse_forward_to(options.forward);
-  config.iterations =
-      options.iterations > 0 ? options.iterations : models::paper_iterations(config.feedback);
+  models::TrainConfig config = options.training.config();
+  config.splits = options.splits;
+  config.validation = options.validation;
+  config.buildings = options.buildings;
   validate(config);
   return config;
 }
@@ -112,33 +109,6 @@ void run(const Options& options) {
              options.output, config.iterations, 100 * reporter.data_share());
 }
 
-void add_recipe(CLI::App& verb, Options& options) {
-  models::TrainConfig& config = options.config;
-  const auto number = [&](const char* name, std::size_t& value, const char* what) {
-    add_whole_number(verb, name, value, what);
-  };
-  const auto real = [&](const char* name, double& value, const char* what) {
-    add_setting(verb, name, value, "", what, finite_number());
-  };
-  verb.add_option("--iterations", options.iterations,
-                  "Updates; by default the paper's: 20000 for student, 5000 for teacher")
-      ->check(whole_number(1));
-  number("--batch", config.batch_size, "Episodes an iteration");
-  number("--max-steps", config.max_steps, "Actions an episode");
-  add_whole_number(verb, "--evaluate-every", config.evaluate_every,
-                   "Iterations between validations; 0: never", 0);
-  number("--checkpoint-every", config.checkpoint_every, "Iterations between checkpoints");
-  add_whole_number(verb, "--seed", config.seed, "Of weights, order, dropout and drawn actions", 0);
-  number("--hidden", config.network.hidden, "Of both LSTMs");
-  number("--word-embedding", config.network.word_embedding, "Numbers a word");
-  number("--action-embedding", config.network.action_embedding, "Numbers an action");
-  number("--max-words", config.network.max_words, "Of an instruction; the rest is cut off");
-  number("--least-count", config.least_count, "Uses of a word that make it known");
-  real("--dropout", config.network.dropout, "Share, below 1");
-  real("--learning-rate", config.adam.learning_rate, "Of Adam");
-  real("--weight-decay", config.adam.weight_decay, "L2, inside Adam");
-}
-
 void add_data(CLI::App& verb, Options& options) {
   add_data_option(verb, options.data);
   add_value(verb, "--features", options.features, "FILE",
@@ -146,14 +116,14 @@ void add_data(CLI::App& verb, Options& options) {
   add_value(verb, "-o,--output", options.output, "MODELDIR",
             "Model directory; one that is there is trained on from its last checkpoint")
       ->required();
-  add_setting(verb, "--splits", options.config.splits, "",
+  add_setting(verb, "--splits", options.splits, "",
               "Trained on, and the vocabulary's; for the test submission "
               "train,val_seen,val_unseen")
       ->delimiter(',');
-  add_value(verb, "--buildings", options.config.buildings, "N",
+  add_value(verb, "--buildings", options.buildings, "N",
             "Train in the first N buildings of the splits alone, for curves; else in all")
       ->check(whole_number(1));
-  add_setting(verb, "--validation", options.config.validation, "", "Splits to validate with")
+  add_setting(verb, "--validation", options.validation, "", "Splits to validate with")
       ->delimiter(',');
 }
 
@@ -163,26 +133,13 @@ void add_train(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("train", kTrainHelp);
   const auto options = std::make_shared<Options>();
   add_data(verb, *options);
-  const auto choice = [&](const char* name, std::string& value, const char* what,
-                          const std::vector<std::string>& allowed) {
-    add_setting(verb, name, value, "", what, CLI::IsMember(allowed));
-  };
-  choice("--feedback", options->feedback, "What is done next in training", {"student", "teacher"});
-  choice("--inputs", options->inputs, "What the agent may use",
-         {"language+vision", "language", "vision", "none"});
-  choice("--after-end", options->after_end,
-         "An agent that ended away from its goal walks on, labelled, as in the released code, or "
-         "stays",
-         {"walks-on", "stays"});
-  choice("--forward", options->forward,
-         "In training, forward leads to the nearest neighbour, as in the released code, or to the "
-         "one that the teacher intended",
-         {"nearest", "intended"});
-  add_recipe(verb, *options);
-  add_setting(verb, "--device", options->device, "", "cpu, cuda, cuda:1, ...");
+  options->training.add_to(verb);
+  add_setting(verb, "--device", options->device, "",
+              "cpu, cuda, cuda:1, ...; agents but seq2seq: cpu");
   add_threads_option(verb, options->threads);
   set_examples(verb, {"enfilade train --data DIR --features resnet.safetensors -o student",
                       "enfilade train --feedback teacher --inputs language -o language-only",
+                      "enfilade train --agent panoramic --features vit.safetensors -o panoramic",
                       "enfilade train --splits train,val_seen,val_unseen --features "
                       "resnet.safetensors -o submission"});
   verb.callback([options] { run(*options); });

@@ -7,6 +7,7 @@
 
 #include "enfilade/features/tensor_file.h"
 #include "enfilade/models/model_directory.h"
+#include "enfilade/neural/detail/weights.h"
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/trainer.h"
 #include "enfilade/tasks/results.h"
@@ -47,5 +48,8 @@ class Learner {
 std::unique_ptr<Learner> make_seq2seq_learner(const models::TrainConfig& config,
                                               const tasks::Vocabulary& vocabulary,
                                               const std::string& device);
+
+/// Copies for a file.
+Network::State as_state(const Weights& weights);
 
 }  // namespace enfilade::neural::detail

@@ -4,6 +4,7 @@
 #include <ATen/core/Reduction.h>
 #include <fmt/format.h>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "enfilade/core/errors.h"
@@ -12,6 +13,8 @@
 
 namespace enfilade::neural::duet {
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostObjects = 20;
 constexpr std::int64_t kViews = 36;
@@ -59,6 +62,7 @@ class Run {
       ++result.steps;
     }
     for (const auto& state : states_) result.walks.push_back(std::move(state->walk));
+    result.environment_seconds = std::chrono::duration<double>(spent_).count();
     return result;
   }
 
@@ -80,7 +84,9 @@ class Run {
   }
 
   Tokens see() {
+    const Clock::time_point begin = Clock::now();
     PanoramaInput input = panorama_of(active_, config_);
+    spent_ += Clock::now() - begin;
     if (dropout_) {
       input.views = (*dropout_)(input.views, config_.feature_dropout);
       if (input.objects.defined()) {
@@ -99,24 +105,30 @@ class Run {
 
   void step(std::size_t t, Rollout& result) {
     const Tokens seen = see();
+    const Clock::time_point begin = Clock::now();
     std::vector<std::vector<TopologicalMap::Node>> nodes;
     for (const WalkState* state : active_) {
       nodes.emplace_back(state->map.rows().begin(), state->map.rows().end());
     }
     const NavigationInput input = navigation_of(active_, nodes, seen, config_);
+    spent_ += Clock::now() - begin;
     const NavigationOutput output = network_.navigate(text_of_active(), input, dropout());
     std::vector<StepRow> rows(active_.size());
     for (std::size_t i = 0; i < active_.size(); ++i) begin_row(*active_[i], nodes[i], rows[i]);
     remember(output, rows);
     if (options_.expert) {
+      const Clock::time_point labelling = Clock::now();
       for (std::size_t i = 0; i < active_.size(); ++i) label(*active_[i], t, rows[i]);
+      spent_ += Clock::now() - labelling;
       add_loss(output, rows, result.loss);
     }
     choose(output, t, rows);
     const bool last = t + 1 == static_cast<std::size_t>(config_.max_actions);
     for (std::size_t i = 0; i < active_.size(); ++i) decide(*active_[i], last, rows[i]);
     if (watcher_) watcher_({t, rows, &seen, &input, &output});
+    const Clock::time_point moving = Clock::now();
     for (std::size_t i = 0; i < active_.size(); ++i) move(*active_[i], t, rows[i]);
+    spent_ += Clock::now() - moving;
   }
 
   static void begin_row(const WalkState& state, const std::vector<TopologicalMap::Node>& nodes,
@@ -287,6 +299,7 @@ class Run {
   std::optional<Dropout> dropout_;
   Tokens text_;
   at::Tensor probabilities_;
+  Clock::duration spent_{};
 };
 
 }  // namespace

@@ -127,6 +127,7 @@ struct Rollout {
   std::vector<Walk> walks;
   at::Tensor loss;  ///< the sum over steps and episodes; not defined without an expert
   std::size_t steps = 0;
+  double environment_seconds = 0;  ///< of looking, maps, labels and moving: all but the network
 };
 
 /// Walks episodes of networks whose features have the same sizes. Keeps what it knows of viewpoints

@@ -15,6 +15,7 @@ TrainingStep accumulate(const DuetNetwork& network, Walker& walker,
   for (const TrainingWalk& part : walks) {
     const Rollout rollout = walker.walk(network, part.episodes, part.options, watcher);
     result.losses.push_back(0);
+    result.environment_seconds += rollout.environment_seconds;
     if (!rollout.loss.defined()) continue;
     const at::Tensor loss =
         rollout.loss * (part.weight / static_cast<double>(part.episodes.size()));

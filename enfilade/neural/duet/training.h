@@ -23,9 +23,10 @@ struct TrainingWalk {
 
 /// What an iteration came to.
 struct TrainingStep {
-  double loss = 0;             ///< the sum of `losses`
-  std::vector<double> losses;  ///< by walk, weights included
-  double norm = 0;             ///< of the gradients before clipping
+  double loss = 0;                 ///< the sum of `losses`
+  std::vector<double> losses;      ///< by walk, weights included
+  double norm = 0;                 ///< of the gradients before clipping
+  double environment_seconds = 0;  ///< as Rollout's, of all walks
 };
 
 /// Walks and adds up the losses; gradients are then those of their sum. The same seeds and weights

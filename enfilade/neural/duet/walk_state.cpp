@@ -35,7 +35,9 @@ at::Tensor padded(const std::vector<at::Tensor>& rows) {
   for (const at::Tensor& row : rows) longest = std::max(longest, row.size(0));
   std::vector<at::Tensor> all;
   for (const at::Tensor& row : rows) {
-    all.push_back(at::constant_pad_nd(row, {0, 0, 0, longest - row.size(0)}));
+    const std::int64_t missing = longest - row.size(0);
+    all.push_back(missing == 0 ? row
+                               : at::cat({row, at::zeros({missing, row.size(1)}, row.options())}));
   }
   return at::stack(all);
 }

@@ -150,12 +150,15 @@ Encoding PanoramicNetwork::encode(const WordBatch& words) {
     return directions == 2 ? at::cat({state[1], state[0]}, 1) : state[0];
   };
   Encoding encoding;
-  const at::Tensor from =
-      config_.subout == Subout::kMax ? std::get<0>(context.max(1)) : joined(hidden);
+  encoding.mask = at::arange(longest, at::kLong).unsqueeze(0).ge(lengths.unsqueeze(1));
+  at::Tensor from = joined(hidden);
+  if (config_.subout == Subout::kMax) from = std::get<0>(context.max(1));
+  if (config_.subout == Subout::kOwnMax) {
+    from = std::get<0>(context.masked_fill(encoding.mask.unsqueeze(2), kNone).max(1));
+  }
   encoding.start = at::tanh(linear(from, "encoder.encoder2decoder"));
   encoding.cell = joined(cells);
   encoding.context = drop(context, config_.dropout);
-  encoding.mask = at::arange(longest, at::kLong).unsqueeze(0).ge(lengths.unsqueeze(1));
   return encoding;
 }
 

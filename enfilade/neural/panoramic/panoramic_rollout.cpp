@@ -4,6 +4,7 @@
 #include <c10/core/GradMode.h>
 #include <fmt/format.h>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -13,6 +14,7 @@
 namespace enfilade::neural::panoramic {
 namespace {
 
+using Clock = std::chrono::steady_clock;
 using models::Feedback;
 
 // What a step leaves for the losses.
@@ -43,18 +45,23 @@ class Rollout {
     DecoderState state{encoding.start, encoding.cell};
     at::Tensor imitation = at::zeros({}, at::kFloat);
     for (std::size_t t = 0; t < options_.max_actions && going(); ++t) {
+      const Clock::time_point begin = Clock::now();
       const StepInput input = look(walks_, network_.config(), images_);
+      const std::vector<std::size_t> teachers = teachers_of();
+      spent_ += Clock::now() - begin;
       const StepOutput out = network_.step(encoding, state, input);
       state = out.next;
       const at::Tensor logs = at::log_softmax(out.logits, 1);
-      const std::vector<std::size_t> teachers = teachers_of();
       const std::vector<std::size_t> choices = choices_of(out.logits, teachers);
       if (options_.imitate) imitation = imitation - pick(logs, teachers).mul(active()).sum();
       if (options_.reinforce) keep(out, logs, choices);
       if (observer) observer({t, input, out, walks_, choices});
+      const Clock::time_point moving = Clock::now();
       move(choices);
+      spent_ += Clock::now() - moving;
       ++losses_.steps;
     }
+    losses_.environment_seconds = std::chrono::duration<double>(spent_).count();
     if (options_.imitate) losses_.imitation = imitation / static_cast<double>(walks_.size());
     if (options_.reinforce) reinforce(encoding, state);
     return std::move(losses_);
@@ -190,6 +197,7 @@ class Rollout {
   const PanoramicRolloutOptions& options_;
   std::vector<Rng> rngs_;
   std::vector<Kept> kept_;
+  Clock::duration spent_{};
   RolloutLosses losses_;
 };
 

@@ -59,6 +59,7 @@ struct RolloutLosses {
   at::Tensor imitation;      ///< cross-entropy of the teacher's choices, summed, divided by rows
   at::Tensor reinforcement;  ///< advantage actor-critic, divided by the actions taken
   std::size_t steps = 0;
+  double environment_seconds = 0;  ///< of looking, moving and teachers
   std::vector<std::vector<double>> rewards, returns, values;
   std::vector<std::vector<std::uint8_t>> active;  ///< 1: the row acted
   std::vector<double> last_values;                ///< of the states after the last step

@@ -1,0 +1,238 @@
+#include "apps/enfilade/learning/training_options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "apps/common/program.h"
+
+namespace enfilade::apps {
+namespace {
+
+using models::AgentKind;
+using models::TrainConfig;
+
+constexpr std::array<AgentKind, 3> kKinds{AgentKind::kSeq2Seq, AgentKind::kPanoramic,
+                                          AgentKind::kDuet};
+
+TrainConfig recipe_of(AgentKind kind) {
+  TrainConfig config = models::recipe(kind);
+  // What two cores can train from nothing; --size duet is the published one.
+  if (kind == AgentKind::kDuet) config.duet = models::duet_preset("duet-s");
+  return config;
+}
+
+// "(default: 100; panoramic 64, duet 8)"
+template <class Field>
+std::string defaults(const std::vector<AgentKind>& kinds, const Field& field) {
+  std::vector<std::string> texts;
+  std::string first;
+  for (const AgentKind kind : kinds.empty() ? std::vector(kKinds.begin(), kKinds.end()) : kinds) {
+    TrainConfig config = recipe_of(kind);
+    const std::string text = fmt::format("{}", field(config));
+    if (first.empty()) first = text;
+    if (text != first) texts.push_back(fmt::format("{} {}", to_string(kind), text));
+  }
+  return fmt::format(" (default: {}{}{})", first, texts.empty() ? "" : "; ",
+                     fmt::join(texts, ", "));
+}
+
+}  // namespace
+
+template <class T>
+CLI::Option* TrainingOptions::change(CLI::App& verb, const std::string& name,
+                                     const std::string& help, const Kinds& kinds,
+                                     const std::function<void(TrainConfig&, const T&)>& apply) {
+  const auto value = std::make_shared<T>();
+  CLI::Option* const option = verb.add_option(name, *value, help);
+  changes_.push_back(
+      {option, kinds, [value, apply](TrainConfig& config) { apply(config, *value); }});
+  return option;
+}
+
+void TrainingOptions::whole(CLI::App& verb, const std::string& name, const std::string& help,
+                            const Kinds& kinds,
+                            const std::function<std::size_t&(TrainConfig&)>& field,
+                            std::uint64_t least) {
+  change<std::size_t>(verb, name, help + defaults(kinds, field), kinds,
+                      [field](TrainConfig& config, std::size_t value) { field(config) = value; })
+      ->check(whole_number(least));
+}
+
+void TrainingOptions::real(CLI::App& verb, const std::string& name, const std::string& help,
+                           const Kinds& kinds, const std::function<double&(TrainConfig&)>& field) {
+  change<double>(verb, name, help + defaults(kinds, field), kinds,
+                 [field](TrainConfig& config, double value) { field(config) = value; })
+      ->check(finite_number());
+}
+
+void TrainingOptions::name(CLI::App& verb, const std::string& name, const std::string& help,
+                           const Kinds& kinds, const std::vector<std::string>& allowed,
+                           const std::function<void(TrainConfig&, const std::string&)>& apply) {
+  change<std::string>(verb, name, help, kinds, apply)->check(CLI::IsMember(allowed));
+}
+
+void TrainingOptions::add_to(CLI::App& verb) {
+  add_setting(verb, "--agent", agent_, "",
+              "seq2seq: six actions (Anderson et al. 2018); panoramic: an LSTM that chooses among "
+              "neighbours (EnvDrop's, 2019); duet: a Transformer with a map (2022)",
+              CLI::IsMember({"seq2seq", "panoramic", "duet"}));
+  name(verb, "--feedback", "What is done next in training (default: student)", {},
+       {"student", "teacher"}, [](TrainConfig& config, const std::string& value) {
+         config.feedback = models::parse_feedback(value);
+         if (config.agent == AgentKind::kSeq2Seq) {
+           config.iterations = models::paper_iterations(config.feedback);
+         }
+       });
+  name(verb, "--inputs", "What the agent may use (default: language+vision)", {},
+       {"language+vision", "language", "vision", "none"},
+       [](TrainConfig& config, const std::string& value) {
+         config.network.inputs = models::parse_inputs(value);
+       });
+  name(verb, "--after-end",
+       "An agent that ended away from its goal walks on, labelled, as in the released code, or "
+       "stays (default: walks-on)",
+       {AgentKind::kSeq2Seq}, {"walks-on", "stays"},
+       [](TrainConfig& config, const std::string& value) {
+         config.after_end = models::parse_after_end(value);
+       });
+  name(verb, "--forward",
+       "In training, forward leads to the nearest neighbour, as in the released code, or to the "
+       "one that the teacher intended (default: nearest)",
+       {AgentKind::kSeq2Seq}, {"nearest", "intended"},
+       [](TrainConfig& config, const std::string& value) {
+         config.forward = models::parse_forward_to(value);
+       });
+  name(verb, "--sampled-loss",
+       "What is learned from a walk of its own: the teacher's choices (labels), or rewards by "
+       "advantage actor-critic, as EnvDrop (default: reinforce)",
+       {AgentKind::kPanoramic}, {"labels", "reinforce"},
+       [](TrainConfig& config, const std::string& value) {
+         config.sampled_loss = models::parse_sampled_loss(value);
+       });
+  name(verb, "--map-teacher",
+       "The node that the teacher names: the least way to the goal, or the walk most like the "
+       "annotated path (default: spl)",
+       {AgentKind::kDuet}, {"spl", "ndtw"}, [](TrainConfig& config, const std::string& value) {
+         config.map_teacher = models::parse_map_teacher(value);
+       });
+  add_updates(verb);
+  add_sizes(verb);
+}
+
+void TrainingOptions::add_updates(CLI::App& verb) {
+  const Kinds viewpoints{AgentKind::kPanoramic, AgentKind::kDuet};
+  whole(verb, "--iterations", "Updates; of seq2seq 5000 with --feedback teacher", {},
+        [](TrainConfig& config) -> std::size_t& { return config.iterations; });
+  whole(verb, "--batch", "Episodes an iteration", {},
+        [](TrainConfig& config) -> std::size_t& { return config.batch_size; });
+  whole(verb, "--max-steps", "Actions an episode, or choices of a viewpoint", {},
+        [](TrainConfig& config) -> std::size_t& { return config.max_steps; });
+  whole(
+      verb, "--evaluate-every", "Iterations between validations; 0: never", {},
+      [](TrainConfig& config) -> std::size_t& { return config.evaluate_every; }, 0);
+  whole(verb, "--checkpoint-every", "Iterations between checkpoints", {},
+        [](TrainConfig& config) -> std::size_t& { return config.checkpoint_every; });
+  change<std::uint64_t>(verb, "--seed", "Of weights, order, dropout and drawn actions (default: 1)",
+                        {}, [](TrainConfig& config, std::uint64_t seed) { config.seed = seed; })
+      ->check(whole_number(0));
+  real(verb, "--teacher-weight", "Of the loss of a walk behind the teacher, beside an own one",
+       viewpoints, [](TrainConfig& config) -> double& { return config.teacher_weight; });
+  real(verb, "--learning-rate", "Of the optimizer", {},
+       [](TrainConfig& config) -> double& { return config.adam.learning_rate; });
+  real(verb, "--weight-decay", "L2 inside adam, beside adamw", {},
+       [](TrainConfig& config) -> double& { return config.adam.weight_decay; });
+  name(verb, "--optimizer", "Default: panoramic rmsprop, duet adamw, as published", viewpoints,
+       {"adam", "adamw", "rmsprop"}, [](TrainConfig& config, const std::string& value) {
+         config.optimizer = models::parse_optimizer(value);
+       });
+  real(verb, "--beta2", "Share of the old mean of squared gradients", {},
+       [](TrainConfig& config) -> double& { return config.adam.beta2; });
+  real(verb, "--clip", "Largest norm of the gradients", viewpoints,
+       [](TrainConfig& config) -> double& { return config.clip; });
+  whole(
+      verb, "--warm-up", "First updates, in which the rate rises", viewpoints,
+      [](TrainConfig& config) -> std::size_t& { return config.warm_up; }, 0);
+  name(verb, "--schedule", "The rate stays, or falls to 0 in a line (default: constant)",
+       viewpoints, {"constant", "linear"}, [](TrainConfig& config, const std::string& value) {
+         config.schedule = models::parse_schedule(value);
+       });
+}
+
+void TrainingOptions::add_sizes(CLI::App& verb) {
+  const Kinds lstms{AgentKind::kSeq2Seq, AgentKind::kPanoramic}, panoramic{AgentKind::kPanoramic};
+  const Kinds viewpoints{AgentKind::kPanoramic, AgentKind::kDuet};
+  name(verb, "--size", "Of all of DUET: small, or as published (default: duet-s)",
+       {AgentKind::kDuet}, {"duet-s", "duet"}, [](TrainConfig& config, const std::string& value) {
+         config.duet = models::duet_preset(value);
+       });
+  whole(verb, "--hidden", "Of both LSTMs", lstms, [](TrainConfig& config) -> std::size_t& {
+    return config.agent == AgentKind::kPanoramic ? config.panoramic.hidden : config.network.hidden;
+  });
+  whole(verb, "--word-embedding", "Numbers a word", lstms, [](TrainConfig& config) -> std::size_t& {
+    return config.agent == AgentKind::kPanoramic ? config.panoramic.word_embedding
+                                                 : config.network.word_embedding;
+  });
+  whole(verb, "--action-embedding", "Numbers an action, or the agent's own direction", lstms,
+        [](TrainConfig& config) -> std::size_t& {
+          return config.agent == AgentKind::kPanoramic ? config.panoramic.action_embedding
+                                                       : config.network.action_embedding;
+        });
+  whole(
+      verb, "--angle", "Numbers of a direction: 4, repeated", panoramic,
+      [](TrainConfig& config) -> std::size_t& { return config.panoramic.angle; }, 4);
+  name(verb, "--subout",
+       "What the decoder starts from: the last hidden state (tanh), the largest values over the "
+       "sentence and its padding, as published (max), or without the padding (own-max)",
+       panoramic, {"tanh", "max", "own-max"}, [](TrainConfig& config, const std::string& value) {
+         config.panoramic.subout = models::parse_subout(value);
+       });
+  whole(verb, "--max-words", "Of an instruction; the rest is cut off", {},
+        [](TrainConfig& config) -> std::size_t& { return config.network.max_words; });
+  whole(verb, "--least-count", "Uses of a word that make it known", {},
+        [](TrainConfig& config) -> std::size_t& { return config.least_count; });
+  real(verb, "--dropout", "Share, below 1", {}, [](TrainConfig& config) -> double& {
+    switch (config.agent) {
+      case AgentKind::kPanoramic:
+        return config.panoramic.dropout;
+      case AgentKind::kDuet:
+        return config.duet.dropout;
+      default:
+        return config.network.dropout;
+    }
+  });
+  real(verb, "--feature-dropout", "Share of the pictures' numbers, below 1", viewpoints,
+       [](TrainConfig& config) -> double& {
+         return config.agent == AgentKind::kDuet ? config.duet.feature_dropout
+                                                 : config.panoramic.feature_dropout;
+       });
+}
+
+TrainConfig TrainingOptions::config() const {
+  TrainConfig config = recipe_of(models::parse_agent_kind(agent_));
+  for (const Change& change : changes_) {
+    if (change.option->count() == 0) continue;
+    if (!change.kinds.empty() &&
+        std::ranges::find(change.kinds, config.agent) == change.kinds.end()) {
+      throw UsageError(
+          fmt::format("{}: not an option of --agent {}", change.option->get_name(), agent_));
+    }
+    change.apply(config);
+  }
+  validate(config);
+  return config;
+}
+
+std::vector<std::string> TrainingOptions::words() const {
+  std::vector<std::string> words{"--agent", agent_};
+  for (const Change& change : changes_) {
+    if (change.option->count() == 0) continue;
+    words.push_back(change.option->get_name());
+    words.push_back(change.option->results().front());
+  }
+  return words;
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,51 @@
+/// \file  The options that say how an agent is trained, for train and study.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "enfilade/models/train_config.h"
+
+namespace enfilade::apps {
+
+/// Options that change a recipe. What is not given is as models::recipe() has it.
+class TrainingOptions {
+ public:
+  /// Adds --agent and all that changes its recipe. *this outlives the verb.
+  void add_to(CLI::App& verb);
+  /// The recipe of the agent with the changes. \throws UsageError for an option that another kind
+  /// of agent has; ArgumentError as validate()
+  models::TrainConfig config() const;
+  /// The words on a command line that give the same options again.
+  std::vector<std::string> words() const;
+
+ private:
+  using Kinds = std::vector<models::AgentKind>;
+  template <class T>
+  CLI::Option* change(CLI::App& verb, const std::string& name, const std::string& help,
+                      const Kinds& kinds,
+                      const std::function<void(models::TrainConfig&, const T&)>& apply);
+  void whole(CLI::App& verb, const std::string& name, const std::string& help, const Kinds& kinds,
+             const std::function<std::size_t&(models::TrainConfig&)>& field,
+             std::uint64_t least = 1);
+  void real(CLI::App& verb, const std::string& name, const std::string& help, const Kinds& kinds,
+            const std::function<double&(models::TrainConfig&)>& field);
+  void name(CLI::App& verb, const std::string& name, const std::string& help, const Kinds& kinds,
+            const std::vector<std::string>& allowed,
+            const std::function<void(models::TrainConfig&, const std::string&)>& apply);
+  void add_sizes(CLI::App& verb);
+  void add_updates(CLI::App& verb);
+
+  std::string agent_{"seq2seq"};
+  struct Change {
+    CLI::Option* option;
+    Kinds kinds;  // empty: of all
+    std::function<void(models::TrainConfig&)> apply;
+  };
+  std::vector<Change> changes_;
+};
+
+}  // namespace enfilade::apps

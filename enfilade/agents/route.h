@@ -1,0 +1,35 @@
+/// \file  From a choice of viewpoints to the simulator's small steps.
+#pragma once
+#include <deque>
+#include <optional>
+#include <span>
+
+#include "enfilade/agents/agent.h"
+#include "enfilade/agents/panorama.h"
+
+namespace enfilade::agents {
+
+/// In which way an agent turns to the view that has its next viewpoint.
+enum class Turning {
+  kRight,    ///< always to the right, as in EnvDrop: its trajectories have an entry a turn
+  kShorter,  ///< the shorter way
+};
+
+/// The viewpoints that an agent has still to walk to, one after another. It looks into the view
+/// that has the next one, turn by turn, and goes there.
+class Route {
+ public:
+  explicit Route(Turning turning) : turning_(turning) {}
+
+  /// Begins anew. \param way neighbours, one after another, without the present viewpoint
+  void set(std::span<const ViewpointIndex> way) { way_.assign(way.begin(), way.end()); }
+  /// The next turn or move; no value where the way is done. To be asked before each action.
+  /// \throws ArgumentError for a viewpoint that cannot be gone to from where the agent is
+  std::optional<Decision> next(const Observation& seen, const Panorama& panorama);
+
+ private:
+  Turning turning_;
+  std::deque<ViewpointIndex> way_;
+};
+
+}  // namespace enfilade::agents

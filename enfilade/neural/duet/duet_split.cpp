@@ -1,0 +1,124 @@
+#include "enfilade/neural/duet/duet_split.h"
+
+#include <c10/core/GradMode.h>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "enfilade/core/file.h"
+#include "enfilade/geometry/angle.h"
+#include "enfilade/neural/detail/batches.h"
+
+namespace enfilade::neural::duet {
+namespace {
+
+// The views of a feature set; no objects.
+class ViewSurroundings : public Surroundings {
+ public:
+  ViewSurroundings(const tasks::EpisodeSet& episodes, const ViewFeatures* features)
+      : graphs_(*episodes.graphs), features_(features) {}
+
+  void views(const graph::NavGraph& graph, ViewpointIndex viewpoint,
+             std::span<float> out) override {
+    if (features_ == nullptr) return;
+    const std::size_t n = features_->dimensions();
+    const ScanIndex scan = graphs_.at(graph.scan());
+    for (std::uint32_t view = 0; view < ViewFeatures::kViews; ++view) {
+      features_->copy(scan, viewpoint, view, out.subspan(view * n, n));
+    }
+  }
+
+ private:
+  const graph::GraphSet& graphs_;
+  const ViewFeatures* features_;
+};
+
+Radians direction(const graph::NavGraph& graph, ViewpointIndex from, ViewpointIndex to) {
+  const auto a = graph.position(from), b = graph.position(to);
+  return wrap_heading(Radians(std::atan2(double{b.x} - double{a.x}, double{b.y} - double{a.y})));
+}
+
+tasks::Trajectory trajectory_of(const Walk& walk, const graph::NavGraph& graph,
+                                std::uint32_t start_view, std::size_t episode) {
+  tasks::Trajectory trajectory;
+  trajectory.episode = episode;
+  trajectory.actions = walk.path.size() - 1;
+  trajectory.object = walk.object;
+  for (const auto& part : walk.path) {
+    for (const ViewpointIndex viewpoint : part) {
+      const Radians heading = trajectory.points.empty()
+                                  ? agents::view_heading(start_view)
+                                  : direction(graph, trajectory.points.back().viewpoint, viewpoint);
+      trajectory.points.push_back({viewpoint, heading, Radians(0)});
+    }
+  }
+  return trajectory;
+}
+
+}  // namespace
+
+DuetSplit::DuetSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
+                     const models::TrainConfig& config, const features::FeatureSet* features)
+    : episodes_(episodes) {
+  const bool reads = config.network.inputs.language;
+  for (const tasks::Episode& episode : episodes.episodes) {
+    const tasks::ReferencePath& path = episodes.path_of(episode);
+    WalkEpisode walk{episode.instruction_id,
+                     path.scan,
+                     path.viewpoints.front(),
+                     agents::level_view(path.heading),
+                     reads ? words.encode(episode, config.network.max_words)
+                           : words.encode("", config.network.max_words),
+                     {},
+                     {}};
+    if (!goal_hidden(path)) walk.reference = path.viewpoints;
+    if (const auto* object = std::get_if<tasks::SeenObject>(&path.goal))
+      walk.object = std::to_string(object->id);
+    walks_.push_back(std::move(walk));
+  }
+  if (features != nullptr) features_.emplace(*features, episodes);
+  surroundings_ = std::make_unique<ViewSurroundings>(episodes, features_ ? &*features_ : nullptr);
+  walker_ = std::make_unique<Walker>(episodes.graphs, *surroundings_);
+}
+
+std::vector<WalkEpisode> DuetSplit::batch(std::span<const std::size_t> episodes) const {
+  std::vector<WalkEpisode> batch;
+  batch.reserve(episodes.size());
+  for (const std::size_t index : episodes) batch.push_back(walks_[index]);
+  return batch;
+}
+
+std::vector<tasks::Trajectory> walk_episodes(const DuetNetwork& network, DuetSplit& split,
+                                             std::span<const std::size_t> episodes,
+                                             const StepWatcher& watcher) {
+  const c10::NoGradGuard no_gradients;
+  const std::vector<WalkEpisode> batch = split.batch(episodes);
+  const Rollout rollout = split.walker().walk(network, batch, {}, watcher);
+  std::vector<tasks::Trajectory> trajectories;
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    trajectories.push_back(trajectory_of(rollout.walks[i],
+                                         split.episodes().graphs->graph(batch[i].scan),
+                                         batch[i].start_view, episodes[i]));
+  }
+  return trajectories;
+}
+
+std::vector<tasks::Trajectory> walk_and_write(const DuetNetwork& network, DuetSplit& split,
+                                              const SplitWalk& options, const Progress& progress) {
+  const std::size_t total = split.episodes().episodes.size();
+  std::vector<tasks::Trajectory> trajectories;
+  detail::for_each_batch(total, options.batch_size, [&](std::span<const std::size_t> episodes) {
+    for (tasks::Trajectory& one : walk_episodes(network, split, episodes)) {
+      trajectories.push_back(std::move(one));
+    }
+    if (progress) progress(trajectories.size(), total);
+  });
+  if (!options.results.empty()) {
+    make_folder(options.results.parent_path());
+    write_file_atomically(options.results, to_json(trajectories, split.episodes()));
+  }
+  return trajectories;
+}
+
+}  // namespace enfilade::neural::duet

@@ -1,0 +1,58 @@
+/// \file  A split as DUET walks it.
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "enfilade/core/progress.h"
+#include "enfilade/features/feature_set.h"
+#include "enfilade/models/instruction_words.h"
+#include "enfilade/models/train_config.h"
+#include "enfilade/neural/duet/rollout.h"
+#include "enfilade/neural/trained_agent.h"
+#include "enfilade/neural/view_features.h"
+#include "enfilade/tasks/annotations.h"
+
+namespace enfilade::neural::duet {
+
+/// Episodes with their instructions as ids, and what is seen in their buildings. One thread at a
+/// time.
+class DuetSplit {
+ public:
+  /// `episodes` has to outlive *this. \param features null if the agent does not see
+  /// \throws as ViewFeatures
+  DuetSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
+            const models::TrainConfig& config, const features::FeatureSet* features);
+  DuetSplit(const DuetSplit&) = delete;
+  DuetSplit& operator=(const DuetSplit&) = delete;
+
+  const tasks::EpisodeSet& episodes() const noexcept { return episodes_; }
+  /// The episodes with these indices, to be walked.
+  std::vector<WalkEpisode> batch(std::span<const std::size_t> episodes) const;
+  const WalkEpisode& episode(std::size_t index) const { return walks_[index]; }
+  Walker& walker() noexcept { return *walker_; }
+
+ private:
+  const tasks::EpisodeSet& episodes_;
+  std::vector<WalkEpisode> walks_;  // by episode
+  std::optional<ViewFeatures> features_;
+  std::unique_ptr<Surroundings> surroundings_;
+  std::unique_ptr<Walker> walker_;
+};
+
+/// Walks these episodes, each with the likeliest choices. \return their trajectories, in their
+/// order: an entry a viewpoint, with the direction in which it was come to
+std::vector<tasks::Trajectory> walk_episodes(const DuetNetwork& network, DuetSplit& split,
+                                             std::span<const std::size_t> episodes,
+                                             const StepWatcher& watcher = {});
+
+/// Walks all episodes of a split, and writes the files that `options` names. \return a trajectory
+/// per episode, in order \throws FileError
+std::vector<tasks::Trajectory> walk_and_write(const DuetNetwork& network, DuetSplit& split,
+                                              const SplitWalk& options,
+                                              const Progress& progress = {});
+
+}  // namespace enfilade::neural::duet

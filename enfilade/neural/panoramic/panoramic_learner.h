@@ -1,0 +1,16 @@
+/// \file  The panoramic LSTM in training: imitation, student-forcing, advantage actor-critic.
+#pragma once
+#include <memory>
+
+#include "enfilade/neural/detail/learner.h"
+
+namespace enfilade::neural::panoramic {
+
+/// An iteration is a walk behind the teacher, one of the agent's own, or both, of the same
+/// episodes: as TrainConfig::feedback, teacher_weight and sampled_loss say. EnvDrop's is an own
+/// walk with rewards and a fifth of the teacher's loss. \param config outlives it \throws as
+/// PanoramicNetwork
+std::unique_ptr<detail::Learner> make_panoramic_learner(const models::TrainConfig& config,
+                                                        const tasks::Vocabulary& vocabulary);
+
+}  // namespace enfilade::neural::panoramic

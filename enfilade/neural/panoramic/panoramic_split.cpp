@@ -1,0 +1,91 @@
+#include "enfilade/neural/panoramic/panoramic_split.h"
+
+#include <c10/core/GradMode.h>
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "enfilade/core/file.h"
+#include "enfilade/neural/detail/batches.h"
+
+namespace enfilade::neural::panoramic {
+
+PanoramicSplit::PanoramicSplit(const tasks::EpisodeSet& episodes,
+                               const models::InstructionWords& words,
+                               const models::TrainConfig& config,
+                               const features::FeatureSet* features)
+    : episodes_(episodes), panoramas_(episodes.graphs) {
+  const bool reads = config.network.inputs.language;
+  for (const tasks::Episode& episode : episodes.episodes) {
+    words_.push_back(reads ? words.encode(episode, config.network.max_words)
+                           : words.encode("", config.network.max_words));
+  }
+  if (features != nullptr) features_.emplace(*features, episodes);
+  images_ = [this](graph::Location location, std::uint32_t view, std::span<float> out) {
+    if (features_) features_->copy(location.scan, location.viewpoint, view, out);
+  };
+}
+
+PanoramicSplit::Batch PanoramicSplit::begin(std::span<const std::size_t> episodes) {
+  Batch batch;
+  batch.places.resize(episodes.size());
+  std::iota(batch.places.begin(), batch.places.end(), std::size_t{0});
+  std::ranges::stable_sort(batch.places, std::ranges::greater{},
+                           [&](std::size_t place) { return words_[episodes[place]].size(); });
+  std::vector<std::vector<std::int64_t>> sentences;
+  for (const std::size_t place : batch.places) {
+    const std::size_t index = episodes[place];
+    sentences.push_back(words_[index]);
+    const tasks::ReferencePath& path = episodes_.path_of(episodes_.episodes[index]);
+    WalkStart start{{path.scan, path.viewpoints.front()}, path.heading, std::nullopt};
+    if (!goal_hidden(path)) start.goal = path.viewpoints.back();
+    batch.walks.emplace_back(panoramas_, *episodes_.graphs, start);
+  }
+  batch.words = batch_words(sentences);
+  return batch;
+}
+
+std::vector<tasks::Trajectory> walk_episodes(PanoramicNetwork& network, PanoramicSplit& split,
+                                             std::span<const std::size_t> episodes,
+                                             std::size_t max_actions,
+                                             const BatchObserver& observer) {
+  const c10::NoGradGuard no_gradients;
+  network.set_dropout(std::nullopt);
+  PanoramicRolloutOptions options;
+  options.max_actions = max_actions;
+  PanoramicSplit::Batch batch = split.begin(episodes);
+  roll_out(network, batch.words, batch.walks, split.images(), options,
+           [&](const PanoramicStep& step) {
+             if (observer) observer(batch, step);
+           });
+  std::vector<tasks::Trajectory> trajectories(episodes.size());
+  for (std::size_t row = 0; row < batch.walks.size(); ++row) {
+    tasks::Trajectory& trajectory = trajectories[batch.places[row]];
+    trajectory.episode = episodes[batch.places[row]];
+    trajectory.points = batch.walks[row].trajectory();
+  }
+  return trajectories;
+}
+
+std::vector<tasks::Trajectory> walk_and_write(PanoramicNetwork& network, PanoramicSplit& split,
+                                              const models::TrainConfig& config,
+                                              const SplitWalk& options, const Progress& progress) {
+  std::vector<tasks::Trajectory> trajectories;
+  detail::for_each_batch(
+      split.episodes().episodes.size(), options.batch_size,
+      [&](std::span<const std::size_t> episodes) {
+        for (tasks::Trajectory& one : walk_episodes(network, split, episodes, config.max_steps)) {
+          trajectories.push_back(std::move(one));
+        }
+        if (progress) {
+          progress(trajectories.size(), split.episodes().episodes.size());
+        }
+      });
+  if (!options.results.empty()) {
+    make_folder(options.results.parent_path());
+    write_file_atomically(options.results, to_json(trajectories, split.episodes()));
+  }
+  return trajectories;
+}
+
+}  // namespace enfilade::neural::panoramic

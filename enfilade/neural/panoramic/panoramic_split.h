@@ -1,0 +1,72 @@
+/// \file  A split as the panoramic agent walks it.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "enfilade/agents/panorama.h"
+#include "enfilade/core/progress.h"
+#include "enfilade/features/feature_set.h"
+#include "enfilade/models/instruction_words.h"
+#include "enfilade/models/train_config.h"
+#include "enfilade/neural/panoramic/panoramic_rollout.h"
+#include "enfilade/neural/trained_agent.h"
+#include "enfilade/neural/view_features.h"
+#include "enfilade/tasks/annotations.h"
+
+namespace enfilade::neural::panoramic {
+
+/// Episodes with their instructions as ids, and what is seen in their buildings. One thread at a
+/// time.
+class PanoramicSplit {
+ public:
+  /// `episodes` has to outlive *this. \param features null if the agent does not see
+  /// \throws as ViewFeatures
+  PanoramicSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
+                 const models::TrainConfig& config, const features::FeatureSet* features);
+  PanoramicSplit(const PanoramicSplit&) = delete;
+  PanoramicSplit& operator=(const PanoramicSplit&) = delete;
+
+  /// Episodes at their starts. Rows are by falling number of words, as the encoder wants them.
+  struct Batch {
+    std::vector<std::size_t> places;  ///< of each row, among the episodes that were given
+    WordBatch words;
+    std::vector<PanoramicWalk> walks;
+  };
+  /// \param episodes indices into EpisodeSet::episodes
+  Batch begin(std::span<const std::size_t> episodes);
+
+  const tasks::EpisodeSet& episodes() const noexcept { return episodes_; }
+  const ImageSource& images() const noexcept { return images_; }
+  std::span<const std::int64_t> words(std::size_t episode) const { return words_[episode]; }
+
+ private:
+  const tasks::EpisodeSet& episodes_;
+  std::vector<std::vector<std::int64_t>> words_;  // by episode
+  std::optional<ViewFeatures> features_;
+  ImageSource images_;
+  agents::PanoramaCache panoramas_;
+};
+
+/// Called at each step of each batch.
+using BatchObserver =
+    std::function<void(const PanoramicSplit::Batch& batch, const PanoramicStep& step)>;
+
+/// Walks these episodes, each with the likeliest choices. \return their trajectories, in their
+/// order
+std::vector<tasks::Trajectory> walk_episodes(PanoramicNetwork& network, PanoramicSplit& split,
+                                             std::span<const std::size_t> episodes,
+                                             std::size_t max_actions,
+                                             const BatchObserver& observer = {});
+
+/// Walks all episodes of a split up to config.max_steps, and writes the files that `options` names.
+/// \return a trajectory per episode, in order \throws FileError
+std::vector<tasks::Trajectory> walk_and_write(PanoramicNetwork& network, PanoramicSplit& split,
+                                              const models::TrainConfig& config,
+                                              const SplitWalk& options,
+                                              const Progress& progress = {});
+
+}  // namespace enfilade::neural::panoramic

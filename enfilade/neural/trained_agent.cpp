@@ -1,0 +1,43 @@
+#include "enfilade/neural/trained_agent.h"
+
+#include <fmt/format.h>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/neural/duet/duet_agent.h"
+#include "enfilade/neural/model.h"
+#include "enfilade/neural/panoramic/panoramic_agent.h"
+#include "enfilade/neural/seq2seq_agent.h"
+
+namespace enfilade::neural {
+
+namespace fs = std::filesystem;
+
+void require_cpu(models::AgentKind agent, const std::string& device) {
+  if (device == "cpu") return;
+  throw ArgumentError(
+      fmt::format("device {:?}: the agent {} computes on cpu alone", device, to_string(agent)));
+}
+
+std::unique_ptr<TrainedAgent> load_trained_agent(const fs::path& folder,
+                                                 const std::string& device) {
+  const models::ModelFiles files = require_model(folder);
+  models::ModelConfig config = models::load_model_config(files.config());
+  const models::AgentKind kind = config.training.agent;
+  if (kind == models::AgentKind::kSeq2Seq) {
+    return std::make_unique<Seq2SeqAgent>(load_model(folder, device));
+  }
+  require_cpu(kind, device);
+  models::InstructionWords words = models::load_instruction_words(files, config.training);
+  const models::StateFile state = models::open_state(files.weights());
+  if (kind == models::AgentKind::kDuet) {
+    duet::DuetNetwork network(duet_sizes(config.training), state.file);
+    return std::make_unique<duet::DuetAgent>(std::move(config), std::move(words), state.iteration,
+                                             std::move(network));
+  }
+  panoramic::PanoramicNetwork network(panoramic_sizes(config.training), state.file);
+  return std::make_unique<panoramic::PanoramicAgent>(std::move(config), std::move(words),
+                                                     state.iteration, std::move(network));
+}
+
+}  // namespace enfilade::neural
