@@ -19,6 +19,7 @@ enum class Turning {
 /// that has the next one, turn by turn, and goes there.
 class Route {
  public:
+  /// A way that is done, until set().
   explicit Route(Turning turning) : turning_(turning) {}
 
   /// Begins anew. \param way neighbours, one after another, without the present viewpoint

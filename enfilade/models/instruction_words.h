@@ -18,7 +18,9 @@ namespace enfilade::models {
 /// or the pieces of a released vocabulary. Immutable: any thread.
 class InstructionWords {
  public:
+  /// The words of the training instructions.
   explicit InstructionWords(tasks::Vocabulary words);
+  /// Pieces of a released vocabulary.
   explicit InstructionWords(Subwords pieces);
 
   std::size_t size() const noexcept;         ///< ids are below it
