@@ -1,8 +1,9 @@
 /// \file  Dropout on libtorch's tensors, by a seed of its own.
 #pragma once
-#include <ATen/core/Generator.h>
 #include <ATen/core/Tensor.h>
 #include <cstdint>
+
+#include "enfilade/core/rng.h"
 
 namespace enfilade::neural::detail {
 
@@ -10,12 +11,13 @@ namespace enfilade::neural::detail {
 /// same masks. One thread at a time.
 class Dropout {
  public:
-  explicit Dropout(std::uint64_t seed);
-  /// \param rate share of numbers that become 0, below 1; at 0 or below nothing is drawn
+  explicit Dropout(std::uint64_t seed) : rng_(seed) {}
+  /// \param rate share of numbers that become 0, below 1, to the nearest 1 / 65,536; at 0 or below
+  /// nothing is drawn
   at::Tensor operator()(const at::Tensor& values, double rate);
 
  private:
-  at::Generator generator_;
+  Rng rng_;
 };
 
 }  // namespace enfilade::neural::detail

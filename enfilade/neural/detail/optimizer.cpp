@@ -114,8 +114,8 @@ void Optimizer::step(const std::string& name, at::Tensor weight) {
 
 Weights Optimizer::state(const Weights& weights) const {
   Weights all;
-  const auto add = [&](const Weights& moments, const char* prefix,
-                       const std::string& name, const at::Tensor& weight) {
+  const auto add = [&](const Weights& moments, const char* prefix, const std::string& name,
+                       const at::Tensor& weight) {
     const auto found = moments.find(name);
     all.emplace(prefix + name,
                 found != moments.end() ? found->second : at::zeros_like(weight.detach()));
@@ -137,8 +137,7 @@ void Optimizer::load(const Weights& weights, std::span<const ArraySpec> specs,
     wanted.push_back({kSecond + spec.name, spec.shape});
   }
   wanted.push_back({kUpdates, {2}});
-  const Weights read =
-      read_weights(file, wanted, [](std::string_view) { return false; });
+  const Weights read = read_weights(file, wanted, [](std::string_view) { return false; });
   const c10::NoGradGuard no_gradients;
   first_.clear();
   second_.clear();

@@ -94,11 +94,15 @@ class Run {
       }
     }
     Tokens seen = network_.encode_panorama(input, dropout());
-    for (std::size_t i = 0; i < active_.size(); ++i) {
-      const Walker::Place& place = *active_[i]->place;
-      const auto n =
-          static_cast<std::int64_t>(place.panorama->token_views.size() + place.objects.size());
-      active_[i]->embed(seen.values[static_cast<std::int64_t>(i)].narrow(0, 0, n));
+    const std::int64_t n = std::ssize(active_), longest = seen.values.size(1);
+    const std::int64_t before = pool_.defined() ? pool_.size(0) : 0;
+    const at::Tensor mask = seen.mask.unsqueeze(2).to(at::kFloat);
+    const at::Tensor means = (seen.values * mask).sum(1) / mask.sum(1);
+    std::vector<at::Tensor> parts{means, seen.values.reshape({n * longest, seen.values.size(2)})};
+    if (pool_.defined()) parts.insert(parts.begin(), pool_);
+    pool_ = at::cat(parts, 0);
+    for (std::int64_t i = 0; i < n; ++i) {
+      active_[static_cast<std::size_t>(i)]->embed(before + i, before + n + i * longest);
     }
     return seen;
   }
@@ -110,7 +114,7 @@ class Run {
     for (const WalkState* state : active_) {
       nodes.emplace_back(state->map.rows().begin(), state->map.rows().end());
     }
-    const NavigationInput input = navigation_of(active_, nodes, seen, config_);
+    const NavigationInput input = navigation_of(active_, nodes, seen, pool_, config_);
     spent_ += Clock::now() - begin;
     const NavigationOutput output = network_.navigate(text_of_active(), input, dropout());
     std::vector<StepRow> rows(active_.size());
@@ -298,6 +302,7 @@ class Run {
   std::vector<WalkState*> active_;
   std::optional<Dropout> dropout_;
   Tokens text_;
+  at::Tensor pool_;  // all means and tokens of panoramas so far: (rows, hidden)
   at::Tensor probabilities_;
   Clock::duration spent_{};
 };

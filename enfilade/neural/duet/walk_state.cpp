@@ -68,19 +68,14 @@ void WalkState::look(const Walker::Place& seen, std::size_t step) {
   place = &seen;
   map.arrive(*graph, pose.viewpoint, seen.panorama->candidates, static_cast<std::uint32_t>(step));
   embeddings.resize(map.size());
-  shown.resize(map.size(), 0);
   objects.resize(map.size());
 }
 
-void WalkState::embed(const at::Tensor& tokens) {
-  embeddings[node()] = tokens.mean(0);
-  shown[node()] = 1;
+void WalkState::embed(std::int64_t mean, std::int64_t first) {
+  embeddings[node()] = {mean};
   for (std::size_t i = 0; i < place->panorama->candidates.size(); ++i) {
     const TopologicalMap::Node seen = *map.find(place->panorama->candidates[i].viewpoint);
-    if (map.visited(seen)) continue;
-    const at::Tensor token = tokens[static_cast<std::int64_t>(i)];
-    embeddings[seen] = embeddings[seen].defined() ? embeddings[seen] + token : token;
-    ++shown[seen];
+    if (!map.visited(seen)) embeddings[seen].push_back(first + static_cast<std::int64_t>(i));
   }
 }
 
@@ -130,23 +125,38 @@ std::pair<at::Tensor, at::Tensor> words_of(std::span<const WalkEpisode> episodes
   return {padded(rows).squeeze(2), at::tensor(lengths, at::kLong)};
 }
 
+namespace {
+
+// Features of the tokens that are views, zeros behind.
+at::Tensor views_of(std::span<WalkState* const> states, std::int64_t most, std::int64_t columns) {
+  Filled<float> out({std::ssize(states), most, columns}, at::kFloat);
+  for (std::int64_t i = 0; i < std::ssize(states); ++i) {
+    const Walker::Place& place = *states[static_cast<std::size_t>(i)]->place;
+    const float* const views = place.views.data_ptr<float>();
+    std::int64_t j = 0;
+    for (const std::uint32_t view : place.panorama->token_views) {
+      std::copy_n(views + view * columns, columns, out.at(i, j++));
+    }
+  }
+  return out.tensor();
+}
+
+}  // namespace
+
 PanoramaInput panorama_of(std::span<WalkState* const> states, const DuetConfig& config) {
   const auto n = std::ssize(states);
   std::int64_t longest = 0;
   std::vector<std::int64_t> views, objects;
-  std::vector<at::Tensor> features, object_features;
+  std::vector<at::Tensor> object_features;
   for (const WalkState* state : states) {
     const Walker::Place& place = *state->place;
-    const auto& seen = place.panorama->token_views;
-    const std::vector<std::int64_t> which(seen.begin(), seen.end());
-    features.push_back(place.views.index_select(0, at::tensor(which, at::kLong)));
-    views.push_back(std::ssize(which));
+    views.push_back(std::ssize(place.panorama->token_views));
     objects.push_back(std::ssize(place.objects));
     if (config.object != 0) object_features.push_back(place.object_features);
     longest = std::max(longest, views.back() + objects.back());
   }
   PanoramaInput input;
-  input.views = padded(features);
+  input.views = views_of(states, *std::ranges::max_element(views), config.image);
   input.view_counts = at::tensor(views, at::kLong);
   if (config.object != 0) {
     input.objects = padded(object_features);
@@ -210,13 +220,29 @@ struct MapRows {
   }
 };
 
-at::Tensor node_embeddings(const WalkState& state, std::span<const TopologicalMap::Node> rows,
-                           std::int64_t hidden) {
-  std::vector<at::Tensor> all{at::zeros({hidden})};
-  for (const TopologicalMap::Node node : rows) {
-    all.push_back(state.embeddings[node] / static_cast<double>(state.shown[node]));
+// Embeddings of the maps' rows, zeros for stop and padding: a few large operations in place of many
+// small ones, which autograd would have to follow back one by one.
+at::Tensor node_embeddings(std::span<WalkState* const> states,
+                           std::span<const std::vector<TopologicalMap::Node>> rows,
+                           std::int64_t longest, const at::Tensor& pool) {
+  std::vector<std::int64_t> from, to;
+  std::vector<float> share;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    for (std::size_t a = 0; a < rows[i].size(); ++a) {
+      const auto& parts = states[i]->embeddings[rows[i][a]];
+      for (const std::int64_t part : parts) {
+        from.push_back(part);
+        to.push_back(static_cast<std::int64_t>(i) * longest + static_cast<std::int64_t>(a) + 1);
+        share.push_back(1 / static_cast<float>(parts.size()));
+      }
+    }
   }
-  return at::stack(all);
+  const auto n = std::ssize(states);
+  const at::Tensor picked =
+      pool.index_select(0, at::tensor(from, at::kLong)) * at::tensor(share).unsqueeze(1);
+  return at::zeros({n * longest, pool.size(1)})
+      .index_add(0, at::tensor(to, at::kLong), picked)
+      .view({n, longest, pool.size(1)});
 }
 
 // Tokens of the viewpoint of one state, stop before them.
@@ -252,7 +278,8 @@ struct TokenRows {
 
 NavigationInput navigation_of(std::span<WalkState* const> states,
                               std::span<const std::vector<TopologicalMap::Node>> rows,
-                              const Tokens& panorama, const DuetConfig& config) {
+                              const Tokens& panorama, const at::Tensor& pool,
+                              const DuetConfig& config) {
   const auto n = std::ssize(states);
   std::int64_t g = 1;
   for (const auto& list : rows) g = std::max(g, std::ssize(list) + 1);
@@ -264,21 +291,19 @@ NavigationInput navigation_of(std::span<WalkState* const> states,
   Filled<bool> choices({n, v}, at::kBool), objects({n, v}, at::kBool);
   MapRows map{steps, positions, distances, mask, visited};
   TokenRows tokens{token_positions, choices, objects, nodes};
-  std::vector<at::Tensor> embeddings;
   for (std::int64_t i = 0; i < n; ++i) {
     const auto at = static_cast<std::size_t>(i);
     map.write(i, *states[at], rows[at]);
     tokens.write(i, v, *states[at], rows[at]);
-    embeddings.push_back(node_embeddings(*states[at], rows[at], config.hidden));
   }
   NavigationInput input;
-  input.nodes = padded(embeddings);
+  input.nodes = node_embeddings(states, rows, g, pool);
   input.steps = steps.tensor();
   input.node_positions = positions.tensor();
   input.node_mask = mask.tensor();
   input.visited = visited.tensor();
   input.distances = distances.tensor();
-  input.tokens = at::cat({at::zeros({n, 1, config.hidden}), panorama.values}, 1);
+  input.tokens = at::cat({at::zeros({n, 1, pool.size(1)}), panorama.values}, 1);
   input.token_positions = token_positions.tensor();
   input.token_mask = at::cat({at::ones({n, 1}, at::kBool), panorama.mask}, 1);
   input.choices = choices.tensor();

@@ -19,9 +19,10 @@ class WalkState {
 
   /// What it sees where it stands becomes part of the map; `step` is that of the visit.
   void look(const Walker::Place& place, std::size_t step);
-  /// Embeddings of the node where it stands and of the open ones that are seen from it.
-  /// \param tokens (tokens, hidden) of its panorama, without padding
-  void embed(const at::Tensor& tokens);
+  /// The node where it stands, and the open ones that are seen from it, have embeddings now.
+  /// \param mean row of the pool with the mean of its panorama's tokens
+  /// \param first row of the pool with its first token
+  void embed(std::int64_t mean, std::int64_t first);
   /// Goes to a node by known ways and takes the view in which the viewpoint before it has it.
   void go(TopologicalMap::Node node, Walker& walker, const DuetConfig& config);
   /// What the network says where it stands. \param best_object empty: none is there
@@ -36,9 +37,10 @@ class WalkState {
   Pose pose;
   TopologicalMap map;
   const Walker::Place* place = nullptr;
-  std::vector<at::Tensor> embeddings;  ///< visited: the mean; open: the sum
-  std::vector<std::int64_t> shown;     ///< how many embeddings are in the sum
-  std::vector<std::string> objects;    ///< the best where it has been; empty: none
+  /// Rows of the pool of which a node's embedding is the mean: of a visited one a row with a mean,
+  /// of an open one those of the tokens that have shown it.
+  std::vector<std::vector<std::int64_t>> embeddings;
+  std::vector<std::string> objects;  ///< the best where it has been; empty: none
   agents::StopMemory stops;
   Walk walk;
   bool ended = false;
@@ -52,8 +54,10 @@ std::pair<at::Tensor, at::Tensor> words_of(std::span<const WalkEpisode> episodes
                                            const DuetConfig& config);
 PanoramaInput panorama_of(std::span<WalkState* const> states, const DuetConfig& config);
 /// \param rows each map's rows()
+/// \param pool (rows, hidden) what WalkState::embeddings name
 NavigationInput navigation_of(std::span<WalkState* const> states,
                               std::span<const std::vector<TopologicalMap::Node>> rows,
-                              const Tokens& panorama, const DuetConfig& config);
+                              const Tokens& panorama, const at::Tensor& pool,
+                              const DuetConfig& config);
 
 }  // namespace enfilade::neural::duet
