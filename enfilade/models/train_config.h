@@ -119,9 +119,15 @@ struct TrainConfig {
   std::size_t checkpoint_every = 100;  ///< iterations; also after the last
 };
 
-/// How the published code trains an agent: EnvDrop's run script, DUET's of R2R, and for seq2seq
-/// the defaults.
-TrainConfig recipe(AgentKind agent);
+/// Where a training's settings come from.
+enum class Recipe : std::uint8_t {
+  kPublished,  ///< EnvDrop's run script, DUET's of R2R, the paper's of seq2seq: the defaults
+  kSmall,      ///< ours: small networks from nothing, in model homes, on two cores
+};
+std::string_view to_string(Recipe value) noexcept;  ///< "published", "small"
+Recipe parse_recipe(std::string_view name);         ///< \throws ArgumentError
+
+TrainConfig recipe(AgentKind agent, Recipe source = Recipe::kPublished);
 
 /// The sizes of the networks, with what follows from the data. `<BOS>` and `<MASK>` have rows
 /// beside those of words; pieces have all of theirs. \pre the agent is of that kind

@@ -1,5 +1,6 @@
 // enfilade study: success in unseen homes by the number of homes that an agent was trained in.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/learning/run_verb.h"
+#include "apps/enfilade/learning/training_options.h"
 #include "apps/enfilade/verbs.h"
 #include "apps/enfilade/version.h"
 #include "enfilade/agents/run.h"
@@ -30,11 +32,7 @@ struct Options {
   std::string output;
   std::vector<std::size_t> homes{10, 30, 100, 300};
   std::size_t seeds = 1;
-  std::size_t iterations = 2000;
-  std::size_t batch = 100;
-  std::size_t hidden = 256;
-  double learning_rate = 1e-3;
-  std::string feedback = "student";
+  TrainingOptions training;
 };
 
 // How many homes leave `wanted` for training, by the shares of the splits.
@@ -49,7 +47,8 @@ std::size_t set_size(std::size_t wanted) {
 // The whole study, a folder: each step goes on where it was, and does nothing when it is done.
 class Study {
  public:
-  explicit Study(const Options& options) : o_(options), folder_(options.output) {}
+  explicit Study(const Options& options)
+      : o_(options), config_(options.training.config()), folder_(options.output) {}
 
   int run() {
     make_folder(folder_);
@@ -81,31 +80,25 @@ class Study {
   }
 
   void train(std::size_t homes, std::size_t seed) {
-    step({"train",
-          "--data",
-          data(),
-          "--features",
-          features().string(),
-          "--feedback",
-          o_.feedback,
-          "-o",
-          model(homes, seed).string(),
-          "--buildings",
-          std::to_string(homes),
-          "--validation",
-          "val_unseen",
-          "--iterations",
-          std::to_string(o_.iterations),
-          "--evaluate-every",
-          std::to_string(o_.iterations),
-          "--batch",
-          std::to_string(o_.batch),
-          "--hidden",
-          std::to_string(o_.hidden),
-          "--learning-rate",
-          fmt::format("{}", o_.learning_rate),
-          "--seed",
-          std::to_string(seed)});
+    const std::string iterations = std::to_string(config_.iterations);
+    std::vector<std::string> words{"train",
+                                   "--data",
+                                   data(),
+                                   "--features",
+                                   features().string(),
+                                   "-o",
+                                   model(homes, seed).string(),
+                                   "--buildings",
+                                   std::to_string(homes),
+                                   "--validation",
+                                   "val_unseen",
+                                   "--evaluate-every",
+                                   iterations,
+                                   "--seed",
+                                   std::to_string(seed)};
+    const std::vector<std::string> chosen = o_.training.words();
+    words.insert(words.end(), chosen.begin(), chosen.end());
+    step(words);
   }
 
   void write_page() const {
@@ -125,14 +118,14 @@ class Study {
     curve.random = compute_score(agents::run_agent(*random, unseen), unseen).mean("success");
     fmt::print("{:>13}  {:.1f} [{:.1f}, {:.1f}]\n", "random", 100 * curve.random->mean,
                100 * curve.random->low, 100 * curve.random->high);
-    curve.facts = {{"agent", "seq2seq, " + o_.feedback + "-forcing"},
-                   {"iterations", fmt::format("{} of {} episodes", o_.iterations, o_.batch)},
-                   {"hidden", std::to_string(o_.hidden)},
-                   {"learning rate", fmt::format("{}", o_.learning_rate)},
-                   {"unseen episodes", std::to_string(unseen.episodes.size())},
-                   {"pictures", "one encoder for all, pretrained in all training homes"},
-                   {"machine", fmt::format("{}, {} cores", processor_name(), available_threads())},
-                   {"Enfilade", version_with_commit()}};
+    curve.facts = {
+        {"agent", fmt::format("{}", to_string(config_.agent))},
+        {"iterations", fmt::format("{} of {} episodes", config_.iterations, config_.batch_size)},
+        {"options", fmt::format("{}", fmt::join(o_.training.words(), " "))},
+        {"unseen episodes", std::to_string(unseen.episodes.size())},
+        {"pictures", "one encoder for all, pretrained in all training homes"},
+        {"machine", fmt::format("{}, {} cores", processor_name(), available_threads())},
+        {"Enfilade", version_with_commit()}};
     write_output(folder_ / "study.html", report::scaling_curve_page(curve));
     write_output(folder_ / "study.svg", report::scaling_curve_svg(curve));
     fmt::print("\nThe curve, one page for any browser: {}\n",
@@ -149,6 +142,7 @@ class Study {
   }
 
   const Options& o_;
+  models::TrainConfig config_;
   fs::path folder_;
   int status_ = kSuccess;
 };
@@ -168,13 +162,11 @@ void add_study(CLI::App& app, int& status) {
               whole_number(1, 5000))
       ->delimiter(',');
   add_whole_number(verb, "--seeds", options->seeds, "Agents a point");
-  add_whole_number(verb, "--iterations", options->iterations, "Updates, the same for each agent");
-  add_whole_number(verb, "--batch", options->batch, "Episodes an iteration");
-  add_whole_number(verb, "--hidden", options->hidden, "Of the agent's LSTMs");
-  add_setting(verb, "--learning-rate", options->learning_rate, "", "Of Adam", finite_number());
-  add_setting(verb, "--feedback", options->feedback, "", "student or teacher",
-              CLI::IsMember({"student", "teacher"}));
+  // The study gives these itself.
+  options->training.add_to(verb, "small");
+  for (const char* own : {"--seed", "--evaluate-every"}) options->training.leave_out(verb, own);
   set_examples(verb, {"enfilade study -o study --homes 10,30,100,300,1000",
+                      "enfilade study -o duet --agent duet --homes 10,30,100,300 --seeds 3",
                       "enfilade study -o small --homes 3,6 --iterations 50 --batch 20"});
   verb.footer(verb.get_footer() +
               "\nEach agent is trained in the first N of the same homes and walks through the same "

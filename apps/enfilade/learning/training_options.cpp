@@ -17,20 +17,13 @@ using models::TrainConfig;
 constexpr std::array<AgentKind, 3> kKinds{AgentKind::kSeq2Seq, AgentKind::kPanoramic,
                                           AgentKind::kDuet};
 
-TrainConfig recipe_of(AgentKind kind) {
-  TrainConfig config = models::recipe(kind);
-  // What two cores can train from nothing; --size duet is the published one.
-  if (kind == AgentKind::kDuet) config.duet = models::duet_preset("duet-s");
-  return config;
-}
-
 // "(default: 100; panoramic 64, duet 8)"
 template <class Field>
 std::string defaults(const std::vector<AgentKind>& kinds, const Field& field) {
   std::vector<std::string> texts;
   std::string first;
   for (const AgentKind kind : kinds.empty() ? std::vector(kKinds.begin(), kKinds.end()) : kinds) {
-    TrainConfig config = recipe_of(kind);
+    TrainConfig config = models::recipe(kind);
     const std::string text = fmt::format("{}", field(config));
     if (first.empty()) first = text;
     if (text != first) texts.push_back(fmt::format("{} {}", to_string(kind), text));
@@ -74,15 +67,21 @@ void TrainingOptions::name(CLI::App& verb, const std::string& name, const std::s
   change<std::string>(verb, name, help, kinds, apply)->check(CLI::IsMember(allowed));
 }
 
-void TrainingOptions::add_to(CLI::App& verb) {
+void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
+  agent_ = "seq2seq";
+  recipe_ = recipe;
   add_setting(verb, "--agent", agent_, "",
               "seq2seq: six actions (Anderson et al. 2018); panoramic: an LSTM that chooses among "
               "neighbours (EnvDrop's, 2019); duet: a Transformer with a map (2022)",
               CLI::IsMember({"seq2seq", "panoramic", "duet"}));
+  add_setting(verb, "--recipe", recipe_, "",
+              "What the options below change: as published, or small networks from nothing, for "
+              "model homes and two cores",
+              CLI::IsMember({"published", "small"}));
   name(verb, "--feedback", "What is done next in training (default: student)", {},
-       {"student", "teacher"}, [](TrainConfig& config, const std::string& value) {
+       {"student", "teacher"}, [this](TrainConfig& config, const std::string& value) {
          config.feedback = models::parse_feedback(value);
-         if (config.agent == AgentKind::kSeq2Seq) {
+         if (config.agent == AgentKind::kSeq2Seq && recipe_ == "published") {
            config.iterations = models::paper_iterations(config.feedback);
          }
        });
@@ -164,8 +163,8 @@ void TrainingOptions::add_updates(CLI::App& verb) {
 void TrainingOptions::add_sizes(CLI::App& verb) {
   const Kinds lstms{AgentKind::kSeq2Seq, AgentKind::kPanoramic}, panoramic{AgentKind::kPanoramic};
   const Kinds viewpoints{AgentKind::kPanoramic, AgentKind::kDuet};
-  name(verb, "--size", "Of all of DUET: small, or as published (default: duet-s)",
-       {AgentKind::kDuet}, {"duet-s", "duet"}, [](TrainConfig& config, const std::string& value) {
+  name(verb, "--size", "Of all of DUET: as published, or small (default: duet)", {AgentKind::kDuet},
+       {"duet-s", "duet"}, [](TrainConfig& config, const std::string& value) {
          config.duet = models::duet_preset(value);
        });
   whole(verb, "--hidden", "Of both LSTMs", lstms, [](TrainConfig& config) -> std::size_t& {
@@ -210,8 +209,15 @@ void TrainingOptions::add_sizes(CLI::App& verb) {
        });
 }
 
+void TrainingOptions::leave_out(CLI::App& verb, const std::string& name) {
+  CLI::Option* const option = verb.get_option(name);
+  std::erase_if(changes_, [option](const Change& change) { return change.option == option; });
+  verb.remove_option(option);
+}
+
 TrainConfig TrainingOptions::config() const {
-  TrainConfig config = recipe_of(models::parse_agent_kind(agent_));
+  TrainConfig config =
+      models::recipe(models::parse_agent_kind(agent_), models::parse_recipe(recipe_));
   for (const Change& change : changes_) {
     if (change.option->count() == 0) continue;
     if (!change.kinds.empty() &&
@@ -226,7 +232,7 @@ TrainConfig TrainingOptions::config() const {
 }
 
 std::vector<std::string> TrainingOptions::words() const {
-  std::vector<std::string> words{"--agent", agent_};
+  std::vector<std::string> words{"--agent", agent_, "--recipe", recipe_};
   for (const Change& change : changes_) {
     if (change.option->count() == 0) continue;
     words.push_back(change.option->get_name());

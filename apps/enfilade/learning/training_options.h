@@ -14,8 +14,11 @@ namespace enfilade::apps {
 /// Options that change a recipe. What is not given is as models::recipe() has it.
 class TrainingOptions {
  public:
-  /// Adds --agent and all that changes its recipe. *this outlives the verb.
-  void add_to(CLI::App& verb);
+  /// Adds --agent, --recipe and all that changes it. *this outlives the verb.
+  /// \param recipe the default: "published" or "small"
+  void add_to(CLI::App& verb, const std::string& recipe = "published");
+  /// The verb has no such option after all.
+  void leave_out(CLI::App& verb, const std::string& name);
   /// The recipe of the agent with the changes. \throws UsageError for an option that another kind
   /// of agent has; ArgumentError as validate()
   models::TrainConfig config() const;
@@ -39,7 +42,7 @@ class TrainingOptions {
   void add_sizes(CLI::App& verb);
   void add_updates(CLI::App& verb);
 
-  std::string agent_{"seq2seq"};
+  std::string agent_, recipe_;
   struct Change {
     CLI::Option* option;
     Kinds kinds;  // empty: of all

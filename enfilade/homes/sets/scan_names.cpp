@@ -23,7 +23,9 @@ std::optional<std::size_t> place_of_scan(const std::string& scan) {
   return *number - 1;
 }
 
-std::string draws_of(const std::string& scan) { return "home_" + scan.substr(kPrefix.size()); }
+std::string draws_of(const std::string& scan) {
+  return scan.starts_with(kPrefix) ? "home_" + scan.substr(kPrefix.size()) : scan;
+}
 
 void write_alias_graph(const std::filesystem::path& connectivity) {
   scan::Connectivity graph{"ZMojNkEp431", "", {}};

@@ -12,7 +12,8 @@ std::string scan_name(std::size_t home);
 /// The place of a home from its name; no value for other texts.
 std::optional<std::size_t> place_of_scan(const std::string& scan);
 /// What the ids of viewpoints, paths and headings of a home are drawn from: the name that it had in
-/// the first versions, so that they stay the same. \pre scan_name() gave it
+/// the first versions, so that they stay the same. Of other scans, which somebody wrote into the
+/// list of homes, their own name.
 std::string draws_of(const std::string& scan);
 
 /// Writes a graph of one viewpoint under the names that HAMT, DUET and EnvDrop's family ask their
