@@ -151,6 +151,8 @@ void add_train(CLI::App& app, int& /*status*/) {
   set_examples(verb, {"enfilade train --data DIR --features resnet.safetensors -o student",
                       "enfilade train --feedback teacher --inputs language -o language-only",
                       "enfilade train --agent panoramic --features vit.safetensors -o panoramic",
+                      "enfilade train --agent duet --recipe small --data homes --features "
+                      "features.safetensors -o duet",
                       "enfilade train --splits train,val_seen,val_unseen --features "
                       "resnet.safetensors -o submission"});
   verb.callback([options] { run(*options); });
