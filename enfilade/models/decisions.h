@@ -1,0 +1,83 @@
+/// \file  Decision files: how an agent that chooses among viewpoints chose, step by step.
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "enfilade/models/attention.h"
+
+namespace enfilade::models {
+
+/// One thing that an agent could do.
+struct Choice {
+  std::string viewpoint;            ///< where it would go; empty: it stops
+  double probability = 0;           ///< in [0, 1]
+  std::optional<double> map = {};   ///< the probability by the map alone; of agents that have one
+  std::optional<double> view = {};  ///< by what is seen alone; none for what is not to be seen
+};
+
+/// A viewpoint on the agent's map.
+struct MapNode {
+  std::string viewpoint;
+  bool visited = false;             ///< or only seen
+  std::optional<double> stop = {};  ///< probability of stop when it was last there
+};
+
+/// The state before one choice.
+struct DecisionStep {
+  std::string viewpoint;              ///< where the agent is
+  double heading = 0, elevation = 0;  ///< radians, of its view
+  std::vector<double> attention;      ///< one weight per word, in [0, 1]; empty: not recorded
+  std::vector<Choice> choices;        ///< at least one
+  std::size_t chosen = 0;             ///< index of `choices`
+  /// Viewpoints that it goes through to the chosen one, that one included; empty: not recorded, or
+  /// it stays.
+  std::vector<std::string> way;
+  std::optional<double> map_share;  ///< of the map in the common score, in [0, 1]
+  std::vector<MapNode> nodes;       ///< the map so far; empty for an agent without one
+  std::string object;               ///< the one that it would answer here; empty: none
+};
+
+/// One episode.
+struct EpisodeDecisions {
+  std::string agent;               ///< kind: "panoramic", "duet"
+  std::vector<std::string> words;  ///< in reading order, as the agent has them
+  std::vector<DecisionStep> steps;
+};
+
+/// By instruction id.
+using DecisionFile = std::map<std::string, EpisodeDecisions>;
+
+/// Reads "<split>.attention.json" of such an agent: {instr_id: {"agent", "words": [...], "steps":
+/// [{"viewpoint", "heading", "elevation", "attention", "choices": [{"viewpoint", "probability",
+/// "map", "view"}], "chosen", "way", "map_share", "nodes": [{"viewpoint", "visited", "stop"}],
+/// "object"}]}}. Of a step `attention`, `way`, `map_share`, `nodes` and `object` may be missing, of
+/// a choice `map` and `view`, of a node `stop`; other fields are ignored. The viewpoint of stop is
+/// null.
+/// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths: not JSON,
+/// fields that are missing or of a wrong type, a number of weights other than that of words, a
+/// probability outside [0, 1.001], no choice, a chosen one that is none of the choices
+DecisionFile load_decisions(const std::filesystem::path& file);
+/// The same for a text; `file` is its name in messages.
+DecisionFile parse_decisions(std::string_view json, const std::string& file);
+
+/// What may stand in "<split>.attention.json".
+using RecordedSplit = std::variant<AttentionFile, DecisionFile>;
+/// Reads either form: decisions if the first episode names its agent.
+/// \throws as load_attention() and load_decisions()
+RecordedSplit load_recorded_split(const std::filesystem::path& file);
+/// The same for a text; `file` is its name in messages.
+RecordedSplit parse_recorded_split(std::string_view json, const std::string& file);
+
+/// The text of such a file, episodes in the order given, by instruction id. Probabilities and
+/// weights are rounded to 0.0001, angles to six digits.
+std::string decisions_json(std::span<const std::pair<std::string, EpisodeDecisions>> episodes);
+
+}  // namespace enfilade::models
