@@ -113,8 +113,10 @@ at::Tensor PanoramicNetwork::drop(const at::Tensor& x, double rate) {
 }
 
 // Of each view's numbers only those of the picture are dropped.
-at::Tensor PanoramicNetwork::drop_images(const at::Tensor& features) {
-  if (!dropout_ || config_.feature_dropout == 0) return features;
+at::Tensor PanoramicNetwork::drop_images(const at::Tensor& features, FeaturesDropped dropped) {
+  if (!dropout_ || dropped == FeaturesDropped::kBefore || config_.feature_dropout == 0) {
+    return features;
+  }
   const auto image = static_cast<std::int64_t>(config_.image);
   return at::cat({drop(features.narrow(2, 0, image), config_.feature_dropout),
                   features.narrow(2, image, features.size(2) - image)},
@@ -167,7 +169,7 @@ StepOutput PanoramicNetwork::step(const Encoding& encoding, const DecoderState& 
   StepOutput out;
   const at::Tensor own =
       drop(at::tanh(linear(input.action, "decoder.embedding.0")), config_.dropout);
-  const at::Tensor views = drop_images(input.views);
+  const at::Tensor views = drop_images(input.views, input.dropped);
   const at::Tensor query = at::linear(drop(state.tilde, config_.dropout),
                                       weight("decoder.feat_att_layer.linear_in.weight"));
   out.view_attention = at::softmax(scores(views, query), 1);
@@ -187,7 +189,8 @@ StepOutput PanoramicNetwork::step(const Encoding& encoding, const DecoderState& 
                           weight("decoder.attention_layer.linear_out.weight")));
   const at::Tensor choice = at::linear(drop(out.next.tilde, config_.dropout),
                                        weight("decoder.candidate_att_layer.linear_in.weight"));
-  out.logits = scores(drop_images(input.candidates), choice).masked_fill(input.closed, kNone);
+  out.logits =
+      scores(drop_images(input.candidates, input.dropped), choice).masked_fill(input.closed, kNone);
   return out;
 }
 

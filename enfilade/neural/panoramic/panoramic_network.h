@@ -26,12 +26,20 @@ struct Encoding {
   at::Tensor cell;     ///< (n, hidden) its first cell state: backward, then forward
 };
 
+/// Who has taken away a part of the pictures' numbers.
+enum class FeaturesDropped : std::uint8_t {
+  kByNetwork,  ///< the network does, when dropout is on: each number for itself
+  kBefore,     ///< they were when the pictures were read (EnvironmentalDropout): the network does
+               ///< not
+};
+
 /// What the agents see before an action.
 struct StepInput {
   at::Tensor action;      ///< (n, angle) the agent's own heading and elevation
   at::Tensor views;       ///< (n, 36, feature)
   at::Tensor candidates;  ///< (n, most, feature); zeros in the slot of stop and behind it
   at::Tensor closed;      ///< (n, most) bool: true behind the slot of stop
+  FeaturesDropped dropped = FeaturesDropped::kByNetwork;
 };
 
 /// The decoder's memory.
@@ -84,7 +92,7 @@ class PanoramicNetwork {
  private:
   void require_gradients();
   at::Tensor drop(const at::Tensor& x, double rate);
-  at::Tensor drop_images(const at::Tensor& features);
+  at::Tensor drop_images(const at::Tensor& features, FeaturesDropped dropped);
   at::Tensor linear(const at::Tensor& x, const std::string& name) const;
 
   PanoramicConfig config_;

@@ -46,7 +46,7 @@ class Rollout {
     at::Tensor imitation = at::zeros({}, at::kFloat);
     for (std::size_t t = 0; t < options_.max_actions && going(); ++t) {
       const Clock::time_point begin = Clock::now();
-      const StepInput input = look(walks_, network_.config(), images_);
+      const StepInput input = seen();
       const std::vector<std::size_t> teachers = teachers_of();
       spent_ += Clock::now() - begin;
       const StepOutput out = network_.step(encoding, state, input);
@@ -68,6 +68,12 @@ class Rollout {
   }
 
  private:
+  StepInput seen() const {
+    StepInput input = look(walks_, network_.config(), images_);
+    input.dropped = options_.dropped;
+    return input;
+  }
+
   bool going() const {
     return std::ranges::any_of(walks_, [](const PanoramicWalk& walk) { return !walk.ended(); });
   }
@@ -187,7 +193,7 @@ class Rollout {
   // Of one more step, without a gradient.
   at::Tensor last_values(const Encoding& encoding, const DecoderState& state) {
     const c10::NoGradGuard guard;
-    const StepOutput out = network_.step(encoding, state, look(walks_, network_.config(), images_));
+    const StepOutput out = network_.step(encoding, state, seen());
     return network_.value(out.hidden).to(at::kDouble).contiguous();
   }
 

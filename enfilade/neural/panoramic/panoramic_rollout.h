@@ -40,6 +40,8 @@ struct PanoramicRolloutOptions {
   double discount = 0.9;               ///< of a reward per step
   double entropy = 0.01;               ///< weight of the entropy
   double success_distance = 3;         ///< metres, strictly below: a stop is rewarded with 2
+  /// Whether `images` have columns dropped already: drop_environment().
+  FeaturesDropped dropped = FeaturesDropped::kByNetwork;
 };
 
 /// One step, for an observer; valid during the call, before anybody moves.

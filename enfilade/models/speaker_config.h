@@ -1,0 +1,26 @@
+/// \file  The sizes of the speaker, which tells paths in words.
+#pragma once
+#include <cstddef>
+
+namespace enfilade::models {
+
+/// The sizes of EnvDrop's speaker (Tan, Yu, Bansal 2019) as its run script has them.
+struct SpeakerConfig {
+  std::size_t vocabulary = 992;      ///< words, `<BOS>` among them
+  std::size_t word_embedding = 256;  ///< numbers a word
+  std::size_t hidden = 512;          ///< of all LSTMs; even if bidirectional
+  std::size_t image = 2048;          ///< of a view's picture; 0: the speaker does not see
+  std::size_t angle = 128;           ///< of a direction: 4 numbers, repeated
+  bool bidirectional = true;         ///< the path is read in both directions
+  double dropout = 0.6;              ///< of embeddings and hidden states, in training
+  double feature_dropout = 0.3;      ///< of the pictures' numbers, in training
+
+  std::size_t feature() const noexcept { return image + angle; }  ///< numbers of a view
+  friend bool operator==(const SpeakerConfig&, const SpeakerConfig&) = default;
+};
+
+/// \throws ArgumentError naming the field for sizes of 0 (but `image`) or above 2^24, an odd
+/// `hidden` with two directions, an `angle` that is no multiple of 4, or a dropout outside [0, 1)
+void validate(const SpeakerConfig& config);
+
+}  // namespace enfilade::models
