@@ -402,6 +402,8 @@ TEST_F(PickleTest, FindsTheTensorsOfEachOfSeveralNetworks) {
   ASSERT_EQ(file.arrays().size(), 2U);
   EXPECT_NE(file.find("encoder.word"), nullptr);
   EXPECT_NE(file.find("net.word"), nullptr) << "the network's name stands there once";
+  EXPECT_THAT(file.metadata(),
+              ElementsAre(std::pair("encoder.epoch", "8"), std::pair("net.epoch", "8")));
 }
 
 TEST_F(PickleTest, TensorsAreWellFormed) {

@@ -113,6 +113,32 @@ Tensors find_parts(const Value* root) {
   return all;
 }
 
+// What stands beside the tensors: whole numbers as digits, all else empty.
+void add_beside(const Dictionary& dictionary, const std::string& prefix,
+                std::map<std::string, std::string>& into) {
+  for (const auto& [key, value] : dictionary.items) {
+    const auto* name = std::get_if<std::string>(&key->is);
+    if (name == nullptr || *name == "state_dict" || std::get_if<PickledTensor>(&value->is))
+      continue;
+    const auto* number = std::get_if<std::int64_t>(&value->is);
+    into[prefix + *name] = number == nullptr ? "" : std::to_string(*number);
+  }
+}
+
+std::map<std::string, std::string> beside_tensors(const Value* root) {
+  std::map<std::string, std::string> found;
+  const auto* dictionary = root == nullptr ? nullptr : std::get_if<Dictionary>(&root->is);
+  if (dictionary == nullptr) return found;
+  if (find(*dictionary, "state_dict") != nullptr) add_beside(*dictionary, "", found);
+  for (const auto& [key, value] : dictionary->items) {
+    const auto* part = std::get_if<std::string>(&key->is);
+    const auto* inner = std::get_if<Dictionary>(&value->is);
+    if (part == nullptr || inner == nullptr || find(*inner, "state_dict") == nullptr) continue;
+    add_beside(*inner, *part + ".", found);
+  }
+  return found;
+}
+
 Tensors find_tensors(const Value* root, const std::string& name) {
   Tensors tensors = find_tensors_below(root);
   if (tensors.empty()) tensors = find_parts(root);
@@ -232,6 +258,7 @@ void build_arrays(const Pickle& pickle, const std::string& file, const FindStora
   for (const auto& [name, tensor] : find_tensors(pickle.root, file)) {
     build_array(file, name, *tensor, find_storage, into);
   }
+  into.metadata = beside_tensors(pickle.root);
 }
 
 Bytes bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
