@@ -28,6 +28,7 @@ void add_sample(CLI::App& app, int& status);         ///< new paths from graphs 
 void add_scan_mesh(CLI::App& app, int& status);      ///< makes a scan from a mesh
 void add_score(CLI::App& app, int& status);          ///< scores a results file
 void add_serve(CLI::App& app, int& status);          ///< serves pages and evaluation over HTTP
+void add_speak(CLI::App& app, int& status);          ///< instructions by a trained speaker
 void add_stats(CLI::App& app, int& status);          ///< statistics of a data set
 void add_study(CLI::App& app, int& status);          ///< success by number of homes
 void add_submit(CLI::App& app, int& status);         ///< sends results to a server

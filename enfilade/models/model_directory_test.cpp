@@ -121,6 +121,36 @@ TEST_F(ModelDirectoryTest, AgentsReadWordsOrPieces) {
               ThrowsMessage<FileError>(HasSubstr("pieces.model")));
 }
 
+TEST_F(ModelDirectoryTest, ASpeakersConfigIsReadBack) {
+  TrainConfig& training = config_.training;
+  training = recipe(AgentKind::kSpeaker);
+  training.network.vocabulary = 5;
+  training.network.features = 7;
+  training.speaker.hidden = 10;
+  training.speaker.bidirectional = false;
+  training.speaker.feature_dropout = 0.25;
+  write_file_atomically(files_.config(), to_json(config_));
+  const TrainConfig read = load_model_config(files_.config()).training;
+  EXPECT_EQ(read.agent, AgentKind::kSpeaker);
+  SpeakerConfig sizes = training.speaker;
+  sizes.vocabulary = 6;
+  sizes.image = 7;
+  EXPECT_EQ(speaker_sizes(read), sizes) << "<BOS> beside";
+  EXPECT_EQ(read.optimizer, Optimizer::kAdam);
+  EXPECT_THAT(differences(read, training), ElementsAre());
+  training.feedback = Feedback::kSample;
+  EXPECT_THAT([&] { validate(training); },
+              ThrowsMessage<ArgumentError>(HasSubstr("is trained with teacher alone")));
+  training = recipe(AgentKind::kSpeaker);
+  training.network.inputs = parse_inputs("vision");
+  EXPECT_THAT([&] { validate(training); },
+              ThrowsMessage<ArgumentError>(HasSubstr("inputs vision: the speaker learns")));
+  training = recipe(AgentKind::kSpeaker);
+  training.text = TextKind::kWordPieces;
+  EXPECT_THAT([&] { validate(training); },
+              ThrowsMessage<ArgumentError>(HasSubstr("text word-pieces: the speaker says")));
+}
+
 TEST_F(ModelDirectoryTest, FeaturesOfAnotherSizeAreAnError) {
   EXPECT_THAT([&] { usable_features(config_, nullptr); },
               ThrowsMessage<ArgumentError>(HasSubstr("needs features")));

@@ -31,7 +31,7 @@ T parse(std::string_view what, std::string_view name, std::span<const std::strin
   throw ArgumentError(fmt::format("{} {:?}: {} is allowed", what, name, fmt::join(names, " or ")));
 }
 
-constexpr std::array<std::string_view, 3> kAgents{"seq2seq", "panoramic", "duet"};
+constexpr std::array<std::string_view, 4> kAgents{"seq2seq", "panoramic", "duet", "speaker"};
 constexpr std::array<std::string_view, 3> kOptimizers{"adam", "adamw", "rmsprop"};
 constexpr std::array<std::string_view, 3> kTexts{"words", "word-pieces", "sentence-pieces"};
 constexpr std::array<std::string_view, 2> kLetters{"cased", "uncased"};
@@ -80,6 +80,16 @@ void set_duet(TrainConfig& config) {
   config.checkpoint_every = 500;
 }
 
+// EnvDrop's run script for the speaker.
+void set_speaker(TrainConfig& config) {
+  config.adam.weight_decay = 0;
+  config.iterations = 80'000;
+  config.batch_size = 64;
+  config.feedback = Feedback::kTeacher;
+  config.evaluate_every = 1000;
+  config.checkpoint_every = 500;
+}
+
 // Found by trying, in 96 homes (docs/neural.md).
 void make_small(TrainConfig& config) {
   config.adam.learning_rate = 1e-3;
@@ -104,10 +114,31 @@ void make_small(TrainConfig& config) {
     config.teacher_weight = 0.5;
     return;
   }
+  if (config.agent == AgentKind::kSpeaker) {  // as the listener's; not tried
+    config.speaker.hidden = 256;
+    config.speaker.word_embedding = 128;
+    config.speaker.angle = 4;
+    return;
+  }
   config.duet = duet_preset("duet-s");
   config.adam.learning_rate = 5e-4;
   config.batch_size = 16;
   config.clip = 5;
+}
+
+void validate_speaker(const TrainConfig& config) {
+  validate(speaker_sizes(config));
+  if (config.feedback != Feedback::kTeacher) {
+    throw ArgumentError("feedback student: the speaker is trained with teacher alone");
+  }
+  if (config.text != TextKind::kWords) {
+    throw ArgumentError(
+        fmt::format("text {}: the speaker says words alone", to_string(config.text)));
+  }
+  if (!config.network.inputs.language) {
+    throw ArgumentError(fmt::format("inputs {}: the speaker learns from instructions",
+                                    to_string(config.network.inputs)));
+  }
 }
 
 }  // namespace
@@ -161,6 +192,7 @@ TrainConfig recipe(AgentKind agent, Recipe source) {
   config.agent = agent;
   if (agent == AgentKind::kPanoramic) set_panoramic(config);
   if (agent == AgentKind::kDuet) set_duet(config);
+  if (agent == AgentKind::kSpeaker) set_speaker(config);
   if (source == Recipe::kSmall) make_small(config);
   return config;
 }
@@ -169,6 +201,14 @@ PanoramicConfig panoramic_sizes(const TrainConfig& config) {
   constexpr std::size_t kBegin = 1;  // <BOS>
   PanoramicConfig sizes = config.panoramic;
   sizes.vocabulary = config.network.vocabulary + (config.text == TextKind::kWords ? kBegin : 0);
+  sizes.image = config.network.features;
+  return sizes;
+}
+
+SpeakerConfig speaker_sizes(const TrainConfig& config) {
+  constexpr std::size_t kBegin = 1;  // <BOS>
+  SpeakerConfig sizes = config.speaker;
+  sizes.vocabulary = config.network.vocabulary + kBegin;
   sizes.image = config.network.features;
   return sizes;
 }
@@ -235,6 +275,7 @@ void validate(const TrainConfig& config) {
   completed.network = network;
   if (config.agent == AgentKind::kPanoramic) validate(panoramic_sizes(completed));
   if (config.agent == AgentKind::kDuet) validate(duet_sizes(completed));
+  if (config.agent == AgentKind::kSpeaker) validate_speaker(completed);
   if (config.agent == AgentKind::kSeq2Seq && config.optimizer != Optimizer::kAdam) {
     throw ArgumentError(
         fmt::format("optimizer {}: seq2seq has adam alone", to_string(config.optimizer)));

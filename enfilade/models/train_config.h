@@ -9,6 +9,7 @@
 #include "enfilade/models/duet_config.h"
 #include "enfilade/models/network_config.h"
 #include "enfilade/models/panoramic_config.h"
+#include "enfilade/models/speaker_config.h"
 #include "enfilade/models/text_kind.h"
 
 namespace enfilade::models {
@@ -18,9 +19,11 @@ enum class AgentKind : std::uint8_t {
   kSeq2Seq,    ///< Anderson et al. 2018: six actions, no memory but an LSTM's
   kPanoramic,  ///< EnvDrop's listener (Tan et al. 2019): an LSTM that chooses among neighbours
   kDuet,       ///< DUET (Chen et al. 2022): a Transformer with a map
+  kSpeaker,    ///< EnvDrop's speaker (Tan et al. 2019): does not walk but tells paths in words
 };
-std::string_view to_string(AgentKind value) noexcept;  ///< "seq2seq", "panoramic", "duet"
-AgentKind parse_agent_kind(std::string_view name);     ///< \throws ArgumentError
+std::string_view to_string(
+    AgentKind value) noexcept;                      ///< "seq2seq", "panoramic", "duet", "speaker"
+AgentKind parse_agent_kind(std::string_view name);  ///< \throws ArgumentError
 
 /// What happens to an agent that chose `end` away from its goal, while others of its batch go on.
 enum class AfterEnd {
@@ -85,6 +88,7 @@ struct TrainConfig {
   TextKind text = TextKind::kWords;
   Letters letters = Letters::kFolded;  ///< of word pieces
   PanoramicConfig panoramic;           ///< of that agent: all but `vocabulary` and `image`
+  SpeakerConfig speaker;               ///< likewise
   DuetConfig duet;  ///< likewise; its max_words and max_actions do not count either
   /// Rates and decay of any optimizer. RMSprop's share of the old mean is beta2.
   AdamConfig adam;
@@ -132,7 +136,8 @@ TrainConfig recipe(AgentKind agent, Recipe source = Recipe::kPublished);
 /// The sizes of the networks, with what follows from the data. `<BOS>` and `<MASK>` have rows
 /// beside those of words; pieces have all of theirs. \pre the agent is of that kind
 PanoramicConfig panoramic_sizes(const TrainConfig& config);
-DuetConfig duet_sizes(const TrainConfig& config);  ///< likewise
+DuetConfig duet_sizes(const TrainConfig& config);        ///< likewise
+SpeakerConfig speaker_sizes(const TrainConfig& config);  ///< likewise
 
 /// The paper's number of iterations: 5,000 for kTeacher, 20,000 for kSample.
 std::size_t paper_iterations(Feedback feedback) noexcept;

@@ -46,6 +46,15 @@ constexpr std::array<NumberField, 6> kNumbers{
      {"oracle_success_rate", &EvaluationRecord::oracle_success_rate},
      {"spl", &EvaluationRecord::spl}}};
 
+struct TellingField {
+  const char* name;
+  double TellingRecord::*value;
+};
+constexpr std::array<TellingField, 4> kTellingNumbers{{{"loss", &TellingRecord::loss},
+                                                       {"perplexity", &TellingRecord::perplexity},
+                                                       {"accuracy", &TellingRecord::accuracy},
+                                                       {"bleu", &TellingRecord::bleu}}};
+
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
 // One line of a log.
@@ -103,20 +112,35 @@ EvaluationRecord read_evaluation(Line& line) {
   return record;
 }
 
+TellingRecord read_telling(Line& line) {
+  TellingRecord record;
+  record.iteration = line.whole("iteration");
+  record.split = line.text("split");
+  record.instructions = static_cast<std::size_t>(line.whole("instructions", false));
+  for (const TellingField& field : kTellingNumbers) {
+    record.*field.value = line.number(field.name, false).value_or(kMissing);
+  }
+  record.time = line.number("time", false).value_or(0);
+  return record;
+}
+
 void add(TrainingHistory& history, const TrainRecord& record) {
   const auto drop_from = [&record](auto& records) {
     while (!records.empty() && records.back().iteration >= record.iteration) records.pop_back();
   };
   drop_from(history.training);
   drop_from(history.evaluations);
+  drop_from(history.tellings);
   history.training.push_back(record);
 }
 
-void add(TrainingHistory& history, EvaluationRecord record) {
-  std::erase_if(history.evaluations, [&record](const EvaluationRecord& old) {
+// Adds an evaluation; those of its split that it comes again for go.
+template <class Record>
+void add_to(std::vector<Record>& records, Record record) {
+  std::erase_if(records, [&record](const Record& old) {
     return old.split == record.split && old.iteration >= record.iteration;
   });
-  history.evaluations.push_back(std::move(record));
+  records.push_back(std::move(record));
 }
 
 // Calls visit(line, text) for each whole line that is not empty.
@@ -165,7 +189,8 @@ TrainingHistory parse_training_log(std::string_view lines, const std::string& fi
   TrainingHistory history;
   for_each_line(lines, file, [&history](Line& line, std::string_view /*text*/) {
     if (line.type() == "train") add(history, read_training(line));
-    if (line.type() == "evaluation") add(history, read_evaluation(line));
+    if (line.type() == "evaluation") add_to(history.evaluations, read_evaluation(line));
+    if (line.type() == "telling") add_to(history.tellings, read_telling(line));
   });
   return history;
 }
@@ -179,6 +204,7 @@ struct TrainingLog::Impl {
       : lines(log), events(new_events(log.parent_path())) {
     for (const TrainRecord& record : before.training) show(record);
     for (const EvaluationRecord& record : before.evaluations) show(record);
+    for (const TellingRecord& record : before.tellings) show(record);
   }
 
   void show(const TrainRecord& record) {
@@ -186,6 +212,12 @@ struct TrainingLog::Impl {
   }
   void show(const EvaluationRecord& record) {
     for (const NumberField& field : kNumbers) {
+      const std::string tag = fmt::format("{}/{}", record.split, field.name);
+      events.add({tag, record.*field.value, record.iteration, record.time});
+    }
+  }
+  void show(const TellingRecord& record) {
+    for (const TellingField& field : kTellingNumbers) {
       const std::string tag = fmt::format("{}/{}", record.split, field.name);
       events.add({tag, record.*field.value, record.iteration, record.time});
     }
@@ -229,6 +261,16 @@ void TrainingLog::add(EvaluationRecord record) {
   Json line{{"type", "evaluation"}, {"iteration", record.iteration}, {"split", record.split}};
   for (const NumberField& field : kNumbers) line[field.name] = record.*field.value;
   line["episodes"] = record.episodes;
+  line["time"] = record.time;
+  impl_->write(line);
+  impl_->show(record);
+}
+
+void TrainingLog::add(TellingRecord record) {
+  record.time = now();
+  Json line{{"type", "telling"}, {"iteration", record.iteration}, {"split", record.split}};
+  for (const TellingField& field : kTellingNumbers) line[field.name] = record.*field.value;
+  line["instructions"] = record.instructions;
   line["time"] = record.time;
   impl_->write(line);
   impl_->show(record);

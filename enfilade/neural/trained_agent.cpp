@@ -27,6 +27,10 @@ std::unique_ptr<TrainedAgent> load_trained_agent(const fs::path& folder,
   if (kind == models::AgentKind::kSeq2Seq) {
     return std::make_unique<Seq2SeqAgent>(load_model(folder, device));
   }
+  if (kind == models::AgentKind::kSpeaker) {
+    throw ArgumentError(
+        fmt::format("{}: a speaker, which tells paths and does not walk them", folder.string()));
+  }
   require_cpu(kind, device);
   models::InstructionWords words = models::load_instruction_words(files, config.training);
   const models::StateFile state = models::open_state(files.weights());

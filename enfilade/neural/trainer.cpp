@@ -13,6 +13,7 @@
 #include "enfilade/neural/detail/learner.h"
 #include "enfilade/neural/duet/duet_learner.h"
 #include "enfilade/neural/panoramic/panoramic_learner.h"
+#include "enfilade/neural/panoramic/speaker_learner.h"
 #include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/score.h"
 
@@ -99,6 +100,9 @@ std::unique_ptr<detail::Learner> make_learner(const models::TrainConfig& config,
   }
   require_cpu(config.agent, device);
   if (config.agent == models::AgentKind::kDuet) return duet::make_duet_learner(config, vocabulary);
+  if (config.agent == models::AgentKind::kSpeaker) {
+    return panoramic::make_speaker_learner(config, vocabulary);
+  }
   return panoramic::make_panoramic_learner(config, vocabulary);
 }
 
@@ -215,6 +219,12 @@ class Training {
 
   void evaluate(models::TrainingLog& log) {
     for (std::size_t k = 0; k < data_.validation.size(); ++k) {
+      if (auto telling = learner_->tell(k)) {
+        telling->iteration = iteration_;
+        log.add(*telling);
+        if (listener_.telling) listener_.telling(*telling);
+        continue;
+      }
       const models::EvaluationRecord record = evaluate(k);
       log.add(record);
       if (listener_.evaluation) listener_.evaluation(record);

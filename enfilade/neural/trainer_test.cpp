@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 #include <array>
+#include <cmath>
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -16,6 +17,7 @@
 #include "enfilade/models/folder_lock.h"
 #include "enfilade/neural/device.h"
 #include "enfilade/neural/model.h"
+#include "enfilade/neural/speaker.h"
 #include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/score.h"
 #include "tests/support/refusal.h"
@@ -223,6 +225,42 @@ TEST_F(TrainerTest, APanoramicAgentsConfigIsReadBack) {
               ThrowsMessage<ArgumentError>(HasSubstr("computes on cpu alone")));
   EXPECT_THAT([&] { train_into(folder, small_->config()); },
               ThrowsMessage<ArgumentError>(HasSubstr("agent: panoramic, not seq2seq")));
+}
+
+TEST_F(TrainerTest, ASpeakerIsTrainedToTheBitAndTellsPaths) {
+  const models::TrainConfig config = small_->config(models::AgentKind::kSpeaker);
+  const fs::path whole = fresh("whole");
+  train_into(whole, config);
+  for (const std::uint64_t stop : {3U, 7U, 12U}) {
+    const fs::path folder = fresh(std::to_string(stop));
+    train_until(folder, config, stop);
+    EXPECT_TRUE(train_into(folder, config));
+    EXPECT_EQ(weights(folder), weights(whole)) << stop;
+    EXPECT_EQ(log(folder), log(whole)) << stop;
+  }
+  const auto lines = log(whole);
+  EXPECT_EQ(lines.at(1)["type"], "telling");
+  EXPECT_LT(lines.at(5)["loss"], lines.at(1)["loss"]) << "it learns";
+  const features::FeatureSet features = features::FeatureSet::open(small_->features());
+  Speaker speaker(whole);
+  EXPECT_EQ(speaker.iteration(), 12U);
+  const auto data = small_->load(config);
+  const models::TellingRecord score = speaker.score(data.validation[0], &features, 16);
+  EXPECT_NEAR(score.loss, lines.at(5)["loss"].get<double>(), 1e-5);
+  EXPECT_NEAR(score.perplexity, std::exp(score.loss), 1e-9);
+  const auto texts = speaker.tell(data.training, &features, {});
+  ASSERT_EQ(texts.size(), data.training.paths.size());
+  EXPECT_EQ(texts, speaker.tell(data.training, &features, {}));
+  SpeakOptions drawn;
+  drawn.drawn = 5;
+  EXPECT_NE(texts, speaker.tell(data.training, &features, drawn));
+  EXPECT_THAT([&] { load_trained_agent(whole); },
+              ThrowsMessage<ArgumentError>(HasSubstr("a speaker, which tells paths")));
+  EXPECT_THAT([&] { speaker.tell(data.training, nullptr, {}); },
+              ThrowsMessage<ArgumentError>(HasSubstr("needs features")));
+  train_into(fresh("listener"), small_->config(models::AgentKind::kPanoramic));
+  EXPECT_THAT([&] { Speaker(fresh("listener")); },
+              ThrowsMessage<ArgumentError>(HasSubstr("an agent panoramic, not a speaker")));
 }
 
 TEST_F(TrainerTest, TrainsInTheFirstBuildingsAlone) {

@@ -15,7 +15,8 @@ std::vector<Case> command_line_cases() {
       line("a verb that is none", "fly", 2,
            "\"fly\" is none of its verbs: contact-sheet, convert, dataset, demo, doctor, evaluate, "
            "export, features, graph, homes, import, pack, panorama, pretrain, r4r, render, "
-           "report, run, sample, scan-mesh, score, serve, stats, study, submit, synth, table, train"),
+           "report, run, sample, scan-mesh, score, serve, speak, stats, study, submit, synth, "
+           "table, train"),
       line("an option that is none", "stats --data {} --colour", 2, "--colour"),
       line("an option without its value", "run --agent", 2, "--agent"),
       line("a number that is none", "run --data {} --batch many", 2,

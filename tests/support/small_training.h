@@ -70,6 +70,9 @@ class SmallTraining {
     config.duet.heads = 2;
     config.duet.feed_forward = config.duet.panorama_feed_forward = 12;
     config.duet.text_layers = config.duet.panorama_layers = config.duet.cross_layers = 1;
+    config.speaker.word_embedding = 6;
+    config.speaker.hidden = 8;
+    config.speaker.angle = 4;
     config.iterations = 12;
     config.batch_size = 16;
     config.max_steps = 6;

@@ -9,6 +9,7 @@
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/neural/network.h"
+#include "enfilade/neural/speaker.h"
 #include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/score.h"
 
@@ -56,8 +57,40 @@ void evaluate(const Options& options, neural::TrainedAgent& agent,
   }
 }
 
+// A speaker tells the paths of splits.
+void evaluate_speaker(const Options& options) {
+  neural::Speaker speaker(options.model);
+  std::optional<features::FeatureSet> file;
+  if (!options.features.empty()) file = features::FeatureSet::open(options.features);
+  const dataset::Dataset data = open_data(options.data);
+  models::DataFingerprint here;
+  if (file) here.features = file->info();
+  std::vector<tasks::EpisodeSet> splits;
+  for (const std::string& split : options.splits) splits.push_back(load_split(split, data, here));
+  const auto warnings =
+      differences(speaker.config().data, here, models::ModelFiles{options.model}.config().string());
+  if (!warnings.empty()) print_diagnostics(warnings);
+  for (const tasks::EpisodeSet& split : splits) {
+    const models::TellingRecord score =
+        speaker.score(split, file ? &*file : nullptr, options.batch_size,
+                      progress_bar(fmt::format("{}, {}", options.model, split.split)));
+    fmt::print(
+        "{} (speaker, iteration {}) on {}: {} instructions\n"
+        "loss a word {:.4f}, perplexity {:.3f}, words foretold {:.1f} %, BLEU-4 {:.1f}\n",
+        options.model, score.iteration, score.split, score.instructions, score.loss,
+        score.perplexity, 100 * score.accuracy, 100 * score.bleu);
+  }
+}
+
+bool is_speaker(const Options& options) {
+  const models::ModelFiles files{options.model};
+  return fs::exists(files.config()) &&
+         models::load_model_config(files.config()).training.agent == models::AgentKind::kSpeaker;
+}
+
 void run(const Options& options) {
   neural::set_threads(options.threads);
+  if (is_speaker(options)) return evaluate_speaker(options);
   const auto agent = neural::load_trained_agent(options.model, options.device);
   std::optional<features::FeatureSet> file;
   if (agent->config().training.network.inputs.vision && !options.features.empty()) {
@@ -83,7 +116,9 @@ void run(const Options& options) {
 void add_evaluate(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("evaluate", kEvaluateHelp);
   const auto options = std::make_shared<Options>();
-  add_value(verb, "model", options->model, "MODELDIR", "What `enfilade train` made")->required();
+  add_value(verb, "model", options->model, "MODELDIR",
+            "What `enfilade train` made; of a speaker, perplexity and BLEU-4 are printed")
+      ->required();
   add_data_option(verb, options->data);
   add_value(verb, "--features", options->features, "FILE",
             "Image features, if the agent uses vision");

@@ -21,8 +21,11 @@ inline constexpr const char* kPretrainHelp =
     "Train the small encoder `home` to say from pictures what is where, how far, and in which "
     "room: for model homes, where ImageNet's weights are not at hand. Learns from the homes of "
     "the split train alone; prints how well it does elsewhere.";
+inline constexpr const char* kSpeakHelp =
+    "Draw new paths in a data set's buildings, and describe them with a trained speaker: "
+    "instructions for more training (back-translation)";
 inline constexpr const char* kTrainHelp =
-    "Train an agent: seq2seq, panoramic or duet; run again, it goes on where it was";
+    "Train an agent: seq2seq, panoramic or duet, or a speaker; run again, it goes on where it was";
 
 /// What to do where the second program is missing: wheels do not have it.
 inline constexpr const char* kHowToLearn =

@@ -46,7 +46,8 @@ class Reporter {
               fmt::print("{}: going on from iteration {}\n", output_, iteration);
             },
             [this](const neural::TrainingProgress& progress) { show(progress); },
-            [this](const models::EvaluationRecord& record) { show(record); }};
+            [this](const models::EvaluationRecord& record) { show(record); },
+            [this](const models::TellingRecord& record) { show(record); }};
   }
   double data_share() const { return progress_.data_share; }
 
@@ -69,6 +70,16 @@ class Reporter {
         record.iteration, record.split, record.loss, record.trajectory_length, record.nav_error,
         100 * record.success_rate, 100 * record.oracle_success_rate, 100 * record.spl,
         progress_.loss, duration(progress_.seconds_left));
+    std::fflush(stdout);
+  }
+
+  void show(const models::TellingRecord& record) {
+    if (live_) fmt::print(stderr, "\r\033[K");
+    fmt::print(
+        "{:>7}  {:<12} loss {:.3f}  perplexity {:.2f}  words {:4.1f}  BLEU-4 {:4.1f}   train loss "
+        "{:.3f}, {} left\n",
+        record.iteration, record.split, record.loss, record.perplexity, 100 * record.accuracy,
+        100 * record.bleu, progress_.loss, duration(progress_.seconds_left));
     std::fflush(stdout);
   }
 
@@ -153,6 +164,7 @@ void add_train(CLI::App& app, int& /*status*/) {
                       "enfilade train --agent panoramic --features vit.safetensors -o panoramic",
                       "enfilade train --agent duet --recipe small --data homes --features "
                       "features.safetensors -o duet",
+                      "enfilade train --agent speaker --features vit.safetensors -o speaker",
                       "enfilade train --splits train,val_seen,val_unseen --features "
                       "resnet.safetensors -o submission"});
   verb.callback([options] { run(*options); });

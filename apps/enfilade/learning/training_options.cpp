@@ -14,8 +14,8 @@ namespace {
 using models::AgentKind;
 using models::TrainConfig;
 
-constexpr std::array<AgentKind, 3> kKinds{AgentKind::kSeq2Seq, AgentKind::kPanoramic,
-                                          AgentKind::kDuet};
+constexpr std::array<AgentKind, 4> kKinds{AgentKind::kSeq2Seq, AgentKind::kPanoramic,
+                                          AgentKind::kDuet, AgentKind::kSpeaker};
 
 // "(default: 100; panoramic 64, duet 8)"
 template <class Field>
@@ -72,14 +72,17 @@ void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
   recipe_ = recipe;
   add_setting(verb, "--agent", agent_, "",
               "seq2seq: six actions (Anderson et al. 2018); panoramic: an LSTM that chooses among "
-              "neighbours (EnvDrop's, 2019); duet: a Transformer with a map (2022)",
-              CLI::IsMember({"seq2seq", "panoramic", "duet"}));
+              "neighbours (EnvDrop's, 2019); duet: a Transformer with a map (2022); speaker: tells "
+              "paths in "
+              "words instead of walking them (EnvDrop's), for `enfilade speak`",
+              CLI::IsMember({"seq2seq", "panoramic", "duet", "speaker"}));
   add_setting(verb, "--recipe", recipe_, "",
               "What the options below change: as published, or small networks from nothing, for "
               "model homes and two cores",
               CLI::IsMember({"published", "small"}));
-  name(verb, "--feedback", "What is done next in training (default: student)", {},
-       {"student", "teacher"}, [this](TrainConfig& config, const std::string& value) {
+  name(verb, "--feedback", "What is done next in training (default: student)",
+       {AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kDuet}, {"student", "teacher"},
+       [this](TrainConfig& config, const std::string& value) {
          config.feedback = models::parse_feedback(value);
          if (config.agent == AgentKind::kSeq2Seq && recipe_ == "published") {
            config.iterations = models::paper_iterations(config.feedback);
@@ -123,11 +126,13 @@ void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
 
 void TrainingOptions::add_updates(CLI::App& verb) {
   const Kinds viewpoints{AgentKind::kPanoramic, AgentKind::kDuet};
+  const Kinds newer{AgentKind::kPanoramic, AgentKind::kDuet, AgentKind::kSpeaker};
   whole(verb, "--iterations", "Updates; of seq2seq 5000 with --feedback teacher", {},
         [](TrainConfig& config) -> std::size_t& { return config.iterations; });
   whole(verb, "--batch", "Episodes an iteration", {},
         [](TrainConfig& config) -> std::size_t& { return config.batch_size; });
-  whole(verb, "--max-steps", "Actions an episode, or choices of a viewpoint", {},
+  whole(verb, "--max-steps", "Actions an episode, or choices of a viewpoint",
+        {AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kDuet},
         [](TrainConfig& config) -> std::size_t& { return config.max_steps; });
   whole(
       verb, "--evaluate-every", "Iterations between validations; 0: never", {},
@@ -143,45 +148,52 @@ void TrainingOptions::add_updates(CLI::App& verb) {
        [](TrainConfig& config) -> double& { return config.adam.learning_rate; });
   real(verb, "--weight-decay", "L2 inside adam, beside adamw", {},
        [](TrainConfig& config) -> double& { return config.adam.weight_decay; });
-  name(verb, "--optimizer", "Default: panoramic rmsprop, duet adamw, as published", viewpoints,
-       {"adam", "adamw", "rmsprop"}, [](TrainConfig& config, const std::string& value) {
+  name(verb, "--optimizer", "Default: panoramic rmsprop, duet adamw, speaker adam, as published",
+       newer, {"adam", "adamw", "rmsprop"}, [](TrainConfig& config, const std::string& value) {
          config.optimizer = models::parse_optimizer(value);
        });
   real(verb, "--beta2", "Share of the old mean of squared gradients", {},
        [](TrainConfig& config) -> double& { return config.adam.beta2; });
-  real(verb, "--clip", "Largest norm of the gradients", viewpoints,
+  real(verb, "--clip", "Largest norm of the gradients", newer,
        [](TrainConfig& config) -> double& { return config.clip; });
   whole(
-      verb, "--warm-up", "First updates, in which the rate rises", viewpoints,
+      verb, "--warm-up", "First updates, in which the rate rises", newer,
       [](TrainConfig& config) -> std::size_t& { return config.warm_up; }, 0);
-  name(verb, "--schedule", "The rate stays, or falls to 0 in a line (default: constant)",
-       viewpoints, {"constant", "linear"}, [](TrainConfig& config, const std::string& value) {
+  name(verb, "--schedule", "The rate stays, or falls to 0 in a line (default: constant)", newer,
+       {"constant", "linear"}, [](TrainConfig& config, const std::string& value) {
          config.schedule = models::parse_schedule(value);
        });
 }
 
 void TrainingOptions::add_sizes(CLI::App& verb) {
-  const Kinds lstms{AgentKind::kSeq2Seq, AgentKind::kPanoramic}, panoramic{AgentKind::kPanoramic};
-  const Kinds viewpoints{AgentKind::kPanoramic, AgentKind::kDuet};
+  const Kinds lstms{AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kSpeaker};
+  const Kinds panoramic{AgentKind::kPanoramic};
+  const Kinds newer{AgentKind::kPanoramic, AgentKind::kDuet, AgentKind::kSpeaker};
   name(verb, "--size", "Of all of DUET: as published, or small (default: duet)", {AgentKind::kDuet},
        {"duet-s", "duet"}, [](TrainConfig& config, const std::string& value) {
          config.duet = models::duet_preset(value);
        });
-  whole(verb, "--hidden", "Of both LSTMs", lstms, [](TrainConfig& config) -> std::size_t& {
+  whole(verb, "--hidden", "Of all LSTMs", lstms, [](TrainConfig& config) -> std::size_t& {
+    if (config.agent == AgentKind::kSpeaker) return config.speaker.hidden;
     return config.agent == AgentKind::kPanoramic ? config.panoramic.hidden : config.network.hidden;
   });
   whole(verb, "--word-embedding", "Numbers a word", lstms, [](TrainConfig& config) -> std::size_t& {
+    if (config.agent == AgentKind::kSpeaker) return config.speaker.word_embedding;
     return config.agent == AgentKind::kPanoramic ? config.panoramic.word_embedding
                                                  : config.network.word_embedding;
   });
-  whole(verb, "--action-embedding", "Numbers an action, or the agent's own direction", lstms,
-        [](TrainConfig& config) -> std::size_t& {
+  whole(verb, "--action-embedding", "Numbers an action, or the agent's own direction",
+        {AgentKind::kSeq2Seq, AgentKind::kPanoramic}, [](TrainConfig& config) -> std::size_t& {
           return config.agent == AgentKind::kPanoramic ? config.panoramic.action_embedding
                                                        : config.network.action_embedding;
         });
   whole(
-      verb, "--angle", "Numbers of a direction: 4, repeated", panoramic,
-      [](TrainConfig& config) -> std::size_t& { return config.panoramic.angle; }, 4);
+      verb, "--angle", "Numbers of a direction: 4, repeated",
+      {AgentKind::kPanoramic, AgentKind::kSpeaker},
+      [](TrainConfig& config) -> std::size_t& {
+        return config.agent == AgentKind::kSpeaker ? config.speaker.angle : config.panoramic.angle;
+      },
+      4);
   name(verb, "--subout",
        "What the decoder starts from: the last hidden state (tanh), the largest values over the "
        "sentence and its padding, as published (max), or without the padding (own-max)",
@@ -198,12 +210,15 @@ void TrainingOptions::add_sizes(CLI::App& verb) {
         return config.panoramic.dropout;
       case AgentKind::kDuet:
         return config.duet.dropout;
+      case AgentKind::kSpeaker:
+        return config.speaker.dropout;
       default:
         return config.network.dropout;
     }
   });
-  real(verb, "--feature-dropout", "Share of the pictures' numbers, below 1", viewpoints,
+  real(verb, "--feature-dropout", "Share of the pictures' numbers, below 1", newer,
        [](TrainConfig& config) -> double& {
+         if (config.agent == AgentKind::kSpeaker) return config.speaker.feature_dropout;
          return config.agent == AgentKind::kDuet ? config.duet.feature_dropout
                                                  : config.panoramic.feature_dropout;
        });

@@ -66,6 +66,7 @@ std::unique_ptr<agents::Agent> load_trained_agent(const std::string& /*folder*/,
 void add_evaluate(CLI::App& app, int& /*status*/) { add_elsewhere(app, "evaluate", kEvaluateHelp); }
 void add_features(CLI::App& app, int& /*status*/) { add_elsewhere(app, "features", kFeaturesHelp); }
 void add_pretrain(CLI::App& app, int& /*status*/) { add_elsewhere(app, "pretrain", kPretrainHelp); }
+void add_speak(CLI::App& app, int& /*status*/) { add_elsewhere(app, "speak", kSpeakHelp); }
 void add_train(CLI::App& app, int& /*status*/) { add_elsewhere(app, "train", kTrainHelp); }
 
 }  // namespace enfilade::apps

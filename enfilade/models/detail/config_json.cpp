@@ -47,6 +47,15 @@ void for_sizes(ConstOrNot<PanoramicConfig> auto& sizes, const auto& visit) {
   visit("feature_dropout", sizes.feature_dropout);
 }
 
+void for_sizes(ConstOrNot<SpeakerConfig> auto& sizes, const auto& visit) {
+  visit("word_embedding", sizes.word_embedding);
+  visit("hidden", sizes.hidden);
+  visit("angle", sizes.angle);
+  visit("bidirectional", sizes.bidirectional);
+  visit("dropout", sizes.dropout);
+  visit("feature_dropout", sizes.feature_dropout);
+}
+
 void for_sizes(ConstOrNot<DuetConfig> auto& sizes, const auto& visit) {
   visit("hidden", sizes.hidden);
   visit("heads", sizes.heads);
@@ -94,6 +103,9 @@ void for_fields(const NetworkPart<Training>& part, const auto& visit) {
     case AgentKind::kDuet:
       for_sizes(part.training.duet, visit);
       break;
+    case AgentKind::kSpeaker:
+      for_sizes(part.training.speaker, visit);
+      break;
   }
 }
 
@@ -111,7 +123,7 @@ void for_fields(ConstOrNot<TrainConfig> auto& config, const auto& visit) {
     visit("clip", config.clip);
     visit("warm_up", config.warm_up);
     visit("schedule", config.schedule);
-    visit("teacher_weight", config.teacher_weight);
+    if (config.agent != AgentKind::kSpeaker) visit("teacher_weight", config.teacher_weight);
   }
   if (config.agent == AgentKind::kPanoramic) visit("sampled_loss", config.sampled_loss);
   if (config.agent == AgentKind::kDuet) visit("map_teacher", config.map_teacher);

@@ -2,11 +2,13 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "enfilade/features/tensor_file.h"
 #include "enfilade/models/model_directory.h"
+#include "enfilade/models/training_log.h"
 #include "enfilade/neural/detail/weights.h"
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/trainer.h"
@@ -37,6 +39,9 @@ class Learner {
   /// Greedy walks, one an episode, also written below `files`, with what the agent tells of them.
   virtual std::vector<tasks::Trajectory> walk(std::size_t split,
                                               const models::ModelFiles& files) = 0;
+  /// Of an agent that tells paths instead of walking them, how well it tells a split; the iteration
+  /// is left to the caller. No value: it walks.
+  virtual std::optional<models::TellingRecord> tell(std::size_t /*split*/) { return std::nullopt; }
 
   virtual Network::State weights() const = 0;
   virtual Network::State training_state() const = 0;

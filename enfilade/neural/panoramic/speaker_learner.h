@@ -1,0 +1,15 @@
+/// \file  The speaker in training: each word of people's instructions, after those before it.
+#pragma once
+#include <memory>
+
+#include "enfilade/neural/detail/learner.h"
+
+namespace enfilade::neural::panoramic {
+
+/// An iteration is a batch of instructions with their paths; its loss the mean cross-entropy of
+/// their words. It tells instead of walking: Learner::tell(). \param config outlives it
+/// \throws as SpeakerNetwork
+std::unique_ptr<detail::Learner> make_speaker_learner(const models::TrainConfig& config,
+                                                      const tasks::Vocabulary& vocabulary);
+
+}  // namespace enfilade::neural::panoramic
