@@ -12,7 +12,8 @@ namespace enfilade::neural {
 void write_untrained(const models::ModelConfig& config, const std::filesystem::path& folder) {
   const models::TrainConfig& training = config.training;
   const models::ModelFiles files{folder};
-  if (training.agent == models::AgentKind::kSeq2Seq) {
+  if (training.agent == models::AgentKind::kSeq2Seq ||
+      training.agent == models::AgentKind::kSpeaker) {
     throw ArgumentError(
         fmt::format("agent {}: panoramic or duet is written untrained", to_string(training.agent)));
   }
