@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -17,13 +15,18 @@
 #include "enfilade/report/parts/picture_parts.h"
 #include "enfilade/report/parts/result_parts.h"
 #include "tests/support/made_run.h"
+#include "tests/support/page.h"
 
 namespace enfilade::report {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::data_of;
+using testing::find_browser;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using testing::occurrences;
+using testing::open_in_browser;
 using ::testing::ThrowsMessage;
 
 // What a page that takes an instruction for HTML would run, or show as a picture.
@@ -31,20 +34,6 @@ constexpr const char* kHostile =
     "</script><script>document.title='hacked'</script><img src=x "
     "onerror=\"document.title='hacked'\">"
     "<!--<script> turn \u00e9 {{title}}";
-
-std::size_t occurrences(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
-    ++count;
-  }
-  return count;
-}
-
-nlohmann::json data_of(const std::string& page) {
-  const std::size_t tag = page.find("<script type=\"application/json\"");
-  const std::size_t begin = page.find('>', tag) + 1;
-  return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
-}
 
 class ReportTest : public ::testing::Test {
  protected:
@@ -178,27 +167,6 @@ TEST(WilsonInterval, HasTheTextbooksValues) {
 }
 
 // --- in a real browser ----------------------------------------------------------------------
-
-std::optional<std::string> find_browser() {
-  for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
-    if (std::system(fmt::format("command -v {} >/dev/null 2>&1", name).c_str()) == 0) return name;
-  }
-  return std::nullopt;
-}
-
-// The document as the browser has it once all scripts have run.
-std::string open_in_browser(const std::string& browser, const fs::path& page) {
-  const tests::TemporaryFolder profile("browser");
-  const fs::path dom = profile.path() / "dom.html";
-  const std::string command = fmt::format(
-      "timeout 200 {} --headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
-      "--disable-background-networking --disable-component-update --disable-sync "
-      "--user-data-dir='{}' --virtual-time-budget=20000 --dump-dom 'file://{}' >'{}' 2>/dev/null",
-      browser, profile.path().string(), page.string(), dom.string());
-  const int status = std::system(command.c_str());
-  EXPECT_EQ(WEXITSTATUS(status), 0) << command;
-  return read_file(dom);
-}
 
 class BrowserTest : public ReportTest {
  protected:

@@ -52,6 +52,7 @@ function inOrder(splits) {
 function agentName(agent) {
   const names = {
     shortest: 'Shortest', reference: 'Reference', random: 'Random',
+    duet: 'DUET', panoramic: 'Panoramic LSTM', seq2seq: 'Sequence to sequence',
     teacher: 'Teacher-forcing', student: 'Student-forcing',
     'teacher-forcing': 'Teacher-forcing', 'student-forcing': 'Student-forcing',
   };

@@ -92,13 +92,17 @@ function drawMap(episode, building, index, successDistance) {
   const storey = building.storey[step.v];
   drawBuilding(svg, building, place, storey);
   drawWay(svg, place, episode.reference, 'path');
-  const walked = episode.steps.map((s) => s.v);
-  drawWay(svg, place, walked.slice(index), 'to-walk');
-  drawWay(svg, place, walked.slice(0, index + 1), 'walked');
+  const last = episode.steps.length - 1;
+  const walked = wayUntil(episode, index);
+  const chooses = episode.steps.some((s) => s.choices);
+  if (chooses) drawKnown(svg, building, place, episode, index);
+  else drawWay(svg, place, wayUntil(episode, last).slice(walked.length - 1), 'to-walk');
+  drawWay(svg, place, walked, 'walked');
   if (episode.goal) drawMarks(svg, place, episode.goal);
   const near = !episode.goal || episode.goal.kind === 'turning point';
   drawGoal(svg, place, goal, near ? successDistance : 0, near ? 'goal' : 'end of the reference path');
   drawAgent(svg, place, step);
+  drawChoices(svg, place, step);
   drawScaleBar(svg, place, width, height);
   svg.append('text').attr('x', 12).attr('y', height - 12).text('north is up' +
     (building.storeys > 1 ? `; storey ${storey + 1} of ${building.storeys}` : ''));

@@ -8,6 +8,7 @@
 #include <span>
 #include <tuple>
 #include <utility>
+#include <variant>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
@@ -16,70 +17,30 @@
 #include "enfilade/draw/planned_goal.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/report/parts/dataset_parts.h"
+#include "enfilade/report/parts/moments.h"
 #include "enfilade/tasks/tokenizer.h"
 
 namespace enfilade::report::parts {
 namespace {
 
 constexpr PictureSize kFrameSize{384, 288};
+constexpr std::uint32_t kPanoramaWidth = 800;
+constexpr Radians kPanoramaBand = degrees(90);  // of its height
 constexpr std::uint64_t kRandomSeed = 2018;
+constexpr std::size_t kMostOthers = 2;  // agents beside the one that the gallery is about
 
-// One step of an episode: where the agent is, and what it does next.
-struct Moment {
-  ViewpointIndex viewpoint;
-  Radians heading, elevation;
-  std::string action;  // empty: the episode is over
-  const std::vector<double>* attention = nullptr;
-};
+bool chooses_viewpoints(const std::optional<models::RecordedSplit>& recorded) {
+  return recorded && std::holds_alternative<models::DecisionFile>(*recorded);
+}
 
 // Lower is better.
-std::tuple<bool, bool, std::size_t> run_rank(const ScoredRun& run,
-                                             const std::set<std::string>& models) {
-  return {!models.contains(run.agent), !run.agent.starts_with("student"),
-          run.split == "val_unseen" ? 0U : (run.split == "val_seen" ? 1U : 2U)};
-}
-
-// The action between two poses; results files do not contain actions.
-std::string action_between(const tasks::TrajectoryPoint& a, const tasks::TrajectoryPoint& b) {
-  constexpr double kStill = 0.01;  // radians: files are written with a few digits
-  if (a.viewpoint != b.viewpoint) return "forward";
-  const double turn = wrap_difference(b.heading - a.heading).value;
-  if (std::abs(turn) > kStill) return turn > 0 ? "right" : "left";
-  const double raised = b.elevation.value - a.elevation.value;
-  if (std::abs(raised) > kStill) return raised > 0 ? "up" : "down";
-  return "wait";
-}
-
-std::vector<Moment> moments_of(const tasks::Trajectory& trajectory) {
-  std::vector<Moment> moments;
-  const auto& points = trajectory.points;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const bool last = i + 1 == points.size();
-    moments.push_back({points[i].viewpoint, points[i].heading, points[i].elevation,
-                       last ? "end" : action_between(points[i], points[i + 1]), nullptr});
-  }
-  return moments;
-}
-
-// From the attention file. If the agent ran out of steps, its last pose is added.
-std::vector<Moment> moments_of(const models::EpisodeAttention& attention,
-                               const graph::NavGraph& graph, const tasks::Trajectory& trajectory) {
-  std::vector<Moment> moments;
-  for (const models::AttentionStep& step : attention.steps) {
-    const auto v = graph.find(step.viewpoint);
-    if (!v) {
-      throw LookupError(
-          fmt::format("attention: {} has no viewpoint {:?}; the file is of other data",
-                      graph.scan(), step.viewpoint));
-    }
-    moments.push_back(
-        {*v, Radians(step.heading), Radians(step.elevation), step.action, &step.attention});
-  }
-  if (moments.empty() || moments.back().action != "end") {
-    const tasks::TrajectoryPoint& end = trajectory.points.back();
-    moments.push_back({end.viewpoint, end.heading, end.elevation, "", nullptr});
-  }
-  return moments;
+std::tuple<bool, bool, bool, std::size_t, double> run_rank(const RunRecord& record,
+                                                           const std::set<std::string>& models) {
+  const ScoredRun& run = *record.run;
+  const bool chooses = chooses_viewpoints(record.recorded);
+  return {!models.contains(run.agent), !chooses, !run.agent.starts_with("student"),
+          run.split == "val_unseen" ? 0U : (run.split == "val_seen" ? 1U : 2U),
+          chooses ? -run.scores.ours.mean("success").mean : 0};
 }
 
 // The words that the agent read, with <UNK> replaced by the instruction's words; their places are
@@ -98,8 +59,6 @@ std::vector<std::string> readable_words(const std::vector<std::string>& words,
   }
   return readable;
 }
-
-double rounded(double value, double unit) { return std::round(value / unit) * unit; }
 
 Json building_json(const graph::NavGraph& graph) {
   Json x = Json::array(), y = Json::array(), edges = Json::array(), storey = Json::array();
@@ -144,12 +103,15 @@ Json goal_json(const tasks::ReferencePath& path, const std::string& name) {
 struct Frames {
   const dataset::Dataset& data;
   Json by_key = Json::object();
-  std::string why_not{};  // a sentence: why the last missing frame is missing
+  Json panoramas = Json::object();  // looking north, each once
+  std::string why_not{};            // a sentence: why the last missing frame is missing
 
-  // The key of the frame, which has the goal's object outlined; null if there are no pictures.
-  Json add(const std::string& scan, const Moment& m, const ShownGoal& goal) {
+  // The key of the frame, which has the goal's object outlined; null if there are no pictures, or
+  // if only frames with an outline are wanted and it has none.
+  Json add(const std::string& scan, const Moment& m, const ShownGoal& goal, bool only_outlined) {
     const std::vector<draw::Outline> outlines = draw::goal_outlines(
         goal.graph, goal.goal, m.viewpoint, goal.objects, tasks::Direction{m.heading, m.elevation});
+    if (only_outlined && outlines.empty()) return nullptr;
     const std::string key =
         fmt::format("{} {} {:.0f} {:.0f}{}", scan, m.viewpoint.value, to_degrees(m.heading),
                     to_degrees(m.elevation), outlines.empty() ? "" : " " + goal.episode);
@@ -165,17 +127,81 @@ struct Frames {
     }
     return key;
   }
+
+  // The key of what is all around; null if there are no pictures.
+  Json add_panorama(const std::string& scan, ViewpointIndex v) {
+    const std::string key = fmt::format("{} {}", scan, v.value);
+    if (!panoramas.contains(key)) {
+      const render::View view{data.graphs()->at(scan), v, Radians(0), Radians(0)};
+      const auto picture = panorama_uri(data, view, kPanoramaWidth, kPanoramaBand);
+      if (!picture) {
+        why_not = no_pictures_of(scan);
+        return nullptr;
+      }
+      panoramas[key] = *picture;
+    }
+    return key;
+  }
 };
 
-Json moment_json(const Moment& m, const Json& frame) {
-  Json json{{"v", m.viewpoint.value},
-            {"heading", rounded(m.heading.value, 0.001)},
-            {"elevation", rounded(m.elevation.value, 0.001)},
-            {"action", m.action},
-            {"frame", frame}};
-  if (m.attention != nullptr) {
-    json["attention"] = Json::array();
-    for (const double weight : *m.attention) json["attention"].push_back(rounded(weight, 1e-4));
+// What is recorded of an episode; null if nothing is. One of the two at most.
+struct RecordedEpisode {
+  const models::EpisodeAttention* attention = nullptr;
+  const models::EpisodeDecisions* decisions = nullptr;
+
+  RecordedEpisode(const std::optional<models::RecordedSplit>& split, const std::string& id) {
+    if (!split) return;
+    if (const auto* file = std::get_if<models::AttentionFile>(&*split)) {
+      const auto found = file->find(id);
+      if (found != file->end()) attention = &found->second;
+    } else {
+      const auto& other = std::get<models::DecisionFile>(*split);
+      const auto found = other.find(id);
+      if (found != other.end()) decisions = &found->second;
+    }
+  }
+  std::vector<Moment> moments(const graph::NavGraph& graph,
+                              const tasks::Trajectory& trajectory) const {
+    if (attention != nullptr) return moments_of(*attention, graph, trajectory);
+    if (decisions != nullptr) return moments_of(*decisions, graph, trajectory);
+    return moments_of(trajectory);
+  }
+  // What the agent read; null if that is not known, or no step has attention to it.
+  const std::vector<std::string>* words() const {
+    if (attention != nullptr) return &attention->words;
+    if (decisions == nullptr) return nullptr;
+    const bool attended = std::ranges::any_of(
+        decisions->steps, [](const models::DecisionStep& step) { return !step.attention.empty(); });
+    return attended ? &decisions->words : nullptr;
+  }
+};
+
+// How one agent walked an episode: {"agent", "steps", "success", "error", "length", "spl", "words",
+// "unknown"}.
+Json walk_json(const RunRecord& record, const tasks::EpisodeSet& episodes, std::size_t i,
+               Frames& frames, bool side_by_side) {
+  const tasks::Episode& episode = episodes.episodes[i];
+  const graph::NavGraph& graph = episodes.graph_of(episode);
+  const tasks::EpisodeMetrics& m = record.run->scores.ours.episodes[i];
+  const RecordedEpisode recorded(record.recorded, episode.instruction_id);
+  const ShownGoal goal{graph, episodes.path_of(episode).goal, episodes.objects.get(),
+                       episode.instruction_id};
+  Json steps = Json::array();
+  for (const Moment& moment : recorded.moments(graph, record.run->trajectories[i])) {
+    Json step = moment_json(moment, graph);
+    step["frame"] = frames.add(graph.scan(), moment, goal, side_by_side);
+    if (side_by_side) step["panorama"] = frames.add_panorama(graph.scan(), moment.viewpoint);
+    steps.push_back(std::move(step));
+  }
+  Json json{{"agent", record.run->agent},
+            {"steps", std::move(steps)},
+            {"success", m.success == 1},
+            {"error", rounded(m.nav_error, 0.01)},
+            {"length", rounded(m.trajectory_length, 0.01)},
+            {"spl", rounded(m.spl, 0.001)}};
+  if (recorded.words() != nullptr) {
+    json["unknown"] = Json::array();
+    json["words"] = readable_words(*recorded.words(), episode.text, json["unknown"]);
   }
   return json;
 }
@@ -184,74 +210,95 @@ Json episode_json(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
                   const ChosenEpisode& chosen, Frames& frames) {
   const tasks::Episode& episode = episodes.episodes[chosen.episode];
   const graph::NavGraph& graph = episodes.graph_of(episode);
-  const tasks::EpisodeMetrics& m = gallery.run->scores.ours.episodes[chosen.episode];
-  const tasks::Trajectory& trajectory = gallery.run->trajectories[chosen.episode];
-  const models::EpisodeAttention* attention = nullptr;
-  if (gallery.attention) {
-    const auto found = gallery.attention->find(episode.instruction_id);
-    if (found != gallery.attention->end()) attention = &found->second;
-  }
-  const tasks::ObjectBoxes* objects = episodes.objects.get();
-  const ShownGoal goal{graph, episodes.path_of(episode).goal, objects, episode.instruction_id};
-  Json steps = Json::array(), reference = Json::array();
-  for (const Moment& moment :
-       attention != nullptr ? moments_of(*attention, graph, trajectory) : moments_of(trajectory)) {
-    steps.push_back(moment_json(moment, frames.add(graph.scan(), moment, goal)));
-  }
+  Json reference = Json::array();
   for (const ViewpointIndex v : episodes.path_of(episode).viewpoints) reference.push_back(v.value);
-  Json json{{"kind", chosen.kind},
-            {"id", episode.instruction_id},
-            {"scan", graph.scan()},
-            {"text", episode.text},
-            {"reference", reference},
-            {"steps", steps},
-            {"success", m.success == 1},
-            {"error", rounded(m.nav_error, 0.01)},
-            {"length", rounded(m.trajectory_length, 0.01)},
-            {"shortest", rounded(m.shortest, 0.01)},
-            {"spl", rounded(m.spl, 0.001)}};
-  const Json mark =
-      goal_json(episodes.path_of(episode), draw::name_of_goal(episodes, episode, objects));
+  const double shortest = gallery.run->scores.ours.episodes[chosen.episode].shortest;
+  Json json{{"kind", chosen.kind},    {"id", episode.instruction_id},
+            {"scan", graph.scan()},   {"text", episode.text},
+            {"reference", reference}, {"shortest", rounded(shortest, 0.01)}};
+  const Json mark = goal_json(episodes.path_of(episode),
+                              draw::name_of_goal(episodes, episode, episodes.objects.get()));
   if (!mark.is_null()) json["goal"] = mark;
   const std::vector<std::string> lines = draw::episode_lines(episode);
   // Of a plain instruction the text says it all.
   if (episode.details != tasks::InstructionDetails()) json["lines"] = lines;
-  if (attention != nullptr) {
-    json["unknown"] = Json::array();
-    json["words"] = readable_words(attention->words, episode.text, json["unknown"]);
+  const bool chooses = gallery.shows_decisions();
+  json.update(walk_json(gallery, episodes, chosen.episode, frames, chooses));
+  if (!chooses) return json;
+  json["others"] = Json::array();
+  for (const RunRecord& other : gallery.others) {
+    json["others"].push_back(walk_json(other, episodes, chosen.episode, frames, true));
   }
   return json;
 }
 
-void load_attention_of(GalleryRun& gallery, const RunDirectory& found) {
+// The file of a model's run; nothing if there is none, or if it is no model's.
+std::optional<models::RecordedSplit> recorded_split(const ScoredRun& run,
+                                                    const RunDirectory& found) {
+  std::optional<models::RecordedSplit> recorded;
   for (const ModelDirectory& model : found.models) {
-    if (model.agent != gallery.run->agent) continue;
-    const auto file = models::ModelFiles{model.folder}.attention(gallery.run->split);
+    if (model.agent != run.agent) continue;
+    const auto file = models::ModelFiles{model.folder}.attention(run.split);
     std::error_code code;
-    if (std::filesystem::exists(file, code)) gallery.attention = models::load_attention(file);
+    if (std::filesystem::exists(file, code)) recorded = models::load_recorded_split(file);
   }
-  if (gallery.attention) return;
-  gallery.no_attention =
-      fmt::format("There is no results/{}.attention.json, which trained models leave behind.",
-                  gallery.run->split);
+  return recorded;
+}
+
+bool holds(const models::RecordedSplit& recorded, const std::string& id) {
+  return std::visit([&id](const auto& file) { return file.contains(id); }, recorded);
+}
+
+std::size_t recorded_count(const models::RecordedSplit& recorded) {
+  return std::visit([](const auto& file) { return file.size(); }, recorded);
+}
+
+// Of other models, each of one seed: those on the same split of which something is recorded.
+// Models that choose among viewpoints come first.
+void add_others(GalleryRun& gallery, std::vector<RunRecord>& records) {
+  std::set<std::string_view> names{without_seed(gallery.run->agent)};
+  std::ranges::stable_sort(records, std::ranges::greater{},
+                           [](const RunRecord& one) { return chooses_viewpoints(one.recorded); });
+  for (RunRecord& one : records) {
+    if (gallery.others.size() == kMostOthers) return;
+    if (!one.recorded || one.run->split != gallery.run->split) continue;
+    if (names.insert(without_seed(one.run->agent)).second) {
+      gallery.others.push_back(std::move(one));
+    }
+  }
 }
 
 }  // namespace
+
+bool GalleryRun::shows_decisions() const {
+  return chooses_viewpoints(recorded) || std::ranges::any_of(others, [](const RunRecord& one) {
+           return chooses_viewpoints(one.recorded);
+         });
+}
 
 std::optional<GalleryRun> choose_run(const ScoredRuns& runs, const RunDirectory& found) {
   if (runs.runs.empty()) return std::nullopt;
   std::set<std::string> models;
   for (const ModelDirectory& model : found.models) models.insert(model.agent);
+  std::vector<RunRecord> records;
+  for (const ScoredRun& run : runs.runs) records.push_back({&run, recorded_split(run, found)});
   // The last of the equally good: Random rather than Shortest, where there is no model.
-  const ScoredRun* best = nullptr;
-  for (const ScoredRun& run : runs.runs) {
-    if (best == nullptr || run_rank(run, models) < run_rank(*best, models) ||
-        (run_rank(run, models) == run_rank(*best, models) && best->agent == "shortest")) {
-      best = &run;
+  RunRecord* best = nullptr;
+  for (RunRecord& one : records) {
+    if (best == nullptr || run_rank(one, models) < run_rank(*best, models) ||
+        (run_rank(one, models) == run_rank(*best, models) && best->run->agent == "shortest")) {
+      best = &one;
     }
   }
-  GalleryRun gallery{best, std::nullopt, {}};
-  load_attention_of(gallery, found);
+  GalleryRun gallery{{best->run, std::move(best->recorded)}, {}, {}};
+  best->recorded.reset();
+  add_others(gallery, records);
+  if (!gallery.shows_decisions()) gallery.others.clear();
+  if (!gallery.recorded) {
+    gallery.no_attention =
+        fmt::format("There is no results/{}.attention.json, which trained models leave behind.",
+                    gallery.run->split);
+  }
   return gallery;
 }
 
@@ -261,7 +308,7 @@ std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
   std::vector<std::size_t> left;
   for (std::size_t i = 0; i < metrics.size(); ++i) {
     const std::string& id = episodes.episodes[i].instruction_id;
-    if (!gallery.attention || gallery.attention->contains(id)) left.push_back(i);
+    if (!gallery.recorded || holds(*gallery.recorded, id)) left.push_back(i);
   }
   std::set<std::size_t> paths;
   std::vector<ChosenEpisode> chosen;
@@ -301,10 +348,11 @@ Json gallery_part(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
             {"successDistance", gallery.run->scores.ours.options.metrics.success_distance},
             {"buildings", std::move(buildings)},
             {"episodes", std::move(all)}};
+  if (!frames.panoramas.empty()) part["panoramas"] = std::move(frames.panoramas);
   part["frames"] = std::move(frames.by_key);
-  if (part["frames"].empty()) part["noPictures"] = frames.why_not;
-  if (!gallery.attention) part["noAttention"] = gallery.no_attention;
-  if (gallery.attention) part["withAttention"] = gallery.attention->size();
+  if (part["frames"].empty() && !part.contains("panoramas")) part["noPictures"] = frames.why_not;
+  if (!gallery.recorded) part["noAttention"] = gallery.no_attention;
+  if (gallery.recorded) part["withAttention"] = recorded_count(*gallery.recorded);
   return part;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <span>
@@ -35,6 +36,16 @@ image::Image8 averaged(const image::Image8& large) {
 std::string encode(const image::Image8& picture) {
   const std::vector<std::uint8_t> jpeg = image::encode_jpeg(picture, kJpegQuality);
   return data_uri("image/jpeg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+}
+
+// Of a picture of all directions.
+image::Image8 middle_rows(const image::Image8& picture, Radians band) {
+  const auto rows = static_cast<std::uint32_t>(std::lround(picture.width * band.value / (2 * kPi)));
+  if (rows >= picture.height) return picture;
+  image::Image8 part(picture.width, rows, picture.channels);
+  const auto* first = picture.at(0, (picture.height - rows) / 2);
+  std::copy_n(first, part.pixels.size(), part.pixels.begin());
+  return part;
 }
 
 const tasks::Annotations* example_split(const std::vector<tasks::Annotations>& splits) {
@@ -86,9 +97,9 @@ std::optional<std::string> view_uri(const dataset::Dataset& data, const render::
 }
 
 std::optional<std::string> panorama_uri(const dataset::Dataset& data, const render::View& view,
-                                        std::uint32_t width) {
+                                        std::uint32_t width, Radians band) {
   if (!has_colour(data, view.scan, view.viewpoint)) return std::nullopt;
-  return encode(averaged(render_panorama(data, view, width * kOversampling)));
+  return encode(middle_rows(averaged(render_panorama(data, view, width * kOversampling)), band));
 }
 
 std::string no_pictures_of(std::string_view scan) {
