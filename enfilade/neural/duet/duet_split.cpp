@@ -9,6 +9,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/geometry/angle.h"
 #include "enfilade/neural/detail/batches.h"
+#include "enfilade/neural/duet/recording.h"
 
 namespace enfilade::neural::duet {
 namespace {
@@ -60,7 +61,7 @@ tasks::Trajectory trajectory_of(const Walk& walk, const graph::NavGraph& graph,
 
 DuetSplit::DuetSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
                      const models::TrainConfig& config, const features::FeatureSet* features)
-    : episodes_(episodes) {
+    : episodes_(episodes), words_(words) {
   const bool reads = config.network.inputs.language;
   for (const tasks::Episode& episode : episodes.episodes) {
     const tasks::ReferencePath& path = episodes.path_of(episode);
@@ -108,8 +109,11 @@ std::vector<tasks::Trajectory> walk_and_write(const DuetNetwork& network, DuetSp
                                               const SplitWalk& options, const Progress& progress) {
   const std::size_t total = split.episodes().episodes.size();
   std::vector<tasks::Trajectory> trajectories;
+  std::optional<DuetRecording> recording;
+  if (!options.attention.empty()) recording.emplace(split);
   detail::for_each_batch(total, options.batch_size, [&](std::span<const std::size_t> episodes) {
-    for (tasks::Trajectory& one : walk_episodes(network, split, episodes)) {
+    const StepWatcher watcher = recording ? recording->watcher(episodes) : StepWatcher();
+    for (tasks::Trajectory& one : walk_episodes(network, split, episodes, watcher)) {
       trajectories.push_back(std::move(one));
     }
     if (progress) progress(trajectories.size(), total);
@@ -117,6 +121,9 @@ std::vector<tasks::Trajectory> walk_and_write(const DuetNetwork& network, DuetSp
   if (!options.results.empty()) {
     make_folder(options.results.parent_path());
     write_file_atomically(options.results, to_json(trajectories, split.episodes()));
+  }
+  if (recording) {
+    recording->recorder().write(options.attention, split.episodes(), trajectories);
   }
   return trajectories;
 }

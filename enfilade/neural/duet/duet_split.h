@@ -22,7 +22,7 @@ namespace enfilade::neural::duet {
 /// time.
 class DuetSplit {
  public:
-  /// `episodes` has to outlive *this. \param features null if the agent does not see
+  /// `episodes` and `words` have to outlive *this. \param features null if the agent does not see
   /// \throws as ViewFeatures
   DuetSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
             const models::TrainConfig& config, const features::FeatureSet* features);
@@ -34,9 +34,11 @@ class DuetSplit {
   std::vector<WalkEpisode> batch(std::span<const std::size_t> episodes) const;
   const WalkEpisode& episode(std::size_t index) const { return walks_[index]; }
   Walker& walker() noexcept { return *walker_; }
+  const models::InstructionWords& words() const noexcept { return words_; }
 
  private:
   const tasks::EpisodeSet& episodes_;
+  const models::InstructionWords& words_;
   std::vector<WalkEpisode> walks_;  // by episode
   std::optional<ViewFeatures> features_;
   std::unique_ptr<Surroundings> surroundings_;

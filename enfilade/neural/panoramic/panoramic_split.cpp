@@ -3,10 +3,12 @@
 #include <c10/core/GradMode.h>
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "enfilade/core/file.h"
 #include "enfilade/neural/detail/batches.h"
+#include "enfilade/neural/panoramic/recording.h"
 
 namespace enfilade::neural::panoramic {
 
@@ -14,7 +16,7 @@ PanoramicSplit::PanoramicSplit(const tasks::EpisodeSet& episodes,
                                const models::InstructionWords& words,
                                const models::TrainConfig& config,
                                const features::FeatureSet* features)
-    : episodes_(episodes), panoramas_(episodes.graphs) {
+    : episodes_(episodes), vocabulary_(words), panoramas_(episodes.graphs) {
   const bool reads = config.network.inputs.language;
   for (const tasks::Episode& episode : episodes.episodes) {
     words_.push_back(reads ? words.encode(episode, config.network.max_words)
@@ -71,19 +73,26 @@ std::vector<tasks::Trajectory> walk_and_write(PanoramicNetwork& network, Panoram
                                               const models::TrainConfig& config,
                                               const SplitWalk& options, const Progress& progress) {
   std::vector<tasks::Trajectory> trajectories;
-  detail::for_each_batch(
-      split.episodes().episodes.size(), options.batch_size,
-      [&](std::span<const std::size_t> episodes) {
-        for (tasks::Trajectory& one : walk_episodes(network, split, episodes, config.max_steps)) {
-          trajectories.push_back(std::move(one));
-        }
-        if (progress) {
-          progress(trajectories.size(), split.episodes().episodes.size());
-        }
-      });
+  std::optional<PanoramicRecording> recording;
+  if (!options.attention.empty()) recording.emplace(split);
+  detail::for_each_batch(split.episodes().episodes.size(), options.batch_size,
+                         [&](std::span<const std::size_t> episodes) {
+                           const BatchObserver observer =
+                               recording ? recording->observer(episodes) : BatchObserver();
+                           for (tasks::Trajectory& one : walk_episodes(
+                                    network, split, episodes, config.max_steps, observer)) {
+                             trajectories.push_back(std::move(one));
+                           }
+                           if (progress) {
+                             progress(trajectories.size(), split.episodes().episodes.size());
+                           }
+                         });
   if (!options.results.empty()) {
     make_folder(options.results.parent_path());
     write_file_atomically(options.results, to_json(trajectories, split.episodes()));
+  }
+  if (recording) {
+    recording->recorder().write(options.attention, split.episodes(), trajectories);
   }
   return trajectories;
 }

@@ -23,7 +23,7 @@ namespace enfilade::neural::panoramic {
 /// time.
 class PanoramicSplit {
  public:
-  /// `episodes` has to outlive *this. \param features null if the agent does not see
+  /// `episodes` and `words` have to outlive *this. \param features null if the agent does not see
   /// \throws as ViewFeatures
   PanoramicSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
                  const models::TrainConfig& config, const features::FeatureSet* features);
@@ -42,9 +42,11 @@ class PanoramicSplit {
   const tasks::EpisodeSet& episodes() const noexcept { return episodes_; }
   const ImageSource& images() const noexcept { return images_; }
   std::span<const std::int64_t> words(std::size_t episode) const { return words_[episode]; }
+  const models::InstructionWords& vocabulary() const noexcept { return vocabulary_; }
 
  private:
   const tasks::EpisodeSet& episodes_;
+  const models::InstructionWords& vocabulary_;
   std::vector<std::vector<std::int64_t>> words_;  // by episode
   std::optional<ViewFeatures> features_;
   ImageSource images_;
