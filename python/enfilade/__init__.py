@@ -65,7 +65,7 @@ _LATER = {
     "write_small_dataset": "synth",
 }
 
-_MODULES = ("camera", "features", "goals")
+_MODULES = ("agents", "camera", "features", "goals")
 
 __all__ = [
     "ArgumentError",

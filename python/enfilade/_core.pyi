@@ -238,6 +238,9 @@ class EpisodeSet:
 
     def find(self, instruction_id: str) -> int | None: ...
 
+    def shared(self) -> Any:
+        """The C++ object, for another extension module of this package."""
+
     @property
     def texts(self) -> list[str]: ...
 

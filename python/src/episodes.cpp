@@ -113,6 +113,13 @@ nb::tuple episode(const Episodes& self, std::size_t i) {
                         path.group, details_tuple(e.details));
 }
 
+// For enfilade._learn, which is built with this module and has the same classes, but not its types
+// of Python objects.
+nb::capsule shared(const Episodes& self) {
+  return nb::capsule(new Set(self.set()), "enfilade.EpisodeSet",
+                     [](void* set) noexcept { delete static_cast<Set*>(set); });
+}
+
 // (instruction_id, path_id, group, scan, language): what a table of scores begins with.
 nb::tuple about(const Episodes& self, std::size_t i) {
   const tasks::EpisodeSet& set = *self.set();
@@ -254,6 +261,8 @@ void bind_episodes(nb::module_& m) {
       .def("about", about, "index"_a,
            nb::sig("def about(self, index: int) -> tuple[str, int, int, str, str]"))
       .def("find", &Episodes::find, "instruction_id"_a)
+      .def("shared", shared, "The C++ object, for another extension module of this package.",
+           nb::sig("def shared(self) -> typing.Any"))
       .def_prop_ro(
           "texts",
           [](const Episodes& s) {
