@@ -1,12 +1,12 @@
-"""Trained agents: what `enfilade train` and `enfilade import-weights` leave behind, run by the C++ code.
+"""Trained agents: what `enfilade train` and `enfilade import-weights` leave behind, run in C++.
 
 >>> agent = enfilade.agents.load("run/models/duet")
 >>> agent.enter(d.episodes("val_unseen"), features="features.safetensors")
 >>> results = agent.walk()                                 # of the whole split, as in a results file
 >>> d.episodes("val_unseen").score(results).means["spl"]
 
-PyTorch is not needed, and not imported. libtorch is: the extension module of these agents is built where
-it is found, and importing this module without it raises ImportError, which says how to get it.
+PyTorch is not needed, and not imported. libtorch is: the extension module of these agents is built
+where it is found, and importing this module without it raises ImportError, which says how to get it.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ try:
     from enfilade import _learn
 except ImportError as missing:
     raise ImportError(
-        "enfilade.agents: trained agents need libtorch, without which this enfilade was built, or which is "
-        f"not to be found here ({missing}). With Debian's libtorch-dev installed: "
+        "enfilade.agents: trained agents need libtorch, without which this enfilade was built or which "
+        f"is not to be found here ({missing}). With Debian's libtorch-dev installed: "
         "pip install . -C cmake.define.EN_WITH_TORCH=ON in a clone; or build with -DEN_BUILD_PYTHON=ON "
         "-DEN_WITH_TORCH=ON and put build/NAME/python on PYTHONPATH (docs/python.md, Trained agents)"
     ) from missing
@@ -108,12 +108,12 @@ class Agent:
     def act(self, env: Any) -> NDArray[int64]:
         """The actions of all agents of an environment, for its step().
 
-        env: RoomToRoomEnv or RoomToRoomVectorEnv, on the episodes that were entered, with any actions. When
-        all its agents are at the start of an episode, these episodes begin, together. Then every action of
-        this agent has to be taken; an agent whose episode has ended, or that is in another episode by now,
-        gets stop. A panoramic agent's environment best has actions="panoramic", DUET's "map" ("viewpoint" suits
-        both), seq2seq's "six". DUET ends where stopping was likeliest: on a "map" it cannot walk back there, so
-        that it stops where it is.
+        env: RoomToRoomEnv or RoomToRoomVectorEnv, on the episodes that were entered, with any actions.
+        When all its agents are at the start of an episode, these episodes begin, together. Then every
+        action of this agent has to be taken; an agent whose episode has ended, or that is in another
+        episode by now, gets stop. A panoramic agent's environment best has actions="panoramic", DUET's
+        "map" ("viewpoint" suits both), seq2seq's "six". DUET ends where stopping was likeliest: on a
+        "map" it cannot walk back there, so that it stops where it is.
 
         Raises ArgumentError if an agent is not where its last action led to, or if the environment has
         other episodes.
@@ -147,7 +147,7 @@ class Agent:
             found = np.flatnonzero((rows[slot] == viewpoint) & there[slot])
             found = found[found > 0]
             if len(found) == 0:
-                raise ArgumentError(f"act(): agent {slot} cannot go to viewpoint {viewpoint} from here")
+                raise ArgumentError(f"act(): agent {slot} cannot go to viewpoint {viewpoint}")
             chosen[slot] = found[0]
         return chosen
 
@@ -166,8 +166,8 @@ def load(folder: Path, *, device: str = "cpu", threads: int = 0) -> Agent:
         device: "cpu", "cuda", "cuda:1"; not every kind can use a GPU.
         threads: of libtorch in this process; 0: all cores.
 
-    Raises FileError for a missing file, InvalidInput for a damaged one, ArgumentError for a device that this
-    kind cannot use.
+    Raises FileError for a missing file, InvalidInput for a damaged one, ArgumentError for a device that
+    this kind cannot use.
     """
     _learn.set_threads(whole("threads", threads))
     name = os.fspath(folder)

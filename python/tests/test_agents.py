@@ -31,9 +31,14 @@ def model(small: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
         pytest.skip("ENFILADE_PROGRAM is not set: no `enfilade train`")
     folder = tmp_path_factory.mktemp("models") / "student"
     command = [PROGRAM, "train", "-o", str(folder), "--data", small, "--inputs", "language"]
-    sizes = ["--hidden", "16", "--iterations", "2", "--batch", "8", "--least-count", "1", "--threads", "1"]
-    subprocess.run([*command, *sizes], check=True, capture_output=True)
+    sizes = ["--hidden", "16", "--iterations", "2", "--batch", "8", "--least-count", "1"]
+    subprocess.run([*command, *sizes, "--threads", "1"], check=True, capture_output=True)
     return folder
+
+
+def output_of(code: str) -> str:
+    command = [sys.executable, "-c", code]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
 def points(entry: dict[str, Any]) -> list[str]:
@@ -117,12 +122,13 @@ def test_without_libtorch_it_says_how_to_get_it() -> None:
         "import enfilade\n"
         "try:\n    enfilade.agents\nexcept ImportError as e:\n    print(e)"
     )
-    said = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+    said = output_of(code)
     assert "libtorch" in said and "EN_WITH_TORCH=ON" in said
 
 
 def test_pytorch_is_not_imported(model: Path) -> None:
     learn_module()
-    code = f"import sys, enfilade; enfilade.agents.load({str(model)!r}); print('torch' in sys.modules)"
-    said = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+    load = f"enfilade.agents.load({str(model)!r})"
+    code = f"import sys, enfilade; {load}; print('torch' in sys.modules)"
+    said = output_of(code)
     assert said.strip() == "False"
