@@ -14,8 +14,9 @@ std::vector<Case> command_line_cases() {
       line("no verb", "", 2, "A subcommand is required"),
       line("a verb that is none", "fly", 2,
            "\"fly\" is none of its verbs: contact-sheet, convert, dataset, demo, doctor, evaluate, "
-           "export, features, graph, homes, import, pack, panorama, pretrain, r4r, render, "
-           "report, run, sample, scan-mesh, score, serve, speak, stats, study, submit, synth, "
+           "export, features, graph, homes, import, import-weights, pack, panorama, pretrain, r4r, "
+           "render, report, run, sample, scan-mesh, score, serve, speak, stats, study, submit, "
+           "synth, "
            "table, train"),
       line("an option that is none", "stats --data {} --colour", 2, "--colour"),
       line("an option without its value", "run --agent", 2, "--agent"),

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/learning/import_weights.h"
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/core/file.h"
@@ -65,6 +66,9 @@ std::unique_ptr<agents::Agent> load_trained_agent(const std::string& /*folder*/,
 
 void add_evaluate(CLI::App& app, int& /*status*/) { add_elsewhere(app, "evaluate", kEvaluateHelp); }
 void add_features(CLI::App& app, int& /*status*/) { add_elsewhere(app, "features", kFeaturesHelp); }
+void add_import_weights(CLI::App& app, int& /*status*/) {
+  add_elsewhere(app, "import-weights", kImportWeightsHelp);
+}
 void add_pretrain(CLI::App& app, int& /*status*/) { add_elsewhere(app, "pretrain", kPretrainHelp); }
 void add_speak(CLI::App& app, int& /*status*/) { add_elsewhere(app, "speak", kSpeakHelp); }
 void add_train(CLI::App& app, int& /*status*/) { add_elsewhere(app, "train", kTrainHelp); }
