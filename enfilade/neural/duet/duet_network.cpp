@@ -8,7 +8,6 @@
 #include <string_view>
 #include <utility>
 
-#include "enfilade/core/rng.h"
 #include "enfilade/neural/encoders/random_weights.h"
 
 namespace enfilade::neural::duet {
@@ -16,14 +15,6 @@ namespace {
 
 constexpr double kDeviation = 0.02;  // BERT's initializer_range
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// (n, length) -> (n, 1, 1, length), added to the scores of an attention.
-at::Tensor bias_of(const at::Tensor& mask, double padding) {
-  return at::zeros(mask.sizes(), at::kFloat)
-      .masked_fill(mask.logical_not(), padding)
-      .unsqueeze(1)
-      .unsqueeze(1);
-}
 
 at::Tensor uniform(const std::vector<std::int64_t>& shape, Rng& rng) {
   const double bound = std::sqrt(6.0 / static_cast<double>(shape[0] + shape[1]));
@@ -64,13 +55,16 @@ at::Tensor mask_of(const at::Tensor& lengths, std::int64_t longest) {
   return at::arange(longest, at::kLong).unsqueeze(0).lt(lengths.unsqueeze(1));
 }
 
+detail::Weights random_weights(std::span<const detail::ArraySpec> specs, Rng rng) {
+  detail::Weights weights;
+  for (const detail::ArraySpec& spec : specs) weights.emplace(spec.name, initial(spec, rng));
+  for (auto& [name, values] : weights) values.requires_grad_();
+  return weights;
+}
+
 DuetNetwork::DuetNetwork(const DuetConfig& config, std::uint64_t seed) : config_(config) {
   validate(config);
-  Rng rng(seed);
-  for (const detail::ArraySpec& spec : arrays_of(config)) {
-    weights_.emplace(spec.name, initial(spec, rng));
-  }
-  for (auto& [name, values] : weights_) values.requires_grad_();
+  weights_ = random_weights(arrays_of(config), Rng(seed));
 }
 
 DuetNetwork::DuetNetwork(const DuetConfig& config, const features::TensorFile& file)
@@ -153,13 +147,25 @@ at::Tensor DuetNetwork::branch(const Layers& layers, at::Tensor x, const Tokens&
   return x;
 }
 
+at::Tensor DuetNetwork::embed_nodes(const NavigationInput& input) const {
+  const Layers layers(weights_, config_.heads, nullptr);
+  const std::string map = "vln_bert.global_encoder";
+  return input.nodes +
+         at::embedding(layers.weight(map + ".gmap_step_embeddings.weight"), input.steps) +
+         layers.norm(layers.linear(input.node_positions, map + ".gmap_pos_embeddings.0"),
+                     map + ".gmap_pos_embeddings.1");
+}
+
+at::Tensor DuetNetwork::embed_tokens(const NavigationInput& input) const {
+  const Layers layers(weights_, config_.heads, nullptr);
+  const std::string here = "vln_bert.local_encoder.vp_pos_embeddings";
+  return input.tokens + layers.norm(layers.linear(input.token_positions, here + ".0"), here + ".1");
+}
+
 NavigationOutput DuetNetwork::navigate(const Tokens& text, const NavigationInput& input,
                                        Dropout* dropout) const {
   const Layers layers(weights_, config_.heads, dropout);
-  const std::string map = "vln_bert.global_encoder", here = "vln_bert.local_encoder";
-  const auto place = [&](const at::Tensor& positions, const std::string& name) {
-    return layers.norm(layers.linear(positions, name + ".0"), name + ".1");
-  };
+  const std::string map = "vln_bert.global_encoder";
   NavigationOutput out;
   at::Tensor bias;
   if (config_.map_distances) {
@@ -167,12 +173,8 @@ NavigationOutput DuetNetwork::navigate(const Tokens& text, const NavigationInput
             layers.weight(map + ".sprel_linear.bias").squeeze())
                .unsqueeze(1);
   }
-  out.nodes = input.nodes +
-              at::embedding(layers.weight(map + ".gmap_step_embeddings.weight"), input.steps) +
-              place(input.node_positions, map + ".gmap_pos_embeddings");
-  out.nodes = branch(layers, out.nodes, text, input.node_mask, bias, "global_encoder");
-  out.tokens = input.tokens + place(input.token_positions, here + ".vp_pos_embeddings");
-  out.tokens = branch(layers, out.tokens, text, input.token_mask, {}, "local_encoder");
+  out.nodes = branch(layers, embed_nodes(input), text, input.node_mask, bias, "global_encoder");
+  out.tokens = branch(layers, embed_tokens(input), text, input.token_mask, {}, "local_encoder");
   fuse(layers, input, out);
   if (config_.object != 0 && input.objects.defined()) {
     out.object_logits = layers.head(out.tokens, "vln_bert.og_head")

@@ -3,8 +3,10 @@
 #include <ATen/core/Tensor.h>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
+#include "enfilade/core/rng.h"
 #include "enfilade/features/tensor_file.h"
 #include "enfilade/neural/detail/weights.h"
 #include "enfilade/neural/duet/duet_config.h"
@@ -79,6 +81,10 @@ class DuetNetwork {
   Tokens encode_panorama(const PanoramaInput& input, Dropout* dropout = nullptr) const;
   NavigationOutput navigate(const Tokens& text, const NavigationInput& input,
                             Dropout* dropout = nullptr) const;
+  /// What the first layer of a branch gets: nodes of the map, (n, g, hidden), or tokens of the
+  /// viewpoint, (n, v, hidden), each with its position. navigate() does this itself.
+  at::Tensor embed_nodes(const NavigationInput& input) const;
+  at::Tensor embed_tokens(const NavigationInput& input) const;  ///< likewise
 
  private:
   at::Tensor branch(const Layers& layers, at::Tensor x, const Tokens& text, const at::Tensor& mask,
@@ -88,6 +94,9 @@ class DuetNetwork {
   DuetConfig config_;
   detail::Weights weights_;
 };
+
+/// Random weights, as the constructor of DuetNetwork has them; gradients are asked for.
+detail::Weights random_weights(std::span<const detail::ArraySpec> specs, Rng rng);
 
 /// (n, longest) bool: the first lengths[i] of row i.
 at::Tensor mask_of(const at::Tensor& lengths, std::int64_t longest);

@@ -16,6 +16,7 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/features/tensor_file.h"
+#include "enfilade/neural/duet/small_duet.h"
 #include "enfilade/neural/duet/training.h"
 #include "enfilade/neural/encoders/random_weights.h"
 #include "tests/support/refusal.h"
@@ -25,101 +26,11 @@ namespace enfilade::neural::duet {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::integers;
+using testing::tiny_duet;
 using tests::refusal;
 using tests::TemporaryFolder;
-
-DuetConfig tiny() {
-  DuetConfig config;
-  config.hidden = 8;
-  config.heads = 2;
-  config.feed_forward = 12;
-  config.panorama_feed_forward = 12;
-  config.text_layers = config.panorama_layers = config.cross_layers = 1;
-  config.vocabulary = 20;
-  config.positions = config.max_words = 16;
-  config.image = 5;
-  config.object = 3;
-  config.steps = 20;
-  return config;
-}
-
-at::Tensor random(const std::vector<std::int64_t>& shape, std::uint64_t seed) {
-  Rng rng(seed);
-  return encoders::normal(shape, 1, rng);
-}
-
-at::Tensor integers(const std::vector<std::int64_t>& values) {
-  return at::tensor(values, at::kLong);
-}
-
-// Two episodes; the first is shorter in everything, so it has padding.
-struct Batch {
-  at::Tensor ids = integers({1, 5, 7, 2, 0, 0, 1, 9, 4, 8, 6, 2}).view({2, 6});
-  at::Tensor lengths = integers({4, 6});
-  PanoramaInput panorama;
-  NavigationInput navigation;
-
-  Batch() {
-    panorama.views = random({2, 5, 5}, 1);
-    panorama.view_counts = integers({4, 5});
-    panorama.objects = random({2, 2, 3}, 2);
-    panorama.object_counts = integers({2, 1});
-    panorama.locations = random({2, 6, 7}, 3);
-    panorama.types = integers({1, 1, 0, 0, 2, 2, 1, 1, 1, 0, 0, 2}).view({2, 6});
-    navigation.steps = integers({0, 1, 0, 0, 0, 0, 1, 2, 0, 0}).view({2, 5});
-    navigation.node_positions = random({2, 5, 7}, 4);
-    navigation.node_mask = mask_of(integers({4, 5}), 5);
-    navigation.visited = navigation.steps.gt(0);
-    const at::Tensor metres = random({2, 5, 5}, 5).abs();
-    navigation.distances = (metres + metres.transpose(1, 2)).contiguous();
-    navigation.distances.select(1, 0).zero_();
-    navigation.distances.select(2, 0).zero_();
-    navigation.token_positions = random({2, 7, 14}, 6);
-    navigation.choices = integers({1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0}).view({2, 7}).gt(0);
-    navigation.objects = integers({0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 0, 1}).view({2, 7}).gt(0);
-    navigation.node_of_token =
-        integers({-1, 2, 3, -1, -1, -1, -1, -1, 1, 4, -1, -1, -1, -1}).view({2, 7});
-  }
-
-  // One row without its padding.
-  Batch row(std::int64_t i) const {
-    Batch one = *this;
-    const auto cut = [i](const at::Tensor& x, std::int64_t length) {
-      return x.narrow(0, i, 1).narrow(1, 0, length).contiguous();
-    };
-    const std::int64_t words = i == 0 ? 4 : 6, views = i == 0 ? 4 : 5, objects = i == 0 ? 2 : 1;
-    const std::int64_t nodes = i == 0 ? 4 : 5, tokens = views + objects;
-    one.ids = cut(ids, words);
-    one.lengths = lengths.narrow(0, i, 1);
-    one.panorama = {cut(panorama.views, views),      panorama.view_counts.narrow(0, i, 1),
-                    cut(panorama.objects, objects),  panorama.object_counts.narrow(0, i, 1),
-                    cut(panorama.locations, tokens), cut(panorama.types, tokens)};
-    NavigationInput& n = one.navigation;
-    n.steps = cut(n.steps, nodes);
-    n.node_positions = cut(n.node_positions, nodes);
-    n.node_mask = cut(n.node_mask, nodes);
-    n.visited = cut(n.visited, nodes);
-    n.distances = cut(n.distances, nodes).narrow(2, 0, nodes);
-    n.token_positions = cut(n.token_positions, tokens + 1);
-    n.choices = cut(n.choices, tokens + 1);
-    n.objects = cut(n.objects, tokens + 1);
-    n.node_of_token = cut(n.node_of_token, tokens + 1);
-    return one;
-  }
-
-  NavigationOutput run(const DuetNetwork& network, Dropout* dropout = nullptr) const {
-    const Tokens text = network.encode_text(ids, lengths, dropout);
-    const Tokens seen = network.encode_panorama(panorama, dropout);
-    NavigationInput input = navigation;
-    const std::int64_t n = ids.size(0), hidden = network.config().hidden;
-    const at::Tensor stop = at::zeros({n, 1, hidden});
-    input.tokens = at::cat({stop, seen.values}, 1);
-    input.token_mask = at::cat({at::ones({n, 1}, at::kBool), seen.mask}, 1);
-    // Any embedding will do for the nodes: here each is a token of the panorama.
-    input.nodes = at::cat({stop, seen.values.narrow(1, 0, input.steps.size(1) - 1)}, 1);
-    return network.navigate(text, input, dropout);
-  }
-};
+using Batch = testing::DuetBatch;
 
 double difference(const at::Tensor& a, const at::Tensor& b) {
   const at::Tensor finite = at::isfinite(b);
@@ -129,7 +40,7 @@ double difference(const at::Tensor& a, const at::Tensor& b) {
 }
 
 TEST(DuetNetworkTest, ShapesAndClosedPlaces) {
-  const DuetNetwork network(tiny(), 1);
+  const DuetNetwork network(tiny_duet(), 1);
   const Batch batch;
   const c10::NoGradGuard no_gradients;
   const NavigationOutput out = batch.run(network);
@@ -142,7 +53,7 @@ TEST(DuetNetworkTest, ShapesAndClosedPlaces) {
 }
 
 TEST(DuetNetworkTest, FusionGivesTheLogitsOfVisitedNeighboursToAllOtherOpenNodes) {
-  const DuetNetwork network(tiny(), 1);
+  const DuetNetwork network(tiny_duet(), 1);
   const Batch batch;
   const c10::NoGradGuard no_gradients;
   const NavigationOutput out = batch.run(network);
@@ -158,7 +69,7 @@ TEST(DuetNetworkTest, FusionGivesTheLogitsOfVisitedNeighboursToAllOtherOpenNodes
 }
 
 TEST(DuetNetworkTest, PaddingChangesNothing) {
-  const DuetNetwork network(tiny(), 2);
+  const DuetNetwork network(tiny_duet(), 2);
   const Batch batch;
   const c10::NoGradGuard no_gradients;
   const NavigationOutput both = batch.run(network);
@@ -176,48 +87,20 @@ TEST(DuetNetworkTest, PaddingChangesNothing) {
 }
 
 TEST(DuetNetworkTest, GradientsAreThoseOfFiniteDifferences) {
-  DuetConfig config = tiny();
-  const DuetNetwork network(config, 3);
-  {
-    // Larger weights than at the start of training, so that every part has its say.
-    const c10::NoGradGuard no_gradients;
-    Rng rng(4);
-    for (const auto& [name, values] : network.weights()) {
-      at::Tensor(values).add_(encoders::normal(values.sizes().vec(), 0.2, rng));
-    }
-  }
+  const DuetNetwork network(tiny_duet(), 3);
   const Batch batch;
-  const auto loss = [&] {
-    const NavigationOutput out = batch.run(network);
-    const at::Tensor objects = at::log_softmax(out.object_logits, 1).select(1, 5);
-    return at::cross_entropy_loss(out.fused_logits, integers({2, 4})) - objects[0];
-  };
-  loss().backward();
-  const c10::NoGradGuard no_gradients;
-  const double here = loss().item<double>();
-  for (const auto& [name, values] : network.weights()) {
-    const at::Tensor gradient = values.grad();
-    ASSERT_TRUE(gradient.defined()) << name;
-    const auto place = gradient.view({-1}).abs().argmax().item<std::int64_t>();
-    const double expected = gradient.view({-1})[place].item<double>();
-    at::Tensor number = at::Tensor(values).view({-1})[place];
-    const float before = number.item<float>();
-    constexpr float kStep = 1e-3F;  // float32: rounding is some 1e-3 of the quotient
-    number.fill_(before + kStep);
-    const double above = loss().item<double>();
-    number.fill_(before - kStep);
-    const double below = loss().item<double>();
-    number.fill_(before);
-    // ReLU has kinks, where the gradient is that of one side.
-    const double apart = std::min({std::abs((above - below) / (2 * kStep) - expected),
-                                   std::abs((above - here) / kStep - expected),
-                                   std::abs((here - below) / kStep - expected)});
-    EXPECT_LT(apart, 5e-3 + 0.03 * std::abs(expected)) << name;
-  }
+  EXPECT_THAT(testing::wrong_gradients(
+                  network.weights(),
+                  [&] {
+                    const NavigationOutput out = batch.run(network);
+                    const at::Tensor objects = at::log_softmax(out.object_logits, 1).select(1, 5);
+                    return at::cross_entropy_loss(out.fused_logits, integers({2, 4})) - objects[0];
+                  }),
+              ::testing::IsEmpty());
 }
 
 TEST(DuetNetworkTest, DropoutFollowsItsSeed) {
-  const DuetNetwork network(tiny(), 1);
+  const DuetNetwork network(tiny_duet(), 1);
   const Batch batch;
   const c10::NoGradGuard no_gradients;
   const auto run = [&](std::uint64_t seed) {
@@ -230,7 +113,7 @@ TEST(DuetNetworkTest, DropoutFollowsItsSeed) {
 
 TEST(DuetNetworkTest, SavedWeightsAreTheSameAndSayTheirSizes) {
   const TemporaryFolder folder("duet");
-  const DuetNetwork network(tiny(), 1);
+  const DuetNetwork network(tiny_duet(), 1);
   network.save(folder.path() / "weights.safetensors");
   const auto file = features::TensorFile::open(folder.path() / "weights.safetensors");
   const DuetConfig config = infer_config(file, 2);
@@ -253,14 +136,14 @@ TEST(DuetNetworkTest, SavedWeightsAreTheSameAndSayTheirSizes) {
 
 TEST(DuetNetworkTest, WeightsOfAnotherNetworkAreRefusedByName) {
   const TemporaryFolder folder("duet");
-  const DuetNetwork network(tiny(), 1);
+  const DuetNetwork network(tiny_duet(), 1);
   network.save(folder.path() / "weights.safetensors");
   const auto file = features::TensorFile::open(folder.path() / "weights.safetensors");
-  DuetConfig other = tiny();
+  DuetConfig other = tiny_duet();
   other.text_layers = 2;
   EXPECT_THAT(refusal<InvalidInput>([&] { DuetNetwork(other, file); }),
               HasSubstr("vln_bert.lang_encoder.layer.1.attention.self.query.weight"));
-  other = tiny();
+  other = tiny_duet();
   other.fusion = Fusion::kAverage;
   EXPECT_THAT(refusal<InvalidInput>([&] { DuetNetwork(other, file); }),
               HasSubstr("vln_bert.sap_fuse_linear.net.0.weight"));
@@ -272,7 +155,7 @@ void add_gradients(const DuetNetwork& network) {
 }
 
 TEST(DuetTrainingTest, AnUpdateIsAdamWs) {
-  const DuetNetwork network(tiny(), 1);
+  const DuetNetwork network(tiny_duet(), 1);
   detail::OptimizerConfig config;
   config.rates.learning_rate = 1e-3;
   config.rates.weight_decay = 0.01;
@@ -293,7 +176,7 @@ TEST(DuetTrainingTest, GoesOnFromAFileAsIfNothingHadHappened) {
   for (const auto kind :
        {models::Optimizer::kAdam, models::Optimizer::kAdamW, models::Optimizer::kRmsProp}) {
     const TemporaryFolder folder("duet");
-    const DuetNetwork network(tiny(), 1);
+    const DuetNetwork network(tiny_duet(), 1);
     detail::OptimizerConfig config;
     config.kind = kind;
     config.warm_up = 3;
@@ -303,9 +186,9 @@ TEST(DuetTrainingTest, GoesOnFromAFileAsIfNothingHadHappened) {
     optimizer.update(network.weights());
     features::write_safetensors(folder.path() / "state.safetensors",
                                 detail::as_arrays(optimizer.state(network.weights())));
-    const DuetNetwork other(tiny(), 2);
+    const DuetNetwork other(tiny_duet(), 2);
     detail::Optimizer resumed(config);
-    resumed.load(other.weights(), arrays_of(tiny()),
+    resumed.load(other.weights(), arrays_of(tiny_duet()),
                  features::TensorFile::open(folder.path() / "state.safetensors"));
     EXPECT_EQ(resumed.updates(), 1U);
     EXPECT_EQ(resumed.rate(), optimizer.rate());
@@ -336,7 +219,7 @@ TEST(OptimizerTest, TheRateRisesThenFallsToNothing) {
 }
 
 TEST(DuetConfigTest, ImpossibleSizesAreNamed) {
-  DuetConfig config = tiny();
+  DuetConfig config = tiny_duet();
   config.heads = 3;
   EXPECT_THAT(refusal<ArgumentError>([&] { validate(config); }), HasSubstr("heads is 3"));
   EXPECT_THAT(refusal<ArgumentError>([] { duet_preset("duet-xl"); }), HasSubstr("duet-s"));

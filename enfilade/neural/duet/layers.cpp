@@ -12,6 +12,13 @@ constexpr double kTorchEpsilon = 1e-5;  // of torch.nn.LayerNorm, where nobody c
 
 }  // namespace
 
+at::Tensor bias_of(const at::Tensor& mask, double padding) {
+  return at::zeros(mask.sizes(), at::kFloat)
+      .masked_fill(mask.logical_not(), padding)
+      .unsqueeze(1)
+      .unsqueeze(1);
+}
+
 const at::Tensor& Layers::weight(const std::string& name) const {
   const auto found = weights_.find(name);
   EN_CHECK(found != weights_.end());

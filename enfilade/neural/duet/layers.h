@@ -25,6 +25,9 @@ class Dropout {
 
 /// What is added to an attention's scores of padding.
 inline constexpr double kSoftMask = -10000;
+/// What is added to an attention's scores: 0 for tokens, `padding` elsewhere.
+/// \param mask (n, length) bool, true for a token \return (n, 1, 1, length)
+at::Tensor bias_of(const at::Tensor& mask, double padding);
 
 /// The layers of one network. `dropout` may be null: then there is none.
 class Layers {

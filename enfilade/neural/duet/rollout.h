@@ -152,6 +152,7 @@ class Walker {
     at::Tensor object_features;       ///< (objects, object)
   };
   const Place& place(const DuetConfig& config, graph::Location location);
+  const graph::NavGraph& graph(ScanIndex scan) const { return graphs_->graph(scan); }
 
  private:
   std::shared_ptr<const graph::GraphSet> graphs_;

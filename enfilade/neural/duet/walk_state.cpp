@@ -125,63 +125,72 @@ std::pair<at::Tensor, at::Tensor> words_of(std::span<const WalkEpisode> episodes
   return {padded(rows).squeeze(2), at::tensor(lengths, at::kLong)};
 }
 
+PanoramaInput panorama_of(std::span<WalkState* const> states, const DuetConfig& config) {
+  std::vector<Stand> stands;
+  for (const WalkState* state : states) stands.push_back({state->place, state->pose});
+  return panorama_of(stands, config);
+}
+
 namespace {
 
-// Features of the tokens that are views, zeros behind.
-at::Tensor views_of(std::span<WalkState* const> states, std::int64_t most, std::int64_t columns) {
-  Filled<float> out({std::ssize(states), most, columns}, at::kFloat);
-  for (std::int64_t i = 0; i < std::ssize(states); ++i) {
-    const Walker::Place& place = *states[static_cast<std::size_t>(i)]->place;
-    const float* const views = place.views.data_ptr<float>();
-    std::int64_t j = 0;
-    for (const std::uint32_t view : place.panorama->token_views) {
-      std::copy_n(views + view * columns, columns, out.at(i, j++));
+// Angle features and kinds of one panorama's tokens.
+void write_tokens(const Stand& stand, std::int64_t i, Filled<float>& locations,
+                  Filled<std::int64_t>& types) {
+  std::int64_t j = 0;
+  for (const sim::Candidate& c : stand.place->panorama->candidates) {
+    *types.at(i, j) = 1;
+    write_location(locations.at(i, j++), c.heading, c.elevation, stand.pose, 1, 1);
+  }
+  const auto& all = stand.place->panorama->token_views;
+  for (const std::uint32_t view : std::span(all).subspan(static_cast<std::size_t>(j))) {
+    const Pose centre{{}, view};
+    write_location(locations.at(i, j++), centre.heading(), centre.elevation(), stand.pose, 1, 1);
+  }
+  for (const SeenObject& object : stand.place->objects) {
+    *types.at(i, j) = 2;
+    write_location(locations.at(i, j++), object.heading, object.elevation, stand.pose,
+                   static_cast<float>(object.height / kPictureHeight),
+                   static_cast<float>(object.width / kPictureWidth));
+  }
+}
+
+// Features of views in the order of the tokens, zeros behind the shorter panoramas.
+at::Tensor views_of(std::span<const Stand> stands, std::int64_t longest, std::int64_t columns) {
+  Filled<float> views({std::ssize(stands), longest, columns}, at::kFloat);
+  for (std::size_t i = 0; i < stands.size(); ++i) {
+    const float* const from = stands[i].place->views.data_ptr<float>();
+    float* to = longest > 0 ? views.at(static_cast<std::int64_t>(i), 0) : nullptr;
+    for (const std::uint32_t view : stands[i].place->panorama->token_views) {
+      to = std::copy_n(from + view * columns, columns, to);
     }
   }
-  return out.tensor();
+  return views.tensor();
 }
 
 }  // namespace
 
-PanoramaInput panorama_of(std::span<WalkState* const> states, const DuetConfig& config) {
-  const auto n = std::ssize(states);
-  std::int64_t longest = 0;
+PanoramaInput panorama_of(std::span<const Stand> stands, const DuetConfig& config) {
+  std::int64_t longest = 0, most_views = 0;
   std::vector<std::int64_t> views, objects;
   std::vector<at::Tensor> object_features;
-  for (const WalkState* state : states) {
-    const Walker::Place& place = *state->place;
-    views.push_back(std::ssize(place.panorama->token_views));
-    objects.push_back(std::ssize(place.objects));
-    if (config.object != 0) object_features.push_back(place.object_features);
+  for (const Stand& stand : stands) {
+    views.push_back(std::ssize(stand.place->panorama->token_views));
+    objects.push_back(std::ssize(stand.place->objects));
+    if (config.object != 0) object_features.push_back(stand.place->object_features);
+    most_views = std::max(most_views, views.back());
     longest = std::max(longest, views.back() + objects.back());
   }
   PanoramaInput input;
-  input.views = views_of(states, *std::ranges::max_element(views), config.image);
+  input.views = views_of(stands, most_views, config.image);
   input.view_counts = at::tensor(views, at::kLong);
   if (config.object != 0) {
     input.objects = padded(object_features);
     input.object_counts = at::tensor(objects, at::kLong);
   }
-  Filled<float> locations({n, longest, kLocation}, at::kFloat);
-  Filled<std::int64_t> types({n, longest}, at::kLong);
-  for (std::int64_t i = 0; i < n; ++i) {
-    const WalkState& state = *states[static_cast<std::size_t>(i)];
-    std::int64_t j = 0;
-    for (const sim::Candidate& c : state.place->panorama->candidates) {
-      *types.at(i, j) = 1;
-      write_location(locations.at(i, j++), c.heading, c.elevation, state.pose, 1, 1);
-    }
-    const auto& all = state.place->panorama->token_views;
-    for (const std::uint32_t view : std::span(all).subspan(static_cast<std::size_t>(j))) {
-      const Pose centre{{}, view};
-      write_location(locations.at(i, j++), centre.heading(), centre.elevation(), state.pose, 1, 1);
-    }
-    for (const SeenObject& object : state.place->objects) {
-      *types.at(i, j) = 2;
-      write_location(locations.at(i, j++), object.heading, object.elevation, state.pose,
-                     static_cast<float>(object.height / kPictureHeight),
-                     static_cast<float>(object.width / kPictureWidth));
-    }
+  Filled<float> locations({std::ssize(stands), longest, kLocation}, at::kFloat);
+  Filled<std::int64_t> types({std::ssize(stands), longest}, at::kLong);
+  for (std::size_t i = 0; i < stands.size(); ++i) {
+    write_tokens(stands[i], static_cast<std::int64_t>(i), locations, types);
   }
   input.locations = locations.tensor();
   input.types = types.tensor();
@@ -276,14 +285,13 @@ struct TokenRows {
 
 }  // namespace
 
-NavigationInput navigation_of(std::span<WalkState* const> states,
-                              std::span<const std::vector<TopologicalMap::Node>> rows,
-                              const Tokens& panorama, const at::Tensor& pool,
-                              const DuetConfig& config) {
+NavigationInput places_of(std::span<WalkState* const> states,
+                          std::span<const std::vector<TopologicalMap::Node>> rows,
+                          std::int64_t longest, const DuetConfig& config) {
   const auto n = std::ssize(states);
   std::int64_t g = 1;
   for (const auto& list : rows) g = std::max(g, std::ssize(list) + 1);
-  const std::int64_t v = panorama.values.size(1) + 1;
+  const std::int64_t v = longest + 1;
   Filled<std::int64_t> steps({n, g}, at::kLong), nodes({n, v}, at::kLong);
   Filled<float> positions({n, g, kPosition}, at::kFloat), distances({n, g, g}, at::kFloat);
   Filled<float> token_positions({n, v, 2 * kPosition}, at::kFloat);
@@ -297,18 +305,27 @@ NavigationInput navigation_of(std::span<WalkState* const> states,
     tokens.write(i, v, *states[at], rows[at]);
   }
   NavigationInput input;
-  input.nodes = node_embeddings(states, rows, g, pool);
   input.steps = steps.tensor();
   input.node_positions = positions.tensor();
   input.node_mask = mask.tensor();
   input.visited = visited.tensor();
   input.distances = distances.tensor();
-  input.tokens = at::cat({at::zeros({n, 1, pool.size(1)}), panorama.values}, 1);
   input.token_positions = token_positions.tensor();
-  input.token_mask = at::cat({at::ones({n, 1}, at::kBool), panorama.mask}, 1);
   input.choices = choices.tensor();
   if (config.object != 0) input.objects = objects.tensor();
   input.node_of_token = nodes.tensor();
+  return input;
+}
+
+NavigationInput navigation_of(std::span<WalkState* const> states,
+                              std::span<const std::vector<TopologicalMap::Node>> rows,
+                              const Tokens& panorama, const at::Tensor& pool,
+                              const DuetConfig& config) {
+  const auto n = std::ssize(states);
+  NavigationInput input = places_of(states, rows, panorama.values.size(1), config);
+  input.nodes = node_embeddings(states, rows, input.steps.size(1), pool);
+  input.tokens = at::cat({at::zeros({n, 1, pool.size(1)}), panorama.values}, 1);
+  input.token_mask = at::cat({at::ones({n, 1}, at::kBool), panorama.mask}, 1);
   return input;
 }
 

@@ -53,6 +53,17 @@ class WalkState {
 std::pair<at::Tensor, at::Tensor> words_of(std::span<const WalkEpisode> episodes,
                                            const DuetConfig& config);
 PanoramaInput panorama_of(std::span<WalkState* const> states, const DuetConfig& config);
+/// Someone who looks around.
+struct Stand {
+  const Walker::Place* place = nullptr;
+  Pose pose;
+};
+PanoramaInput panorama_of(std::span<const Stand> stands, const DuetConfig& config);
+/// All of navigation_of() but what is learned: nodes, tokens and their mask stay undefined.
+/// \param tokens of the longest panorama \param rows each map's rows()
+NavigationInput places_of(std::span<WalkState* const> states,
+                          std::span<const std::vector<TopologicalMap::Node>> rows,
+                          std::int64_t tokens, const DuetConfig& config);
 /// \param rows each map's rows()
 /// \param pool (rows, hidden) what WalkState::embeddings name
 NavigationInput navigation_of(std::span<WalkState* const> states,

@@ -1,0 +1,150 @@
+// An iteration of DUET's pretraining, by task: 32 episodes of R2R's train split, made features of
+// 128 numbers (there are no pictures to make them from), the sizes of duet-s. Beside the time, the
+// shares of making the batch and of the matrix products; both are from the same iterations, so that
+// neighbours on the machine disturb them alike.
+#include <ATen/ATen.h>
+#include <ATen/record_function.h>
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "bench/main.h"
+#include "enfilade/agents/panorama.h"
+#include "enfilade/dataset/dataset.h"
+#include "enfilade/models/instructions.h"
+#include "enfilade/models/train_config.h"
+#include "enfilade/neural/detail/optimizer.h"
+#include "enfilade/neural/device.h"
+#include "enfilade/neural/duet/pretraining_tasks.h"
+
+namespace enfilade {
+namespace {
+
+using namespace neural::duet;  // NOLINT: a benchmark of that folder
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kBatch = 32;
+constexpr std::int64_t kImage = 128;
+
+double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
+
+// Time in libtorch's products, those of the backward pass too.
+class ProductClock {
+ public:
+  static Clock::duration& spent() {
+    static Clock::duration time{};
+    return time;
+  }
+  static void install() {
+    at::addGlobalCallback(
+        at::RecordFunctionCallback(&begin, &end).scopes({at::RecordScope::FUNCTION}));
+  }
+
+ private:
+  struct Began : at::ObserverContext {
+    Clock::time_point at = Clock::now();
+  };
+  static std::unique_ptr<at::ObserverContext> begin(const at::RecordFunction& function) {
+    const std::string_view name = function.name();
+    for (const char* product : {"aten::mm", "aten::addmm", "aten::bmm", "aten::baddbmm"}) {
+      if (name == product) return std::make_unique<Began>();
+    }
+    return nullptr;
+  }
+  static void end(const at::RecordFunction&, at::ObserverContext* context) {
+    if (context != nullptr) spent() += Clock::now() - static_cast<Began*>(context)->at;
+  }
+};
+
+class MadeSurroundings : public Surroundings {
+ public:
+  void views(const graph::NavGraph&, ViewpointIndex viewpoint, std::span<float> out) override {
+    Rng rng(viewpoint.value);
+    for (float& value : out) value = static_cast<float>(rng.uniform() - 0.5);
+  }
+};
+
+struct Data {
+  tasks::EpisodeSet episodes;
+  models::InstructionWords words;
+  std::vector<WalkEpisode> batch;
+};
+
+const Data& data() {
+  static const Data kData = [] {
+    const auto root = *dataset::Dataset::from_environment();
+    tasks::EpisodeSet episodes = make_episodes(root.annotations("train"), root.graphs());
+    models::InstructionWords words(models::training_vocabulary(episodes));
+    std::vector<WalkEpisode> batch;
+    for (std::size_t i = 2000; i < 2000 + kBatch; ++i) {
+      const tasks::Episode& one = episodes.episodes[i];
+      const tasks::ReferencePath& path = episodes.path_of(one);
+      batch.push_back({one.instruction_id, path.scan, path.viewpoints.front(),
+                       agents::level_view(path.heading), words.encode(one.text, 200),
+                       path.viewpoints, ""});
+    }
+    return Data{std::move(episodes), std::move(words), std::move(batch)};
+  }();
+  return kData;
+}
+
+void iteration(benchmark::State& state, PretrainingTask task, int threads) {
+  neural::set_threads(threads);
+  DuetConfig config = models::duet_preset("duet-s");
+  config.image = kImage;
+  config.vocabulary = static_cast<std::int64_t>(data().words.size());
+  const PretrainingNetwork network(config, 1);
+  MadeSurroundings surroundings;
+  Walker walker(data().episodes.graphs, surroundings);
+  neural::detail::Optimizer optimizer{neural::detail::OptimizerConfig()};
+  const auto make = [&] {
+    return pretraining_batch(walker, config, data().words, data().batch, task, {});
+  };
+  make();  // what it knows of viewpoints is kept
+  double whole = 0, batches = 0, updates = 0;
+  ProductClock::spent() = {};
+  Clock::duration products{};
+  for (auto _ : state) {
+    const auto begin = Clock::now();
+    const PretrainingBatch batch = make();
+    const auto made = Clock::now();
+    const auto before = ProductClock::spent();
+    Dropout dropout(1, config.dropout);
+    pretraining_loss(network, batch, &dropout).backward();
+    products += ProductClock::spent() - before;
+    const auto learnt = Clock::now();
+    optimizer.update(network.weights());
+    const auto end = Clock::now();
+    state.SetIterationTime(seconds(end - begin));
+    whole += seconds(end - begin);
+    batches += seconds(made - begin);
+    updates += seconds(end - learnt);
+  }
+  state.counters["products"] = seconds(products) / whole;
+  state.counters["batch"] = batches / whole;
+  state.counters["update"] = updates / whole;
+}
+
+void register_all() {
+  ProductClock::install();
+  for (const PretrainingTask task :
+       {PretrainingTask::kWords, PretrainingTask::kViews, PretrainingTask::kAction}) {
+    for (const int threads : {0, 1}) {
+      benchmark::RegisterBenchmark(
+          fmt::format("pretrain/{}/{}", to_string(task), threads == 0 ? "all_cores" : "one_thread")
+              .c_str(),
+          [=](benchmark::State& state) { iteration(state, task, threads); })
+          ->UseManualTime()
+          ->Unit(benchmark::kMillisecond);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace enfilade
+
+int main(int argc, char** argv) { return enfilade::bench::run(argc, argv, enfilade::register_all); }
