@@ -20,6 +20,7 @@
 #include "enfilade/neural/detail/optimizer.h"
 #include "enfilade/neural/device.h"
 #include "enfilade/neural/duet/pretraining_tasks.h"
+#include "enfilade/neural/network.h"
 
 namespace enfilade {
 namespace {
