@@ -131,6 +131,7 @@ enum class Recipe : std::uint8_t {
 std::string_view to_string(Recipe value) noexcept;  ///< "published", "small"
 Recipe parse_recipe(std::string_view name);         ///< \throws ArgumentError
 
+/// The settings of one agent by one recipe.
 TrainConfig recipe(AgentKind agent, Recipe source = Recipe::kPublished);
 
 /// The sizes of the networks, with what follows from the data. `<BOS>` and `<MASK>` have rows

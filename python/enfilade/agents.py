@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from numpy import int64
     from numpy.typing import NDArray
 
-Path = Union[str, os.PathLike[str]] if TYPE_CHECKING else Any
+_Path = Union[str, os.PathLike[str]] if TYPE_CHECKING else Any
 
 
 class Agent:
@@ -66,7 +66,7 @@ class Agent:
         """Whether enter() wants features of pictures."""
         return self._core.sees
 
-    def enter(self, where: Any, features: Optional[Path] = None) -> None:
+    def enter(self, where: Any, features: Optional[_Path] = None) -> None:
         """The episodes to walk in, before all else: Episodes, or an environment of enfilade.gym.
 
         Args:
@@ -85,8 +85,8 @@ class Agent:
         self,
         batch_size: int = 100,
         *,
-        results: Optional[Path] = None,
-        attention: Optional[Path] = None,
+        results: Optional[_Path] = None,
+        attention: Optional[_Path] = None,
     ) -> list[dict[str, Any]]:
         """Walks all episodes that were entered, batch by batch: the entries of a results file, which
         Episodes.score() takes.
@@ -158,7 +158,7 @@ class Agent:
         self._began = episodes.copy()
 
 
-def load(folder: Path, *, device: str = "cpu", threads: int = 0) -> Agent:
+def load(folder: _Path, *, device: str = "cpu", threads: int = 0) -> Agent:
     """Loads a model directory.
 
     Args:
