@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from numpy import int64
     from numpy.typing import NDArray
 
-_Path = Union[str, os.PathLike[str]] if TYPE_CHECKING else Any
+    _Path = Union[str, os.PathLike[str]]
 
 
 class Agent:

@@ -112,6 +112,9 @@ def test_what_is_wrong_with_a_model_is_said(small: str, model: Path, tmp_path: P
     with pytest.raises(enfilade.Error):
         agents.load(model, device="no such device")
     (tmp_path / "config.json").write_text("{")
+    with pytest.raises(enfilade.Error, match="no weights.safetensors in it"):
+        agents.load(tmp_path)
+    (tmp_path / "weights.safetensors").write_bytes(b"")
     with pytest.raises(enfilade.Error, match="config.json"):
         agents.load(tmp_path)
 
