@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/models/detail/named_values.h"
 
 namespace enfilade::models {
 namespace {
+
+constexpr detail::NamedValues<Fusion, 2> kFusions{"fusion", {"dynamic", "average"}};
 
 void require(bool possible, std::string_view name, std::int64_t value, std::string_view allowed) {
   if (possible) return;
@@ -14,15 +17,8 @@ void require(bool possible, std::string_view name, std::int64_t value, std::stri
 
 }  // namespace
 
-std::string_view to_string(Fusion value) noexcept {
-  return value == Fusion::kDynamic ? "dynamic" : "average";
-}
-
-Fusion parse_fusion(std::string_view name) {
-  if (name == to_string(Fusion::kDynamic)) return Fusion::kDynamic;
-  if (name == to_string(Fusion::kAverage)) return Fusion::kAverage;
-  throw ArgumentError(fmt::format("fusion {:?}: dynamic or average is allowed", name));
-}
+std::string_view to_string(Fusion value) noexcept { return kFusions.name(value); }
+Fusion parse_fusion(std::string_view name) { return kFusions.parse(name); }
 
 DuetConfig duet_preset(std::string_view name) {
   DuetConfig config;

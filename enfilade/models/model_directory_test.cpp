@@ -148,7 +148,7 @@ TEST_F(ModelDirectoryTest, ASpeakersConfigIsReadBack) {
   training = recipe(AgentKind::kSpeaker);
   training.text = TextKind::kWordPieces;
   EXPECT_THAT([&] { validate(training); },
-              ThrowsMessage<ArgumentError>(HasSubstr("text word-pieces: the speaker says")));
+              ThrowsMessage<ArgumentError>(HasSubstr("text word-pieces: the speaker writes")));
 }
 
 TEST_F(ModelDirectoryTest, FeaturesOfAnotherSizeAreAnError) {
