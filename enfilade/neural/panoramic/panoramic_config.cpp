@@ -1,22 +1,12 @@
 #include "enfilade/neural/panoramic/panoramic_config.h"
 
-#include <fmt/format.h>
 #include <string>
 #include <string_view>
-#include <utility>
 
-#include "enfilade/core/errors.h"
+#include "enfilade/neural/panoramic/lstm_parts.h"
 
 namespace enfilade::neural::panoramic {
 namespace {
-
-void add_lstm(std::vector<detail::ArraySpec>& specs, const std::string& prefix,
-              const std::string& suffix, std::int64_t input, std::int64_t hidden) {
-  specs.push_back({prefix + "weight_ih" + suffix, {4 * hidden, input}});
-  specs.push_back({prefix + "weight_hh" + suffix, {4 * hidden, hidden}});
-  specs.push_back({prefix + "bias_ih" + suffix, {4 * hidden}});
-  specs.push_back({prefix + "bias_hh" + suffix, {4 * hidden}});
-}
 
 void add_linear(std::vector<detail::ArraySpec>& specs, const std::string& name, std::int64_t output,
                 std::int64_t input) {
@@ -32,32 +22,6 @@ void add_attention(std::vector<detail::ArraySpec>& specs, const std::string& nam
 }
 
 std::int64_t as_int(std::size_t size) { return static_cast<std::int64_t>(size); }
-
-// A side of an array of a file.
-class Sides {
- public:
-  explicit Sides(const features::TensorFile& file) : file_(file) {}
-
-  std::size_t side(std::string_view name, std::size_t at) {
-    const features::NamedArray* array = file_.find(name);
-    if (array == nullptr || array->shape.size() != 2) {
-      faults_.push_back({Severity::kError, file_.path().string(), std::string(name),
-                         array == nullptr ? "missing-array" : "wrong-shape",
-                         array == nullptr ? "not in the file; an array of EnvDrop's listener"
-                                          : fmt::format("{} sides, not 2", array->shape.size())});
-      return 0;
-    }
-    return static_cast<std::size_t>(array->shape[at]);
-  }
-
-  void throw_faults() {
-    if (!faults_.empty()) throw InvalidInput(std::move(faults_));
-  }
-
- private:
-  const features::TensorFile& file_;
-  std::vector<Diagnostic> faults_;
-};
 
 }  // namespace
 
@@ -82,25 +46,16 @@ std::vector<detail::ArraySpec> array_specs(const PanoramicConfig& config) {
 
 PanoramicConfig config_of(const features::TensorFile& file, const PanoramicConfig& defaults) {
   PanoramicConfig config = defaults;
-  Sides sides(file);
+  constexpr std::string_view kViews = "decoder.feat_att_layer.linear_in.weight";
+  MatrixSides sides(file, "EnvDrop's listener");
   config.vocabulary = sides.side("encoder.embedding.weight", 0);
   config.word_embedding = sides.side("encoder.embedding.weight", 1);
   config.action_embedding = sides.side("decoder.embedding.0.weight", 0);
   config.angle = sides.side("decoder.embedding.0.weight", 1);
   config.hidden = sides.side("decoder.lstm.weight_hh", 1);
-  const std::size_t feature = sides.side("decoder.feat_att_layer.linear_in.weight", 0);
-  sides.throw_faults();
-  if (feature < config.angle) {
-    refuse(file.path().string(), "decoder.feat_att_layer.linear_in.weight", "wrong-shape",
-           fmt::format("{} numbers a view, fewer than the {} of its angle", feature, config.angle));
-  }
-  config.image = feature - config.angle;
+  config.image = sides.image(kViews, sides.side(kViews, 0), config.angle);
   config.bidirectional = file.find("encoder.lstm.weight_ih_l0_reverse") != nullptr;
-  try {
-    validate(config);
-  } catch (const ArgumentError& wrong) {
-    refuse(file.path().string(), "", "wrong-shape", wrong.what());
-  }
+  sides.validate_all(config);
   return config;
 }
 

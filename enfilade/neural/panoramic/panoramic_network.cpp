@@ -1,7 +1,6 @@
 #include "enfilade/neural/panoramic/panoramic_network.h"
 
 #include <ATen/ATen.h>
-#include <ATen/CPUGeneratorImpl.h>
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
@@ -10,7 +9,7 @@
 #include <tuple>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/core/rng.h"
+#include "enfilade/neural/panoramic/lstm_parts.h"
 
 namespace enfilade::neural::panoramic {
 namespace {
@@ -68,17 +67,8 @@ PanoramicNetwork::PanoramicNetwork(const PanoramicConfig& config, std::uint64_t 
     : config_(config) {
   validate(config);
   for (const detail::ArraySpec& spec : array_specs(config)) {
-    Rng rng(seed, stream_of(spec.name.data(), spec.name.size()));
-    at::Generator generator = at::detail::createCPUGenerator(rng.next());
-    at::Tensor values = at::empty(spec.shape, at::kFloat);
-    if (is_embedding(spec.name)) {
-      values.normal_(0, 1, generator);
-      values[0].zero_();
-    } else {
-      const double bound = bound_of(config, spec);
-      values.uniform_(-bound, bound, generator);
-    }
-    weights_.emplace(spec.name, values);
+    weights_.emplace(spec.name,
+                     first_values(spec, is_embedding(spec.name), bound_of(config, spec), seed));
   }
   require_gradients();
 }
@@ -96,11 +86,7 @@ void PanoramicNetwork::require_gradients() {
 }
 
 const at::Tensor& PanoramicNetwork::weight(std::string_view name) const {
-  const auto found = weights_.find(name);
-  if (found == weights_.end()) {
-    throw LookupError(fmt::format("the panoramic network has no array {:?}", name));
-  }
-  return found->second;
+  return weight_of(weights_, name);
 }
 
 void PanoramicNetwork::set_dropout(std::optional<std::uint64_t> seed) {
@@ -112,15 +98,9 @@ at::Tensor PanoramicNetwork::drop(const at::Tensor& x, double rate) {
   return dropout_ ? (*dropout_)(x, rate) : x;
 }
 
-// Of each view's numbers only those of the picture are dropped.
 at::Tensor PanoramicNetwork::drop_images(const at::Tensor& features, FeaturesDropped dropped) {
-  if (!dropout_ || dropped == FeaturesDropped::kBefore || config_.feature_dropout == 0) {
-    return features;
-  }
-  const auto image = static_cast<std::int64_t>(config_.image);
-  return at::cat({drop(features.narrow(2, 0, image), config_.feature_dropout),
-                  features.narrow(2, image, features.size(2) - image)},
-                 2);
+  if (!dropout_ || dropped == FeaturesDropped::kBefore) return features;
+  return drop_pictures(features, config_.image, config_.feature_dropout, *dropout_);
 }
 
 at::Tensor PanoramicNetwork::linear(const at::Tensor& x, const std::string& name) const {
@@ -129,27 +109,14 @@ at::Tensor PanoramicNetwork::linear(const at::Tensor& x, const std::string& name
 
 Encoding PanoramicNetwork::encode(const WordBatch& words) {
   check_words(words, config_);
-  const auto n = words.ids.size(0);
-  const std::int64_t directions = config_.bidirectional ? 2 : 1;
-  const std::int64_t width = static_cast<std::int64_t>(config_.hidden) / directions;
   const std::int64_t longest = words.ids.size(1);
   const at::Tensor lengths = at::tensor(words.lengths, at::kLong);
   const at::Tensor embedded =
       drop(at::embedding(weight("encoder.embedding.weight"), words.ids, 0), config_.dropout);
-  const auto [packed, sizes] = at::_pack_padded_sequence(embedded, lengths, true);
-  std::vector<at::Tensor> parameters;
-  for (const char* suffix : {"_l0", "_l0_reverse"}) {
-    if (parameters.size() == 4 && !config_.bidirectional) break;
-    for (const char* part : {"weight_ih", "weight_hh", "bias_ih", "bias_hh"}) {
-      parameters.push_back(weight(std::string("encoder.lstm.") + part + suffix));
-    }
-  }
-  const at::Tensor zeros = at::zeros({directions, n, width}, embedded.options());
-  const auto [outputs, hidden, cells] =
-      at::lstm(packed, sizes, {zeros, zeros}, parameters, true, 1, 0.0, false, directions == 2);
-  const auto [context, unused] = at::_pad_packed_sequence(outputs, sizes, true, 0, longest);
+  const auto [context, hidden, cells] =
+      read_rows(weights_, "encoder.lstm", config_.bidirectional, embedded, lengths);
   const auto joined = [&](const at::Tensor& state) {
-    return directions == 2 ? at::cat({state[1], state[0]}, 1) : state[0];
+    return config_.bidirectional ? at::cat({state[1], state[0]}, 1) : state[0];
   };
   Encoding encoding;
   encoding.mask = at::arange(longest, at::kLong).unsqueeze(0).ge(lengths.unsqueeze(1));

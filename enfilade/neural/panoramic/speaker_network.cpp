@@ -1,16 +1,14 @@
 #include "enfilade/neural/panoramic/speaker_network.h"
 
 #include <ATen/ATen.h>
-#include <ATen/CPUGeneratorImpl.h>
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <tuple>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/core/rng.h"
+#include "enfilade/neural/panoramic/lstm_parts.h"
 
 namespace enfilade::neural::panoramic {
 namespace {
@@ -24,15 +22,6 @@ std::int64_t direction_size(const SpeakerConfig& config) {
   return whole(config.bidirectional ? config.hidden / 2 : config.hidden);
 }
 
-// One direction of an LSTM.
-void add_direction(std::vector<detail::ArraySpec>& specs, const std::string& name,
-                   const std::string& suffix, std::int64_t input, std::int64_t hidden) {
-  specs.push_back({name + ".weight_ih" + suffix, {4 * hidden, input}});
-  specs.push_back({name + ".weight_hh" + suffix, {4 * hidden, hidden}});
-  specs.push_back({name + ".bias_ih" + suffix, {4 * hidden}});
-  specs.push_back({name + ".bias_hh" + suffix, {4 * hidden}});
-}
-
 // The numbers that PyTorch's modules draw are below 1 / sqrt(of this): of LSTMs their hidden size,
 // of linear layers their inputs.
 std::int64_t fan_of(const SpeakerConfig& config, const detail::ArraySpec& spec) {
@@ -41,21 +30,6 @@ std::int64_t fan_of(const SpeakerConfig& config, const detail::ArraySpec& spec) 
   }
   if (spec.name.find("lstm.") != std::string::npos) return direction_size(config);
   return spec.shape[1];
-}
-
-at::Tensor first_values(const SpeakerConfig& config, const detail::ArraySpec& spec,
-                        std::uint64_t seed) {
-  Rng rng(seed, stream_of(spec.name.data(), spec.name.size()));
-  at::Generator generator = at::detail::createCPUGenerator(rng.next());
-  at::Tensor values = at::empty(spec.shape, at::kFloat);
-  if (spec.name == "decoder.embedding.weight") {
-    values.normal_(0, 1, generator);
-    values[0].zero_();
-  } else {
-    const double bound = 1 / std::sqrt(static_cast<double>(fan_of(config, spec)));
-    values.uniform_(-bound, bound, generator);
-  }
-  return values;
 }
 
 bool fits(const at::Tensor& tensor, std::initializer_list<std::int64_t> shape) {
@@ -99,31 +73,6 @@ at::Tensor falling_order(const std::vector<std::int64_t>& lengths) {
   return at::tensor(order, at::kLong);
 }
 
-// The two sides of an array of a file.
-class MatrixSides {
- public:
-  explicit MatrixSides(const features::TensorFile& file) : file_(file) {}
-
-  std::size_t side(const char* name, std::size_t at) {
-    const features::NamedArray* const array = file_.find(name);
-    if (array != nullptr && array->shape.size() == 2) {
-      return static_cast<std::size_t>(array->shape[at]);
-    }
-    faults_.push_back({Severity::kError, file_.path().string(), name,
-                       array == nullptr ? "missing-array" : "wrong-shape",
-                       array == nullptr ? "not in the file; an array of EnvDrop's speaker"
-                                        : fmt::format("{} sides, not 2", array->shape.size())});
-    return 0;
-  }
-  void throw_faults() {
-    if (!faults_.empty()) throw InvalidInput(std::move(faults_));
-  }
-
- private:
-  const features::TensorFile& file_;
-  std::vector<Diagnostic> faults_;
-};
-
 }  // namespace
 
 std::vector<detail::ArraySpec> array_specs(const SpeakerConfig& config) {
@@ -133,13 +82,13 @@ std::vector<detail::ArraySpec> array_specs(const SpeakerConfig& config) {
   std::vector<detail::ArraySpec> specs;
   for (const char* suffix : {"_l0", "_l0_reverse"}) {
     if (suffix != std::string_view("_l0") && !config.bidirectional) continue;
-    add_direction(specs, "encoder.lstm", suffix, feature, direction);
-    add_direction(specs, "encoder.post_lstm", suffix, hidden, direction);
+    add_lstm(specs, "encoder.lstm.", suffix, feature, direction);
+    add_lstm(specs, "encoder.post_lstm.", suffix, hidden, direction);
   }
   specs.push_back({"encoder.attention_layer.linear_in.weight", {feature, hidden}});
   specs.push_back({"encoder.attention_layer.linear_out.weight", {hidden, hidden + feature}});
   specs.push_back({"decoder.embedding.weight", {all, words}});
-  add_direction(specs, "decoder.lstm", "_l0", words, hidden);
+  add_lstm(specs, "decoder.lstm.", "_l0", words, hidden);
   specs.push_back({"decoder.attention_layer.linear_in.weight", {hidden, hidden}});
   specs.push_back({"decoder.attention_layer.linear_out.weight", {hidden, 2 * hidden}});
   specs.push_back({"decoder.projection.weight", {all, hidden}});
@@ -149,30 +98,23 @@ std::vector<detail::ArraySpec> array_specs(const SpeakerConfig& config) {
 
 SpeakerConfig speaker_config_of(const features::TensorFile& file, const SpeakerConfig& defaults) {
   SpeakerConfig config = defaults;
-  MatrixSides sides(file);
+  constexpr std::string_view kViews = "encoder.lstm.weight_ih_l0";
+  MatrixSides sides(file, "EnvDrop's speaker");
   config.vocabulary = sides.side("decoder.embedding.weight", 0);
   config.word_embedding = sides.side("decoder.embedding.weight", 1);
   config.hidden = sides.side("decoder.projection.weight", 1);
-  const std::size_t feature = sides.side("encoder.lstm.weight_ih_l0", 1);
-  sides.throw_faults();
-  if (feature < config.angle) {
-    refuse(file.path().string(), "encoder.lstm.weight_ih_l0", "wrong-shape",
-           fmt::format("{} numbers a view, fewer than the {} of its angle", feature, config.angle));
-  }
-  config.image = feature - config.angle;
+  config.image = sides.image(kViews, sides.side(kViews, 1), config.angle);
   config.bidirectional = file.find("encoder.lstm.weight_ih_l0_reverse") != nullptr;
-  try {
-    validate(config);
-  } catch (const ArgumentError& wrong) {
-    refuse(file.path().string(), "", "wrong-shape", wrong.what());
-  }
+  sides.validate_all(config);
   return config;
 }
 
 SpeakerNetwork::SpeakerNetwork(const SpeakerConfig& config, std::uint64_t seed) : config_(config) {
   validate(config);
   for (const detail::ArraySpec& spec : array_specs(config)) {
-    weights_.emplace(spec.name, first_values(config, spec, seed));
+    const double bound = 1 / std::sqrt(static_cast<double>(fan_of(config, spec)));
+    weights_.emplace(spec.name,
+                     first_values(spec, spec.name == "decoder.embedding.weight", bound, seed));
   }
   require_gradients();
 }
@@ -190,11 +132,7 @@ void SpeakerNetwork::require_gradients() {
 }
 
 const at::Tensor& SpeakerNetwork::weight(std::string_view name) const {
-  const auto found = weights_.find(name);
-  if (found == weights_.end()) {
-    throw LookupError(fmt::format("the speaker has no array {:?}", name));
-  }
-  return found->second;
+  return weight_of(weights_, name);
 }
 
 void SpeakerNetwork::set_dropout(std::optional<std::uint64_t> seed) {
@@ -206,37 +144,18 @@ at::Tensor SpeakerNetwork::drop(const at::Tensor& x, double rate) {
   return dropout_ ? (*dropout_)(x, rate) : x;
 }
 
-// Of each view's numbers only those of the picture are dropped.
 at::Tensor SpeakerNetwork::drop_images(const at::Tensor& features, FeaturesDropped dropped) {
-  if (!dropout_ || dropped == FeaturesDropped::kBefore || config_.feature_dropout == 0 ||
-      config_.image == 0) {
-    return features;
-  }
-  const std::int64_t image = whole(config_.image), angle = whole(config_.angle);
-  return at::cat({drop(features.narrow(-1, 0, image), config_.feature_dropout),
-                  features.narrow(-1, image, angle)},
-                 -1);
+  if (!dropout_ || dropped == FeaturesDropped::kBefore) return features;
+  return drop_pictures(features, config_.image, config_.feature_dropout, *dropout_);
 }
 
 // An LSTM of the encoder over the steps of each path, (n, longest, input) to (n, longest, hidden).
 at::Tensor SpeakerNetwork::read_steps(const at::Tensor& x, const PathBatch& paths,
                                       const std::string& name) {
-  std::vector<at::Tensor> parameters;
-  for (const char* suffix : {"_l0", "_l0_reverse"}) {
-    if (parameters.size() == 4 && !config_.bidirectional) break;
-    for (const char* part : {".weight_ih", ".weight_hh", ".bias_ih", ".bias_hh"}) {
-      parameters.push_back(weight(name + part + suffix));
-    }
-  }
   const at::Tensor order = falling_order(paths.lengths);
   const at::Tensor lengths = at::tensor(paths.lengths, at::kLong).index_select(0, order);
-  const auto [packed, sizes] = at::_pack_padded_sequence(x.index_select(0, order), lengths, true);
-  const at::Tensor zeros =
-      at::zeros({config_.bidirectional ? 2 : 1, x.size(0), direction_size(config_)}, x.options());
-  const auto outputs = at::lstm(packed, sizes, {zeros, zeros}, parameters, true, 1, 0.0, false,
-                                config_.bidirectional);
-  const auto padded = at::_pad_packed_sequence(std::get<0>(outputs), sizes, true, 0, x.size(1));
-  return std::get<0>(padded).index_select(0, at::argsort(order));
+  return read_rows(weights_, name, config_.bidirectional, x.index_select(0, order), lengths)
+      .outputs.index_select(0, at::argsort(order));
 }
 
 PathEncoding SpeakerNetwork::encode(const PathBatch& paths) {
