@@ -74,4 +74,15 @@ std::vector<std::int64_t> InstructionWords::encode(const tasks::Episode& episode
   return {given.begin(), given.begin() + static_cast<std::ptrdiff_t>(std::min(most, given.size()))};
 }
 
+std::vector<std::vector<std::int64_t>> InstructionWords::encode(const tasks::EpisodeSet& episodes,
+                                                                std::size_t most,
+                                                                bool reads) const {
+  std::vector<std::vector<std::int64_t>> all;
+  all.reserve(episodes.episodes.size());
+  for (const tasks::Episode& episode : episodes.episodes) {
+    all.push_back(reads ? encode(episode, most) : encode("", most));
+  }
+  return all;
+}
+
 }  // namespace enfilade::models

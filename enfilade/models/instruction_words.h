@@ -39,6 +39,10 @@ class InstructionWords {
   /// from begin() to end(), all below size()), these, the first `most` of them: as the released
   /// agents read. Otherwise its text. \pre most >= 2
   std::vector<std::int64_t> encode(const tasks::Episode& episode, std::size_t most) const;
+  /// The same of all episodes, in their order. \param reads whether the agent uses language: else
+  /// every instruction is begin() and end() alone. \pre most >= 2
+  std::vector<std::vector<std::int64_t>> encode(const tasks::EpisodeSet& episodes, std::size_t most,
+                                                bool reads) const;
 
  private:
   std::variant<tasks::Vocabulary, Subwords> words_;

@@ -26,6 +26,10 @@ TEST(InstructionWords, WordsAreReadInTheirOrderBetweenTwoMarks) {
 TEST(InstructionWords, ALongInstructionKeepsItsBeginningAndItsEndMark) {
   const InstructionWords words(models::words());
   EXPECT_THAT(words.encode("go left go left", 4), ElementsAre(5, 3, 4, 2));
+  const InstructionWords more(
+      tasks::Vocabulary::of({"<PAD>", "<UNK>", "<EOS>", "walk", "past", "the"}));
+  EXPECT_THAT(more.encode("Walk past the table", 80), ElementsAre(6, 3, 4, 5, 1, 2));
+  EXPECT_THAT(more.encode("Walk past the table", 4), ElementsAre(6, 3, 4, 2));
 }
 
 TEST(InstructionWords, PiecesAreThoseOfTheReleasedVocabulary) {

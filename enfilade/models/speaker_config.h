@@ -1,4 +1,4 @@
-/// \file  The sizes of the speaker, which tells paths in words.
+/// \file  The sizes of the speaker, which describes paths in words.
 #pragma once
 #include <cstddef>
 

@@ -19,7 +19,7 @@ enum class AgentKind : std::uint8_t {
   kSeq2Seq,    ///< Anderson et al. 2018: six actions, no memory but an LSTM's
   kPanoramic,  ///< EnvDrop's listener (Tan et al. 2019): an LSTM that chooses among neighbours
   kDuet,       ///< DUET (Chen et al. 2022): a Transformer with a map
-  kSpeaker,    ///< EnvDrop's speaker (Tan et al. 2019): does not walk but tells paths in words
+  kSpeaker,    ///< EnvDrop's speaker (Tan et al. 2019): does not walk but describes paths in words
 };
 std::string_view to_string(
     AgentKind value) noexcept;                      ///< "seq2seq", "panoramic", "duet", "speaker"

@@ -46,14 +46,14 @@ constexpr std::array<NumberField, 6> kNumbers{
      {"oracle_success_rate", &EvaluationRecord::oracle_success_rate},
      {"spl", &EvaluationRecord::spl}}};
 
-struct TellingField {
+struct SpeakerField {
   const char* name;
-  double TellingRecord::*value;
+  double SpeakerRecord::*value;
 };
-constexpr std::array<TellingField, 4> kTellingNumbers{{{"loss", &TellingRecord::loss},
-                                                       {"perplexity", &TellingRecord::perplexity},
-                                                       {"accuracy", &TellingRecord::accuracy},
-                                                       {"bleu", &TellingRecord::bleu}}};
+constexpr std::array<SpeakerField, 4> kSpeakerNumbers{{{"loss", &SpeakerRecord::loss},
+                                                       {"perplexity", &SpeakerRecord::perplexity},
+                                                       {"accuracy", &SpeakerRecord::accuracy},
+                                                       {"bleu", &SpeakerRecord::bleu}}};
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
@@ -112,12 +112,12 @@ EvaluationRecord read_evaluation(Line& line) {
   return record;
 }
 
-TellingRecord read_telling(Line& line) {
-  TellingRecord record;
+SpeakerRecord read_speaker(Line& line) {
+  SpeakerRecord record;
   record.iteration = line.whole("iteration");
   record.split = line.text("split");
   record.instructions = static_cast<std::size_t>(line.whole("instructions", false));
-  for (const TellingField& field : kTellingNumbers) {
+  for (const SpeakerField& field : kSpeakerNumbers) {
     record.*field.value = line.number(field.name, false).value_or(kMissing);
   }
   record.time = line.number("time", false).value_or(0);
@@ -130,7 +130,7 @@ void add(TrainingHistory& history, const TrainRecord& record) {
   };
   drop_from(history.training);
   drop_from(history.evaluations);
-  drop_from(history.tellings);
+  drop_from(history.speaker);
   history.training.push_back(record);
 }
 
@@ -190,7 +190,7 @@ TrainingHistory parse_training_log(std::string_view lines, const std::string& fi
   for_each_line(lines, file, [&history](Line& line, std::string_view /*text*/) {
     if (line.type() == "train") add(history, read_training(line));
     if (line.type() == "evaluation") add_to(history.evaluations, read_evaluation(line));
-    if (line.type() == "telling") add_to(history.tellings, read_telling(line));
+    if (line.type() == "speaker") add_to(history.speaker, read_speaker(line));
   });
   return history;
 }
@@ -204,7 +204,7 @@ struct TrainingLog::Impl {
       : lines(log), events(new_events(log.parent_path())) {
     for (const TrainRecord& record : before.training) show(record);
     for (const EvaluationRecord& record : before.evaluations) show(record);
-    for (const TellingRecord& record : before.tellings) show(record);
+    for (const SpeakerRecord& record : before.speaker) show(record);
   }
 
   void show(const TrainRecord& record) {
@@ -216,8 +216,8 @@ struct TrainingLog::Impl {
       events.add({tag, record.*field.value, record.iteration, record.time});
     }
   }
-  void show(const TellingRecord& record) {
-    for (const TellingField& field : kTellingNumbers) {
+  void show(const SpeakerRecord& record) {
+    for (const SpeakerField& field : kSpeakerNumbers) {
       const std::string tag = fmt::format("{}/{}", record.split, field.name);
       events.add({tag, record.*field.value, record.iteration, record.time});
     }
@@ -266,10 +266,10 @@ void TrainingLog::add(EvaluationRecord record) {
   impl_->show(record);
 }
 
-void TrainingLog::add(TellingRecord record) {
+void TrainingLog::add(SpeakerRecord record) {
   record.time = now();
-  Json line{{"type", "telling"}, {"iteration", record.iteration}, {"split", record.split}};
-  for (const TellingField& field : kTellingNumbers) line[field.name] = record.*field.value;
+  Json line{{"type", "speaker"}, {"iteration", record.iteration}, {"split", record.split}};
+  for (const SpeakerField& field : kSpeakerNumbers) line[field.name] = record.*field.value;
   line["instructions"] = record.instructions;
   line["time"] = record.time;
   impl_->write(line);

@@ -32,12 +32,12 @@ struct EvaluationRecord {
   double time = 0;  ///< as TrainRecord's
 };
 
-/// The result of an evaluation of a speaker during training: how well it tells the paths of a
+/// The result of an evaluation of a speaker during training: how well it describes the paths of a
 /// split.
-struct TellingRecord {
+struct SpeakerRecord {
   std::uint64_t iteration = 0;
   std::string split;
-  std::size_t instructions = 0;  ///< foretold
+  std::size_t instructions = 0;  ///< predicted
   double loss = 0;               ///< cross-entropy a word, natural logarithm, without dropout
   double perplexity = 0;         ///< e to the power of `loss`
   double accuracy = 0;           ///< share of words of which the likeliest is right, 0 to 1
@@ -49,17 +49,17 @@ struct TellingRecord {
 struct TrainingHistory {
   std::vector<TrainRecord> training;          ///< by rising iteration
   std::vector<EvaluationRecord> evaluations;  ///< by rising iteration of each split
-  std::vector<TellingRecord> tellings;        ///< likewise; of speakers
+  std::vector<SpeakerRecord> speaker;         ///< likewise; of speakers
 
   double seconds() const noexcept;  ///< of all training records together
 };
 
-/// Reads a log.jsonl. Each line is a JSON object whose "type" is "train", "evaluation", "telling"
+/// Reads a log.jsonl. Each line is a JSON object whose "type" is "train", "evaluation", "speaker"
 /// or another one, which is ignored, as are further fields; so is a last line without its end,
 /// which training is writing or was killed in. Where training went on from a checkpoint, iterations
 /// come again: the later ones count. "iteration" and "loss" of training, and "iteration", "split",
 /// "nav_error" and "success_rate" of an evaluation are required; its other numbers are NaN where
-/// they are missing, as are those of a telling but "iteration" and "split". \throws FileError;
+/// they are missing, as are those of "speaker" but "iteration" and "split". \throws FileError;
 /// InvalidInput naming the line
 TrainingHistory load_training_log(const std::filesystem::path& file);
 /// The same for a text; `file` is its name in messages.
@@ -81,7 +81,7 @@ class TrainingLog {
   void start(const std::string& config, std::uint64_t iteration);
   void add(TrainRecord record);       ///< \throws FileError
   void add(EvaluationRecord record);  ///< \throws FileError
-  void add(TellingRecord record);     ///< \throws FileError
+  void add(SpeakerRecord record);     ///< \throws FileError
 
  private:
   struct Impl;

@@ -122,21 +122,21 @@ class TrainingLogTest : public ::testing::Test {
   fs::path path_ = folder_.path() / "log.jsonl";
 };
 
-TEST_F(TrainingLogTest, TellingsAreReadBackAndShownAgain) {
+TEST_F(TrainingLogTest, SpeakerRecordsAreReadBackAndShownAgain) {
   {
     TrainingLog log(path_, 0);
     log.add(TrainRecord{10, 1.5, 2});
-    log.add(TellingRecord{10, "val_seen", 1020, 2, 7.5, 0.25, 0.125});
-    log.add(TellingRecord{20, "val_seen", 1020, 1, 2.75, 0.5, 0.25});
+    log.add(SpeakerRecord{10, "val_seen", 1020, 2, 7.5, 0.25, 0.125});
+    log.add(SpeakerRecord{20, "val_seen", 1020, 1, 2.75, 0.5, 0.25});
   }
   const TrainingLog again(path_, 10);
   const TrainingHistory history = load_training_log(path_);
-  ASSERT_EQ(history.tellings.size(), 1U) << "that of 20 will be done again";
-  EXPECT_EQ(history.tellings[0].split, "val_seen");
-  EXPECT_EQ(history.tellings[0].instructions, 1020U);
-  EXPECT_EQ(history.tellings[0].perplexity, 7.5);
-  EXPECT_EQ(history.tellings[0].accuracy, 0.25);
-  EXPECT_EQ(history.tellings[0].bleu, 0.125);
+  ASSERT_EQ(history.speaker.size(), 1U) << "that of 20 will be done again";
+  EXPECT_EQ(history.speaker[0].split, "val_seen");
+  EXPECT_EQ(history.speaker[0].instructions, 1020U);
+  EXPECT_EQ(history.speaker[0].perplexity, 7.5);
+  EXPECT_EQ(history.speaker[0].accuracy, 0.25);
+  EXPECT_EQ(history.speaker[0].bleu, 0.125);
   EXPECT_THAT(events(), HasSubstr("val_seen/bleu"));
   EXPECT_TRUE(history.evaluations.empty());
 }

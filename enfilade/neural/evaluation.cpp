@@ -1,19 +1,12 @@
 #include "enfilade/neural/evaluation.h"
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
-#include <iterator>
-#include <numeric>
-#include <set>
-#include <tuple>
 #include <utility>
 
-#include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/models/attention.h"
+#include "enfilade/models/decision_recorder.h"
 #include "enfilade/neural/detail/batches.h"
-#include "enfilade/tasks/score.h"
 
 namespace enfilade::neural {
 namespace {
@@ -38,30 +31,6 @@ void for_each_batch(const PreparedSplit& split, R2rEnvironmentConfig config, con
         environment->start(episodes);
         body(*environment, InstructionBatch{tokens, config.batch_size}, episodes.front());
       });
-}
-
-// The episodes whose attention write_walk() writes: the first ones, the best by SPL (of equal SPLs
-// those with the longest paths), and the worst by navigation error.
-std::set<std::size_t> shown_episodes(const GreedyWalk& walk, const tasks::EpisodeSet& episodes,
-                                     std::size_t count) {
-  const std::size_t total = walk.trajectories.size();
-  std::set<std::size_t> shown;
-  for (std::size_t i = 0; i < std::min(count, total); ++i) shown.insert(i);
-  if (goals_hidden(episodes)) return shown;
-  const auto metrics = score_trajectories(walk.trajectories, episodes, {}, 0);
-  std::vector<std::size_t> sorted(total);
-  std::iota(sorted.begin(), sorted.end(), std::size_t{0});
-  const auto take_first = [&](const auto& key) {
-    std::ranges::stable_sort(sorted, std::ranges::greater{}, key);
-    shown.insert(sorted.begin(),
-                 sorted.begin() + std::min<std::ptrdiff_t>(std::ssize(sorted),
-                                                           static_cast<std::ptrdiff_t>(count / 3)));
-  };
-  take_first([&](std::size_t i) {
-    return std::tuple(std::round(20 * metrics[i].spl), metrics[i].shortest);
-  });
-  take_first([&](std::size_t i) { return metrics[i].nav_error; });
-  return shown;
 }
 
 models::EpisodeAttention episode_attention(const GreedyWalk& walk, std::size_t i,
@@ -150,7 +119,8 @@ void write_walk(const std::filesystem::path& results, const std::filesystem::pat
   if (attention.empty()) return;
   make_folder(attention.parent_path());
   std::vector<std::pair<std::string, models::EpisodeAttention>> shown;
-  for (const std::size_t i : shown_episodes(walk, split.episodes, attention_episodes)) {
+  for (const std::size_t i :
+       models::shown_episodes(walk.trajectories, split.episodes, attention_episodes)) {
     shown.emplace_back(split.episodes.episodes[i].instruction_id,
                        episode_attention(walk, i, split, vocabulary));
   }

@@ -49,21 +49,21 @@ Speaker& Speaker::operator=(Speaker&&) noexcept = default;
 const models::ModelConfig& Speaker::config() const noexcept { return impl_->config; }
 std::uint64_t Speaker::iteration() const noexcept { return impl_->state.iteration; }
 
-models::TellingRecord Speaker::score(const tasks::EpisodeSet& episodes,
+models::SpeakerRecord Speaker::score(const tasks::EpisodeSet& episodes,
                                      const features::FeatureSet* features, std::size_t batch_size,
                                      const Progress& progress) {
   panoramic::SpeakerSplit split = impl_->split(episodes, features);
-  models::TellingRecord record =
-      panoramic::score_telling(impl_->network, split, batch_size, progress);
+  models::SpeakerRecord record =
+      panoramic::score_speaker(impl_->network, split, batch_size, progress);
   record.iteration = iteration();
   return record;
 }
 
-std::vector<std::string> Speaker::tell(const tasks::EpisodeSet& paths,
-                                       const features::FeatureSet* features,
-                                       const SpeakOptions& options, const Progress& progress) {
+std::vector<std::string> Speaker::describe(const tasks::EpisodeSet& paths,
+                                           const features::FeatureSet* features,
+                                           const SpeakOptions& options, const Progress& progress) {
   panoramic::SpeakerSplit split = impl_->split(paths, features);
-  panoramic::TellSplitOptions own;
+  panoramic::DescribeSplitOptions own;
   own.batch_size = options.batch_size;
   own.most_words = options.most_words;
   if (options.drawn) {
@@ -76,7 +76,7 @@ std::vector<std::string> Speaker::tell(const tasks::EpisodeSet& paths,
                                                              options.environment_seed, 0};
   }
   std::vector<std::string> texts;
-  for (const auto& words : panoramic::tell_split(impl_->network, split, own, progress)) {
+  for (const auto& words : panoramic::describe_split(impl_->network, split, own, progress)) {
     texts.push_back(panoramic::join_words(words));
   }
   return texts;

@@ -1,4 +1,4 @@
-/// \file  A trained speaker: it tells paths in words, for agents to be trained with
+/// \file  A trained speaker: it describes paths in words, for agents to be trained with
 /// (back-translation).
 #pragma once
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace enfilade::neural {
 
-/// How paths are told.
+/// How paths are described.
 struct SpeakOptions {
   std::size_t batch_size = 64;   ///< paths at once
   std::size_t most_words = 120;  ///< of an instruction; EnvDrop's number
@@ -40,19 +40,19 @@ class Speaker {
   const models::ModelConfig& config() const noexcept;
   std::uint64_t iteration() const noexcept;  ///< of the weights
 
-  /// How well it foretells the instructions of a split, and its own ones of the same paths.
+  /// How well it predicts the instructions of a split, and its own ones of the same paths.
   /// \param features null if the speaker does not see
   /// \throws ArgumentError for hidden goals, no instructions, or features of another size or none
   /// where it sees; InvalidInput for viewpoints that have none
-  models::TellingRecord score(const tasks::EpisodeSet& episodes,
+  models::SpeakerRecord score(const tasks::EpisodeSet& episodes,
                               const features::FeatureSet* features, std::size_t batch_size = 64,
                               const Progress& progress = {});
 
   /// An instruction for each of EpisodeSet::paths, in their order; its episodes are of no account.
   /// The same options give the same texts. \throws as score()
-  std::vector<std::string> tell(const tasks::EpisodeSet& paths,
-                                const features::FeatureSet* features, const SpeakOptions& options,
-                                const Progress& progress = {});
+  std::vector<std::string> describe(const tasks::EpisodeSet& paths,
+                                    const features::FeatureSet* features,
+                                    const SpeakOptions& options, const Progress& progress = {});
 
  private:
   struct Impl;

@@ -4,9 +4,10 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/duet/duet_agent.h"
+#include "enfilade/neural/detail/viewpoint_agent.h"
+#include "enfilade/neural/duet/duet_split.h"
 #include "enfilade/neural/model.h"
-#include "enfilade/neural/panoramic/panoramic_agent.h"
+#include "enfilade/neural/panoramic/panoramic_split.h"
 #include "enfilade/neural/seq2seq_agent.h"
 
 namespace enfilade::neural {
@@ -22,26 +23,28 @@ void require_cpu(models::AgentKind agent, const std::string& device) {
 std::unique_ptr<TrainedAgent> load_trained_agent(const fs::path& folder,
                                                  const std::string& device) {
   const models::ModelFiles files = require_model(folder);
-  models::ModelConfig config = models::load_model_config(files.config());
+  const models::ModelConfig config = models::load_model_config(files.config());
   const models::AgentKind kind = config.training.agent;
   if (kind == models::AgentKind::kSeq2Seq) {
     return std::make_unique<Seq2SeqAgent>(load_model(folder, device));
   }
   if (kind == models::AgentKind::kSpeaker) {
-    throw ArgumentError(
-        fmt::format("{}: a speaker, which tells paths and does not walk them", folder.string()));
+    throw ArgumentError(fmt::format("{}: a speaker, which describes paths and does not walk them",
+                                    folder.string()));
   }
   require_cpu(kind, device);
   models::InstructionWords words = models::load_instruction_words(files, config.training);
   const models::StateFile state = models::open_state(files.weights());
+  // EnvDrop's trajectories have an entry a turn, and it turns to the right only. DUET's have none.
   if (kind == models::AgentKind::kDuet) {
-    duet::DuetNetwork network(duet_sizes(config.training), state.file);
-    return std::make_unique<duet::DuetAgent>(std::move(config), std::move(words), state.iteration,
-                                             std::move(network));
+    return std::make_unique<detail::ViewpointAgent<duet::DuetNetwork, duet::DuetSplit>>(
+        config, std::move(words), state.iteration,
+        duet::DuetNetwork(duet_sizes(config.training), state.file), agents::Turning::kShorter);
   }
-  panoramic::PanoramicNetwork network(panoramic_sizes(config.training), state.file);
-  return std::make_unique<panoramic::PanoramicAgent>(std::move(config), std::move(words),
-                                                     state.iteration, std::move(network));
+  using panoramic::PanoramicNetwork;
+  return std::make_unique<detail::ViewpointAgent<PanoramicNetwork, panoramic::PanoramicSplit>>(
+      config, std::move(words), state.iteration,
+      PanoramicNetwork(panoramic_sizes(config.training), state.file), agents::Turning::kRight);
 }
 
 }  // namespace enfilade::neural

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <utility>
+#include <variant>
 
 #include "enfilade/core/file.h"
 #include "enfilade/models/folder_lock.h"
@@ -219,26 +220,25 @@ class Training {
 
   void evaluate(models::TrainingLog& log) {
     for (std::size_t k = 0; k < data_.validation.size(); ++k) {
-      if (auto telling = learner_->tell(k)) {
-        telling->iteration = iteration_;
-        log.add(*telling);
-        if (listener_.telling) listener_.telling(*telling);
-        continue;
+      detail::Evaluated evaluated = learner_->evaluate(k, iteration_, files_);
+      if (auto* const speaker = std::get_if<models::SpeakerRecord>(&evaluated)) {
+        speaker->iteration = iteration_;
+        log.add(*speaker);
+        if (listener_.speaker) listener_.speaker(*speaker);
+      } else {
+        const auto record = record_of(std::get<detail::Walked>(evaluated), data_.validation[k]);
+        log.add(record);
+        if (listener_.evaluation) listener_.evaluation(record);
       }
-      const models::EvaluationRecord record = evaluate(k);
-      log.add(record);
-      if (listener_.evaluation) listener_.evaluation(record);
     }
   }
 
-  models::EvaluationRecord evaluate(std::size_t k) {
-    const tasks::EpisodeSet& split = data_.validation[k];
-    models::EvaluationRecord record{iteration_, split.split, split.episodes.size(),
-                                    learner_->validation_loss(k, iteration_)};
-    const std::vector<tasks::Trajectory> trajectories = learner_->walk(k, files_);
+  models::EvaluationRecord record_of(const detail::Walked& walked,
+                                     const tasks::EpisodeSet& split) const {
+    models::EvaluationRecord record{iteration_, split.split, split.episodes.size(), walked.loss};
     tasks::ScoreOptions options;
     options.bootstrap_samples = 0;
-    const tasks::Score score = compute_score(trajectories, split, options);
+    const tasks::Score score = compute_score(walked.trajectories, split, options);
     record.trajectory_length = score.mean("trajectory_length").mean;
     record.nav_error = score.mean("nav_error").mean;
     record.success_rate = score.mean("success").mean;

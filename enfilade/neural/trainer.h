@@ -44,7 +44,7 @@ struct TrainingListener {
   std::function<void(std::uint64_t iteration)> resumed;  ///< after a checkpoint was loaded
   std::function<void(const TrainingProgress&)> iteration;
   std::function<void(const models::EvaluationRecord&)> evaluation;
-  std::function<void(const models::TellingRecord&)> telling;  ///< of speakers, in its place
+  std::function<void(const models::SpeakerRecord&)> speaker;  ///< of speakers, in its place
 };
 
 /// Trains to config.iterations, from the checkpoint in `directory` if there is one, and leaves a

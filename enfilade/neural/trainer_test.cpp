@@ -227,7 +227,7 @@ TEST_F(TrainerTest, APanoramicAgentsConfigIsReadBack) {
               ThrowsMessage<ArgumentError>(HasSubstr("agent: panoramic, not seq2seq")));
 }
 
-TEST_F(TrainerTest, ASpeakerIsTrainedToTheBitAndTellsPaths) {
+TEST_F(TrainerTest, ASpeakerIsTrainedToTheBitAndDescribesPaths) {
   const models::TrainConfig config = small_->config(models::AgentKind::kSpeaker);
   const fs::path whole = fresh("whole");
   train_into(whole, config);
@@ -239,24 +239,24 @@ TEST_F(TrainerTest, ASpeakerIsTrainedToTheBitAndTellsPaths) {
     EXPECT_EQ(log(folder), log(whole)) << stop;
   }
   const auto lines = log(whole);
-  EXPECT_EQ(lines.at(1)["type"], "telling");
+  EXPECT_EQ(lines.at(1)["type"], "speaker");
   EXPECT_LT(lines.at(5)["loss"], lines.at(1)["loss"]) << "it learns";
   const features::FeatureSet features = features::FeatureSet::open(small_->features());
   Speaker speaker(whole);
   EXPECT_EQ(speaker.iteration(), 12U);
   const auto data = small_->load(config);
-  const models::TellingRecord score = speaker.score(data.validation[0], &features, 16);
+  const models::SpeakerRecord score = speaker.score(data.validation[0], &features, 16);
   EXPECT_NEAR(score.loss, lines.at(5)["loss"].get<double>(), 1e-5);
   EXPECT_NEAR(score.perplexity, std::exp(score.loss), 1e-9);
-  const auto texts = speaker.tell(data.training, &features, {});
+  const auto texts = speaker.describe(data.training, &features, {});
   ASSERT_EQ(texts.size(), data.training.paths.size());
-  EXPECT_EQ(texts, speaker.tell(data.training, &features, {}));
+  EXPECT_EQ(texts, speaker.describe(data.training, &features, {}));
   SpeakOptions drawn;
   drawn.drawn = 5;
-  EXPECT_NE(texts, speaker.tell(data.training, &features, drawn));
+  EXPECT_NE(texts, speaker.describe(data.training, &features, drawn));
   EXPECT_THAT([&] { load_trained_agent(whole); },
-              ThrowsMessage<ArgumentError>(HasSubstr("a speaker, which tells paths")));
-  EXPECT_THAT([&] { speaker.tell(data.training, nullptr, {}); },
+              ThrowsMessage<ArgumentError>(HasSubstr("a speaker, which describes paths")));
+  EXPECT_THAT([&] { speaker.describe(data.training, nullptr, {}); },
               ThrowsMessage<ArgumentError>(HasSubstr("needs features")));
   train_into(fresh("listener"), small_->config(models::AgentKind::kPanoramic));
   EXPECT_THAT([&] { Speaker(fresh("listener")); },

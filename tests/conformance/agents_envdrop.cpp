@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/models/instruction_words.h"
 #include "enfilade/neural/panoramic/panoramic_network.h"
 #include "enfilade/neural/panoramic/panoramic_rollout.h"
 #include "enfilade/neural/panoramic/panoramic_walk.h"
@@ -256,13 +257,14 @@ class EpisodeCheck {
     const std::filesystem::path file = folder_.data().folder() / "vocab" / "train_vocab.txt";
     if (!std::filesystem::exists(file)) return;
     tally_.begin("envdrop_episodes.jsonl.gz (words)");
-    const tasks::Vocabulary vocabulary = tasks::Vocabulary::load(file);
+    constexpr std::size_t kMostWords = 80;  // as the recorded run's
+    const models::InstructionWords vocabulary(tasks::Vocabulary::load(file));
     for (const std::string& split : folder_.data().splits()) {
       for (const tasks::Episode& e : folder_.data().episodes(split).episodes) {
         const auto found = episodes_.all().find(e.instruction_id);
         if (found == episodes_.all().end()) continue;
         tally_.equal(e.instruction_id + ".token_ids", found->second.words,
-                     encode_words(vocabulary, e.text));
+                     vocabulary.encode(e.text, kMostWords));
       }
     }
   }

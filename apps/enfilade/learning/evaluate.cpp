@@ -57,7 +57,7 @@ void evaluate(const Options& options, neural::TrainedAgent& agent,
   }
 }
 
-// A speaker tells the paths of splits.
+// A speaker describes the paths of splits.
 void evaluate_speaker(const Options& options) {
   neural::Speaker speaker(options.model);
   std::optional<features::FeatureSet> file;
@@ -71,12 +71,12 @@ void evaluate_speaker(const Options& options) {
       differences(speaker.config().data, here, models::ModelFiles{options.model}.config().string());
   if (!warnings.empty()) print_diagnostics(warnings);
   for (const tasks::EpisodeSet& split : splits) {
-    const models::TellingRecord score =
+    const models::SpeakerRecord score =
         speaker.score(split, file ? &*file : nullptr, options.batch_size,
                       progress_bar(fmt::format("{}, {}", options.model, split.split)));
     fmt::print(
         "{} (speaker, iteration {}) on {}: {} instructions\n"
-        "loss a word {:.4f}, perplexity {:.3f}, words foretold {:.1f} %, BLEU-4 {:.1f}\n",
+        "loss a word {:.4f}, perplexity {:.3f}, words predicted {:.1f} %, BLEU-4 {:.1f}\n",
         options.model, score.iteration, score.split, score.instructions, score.loss,
         score.perplexity, 100 * score.accuracy, 100 * score.bleu);
   }

@@ -75,8 +75,8 @@ void speak(const Options& options) {
   neural::SpeakOptions speaking = options.speaking;
   if (options.draw_words) speaking.drawn = options.sampling.seed;
   speaking.environment_seed = options.sampling.seed;
-  const auto texts = speaker.tell(paths, features ? &*features : nullptr, speaking,
-                                  progress_bar(fmt::format("{}, speaking", options.model)));
+  const auto texts = speaker.describe(paths, features ? &*features : nullptr, speaking,
+                                      progress_bar(fmt::format("{}, speaking", options.model)));
   // A path that the speaker has no word for would be no instruction.
   for (std::size_t i = 0; i < texts.size(); ++i) {
     if (!texts[i].empty()) drawn.paths[i].instructions = {texts[i]};

@@ -47,7 +47,7 @@ class Reporter {
             },
             [this](const neural::TrainingProgress& progress) { show(progress); },
             [this](const models::EvaluationRecord& record) { show(record); },
-            [this](const models::TellingRecord& record) { show(record); }};
+            [this](const models::SpeakerRecord& record) { show(record); }};
   }
   double data_share() const { return progress_.data_share; }
 
@@ -73,7 +73,7 @@ class Reporter {
     std::fflush(stdout);
   }
 
-  void show(const models::TellingRecord& record) {
+  void show(const models::SpeakerRecord& record) {
     if (live_) fmt::print(stderr, "\r\033[K");
     fmt::print(
         "{:>7}  {:<12} loss {:.3f}  perplexity {:.2f}  words {:4.1f}  BLEU-4 {:4.1f}   train loss "

@@ -70,12 +70,13 @@ void TrainingOptions::name(CLI::App& verb, const std::string& name, const std::s
 void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
   agent_ = "seq2seq";
   recipe_ = recipe;
-  add_setting(verb, "--agent", agent_, "",
-              "seq2seq: six actions (Anderson et al. 2018); panoramic: an LSTM that chooses among "
-              "neighbours (EnvDrop's, 2019); duet: a Transformer with a map (2022); speaker: tells "
-              "paths in "
-              "words instead of walking them (EnvDrop's), for `enfilade speak`",
-              CLI::IsMember({"seq2seq", "panoramic", "duet", "speaker"}));
+  add_setting(
+      verb, "--agent", agent_, "",
+      "seq2seq: six actions (Anderson et al. 2018); panoramic: an LSTM that chooses among "
+      "neighbours (EnvDrop's, 2019); duet: a Transformer with a map (2022); speaker: describes "
+      "paths in "
+      "words instead of walking them (EnvDrop's), for `enfilade speak`",
+      CLI::IsMember({"seq2seq", "panoramic", "duet", "speaker"}));
   add_setting(verb, "--recipe", recipe_, "",
               "What the options below change: as published, or small networks from nothing, for "
               "model homes and two cores",

@@ -7,8 +7,8 @@
 namespace enfilade::neural::detail {
 namespace {
 
-// Four numbers of the mask from one random number of 64 bits: a twentieth of what drawing each by
-// itself costs, which was a tenth of DUET's training.
+// Four numbers of the mask from one random number of 64 bits, as drawing takes longer than all else
+// here.
 constexpr unsigned kBits = 16;
 constexpr std::uint64_t kValues = 1U << kBits;
 

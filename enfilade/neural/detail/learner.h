@@ -2,8 +2,8 @@
 #pragma once
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "enfilade/features/tensor_file.h"
@@ -23,6 +23,14 @@ struct Update {
   double data_seconds = 0;  ///< in environment, features and instructions
 };
 
+/// How an agent that walks does in a split.
+struct Walked {
+  double loss = 0;
+  std::vector<tasks::Trajectory> trajectories;  ///< greedy, one an episode
+};
+/// Of a speaker how well it describes the paths, without the iteration.
+using Evaluated = std::variant<Walked, models::SpeakerRecord>;
+
 /// One kind of agent in training: train() owns directory, log, checkpoints and the order of things,
 /// a learner all else. Everything random is named by the config's seed and the iteration, so that
 /// the state is parameters and moments alone. One thread at a time.
@@ -33,15 +41,10 @@ class Learner {
   virtual void prepare(const TrainingData& data) = 0;
   /// One update of the weights. \param iteration updates before it
   virtual Update update(std::uint64_t iteration) = 0;
-  /// Validation split `split` after so many iterations; no effect on the weights.
-  /// \pre split < TrainingData::validation.size()
-  virtual double validation_loss(std::size_t split, std::uint64_t iteration) = 0;
-  /// Greedy walks, one an episode, also written below `files`, with what the agent tells of them.
-  virtual std::vector<tasks::Trajectory> walk(std::size_t split,
-                                              const models::ModelFiles& files) = 0;
-  /// Of an agent that tells paths instead of walking them, how well it tells a split; the iteration
-  /// is left to the caller. No value: it walks.
-  virtual std::optional<models::TellingRecord> tell(std::size_t /*split*/) { return std::nullopt; }
+  /// What the agent does with validation split `split` after so many iterations, also written below
+  /// `files`; no effect on the weights. \pre split < TrainingData::validation.size()
+  virtual Evaluated evaluate(std::size_t split, std::uint64_t iteration,
+                             const models::ModelFiles& files) = 0;
 
   virtual Network::State weights() const = 0;
   virtual Network::State training_state() const = 0;

@@ -35,6 +35,15 @@ double gradient_norm(const Weights& weights, std::string_view part) {
   return norms.empty() ? 0 : at::stack(norms).norm().item<double>();
 }
 
+double follow_back(const at::Tensor& loss) {
+  const double value = loss.item<double>();
+  if (!std::isfinite(value)) {
+    throw Error(fmt::format("the loss is {}, not a finite number", value));
+  }
+  loss.backward();
+  return value;
+}
+
 OptimizerConfig optimizer_of(const models::TrainConfig& config, std::vector<std::string> parts) {
   OptimizerConfig own;
   own.kind = config.optimizer;
@@ -129,12 +138,13 @@ Weights Optimizer::state(const Weights& weights) const {
   return all;
 }
 
-void Optimizer::load(const Weights& weights, std::span<const ArraySpec> specs,
-                     const features::TensorFile& file) {
-  std::vector<ArraySpec> wanted(specs.begin(), specs.end());
-  for (const ArraySpec& spec : specs) {
-    if (has_first()) wanted.push_back({kFirst + spec.name, spec.shape});
-    wanted.push_back({kSecond + spec.name, spec.shape});
+void Optimizer::load(const Weights& weights, const features::TensorFile& file) {
+  std::vector<ArraySpec> wanted;
+  for (const auto& [name, weight] : weights) {
+    const std::vector<std::int64_t> shape = weight.sizes().vec();
+    wanted.push_back({name, shape});
+    if (has_first()) wanted.push_back({kFirst + name, shape});
+    wanted.push_back({kSecond + name, shape});
   }
   wanted.push_back({kUpdates, {2}});
   const Weights read = read_weights(file, wanted, [](std::string_view) { return false; });

@@ -19,6 +19,10 @@ void clear_gradients(const Weights& weights);
 /// The norm of all gradients of weights whose names begin with `part`; 0 if there are none.
 double gradient_norm(const Weights& weights, std::string_view part = "");
 
+/// Follows a loss back to the weights. \return its value
+/// \throws Error if it is not finite; then nothing has happened
+double follow_back(const at::Tensor& loss);
+
 /// How gradients become updates, as in PyTorch's modules of the same names.
 struct OptimizerConfig {
   models::Optimizer kind = models::Optimizer::kAdamW;
@@ -49,10 +53,9 @@ class Optimizer {
   /// Weights, moments and number of updates, for a file; handles to their memory. Moments of
   /// weights that were never updated are zeros.
   Weights state(const Weights& weights) const;
-  /// Of state(), into the weights too. \param specs of the network's weights
+  /// Of state(), into the weights too.
   /// \throws InvalidInput naming every array that is missing, surplus or does not fit
-  void load(const Weights& weights, std::span<const ArraySpec> specs,
-            const features::TensorFile& file);
+  void load(const Weights& weights, const features::TensorFile& file);
 
  private:
   void clip(const Weights& weights) const;

@@ -79,7 +79,24 @@ class Seq2SeqLearner : public Learner {
     return {loss / static_cast<double>(config_.max_steps), seconds(before + timed.spent())};
   }
 
-  double validation_loss(std::size_t split, std::uint64_t iteration) override {
+  Evaluated evaluate(std::size_t split, std::uint64_t iteration,
+                     const models::ModelFiles& files) override {
+    const double loss = validation_loss(split, iteration);
+    const PreparedSplit& prepared = validation_.at(split);
+    const std::string& name = prepared.episodes.split;
+    GreedyWalk walk = walk_greedily(network_, prepared, walk_options());
+    write_walk(files.results(name), files.attention(name), walk, prepared, vocabulary_);
+    return Walked{loss, std::move(walk.trajectories)};
+  }
+
+  Network::State weights() const override { return network_.weights(); }
+  Network::State training_state() const override { return network_.training_state(); }
+  void load_training_state(const features::TensorFile& file) override {
+    network_.load_training_state(file);
+  }
+
+ private:
+  double validation_loss(std::size_t split, std::uint64_t iteration) {
     const PreparedSplit& prepared = validation_.at(split);
     const std::string& name = prepared.episodes.split;
     // Other random numbers than training's; streams apart from those of other iterations.
@@ -91,21 +108,6 @@ class Seq2SeqLearner : public Learner {
     return compute_loss(network_, prepared, options);
   }
 
-  std::vector<tasks::Trajectory> walk(std::size_t split, const models::ModelFiles& files) override {
-    const PreparedSplit& prepared = validation_.at(split);
-    const std::string& name = prepared.episodes.split;
-    GreedyWalk walk = walk_greedily(network_, prepared, walk_options());
-    write_walk(files.results(name), files.attention(name), walk, prepared, vocabulary_);
-    return std::move(walk.trajectories);
-  }
-
-  Network::State weights() const override { return network_.weights(); }
-  Network::State training_state() const override { return network_.training_state(); }
-  void load_training_state(const features::TensorFile& file) override {
-    network_.load_training_state(file);
-  }
-
- private:
   WalkOptions walk_options() const { return {config_.batch_size, config_.max_steps}; }
 
   const models::TrainConfig& config_;

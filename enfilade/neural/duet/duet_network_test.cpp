@@ -188,8 +188,7 @@ TEST(DuetTrainingTest, GoesOnFromAFileAsIfNothingHadHappened) {
                                 detail::as_arrays(optimizer.state(network.weights())));
     const DuetNetwork other(tiny_duet(), 2);
     detail::Optimizer resumed(config);
-    resumed.load(other.weights(), arrays_of(tiny_duet()),
-                 features::TensorFile::open(folder.path() / "state.safetensors"));
+    resumed.load(other.weights(), features::TensorFile::open(folder.path() / "state.safetensors"));
     EXPECT_EQ(resumed.updates(), 1U);
     EXPECT_EQ(resumed.rate(), optimizer.rate());
     add_gradients(network);

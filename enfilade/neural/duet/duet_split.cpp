@@ -6,9 +6,8 @@
 #include <utility>
 #include <variant>
 
-#include "enfilade/core/file.h"
 #include "enfilade/geometry/angle.h"
-#include "enfilade/neural/detail/batches.h"
+#include "enfilade/neural/detail/split_walk.h"
 #include "enfilade/neural/duet/recording.h"
 
 namespace enfilade::neural::duet {
@@ -62,15 +61,16 @@ tasks::Trajectory trajectory_of(const Walk& walk, const graph::NavGraph& graph,
 DuetSplit::DuetSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
                      const models::TrainConfig& config, const features::FeatureSet* features)
     : episodes_(episodes), words_(words) {
-  const bool reads = config.network.inputs.language;
-  for (const tasks::Episode& episode : episodes.episodes) {
+  std::vector<std::vector<std::int64_t>> ids =
+      words.encode(episodes, config.network.max_words, config.network.inputs.language);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const tasks::Episode& episode = episodes.episodes[i];
     const tasks::ReferencePath& path = episodes.path_of(episode);
     WalkEpisode walk{episode.instruction_id,
                      path.scan,
                      path.viewpoints.front(),
                      agents::level_view(path.heading),
-                     reads ? words.encode(episode, config.network.max_words)
-                           : words.encode("", config.network.max_words),
+                     std::move(ids[i]),
                      {},
                      {}};
     if (!goal_hidden(path)) walk.reference = path.viewpoints;
@@ -107,25 +107,7 @@ std::vector<tasks::Trajectory> walk_episodes(const DuetNetwork& network, DuetSpl
 
 std::vector<tasks::Trajectory> walk_and_write(const DuetNetwork& network, DuetSplit& split,
                                               const SplitWalk& options, const Progress& progress) {
-  const std::size_t total = split.episodes().episodes.size();
-  std::vector<tasks::Trajectory> trajectories;
-  std::optional<DuetRecording> recording;
-  if (!options.attention.empty()) recording.emplace(split);
-  detail::for_each_batch(total, options.batch_size, [&](std::span<const std::size_t> episodes) {
-    const StepWatcher watcher = recording ? recording->watcher(episodes) : StepWatcher();
-    for (tasks::Trajectory& one : walk_episodes(network, split, episodes, watcher)) {
-      trajectories.push_back(std::move(one));
-    }
-    if (progress) progress(trajectories.size(), total);
-  });
-  if (!options.results.empty()) {
-    make_folder(options.results.parent_path());
-    write_file_atomically(options.results, to_json(trajectories, split.episodes()));
-  }
-  if (recording) {
-    recording->recorder().write(options.attention, split.episodes(), trajectories);
-  }
-  return trajectories;
+  return detail::walk_and_write<DuetRecording>(network, split, options, progress);
 }
 
 }  // namespace enfilade::neural::duet

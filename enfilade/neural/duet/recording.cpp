@@ -62,7 +62,7 @@ DuetRecording::DuetRecording(const DuetSplit& split)
   }
 }
 
-StepWatcher DuetRecording::watcher(std::span<const std::size_t> episodes) {
+StepWatcher DuetRecording::observer(std::span<const std::size_t> episodes) {
   return [this, episodes](const StepOfAll& step) {
     for (std::size_t row = 0; row < step.rows.size(); ++row) {
       add(step, row, episodes[step.rows[row].episode]);

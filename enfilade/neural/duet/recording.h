@@ -16,8 +16,8 @@ class DuetRecording {
   /// Of all episodes of a split.
   explicit DuetRecording(const DuetSplit& split);
 
-  /// A watcher of a walk of these episodes, which have to stay as long as it is used.
-  StepWatcher watcher(std::span<const std::size_t> episodes);
+  /// An observer of a walk of these episodes, which have to stay as long as it is used.
+  StepWatcher observer(std::span<const std::size_t> episodes);
   const models::DecisionRecorder& recorder() const noexcept { return recorder_; }
 
  private:

@@ -22,11 +22,7 @@ TrainingStep accumulate(const DuetNetwork& network, Walker& walker,
     result.losses.back() = loss.item<double>();
     total = total.defined() ? total + loss : loss;
   }
-  for (const double loss : result.losses) result.loss += loss;
-  if (!std::isfinite(result.loss)) {
-    throw Error(fmt::format("the loss is {}, not a finite number", result.loss));
-  }
-  if (total.defined()) total.backward();
+  if (total.defined()) result.loss = detail::follow_back(total);
   return result;
 }
 

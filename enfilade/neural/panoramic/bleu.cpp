@@ -22,15 +22,15 @@ NgramCounts count_ngrams(Words words, std::size_t order) {
   return counts;
 }
 
-std::size_t count_matches(const Telling& telling, std::size_t order) {
+std::size_t count_matches(const Generated& one, std::size_t order) {
   NgramCounts most;
-  for (const auto& reference : telling.references) {
+  for (const auto& reference : one.references) {
     for (const auto& [ngram, count] : count_ngrams(reference, order)) {
       most[ngram] = std::max(most[ngram], count);
     }
   }
   std::size_t matches = 0;
-  for (const auto& [ngram, count] : count_ngrams(telling.told, order)) {
+  for (const auto& [ngram, count] : count_ngrams(one.words, order)) {
     const auto found = most.find(ngram);
     if (found != most.end()) matches += std::min(count, found->second);
   }
@@ -39,19 +39,19 @@ std::size_t count_matches(const Telling& telling, std::size_t order) {
 
 }  // namespace
 
-double bleu_4(std::span<const Telling> corpus) {
+double bleu_4(std::span<const Generated> corpus) {
   std::array<std::size_t, kOrders> matches{}, possible{};
-  std::size_t told = 0, meant = 0;
-  for (const Telling& telling : corpus) {
-    told += telling.told.size();
-    std::size_t shortest = telling.references.front().size();
-    for (const auto& reference : telling.references) {
+  std::size_t written = 0, meant = 0;
+  for (const Generated& one : corpus) {
+    written += one.words.size();
+    std::size_t shortest = one.references.front().size();
+    for (const auto& reference : one.references) {
       shortest = std::min(shortest, reference.size());
     }
     meant += shortest;
     for (std::size_t n = 0; n < kOrders; ++n) {
-      matches[n] += count_matches(telling, n + 1);
-      if (telling.told.size() > n) possible[n] += telling.told.size() - n;
+      matches[n] += count_matches(one, n + 1);
+      if (one.words.size() > n) possible[n] += one.words.size() - n;
     }
   }
   double logs = 0;
@@ -59,7 +59,7 @@ double bleu_4(std::span<const Telling> corpus) {
     if (matches[n] == 0) return 0;
     logs += std::log(static_cast<double>(matches[n]) / static_cast<double>(possible[n])) / kOrders;
   }
-  const double ratio = static_cast<double>(told) / static_cast<double>(meant);
+  const double ratio = static_cast<double>(written) / static_cast<double>(meant);
   return std::exp(logs + (ratio > 1 ? 0 : 1 - 1 / ratio));
 }
 

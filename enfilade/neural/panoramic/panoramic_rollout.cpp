@@ -209,18 +209,6 @@ class Rollout {
 
 }  // namespace
 
-std::vector<std::int64_t> encode_words(const tasks::Vocabulary& vocabulary, std::string_view text,
-                                       std::size_t most) {
-  std::vector<std::int64_t> ids{static_cast<std::int64_t>(vocabulary.size())};
-  for (const std::string& word : tasks::tokenize(text)) ids.push_back(vocabulary.id(word));
-  ids.push_back(tasks::Vocabulary::kEnd);
-  if (ids.size() > most) {
-    ids.resize(most);
-    ids.back() = tasks::Vocabulary::kEnd;
-  }
-  return ids;
-}
-
 WordBatch batch_words(std::span<const std::vector<std::int64_t>> sentences) {
   WordBatch batch;
   std::size_t longest = 0;

@@ -5,20 +5,13 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "enfilade/models/train_config.h"
 #include "enfilade/neural/panoramic/panoramic_network.h"
 #include "enfilade/neural/panoramic/panoramic_walk.h"
-#include "enfilade/tasks/tokenizer.h"
 
 namespace enfilade::neural::panoramic {
-
-/// The ids of an instruction: `<BOS>` (one more than the vocabulary's last id), the words, `<EOS>`.
-/// Of more than `most` the last that is kept becomes `<EOS>`.
-std::vector<std::int64_t> encode_words(const tasks::Vocabulary& vocabulary, std::string_view text,
-                                       std::size_t most = 80);
 
 /// Pads sentences for the encoder. \pre sentences by falling length, none empty
 WordBatch batch_words(std::span<const std::vector<std::int64_t>> sentences);

@@ -240,11 +240,5 @@ TEST_F(PanoramicRolloutTest, MissingGoalsAndOtherSizesAreTheCallersMistake) {
   EXPECT_THROW(roll_out(network, batch_words(sentences), two, pictures, {}), ArgumentError);
 }
 
-TEST(EncodeWords, LongSentencesEndEarly) {
-  const auto vocabulary = tasks::Vocabulary::of({"<PAD>", "<UNK>", "<EOS>", "walk", "past", "the"});
-  EXPECT_THAT(encode_words(vocabulary, "Walk past the table"), ElementsAre(6, 3, 4, 5, 1, 2));
-  EXPECT_THAT(encode_words(vocabulary, "Walk past the table", 4), ElementsAre(6, 3, 4, 2));
-}
-
 }  // namespace
 }  // namespace enfilade::neural::panoramic

@@ -3,11 +3,9 @@
 #include <c10/core/GradMode.h>
 #include <algorithm>
 #include <numeric>
-#include <optional>
 #include <utility>
 
-#include "enfilade/core/file.h"
-#include "enfilade/neural/detail/batches.h"
+#include "enfilade/neural/detail/split_walk.h"
 #include "enfilade/neural/panoramic/recording.h"
 
 namespace enfilade::neural::panoramic {
@@ -16,16 +14,13 @@ PanoramicSplit::PanoramicSplit(const tasks::EpisodeSet& episodes,
                                const models::InstructionWords& words,
                                const models::TrainConfig& config,
                                const features::FeatureSet* features)
-    : episodes_(episodes), vocabulary_(words), panoramas_(episodes.graphs) {
-  const bool reads = config.network.inputs.language;
-  for (const tasks::Episode& episode : episodes.episodes) {
-    words_.push_back(reads ? words.encode(episode, config.network.max_words)
-                           : words.encode("", config.network.max_words));
-  }
+    : episodes_(episodes),
+      vocabulary_(words),
+      max_actions_(config.max_steps),
+      words_(words.encode(episodes, config.network.max_words, config.network.inputs.language)),
+      panoramas_(episodes.graphs) {
   if (features != nullptr) features_.emplace(*features, episodes);
-  images_ = [this](graph::Location location, std::uint32_t view, std::span<float> out) {
-    if (features_) features_->copy(location.scan, location.viewpoint, view, out);
-  };
+  images_ = pictures_of(features_ ? &*features_ : nullptr);
 }
 
 PanoramicSplit::Batch PanoramicSplit::begin(std::span<const std::size_t> episodes) {
@@ -49,12 +44,11 @@ PanoramicSplit::Batch PanoramicSplit::begin(std::span<const std::size_t> episode
 
 std::vector<tasks::Trajectory> walk_episodes(PanoramicNetwork& network, PanoramicSplit& split,
                                              std::span<const std::size_t> episodes,
-                                             std::size_t max_actions,
                                              const BatchObserver& observer) {
   const c10::NoGradGuard no_gradients;
   network.set_dropout(std::nullopt);
   PanoramicRolloutOptions options;
-  options.max_actions = max_actions;
+  options.max_actions = split.max_actions();
   PanoramicSplit::Batch batch = split.begin(episodes);
   roll_out(network, batch.words, batch.walks, split.images(), options,
            [&](const PanoramicStep& step) {
@@ -70,31 +64,8 @@ std::vector<tasks::Trajectory> walk_episodes(PanoramicNetwork& network, Panorami
 }
 
 std::vector<tasks::Trajectory> walk_and_write(PanoramicNetwork& network, PanoramicSplit& split,
-                                              const models::TrainConfig& config,
                                               const SplitWalk& options, const Progress& progress) {
-  std::vector<tasks::Trajectory> trajectories;
-  std::optional<PanoramicRecording> recording;
-  if (!options.attention.empty()) recording.emplace(split);
-  detail::for_each_batch(split.episodes().episodes.size(), options.batch_size,
-                         [&](std::span<const std::size_t> episodes) {
-                           const BatchObserver observer =
-                               recording ? recording->observer(episodes) : BatchObserver();
-                           for (tasks::Trajectory& one : walk_episodes(
-                                    network, split, episodes, config.max_steps, observer)) {
-                             trajectories.push_back(std::move(one));
-                           }
-                           if (progress) {
-                             progress(trajectories.size(), split.episodes().episodes.size());
-                           }
-                         });
-  if (!options.results.empty()) {
-    make_folder(options.results.parent_path());
-    write_file_atomically(options.results, to_json(trajectories, split.episodes()));
-  }
-  if (recording) {
-    recording->recorder().write(options.attention, split.episodes(), trajectories);
-  }
-  return trajectories;
+  return detail::walk_and_write<PanoramicRecording>(network, split, options, progress);
 }
 
 }  // namespace enfilade::neural::panoramic

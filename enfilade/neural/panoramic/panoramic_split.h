@@ -41,12 +41,14 @@ class PanoramicSplit {
 
   const tasks::EpisodeSet& episodes() const noexcept { return episodes_; }
   const ImageSource& images() const noexcept { return images_; }
+  std::size_t max_actions() const noexcept { return max_actions_; }  ///< choices of an episode
   std::span<const std::int64_t> words(std::size_t episode) const { return words_[episode]; }
   const models::InstructionWords& vocabulary() const noexcept { return vocabulary_; }
 
  private:
   const tasks::EpisodeSet& episodes_;
   const models::InstructionWords& vocabulary_;
+  std::size_t max_actions_;
   std::vector<std::vector<std::int64_t>> words_;  // by episode
   std::optional<ViewFeatures> features_;
   ImageSource images_;
@@ -57,17 +59,15 @@ class PanoramicSplit {
 using BatchObserver =
     std::function<void(const PanoramicSplit::Batch& batch, const PanoramicStep& step)>;
 
-/// Walks these episodes, each with the likeliest choices. \return their trajectories, in their
-/// order
+/// Walks these episodes, each with the likeliest choices, up to split.max_actions() of them.
+/// \return their trajectories, in their order
 std::vector<tasks::Trajectory> walk_episodes(PanoramicNetwork& network, PanoramicSplit& split,
                                              std::span<const std::size_t> episodes,
-                                             std::size_t max_actions,
                                              const BatchObserver& observer = {});
 
-/// Walks all episodes of a split up to config.max_steps, and writes the files that `options` names.
-/// \return a trajectory per episode, in order \throws FileError
+/// Walks all episodes of a split, and writes the files that `options` names. \return a trajectory
+/// per episode, in order \throws FileError
 std::vector<tasks::Trajectory> walk_and_write(PanoramicNetwork& network, PanoramicSplit& split,
-                                              const models::TrainConfig& config,
                                               const SplitWalk& options,
                                               const Progress& progress = {});
 

@@ -79,6 +79,12 @@ void PanoramicWalk::choose(std::size_t choice) {
   arrive();
 }
 
+ImageSource pictures_of(const ViewFeatures* features) {
+  return [features](graph::Location location, std::uint32_t view, std::span<float> out) {
+    if (features != nullptr) features->copy(location.scan, location.viewpoint, view, out);
+  };
+}
+
 StepInput look(std::span<const PanoramicWalk> walks, const PanoramicConfig& config,
                const ImageSource& images) {
   std::size_t most = 0;

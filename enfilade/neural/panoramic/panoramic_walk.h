@@ -9,6 +9,7 @@
 #include "enfilade/agents/panorama.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/neural/panoramic/panoramic_network.h"
+#include "enfilade/neural/view_features.h"
 #include "enfilade/sim/candidates.h"
 #include "enfilade/tasks/results.h"
 
@@ -65,6 +66,10 @@ class PanoramicWalk {
 /// Writes the picture's numbers of a view, 0..35, of a viewpoint.
 using ImageSource =
     std::function<void(graph::Location location, std::uint32_t view, std::span<float> out)>;
+
+/// The features of views; no numbers are written where there are none.
+/// \param features null: there are none; else they outlive the result
+ImageSource pictures_of(const ViewFeatures* features);
 
 /// What the network sees of a batch of walks: pictures and directions of the 36 views and of the
 /// candidates. Headings are relative to the agent's view, elevations absolute. Of ended walks

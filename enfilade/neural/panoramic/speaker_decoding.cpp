@@ -1,4 +1,4 @@
-#include "enfilade/neural/panoramic/speaker_telling.h"
+#include "enfilade/neural/panoramic/speaker_decoding.h"
 
 #include <ATen/ATen.h>
 #include <c10/core/GradMode.h>
@@ -25,8 +25,8 @@ PanoramicConfig sizes_of_views(const SpeakerConfig& config) {
   return sizes;
 }
 
-void check_told(std::span<const PathToTell> paths) {
-  if (paths.empty()) throw ArgumentError("paths: none to tell");
+void check_described(std::span<const PathToDescribe> paths) {
+  if (paths.empty()) throw ArgumentError("paths: none to describe");
   for (std::size_t i = 0; i < paths.size(); ++i) {
     if (paths[i].viewpoints.empty()) {
       throw ArgumentError(fmt::format("paths[{}]: no viewpoint", i));
@@ -35,7 +35,7 @@ void check_told(std::span<const PathToTell> paths) {
 }
 
 // The choice that leads to the next viewpoint of a path, or to its end.
-std::size_t choice_along(const PathToTell& path, std::size_t step, const PanoramicWalk& walk,
+std::size_t choice_along(const PathToDescribe& path, std::size_t step, const PanoramicWalk& walk,
                          std::size_t at) {
   if (step + 1 == path.viewpoints.size()) return walk.stop();
   const auto& candidates = walk.candidates();
@@ -51,7 +51,7 @@ std::size_t choice_along(const PathToTell& path, std::size_t step, const Panoram
 // Chooses the next words of all sentences.
 class WordChooser {
  public:
-  WordChooser(const TellOptions& options, std::size_t rows) : options_(options) {
+  WordChooser(const DescribeOptions& options, std::size_t rows) : options_(options) {
     for (std::size_t i = 0; i < rows; ++i) {
       rngs_.emplace_back(options.seed, options.streams.empty() ? i : options.streams[i]);
     }
@@ -88,12 +88,12 @@ class WordChooser {
     return last;
   }
 
-  const TellOptions& options_;
+  const DescribeOptions& options_;
   std::vector<Rng> rngs_;
 };
 
-void check_telling(const SpeakerConfig& config, const PathBatch& paths,
-                   const TellOptions& options) {
+void check_options(const SpeakerConfig& config, const PathBatch& paths,
+                   const DescribeOptions& options) {
   if (options.begin <= Vocabulary::kEnd ||
       options.begin >= static_cast<std::int64_t>(config.vocabulary)) {
     throw ArgumentError(fmt::format("begin: id {}, not from {} to {}", options.begin,
@@ -107,19 +107,19 @@ void check_telling(const SpeakerConfig& config, const PathBatch& paths,
 
 }  // namespace
 
-PathBatch see_paths(std::span<const PathToTell> paths, const SpeakerConfig& config,
+PathBatch see_paths(std::span<const PathToDescribe> paths, const SpeakerConfig& config,
                     const ImageSource& images, agents::PanoramaCache& panoramas,
                     const graph::GraphSet& graphs) {
-  check_told(paths);
+  check_described(paths);
   PathBatch batch;
-  for (const PathToTell& path : paths) batch.lengths.push_back(std::ssize(path.viewpoints));
+  for (const PathToDescribe& path : paths) batch.lengths.push_back(std::ssize(path.viewpoints));
   const auto n = std::ssize(paths), longest = std::ranges::max(batch.lengths);
   const auto feature = static_cast<std::int64_t>(config.feature());
   const PanoramicConfig sizes = sizes_of_views(config);
   batch.actions = at::zeros({n, longest, feature}, at::kFloat);
   batch.views = at::zeros({n, longest, 36, feature}, at::kFloat);
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    const PathToTell& path = paths[i];
+    const PathToDescribe& path = paths[i];
     const auto row = static_cast<std::int64_t>(i);
     PanoramicWalk walk(panoramas, graphs,
                        {{path.scan, path.viewpoints.front()}, path.heading, std::nullopt});
@@ -150,10 +150,10 @@ at::Tensor pad_sentences(std::span<const std::vector<std::int64_t>> sentences) {
   return ids;
 }
 
-TellingLoss telling_loss(SpeakerNetwork& network, const PathBatch& paths,
-                         const at::Tensor& sentences) {
+InstructionLoss instruction_loss(SpeakerNetwork& network, const PathBatch& paths,
+                                 const at::Tensor& sentences) {
   if (!sentences.defined() || sentences.dim() != 2 || sentences.size(1) < 2) {
-    throw ArgumentError("sentences: no word is to be foretold");
+    throw ArgumentError("sentences: no word is to be predicted");
   }
   const std::int64_t length = sentences.size(1) - 1;
   SpeakerState state = network.begin(sentences.size(0));
@@ -163,9 +163,9 @@ TellingLoss telling_loss(SpeakerNetwork& network, const PathBatch& paths,
   const at::Tensor logs = at::log_softmax(logits, 2).reshape({truth.size(0), -1});
   const at::Tensor meant = truth.ne(std::int64_t{Vocabulary::kPad});
   const auto words = meant.sum().item<std::int64_t>();
-  if (words == 0) throw ArgumentError("sentences: no word is to be foretold");
+  if (words == 0) throw ArgumentError("sentences: no word is to be predicted");
   const at::Tensor sum = -logs.gather(1, truth.unsqueeze(1)).squeeze(1).masked_select(meant).sum();
-  TellingLoss loss;
+  InstructionLoss loss;
   loss.mean = sum / static_cast<double>(words);
   loss.sum = sum.item<double>();
   loss.words = static_cast<std::size_t>(words);
@@ -174,9 +174,9 @@ TellingLoss telling_loss(SpeakerNetwork& network, const PathBatch& paths,
   return loss;
 }
 
-std::vector<std::vector<std::int64_t>> tell(SpeakerNetwork& network, const PathBatch& paths,
-                                            const TellOptions& options) {
-  check_telling(network.config(), paths, options);
+std::vector<std::vector<std::int64_t>> describe(SpeakerNetwork& network, const PathBatch& paths,
+                                                const DescribeOptions& options) {
+  check_options(network.config(), paths, options);
   const c10::NoGradGuard no_gradients;
   const PathEncoding encoding = network.encode(paths);
   const std::size_t n = paths.lengths.size();

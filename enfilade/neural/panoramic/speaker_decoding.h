@@ -12,8 +12,8 @@
 
 namespace enfilade::neural::panoramic {
 
-/// A path to be told: neighbours, one after another.
-struct PathToTell {
+/// A path to be described: neighbours, one after another.
+struct PathToDescribe {
   ScanIndex scan;
   Radians heading;                         ///< at the start, rounded to the nearest of the 12
   std::vector<ViewpointIndex> viewpoints;  ///< at least one; the last is the goal
@@ -25,7 +25,7 @@ struct PathToTell {
 /// \param graphs those of `panoramas`
 /// \throws ArgumentError for no paths, one without viewpoints, or a step that is none along an
 /// edge, naming the path by its place
-PathBatch see_paths(std::span<const PathToTell> paths, const SpeakerConfig& config,
+PathBatch see_paths(std::span<const PathToDescribe> paths, const SpeakerConfig& config,
                     const ImageSource& images, agents::PanoramaCache& panoramas,
                     const graph::GraphSet& graphs);
 
@@ -33,17 +33,17 @@ PathBatch see_paths(std::span<const PathToTell> paths, const SpeakerConfig& conf
 /// \throws ArgumentError if there are none, or one has less than two words
 at::Tensor pad_sentences(std::span<const std::vector<std::int64_t>> sentences);
 
-/// How well the speaker foretells instructions, each word after the true ones before it.
-struct TellingLoss {
+/// How well the speaker predicts instructions, each word after the true ones before it.
+struct InstructionLoss {
   at::Tensor mean;          ///< cross-entropy a word of the batch, natural logarithm; a scalar
   double sum = 0;           ///< over all words
-  std::size_t words = 0;    ///< that were foretold: all but `<BOS>`
+  std::size_t words = 0;    ///< that were predicted: all but `<BOS>`
   std::size_t correct = 0;  ///< of these the likeliest one
 };
 /// \param sentences (n, length) of ids from `<BOS>` to `<EOS>`, then 0: pad_sentences()
-/// \throws as encode() and decode(); ArgumentError if no word is to be foretold
-TellingLoss telling_loss(SpeakerNetwork& network, const PathBatch& paths,
-                         const at::Tensor& sentences);
+/// \throws as encode() and decode(); ArgumentError if no word is to be predicted
+InstructionLoss instruction_loss(SpeakerNetwork& network, const PathBatch& paths,
+                                 const at::Tensor& sentences);
 
 /// How words are chosen.
 enum class WordChoice : std::uint8_t {
@@ -51,8 +51,8 @@ enum class WordChoice : std::uint8_t {
   kDrawn,      ///< by their probabilities
 };
 
-/// Options of tell().
-struct TellOptions {
+/// Options of describe().
+struct DescribeOptions {
   std::int64_t begin = 991;  ///< the id of `<BOS>`
   WordChoice choice = WordChoice::kLikeliest;
   std::size_t most_words = 120;             ///< after which a sentence ends as it is
@@ -61,11 +61,11 @@ struct TellOptions {
 };
 
 /// Instructions, one a path: ids without `<BOS>` and `<EOS>`. Unknown words, padding and `<BOS>`
-/// are never said. Without gradients. The same batch, weights and options give the same words.
+/// are never chosen. Without gradients. The same batch, weights and options give the same words.
 /// \throws as encode(); ArgumentError for streams of another number, or `begin` beyond the
 /// vocabulary
-std::vector<std::vector<std::int64_t>> tell(SpeakerNetwork& network, const PathBatch& paths,
-                                            const TellOptions& options);
+std::vector<std::vector<std::int64_t>> describe(SpeakerNetwork& network, const PathBatch& paths,
+                                                const DescribeOptions& options);
 
 /// Words as a text, which tasks::tokenize() takes apart into the same words again, unless full
 /// stops follow one another: blanks between them, but none between marks, nor before a full stop or

@@ -7,7 +7,7 @@
 namespace enfilade::neural::panoramic {
 
 /// An iteration is a batch of instructions with their paths; its loss the mean cross-entropy of
-/// their words. It tells instead of walking: Learner::tell(). \param config outlives it
+/// their words. \param config outlives it
 /// \throws as SpeakerNetwork
 std::unique_ptr<detail::Learner> make_speaker_learner(const models::TrainConfig& config,
                                                       const tasks::Vocabulary& vocabulary);

@@ -1,4 +1,4 @@
-/// \file  The network that tells a path in words: EnvDrop's speaker (Tan, Yu, Bansal 2019).
+/// \file  The network that describes a path in words: EnvDrop's speaker (Tan, Yu, Bansal 2019).
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstdint>

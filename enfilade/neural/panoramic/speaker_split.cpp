@@ -17,8 +17,8 @@ namespace {
 void check_known(const tasks::EpisodeSet& episodes) {
   for (const tasks::ReferencePath& path : episodes.paths) {
     if (!goal_hidden(path)) continue;
-    throw ArgumentError(
-        fmt::format("split {}: its goals are hidden, so its paths cannot be told", episodes.split));
+    throw ArgumentError(fmt::format(
+        "split {}: its goals are hidden, so its paths cannot be described", episodes.split));
   }
 }
 
@@ -31,24 +31,20 @@ SpeakerSplit::SpeakerSplit(const tasks::EpisodeSet& episodes, const models::Inst
       sizes_(speaker_sizes(config)),
       panoramas_(episodes.graphs) {
   check_known(episodes);
-  for (const tasks::Episode& episode : episodes.episodes) {
-    ids_.push_back(words.encode(episode, config.network.max_words));
-  }
+  ids_ = words.encode(episodes, config.network.max_words, true);
   if (features != nullptr) features_.emplace(*features, episodes);
-  images_ = [this](graph::Location location, std::uint32_t view, std::span<float> out) {
-    if (features_) features_->copy(location.scan, location.viewpoint, view, out);
-  };
+  images_ = pictures_of(features_ ? &*features_ : nullptr);
 }
 
 PathBatch SpeakerSplit::see(std::span<const std::size_t> paths,
                             const std::optional<EnvironmentalDropoutOptions>& environment) {
-  std::vector<PathToTell> told;
+  std::vector<PathToDescribe> seen;
   for (const std::size_t at : paths) {
     const tasks::ReferencePath& path = episodes_.paths[at];
-    told.push_back({path.scan, path.heading, path.viewpoints});
+    seen.push_back({path.scan, path.heading, path.viewpoints});
   }
   const ImageSource images = environment ? drop_environment(images_, *environment) : images_;
-  PathBatch batch = see_paths(told, sizes_, images, panoramas_, *episodes_.graphs);
+  PathBatch batch = see_paths(seen, sizes_, images, panoramas_, *episodes_.graphs);
   if (environment) batch.dropped = FeaturesDropped::kBefore;
   return batch;
 }
@@ -65,45 +61,45 @@ at::Tensor SpeakerSplit::sentences(std::span<const std::size_t> episodes) const 
   return pad_sentences(chosen);
 }
 
-std::vector<std::vector<std::string>> tell_split(SpeakerNetwork& network, SpeakerSplit& split,
-                                                 const TellSplitOptions& options,
-                                                 const Progress& progress) {
+std::vector<std::vector<std::string>> describe_split(SpeakerNetwork& network, SpeakerSplit& split,
+                                                     const DescribeSplitOptions& options,
+                                                     const Progress& progress) {
   network.set_dropout(std::nullopt);
   const std::size_t total = split.episodes().paths.size();
-  std::vector<std::vector<std::string>> told;
+  std::vector<std::vector<std::string>> texts;
   detail::for_each_batch(total, options.batch_size, [&](std::span<const std::size_t> paths) {
-    TellOptions own{split.words().begin(),
-                    options.choice,
-                    options.most_words,
-                    options.seed,
-                    {paths.begin(), paths.end()}};
+    DescribeOptions own{split.words().begin(),
+                        options.choice,
+                        options.most_words,
+                        options.seed,
+                        {paths.begin(), paths.end()}};
     std::optional<EnvironmentalDropoutOptions> environment = options.environment;
     if (environment) environment->stream = paths.front() / options.batch_size;
-    for (const auto& ids : tell(network, split.see(paths, environment), own)) {
-      std::vector<std::string>& words = told.emplace_back();
+    for (const auto& ids : describe(network, split.see(paths, environment), own)) {
+      std::vector<std::string>& words = texts.emplace_back();
       for (const std::int64_t id : ids) words.push_back(split.words().word(id));
     }
-    if (progress) progress(told.size(), total);
+    if (progress) progress(texts.size(), total);
   });
-  return told;
+  return texts;
 }
 
-models::TellingRecord score_telling(SpeakerNetwork& network, SpeakerSplit& split,
+models::SpeakerRecord score_speaker(SpeakerNetwork& network, SpeakerSplit& split,
                                     std::size_t batch_size, const Progress& progress) {
   const tasks::EpisodeSet& episodes = split.episodes();
   if (episodes.episodes.empty()) {
-    throw ArgumentError(fmt::format("split {}: no instruction to foretell", episodes.split));
+    throw ArgumentError(fmt::format("split {}: no instruction to predict", episodes.split));
   }
   const c10::NoGradGuard no_gradients;
   network.set_dropout(std::nullopt);
-  models::TellingRecord record;
+  models::SpeakerRecord record;
   record.split = episodes.split;
   record.instructions = episodes.episodes.size();
   double sum = 0;
   std::size_t words = 0, correct = 0;
   detail::for_each_batch(record.instructions, batch_size, [&](std::span<const std::size_t> batch) {
-    const TellingLoss loss =
-        telling_loss(network, split.see(split.paths_of(batch)), split.sentences(batch));
+    const InstructionLoss loss =
+        instruction_loss(network, split.see(split.paths_of(batch)), split.sentences(batch));
     sum += loss.sum;
     words += loss.words;
     correct += loss.correct;
@@ -111,13 +107,13 @@ models::TellingRecord score_telling(SpeakerNetwork& network, SpeakerSplit& split
   record.loss = sum / static_cast<double>(words);
   record.perplexity = std::exp(record.loss);
   record.accuracy = static_cast<double>(correct) / static_cast<double>(words);
-  const auto told = tell_split(network, split, {.batch_size = batch_size}, progress);
-  std::vector<Telling> corpus(told.size());
-  for (std::size_t i = 0; i < told.size(); ++i) corpus[i].told = told[i];
+  const auto texts = describe_split(network, split, {.batch_size = batch_size}, progress);
+  std::vector<Generated> corpus(texts.size());
+  for (std::size_t i = 0; i < texts.size(); ++i) corpus[i].words = texts[i];
   for (const tasks::Episode& episode : episodes.episodes) {
     corpus[episode.path].references.push_back(tasks::tokenize(episode.text));
   }
-  std::erase_if(corpus, [](const Telling& telling) { return telling.references.empty(); });
+  std::erase_if(corpus, [](const Generated& one) { return one.references.empty(); });
   record.bleu = bleu_4(corpus);
   return record;
 }

@@ -1,4 +1,4 @@
-/// \file  A split as the speaker tells it.
+/// \file  A split as the speaker describes it.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@
 #include "enfilade/models/train_config.h"
 #include "enfilade/models/training_log.h"
 #include "enfilade/neural/panoramic/environmental_dropout.h"
-#include "enfilade/neural/panoramic/speaker_telling.h"
+#include "enfilade/neural/panoramic/speaker_decoding.h"
 #include "enfilade/neural/view_features.h"
 #include "enfilade/tasks/annotations.h"
 
@@ -36,7 +36,7 @@ class SpeakerSplit {
   /// \param environment columns that are missing everywhere; none: all are there
   PathBatch see(std::span<const std::size_t> paths,
                 const std::optional<EnvironmentalDropoutOptions>& environment = std::nullopt);
-  /// The paths of episodes, and their instructions for telling_loss().
+  /// The paths of episodes, and their instructions for instruction_loss().
   std::vector<std::size_t> paths_of(std::span<const std::size_t> episodes) const;
   at::Tensor sentences(std::span<const std::size_t> episodes) const;  ///< likewise
 
@@ -50,8 +50,8 @@ class SpeakerSplit {
   agents::PanoramaCache panoramas_;
 };
 
-/// How paths are told.
-struct TellSplitOptions {
+/// How paths are described.
+struct DescribeSplitOptions {
   std::size_t batch_size = 64;
   WordChoice choice = WordChoice::kLikeliest;
   std::size_t most_words = 120;  ///< of an instruction
@@ -62,14 +62,14 @@ struct TellSplitOptions {
 
 /// An instruction a path of the split, in their order, as words. Without dropout but that of the
 /// environment.
-std::vector<std::vector<std::string>> tell_split(SpeakerNetwork& network, SpeakerSplit& split,
-                                                 const TellSplitOptions& options,
-                                                 const Progress& progress = {});
+std::vector<std::vector<std::string>> describe_split(SpeakerNetwork& network, SpeakerSplit& split,
+                                                     const DescribeSplitOptions& options,
+                                                     const Progress& progress = {});
 
-/// Tells all paths of a split, each word the likeliest, and foretells all its instructions. The
-/// iteration is left to the caller. Paths without an instruction count for nothing.
-/// \throws ArgumentError for a split without instructions
-models::TellingRecord score_telling(SpeakerNetwork& network, SpeakerSplit& split,
+/// Describes all paths of a split, each word the likeliest, and predicts the words of all its
+/// instructions. The iteration is left to the caller. Paths without an instruction count for
+/// nothing. \throws ArgumentError for a split without instructions
+models::SpeakerRecord score_speaker(SpeakerNetwork& network, SpeakerSplit& split,
                                     std::size_t batch_size, const Progress& progress = {});
 
 }  // namespace enfilade::neural::panoramic

@@ -12,7 +12,7 @@
 #include "enfilade/neural/detail/optimizer.h"
 #include "enfilade/neural/panoramic/bleu.h"
 #include "enfilade/neural/panoramic/environmental_dropout.h"
-#include "enfilade/neural/panoramic/speaker_telling.h"
+#include "enfilade/neural/panoramic/speaker_decoding.h"
 #include "enfilade/tasks/tokenizer.h"
 #include "tests/support/graphs.h"
 #include "tests/support/refusal.h"
@@ -62,17 +62,17 @@ class SpeakerTest : public ::testing::Test {
           static_cast<float>(std::sin(static_cast<double>(at.viewpoint.at() * 100 + view * 3 + c)));
     }
   }
-  static PathToTell path(const std::vector<std::size_t>& viewpoints, double heading = 0) {
-    PathToTell told{ScanIndex(0), Radians(heading), {}};
-    for (const std::size_t v : viewpoints) told.viewpoints.emplace_back(v);
-    return told;
+  static PathToDescribe path(const std::vector<std::size_t>& viewpoints, double heading = 0) {
+    PathToDescribe written{ScanIndex(0), Radians(heading), {}};
+    for (const std::size_t v : viewpoints) written.viewpoints.emplace_back(v);
+    return written;
   }
-  PathBatch see(const std::vector<PathToTell>& paths, const SpeakerConfig& config = tiny(),
+  PathBatch see(const std::vector<PathToDescribe>& paths, const SpeakerConfig& config = tiny(),
                 const ImageSource& images = pictures) {
     return see_paths(paths, config, images, panoramas_, *graphs_);
   }
   // Eight different paths and sentences.
-  std::vector<PathToTell> eight() const {
+  std::vector<PathToDescribe> eight() const {
     return {path({0, 1, 2}), path({0, 5}),    path({5, 0, 1}), path({4, 3, 2, 1}),
             path({2, 3, 4}), path({1, 0, 5}), path({3}),       path({4, 3})};
   }
@@ -181,7 +181,7 @@ TEST_F(SpeakerTest, LossIsTheMeanOverWordsWithoutPadding) {
   const PathBatch batch = see({path({0, 1, 2}), path({0, 5})});
   const at::Tensor words =
       pad_sentences(std::vector<std::vector<std::int64_t>>{{kBegin, 4, 5, 2}, {kBegin, 6, 2}});
-  const TellingLoss loss = telling_loss(network, batch, words);
+  const InstructionLoss loss = instruction_loss(network, batch, words);
   const c10::NoGradGuard guard;
   SpeakerState state = network.begin(2);
   const at::Tensor logs = at::log_softmax(network.decode(network.encode(batch), words, state), 2);
@@ -200,7 +200,7 @@ TEST_F(SpeakerTest, GradientsAreThoseOfFiniteDifferences) {
   const PathBatch batch = see({path({0, 5}), path({4, 3, 2, 1})});
   const at::Tensor words =
       pad_sentences(std::vector<std::vector<std::int64_t>>{{kBegin, 4, 5, 2}, {kBegin, 6, 2}});
-  const auto loss = [&] { return telling_loss(network, batch, words); };
+  const auto loss = [&] { return instruction_loss(network, batch, words); };
   loss().mean.backward();
   constexpr double kStep = 1e-2;
   const c10::NoGradGuard guard;
@@ -239,39 +239,39 @@ TEST_F(SpeakerTest, LearnsEightPathsByHeart) {
   const at::Tensor words = pad_sentences(sentences());
   double first = 0, last = 0;
   for (int i = 0; i < 200; ++i) {
-    const TellingLoss loss = telling_loss(network, batch, words);
+    const InstructionLoss loss = instruction_loss(network, batch, words);
     loss.mean.backward();
     optimizer.update(network.weights());
     (i == 0 ? first : last) = loss.mean.item<double>();
   }
   EXPECT_GT(first, 2.5) << "about the logarithm of 20";
   EXPECT_LT(last, 0.1);
-  TellOptions options;
+  DescribeOptions options;
   options.begin = kBegin;
-  const auto told = tell(network, batch, options);
+  const auto written = describe(network, batch, options);
   const auto all = sentences();
-  for (std::size_t i = 0; i < told.size(); ++i) {
+  for (std::size_t i = 0; i < written.size(); ++i) {
     const auto& truth = all[i];
-    EXPECT_EQ(told[i], std::vector<std::int64_t>(truth.begin() + 1, truth.end() - 1)) << i;
+    EXPECT_EQ(written[i], std::vector<std::int64_t>(truth.begin() + 1, truth.end() - 1)) << i;
   }
 }
 
 TEST_F(SpeakerTest, DrawnWordsFollowSeedAndStream) {
   SpeakerNetwork network(tiny(), 1);
   const PathBatch batch = see(eight());
-  TellOptions options;
+  DescribeOptions options;
   options.begin = kBegin;
   options.choice = WordChoice::kDrawn;
   options.most_words = 12;
-  const auto told = tell(network, batch, options);
-  EXPECT_EQ(told, tell(network, batch, options));
+  const auto written = describe(network, batch, options);
+  EXPECT_EQ(written, describe(network, batch, options));
   options.seed = 2;
-  EXPECT_NE(told, tell(network, batch, options));
+  EXPECT_NE(written, describe(network, batch, options));
   options.seed = 1;
   options.streams = {7, 6, 5, 4, 3, 2, 1, 0};
-  EXPECT_NE(told, tell(network, batch, options));
+  EXPECT_NE(written, describe(network, batch, options));
   std::set<std::int64_t> said;
-  for (const auto& sentence : told) {
+  for (const auto& sentence : written) {
     EXPECT_LE(sentence.size(), 12U);
     said.insert(sentence.begin(), sentence.end());
   }
@@ -279,10 +279,10 @@ TEST_F(SpeakerTest, DrawnWordsFollowSeedAndStream) {
     EXPECT_FALSE(said.contains(never)) << never;
   }
   options.streams = {1};
-  EXPECT_THAT(tests::refusal<ArgumentError>([&] { tell(network, batch, options); }),
+  EXPECT_THAT(tests::refusal<ArgumentError>([&] { describe(network, batch, options); }),
               HasSubstr("streams: 1 for 8 paths"));
   options.begin = 20;
-  EXPECT_THAT(tests::refusal<ArgumentError>([&] { tell(network, batch, options); }),
+  EXPECT_THAT(tests::refusal<ArgumentError>([&] { describe(network, batch, options); }),
               HasSubstr("begin: id 20, not from 3 to 19"));
 }
 
@@ -400,23 +400,24 @@ std::vector<std::string> words_of(const std::string& text) { return tasks::token
 
 // Worked out by hand.
 TEST(Bleu, IsTheMeanOfMatchesTimesBrevity) {
-  const std::vector<Telling> same{
+  const std::vector<Generated> same{
       {words_of("go to the door"), {words_of("go to the door"), words_of("leave")}}};
   EXPECT_NEAR(bleu_4(same), 1, 1e-12);
   // 1-grams 4 of 5, 2-grams 3 of 4, 3-grams 2 of 3, 4-grams 1 of 2; longer than the shortest
   // reference.
-  const std::vector<Telling> longer{
+  const std::vector<Generated> longer{
       {words_of("go to the door now"), {words_of("please go to the door"), words_of("go to it")}}};
   EXPECT_NEAR(bleu_4(longer), std::pow(4.0 / 5 * 3 / 4 * 2 / 3 * 1 / 2, 0.25), 1e-12);
   // All match; 4 words instead of 5.
-  const std::vector<Telling> shorter{
+  const std::vector<Generated> shorter{
       {words_of("go to the door"), {words_of("go to the door now")}}};
   EXPECT_NEAR(bleu_4(shorter), std::exp(1 - 5.0 / 4), 1e-12);
   // "the" is in the reference once: 1 of 4; no 2-gram matches.
-  const std::vector<Telling> repeated{{words_of("the the the the"), {words_of("go to the door")}}};
+  const std::vector<Generated> repeated{
+      {words_of("the the the the"), {words_of("go to the door")}}};
   EXPECT_EQ(bleu_4(repeated), 0);
   EXPECT_EQ(bleu_4({}), 0);
-  const std::vector<Telling> silent{{{}, {words_of("go")}}};
+  const std::vector<Generated> silent{{{}, {words_of("go")}}};
   EXPECT_EQ(bleu_4(silent), 0);
 }
 

@@ -1,0 +1,85 @@
+/// \file  What the learners of networks on libtorch's autograd share.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "enfilade/models/instruction_words.h"
+#include "enfilade/neural/detail/episode_order.h"
+#include "enfilade/neural/detail/learner.h"
+#include "enfilade/neural/detail/optimizer.h"
+#include "enfilade/neural/trained_agent.h"
+
+namespace enfilade::neural::detail {
+
+/// Owns a network, its optimizer, and the splits. What is left to a kind: update(),
+/// validation_loss(), evaluate().
+/// \tparam Network has weights() by name
+/// \tparam Split is made of episodes, words, the config and features
+template <class Network, class Split>
+class SplitLearner : public Learner {
+ public:
+  /// \param config outlives *this \param parts as OptimizerConfig::parts
+  SplitLearner(const models::TrainConfig& config, const tasks::Vocabulary& vocabulary,
+               Network network, std::vector<std::string> parts)
+      : config_(config),
+        words_(vocabulary),
+        network_(std::move(network)),
+        optimizer_(optimizer_of(config, std::move(parts))) {}
+
+  void prepare(const TrainingData& data) override {
+    const features::FeatureSet* const features =
+        config_.network.inputs.vision ? &*data.features : nullptr;
+    training_.emplace(data.training, words_, config_, features);
+    if (config_.evaluate_every > 0) {
+      for (const tasks::EpisodeSet& split : data.validation) {
+        validation_.push_back(std::make_unique<Split>(split, words_, config_, features));
+      }
+    }
+    order_.emplace(data.training.episodes.size(), config_.batch_size, config_.seed);
+  }
+
+  neural::Network::State weights() const override { return as_state(network_.weights()); }
+  neural::Network::State training_state() const override {
+    return as_state(optimizer_.state(network_.weights()));
+  }
+  void load_training_state(const features::TensorFile& file) override {
+    optimizer_.load(network_.weights(), file);
+  }
+
+ protected:
+  const models::TrainConfig& config() const noexcept { return config_; }
+  Network& network() noexcept { return network_; }
+  Optimizer& optimizer() noexcept { return optimizer_; }
+  Split& training() { return *training_; }
+  Split& validation(std::size_t split) { return *validation_.at(split); }
+  /// The training episodes of an iteration.
+  std::span<const std::size_t> batch(std::uint64_t iteration) { return order_->batch(iteration); }
+  /// Follows a loss back and updates the weights. \return its value \throws Error if it is not
+  /// finite
+  double learn(const at::Tensor& loss) {
+    const double value = follow_back(loss);
+    optimizer_.update(network_.weights());
+    return value;
+  }
+  /// How a validation split is walked, and what is written of it.
+  SplitWalk walk_of(std::size_t split, const models::ModelFiles& files) {
+    const std::string& name = validation(split).episodes().split;
+    return {config_.batch_size, files.results(name), files.attention(name)};
+  }
+
+ private:
+  const models::TrainConfig& config_;
+  models::InstructionWords words_;
+  Network network_;
+  Optimizer optimizer_;
+  std::optional<Split> training_;
+  std::vector<std::unique_ptr<Split>> validation_;
+  std::optional<EpisodeOrder> order_;
+};
+
+}  // namespace enfilade::neural::detail
