@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "enfilade/core/detail/json.h"
+#include "enfilade/models/detail/shares_json.h"
 
 namespace enfilade::models {
 namespace {
@@ -15,30 +16,6 @@ namespace {
 using json::Element;
 using json::Faults;
 using json::Path;
-
-// A softmax in single precision may sum to a little more than 1.
-constexpr double kMostWeight = 1.001;
-
-std::vector<double> read_weights(Element element, std::size_t words, const Path& path,
-                                 Faults& faults) {
-  std::vector<double> weights;
-  const auto list = json::array(element, path, faults);
-  if (!list) return weights;
-  if (list->size() != words) {
-    faults.error(path, "attention-size",
-                 fmt::format("{} weights, not {}, the number of words", list->size(), words));
-  }
-  std::size_t i = 0;
-  for (const Element one : *list) {
-    const Path place(path, i++);
-    const auto weight = json::number(one, place, faults);
-    if (weight && !(*weight >= 0 && *weight <= kMostWeight)) {
-      faults.error(place, "bad-weight", fmt::format("{}, not from 0 to 1", *weight));
-    }
-    weights.push_back(weight.value_or(0));
-  }
-  return weights;
-}
 
 AttentionStep read_step(Element element, std::size_t words, const Path& path, Faults& faults) {
   enum { kAction, kAttention, kViewpoint, kHeading, kElevation, kFields };
@@ -48,7 +25,8 @@ AttentionStep read_step(Element element, std::size_t words, const Path& path, Fa
   AttentionStep step;
   if (!json::fields(element, kWanted, found, path, faults)) return step;
   step.action = json::string(*found[kAction], Path(path, "action"), faults).value_or("");
-  step.attention = read_weights(*found[kAttention], words, Path(path, "attention"), faults);
+  step.attention = detail::read_attention(*found[kAttention], words, Path(path, "attention"),
+                                          "bad-weight", faults);
   step.viewpoint = json::string(*found[kViewpoint], Path(path, "viewpoint"), faults).value_or("");
   step.heading = json::number(*found[kHeading], Path(path, "heading"), faults).value_or(0);
   step.elevation = json::number(*found[kElevation], Path(path, "elevation"), faults).value_or(0);

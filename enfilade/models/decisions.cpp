@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/detail/json.h"
+#include "enfilade/models/detail/shares_json.h"
 
 namespace enfilade::models {
 namespace {
@@ -15,15 +16,8 @@ using json::Element;
 using json::Faults;
 using json::Path;
 
-// A softmax in single precision may sum to a little more than 1.
-constexpr double kMostProbability = 1.001;
-
 double read_probability(Element element, const Path& path, Faults& faults) {
-  const auto value = json::number(element, path, faults);
-  if (value && !(*value >= 0 && *value <= kMostProbability)) {
-    faults.error(path, "bad-probability", fmt::format("{}, not from 0 to 1", *value));
-  }
-  return value.value_or(0);
+  return detail::read_share(element, path, "bad-probability", faults);
 }
 
 std::optional<double> read_probability(const std::optional<Element>& element, const Path& path,
@@ -71,17 +65,6 @@ MapNode read_node(Element element, const Path& path, Faults& faults) {
   node.visited = json::boolean(*found[kVisited], Path(path, "visited"), faults).value_or(false);
   node.stop = read_probability(found[kStop], Path(path, "stop"), faults);
   return node;
-}
-
-void read_attention(Element element, std::size_t words, const Path& path, Faults& faults,
-                    std::vector<double>& attention) {
-  each(element, path, faults, [&](Element one, const Path& place) {
-    attention.push_back(read_probability(one, place, faults));
-  });
-  if (element.is_array() && attention.size() != words) {
-    faults.error(path, "attention-size",
-                 fmt::format("{} weights, not {}, the number of words", attention.size(), words));
-  }
 }
 
 void read_choices(Element element, Element chosen, const Path& path, Faults& faults,
@@ -136,7 +119,8 @@ DecisionStep read_decision(Element element, std::size_t words, const Path& path,
   step.elevation = json::number(*found[kElevation], Path(path, "elevation"), faults).value_or(0);
   read_choices(*found[kChoices], *found[kChosen], path, faults, step);
   if (found[kAttention]) {
-    read_attention(*found[kAttention], words, Path(path, "attention"), faults, step.attention);
+    step.attention = detail::read_attention(*found[kAttention], words, Path(path, "attention"),
+                                            "bad-probability", faults);
   }
   if (found[kWay]) step.way = json::strings(*found[kWay], Path(path, "way"), faults);
   step.map_share = read_probability(found[kMapShare], Path(path, "map_share"), faults);
