@@ -203,10 +203,10 @@ class BandDrawer {
                           std::min(stretch.end, columns.end)};
         if (piece.begin >= piece.end) continue;
         const std::size_t at = std::size_t{k} * columns.size() + piece.begin - columns.begin;
-        block.parts[block.count] = {piece, row + k, at, stretch.face};
+        block.parts[block.count] = {piece, row + k, at, face_of(stretch)};
         if (const std::uint8_t* from = base(Layer::kColour)) {
-          const Face& f = face(Layer::kColour, stretch.face);
-          block.tap_parts[block.count] = {face_line(view_.rays, row + k, stretch.face, f.size),
+          const Face& f = face(Layer::kColour, face_of(stretch));
+          block.tap_parts[block.count] = {face_line(view_.rays, row + k, face_of(stretch), f.size),
                                           piece, colour_face(f, from), at};
         }
         ++block.count;

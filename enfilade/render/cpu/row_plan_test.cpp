@@ -19,7 +19,7 @@ std::size_t differing_pixels(const Camera& camera, const Mat3d& rotation) {
     for (const Stretch& stretch : stretches.all()) {
       EXPECT_EQ(stretch.begin, column);  // they cover the row, from left to right
       for (; column < stretch.end; ++column) {
-        differing += project_to_cube(rays.at(row, column)).face != stretch.face ? 1 : 0;
+        differing += project_to_cube(rays.at(row, column)).face != face_of(stretch) ? 1 : 0;
       }
     }
     EXPECT_EQ(column, camera.width);
@@ -60,7 +60,7 @@ TEST(ViewPlan, LinesMeetTheirFace) {
     Stretches stretches;
     plan.plan(row, camera.width, stretches);
     for (const Stretch& stretch : stretches.all()) {
-      const FaceLine line = face_line(rays, row, stretch.face, kSize);
+      const FaceLine line = face_line(rays, row, face_of(stretch), kSize);
       const float j = static_cast<float>(stretch.begin), ahead = line.d0 + j * line.d1;
       const FacePoint point = project_to_cube(rays.at(row, stretch.begin));
       // From the middle of the border's texel, half a texel before the face's edge; in 65536ths.

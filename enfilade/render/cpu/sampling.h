@@ -1,6 +1,5 @@
 /// \file  One texel lookup, in the arithmetic that all kernels share; see docs/design/kernels.md.
 #pragma once
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -11,19 +10,12 @@
 
 namespace enfilade::render::cpu {
 
-/// A point of a face in 65536ths of a texel from the middle of the first texel of its border: a
-/// texel's number and the place between it and the next are the upper and the lower 16 bits of one
-/// number. Points of the face itself are at least half a texel away from where numbers end, so
-/// rounding needs no clamp.
-struct TexelPoint {
-  std::int32_t x, y;
-};
+using pixels::kWholeWeight;
+using pixels::scale15;
+using pixels::TexelPoint;
 
 inline TexelPoint texel_point(const FaceLine& line, std::uint32_t column) {
-  const float j = static_cast<float>(column);
-  const float inverse = 1.0F / (line.d0 + j * line.d1);
-  return {static_cast<std::int32_t>((line.x0 + j * line.x1) * inverse),
-          static_cast<std::int32_t>((line.y0 + j * line.y1) * inverse)};
+  return pixels::texel_point(line, static_cast<float>(column));
 }
 
 /// The colour texels around a point, and how to weigh them.
@@ -33,7 +25,6 @@ struct Tap {
   /// the lower texels in 2^-15, times 128 / 255, of kWholeWeight in all.
   std::uint32_t weights;
 };
-inline constexpr std::int32_t kWholeWeight = 16448;  ///< 2^15 * 128 / 255, rounded
 
 /// What turns columns into strips: x / 18 = x * 3641 / 65536 for all x up to kLargestCellFace.
 inline constexpr std::int32_t kStripFactor = 3641;
@@ -43,19 +34,12 @@ inline std::int32_t strip_step(std::uint32_t size) {
          static_cast<std::int32_t>(image::ColourCells::kColumns * image::ColourCells::kTexelBytes);
 }
 
-/// (a * b) / 2^15, rounded to nearest: what one vector instruction does to 16-bit numbers.
-inline std::int32_t scale15(std::int32_t a, std::int32_t b) { return (a * b + (1 << 14)) >> 15; }
-
 /// Clamped: no farther than to the middles of the outer texels.
 inline Tap tap_at(std::uint32_t size, bool clamped, TexelPoint p) {
-  if (clamped) {
-    const auto last = static_cast<std::int32_t>(size << 16);
-    p = {std::clamp(p.x, 65536, last), std::clamp(p.y, 65536, last)};
-  }
+  if (clamped) p = pixels::clamped(p, size);
   const std::int32_t x = p.x >> 16, y = p.y >> 16;
   const std::int32_t strip = x * kStripFactor >> 16;
-  const std::uint32_t right = static_cast<std::uint32_t>(p.x) >> 8 & 255;
-  const auto below = static_cast<std::uint32_t>(scale15((p.y & 0xFFFF) >> 1, kWholeWeight));
+  const std::uint32_t right = pixels::right_weight(p), below = pixels::lower_weight(p);
   return {strip * strip_step(size) + 3 * x + 64 * y, below << 16 | right << 8 | (255 - right)};
 }
 
@@ -83,12 +67,8 @@ inline std::uint32_t sample_colour(const std::uint8_t* cells, Tap tap) {
 /// Bytes from a face's cells to the texel that holds the point.
 template <class T>
 std::int32_t nearest_offset(std::uint32_t size, TexelPoint p) {
-  // From the middle of the border's texel to the face's edge; beyond are rounding errors.
-  const std::int32_t last = static_cast<std::int32_t>(size << 16) - 1;
-  const std::int32_t x = std::clamp(p.x - 32768, 0, last) >> 16;
-  const std::int32_t y = std::clamp(p.y - 32768, 0, last) >> 16;
-  return static_cast<std::int32_t>(
-      image::ValueCells<T>::offset(size, static_cast<std::size_t>(x), static_cast<std::size_t>(y)));
+  return static_cast<std::int32_t>(image::ValueCells<T>::offset(
+      size, pixels::nearest_texel(p.x, size), pixels::nearest_texel(p.y, size)));
 }
 
 template <class T>

@@ -119,9 +119,9 @@ void stream(std::byte* out, const std::byte* from, std::size_t bytes) {
 
 void stream_end() {}
 
-constexpr float kMetresPerUnit = 1.0F / static_cast<float>(scan::kDepthUnitsPerMetre);
-
-float scaled(std::uint16_t units, float factor) { return static_cast<float>(units) * factor; }
+using pixels::kMetresPerUnit;
+using pixels::scaled;
+static_assert(kMetresPerUnit == 1.0F / static_cast<float>(scan::kDepthUnitsPerMetre));
 
 void pack_metres(const std::uint16_t* units, const float* factor, std::size_t count, float* out) {
   for (std::size_t k = 0; k < count; ++k) out[k] = scaled(units[k], factor[k]) * kMetresPerUnit;
@@ -130,7 +130,7 @@ void pack_metres(const std::uint16_t* units, const float* factor, std::size_t co
 void pack_units(const std::uint16_t* units, const float* factor, std::size_t count,
                 std::uint16_t* out) {
   for (std::size_t k = 0; k < count; ++k) {
-    out[k] = static_cast<std::uint16_t>(scaled(units[k], factor[k]) + 0.5F);
+    out[k] = pixels::rounded(scaled(units[k], factor[k]));
   }
 }
 
@@ -146,22 +146,17 @@ void draw_units(const PlaceRun& run, const float* factor, std::uint16_t* out) {
   pack_units(units.values.data(), factor, run.count, out);
 }
 
-// Steps of an 8-bit colour buffer over the range of 16 bits.
-std::uint32_t step257(std::uint16_t units, float factor) {
-  return static_cast<std::uint32_t>(scaled(units, factor) * (1.0F / 257.0F) + 0.5F) * 257U;
-}
-
 void pack_legacy_units(const std::uint16_t* units, const float* factor, std::size_t count,
                        std::uint16_t* out) {
   for (std::size_t k = 0; k < count; ++k) {
-    out[k] = static_cast<std::uint16_t>(step257(units[k], factor[k]));
+    out[k] = static_cast<std::uint16_t>(pixels::step257(scaled(units[k], factor[k])));
   }
 }
 
 void pack_legacy_metres(const std::uint16_t* units, const float* factor, std::size_t count,
                         float* out) {
   for (std::size_t k = 0; k < count; ++k) {
-    out[k] = static_cast<float>(step257(units[k], factor[k])) * kMetresPerUnit;
+    out[k] = static_cast<float>(pixels::step257(scaled(units[k], factor[k]))) * kMetresPerUnit;
   }
 }
 
