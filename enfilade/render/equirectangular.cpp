@@ -8,6 +8,7 @@
 #include "enfilade/render/cpu/pack.h"
 #include "enfilade/render/cpu/sampling.h"
 #include "enfilade/render/detail/batch.h"
+#include "enfilade/render/detail/layers.h"
 #include "enfilade/render/renderer.h"
 
 namespace enfilade::render {
@@ -112,6 +113,7 @@ void render_equirectangular(const std::shared_ptr<FaceCache>& faces, const View&
   if (!faces) throw ArgumentError("faces: null, but panoramas come from a FaceCache");
   const Camera size{width, height, degrees(90)};
   validate(size, {&view, 1}, outputs, faces->panoramas());
+  detail::refuse_stream(outputs);
   detail::Batch batch(faces);
   batch.fill_whole(view, outputs);
   const auto& poses = faces->panoramas().source(view.scan).poses();

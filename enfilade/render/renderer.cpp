@@ -7,6 +7,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/render/cpu/renderer.h"
+#include "enfilade/render/cuda/renderer.h"
 #if EN_WITH_GL
 #include "enfilade/render/gl/renderer.h"
 #endif
@@ -14,7 +15,8 @@
 namespace enfilade::render {
 namespace {
 
-constexpr std::array<std::string_view, 3> kBackends{"cpu", "cpu-scalar", "gl"};  // by Backend
+constexpr std::array<std::string_view, 4> kBackends{"cpu", "cpu-scalar", "gl",
+                                                    "cuda"};  // by Backend
 
 void validate_size(std::string_view name, std::size_t bytes, std::size_t pixels,
                    std::size_t pixel_bytes) {
@@ -119,6 +121,7 @@ std::optional<Backend> parse_backend(std::string_view name) {
 std::vector<Backend> backends() {
   std::vector<Backend> all{Backend::kCpu, Backend::kCpuScalar};
   if (EN_WITH_GL) all.push_back(Backend::kGl);
+  all.push_back(Backend::kCuda);
   return all;
 }
 
@@ -148,6 +151,7 @@ std::unique_ptr<Renderer> make_renderer(std::shared_ptr<FaceCache> faces,
   if (config.threads < 0) {
     throw ArgumentError(fmt::format("config.threads: {}, below 0", config.threads));
   }
+  if (config.backend == Backend::kCuda) return cuda::make_cuda_renderer(std::move(faces), config);
   if (config.backend != Backend::kGl) return cpu::make_cpu_renderer(std::move(faces), config);
 #if EN_WITH_GL
   return gl::make_gl_renderer(std::move(faces), config);

@@ -81,13 +81,25 @@ struct InstanceOutput {
   std::span<std::uint32_t> pixels;  ///< (n, h, w)
 };
 
+/// A stream of CUDA: a CUstream or cudaStream_t of the card that draws, or null for the legacy
+/// default stream.
+struct CudaStream {
+  void* handle = nullptr;
+};
+
 /// The outputs to draw, into the caller's memory. Colour is filtered linearly; depth, class and
-/// instance are of the nearest texel.
+/// instance are of the nearest texel. With Backend::kCuda each may be memory of the card instead.
 struct Outputs {
   std::optional<ColourOutput> colour;
   std::optional<DepthOutput> depth;
   std::optional<ClassOutput> classes;
   std::optional<InstanceOutput> instances;
+  /// Of Backend::kCuda alone: pictures in the card's memory are made in the order of this stream,
+  /// and render() returns before they are there. It may be captured into a graph, if all panoramas
+  /// were drawn before with this camera; the graph draws the same views each time, as long as the
+  /// renderer lives and draws nothing that needs the panoramas' memory. No value: render() returns
+  /// when the pictures are there.
+  std::optional<CudaStream> stream = {};
 };
 
 /// Bytes of a pixel, all channels.
@@ -131,29 +143,34 @@ enum class Backend : std::uint8_t {
   kCpu,        ///< SIMD, with the best instruction set of this machine
   kCpuScalar,  ///< plain C++: slow; the reference for the others
   kGl,         ///< OpenGL through EGL, without a display
+  kCuda,       ///< a card of NVIDIA; the pictures are those of the CPU to the bit
 };
-std::string_view to_string(Backend backend);                  ///< "cpu", "cpu-scalar", "gl"
+std::string_view to_string(Backend backend);                  ///< "cpu", "cpu-scalar", "gl", "cuda"
 std::optional<Backend> parse_backend(std::string_view name);  ///< by such a name
-std::vector<Backend> backends();                              ///< the back ends of this build
+/// The back ends of this build. kCuda is always among them: a machine without a card says so.
+std::vector<Backend> backends();
 
 /// Which back end draws, with how many threads, and the old simulator's habits.
 struct RendererConfig {
   Backend backend = Backend::kCpu;
   int threads = 0;  ///< of the cpu back ends; 0: all cores
-  Legacy legacy;
-  std::string gl_device;  ///< index or UUID of an EGL device ("0"); empty: the first that works
+  Legacy legacy = {};
+  std::string gl_device = {};  ///< index or UUID of an EGL device ("0"); empty: the first that works
   /// Backend::kCpu: one of cpu_targets() (gl_devices.h); empty: the fastest here. The pictures are
   /// the same to the bit.
   std::string cpu_target = {};
+  std::string cuda_device = {};  ///< number of a card, counted from 0; empty: "0"
+  std::size_t cuda_bytes = 0;    ///< of its memory, for panoramas; 0: half of what is free
 };
 
 /// \throws ArgumentError for a backend that this build lacks, or a null cache; Error with EGL's or
-/// OpenGL's message if no device, context or shader works
+/// OpenGL's message if no device, context or shader works, or with CUDA's, or that says what of it
+/// is missing
 std::unique_ptr<Renderer> make_renderer(std::shared_ptr<FaceCache> faces,
                                         const RendererConfig& config = {});
 
-/// Checks the arguments of Renderer::render(), for implementations and bindings.
-/// \throws as Renderer::render()
+/// Checks the arguments of Renderer::render(), for implementations and bindings; but for the
+/// stream. \throws as Renderer::render()
 void validate(const Camera& camera, std::span<const View> views, const Outputs& outputs,
               const scan::PanoramaSet& panoramas);
 

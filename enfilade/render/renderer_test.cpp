@@ -45,8 +45,8 @@ TEST_P(EachBackend, DirectionsComeBackAsTheCamerasRays) {
   // curvature adds less than 127.5 (1/64)^2 / 8; at corners three texels stand for four.
   double tolerance = 1.6;
 #if !defined(__x86_64__)
-  // llvmpipe was 1.62 off under qemu-aarch64. Presumed cause, not checked: without SSSE3 it rounds down
-  // (1 instead of 0.5) after each of its two steps from four texels to one.
+  // llvmpipe was 1.62 off under qemu-aarch64. Presumed cause, not checked: without SSSE3 it rounds
+  // down (1 instead of 0.5) after each of its two steps from four texels to one.
   if (GetParam() == Backend::kGl) tolerance = 2.6;
 #endif
   const auto renderer = make(made_cache(kSize));

@@ -60,12 +60,7 @@ void Staging::flush() {
 
 Packer::Packer(const Kernels& kernels, const Outputs& outputs, bool eight_bit_depth) noexcept
     : kernels_(kernels), outputs_(outputs), eight_bit_depth_(eight_bit_depth) {
-  if (!outputs.colour) return;
-  const Normalisation& normalisation = outputs.colour->normalisation;
-  for (std::size_t c = 0; c < 3; ++c) {
-    scale_.factor[c] = 1.0F / (255.0F * normalisation.deviation[c]);
-    scale_.offset[c] = -normalisation.mean[c] / normalisation.deviation[c];
-  }
+  if (outputs.colour) scale_ = planar_scale(outputs.colour->normalisation);
 }
 
 void Packer::pack(const Values& values, const Place& place) const {
@@ -204,6 +199,15 @@ void Packer::pack_classes(const std::uint16_t* values, const Place& place) const
   for (std::size_t k = 0; k < place.count; ++k) {
     out[k] = static_cast<std::uint8_t>(std::min<std::uint16_t>(values[k], 255));
   }
+}
+
+PlanarScale planar_scale(const Normalisation& normalisation) noexcept {
+  PlanarScale scale{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    scale.factor[c] = 1.0F / (255.0F * normalisation.deviation[c]);
+    scale.offset[c] = -normalisation.mean[c] / normalisation.deviation[c];
+  }
+  return scale;
 }
 
 std::vector<float> inverse_ray_lengths(const Camera& camera) {

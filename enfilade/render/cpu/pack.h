@@ -87,6 +87,9 @@ class Packer {
   PlanarScale scale_{};  // of colour
 };
 
+/// What planar formats multiply with and add.
+PlanarScale planar_scale(const Normalisation& normalisation) noexcept;
+
 /// For each pixel 1 / the length of its ray: what turns a distance along it into a z-distance.
 std::vector<float> inverse_ray_lengths(const Camera& camera);
 

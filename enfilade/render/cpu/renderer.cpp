@@ -340,6 +340,7 @@ class CpuRenderer final : public Renderer {
 
   void render(const Camera& camera, std::span<const View> views, const Outputs& outputs) override {
     validate(camera, views, outputs, batch_.cache().panoramas());
+    detail::refuse_stream(outputs);
     if (outputs.depth && outputs.depth->measure == DepthMeasure::kZ && !(camera == camera_)) {
       inverse_ray_lengths_ = inverse_ray_lengths(camera);
       camera_ = camera;

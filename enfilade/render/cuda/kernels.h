@@ -33,7 +33,6 @@ struct Job {
   u32 width, height;
   u32 bands;       ///< of a view: ceil(height / kBandRows)
   u32 size_layer;  ///< the layer whose size of faces all that are drawn here have
-  u32 clamped;     ///< whether colour is filtered within faces only
   u8* colour;
   u8* depth;
   u8* classes;
@@ -46,10 +45,11 @@ enum ColourKind : u32 { kNoColour, kRgb, kBgr, kRgba, kPlanar16, kPlanar32 };
 enum DepthKind : u32 { kNoDepth, kMetres, kUnits, kLegacyMetres, kLegacyUnits };
 enum ClassKind : u32 { kNoClasses, kClass8, kClass16 };
 
-/// What a kernel draws.
-template <u32 Colour, u32 Depth, u32 Classes, bool Instances>
+/// What a kernel draws. Clamped: colour is filtered within faces only.
+template <u32 Colour, u32 Depth, u32 Classes, bool Instances, bool Clamped = false>
 struct Variant {
   static constexpr u32 kColour = Colour, kDepth = Depth, kClasses = Classes;
+  static constexpr bool kClamped = Clamped;
   static constexpr bool kInstances = Instances;
   static constexpr bool kNearest = Depth != kNoDepth || Classes != kNoClasses || Instances;
 };
@@ -176,15 +176,20 @@ EN_PIXELS u32 sample_colour(u64 face, u32 step, TexelPoint p) {
          channel(top_b, bottom_b, across) << 16;
 }
 
-/// Writes pixels `first` .. of a row, 32 or as many as there are, 3 bytes each.
-/// \param swapped B G R
+/// Bytes of a pixel, of one plane where there are three.
+EN_PIXELS constexpr u32 colour_bytes_of(u32 kind) {
+  return kind == kPlanar16 ? 2 : kind == kRgba || kind == kPlanar32 ? 4 : 3;
+}
+
+/// Pixels of a row, of up to 32 lanes, from the first one's address on.
+/// \param words whether `out` and `count` are multiples of 4
 template <bool Swapped>
-EN_PIXELS void store_bytes(PerLane<u32>& rgb, u8* out, u32 count) {
+EN_PIXELS void store_bytes(PerLane<u32>& rgb, u8* out, u32 count, bool words) {
   if (Swapped) {
     each_lane([&](u32 lane) { rgb[lane] = pick_bytes(rgb[lane], 0, 0x4012); });
   }
-  if (reinterpret_cast<u64>(out) % 4 == 0 && count % 4 == 0) {
-    // Whole words: of the 24 that 32 pixels fill, lane k writes the k-th.
+  if (words) {
+    // Of the 24 words that 32 pixels fill, lane k writes the k-th.
     each_lane([&](u32 lane) {
       const u32 pixel = lane * 4 / 3, into = lane % 3;
       const u32 a = from_lane(rgb, pixel), b = from_lane(rgb, pixel + 1);
@@ -199,26 +204,24 @@ EN_PIXELS void store_bytes(PerLane<u32>& rgb, u8* out, u32 count) {
   }
 }
 
-/// \param pixel the row's first, in the batch  \param column the first of up to 32 columns
 template <class V>
-EN_PIXELS void store_colour(const Job& job, PerLane<u32>& rgb, u64 view, u32 place, u32 count) {
-  const u64 pixels = static_cast<u64>(job.width) * job.height, pixel = view * pixels + place;
+EN_PIXELS void store_colour(const Job& job, PerLane<u32>& rgb, u8* out, u32 count, bool words) {
   if constexpr (V::kColour == kRgb || V::kColour == kBgr) {
-    store_bytes<V::kColour == kBgr>(rgb, job.colour + 3 * pixel, count);
+    store_bytes<V::kColour == kBgr>(rgb, out, count, words);
   } else {
+    const u64 plane = static_cast<u64>(job.width) * job.height;
     each_lane([&](u32 lane) {
       if (lane >= count) return;
       if constexpr (V::kColour == kRgba) {
-        reinterpret_cast<u32*>(job.colour)[pixel + lane] = rgb[lane] | 0xFF000000U;
+        reinterpret_cast<u32*>(out)[lane] = rgb[lane] | 0xFF000000U;
       } else {
         for (u32 c = 0; c < 3; ++c) {
           const float value =
               static_cast<float>(rgb[lane] >> 8 * c & 255) * job.factor[c] + job.offset[c];
-          const u64 at = (3 * view + c) * pixels + place + lane;
           if constexpr (V::kColour == kPlanar16) {
-            reinterpret_cast<u16*>(job.colour)[at] = half_of(value);
+            reinterpret_cast<u16*>(out)[c * plane + lane] = half_of(value);
           } else {
-            reinterpret_cast<float*>(job.colour)[at] = value;
+            reinterpret_cast<float*>(out)[c * plane + lane] = value;
           }
         }
       }
@@ -310,16 +313,23 @@ EN_PIXELS void draw_row(const Job& job, const DeviceView& view, u64 number, u32 
                         const RowPiece* pieces) {
   const u32 size = view.sizes[job.size_layer];
   const u32 step = colour_pitch(size) - kRowBytes, face_bytes = colour_bytes(size);
+  const u64 faces = view.faces[0];
   PerLane<Cursor> cursors;
   PerLane<u32> rgb;
   const auto go_to = [&](Cursor& cursor, u32 piece) {
-    cursor = {pieces[piece], piece,
-              view.faces[0] + static_cast<u64>(pieces[piece].face) * face_bytes};
+    cursor = {pieces[piece], piece, faces + static_cast<u64>(pieces[piece].face) * face_bytes};
   };
   each_lane([&](u32 lane) { go_to(cursors[lane], 0); });
-  for (u32 first = 0; first < job.width; first += kLanes) {
-    const u32 left = job.width - first, count = left < kLanes ? left : kLanes;
-    const u32 place = row * job.width + first;
+
+  const u64 view_pixels = static_cast<u64>(job.width) * job.height;
+  const u32 place = row * job.width;
+  constexpr u32 kBytes = colour_bytes_of(V::kColour);
+  constexpr u32 kPlanes = V::kColour == kPlanar16 || V::kColour == kPlanar32 ? 3 : 1;
+  u8* out = job.colour + kBytes * (kPlanes * number * view_pixels + place);
+  const bool words = (static_cast<u32>(reinterpret_cast<u64>(out)) & 3) == 0;
+
+  // Kept apart from the last columns of a row, so that whole groups of 32 ask nothing.
+  const auto draw_group = [&](u32 first, u32 count, bool stores_words) {
     each_lane([&](u32 lane) {
       if (lane >= count) return;
       Cursor& cursor = cursors[lane];
@@ -327,15 +337,19 @@ EN_PIXELS void draw_row(const Job& job, const DeviceView& view, u64 number, u32 
       while (column >= cursor.piece.end) go_to(cursor, cursor.number + 1);
       const TexelPoint p = texel_point(cursor.piece.line, static_cast<float>(column));
       if constexpr (V::kColour != kNoColour) {
-        rgb[lane] = sample_colour(cursor.colour, step, job.clamped != 0 ? clamped(p, size) : p);
+        rgb[lane] = sample_colour(cursor.colour, step, V::kClamped ? clamped(p, size) : p);
       }
       if constexpr (V::kNearest) {
-        const u64 pixel = number * job.width * job.height + place + lane;
-        draw_nearest<V>(job, view, cursor.piece.face, p, pixel, place + lane);
+        const u64 pixel = number * view_pixels + place + column;
+        draw_nearest<V>(job, view, cursor.piece.face, p, pixel, place + column);
       }
     });
-    if constexpr (V::kColour != kNoColour) store_colour<V>(job, rgb, number, place, count);
-  }
+    if constexpr (V::kColour != kNoColour) store_colour<V>(job, rgb, out, count, stores_words);
+    out += kBytes * kLanes;
+  };
+  const u32 whole = job.width / kLanes * kLanes, rest = job.width - whole;
+  for (u32 first = 0; first < whole; first += kLanes) draw_group(first, kLanes, words);
+  if (rest > 0) draw_group(whole, rest, words && rest % 4 == 0);
 }
 
 // --- Blocks
@@ -401,7 +415,8 @@ using namespace enfilade::render::cuda;
 
 extern "C" __global__ void __launch_bounds__(kWarps* kLanes) draw(const Job job) {
   __shared__ Band band;
-  draw_band<Variant<EN_COLOUR, EN_DEPTH, EN_CLASSES, EN_INSTANCES != 0>>(job, blockIdx.x, band);
+  draw_band<Variant<EN_COLOUR, EN_DEPTH, EN_CLASSES, EN_INSTANCES != 0, EN_CLAMPED != 0>>(
+      job, blockIdx.x, band);
 }
 
 extern "C" __global__ void unpack(const u8* cells, u8* strips, u32 size, u32 texels) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/render/face_cache.h"
 #include "enfilade/render/renderer.h"
 
@@ -30,6 +31,11 @@ inline scan::LayerMask layers_of(const Outputs& outputs) noexcept {
   return static_cast<scan::LayerMask>(
       unsigned{outputs.colour.has_value()} | unsigned{outputs.depth.has_value()} << 1U |
       unsigned{outputs.classes.has_value()} << 2U | unsigned{outputs.instances.has_value()} << 3U);
+}
+
+/// \throws ArgumentError if a stream is asked for, which only CUDA has
+inline void refuse_stream(const Outputs& outputs) {
+  if (outputs.stream) throw ArgumentError("outputs.stream: only the back end cuda has streams");
 }
 
 struct FaceKeyHash {

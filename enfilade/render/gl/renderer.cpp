@@ -128,6 +128,7 @@ std::string GlRenderer::description() const {
 
 void GlRenderer::render(const Camera& camera, std::span<const View> views, const Outputs& outputs) {
   validate(camera, views, outputs, faces_->panoramas());
+  detail::refuse_stream(outputs);
   const scan::LayerMask layers = detail::layers_of(outputs);
   if (views.empty() || layers == 0) return;
   const Current current(*context_);

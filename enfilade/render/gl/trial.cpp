@@ -72,7 +72,7 @@ bool Told::take(std::string_view line) {
     drivers = words[2];
   } else if (is(kPlace, 1)) {
     place = words[1];
-  } else if (is(kDevice, 7)) {
+  } else if (is(kDeviceLine, 7)) {
     devices.push_back(
         {words[1], words[2], words[3] == kYes, words[4], words[5], words[6], words[7] == kYes});
   } else if (is(kRefused, 2)) {

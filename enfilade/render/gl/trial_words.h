@@ -13,7 +13,7 @@ inline constexpr std::string_view kList = "list", kFind = "find";
 /// First word of a line that it prints. After it:
 inline constexpr std::string_view kTrying = "trying";      ///< a way, the drivers that are loaded
 inline constexpr std::string_view kPlace = "place";        ///< the file whose code crashed
-inline constexpr std::string_view kDevice = "device";      ///< the fields of a GlDevice
+inline constexpr std::string_view kDeviceLine = "device";      ///< the fields of a GlDevice
 inline constexpr std::string_view kRefused = "refused";    ///< is it an ArgumentError; its message
 inline constexpr std::string_view kFinished = "finished";  ///< nothing: the way tried last works
 

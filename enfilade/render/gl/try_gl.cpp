@@ -106,7 +106,7 @@ std::shared_ptr<Context> try_way(const Way& way, const Faults& faults) {
 void list(const Faults& faults) {
   for (const GlDevice& d : list_devices([&](const Way& way) { return try_way(way, faults); })) {
     const bool broken = faults.contains(d.name);
-    tell({kDevice, d.name, d.uuid, d.works ? kYes : kNo, d.renderer, d.version, d.error,
+    tell({kDeviceLine, d.name, d.uuid, d.works ? kYes : kNo, d.renderer, d.version, d.error,
           broken ? kYes : kNo});
   }
 }

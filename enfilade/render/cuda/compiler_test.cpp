@@ -1,0 +1,121 @@
+// NVRTC needs no card: where it is installed, the kernels are compiled for all cards.
+#include "enfilade/render/cuda/compiler.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <optional>
+#include <regex>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/render/cuda/job.h"
+#include "enfilade/render/cuda_devices.h"
+#include "tests/support/temporary_folder.h"
+
+namespace enfilade::render::cuda {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+// Why there is none, in `reason`.
+std::optional<Compiler> compiler(std::string& reason) {
+  try {
+    return Compiler();
+  } catch (const Error& error) {
+    reason = error.what();
+    return {};
+  }
+}
+
+#define EN_SKIP_WITHOUT_NVRTC(name)   \
+  std::string reason;                 \
+  const auto name = compiler(reason); \
+  if (!name) GTEST_SKIP() << reason
+
+std::vector<Kinds> kinds_that_are_hot(bool every) {
+  if (!every) return {{kRgb}, {kPlanar16, kMetres}, {kRgb, kLegacyUnits, kClass8, true, true}};
+  std::vector<Kinds> all;
+  for (const ColourKind colour : {kNoColour, kRgb, kBgr, kRgba, kPlanar16, kPlanar32}) {
+    for (const DepthKind depth : {kNoDepth, kMetres, kUnits}) {
+      if (colour != kNoColour || depth != kNoDepth)
+        all.push_back({.colour = colour, .depth = depth});
+    }
+  }
+  all.push_back({kRgb, kMetres, kClass16, true, false});
+  all.push_back({kRgb, kLegacyUnits, kClass8, true, true});
+  all.push_back({kNoColour, kLegacyMetres, kNoClasses, false, false});
+  return all;
+}
+
+TEST(CudaCompiler, CompilesForAllCards) {
+  EN_SKIP_WITHOUT_NVRTC(nvrtc);
+  int tried = 0;
+  for (const int capability : {70, 75, 80, 86, 90, 100}) {
+    if (std::ranges::find(nvrtc->capabilities(), capability) == nvrtc->capabilities().end())
+      continue;
+    // All of one card's; of the others the first, to keep the test short.
+    for (const Kinds& kinds : kinds_that_are_hot(capability == 90)) {
+      const Compiler::Compiled compiled = nvrtc->compile({kinds.definitions()}, capability);
+      EXPECT_EQ(compiled.image.substr(1, 3), "ELF");
+      ++tried;
+      // ptxas tells of each kernel: "N bytes spill stores", "Used N registers".
+      // A few values of the plan of a row may go to memory, which is done once a row: the compiler
+      // prefers that to more registers.
+      const std::regex spills("([1-9][0-9]+) bytes spill stores");
+      EXPECT_FALSE(std::regex_search(compiled.log, spills))
+          << capability << ' ' << fmt::format("{}", fmt::join(kinds.definitions(), " ")) << '\n'
+          << compiled.log;
+      const std::regex registers("Used ([0-9]+) registers");
+      int most = 0;
+      for (std::sregex_iterator at(compiled.log.begin(), compiled.log.end(), registers), end;
+           at != end; ++at) {
+        most = std::max(most, std::stoi((*at)[1]));
+      }
+      EXPECT_GT(most, 0) << compiled.log;
+      EXPECT_LE(most, 80) << capability;  // three blocks of 256 threads a multiprocessor
+    }
+  }
+  EXPECT_GT(tried, 0);
+}
+
+TEST(CudaCompiler, TellsWhatItDoesNotCompile) {
+  EN_SKIP_WITHOUT_NVRTC(nvrtc);
+  EXPECT_THAT([&] { nvrtc->compile({{"EN_COLOUR=1"}}, 90); },
+              ThrowsMessage<Error>(HasSubstr("EN_DEPTH")));
+  EXPECT_THAT([&] { nvrtc->compile({Kinds{kRgb}.definitions()}, 12); },
+              ThrowsMessage<Error>(HasSubstr("compute capability 1.2")));
+}
+
+TEST(CudaImages, AreFoundAgainWithoutACompiler) {
+  EN_SKIP_WITHOUT_NVRTC(nvrtc);
+  const tests::TemporaryFolder folder("images");
+  const Images images(folder.path() / "made" / "cuda");
+  const Source source{Kinds{kRgb}.definitions()};
+  const int capability = nvrtc->capabilities().back();
+  const std::string first = images.find_or_compile(source, capability);
+  const auto files = std::filesystem::directory_iterator(folder.path() / "made" / "cuda");
+  ASSERT_EQ(std::distance(begin(files), end(files)), 1);
+  // A marked file shows that it is what comes back.
+  const auto file = std::filesystem::directory_iterator(folder.path() / "made" / "cuda")->path();
+  write_file_atomically(file, first + "mark");
+  EXPECT_EQ(images.find_or_compile(source, capability), first + "mark");
+}
+
+TEST(CudaReport, TellsWhatIsMissing) {
+  const CudaReport report = cuda_report();
+  if (report.devices.empty()) {
+    EXPECT_THAT(report.error, HasSubstr("CUDA: ")) << "neither a card nor a reason";
+  }
+  if (report.compiler.empty()) {
+    EXPECT_THAT(report.compiler_error, HasSubstr("NVRTC"));
+  }
+}
+
+}  // namespace
+}  // namespace enfilade::render::cuda

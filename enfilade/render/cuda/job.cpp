@@ -1,0 +1,131 @@
+#include "enfilade/render/cuda/job.h"
+
+#include <fmt/format.h>
+
+#include "enfilade/image/face_cells.h"
+#include "enfilade/render/cpu/pack.h"
+#include "enfilade/render/cpu/row_plan.h"
+#include "enfilade/render/detail/layers.h"
+
+namespace enfilade::render::cuda {
+namespace {
+
+using scan::Layer;
+
+ColourKind kind_of(ColourFormat format) {
+  switch (format) {
+    case ColourFormat::kRgb8:
+      return kRgb;
+    case ColourFormat::kBgr8:
+      return kBgr;
+    case ColourFormat::kRgba8:
+      return kRgba;
+    case ColourFormat::kPlanarFloat16:
+      return kPlanar16;
+    case ColourFormat::kPlanarFloat32:
+      return kPlanar32;
+  }
+  return kNoColour;
+}
+
+DepthKind kind_of(DepthFormat format, bool legacy) {
+  if (format == DepthFormat::kMetresFloat32) return legacy ? kLegacyMetres : kMetres;
+  return legacy ? kLegacyUnits : kUnits;
+}
+
+}  // namespace
+
+std::vector<std::string> Kinds::definitions() const {
+  return {fmt::format("EN_COLOUR={}", static_cast<std::uint32_t>(colour)),
+          fmt::format("EN_DEPTH={}", static_cast<std::uint32_t>(depth)),
+          fmt::format("EN_CLASSES={}", static_cast<std::uint32_t>(classes)),
+          fmt::format("EN_INSTANCES={}", instances ? 1 : 0),
+          fmt::format("EN_CLAMPED={}", clamped ? 1 : 0)};
+}
+
+Kinds kinds_of(const Outputs& outputs, const Legacy& legacy) {
+  Kinds kinds;
+  if (outputs.colour) kinds.colour = kind_of(outputs.colour->format);
+  kinds.clamped = outputs.colour && legacy.clamped_edges;
+  if (outputs.depth) kinds.depth = kind_of(outputs.depth->format, legacy.eight_bit_depth);
+  if (outputs.classes) {
+    kinds.classes = outputs.classes->format == ClassFormat::kUint8 ? kClass8 : kClass16;
+  }
+  kinds.instances = outputs.instances.has_value();
+  return kinds;
+}
+
+Kinds only(const Kinds& kinds, scan::Layer layer) {
+  Kinds one;
+  switch (layer) {
+    case Layer::kColour:
+      one.colour = kinds.colour;
+      one.clamped = kinds.clamped;
+      break;
+    case Layer::kDepth:
+      one.depth = kinds.depth;
+      break;
+    case Layer::kClass:
+      one.classes = kinds.classes;
+      break;
+    case Layer::kInstance:
+      one.instances = kinds.instances;
+      break;
+  }
+  return one;
+}
+
+scan::LayerMask layers_of(const Kinds& kinds) {
+  return static_cast<scan::LayerMask>(
+      unsigned{kinds.colour != kNoColour} | unsigned{kinds.depth != kNoDepth} << 1U |
+      unsigned{kinds.classes != kNoClasses} << 2U | unsigned{kinds.instances} << 3U);
+}
+
+std::size_t cell_bytes(scan::Layer layer, std::uint32_t size) noexcept {
+  switch (layer) {
+    case Layer::kColour:
+      return image::ColourCells::bytes(size);
+    case Layer::kDepth:
+    case Layer::kClass:
+      return image::ValueCells<std::uint16_t>::bytes(size);
+    case Layer::kInstance:
+      return image::ValueCells<std::uint32_t>::bytes(size);
+  }
+  return 0;
+}
+
+Job make_job(const Camera& camera, const Kinds& kinds, const Outputs& outputs) {
+  Job job{};
+  job.width = camera.width;
+  job.height = camera.height;
+  job.bands = (camera.height + kBandRows - 1) / kBandRows;
+  for (const Layer layer : detail::kEachLayer) {
+    if (!detail::has(layers_of(kinds), layer)) continue;
+    job.size_layer = static_cast<std::uint32_t>(index(layer));
+    break;
+  }
+  const auto memory = [](std::span<std::byte> pixels) {
+    return reinterpret_cast<u8*>(pixels.data());
+  };
+  if (kinds.colour != kNoColour) {
+    job.colour = memory(outputs.colour->pixels);
+    const cpu::PlanarScale scale = cpu::planar_scale(outputs.colour->normalisation);
+    for (std::size_t c = 0; c < 3; ++c) {
+      job.factor[c] = scale.factor[c];
+      job.offset[c] = scale.offset[c];
+    }
+  }
+  if (kinds.depth != kNoDepth) job.depth = memory(outputs.depth->pixels);
+  if (kinds.classes != kNoClasses) job.classes = memory(outputs.classes->pixels);
+  if (kinds.instances) job.instances = outputs.instances->pixels.data();
+  return job;
+}
+
+Rays rays_of(const Camera& camera, const View& view, const scan::PanoramaSet& panoramas) {
+  const Mat3d& world_from_panorama =
+      panoramas.source(view.scan).poses()[view.viewpoint.at()].world_from_panorama;
+  return cpu::plain(pixel_rays(
+      camera, transpose(world_from_panorama) * world_from_camera(view.heading, view.elevation)));
+}
+
+}  // namespace enfilade::render::cuda
