@@ -34,21 +34,20 @@ std::shared_ptr<const graph::GraphSet> graphs_of(const scan::PanoramaSet& panora
   return graph::GraphSet::of(std::move(graphs));
 }
 
-// A 3 x 3 grid of viewpoints whose neighbours are joined.
-scan::Connectivity synthetic_graph() {
-  constexpr std::size_t kSide = 3;
+// A grid of side x side viewpoints whose neighbours are joined.
+scan::Connectivity synthetic_graph(std::size_t side) {
   constexpr double kApart = 3;
   scan::Connectivity c{"synthetic", "<memory>", {}};
-  for (std::size_t i = 0; i < kSide * kSide; ++i) {
+  for (std::size_t i = 0; i < side * side; ++i) {
     scan::ConnectivityEntry entry;
-    const std::size_t column = i % kSide, row = i / kSide;
+    const std::size_t column = i % side, row = i / side;
     const double x = kApart * static_cast<double>(column), y = kApart * static_cast<double>(row);
     entry.id = fmt::format("v{}", i);
     entry.pose = {1, 0, 0, x, 0, 0, 1, y, 0, -1, 0, 1.5, 0, 0, 0, 1};
     entry.height = 1.5;
-    for (std::size_t j = 0; j < kSide * kSide; ++j) {
-      const auto across = static_cast<int>(i % kSide) - static_cast<int>(j % kSide);
-      const auto along = static_cast<int>(i / kSide) - static_cast<int>(j / kSide);
+    for (std::size_t j = 0; j < side * side; ++j) {
+      const auto across = static_cast<int>(i % side) - static_cast<int>(j % side);
+      const auto along = static_cast<int>(i / side) - static_cast<int>(j / side);
       if (across * across + along * along == 1) entry.unobstructed.emplace_back(j);
     }
     entry.visible = entry.unobstructed;
@@ -220,8 +219,8 @@ Buildings open_buildings(const scan::PanoramaPlaces& places,
   return buildings;
 }
 
-Buildings synthetic_buildings() {
-  scan::Connectivity connectivity = synthetic_graph();
+Buildings synthetic_buildings(std::size_t side) {
+  scan::Connectivity connectivity = synthetic_graph(side);
   std::vector<scan::Panorama> panoramas;
   for (std::size_t v = 0; v < connectivity.entries.size(); ++v) {
     panoramas.push_back(synthetic_panorama(v));

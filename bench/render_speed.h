@@ -34,9 +34,9 @@ struct Buildings {
 };
 /// \throws as scan::open_panoramas(), for each scan at once
 Buildings open_buildings(const scan::PanoramaPlaces& places, const std::vector<std::string>& scans);
-/// Nine viewpoints, 3 m apart, in a square, with noise-like pictures of 512 texels in all layers.
-/// There is nothing to decode: a cold cache costs a copy.
-Buildings synthetic_buildings();
+/// side x side viewpoints, 3 m apart, in a square, with noise-like pictures of 512 texels in all
+/// layers. There is nothing to decode: a cold cache costs a copy.
+Buildings synthetic_buildings(std::size_t side = 3);
 
 /// What is drawn, as the option names it: parts of rgb, bgr, rgba, f16, f32, depth, class and
 /// instance with + between; f16 and f32 are normalised as ImageNet's networks want it, depth is

@@ -63,6 +63,7 @@ Loaded load() {
   find(a.MemFreeHost, "cuMemFreeHost");
   find(a.MemcpyHtoDAsync, "cuMemcpyHtoDAsync_v2");
   find(a.MemcpyDtoHAsync, "cuMemcpyDtoHAsync_v2");
+  find(a.MemsetD32Async, "cuMemsetD32Async");
   find(a.StreamCreate, "cuStreamCreate");
   find(a.StreamDestroy, "cuStreamDestroy_v2");
   find(a.StreamSynchronize, "cuStreamSynchronize");

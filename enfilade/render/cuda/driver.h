@@ -50,6 +50,7 @@ struct Api {
   Result (*MemFreeHost)(void*);
   Result (*MemcpyHtoDAsync)(DevicePointer to, const void* from, std::size_t bytes, StreamHandle);
   Result (*MemcpyDtoHAsync)(void* to, DevicePointer from, std::size_t bytes, StreamHandle);
+  Result (*MemsetD32Async)(DevicePointer, unsigned value, std::size_t words, StreamHandle);
   Result (*StreamCreate)(StreamHandle*, unsigned flags);
   Result (*StreamDestroy)(StreamHandle);
   Result (*StreamSynchronize)(StreamHandle);
