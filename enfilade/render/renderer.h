@@ -97,8 +97,8 @@ struct Outputs {
   /// Of Backend::kCuda alone: pictures in the card's memory are made in the order of this stream,
   /// and render() returns before they are there. It may be captured into a graph, if all panoramas
   /// were drawn before with this camera; the graph draws the same views each time, as long as the
-  /// renderer lives and draws nothing that needs the panoramas' memory. No value: render() returns
-  /// when the pictures are there.
+  /// renderer lives and draws nothing that needs the panoramas' memory. No value: waits for
+  /// the legacy default stream first, and render() returns when the pictures are there.
   std::optional<CudaStream> stream = {};
 };
 
@@ -155,7 +155,8 @@ struct RendererConfig {
   Backend backend = Backend::kCpu;
   int threads = 0;  ///< of the cpu back ends; 0: all cores
   Legacy legacy = {};
-  std::string gl_device = {};  ///< index or UUID of an EGL device ("0"); empty: the first that works
+  std::string gl_device =
+      {};  ///< index or UUID of an EGL device ("0"); empty: the first that works
   /// Backend::kCpu: one of cpu_targets() (gl_devices.h); empty: the fastest here. The pictures are
   /// the same to the bit.
   std::string cpu_target = {};

@@ -41,14 +41,17 @@ class Renderer:
 
     Args:
         graphs, panoramas: of the same scans.
-        backend: "cpu" (SIMD), "cpu-scalar" (slow, the reference), "gl" (OpenGL without a display).
+        backend: "cpu" (SIMD), "cpu-scalar" (slow, the reference), "gl" (OpenGL without a display),
+            "cuda" (a card of NVIDIA; the CPU's pictures to the bit).
         threads: that draw; 0: all cores.
         cache_bytes: of decoded faces that are kept; a panorama of 512 texels takes 6.4 MB of colour.
         cache: "private", or "shared": faces are also kept in a file in /dev/shm that all renderers of
             this user's processes share, so that each is decoded once and in memory once.
         shared_bytes: of that file, whole MiB, the same for all its renderers.
         clamped_edges, eight_bit_depth: as the old simulator drew, for features made with it.
-        device: an EGL device's index or UUID, for "gl"; empty: the first that works.
+        device: an EGL device's index or UUID, for "gl"; a card's number, for "cuda"; empty: the first
+            that works.
+        card_bytes: of a card's memory that "cuda" keeps panoramas in; 0: half of what is free.
 
     Pickled or copied, it is a new one of the same settings.
     Raises ArgumentError for what is not allowed, and for graphs and panoramas of different scans;
@@ -68,6 +71,7 @@ class Renderer:
         clamped_edges: bool = False,
         eight_bit_depth: bool = False,
         device: str = "",
+        card_bytes: int = 0,
     ) -> None:
         if graphs.scans != panoramas.scans:
             raise ArgumentError("graphs and panoramas are of different scans")
@@ -84,6 +88,7 @@ class Renderer:
             "clamped_edges": clamped_edges,
             "eight_bit_depth": eight_bit_depth,
             "device": device,
+            "card_bytes": card_bytes,
         }
         self._core = ViewRenderer(
             panoramas,
@@ -94,6 +99,7 @@ class Renderer:
             clamped_edges,
             eight_bit_depth,
             device,
+            whole("card_bytes", card_bytes, 2**63 - 1),
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -118,6 +124,7 @@ class Renderer:
         layers: tuple[str, ...] = (),
         ray_depth: bool = False,
         out: Optional[Mapping[str, Any]] = None,
+        stream: Optional[int] = None,
     ) -> dict[str, Any]:
         """Draws n views, by names or indices of scans and viewpoints; angles in radians.
 
@@ -131,7 +138,12 @@ class Renderer:
             out: where to draw, by "colour" and the layers' names: contiguous writable arrays of those
                 shapes, of any library with DLPack or the buffer protocol (NumPy, torch on the
                 CPU). Depth may be uint16 (quarter millimetres), classes uint8, planar colour
-                float16. Arrays that are not in it are made.
+                float16. Arrays that are not in it are made, on the CPU. With the back end "cuda"
+                arrays may be in the memory of its card (torch, CuPy), which nothing is copied from.
+            stream: for arrays on a card, the address of the stream in whose order they are drawn
+                (torch.cuda.current_stream().cuda_stream); render() then returns before they are
+                there. None: of torch and CuPy the current stream; of others none, and the pictures
+                are there when render() returns.
 
         Returns the arrays by name, those of `out` themselves included. Raises ArgumentError for bad
         arguments; UnknownNameError, FileError, InvalidInput for pictures that are missing or broken.
@@ -142,7 +154,7 @@ class Renderer:
         views = ViewArrays(
             scan, viewpoint, _angles("headings", headings, n), _angles("elevations", elevations, n)
         )
-        return self._draw(views, width, height, vfov, colour, layers, ray_depth, out)
+        return self._draw(views, width, height, vfov, colour, layers, ray_depth, out, stream)
 
     def _draw(
         self,
@@ -154,6 +166,7 @@ class Renderer:
         layers: tuple[str, ...] = (),
         ray_depth: bool = False,
         out: Optional[Mapping[str, Any]] = None,
+        stream: Optional[int] = None,
     ) -> dict[str, Any]:
         n, width, height = len(views), whole("width", width), whole("height", height)
         if out is not None and type(out) is not dict and not isinstance(out, Mapping):
@@ -179,13 +192,15 @@ class Renderer:
                 ray_depth,
                 pictures.get("classes"),
                 pictures.get("instances"),
+                _current_stream(pictures) if stream is None else whole("stream", stream, 2**64 - 1),
             )
         except TypeError as error:
             if not out:
                 raise
             names = ", ".join(out)
             raise TypeError(
-                f"out: {names}: contiguous, writable memory of the CPU is wanted of each"
+                f"out: {names}: contiguous, writable memory of the CPU, or for the back end cuda of "
+                "its card, is wanted of each"
             ) from error
         return pictures
 
@@ -238,6 +253,21 @@ def _check_shape(name: str, colour: Optional[str], picture: Any, n: int, h: int,
         raise TypeError(f"out['{name}']: a {type(picture).__name__}; an array is wanted")
     if tuple(shape) != wanted:
         raise ArgumentError(f"out['{name}'] has shape {tuple(shape)}, not {wanted}")
+
+
+def _current_stream(pictures: Mapping[str, Any]) -> Optional[int]:
+    """Of the library whose arrays lie on a card."""
+    for picture in pictures.values():
+        library = type(picture).__module__.partition(".")[0]
+        if library == "torch" and picture.is_cuda:
+            import torch
+
+            return int(torch.cuda.current_stream(picture.device).cuda_stream)
+        if library == "cupy":
+            import cupy
+
+            return int(cupy.cuda.get_current_stream().ptr)
+    return None
 
 
 def _angles(name: str, values: ArrayLike, n: int) -> NDArray[np.float64]:

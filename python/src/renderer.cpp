@@ -26,8 +26,9 @@ namespace {
 using scan::PanoramaSet;
 using namespace nb::literals;
 
-/// Memory on the CPU of any library that supports DLPack: NumPy, torch.
-using Buffer = nb::ndarray<nb::c_contig, nb::device::cpu>;
+/// Memory of any library that supports DLPack: NumPy, torch, CuPy. On the CPU, or on a card for the
+/// back end that draws there: check_device().
+using Buffer = nb::ndarray<nb::c_contig>;
 
 Origins<PanoramaSet, scan::PanoramaPlaces>& places() {
   static Origins<PanoramaSet, scan::PanoramaPlaces> known;
@@ -94,6 +95,17 @@ class ViewArrays {
   Row<double> elevations_;
 };
 
+void check_device(const std::optional<Buffer>& buffer, const char* name, render::Backend backend) {
+  namespace device = nb::device;
+  if (!buffer || buffer->device_type() == device::cpu::value) return;
+  const bool cuda = backend == render::Backend::kCuda;
+  if (cuda && buffer->device_type() == device::cuda::value) return;
+  throw ArgumentError(
+      fmt::format("out['{}']: memory of a device, but the back end {} draws into the "
+                  "CPU's{}",
+                  name, to_string(backend), cuda ? " or a card of CUDA's" : ""));
+}
+
 template <class T>
 std::span<T> memory_of(const Buffer& buffer) {
   return {static_cast<T*>(buffer.data()), buffer.nbytes() / sizeof(T)};
@@ -159,32 +171,44 @@ class ViewRenderer {
  public:
   ViewRenderer(const std::shared_ptr<const PanoramaSet>& panoramas, const std::string& backend,
                int threads, std::size_t cache_bytes, std::size_t shared_bytes, bool clamped_edges,
-               bool eight_bit_depth, const std::string& device) {
+               bool eight_bit_depth, const std::string& device, std::size_t card_bytes) {
     const auto parsed = render::parse_backend(backend);
     if (!parsed) {
       throw ArgumentError(
-          fmt::format("backend '{}': 'cpu', 'cpu-scalar' and 'gl' are allowed", backend));
+          fmt::format("backend '{}': 'cpu', 'cpu-scalar', 'gl' and 'cuda' are allowed", backend));
     }
+    backend_ = *parsed;
     // Without the prefetch thread, which would not survive a fork.
     const auto faces = std::make_shared<render::FaceCache>(
         panoramas,
         render::FaceCacheConfig{
             .bytes = cache_bytes, .prefetch_thread = false, .shared = shared_cache(shared_bytes)});
-    const nb::gil_scoped_release unlocked;  // trying a driver of OpenGL takes a while
-    renderer_ =
-        render::make_renderer(faces, {*parsed, threads, {clamped_edges, eight_bit_depth}, device});
+    render::RendererConfig config;
+    config.backend = backend_;
+    config.threads = threads;
+    config.legacy = {clamped_edges, eight_bit_depth};
+    (backend_ == render::Backend::kCuda ? config.cuda_device : config.gl_device) = device;
+    config.cuda_bytes = card_bytes;
+    const nb::gil_scoped_release unlocked;  // trying a driver of OpenGL or CUDA takes a while
+    renderer_ = render::make_renderer(faces, config);
   }
 
   void render(const ViewArrays& views, std::uint32_t width, std::uint32_t height, double vfov,
               const std::optional<Buffer>& colour, const std::string& colour_format,
               const std::optional<Buffer>& depth, bool ray_depth,
-              const std::optional<Buffer>& classes, const std::optional<Buffer>& instances) {
+              const std::optional<Buffer>& classes, const std::optional<Buffer>& instances,
+              std::optional<std::uintptr_t> stream) {
     const Busy busy(busy_);
+    check_device(colour, "colour", backend_);
+    check_device(depth, "depth", backend_);
+    check_device(classes, "classes", backend_);
+    check_device(instances, "instances", backend_);
     render::Outputs outputs;
     if (colour) outputs.colour = colour_output(*colour, colour_format);
     if (depth) outputs.depth = depth_output(*depth, ray_depth);
     if (classes) outputs.classes = class_output(*classes);
     if (instances) outputs.instances = instance_output(*instances);
+    if (stream) outputs.stream = render::CudaStream{reinterpret_cast<void*>(*stream)};
     const nb::gil_scoped_release unlocked;
     views_.clear();
     for (std::size_t i = 0; i < views.size(); ++i) views_.push_back(views[i]);
@@ -196,6 +220,7 @@ class ViewRenderer {
   }
 
  private:
+  render::Backend backend_ = render::Backend::kCpu;
   std::unique_ptr<render::Renderer> renderer_;
   std::vector<render::View> views_;
   PictureMemory memory_;
@@ -232,9 +257,9 @@ void bind_renderer(nb::module_& m) {
       .def("__len__", &ViewArrays::size);
   nb::class_<ViewRenderer>(m, "ViewRenderer", "What enfilade.Renderer is made of.")
       .def(nb::init<const std::shared_ptr<const PanoramaSet>&, const std::string&, int, std::size_t,
-                    std::size_t, bool, bool, const std::string&>(),
+                    std::size_t, bool, bool, const std::string&, std::size_t>(),
            "panoramas"_a, "backend"_a, "threads"_a, "cache_bytes"_a, "shared_bytes"_a,
-           "clamped_edges"_a, "eight_bit_depth"_a, "device"_a)
+           "clamped_edges"_a, "eight_bit_depth"_a, "device"_a, "card_bytes"_a)
       .def_prop_ro("description", &ViewRenderer::description)
       .def("memory", &ViewRenderer::memory, "shape"_a, "type"_a,
            "A new array to draw into; what it holds is left over.",
@@ -242,7 +267,8 @@ void bind_renderer(nb::module_& m) {
                    "numpy.typing.NDArray[typing.Any]"))
       .def("render", &ViewRenderer::render, "views"_a, "width"_a, "height"_a, "vfov"_a,
            "colour"_a.none().noconvert(), "colour_format"_a, "depth"_a.none().noconvert(),
-           "ray_depth"_a, "classes"_a.none().noconvert(), "instances"_a.none().noconvert());
+           "ray_depth"_a, "classes"_a.none().noconvert(), "instances"_a.none().noconvert(),
+           "stream"_a.none());
   m.def(
       "backends",
       [] {

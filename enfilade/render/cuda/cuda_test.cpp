@@ -47,6 +47,7 @@ struct Formats {
   std::optional<DepthFormat> depth;
   std::optional<ClassFormat> classes;
   bool instances = false;
+  DepthMeasure measure = DepthMeasure::kZ;
 };
 
 Outputs outputs_of(const Formats& formats, std::size_t pixels, Drawn& memory) {
@@ -58,7 +59,7 @@ Outputs outputs_of(const Formats& formats, std::size_t pixels, Drawn& memory) {
   }
   if (formats.depth) {
     memory.depth.assign(pixels * pixel_bytes(*formats.depth), kLeft);
-    out.depth = DepthOutput{*formats.depth, DepthMeasure::kZ, memory.depth};
+    out.depth = DepthOutput{*formats.depth, formats.measure, memory.depth};
   }
   if (formats.classes) {
     memory.classes.assign(pixels * pixel_bytes(*formats.classes), kLeft);
@@ -77,6 +78,7 @@ Formats random_formats(Rng& rng) {
   if (rng.below(2) > 0) formats.depth = static_cast<DepthFormat>(rng.below(2));
   if (rng.below(3) == 0) formats.classes = static_cast<ClassFormat>(rng.below(2));
   formats.instances = rng.below(3) == 0;
+  formats.measure = static_cast<DepthMeasure>(rng.below(2));
   return formats;
 }
 

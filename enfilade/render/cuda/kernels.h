@@ -37,7 +37,7 @@ struct Job {
   u8* depth;
   u8* classes;
   u32* instances;
-  const float* depth_factors;  ///< one a pixel of a view; null: 1
+  const float* depth_factors;  ///< one a pixel of a view
   float factor[3], offset[3];  ///< of planar colour
 };
 
@@ -52,43 +52,32 @@ struct Variant {
   static constexpr bool kClamped = Clamped;
   static constexpr bool kInstances = Instances;
   static constexpr bool kNearest = Depth != kNoDepth || Classes != kNoClasses || Instances;
+  // Drawing waits for texels most of the time, so as many warps as their registers allow: blocks
+  // that a multiprocessor should hold, and groups of pixels under way in each, as measured on an
+  // H200 (docs/design/cuda.md).
+  static constexpr u32 kBlocks = kNearest ? 6 : 8;
+  static constexpr u32 kUnrolled = Colour == kPlanar16 || Colour == kPlanar32 ? 1 : 2;
 };
 
-// --- Colour on the card: strips of 8 texels of 4 bytes, R G B less 128 and nothing, border
-// included; a strip's rows follow each other, so that a line of 128 bytes holds 8 x 4 texels, the
-// texel below is 32 bytes on, and a view turned by any angle reads few lines.
+// --- Colour on the card: strips of 16 texels of 4 bytes, R G B less 128 and nothing, border
+// included; a strip's rows follow each other, so that a line of 128 bytes holds 16 x 2 texels, the
+// texel below is 64 bytes on, and a view turned by any angle reads few lines.
 
 #if !defined(EN_STRIP_BITS)
-#define EN_STRIP_BITS 3
+#define EN_STRIP_BITS 4
 #endif
 inline constexpr u32 kStripBits = EN_STRIP_BITS;
 inline constexpr u32 kRowBytes = 4U << kStripBits;
 
-EN_PIXELS u32 colour_pitch(u32 size) { return kRowBytes * (size + 2); }
 /// Bytes of a colour face.
 EN_PIXELS u32 colour_bytes(u32 size) {
-  return ((size + 2 + (1U << kStripBits) - 1) >> kStripBits) * colour_pitch(size);
+  return ((size + 2 + (1U << kStripBits) - 1) >> kStripBits) * kRowBytes * (size + 2);
 }
-/// Bytes to a column, from the row's first; `step` is colour_pitch() - kRowBytes.
-EN_PIXELS u32 column_offset(u32 x, u32 step) { return (x >> kStripBits) * step + 4 * x; }
-
-// --- The other layers keep the cells of image/face_cells.h.
-
-template <class T>
-EN_PIXELS u32 value_bytes(u32 size) {
-  constexpr u32 kColumns = 64 / sizeof(T);
-  return (size + kColumns - 1) / kColumns * size * 64;
-}
-template <class T>
-EN_PIXELS T value_at(u64 face, u32 size, u32 x, u32 y) {
-  constexpr u32 kColumns = 64 / sizeof(T);
-  const u32 offset = (x / kColumns * size + y) * 64 + x % kColumns * static_cast<u32>(sizeof(T));
-  return *reinterpret_cast<const T*>(face + offset);
-}
-
 // --- Lanes. On the card a thread is one lane; in the twin a loop runs all 32 through each step.
 
 #if defined(__CUDACC_RTC__)
+#define EN_PRAGMA(text) _Pragma(#text)
+#define EN_UNROLLED(times) EN_PRAGMA(unroll times)
 template <class T>
 struct PerLane {
   T value;
@@ -103,19 +92,34 @@ EN_PIXELS T from_lane(PerLane<T>& values, u32 lane) {
   return __shfl_sync(0xFFFFFFFFU, values.value, lane);
 }
 EN_PIXELS u32 pick_bytes(u32 a, u32 b, u32 selector) { return __byte_perm(a, b, selector); }
-// sum + four bytes with a sign times four without
-EN_PIXELS i32 add_products(u32 texels, u32 weights) {
+// The lower or the upper two bytes, with a sign, times two halves of a word without.
+EN_PIXELS i32 products_low(u32 texels, u32 weights) {
   i32 sum;
-  asm("dp4a.s32.u32 %0, %1, %2, %3;" : "=r"(sum) : "r"(texels), "r"(weights), "r"(0));
+  asm("dp2a.lo.u32.s32 %0, %1, %2, %3;" : "=r"(sum) : "r"(weights), "r"(texels), "r"(0));
   return sum;
+}
+EN_PIXELS i32 products_high(u32 texels, u32 weights) {
+  i32 sum;
+  asm("dp2a.hi.u32.s32 %0, %1, %2, %3;" : "=r"(sum) : "r"(weights), "r"(texels), "r"(0));
+  return sum;
+}
+EN_PIXELS void store_if(bool stored, u8* out, u32 value) {
+  asm volatile("{ .reg .pred p; setp.ne.u32 p, %2, 0; @p st.global.u32 [%0], %1; }" ::"l"(out),
+               "r"(value), "r"(static_cast<u32>(stored))
+               : "memory");
 }
 EN_PIXELS u16 half_of(float value) {
   u16 bits;
   asm("cvt.rn.f16.f32 %0, %1;" : "=h"(bits) : "f"(value));
   return bits;
 }
-EN_PIXELS u32 texel_of(u64 address) { return __ldg(reinterpret_cast<const u32*>(address)); }
+// Of memory that the kernel does not write.
+template <class T>
+EN_PIXELS T load(const T* value) {
+  return __ldg(value);
+}
 #else
+#define EN_UNROLLED(times)
 template <class T>
 using PerLane = std::array<T, kLanes>;
 template <class Each>
@@ -134,29 +138,59 @@ inline u32 pick_bytes(u32 a, u32 b, u32 selector) {
   }
   return picked;
 }
-inline i32 add_products(u32 texels, u32 weights) {
-  i32 sum = 0;
-  for (u32 k = 0; k < 4; ++k) {
-    sum += static_cast<signed char>(texels >> 8 * k) * static_cast<i32>(weights >> 8 * k & 255);
-  }
-  return sum;
+inline i32 products_low(u32 texels, u32 weights) {
+  const auto texel = [&](u32 k) {
+    return static_cast<i32>(static_cast<signed char>(texels >> 8 * k));
+  };
+  return texel(0) * static_cast<i32>(weights & 0xFFFF) + texel(1) * static_cast<i32>(weights >> 16);
+}
+inline i32 products_high(u32 texels, u32 weights) { return products_low(texels >> 16, weights); }
+inline void store_if(bool stored, u8* out, u32 value) {
+  if (stored) std::memcpy(out, &value, sizeof(value));
 }
 inline u16 half_of(float value) { return to_half(value); }
-inline u32 texel_of(u64 address) { return *reinterpret_cast<const u32*>(address); }
+template <class T>
+T load(const T* value) {
+  return *value;
+}
 #endif
+
+// --- The other layers keep the cells of image/face_cells.h.
+
+template <class T>
+EN_PIXELS u32 value_bytes(u32 size) {
+  constexpr u32 kColumns = 64 / sizeof(T);
+  return (size + kColumns - 1) / kColumns * size * 64;
+}
+template <class T>
+EN_PIXELS T value_at(u64 face, u32 size, u32 x, u32 y) {
+  constexpr u32 kColumns = 64 / sizeof(T);
+  const u32 offset = (x / kColumns * size + y) * 64 + x % kColumns * static_cast<u32>(sizeof(T));
+  return load(reinterpret_cast<const T*>(face + offset));
+}
 
 // --- Colour
 
+/// Texels from a row's strip to the next one, less the strip's columns.
+EN_PIXELS u32 strip_step(u32 size) { return (size + 1) << kStripBits; }
+/// Number of a texel in its face. \param step strip_step()
+EN_PIXELS u32 texel_number(u32 step, u32 x, u32 y) {
+  return x + (y << kStripBits) + (x >> kStripBits) * step;
+}
+
 /// R, G, B in the lowest three bytes; bilinear, to the bit as cpu::sample_colour().
-/// \param face address of the face's first texel  \param step as of column_offset()
-EN_PIXELS u32 sample_colour(u64 face, u32 step, TexelPoint p) {
-  const u32 x = static_cast<u32>(p.x >> 16), y = static_cast<u32>(p.y >> 16);
-  const u64 left = face + (column_offset(x, step) + y * kRowBytes);
-  const u64 right = face + (column_offset(x + 1, step) + y * kRowBytes);
-  const u32 top_left = texel_of(left), top_right = texel_of(right);
-  const u32 bottom_left = texel_of(left + kRowBytes), bottom_right = texel_of(right + kRowBytes);
-  // Bytes: the weights of left and right; and the same for a word's upper half.
-  const u32 across = 255 + 255 * right_weight(p), across_high = across << 16;
+/// \param face its first texel  \param step strip_step() of its size
+EN_PIXELS u32 sample_colour(const u32* face, u32 step, TexelPoint p) {
+  const u32 x = static_cast<u32>(p.x), y = static_cast<u32>(p.y);
+  // texel_number() of both, but for the right one's place behind the left one.
+  const u32 row = (x >> 16) + (y >> 16 << kStripBits);
+  const u32* left = face + (row + (x >> (16 + kStripBits)) * step);
+  const u32* right = face + (row + ((x + 65536) >> (16 + kStripBits)) * step);
+  const u32 top_left = load(left), top_right = load(right + 1);
+  const u32 bottom_left = load(left + (1U << kStripBits));
+  const u32 bottom_right = load(right + (1U << kStripBits) + 1);
+  // Halves: the weights of left and right.
+  const u32 across = 255 + 65535 * right_weight(p);
   const i32 lower = static_cast<i32>(lower_weight(p)), upper = kWholeWeight - lower;
   // R left, R right, G left, G right; B left, B right.
   const u32 top_rg = pick_bytes(top_left, top_right, 0x5140);
@@ -165,15 +199,14 @@ EN_PIXELS u32 sample_colour(u64 face, u32 step, TexelPoint p) {
   const u32 bottom_b = pick_bytes(bottom_left, bottom_right, 0x0062);
   // scale15(scale15(top, upper) + scale15(bottom, lower), 256) + 128, with the sums of all
   // roundings, and the 128, added at once: both are whole multiples of what is cut off later.
-  const auto channel = [&](u32 top, u32 bottom, u32 weights) {
-    const i32 from_top =
-        add_products(top, weights) * upper + ((1 << 14) + ((64 + (128 << 7)) << 15));
-    const i32 from_bottom = add_products(bottom, weights) * lower + (1 << 14);
+  const auto channel = [&](i32 top, i32 bottom) {
+    const i32 from_top = top * upper + ((1 << 14) + ((64 + (128 << 7)) << 15));
+    const i32 from_bottom = bottom * lower + (1 << 14);
     return static_cast<u32>((from_top >> 15) + (from_bottom >> 15)) >> 7;
   };
-  // What the upper halves of top_b and bottom_b hold has no weight.
-  return channel(top_rg, bottom_rg, across) | channel(top_rg, bottom_rg, across_high) << 8 |
-         channel(top_b, bottom_b, across) << 16;
+  return channel(products_low(top_rg, across), products_low(bottom_rg, across)) |
+         channel(products_high(top_rg, across), products_high(bottom_rg, across)) << 8 |
+         channel(products_low(top_b, across), products_low(bottom_b, across)) << 16;
 }
 
 /// Bytes of a pixel, of one plane where there are three.
@@ -181,10 +214,11 @@ EN_PIXELS constexpr u32 colour_bytes_of(u32 kind) {
   return kind == kPlanar16 ? 2 : kind == kRgba || kind == kPlanar32 ? 4 : 3;
 }
 
-/// Pixels of a row, of up to 32 lanes, from the first one's address on.
-/// \param words whether `out` and `count` are multiples of 4
+/// Pixels of 3 bytes of up to 32 lanes.
+/// \param out where each lane's word goes  \param first where the first pixel goes
+/// \param words whether that and `count` are multiples of 4
 template <bool Swapped>
-EN_PIXELS void store_bytes(PerLane<u32>& rgb, u8* out, u32 count, bool words) {
+EN_PIXELS void store_bytes(PerLane<u32>& rgb, PerLane<u8*>& out, u8* first, u32 count, bool words) {
   if (Swapped) {
     each_lane([&](u32 lane) { rgb[lane] = pick_bytes(rgb[lane], 0, 0x4012); });
   }
@@ -194,34 +228,38 @@ EN_PIXELS void store_bytes(PerLane<u32>& rgb, u8* out, u32 count, bool words) {
       const u32 pixel = lane * 4 / 3, into = lane % 3;
       const u32 a = from_lane(rgb, pixel), b = from_lane(rgb, pixel + 1);
       const u32 selector = into == 0 ? 0x4210 : into == 1 ? 0x5421 : 0x6542;
-      if (lane < count / 4 * 3) reinterpret_cast<u32*>(out)[lane] = pick_bytes(a, b, selector);
+      store_if(lane < count / 4 * 3, out[lane], pick_bytes(a, b, selector));
     });
   } else {
     each_lane([&](u32 lane) {
       if (lane >= count) return;
-      for (u32 c = 0; c < 3; ++c) out[3 * lane + c] = static_cast<u8>(rgb[lane] >> 8 * c);
+      for (u32 c = 0; c < 3; ++c) first[3 * lane + c] = static_cast<u8>(rgb[lane] >> 8 * c);
     });
   }
 }
 
+/// Bytes from a lane's place to the next lane's: of colours of 3 bytes, that of the word it writes.
+EN_PIXELS constexpr u32 lane_bytes_of(u32 kind) { return colour_bytes_of(kind) == 2 ? 2 : 4; }
+
 template <class V>
-EN_PIXELS void store_colour(const Job& job, PerLane<u32>& rgb, u8* out, u32 count, bool words) {
+EN_PIXELS void store_colour(const Job& job, PerLane<u32>& rgb, PerLane<u8*>& out, u8* first,
+                            u32 count, bool words) {
   if constexpr (V::kColour == kRgb || V::kColour == kBgr) {
-    store_bytes<V::kColour == kBgr>(rgb, out, count, words);
+    store_bytes<V::kColour == kBgr>(rgb, out, first, count, words);
   } else {
     const u64 plane = static_cast<u64>(job.width) * job.height;
     each_lane([&](u32 lane) {
       if (lane >= count) return;
       if constexpr (V::kColour == kRgba) {
-        reinterpret_cast<u32*>(out)[lane] = rgb[lane] | 0xFF000000U;
+        *reinterpret_cast<u32*>(out[lane]) = rgb[lane] | 0xFF000000U;
       } else {
         for (u32 c = 0; c < 3; ++c) {
           const float value =
               static_cast<float>(rgb[lane] >> 8 * c & 255) * job.factor[c] + job.offset[c];
           if constexpr (V::kColour == kPlanar16) {
-            reinterpret_cast<u16*>(out)[c * plane + lane] = half_of(value);
+            reinterpret_cast<u16*>(out[lane])[c * plane] = half_of(value);
           } else {
-            reinterpret_cast<float*>(out)[c * plane + lane] = value;
+            reinterpret_cast<float*>(out[lane])[c * plane] = value;
           }
         }
       }
@@ -231,43 +269,94 @@ EN_PIXELS void store_colour(const Job& job, PerLane<u32>& rgb, u8* out, u32 coun
 
 // --- Depth, classes and instances of one pixel
 
+/// Where a lane's values go.
+struct NearestOut {
+  u8* depth;
+  u8* classes;
+  u32* instances;
+  const float* factor;  ///< of depth
+};
+
 template <class V>
-EN_PIXELS void store_depth(const Job& job, u16 units, u64 pixel, u32 place) {
-  const float value = scaled(units, job.depth_factors == nullptr ? 1.0F : job.depth_factors[place]);
-  if constexpr (V::kDepth == kMetres) {
-    reinterpret_cast<float*>(job.depth)[pixel] = value * kMetresPerUnit;
-  } else if constexpr (V::kDepth == kUnits) {
-    reinterpret_cast<u16*>(job.depth)[pixel] = rounded(value);
-  } else if constexpr (V::kDepth == kLegacyMetres) {
-    reinterpret_cast<float*>(job.depth)[pixel] =
-        static_cast<float>(step257(value)) * kMetresPerUnit;
-  } else {
-    reinterpret_cast<u16*>(job.depth)[pixel] = static_cast<u16>(step257(value));
+EN_PIXELS constexpr u32 depth_bytes() {
+  return V::kDepth == kMetres || V::kDepth == kLegacyMetres ? 4 : 2;
+}
+template <class V>
+EN_PIXELS constexpr u32 class_bytes() {
+  return V::kClasses == kClass8 ? 1 : 2;
+}
+
+/// \param pixel in the batch  \param place in its view
+template <class V>
+EN_PIXELS NearestOut nearest_out(const Job& job, u64 pixel, u32 place) {
+  NearestOut out{};
+  if constexpr (V::kDepth != kNoDepth) {
+    out.depth = job.depth + depth_bytes<V>() * pixel;
+    out.factor = job.depth_factors + place;
   }
+  if constexpr (V::kClasses != kNoClasses) out.classes = job.classes + class_bytes<V>() * pixel;
+  if constexpr (V::kInstances) out.instances = job.instances + pixel;
+  return out;
 }
 
 template <class V>
-EN_PIXELS void draw_nearest(const Job& job, const DeviceView& view, u32 face, TexelPoint p,
-                            u64 pixel, u32 place) {
-  const u32 size = view.sizes[job.size_layer];
-  const u32 x = nearest_texel(p.x, size), y = nearest_texel(p.y, size);
+EN_PIXELS void go_on(NearestOut& out) {
   if constexpr (V::kDepth != kNoDepth) {
-    const u64 first = view.faces[1] + static_cast<u64>(face) * value_bytes<u16>(size);
-    store_depth<V>(job, value_at<u16>(first, size, x, y), pixel, place);
+    out.depth += depth_bytes<V>() * kLanes;
+    out.factor += kLanes;
+  }
+  if constexpr (V::kClasses != kNoClasses) out.classes += class_bytes<V>() * kLanes;
+  if constexpr (V::kInstances) out.instances += kLanes;
+}
+
+template <class V>
+EN_PIXELS void store_depth(u16 units, const NearestOut& out) {
+  const float value = scaled(units, *out.factor);
+  if constexpr (V::kDepth == kMetres) {
+    *reinterpret_cast<float*>(out.depth) = value * kMetresPerUnit;
+  } else if constexpr (V::kDepth == kUnits) {
+    *reinterpret_cast<u16*>(out.depth) = rounded(value);
+  } else if constexpr (V::kDepth == kLegacyMetres) {
+    *reinterpret_cast<float*>(out.depth) = static_cast<float>(step257(value)) * kMetresPerUnit;
+  } else {
+    *reinterpret_cast<u16*>(out.depth) = static_cast<u16>(step257(value));
+  }
+}
+
+/// Addresses of a face in the layers of the nearest texel.
+struct NearestFaces {
+  u64 depth, classes, instances;
+};
+
+template <class V>
+EN_PIXELS NearestFaces nearest_faces(const DeviceView& view, u32 size, u32 face) {
+  NearestFaces faces{};
+  if constexpr (V::kDepth != kNoDepth) {
+    faces.depth = view.faces[1] + static_cast<u64>(face) * value_bytes<u16>(size);
   }
   if constexpr (V::kClasses != kNoClasses) {
-    const u64 first = view.faces[2] + static_cast<u64>(face) * value_bytes<u16>(size);
-    const u16 value = value_at<u16>(first, size, x, y);
-    if constexpr (V::kClasses == kClass8) {
-      job.classes[pixel] = static_cast<u8>(value > 255 ? 255 : value);
-    } else {
-      reinterpret_cast<u16*>(job.classes)[pixel] = value;
-    }
+    faces.classes = view.faces[2] + static_cast<u64>(face) * value_bytes<u16>(size);
   }
   if constexpr (V::kInstances) {
-    const u64 first = view.faces[3] + static_cast<u64>(face) * value_bytes<u32>(size);
-    job.instances[pixel] = value_at<u32>(first, size, x, y);
+    faces.instances = view.faces[3] + static_cast<u64>(face) * value_bytes<u32>(size);
   }
+  return faces;
+}
+
+template <class V>
+EN_PIXELS void draw_nearest(const NearestFaces& faces, u32 size, TexelPoint p,
+                            const NearestOut& out) {
+  const u32 x = nearest_texel(p.x, size), y = nearest_texel(p.y, size);
+  if constexpr (V::kDepth != kNoDepth) store_depth<V>(value_at<u16>(faces.depth, size, x, y), out);
+  if constexpr (V::kClasses != kNoClasses) {
+    const u16 value = value_at<u16>(faces.classes, size, x, y);
+    if constexpr (V::kClasses == kClass8) {
+      *out.classes = static_cast<u8>(value > 255 ? 255 : value);
+    } else {
+      *reinterpret_cast<u16*>(out.classes) = value;
+    }
+  }
+  if constexpr (V::kInstances) *out.instances = value_at<u32>(faces.instances, size, x, y);
 }
 
 // --- Rows
@@ -301,55 +390,85 @@ EN_PIXELS void plan_band_row(const Rays& rays, u32 size, u32 width, u32 row, con
   }
 }
 
-/// A lane's stretch, and where its face is.
-struct Cursor {
-  RowPiece piece;
-  u32 number;
-  u64 colour;
+/// The face that a lane draws from.
+struct LaneFace {
+  FaceLine line;
+  const u32* colour;
+  NearestFaces nearest;
 };
+
+template <class V>
+EN_PIXELS LaneFace lane_face(const DeviceView& view, u32 size, const RowPiece& piece) {
+  const u64 colour = view.faces[0] + static_cast<u64>(piece.face) * colour_bytes(size);
+  return {piece.line, reinterpret_cast<const u32*>(colour),
+          nearest_faces<V>(view, size, piece.face)};
+}
 
 template <class V>
 EN_PIXELS void draw_row(const Job& job, const DeviceView& view, u64 number, u32 row,
                         const RowPiece* pieces) {
-  const u32 size = view.sizes[job.size_layer];
-  const u32 step = colour_pitch(size) - kRowBytes, face_bytes = colour_bytes(size);
-  const u64 faces = view.faces[0];
-  PerLane<Cursor> cursors;
-  PerLane<u32> rgb;
-  const auto go_to = [&](Cursor& cursor, u32 piece) {
-    cursor = {pieces[piece], piece, faces + static_cast<u64>(pieces[piece].face) * face_bytes};
-  };
-  each_lane([&](u32 lane) { go_to(cursors[lane], 0); });
-
+  const u32 size = view.sizes[job.size_layer], step = strip_step(size);
   const u64 view_pixels = static_cast<u64>(job.width) * job.height;
-  const u32 place = row * job.width;
+  const u32 row_place = row * job.width;
   constexpr u32 kBytes = colour_bytes_of(V::kColour);
   constexpr u32 kPlanes = V::kColour == kPlanar16 || V::kColour == kPlanar32 ? 3 : 1;
-  u8* out = job.colour + kBytes * (kPlanes * number * view_pixels + place);
-  const bool words = (static_cast<u32>(reinterpret_cast<u64>(out)) & 3) == 0;
+  u8* const row_colour = job.colour + kBytes * (kPlanes * number * view_pixels + row_place);
+  const bool words = (static_cast<u32>(reinterpret_cast<u64>(row_colour)) & 3) == 0;
 
-  // Kept apart from the last columns of a row, so that whole groups of 32 ask nothing.
+  PerLane<LaneFace> faces;
+  PerLane<float> columns;
+  PerLane<u32> rgb;
+  PerLane<u8*> colour;
+  PerLane<NearestOut> nearest;
+  each_lane([&](u32 lane) {
+    columns[lane] = static_cast<float>(lane);
+    colour[lane] = row_colour + lane_bytes_of(V::kColour) * lane;
+    nearest[lane] = nearest_out<V>(job, number * view_pixels + row_place + lane, row_place + lane);
+  });
   const auto draw_group = [&](u32 first, u32 count, bool stores_words) {
     each_lane([&](u32 lane) {
-      if (lane >= count) return;
-      Cursor& cursor = cursors[lane];
-      const u32 column = first + lane;
-      while (column >= cursor.piece.end) go_to(cursor, cursor.number + 1);
-      const TexelPoint p = texel_point(cursor.piece.line, static_cast<float>(column));
-      if constexpr (V::kColour != kNoColour) {
-        rgb[lane] = sample_colour(cursor.colour, step, V::kClamped ? clamped(p, size) : p);
+      if (lane < count) {
+        const TexelPoint p = texel_point(faces[lane].line, columns[lane]);
+        if constexpr (V::kColour != kNoColour) {
+          rgb[lane] = sample_colour(faces[lane].colour, step, V::kClamped ? clamped(p, size) : p);
+        }
+        if constexpr (V::kNearest) draw_nearest<V>(faces[lane].nearest, size, p, nearest[lane]);
       }
-      if constexpr (V::kNearest) {
-        const u64 pixel = number * view_pixels + place + column;
-        draw_nearest<V>(job, view, cursor.piece.face, p, pixel, place + column);
-      }
+      columns[lane] += static_cast<float>(kLanes);
     });
-    if constexpr (V::kColour != kNoColour) store_colour<V>(job, rgb, out, count, stores_words);
-    out += kBytes * kLanes;
+    if constexpr (V::kColour != kNoColour) {
+      store_colour<V>(job, rgb, colour, row_colour + kBytes * first, count, stores_words);
+    }
+    each_lane([&](u32 lane) {
+      colour[lane] += kBytes * kLanes;
+      go_on<V>(nearest[lane]);
+    });
   };
-  const u32 whole = job.width / kLanes * kLanes, rest = job.width - whole;
-  for (u32 first = 0; first < whole; first += kLanes) draw_group(first, kLanes, words);
-  if (rest > 0) draw_group(whole, rest, words && rest % 4 == 0);
+
+  for (u32 first = 0, piece = 0; first < job.width;) {
+    // Whole groups on one face, which ask nothing.
+    each_lane([&](u32 lane) { faces[lane] = lane_face<V>(view, size, pieces[piece]); });
+    const u32 whole = first + (pieces[piece].end - first) / kLanes * kLanes;
+    if (words) {
+      EN_UNROLLED((V::kUnrolled))
+      for (; first < whole; first += kLanes) draw_group(first, kLanes, true);
+    } else {
+      EN_UNROLLED(1)
+      for (; first < whole; first += kLanes) draw_group(first, kLanes, false);
+    }
+    if (first >= job.width) break;
+    // Then one whose lanes are on different faces, or beyond the row's end.
+    const u32 left = job.width - first, count = left < kLanes ? left : kLanes;
+    each_lane([&](u32 lane) {
+      if (lane >= count) return;
+      u32 own = piece;
+      while (first + lane >= pieces[own].end) ++own;
+      faces[lane] = lane_face<V>(view, size, pieces[own]);
+    });
+    draw_group(first, count, words && count % 4 == 0);
+    first += kLanes;
+    while (first < job.width && first >= pieces[piece].end) ++piece;
+  }
 }
 
 // --- Blocks
@@ -402,8 +521,8 @@ EN_PIXELS void unpack_texel(const u8* cells, u8* strips, u32 size, u32 texel) {
   const u32 cell = x / kColumns, pitch = 64 * edge;
   const u8* from = cells + static_cast<u64>(face) * ((size / kColumns + 1) * pitch) + cell * pitch +
                    y * 64 + (x - cell * kColumns) * 3;
-  u8* to = strips + static_cast<u64>(face) * colour_bytes(size) +
-           column_offset(x, colour_pitch(size) - kRowBytes) + y * kRowBytes;
+  const u64 first = reinterpret_cast<u64>(strips) + static_cast<u64>(face) * colour_bytes(size);
+  const u64 to = first + 4ULL * texel_number(strip_step(size), x, y);
   *reinterpret_cast<u32*>(to) =
       from[0] | static_cast<u32>(from[1]) << 8 | static_cast<u32>(from[2]) << 16;
 }
@@ -413,10 +532,11 @@ EN_PIXELS void unpack_texel(const u8* cells, u8* strips, u32 size, u32 texel) {
 #if defined(__CUDACC_RTC__)
 using namespace enfilade::render::cuda;
 
-extern "C" __global__ void __launch_bounds__(kWarps* kLanes) draw(const Job job) {
+using Wanted = Variant<EN_COLOUR, EN_DEPTH, EN_CLASSES, EN_INSTANCES != 0, EN_CLAMPED != 0>;
+
+extern "C" __global__ void __launch_bounds__(kWarps* kLanes, Wanted::kBlocks) draw(const Job job) {
   __shared__ Band band;
-  draw_band<Variant<EN_COLOUR, EN_DEPTH, EN_CLASSES, EN_INSTANCES != 0, EN_CLAMPED != 0>>(
-      job, blockIdx.x, band);
+  draw_band<Wanted>(job, blockIdx.x, band);
 }
 
 extern "C" __global__ void unpack(const u8* cells, u8* strips, u32 size, u32 texels) {

@@ -110,7 +110,7 @@ class State {
   std::array<Slot, kSlots> slots_;
   std::size_t next_slot_ = 0;
   std::vector<std::unique_ptr<Slot>> captured_slots_;  // belong to graphs: never used again
-  std::optional<Camera> depth_factors_of_;
+  std::optional<std::pair<Camera, DepthMeasure>> depth_factors_of_;
   Memory depth_factors_;
   Memory staging_;
   std::size_t staging_bytes_ = 0;
@@ -150,21 +150,23 @@ FunctionHandle State::kernel(const Kinds& kinds) {
   return kernels_.emplace(kinds, std::move(loaded)).first->second.draw;
 }
 
-// What a ray's length is multiplied with, for each pixel; 0 for all 1.
+// What a ray's length is multiplied with, for each pixel.
 DevicePointer State::depth_factors(const Camera& camera, DepthMeasure measure, bool captured) {
-  if (measure == DepthMeasure::kRay) return 0;
-  if (depth_factors_of_ == camera) return depth_factors_.get();
+  const std::pair wanted{camera, measure};
+  if (depth_factors_of_ == wanted) return depth_factors_.get();
   if (captured) {
-    throw ArgumentError("camera: render with it once before the stream is captured");
+    throw ArgumentError("camera: render depth with it once before the stream is captured");
   }
-  const std::vector<float> factors = cpu::inverse_ray_lengths(camera);
+  const std::vector<float> factors =
+      measure == DepthMeasure::kRay ? std::vector(std::size_t{camera.width} * camera.height, 1.0F)
+                                    : cpu::inverse_ray_lengths(camera);
   const std::size_t bytes = factors.size() * sizeof(float);
   depth_factors_of_.reset();
   depth_factors_ = allocate(bytes);
   check(api().MemcpyHtoDAsync(depth_factors_.get(), factors.data(), bytes, stream_.get()),
         "uploading lengths of rays");
   check(api().StreamSynchronize(stream_.get()), "uploading lengths of rays");
-  depth_factors_of_ = camera;
+  depth_factors_of_ = wanted;
   return depth_factors_.get();
 }
 
@@ -187,6 +189,10 @@ void State::render(const Camera& camera, std::span<const View> views, const Outp
   const bool captured = capturing != 0;
   if (captured && some_on_host) {
     throw ArgumentError("outputs: memory of the host, but a captured stream draws into the card's");
+  }
+  if (wanted == nullptr && some_on_card) {
+    // What the caller did with the memory before, in the stream that everybody has.
+    check(api().StreamSynchronize(nullptr), "waiting for the default stream");
   }
   // The panoramas' memory goes from one to another in the order of calls, not of streams.
   if (has_drawn_ && last_stream_ != stream && !captured) {
