@@ -390,7 +390,7 @@ void add_place_options(CLI::App& app, Options& o) {
 
 void add_combination_options(CLI::App& app, Options& o) {
   app.add_option("--backend", o.backend, "What draws")
-      ->check(CLI::IsMember({"cpu", "cpu-scalar", "gl"}))
+      ->check(CLI::IsMember({"cpu", "cpu-scalar", "gl", "cuda"}))
       ->capture_default_str();
   app.add_option("--gl-device", o.settings.gl_device, "Index or UUID of an EGL device");
   app.add_option("--cpu-target", o.settings.cpu_target,

@@ -185,7 +185,7 @@ Measurement time_both(const Buildings& buildings, const Combination& combination
     Drawing drawing(buildings, combination, settings, views);
     return time_by_clock(combination, settings, drawing, repeat);
   }();
-  if (settings.backend != render::Backend::kGl) {
+  if (settings.backend != render::Backend::kGl && settings.backend != render::Backend::kCuda) {
     m.cpu_seconds = time_one_thread(buildings, combination, settings, views, repeat);
   }
   return m;

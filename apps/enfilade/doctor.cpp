@@ -1,8 +1,8 @@
 // enfilade doctor: what this machine can do, and what to do about what it cannot.
-#include <dlfcn.h>
 #include <fmt/format.h>
 #include <unistd.h>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <iterator>
@@ -18,6 +18,7 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/core/memory.h"
 #include "enfilade/core/threads.h"
+#include "enfilade/render/cuda_devices.h"
 #include "enfilade/render/gl_devices.h"
 #include "enfilade/render/renderer.h"
 #include "enfilade/render/sample.h"
@@ -89,10 +90,17 @@ bool examine_cpu(Report& report, render::Backend backend) {
 
 // True if at least one back end draws. OpenGL's draws where one of its devices does: each was tried
 // by another process, as a driver may crash or hang.
-bool examine_backends(Report& report, const std::vector<render::GlDevice>& devices) {
+bool examine_backends(Report& report, const std::vector<render::GlDevice>& devices,
+                      const render::CudaReport& cuda) {
   report.begin("rendering");
   bool works = false;
   for (const render::Backend backend : render::backends()) {
+    if (backend == render::Backend::kCuda) {
+      const bool draws = !cuda.devices.empty() && !cuda.compiler.empty();
+      report.add("cuda", draws, draws ? cuda.devices.front().name : "see CUDA below");
+      works = works || draws;
+      continue;
+    }
     if (backend != render::Backend::kGl) {
       works = examine_cpu(report, backend) || works;
       continue;
@@ -134,17 +142,21 @@ void examine_gl(Report& report, const std::vector<render::GlDevice>& devices) {
   }
 }
 
-void examine_cuda(Report& report) {
+void examine_cuda(Report& report, const render::CudaReport& cuda) {
   report.begin("CUDA");
-  void* library = dlopen("libcuda.so.1", RTLD_LAZY | RTLD_LOCAL);
-  const bool loads = library != nullptr;
-  if (loads) dlclose(library);
-  report.add("driver", loads, loads ? "libcuda.so.1 loads" : "no libcuda.so.1");
-  std::error_code ignored;
-  const bool device = std::filesystem::exists("/dev/nvidiactl", ignored);
-  report.add("device", device, device ? "/dev/nvidiactl" : "no /dev/nvidiactl");
-  report.add("back end", false, "this version of Enfilade has none",
-             loads && device ? "use the gl back end, which runs on this graphics card" : "");
+  report.add("driver", !cuda.driver.empty(),
+             cuda.driver.empty() ? cuda.error : fmt::format("of CUDA {}", cuda.driver));
+  for (std::size_t k = 0; k < cuda.devices.size(); ++k) {
+    const render::CudaDevice& d = cuda.devices[k];
+    report.add(fmt::format("card {}", k), true,
+               fmt::format("{}, compute capability {}, {:.0f} GiB, {:.0f} free", d.name,
+                           d.capability, std::ldexp(static_cast<double>(d.bytes), -30),
+                           std::ldexp(static_cast<double>(d.free_bytes), -30)));
+  }
+  // Without a card nobody needs a compiler for it.
+  const bool compiles = !cuda.compiler.empty();
+  report.add("compiler", compiles, compiles ? "NVRTC " + cuda.compiler : "no NVRTC",
+             !compiles && !cuda.devices.empty() ? cuda.compiler_error : "");
 }
 
 void examine_networks(Report& report) {
@@ -249,9 +261,10 @@ int examine(const Arguments& arguments) {
   Report report;
   examine_machine(report);
   const std::vector<render::GlDevice> devices = render::gl_devices();
-  const bool works = examine_backends(report, devices);
+  const render::CudaReport cuda = render::cuda_report();
+  const bool works = examine_backends(report, devices, cuda);
   examine_gl(report, devices);
-  examine_cuda(report);
+  examine_cuda(report, cuda);
   examine_networks(report);
   examine_space(report);
   examine_data(report, arguments.data);

@@ -102,11 +102,13 @@ void validate_field_of_view(double degrees) {
 
 void add_renderer_options(CLI::App& verb, SceneOptions& options) {
   add_setting(verb, "--backend", options.backend, "NAME",
-              "Back end: cpu, cpu-scalar (slow reference), gl",
-              CLI::IsMember({"cpu", "cpu-scalar", "gl"}));
+              "Back end: cpu, cpu-scalar (slow reference), gl, cuda (a card of NVIDIA)",
+              CLI::IsMember({"cpu", "cpu-scalar", "gl", "cuda"}));
   add_value(verb, "--gl-device", options.gl_device, "NAME",
             "Index or UUID of an EGL device, as enfilade doctor lists them (default: the "
             "first that works)");
+  add_value(verb, "--cuda-device", options.cuda_device, "N",
+            "Number of a card, as enfilade doctor lists them (default: 0)");
   add_setting(verb, "--cache", options.cache, "NAME",
               "Where decoded pictures are kept: private (to this process) or shared (with all "
               "processes of this user, in /dev/shm)",
@@ -152,7 +154,8 @@ std::unique_ptr<render::Renderer> make_renderer(const dataset::Dataset& scene,
   if (!backend) throw UsageError(fmt::format("--backend {}: there is none", options.backend));
   return render::make_renderer(scene.faces(), {.backend = *backend,
                                                .legacy = {options.legacy, options.legacy},
-                                               .gl_device = options.gl_device});
+                                               .gl_device = options.gl_device,
+                                               .cuda_device = options.cuda_device});
 }
 
 ViewpointIndex find_viewpoint(const scan::PanoramaSource& source, const std::string& text) {

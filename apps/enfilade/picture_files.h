@@ -19,7 +19,7 @@ namespace enfilade::apps {
 struct SceneOptions {
   std::vector<std::string> images;
   std::string connectivity, data;
-  std::string backend = "cpu", gl_device;
+  std::string backend = "cpu", gl_device, cuda_device;
   std::string cache = "private";
   std::size_t cache_mib = render::SharedCacheConfig().bytes >> 20U;  ///< of a shared one
   bool legacy = false;
@@ -34,7 +34,7 @@ void add_angle_option(CLI::App& verb, const char* name, double& degrees, const c
 void add_field_of_view_option(CLI::App& verb, double& degrees);
 /// \throws UsageError unless it is in (0, 180)
 void validate_field_of_view(double degrees);
-/// --backend, --gl-device, --legacy, --cache, --cache-mib
+/// --backend, --gl-device, --cuda-device, --legacy, --cache, --cache-mib
 void add_renderer_options(CLI::App& verb, SceneOptions& options);
 
 /// The data set of these options, with one scan: its index is ScanIndex().

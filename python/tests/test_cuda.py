@@ -101,6 +101,7 @@ def test_is_drawn_in_the_order_of_torchs_stream(pictures: Any, card: Any, torch:
             out.fill_(7)  # behind milliseconds of work, and before the pictures
             card.render(*where, out={"colour": out})
             total = out.sum(dtype=torch.int64)
+        current.synchronize()
         assert int(total) == int(wanted.sum(dtype=np.int64))
 
 

@@ -133,7 +133,7 @@ int main(int argc, char** argv) {
       ->required()
       ->type_name("DIR");
   app.add_option("--backend", options.backend, "What draws")
-      ->check(CLI::IsMember({"cpu", "cpu-scalar", "gl"}))
+      ->check(CLI::IsMember({"cpu", "cpu-scalar", "gl", "cuda"}))
       ->capture_default_str();
   app.add_option("--gl-device", options.gl_device, "Index or UUID of an EGL device");
   app.add_option("--connectivity", options.connectivity,

@@ -47,14 +47,14 @@ class ViewPlan {
   explicit ViewPlan(const PixelRays& rays);
   /// project_to_cube() for a whole row: stretches that cover columns 0 .. width - 1.
   void plan(std::uint32_t row, std::uint32_t width, Stretches& out) const {
-    out.count_ =
-        pixels::plan_row(crossings_.data(), count_, rays_, row, width, out.stretches_.data());
+    out.count_ = 0;
+    pixels::plan_row(crossings_.data(), rays_, row, width,
+                     [&](const Stretch& stretch) { out.stretches_[out.count_++] = stretch; });
   }
 
  private:
   pixels::Rays rays_;
-  std::array<pixels::Crossing, pixels::kCrossings> crossings_;  // the first count_ are set
-  std::uint32_t count_ = 0;
+  std::array<pixels::Crossing, pixels::kCrossings> crossings_;
 };
 
 }  // namespace enfilade::render::cpu

@@ -16,6 +16,7 @@ constexpr Result kSuccess = 0, kInvalidValue = 1, kNoDevice = 100;
 constexpr int kCapabilityMajor = 75, kCapabilityMinor = 76;
 constexpr int kMemoryType = 2, kDeviceOrdinal = 9;
 constexpr unsigned kMemoryOfDevice = 2;
+constexpr int kRelaxed = 2;  // CUstreamCaptureMode
 constexpr unsigned kNonBlocking = 1, kNoTiming = 2, kPortable = 1;
 
 // The driver's functions, or why there are none.
@@ -69,6 +70,7 @@ Loaded load() {
   find(a.StreamSynchronize, "cuStreamSynchronize");
   find(a.StreamWaitEvent, "cuStreamWaitEvent");
   find(a.StreamIsCapturing, "cuStreamIsCapturing");
+  find(a.ThreadExchangeStreamCaptureMode, "cuThreadExchangeStreamCaptureMode");
   find(a.EventCreate, "cuEventCreate");
   find(a.EventDestroy, "cuEventDestroy_v2");
   find(a.EventRecord, "cuEventRecord");
@@ -134,6 +136,12 @@ Current::~Current() {
   ContextHandle context = nullptr;
   api().CtxPopCurrent(&context);
 }
+
+RelaxedCapture::RelaxedCapture() : mode_(kRelaxed) {
+  check(api().ThreadExchangeStreamCaptureMode(&mode_), "changing the mode of capturing");
+}
+
+RelaxedCapture::~RelaxedCapture() { api().ThreadExchangeStreamCaptureMode(&mode_); }
 
 Stream make_stream() {
   StreamHandle stream = nullptr;

@@ -56,6 +56,7 @@ struct Api {
   Result (*StreamSynchronize)(StreamHandle);
   Result (*StreamWaitEvent)(StreamHandle, EventHandle, unsigned flags);
   Result (*StreamIsCapturing)(StreamHandle, int* status);
+  Result (*ThreadExchangeStreamCaptureMode)(int* mode);
   Result (*EventCreate)(EventHandle*, unsigned flags);
   Result (*EventDestroy)(EventHandle);
   Result (*EventRecord)(EventHandle, StreamHandle);
@@ -100,6 +101,19 @@ class Current {
   ~Current();
   Current(const Current&) = delete;
   Current& operator=(const Current&) = delete;
+};
+
+/// While this lives, the thread may allocate although a stream of it is captured: what is made then
+/// is no part of the graph.
+class RelaxedCapture {
+ public:
+  RelaxedCapture();
+  ~RelaxedCapture();
+  RelaxedCapture(const RelaxedCapture&) = delete;
+  RelaxedCapture& operator=(const RelaxedCapture&) = delete;
+
+ private:
+  int mode_;
 };
 
 /// Something of CUDA's that one call makes and another one ends, while its context is current.

@@ -364,30 +364,24 @@ EN_PIXELS void draw_nearest(const NearestFaces& faces, u32 size, TexelPoint p,
 /// A stretch of a row, ready to be drawn.
 struct RowPiece {
   FaceLine line;
-  u32 end;  ///< column
-  u32 face;
+  u32 end_and_face;   ///< its end, a column, times 8, and the face
+  u32 colour_texels;  ///< from the panorama's first colour texel to the face's
 };
+EN_PIXELS u32 end_of(const RowPiece& piece) { return piece.end_and_face >> 3; }
 
 /// What the threads of a block share.
 struct Band {
   Crossing crossings[kCrossings];
-  bool crosses[kCrossings];
   RowPiece pieces[kBandRows][kMostStretches];
 };
 
 EN_PIXELS void plan_band_row(const Rays& rays, u32 size, u32 width, u32 row, const Band& band,
                              RowPiece* pieces) {
-  Crossing crossings[kCrossings];
-  u32 count = 0;
-  for (u32 k = 0; k < kCrossings; ++k) {
-    if (band.crosses[k]) crossings[count++] = band.crossings[k];
-  }
-  Stretch stretches[kMostStretches];
-  const u32 found = plan_row(crossings, count, rays, row, width, stretches);
-  for (u32 k = 0; k < found; ++k) {
-    pieces[k] = {face_line(rays, row, stretches[k].face, size), stretches[k].end,
-                 stretches[k].face};
-  }
+  const u32 face_texels = colour_bytes(size) / 4;
+  plan_row(band.crossings, rays, row, width, [&](const Stretch& stretch) {
+    *pieces++ = {face_line(rays, row, stretch.face, size), stretch.end << 3 | stretch.face,
+                 stretch.face * face_texels};
+  });
 }
 
 /// The face that a lane draws from.
@@ -399,9 +393,8 @@ struct LaneFace {
 
 template <class V>
 EN_PIXELS LaneFace lane_face(const DeviceView& view, u32 size, const RowPiece& piece) {
-  const u64 colour = view.faces[0] + static_cast<u64>(piece.face) * colour_bytes(size);
-  return {piece.line, reinterpret_cast<const u32*>(colour),
-          nearest_faces<V>(view, size, piece.face)};
+  return {piece.line, reinterpret_cast<const u32*>(view.faces[0]) + piece.colour_texels,
+          nearest_faces<V>(view, size, piece.end_and_face & 7)};
 }
 
 template <class V>
@@ -445,29 +438,32 @@ EN_PIXELS void draw_row(const Job& job, const DeviceView& view, u64 number, u32 
     });
   };
 
-  for (u32 first = 0, piece = 0; first < job.width;) {
-    // Whole groups on one face, which ask nothing.
-    each_lane([&](u32 lane) { faces[lane] = lane_face<V>(view, size, pieces[piece]); });
-    const u32 whole = first + (pieces[piece].end - first) / kLanes * kLanes;
-    if (words) {
-      EN_UNROLLED((V::kUnrolled))
-      for (; first < whole; first += kLanes) draw_group(first, kLanes, true);
-    } else {
-      EN_UNROLLED(1)
-      for (; first < whole; first += kLanes) draw_group(first, kLanes, false);
-    }
-    if (first >= job.width) break;
-    // Then one whose lanes are on different faces, or beyond the row's end.
-    const u32 left = job.width - first, count = left < kLanes ? left : kLanes;
+  // The lanes' faces, from a column on; they hold until `held_until`, for as many groups as lie
+  // before it.
+  u32 piece = 0, held_until = 0;
+  const auto take_faces = [&](u32 first) {
+    while (end_of(pieces[piece]) <= first) ++piece;
+    const u32 end = end_of(pieces[piece]);
     each_lane([&](u32 lane) {
-      if (lane >= count) return;
       u32 own = piece;
-      while (first + lane >= pieces[own].end) ++own;
+      for (const u32 column = first + lane; column < job.width && column >= end_of(pieces[own]);)
+        ++own;
       faces[lane] = lane_face<V>(view, size, pieces[own]);
     });
+    held_until = end < first + kLanes ? first + kLanes : end;
+  };
+  const u32 whole = words ? job.width / kLanes * kLanes : 0;
+  u32 first = 0;
+  EN_UNROLLED((V::kUnrolled))
+  for (; first < whole; first += kLanes) {
+    if (first + kLanes > held_until) take_faces(first);
+    draw_group(first, kLanes, true);
+  }
+  EN_UNROLLED(1)
+  for (; first < job.width; first += kLanes) {
+    const u32 left = job.width - first, count = left < kLanes ? left : kLanes;
+    if (first + kLanes > held_until) take_faces(first);
     draw_group(first, count, words && count % 4 == 0);
-    first += kLanes;
-    while (first < job.width && first >= pieces[piece].end) ++piece;
   }
 }
 
@@ -500,8 +496,7 @@ EN_PIXELS void draw_band(const Job& job, u32 block, Band& band) {
   const u32 number = block / job.bands, first_row = block % job.bands * kBandRows;
   const u32 left = job.height - first_row, rows = left < kBandRows ? left : kBandRows;
   const DeviceView& view = job.views[number];
-  each_thread(kCrossings,
-              [&](u32 k) { band.crosses[k] = find_crossing(view.rays, k, band.crossings[k]); });
+  each_thread(kCrossings, [&](u32 k) { band.crossings[k] = find_crossing(view.rays, k); });
   each_thread(rows, [&](u32 k) {
     plan_band_row(view.rays, view.sizes[job.size_layer], job.width, first_row + k, band,
                   band.pieces[k]);

@@ -187,6 +187,8 @@ void State::render(const Camera& camera, std::span<const View> views, const Outp
     check(api().StreamIsCapturing(stream, &capturing), "asking about the stream");
   }
   const bool captured = capturing != 0;
+  std::optional<RelaxedCapture> relaxed;
+  if (captured) relaxed.emplace();
   if (captured && some_on_host) {
     throw ArgumentError("outputs: memory of the host, but a captured stream draws into the card's");
   }

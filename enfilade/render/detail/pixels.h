@@ -60,24 +60,38 @@ struct FaceLine {
   float x0, x1, y0, y1, d0, d1;
 };
 
+/// Which part of a direction lies along an axis of a face (kFaceAxes), and its sign there.
+struct AxisPart {
+  u32 part;
+  double sign;
+};
+/// \param face index(CubeFace)  \param axis 0: right, 1: down, 2: forward
+EN_PIXELS AxisPart axis_part(u32 face, u32 axis) {
+  // Two bits a part and one a sign, axes and then faces from the right: tables would lie in a
+  // card's slow memory.
+  constexpr u64 kParts = 0x606906918ULL;
+  constexpr u32 kNegative = 0x912FU;
+  const u32 place = 3 * face + axis;
+  return {static_cast<u32>(kParts >> 2 * place) & 3U, (kNegative >> place & 1U) != 0 ? -1.0 : 1.0};
+}
+
 /// \param face index(CubeFace)  \param size of the face, in texels
 EN_PIXELS FaceLine face_line(const Rays& rays, u32 row, u32 face, u32 size) {
-  // kFaceAxes: which part of a direction lies along a face's right, down and forward, and its sign.
-  constexpr u8 kParts[6][3] = {{0, 2, 1}, {0, 1, 2}, {2, 1, 0}, {0, 1, 2}, {2, 1, 0}, {0, 2, 1}};
-  constexpr signed char kSigns[6][3] = {{-1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
-                                        {1, 1, 1},    {-1, 1, 1},  {-1, 1, 1}};
   const Vector origin = ray_at(rays, row, 0);
   const double half = size * 32768.0, middle = half + 32768.0;
-  double start[3], step[3];
-  for (u32 k = 0; k < 3; ++k) {
-    start[k] = kSigns[face][k] * part_of(origin, kParts[face][k]);
-    step[k] = kSigns[face][k] * part_of(rays.column, kParts[face][k]);
-  }
-  const double d0 = start[2], d1 = step[2];
-  return {static_cast<float>(start[0] * half + d0 * middle),
-          static_cast<float>(step[0] * half + d1 * middle),
-          static_cast<float>(start[1] * half + d0 * middle),
-          static_cast<float>(step[1] * half + d1 * middle),
+  const auto start = [&](u32 axis) {
+    const AxisPart at = axis_part(face, axis);
+    return at.sign * part_of(origin, at.part);
+  };
+  const auto step = [&](u32 axis) {
+    const AxisPart at = axis_part(face, axis);
+    return at.sign * part_of(rays.column, at.part);
+  };
+  const double d0 = start(2), d1 = step(2);
+  return {static_cast<float>(start(0) * half + d0 * middle),
+          static_cast<float>(step(0) * half + d1 * middle),
+          static_cast<float>(start(1) * half + d0 * middle),
+          static_cast<float>(step(1) * half + d1 * middle),
           static_cast<float>(d0),
           static_cast<float>(d1)};
 }
@@ -134,19 +148,20 @@ EN_PIXELS void rows_within(double part0, double part1, double limit0, double lim
 }
 
 /// The crossing of one of the pairs of planes in which faces meet: a = b or a = -b, for a part a
-/// of the direction and the next one. False if no row crosses it. \pre number < kCrossings
-EN_PIXELS bool find_crossing(const Rays& rays, u32 number, Crossing& out) {
+/// of the direction and the next one. Without rows if no row crosses it. \pre number < kCrossings
+EN_PIXELS Crossing find_crossing(const Rays& rays, u32 number) {
+  Crossing out = {0, 0, {{0, 0}, {0, 0}}};
   const u32 a = number / 2, b = (a + 1) % 3, c = (a + 2) % 3;
   const double sign = number % 2 == 0 ? 1.0 : -1.0;
   const double slope = part_of(rays.column, a) - sign * part_of(rays.column, b);
-  if (slope == 0) return false;
+  if (slope == 0) return out;
   out.origin = -(part_of(rays.origin, a) - sign * part_of(rays.origin, b)) / slope;
   out.slope = -(part_of(rays.row, a) - sign * part_of(rays.row, b)) / slope;
   rows_within(part_of(rays.origin, c) + out.origin * part_of(rays.column, c),
               part_of(rays.row, c) + out.slope * part_of(rays.column, c),
               part_of(rays.origin, a) + out.origin * part_of(rays.column, a),
               part_of(rays.row, a) + out.slope * part_of(rays.column, a), out.rows);
-  return true;
+  return out;
 }
 
 /// Columns begin .. end - 1 of a row, which meet one face.
@@ -159,13 +174,15 @@ inline constexpr u32 kMostStretches = 7;
 
 EN_PIXELS bool has_row(const Rows& rows, u32 row) { return row >= rows.begin && row < rows.end; }
 
-/// enfilade::project_to_cube() for a whole row, from left to right. \returns how many
-EN_PIXELS u32 plan_row(const Crossing* crossings, u32 count, const Rays& rays, u32 row, u32 width,
-                       Stretch out[kMostStretches]) {
+/// enfilade::project_to_cube() for a whole row: calls take(Stretch) from left to right.
+/// \param crossings kCrossings of them
+template <class Take>
+EN_PIXELS void plan_row(const Crossing* crossings, const Rays& rays, u32 row, u32 width,
+                        const Take& take) {
   u32 cuts[kCrossings + 1];
   cuts[0] = 0;
   u32 n = 1;
-  for (u32 k = 0; k < count; ++k) {
+  for (u32 k = 0; k < kCrossings; ++k) {
     const Crossing& crossing = crossings[k];
     if (!has_row(crossing.rows[0], row) && !has_row(crossing.rows[1], row)) continue;
     const double column = crossing.origin + row * crossing.slope;
@@ -177,18 +194,15 @@ EN_PIXELS u32 plan_row(const Crossing* crossings, u32 count, const Rays& rays, u
     for (; cuts[place - 1] > cut; --place) cuts[place] = cuts[place - 1];
     cuts[place] = cut;
   }
-  u32 stretches = 0;
+  Stretch stretch = {0, 0, 0};  // not taken yet, as the next piece may be on the same face
   for (u32 k = 0; k < n; ++k) {
     const u32 begin = cuts[k], end = k + 1 < n ? cuts[k + 1] : width;
     if (begin >= end) continue;
     const u32 face = face_towards(ray_at(rays, row, begin + (end - begin) / 2));
-    if (stretches > 0 && out[stretches - 1].face == face) {
-      out[stretches - 1].end = end;
-    } else {
-      out[stretches++] = {begin, end, face};
-    }
+    if (stretch.end > 0 && stretch.face != face) take(stretch);
+    stretch = {stretch.end > 0 && stretch.face == face ? stretch.begin : begin, end, face};
   }
-  return stretches;
+  if (stretch.end > 0) take(stretch);
 }
 
 /// A point of a face in 65536ths of a texel from the middle of the first texel of its border: a

@@ -59,7 +59,7 @@ class EnvConfig:
         vocabulary: file of words (R2R's train_vocab.txt), for token ids; None: no tokens.
         tokens: length of the row of ids.
         max_candidates: rows of the candidates, the present viewpoint included.
-        backend: of the renderer: "cpu", "cpu-scalar" or "gl".
+        backend: of the renderer: "cpu", "cpu-scalar", "gl" or "cuda".
         cache: of the renderer: "private", or "shared" by the environments of all processes.
         seed: of the episodes, until reset(seed=...) gives another.
     """
