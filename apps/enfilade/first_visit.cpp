@@ -69,7 +69,7 @@ fs::path make_first_homes() {
       "are made in {}, once. If it is stopped, the next start goes on.\n",
       fs::absolute(own).string());
   std::fflush(stdout);
-  homes::HomeSetOptions two = homes::home_set_preset("demo");
+  homes::HomeSetOptions two = homes::home_set_preset("pretty");
   two.homes = 2;
   two.stairs_every = 0;
   two.least_area = two.most_area = 60;  // square metres: less than a minute of two cores for both

@@ -153,11 +153,17 @@ std::map<char, Look> best_rooms(const dataset::Dataset& data, render::Renderer& 
   return best;
 }
 
-// The views along the first path of val_unseen. False if there is none.
-bool draw_walk(const dataset::Dataset& data, const fs::path& file) {
+// The views along the first path of val_unseen, in a pretty home if there is one. False if there is
+// no path. \param pretty scans, ascending
+bool draw_walk(const dataset::Dataset& data, const std::vector<std::string>& pretty,
+               const fs::path& file) {
   const tasks::EpisodeSet episodes = data.episodes("val_unseen");
   if (episodes.paths.empty()) return false;
-  const tasks::ReferencePath& path = episodes.paths.front();
+  const auto shown = std::ranges::find_if(episodes.paths, [&](const tasks::ReferencePath& path) {
+    return std::ranges::binary_search(pretty, path.scan);
+  });
+  const tasks::ReferencePath& path =
+      shown == episodes.paths.end() ? episodes.paths.front() : *shown;
   const graph::NavGraph& graph = data.graphs()->graph(path.scan);
   std::string title = fmt::format("{} (synthetic), path {}.", graph.scan(), path.path_id);
   for (const tasks::Episode& episode : episodes.episodes) {
@@ -184,6 +190,13 @@ bool draw_walk(const dataset::Dataset& data, const fs::path& file) {
 
 std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& output) {
   std::vector<homes::HomeEntry> homes = homes::read_home_list(folder);
+  // Of a set with pretty homes, these: the others are made to learn from.
+  const std::vector<std::string> pretty = homes::pretty_homes(homes::read_home_options(folder));
+  if (!pretty.empty()) {
+    std::erase_if(homes, [&](const homes::HomeEntry& home) {
+      return !std::ranges::binary_search(pretty, home.scan);
+    });
+  }
   for (homes::HomeEntry& home : homes) home = homes::completed(std::move(home), folder);
   const dataset::Dataset data(folder);
   const auto renderer = render::make_renderer(data.faces());  // one for hundreds of small views
@@ -204,7 +217,7 @@ std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& outp
   }
   sheet("rooms.png", views, "Rooms of model homes (synthetic)");
   sheet("panoramas.png", panoramas, "A panorama of each type of room (synthetic)");
-  if (data.has_split("val_unseen") && draw_walk(data, output / "walk.png")) {
+  if (data.has_split("val_unseen") && draw_walk(data, pretty, output / "walk.png")) {
     files.emplace_back((output / "walk.png").string());
   }
   return files;

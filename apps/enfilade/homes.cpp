@@ -15,8 +15,8 @@ namespace enfilade::apps {
 namespace {
 
 struct Options {
-  std::string output, preset = "demo", kind, corrections, shard, light;
-  std::optional<std::size_t> homes;
+  std::string output, preset = "pretty", kind, corrections, shard, light;
+  std::optional<std::size_t> homes, pretty;
   std::optional<std::uint64_t> seed;
   std::optional<std::uint32_t> size, samples;
   std::vector<std::string> parts;
@@ -38,6 +38,7 @@ homes::HomeSetOptions set_of(const Options& o) {
   }
   if (o.size) set.face_size = *o.size;
   if (o.samples) set.samples = *o.samples;
+  if (o.pretty) set.pretty = *o.pretty;
   if (!o.light.empty()) set.light = homes::parse_home_light(o.light);
   set.parts = capture::scan_parts(o.parts);
   set.image_width = o.image_width;
@@ -109,9 +110,10 @@ void add_options(CLI::App& verb, Options& o) {
   add_value(verb, "-o,--output", o.output, "DIR", "A new or empty folder, or one to complete")
       ->required();
   add_setting(verb, "--preset", o.preset, "",
-              "small: 2 flats for tests; demo: 16 homes of 25 to 50 viewpoints; full: 90 homes "
+              "small: 2 flats for tests; pretty: 16 homes of 25 to 50 viewpoints; full: 90 homes "
               "of 117 viewpoints on average, 512-texel faces; graphs: 6 homes without pictures; "
-              "training: 96 homes to learn from, 64-texel faces, coarse light",
+              "training: 96 homes to learn from, 64-texel faces, coarse light; demo: 90 of these, "
+              "four of them pretty",
               CLI::IsMember(homes::home_set_presets()));
   add_value(verb, "--homes", o.homes, "N", "How many, instead of the preset's")
       ->check(whole_number(1, 10000));
@@ -126,6 +128,10 @@ void add_options(CLI::App& verb, Options& o) {
   verb.add_option("--light", o.light,
                   "coarse: a quarter of the time, for pictures to learn from; else fine")
       ->check(CLI::IsMember(homes::home_lights()));
+  verb.add_option("--pretty", o.pretty,
+                  "Make N of the homes pretty whatever the rest is: fine light, 256-texel faces; "
+                  "first those of val_unseen, which reports show")
+      ->check(whole_number(0, 10000));
   verb.add_option("--seed", o.seed, "The same seed gives the same bytes")->check(whole_number());
   add_value(verb, "--parts", o.parts, "PART,...",
             "Matterport3D's files of each home too, in v1/scans/, with commas between: as of "
@@ -156,7 +162,7 @@ void add_homes(CLI::App& app, int& /*status*/) {
   set_examples(verb, {"enfilade homes -o homes", "enfilade homes -o two --preset small --paths 0",
                       "enfilade homes -o homes --corrections homes-corrections",
                       "enfilade homes -o homes --preset full --shard 3/16",
-                      "enfilade homes -o many --preset training --homes 300",
+                      "enfilade homes -o many --preset training --homes 300 --pretty 4",
                       "enfilade contact-sheet home0001 --data homes -o home.png",
                       "enfilade graph draw home0001 --data homes -o plan.svg"});
   verb.footer(

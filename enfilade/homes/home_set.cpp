@@ -29,13 +29,6 @@ namespace fs = std::filesystem;
 using sets::HomeList;
 using sets::scan_name;
 
-struct NamedLight {
-  std::string_view name;
-  HomeLight light;
-};
-constexpr std::array<NamedLight, 2> kLights{
-    {{"fine", HomeLight::kFine}, {"coarse", HomeLight::kCoarse}}};
-
 constexpr std::string_view kMarker = "# Model homes: a SYNTHETIC data set made by Enfilade\n";
 constexpr std::size_t kMostHomes = 10000;
 // Raised when a change of the program makes other pictures from the same options.
@@ -62,6 +55,7 @@ void validate(const HomeSetOptions& o) {
   check(o.samples == 1 || o.samples == 4 || o.samples == 9 || o.samples == 16,
         fmt::format("samples: {}, not 1, 4, 9 or 16", o.samples));
   check_range("jpeg_quality", o.jpeg_quality, 1, 100);
+  check_range("pretty", static_cast<double>(o.pretty), 0, static_cast<double>(o.homes));
   check(o.shard.index < o.shard.count && o.shard.count <= kMostHomes,
         fmt::format("shard: index {} of {}, not below it or not from 1 to {}", o.shard.index,
                     o.shard.count, kMostHomes));
@@ -82,6 +76,17 @@ bool has_stairs(const HomeSetOptions& options, std::size_t home) {
   const HomeKind kind = options.kind.value_or(HomeKind::kHouse);
   const bool may = kind == HomeKind::kHouse || kind == HomeKind::kOffice;
   return may && options.stairs_every > 0 && home % options.stairs_every == 1 % options.stairs_every;
+}
+
+// Those of one home's pictures: a pretty one has others than the rest of the set.
+HomeSetOptions picture_options(const HomeSetOptions& options, std::size_t home) {
+  HomeSetOptions own = options;
+  if (std::ranges::binary_search(pretty_homes(options), scan_name(home))) {
+    own.light = HomeLight::kFine;
+    own.face_size = kPrettyFaceSize;
+    own.samples = kPrettySamples;
+  }
+  return own;
 }
 
 // The random numbers of a home depend on the set's seed and the home's place only, so that a larger
@@ -110,14 +115,18 @@ PlanOptions plan_of(const HomeSetOptions& options, std::size_t home) {
 }
 
 std::string readme(const HomeSetOptions& o) {
+  const std::vector<std::string> pretty = pretty_homes(o);
   return fmt::format(
       "{}\n"
       "Nothing in this folder is real: {} made-up buildings with furniture (`homes.json`), their\n"
       "navigation graphs (`connectivity/`), rooms (`regions/`), panoramas (`store/`) and, if they\n"
       "were asked for, paths with instructions that a program wrote (`r2r/`). Numbers from it are\n"
       "not comparable with any from Matterport3D or Room-to-Room.\n\n"
-      "Seed {}, faces of {} texels; the same options give the same bytes.\n",
-      kMarker, o.homes, o.seed, o.face_size);
+      "Seed {}, faces of {} texels{}; the same options give the same bytes.\n",
+      kMarker, o.homes, o.seed, o.face_size,
+      pretty.empty() ? ""
+                     : fmt::format(", but of {} and finer light in {}", kPrettyFaceSize,
+                                   fmt::join(pretty, ", ")));
 }
 
 // People's corrections to the graph of one home.
@@ -341,7 +350,7 @@ class HomeWriter {
     tell(kBuilt);
     if (options_.face_size > 0) {
       // At the viewpoints before corrections: people correct the graph after seeing the pictures.
-      take_pictures(built, found, options_, folder_, tell);
+      take_pictures(built, found, picture_options(options_, home), folder_, tell);
     }
     tell(kUnits);
     save(home, describe(built.home, plan, corrected), wanted(home));
@@ -440,64 +449,15 @@ class HomeWriter {
 
 }  // namespace
 
-HomeSetOptions home_set_preset(std::string_view name) {
-  HomeSetOptions o;
-  if (name == "small") {
-    o.homes = 2;
-    o.kind = HomeKind::kFlat;
-    o.least_area = o.most_area = kLeastArea;
-    o.face_size = 64;
-    o.samples = 1;
-  } else if (name == "full") {
-    o.homes = 90;
-    o.least_area = 350;
-    o.most_area = 850;
-    o.face_size = 512;
-  } else if (name == "demo" || name == "graphs" || name == "training") {
-    o.least_area = 85;
-    o.most_area = 100;
-    o.stairs_every = 8;
-  } else {
-    throw ArgumentError(
-        fmt::format("preset: {:?} is none of {}", name, fmt::join(home_set_presets(), ", ")));
-  }
-  if (name == "graphs") {
-    o.homes = 6;
-    o.face_size = 0;
-  } else if (name == "training") {
-    o.homes = 96;
-    o.face_size = 64;
-    o.samples = 1;
-    o.light = HomeLight::kCoarse;
-  }
-  return o;
-}
-
-std::vector<std::string> home_set_presets() {
-  return {"small", "demo", "full", "graphs", "training"};
-}
-
-std::string_view to_string(HomeLight light) noexcept {
-  return light == HomeLight::kFine ? kLights[0].name : kLights[1].name;
-}
-
-std::vector<std::string> home_lights() {
-  std::vector<std::string> names;
-  for (const NamedLight& light : kLights) names.emplace_back(light.name);
-  return names;
-}
-
-HomeLight parse_home_light(std::string_view name) {
-  const auto found = std::ranges::find(kLights, name, &NamedLight::name);
-  if (found != kLights.end()) return found->light;
-  throw ArgumentError(
-      fmt::format("light: {:?} is none of {}", name, fmt::join(home_lights(), ", ")));
-}
-
 HomeSetReport write_homes(const fs::path& folder, const HomeSetOptions& options,
                           const SetProgress& progress) {
   validate(options);
   return HomeWriter(folder, options, progress).run();
+}
+
+HomeSetOptions read_home_options(const fs::path& folder) {
+  const fs::path file = folder / "homes.json";
+  return sets::parse_home_list(read_file(file), file.string()).options;
 }
 
 std::vector<HomeEntry> read_home_list(const fs::path& folder) {

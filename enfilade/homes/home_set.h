@@ -38,6 +38,10 @@ struct HomeSetOptions {
   std::uint32_t samples = 4;      ///< colour rays a texel
   int jpeg_quality = 92;
   HomeLight light = HomeLight::kFine;  ///< of panoramas; those of `parts` have the finest
+  /// So many of the homes are made to be looked at, whatever the options above say: fine light,
+  /// faces of kPrettyFaceSize texels, kPrettySamples rays a texel; see pretty_homes(). None if
+  /// face_size is 0. At most `homes`
+  std::size_t pretty = 0;
 
   // Options of one run: a later run of the same set may have others.
   /// Folder of `<scan>_corrections.json` (graph/corrections.h), applied on top of the graphs, also
@@ -50,11 +54,19 @@ struct HomeSetOptions {
   int threads = 0;  ///< 0: all cores; the files are the same for any number
 };
 
-/// Options by name. "small": 2 homes of a few viewpoints, for tests. "demo": 16 homes of 25 to 50
-/// viewpoints, three of them with two storeys. "full": 90 homes of 117 viewpoints on average, faces
-/// of 512 texels. "graphs": 6 homes like those of "demo" but without pictures, made in a second or
-/// two. "training": 96 homes like those of "demo" for training alone: faces of 64 texels, one ray a
-/// texel, coarse light. \throws ArgumentError for another name
+/// Faces and rays of HomeSetOptions::pretty.
+inline constexpr std::uint32_t kPrettyFaceSize = 256, kPrettySamples = 4;
+/// The scans that HomeSetOptions::pretty makes pretty, ascending: those that write_home_paths()
+/// with the set's seed puts into val_unseen come first, as reports show these, then train's, then
+/// test's.
+std::vector<std::string> pretty_homes(const HomeSetOptions& options);
+
+/// Options by name. "small": 2 homes of a few viewpoints, for tests. "pretty": 16 homes of 25 to 50
+/// viewpoints, three of them with two storeys, all to be looked at. "demo": 90 homes of 25 to 50
+/// viewpoints, every eighth with two storeys, as "training" makes them but for four pretty ones.
+/// "full": 90 homes of 117 viewpoints on average, faces of 512 texels. "graphs": 6 homes like those
+/// of "pretty" but without pictures, made in a second or two. "training": 96 homes for training
+/// alone: faces of 64 texels, one ray a texel, coarse light. \throws ArgumentError for another name
 HomeSetOptions home_set_preset(std::string_view name);
 std::vector<std::string> home_set_presets();
 
@@ -106,6 +118,9 @@ using SetProgress =
 /// broken list or broken corrections. Homes that were made before the error are kept
 HomeSetReport write_homes(const std::filesystem::path& folder, const HomeSetOptions& options,
                           const SetProgress& progress = {});
+
+/// The options that the homes of a folder were made with. \throws FileError, InvalidInput
+HomeSetOptions read_home_options(const std::filesystem::path& folder);
 
 /// The list of a folder. \throws FileError, InvalidInput
 std::vector<HomeEntry> read_home_list(const std::filesystem::path& folder);

@@ -278,6 +278,70 @@ TEST(HomeSet, CoarseLightIsInTheListAndMakesOtherPicturesOfTheSameHome) {
   EXPECT_THROW(parse_home_light("bright"), ArgumentError);
 }
 
+TEST(HomeSet, PrettyHomesAreThoseOfValUnseenFirst) {
+  const TemporaryFolder folder("homes");
+  HomeSetOptions options = home_set_preset("graphs");
+  EXPECT_TRUE(pretty_homes(options).empty());
+  options.pretty = 1;
+  EXPECT_TRUE(pretty_homes(options).empty()) << "there are no pictures";
+  write_homes(folder.path(), options);
+  EXPECT_EQ(read_home_options(folder.path()).pretty, 1U);
+  write_home_paths(folder.path(), {.per_home = 5, .tasks = {}});
+  const scan::DataRoot data(folder.path());
+  const auto scans_of = [&](const char* split) {
+    std::set<std::string> scans;
+    for (const auto& path : tasks::load_annotations(data.annotations(split), split).paths) {
+      scans.insert(path.scan);
+    }
+    return scans;
+  };
+  options.face_size = 8;
+  const auto pretty = [&](std::size_t n) {
+    options.pretty = n;
+    const std::vector<std::string> scans = pretty_homes(options);
+    EXPECT_TRUE(std::ranges::is_sorted(scans));
+    return std::set<std::string>(scans.begin(), scans.end());
+  };
+  std::set<std::string> expected = scans_of("val_unseen");
+  ASSERT_EQ(expected.size(), 1U);
+  EXPECT_EQ(pretty(1), expected);
+  expected.merge(scans_of("train"));
+  EXPECT_EQ(pretty(expected.size()), expected) << "those of test come last";
+  EXPECT_EQ(pretty(6).size(), 6U);
+}
+
+TEST(HomeSet, APrettyHomeIsFinerThanTheOthers) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
+  const TemporaryFolder folder("homes");
+  HomeSetOptions options = tiny(2, 8);
+  options.light = HomeLight::kCoarse;
+  options.pretty = 1;
+  write_homes(folder.path(), options);
+  const auto faces = [&](const char* scan) {
+    return scan::Store::open(scan::store_file(folder.path() / "store", scan))
+        ->face_sizes(ViewpointIndex(0))[0];
+  };
+  EXPECT_EQ(pretty_homes(options), std::vector<std::string>{"home0001"});
+  EXPECT_EQ(faces("home0001"), kPrettyFaceSize);
+  EXPECT_EQ(faces("home0002"), 8U);
+  EXPECT_THAT(read_file(folder.path() / "README.md"),
+              HasSubstr("but of 256 and finer light in home0001"));
+  options.pretty = 0;
+  EXPECT_THROW(write_homes(folder.path(), options), FileError) << "another set";
+}
+
+TEST(HomeSet, TheDemosSetHasManyHomesToLearnFromAndSomeToLookAt) {
+  const HomeSetOptions demo = home_set_preset("demo"), training = home_set_preset("training");
+  EXPECT_GE(demo.homes, 90U);
+  EXPECT_EQ(demo.face_size, training.face_size);
+  EXPECT_EQ(demo.light, HomeLight::kCoarse);
+  EXPECT_EQ(pretty_homes(demo).size(), 4U);
+  const HomeSetOptions pretty = home_set_preset("pretty");
+  EXPECT_EQ(pretty.face_size, kPrettyFaceSize);
+  EXPECT_EQ(pretty.samples, kPrettySamples);
+  EXPECT_EQ(pretty.light, HomeLight::kFine);
+}
+
 TEST(HomeSet, RefusesOptionsOutOfRangeBeforeItMakesAFolder) {
   const TemporaryFolder made("homes");
   const fs::path folder = made.path() / "new";
@@ -292,6 +356,7 @@ TEST(HomeSet, RefusesOptionsOutOfRangeBeforeItMakesAFolder) {
   EXPECT_THAT(refused([](auto& o) { o.least_area = 59; }), HasSubstr("area: 59 to 60 m2"));
   EXPECT_EQ(refused([](auto& o) { o.samples = 3; }), "samples: 3, not 1, 4, 9 or 16");
   EXPECT_EQ(refused([](auto& o) { o.face_size = 4097; }), "face_size: 4097, not from 0 to 4096");
+  EXPECT_EQ(refused([](auto& o) { o.pretty = 2; }), "pretty: 2, not from 0 to 1");
   EXPECT_FALSE(fs::exists(folder));
 }
 

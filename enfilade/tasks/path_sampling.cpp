@@ -243,6 +243,20 @@ std::vector<PathAnnotation> sample_paths(const graph::GraphSet& graphs,
   return paths;
 }
 
+std::map<std::string, std::string> splits_of_buildings(std::vector<std::string> scans,
+                                                       const SplitOptions& options) {
+  std::ranges::sort(scans);
+  Rng rng(options.seed, kBuildings);
+  rng.shuffle(std::span(scans));
+  const auto [train, val_unseen, test] =
+      apportion({options.train_scans, options.val_unseen_scans, options.test_scans}, scans.size());
+  std::map<std::string, std::string> split_of;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    split_of[scans[i]] = i < train ? "train" : i < train + val_unseen ? "val_unseen" : "test";
+  }
+  return split_of;
+}
+
 std::map<std::string, Annotations> split_by_building(const std::vector<PathAnnotation>& paths,
                                                      const SplitOptions& options) {
   if (!(options.val_seen_share >= 0 && options.val_seen_share < 1)) {
@@ -251,22 +265,15 @@ std::map<std::string, Annotations> split_by_building(const std::vector<PathAnnot
   }
   std::set<std::string> names;
   for (const PathAnnotation& entry : paths) names.insert(entry.scan);
-  std::vector<std::string> scans(names.begin(), names.end());
-  Rng rng(options.seed, kBuildings);
-  rng.shuffle(std::span(scans));
-  const auto [train, val_unseen, test] =
-      apportion({options.train_scans, options.val_unseen_scans, options.test_scans}, scans.size());
-  std::map<std::string, const char*> split_of;
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    split_of[scans[i]] = i < train                ? "train"
-                         : i < train + val_unseen ? "val_unseen"
-                                                  : "test_hidden";
-  }
+  auto split_of = splits_of_buildings({names.begin(), names.end()}, options);
   std::map<std::string, Annotations> splits;
   for (const char* split : {"train", "val_seen", "val_unseen", "test", "test_hidden"}) {
     splits[split] = {split, fmt::format("R2R_{}.json", split), {}};
   }
-  for (const PathAnnotation& entry : paths) splits[split_of[entry.scan]].paths.push_back(entry);
+  for (const PathAnnotation& entry : paths) {
+    const std::string& split = split_of[entry.scan];
+    splits[split == "test" ? "test_hidden" : split].paths.push_back(entry);
+  }
   for (const PathAnnotation& entry : splits["test_hidden"].paths) {
     splits["test"].paths.push_back(without_goal(entry));
   }

@@ -58,6 +58,11 @@ struct SplitOptions {
   std::uint64_t seed = 1;
 };
 
+/// What split_by_building() does with each of these buildings: "train", "val_unseen" or "test".
+/// `val_seen_share` does not matter. \throws ArgumentError likewise
+std::map<std::string, std::string> splits_of_buildings(std::vector<std::string> scans,
+                                                       const SplitOptions& options);
+
 /// "train", "val_seen" (other paths in train's buildings), "val_unseen", "test" (paths cut to their
 /// start, distances dropped; "test_hidden" has them whole). If the numbers of scans do not add up
 /// to those in `paths`, they are scaled in proportion, at least one each where asked for. Paths

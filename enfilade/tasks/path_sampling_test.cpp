@@ -220,6 +220,9 @@ TEST(SplitByBuilding, KeepsBuildingsApart) {
   std::set<std::string> all;
   for (const char* split : {"train", "val_unseen", "test"}) all.merge(scans_of(splits.at(split)));
   EXPECT_EQ(all.size(), 10U) << "no building in two";
+  for (const auto& [scan, split] : splits_of_buildings({all.begin(), all.end()}, options)) {
+    EXPECT_TRUE(scans_of(splits.at(split)).contains(scan)) << scan;
+  }
   for (const auto& scan : scans_of(splits.at("val_seen"))) {
     EXPECT_TRUE(scans_of(splits.at("train")).contains(scan));
   }

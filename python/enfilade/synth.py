@@ -35,8 +35,9 @@ def write_homes(
 
     Args:
         folder: new, empty, or of an earlier run, which is continued.
-        preset: "small" (a few viewpoints per home), "demo" (25 to 50), "full" (117 on average),
-            "graphs" (homes like those of "demo" without pictures).
+        preset: "small" (a few viewpoints per home), "pretty" (25 to 50), "full" (117 on average),
+            "graphs" (homes like those of "pretty" without pictures), "training" (96 for agents to
+            learn from), "demo" (90 of these, four of them pretty).
         homes: how many; 0: as many as the preset has.
         face_size: texels of a panorama's faces; 0: no pictures; None: as the preset has.
         threads: 0: all cores; never changes a byte.

@@ -18,7 +18,7 @@ std::vector<Case> options() {
   return {
       homes("no folder to write to", "", 2, "--output is required"),
       homes("a preset that is none", out + "--preset huge", 2,
-            "--preset: huge not in {small,demo,full,graphs,training}"),
+            "--preset: huge not in {small,pretty,demo,full,graphs,training}"),
       homes("no homes", out + "--homes 0", 2,
             "--homes: \"0\" is not a whole number from 1 to 10000"),
       homes("a seed below 0", out + "--seed -1", 2, "--seed: \"-1\" is not a whole number from 0"),

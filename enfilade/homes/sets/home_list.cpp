@@ -53,6 +53,7 @@ void for_fields(ConstOrNot<HomeSetOptions> auto& o, auto& visit) {
   visit("samples", o.samples);
   visit("jpeg_quality", o.jpeg_quality);
   visit.optional("light", o.light);
+  visit.optional("pretty", o.pretty);
 }
 
 void for_fields(ConstOrNot<RoomEntry> auto& room, auto& visit) {

@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "enfilade/homes/home_set.h"
+#include "enfilade/homes/sets/scan_names.h"
+#include "enfilade/tasks/path_sampling.h"
+
+namespace enfilade::homes {
+namespace {
+
+struct NamedLight {
+  std::string_view name;
+  HomeLight light;
+};
+constexpr std::array<NamedLight, 2> kLights{
+    {{"fine", HomeLight::kFine}, {"coarse", HomeLight::kCoarse}}};
+
+}  // namespace
+
+HomeSetOptions home_set_preset(std::string_view name) {
+  HomeSetOptions o;
+  if (name == "small") {
+    o.homes = 2;
+    o.kind = HomeKind::kFlat;
+    o.least_area = o.most_area = kLeastArea;
+    o.face_size = 64;
+    o.samples = 1;
+  } else if (name == "full") {
+    o.homes = 90;
+    o.least_area = 350;
+    o.most_area = 850;
+    o.face_size = 512;
+  } else if (name == "pretty" || name == "demo" || name == "graphs" || name == "training") {
+    o.least_area = 85;
+    o.most_area = 100;
+    o.stairs_every = 8;
+  } else {
+    throw ArgumentError(
+        fmt::format("preset: {:?} is none of {}", name, fmt::join(home_set_presets(), ", ")));
+  }
+  if (name == "graphs") {
+    o.homes = 6;
+    o.face_size = 0;
+  } else if (name == "training" || name == "demo") {
+    o.homes = name == "demo" ? 90 : 96;
+    o.pretty = name == "demo" ? 4 : 0;
+    o.face_size = 64;
+    o.samples = 1;
+    o.light = HomeLight::kCoarse;
+  }
+  return o;
+}
+
+std::vector<std::string> home_set_presets() {
+  return {"small", "pretty", "demo", "full", "graphs", "training"};
+}
+
+std::string_view to_string(HomeLight light) noexcept {
+  return light == HomeLight::kFine ? kLights[0].name : kLights[1].name;
+}
+
+std::vector<std::string> home_lights() {
+  std::vector<std::string> names;
+  for (const NamedLight& light : kLights) names.emplace_back(light.name);
+  return names;
+}
+
+HomeLight parse_home_light(std::string_view name) {
+  const auto found = std::ranges::find(kLights, name, &NamedLight::name);
+  if (found != kLights.end()) return found->light;
+  throw ArgumentError(
+      fmt::format("light: {:?} is none of {}", name, fmt::join(home_lights(), ", ")));
+}
+
+std::vector<std::string> pretty_homes(const HomeSetOptions& options) {
+  if (options.pretty == 0 || options.face_size == 0) return {};
+  std::vector<std::string> scans;
+  for (std::size_t i = 0; i < options.homes; ++i) scans.push_back(sets::scan_name(i));
+  if (options.homes >= kLeastHomes) {
+    const auto split_of = tasks::splits_of_buildings(scans, {.seed = options.seed});
+    const auto rank = [&](const std::string& scan) {
+      const std::string& split = split_of.at(scan);
+      return split == "val_unseen" ? 0 : split == "train" ? 1 : 2;
+    };
+    std::ranges::stable_sort(scans, {}, rank);
+  }
+  scans.resize(std::min(options.pretty, scans.size()));
+  std::ranges::sort(scans);
+  return scans;
+}
+
+}  // namespace enfilade::homes
