@@ -75,11 +75,19 @@ class Computation {
         camera_(encoder_->camera()),
         batch_(std::min(job.batch, render::kDiscreteViews)),
         picture_(std::size_t{3} * camera_.width * camera_.height),
-        pictures_(batch_ * picture_),
+        pictures_(encoder_->memory(batch_, camera_)),
         features_(render::kDiscreteViews * encoder_->dimensions()) {
     faces_ = std::make_shared<render::FaceCache>(panoramas,
                                                  render::FaceCacheConfig{.threads = job.threads});
-    renderer_ = render::make_renderer(faces_, {render::Backend::kCpu, job.threads, {}, {}});
+    render::RendererConfig config;
+    config.threads = job.threads;
+    if (encoder_->on_card()) {
+      // Drawn where they are read: pictures never leave the card.
+      config.backend = render::Backend::kCuda;
+      const std::string& device = job.encoder.device;
+      config.cuda_device = device.substr(std::min(device.find(':'), device.size() - 1) + 1);
+    }
+    renderer_ = render::make_renderer(faces_, config);
   }
 
   features::FeatureInfo info(const FeatureJob& job) const {
@@ -106,11 +114,13 @@ class Computation {
     const auto views = render::discrete_views(place.scan, place.viewpoint);
     for (std::size_t first = 0; first < views.size(); first += batch_) {
       const std::size_t n = std::min(batch_, views.size() - first);
-      const std::span<float> pictures = std::span(pictures_).first(n * picture_);
+      const std::span<float> pictures = pictures_.first(n * picture_);
       const Clock::time_point start = Clock::now();
       render::Outputs outputs;
       outputs.colour = {render::ColourFormat::kPlanarFloat32, encoder_->normalisation(),
                         std::as_writable_bytes(pictures)};
+      // The encoder's own stream, so nobody waits in between.
+      if (encoder_->on_card()) outputs.stream = render::CudaStream{};
       renderer_->render(camera_, std::span(views).subspan(first, n), outputs);
       const Clock::time_point drawn = Clock::now();
       const std::size_t size = encoder_->dimensions();
@@ -125,7 +135,8 @@ class Computation {
   std::unique_ptr<ImageEncoder> encoder_;
   Camera camera_;
   std::size_t batch_, picture_;
-  std::vector<float> pictures_, features_;
+  std::span<float> pictures_;  // the encoder's
+  std::vector<float> features_;
   std::shared_ptr<render::FaceCache> faces_;
   std::unique_ptr<render::Renderer> renderer_;
 };

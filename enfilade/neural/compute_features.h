@@ -28,14 +28,15 @@ struct FeatureReport {
   std::size_t viewpoints = 0;        ///< of the shard, in the file now
   std::size_t resumed = 0;           ///< of them, those computed by an earlier run that was stopped
   std::vector<std::string> without;  ///< scans without pictures at any included viewpoint
-  double rendering_seconds = 0;      ///< decoding of panoramas included
+  double rendering_seconds = 0;      ///< decoding of panoramas included; on a card, only the asking
   double encoding_seconds = 0;
 };
 
 /// Renders the 36 discretized views (render::discrete_views) of each included viewpoint that has
 /// pictures, in the order of the set's scans, runs the encoder on them, and writes its output with
 /// a FeatureWriter; a run that was stopped is continued. The values do not depend on shards and
-/// `threads`, and on `batch` and libtorch's threads in the last bits only. \param progress counts
+/// `threads`, and on `batch` and libtorch's threads in the last bits only. An encoder on a card has
+/// its pictures drawn there (render::Backend::kCuda, the same bytes). \param progress counts
 /// viewpoints \throws as make_encoder(), FeatureWriter and the panoramas' sources; ArgumentError
 /// for a batch of 0, a shard out of range, or if there is no viewpoint at all
 FeatureReport compute_features(const std::shared_ptr<const scan::PanoramaSet>& panoramas,

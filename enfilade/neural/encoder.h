@@ -52,8 +52,15 @@ class ImageEncoder {
   /// (ColourFormat::kPlanarFloat32).
   virtual render::Normalisation normalisation() const = 0;
   virtual Camera camera() const = 0;  ///< of the pictures it was trained on: 640 x 480, 60 degrees
+  /// Memory of (n, 3, height, width) in which encode() reads pictures without a copy, until the
+  /// next call: on the encoder's card if on_card(), then to be filled in the order of the legacy
+  /// default stream; else of the host.
+  virtual std::span<float> memory(std::size_t n, const Camera& camera) = 0;
+  /// Whether memory() is on a card.
+  virtual bool on_card() const = 0;
   /// Computes features of n pictures.
-  /// \param pictures (n, 3, height, width), R G B, as the renderer fills them with normalisation()
+  /// \param pictures (n, 3, height, width), R G B, as the renderer fills them with normalisation();
+  /// of the host, or memory()
   /// \param features (n, dimensions()) \throws ArgumentError for sizes that do not fit
   virtual void encode(std::span<const float> pictures, std::size_t n, const Camera& camera,
                       std::span<float> features) = 0;

@@ -32,4 +32,20 @@ at::Tensor picture_tensor(std::span<const float> pictures, std::size_t n, const 
                        {static_cast<std::int64_t>(n), 3, camera.height, camera.width}, at::kFloat);
 }
 
+std::span<float> PictureMemory::take(std::size_t n, const Camera& camera) {
+  memory_ = at::empty({static_cast<std::int64_t>(n), 3, camera.height, camera.width},
+                      at::TensorOptions(at::kFloat).device(device_));
+  return {memory_.data_ptr<float>(), static_cast<std::size_t>(memory_.numel())};
+}
+
+at::Tensor PictureMemory::tensor(std::span<const float> pictures, std::size_t n,
+                                 const Camera& camera) const {
+  if (!memory_.defined() || pictures.data() != memory_.data_ptr<float>()) {
+    return picture_tensor(pictures, n, camera);
+  }
+  return memory_.view({-1})
+      .narrow(0, 0, static_cast<std::int64_t>(pictures.size()))
+      .view({static_cast<std::int64_t>(n), 3, camera.height, camera.width});
+}
+
 }  // namespace enfilade::neural::encoders

@@ -12,7 +12,21 @@ namespace enfilade::neural::encoders {
 void check_sizes(std::size_t numbers, std::size_t n, const Camera& camera, std::size_t dimensions,
                  std::size_t features);
 
-/// The pictures as (n, 3, height, width), a view of the caller's memory.
+/// The pictures as (n, 3, height, width), a view of the caller's memory of the host.
 at::Tensor picture_tensor(std::span<const float> pictures, std::size_t n, const Camera& camera);
+
+/// What ImageEncoder::memory() hands out.
+class PictureMemory {
+ public:
+  explicit PictureMemory(c10::Device device) : device_(device) {}
+  bool on_card() const { return !device_.is_cpu(); }
+  std::span<float> take(std::size_t n, const Camera& camera);
+  /// picture_tensor(), also of what take() gave.
+  at::Tensor tensor(std::span<const float> pictures, std::size_t n, const Camera& camera) const;
+
+ private:
+  c10::Device device_;
+  at::Tensor memory_;
+};
 
 }  // namespace enfilade::neural::encoders

@@ -33,10 +33,15 @@ class HomeEncoder final : public ImageEncoder {
       : network_(file.weights, device),
         mean_(file.weights.at("features.mean").to(device)),
         deviation_(file.weights.at("features.deviation").to(device)),
-        hash_(detail::hash_of(file.weights)) {}
+        hash_(detail::hash_of(file.weights)),
+        input_(device) {}
 
   std::size_t dimensions() const override { return static_cast<std::size_t>(mean_.numel()); }
   Camera camera() const override { return {kHomeWidth, kHomeHeight, degrees(60)}; }
+  std::span<float> memory(std::size_t n, const Camera& camera) override {
+    return input_.take(n, camera);
+  }
+  bool on_card() const override { return input_.on_card(); }
   std::string weights_hash() const override { return hash_; }
   std::string preprocessing() const override { return "home"; }
   render::Normalisation normalisation() const override {
@@ -52,7 +57,7 @@ class HomeEncoder final : public ImageEncoder {
     check_sizes(pictures.size(), n, camera, dimensions(), features.size());
     if (n == 0) return;
     const c10::InferenceMode no_gradients;
-    const at::Tensor seen = describe(network_.run(picture_tensor(pictures, n, camera)));
+    const at::Tensor seen = describe(network_.run(input_.tensor(pictures, n, camera)));
     const at::Tensor output = ((seen - mean_) / deviation_).cpu().contiguous();
     std::ranges::copy_n(output.data_ptr<float>(), output.numel(), features.begin());
   }
@@ -61,6 +66,7 @@ class HomeEncoder final : public ImageEncoder {
   HomeNetwork network_;
   at::Tensor mean_, deviation_;
   std::string hash_;
+  PictureMemory input_;
 };
 
 }  // namespace

@@ -139,7 +139,8 @@ class ResNet final : public ImageEncoder {
   explicit ResNet(const EncoderConfig& config)
       : preprocessing_(config.preprocessing),
         device_(detail::open_device(config.device)),
-        plan_(plan_network(architecture(config.name))) {
+        plan_(plan_network(architecture(config.name))),
+        input_(device_) {
     const detail::Weights weights =
         config.weights.empty() ? random_weights(plan_, config.seed)
                                : detail::read_weights(features::TensorFile::open(config.weights),
@@ -151,6 +152,10 @@ class ResNet final : public ImageEncoder {
 
   std::size_t dimensions() const override { return static_cast<std::size_t>(plan_.features); }
   Camera camera() const override { return {640, 480, degrees(60)}; }
+  std::span<float> memory(std::size_t n, const Camera& camera) override {
+    return input_.take(n, camera);
+  }
+  bool on_card() const override { return input_.on_card(); }
   std::string weights_hash() const override { return hash_; }
   std::string preprocessing() const override { return std::string(to_string(preprocessing_)); }
 
@@ -165,7 +170,7 @@ class ResNet final : public ImageEncoder {
     check_sizes(pictures.size(), n, camera, dimensions(), features.size());
     if (n == 0) return;
     const c10::InferenceMode no_gradients;
-    const at::Tensor input = picture_tensor(pictures, n, camera);
+    const at::Tensor input = input_.tensor(pictures, n, camera);
     const at::Tensor output = forward(prepare(input, device_, layout_));
     std::ranges::copy_n(output.data_ptr<float>(), output.numel(), features.begin());
   }
@@ -207,6 +212,7 @@ class ResNet final : public ImageEncoder {
   c10::Device device_;
   Layout layout_ = best_layout(device_);
   Plan plan_;
+  PictureMemory input_;
   std::string hash_;
 };
 

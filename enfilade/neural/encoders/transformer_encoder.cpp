@@ -41,6 +41,11 @@ class TransformerEncoder final : public ImageEncoder {
 
   std::size_t dimensions() const override { return dimensions_; }
   Camera camera() const override { return {640, 480, degrees(60)}; }
+  // Resized on the host, whatever computes.
+  std::span<float> memory(std::size_t n, const Camera& camera) override {
+    return input_.take(n, camera);
+  }
+  bool on_card() const override { return false; }
   std::string weights_hash() const override { return hash_; }
   std::string preprocessing() const override { return preprocessing_; }
 
@@ -78,6 +83,7 @@ class TransformerEncoder final : public ImageEncoder {
   std::string hash_;
   std::size_t dimensions_ = 0;
   std::optional<PictureResize> resize_;
+  PictureMemory input_{c10::kCPU};
 };
 
 std::string block_name(const TransformerNames& names, std::int64_t block) {
