@@ -12,6 +12,7 @@
 #include "apps/enfilade/home_pictures.h"
 #include "apps/enfilade/learning/demo_learning.h"
 #include "apps/enfilade/learning/learn.h"
+#include "apps/enfilade/open_page.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/file.h"
@@ -32,6 +33,7 @@ struct Options {
   std::string output = "enfilade-demo";
   std::uint64_t seeds = 25;
   bool skip_learning = false;
+  bool open = false;
 };
 
 // What the demo shows of a score: TL and NE in metres, SR and OSR in per cent.
@@ -224,8 +226,13 @@ void draw_pictures(const Options& options, const dataset::Dataset& data) {
 // What comes after the demo, for people who have data.
 void print_next(const Options& options, bool learned) {
   if (learned) {
-    fmt::print("\nThe report, one page for any browser: {}\n",
-               fs::absolute(fs::path(options.output) / "report.html").string());
+    const fs::path report = fs::absolute(fs::path(options.output) / "report.html");
+    const bool opened = options.open && open_page(report);
+    fmt::print("\nThe report, one page for any browser: {}\n{}", report.string(),
+               opened ? "It was given to your browser.\n"
+               : options.open
+                   ? "No browser was found here (BROWSER, or a desktop's): copy the page to one.\n"
+                   : "To see it at once: demo --open, or xdg-open and this name.\n");
   }
   fmt::print(
       "\nNext, with Room-to-Room's own graphs and annotations (no licence form is needed):\n"
@@ -268,7 +275,8 @@ void add_demo(CLI::App& app, int& status) {
   add_setting(verb, "-o,--output", options->output, "DIR", "Output folder");
   add_whole_number(verb, "--seeds", options->seeds, "Number of seeds of the random agent");
   verb.add_flag("--skip-learning", options->skip_learning, "Do not train agents");
-  set_examples(verb, {"enfilade demo", "enfilade demo --skip-learning",
+  verb.add_flag("--open", options->open, "Show the report in the browser at the end");
+  set_examples(verb, {"enfilade demo", "enfilade demo --open", "enfilade demo --skip-learning",
                       "enfilade demo --data ~/data --seeds 100"});
   verb.callback([options, &status] { status = demo(*options); });
 }

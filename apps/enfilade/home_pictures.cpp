@@ -160,7 +160,7 @@ bool draw_walk(const dataset::Dataset& data, const std::vector<std::string>& pre
   const tasks::EpisodeSet episodes = data.episodes("val_unseen");
   if (episodes.paths.empty()) return false;
   const auto shown = std::ranges::find_if(episodes.paths, [&](const tasks::ReferencePath& path) {
-    return std::ranges::binary_search(pretty, path.scan);
+    return std::ranges::binary_search(pretty, data.graphs()->scans()[path.scan.at()]);
   });
   const tasks::ReferencePath& path =
       shown == episodes.paths.end() ? episodes.paths.front() : *shown;
