@@ -139,9 +139,11 @@ tell_space() {
   done
 }
 
-# build_preset PRESET [CMAKE ARGS]: configures and builds. Nothing is said if all is up to date.
+# build_preset PRESET [CMAKE ARGS]: configures and builds `targets`, or all if it is empty. Nothing is
+# said if all is up to date.
+targets=()
 build_preset() {
-  local preset=$1 directory log jobs steps launcher
+  local preset=$1 directory log jobs steps launcher only=()
   shift
   directory=build/$preset
   log=$directory/build.log
@@ -161,13 +163,14 @@ build_preset() {
     die 1 "configuring the preset '$preset' failed (all of its output: $log)"
   }
   # Not of build.ninja itself, whose dry run ends at its first step, the check of cmake's globs.
-  steps=$(ninja -C "$directory" -f /dev/stdin -n <<<'include build.ninja' |
+  steps=$(ninja -C "$directory" -f /dev/stdin -n ${targets[@]+"${targets[@]}"} <<<'include build.ninja' |
     sed -n 's|^\[[0-9]*/\([0-9]*\)\].*|\1|p' | tail -n 1)
   [[ -n $steps ]] || return 0
   jobs=$(job_count)
   tell_space "$preset"
   say "building in $directory ($steps steps, $jobs at a time: $(duration_of "$steps" "$jobs"))"
-  log_to "$log" cmake --build "$directory" --parallel "$jobs" || {
+  ((${#targets[@]} == 0)) || only=(--target "${targets[@]}")
+  log_to "$log" cmake --build "$directory" --parallel "$jobs" ${only[@]+"${only[@]}"} || {
     show_failure "$log"
     die 1 "the build failed (all of its output: $log)"
   }
@@ -246,6 +249,7 @@ command_serve() {
 }
 
 command_demo() {
+  targets=(enfilade)  # with what it starts; the tools and benchmarks can wait
   command_build
   cd "$caller"
   exec "$root/build/release/bin/enfilade" demo "$@"

@@ -10,6 +10,7 @@
 
 namespace enfilade::render::cpu {
 
+namespace pixels = detail::pixels;
 using pixels::FaceLine;
 
 /// As pixels.h has them.

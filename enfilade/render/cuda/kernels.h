@@ -13,7 +13,7 @@
 
 namespace enfilade::render::cuda {
 
-using namespace pixels;  // NOLINT(google-build-using-namespace): one text, in two files
+using namespace detail::pixels;  // NOLINT(google-build-using-namespace): one text, in two files
 
 inline constexpr u32 kLanes = 32;     ///< of a warp
 inline constexpr u32 kWarps = 8;      ///< of a block

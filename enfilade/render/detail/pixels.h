@@ -10,7 +10,7 @@
 #define EN_PIXELS inline
 #endif
 
-namespace enfilade::render::pixels {
+namespace enfilade::render::detail::pixels {
 
 #if !defined(__CUDACC_RTC__)
 using std::ceil;
@@ -280,4 +280,4 @@ EN_PIXELS u32 step257(float units) {
   return static_cast<u32>(units * (1.0F / 257.0F) + 0.5F) * 257U;
 }
 
-}  // namespace enfilade::render::pixels
+}  // namespace enfilade::render::detail::pixels
