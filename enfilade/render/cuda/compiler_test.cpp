@@ -25,6 +25,9 @@ using ::testing::ThrowsMessage;
 
 // Why there is none, in `reason`.
 std::optional<Compiler> compiler(std::string& reason) {
+#ifdef EN_TEST_NVRTC  // where the tests' Python has it
+  setenv("ENFILADE_NVRTC", EN_TEST_NVRTC, 0);
+#endif
   try {
     return Compiler();
   } catch (const Error& error) {
@@ -53,6 +56,16 @@ std::vector<Kinds> kinds_that_are_hot(bool every) {
   return all;
 }
 
+// Of all numbers in a text that the expression finds; -1 for none.
+int largest(const std::string& text, const std::string& expression) {
+  const std::regex number(expression);
+  int most = -1;
+  for (std::sregex_iterator at(text.begin(), text.end(), number), end; at != end; ++at) {
+    most = std::max(most, std::stoi((*at)[1]));
+  }
+  return most;
+}
+
 TEST(CudaCompiler, CompilesForAllCards) {
   EN_SKIP_WITHOUT_NVRTC(nvrtc);
   int tried = 0;
@@ -64,21 +77,13 @@ TEST(CudaCompiler, CompilesForAllCards) {
       const Compiler::Compiled compiled = nvrtc->compile({kinds.definitions()}, capability);
       EXPECT_EQ(compiled.image.substr(1, 3), "ELF");
       ++tried;
-      // ptxas tells of each kernel: "N bytes spill stores", "Used N registers".
-      // A few values of the plan of a row may go to memory, which is done once a row: the compiler
-      // prefers that to more registers.
-      const std::regex spills("([1-9][0-9]+) bytes spill stores");
-      EXPECT_FALSE(std::regex_search(compiled.log, spills))
-          << capability << ' ' << fmt::format("{}", fmt::join(kinds.definitions(), " ")) << '\n'
-          << compiled.log;
-      const std::regex registers("Used ([0-9]+) registers");
-      int most = 0;
-      for (std::sregex_iterator at(compiled.log.begin(), compiled.log.end(), registers), end;
-           at != end; ++at) {
-        most = std::max(most, std::stoi((*at)[1]));
-      }
-      EXPECT_GT(most, 0) << compiled.log;
-      EXPECT_LE(most, 80) << capability;  // three blocks of 256 threads a multiprocessor
+      // ptxas tells of each kernel: "N bytes spill stores", "Used N registers". Few registers are
+      // asked for, so that many warps are there (Variant::kBlocks). What finds no room is of the
+      // plan of a row, which is made once for hundreds of pixels; more than this would be theirs.
+      EXPECT_LE(largest(compiled.log, "([0-9]+) bytes spill stores"), 256) << compiled.log;
+      const int registers = largest(compiled.log, "Used ([0-9]+) registers");
+      EXPECT_GT(registers, 0) << compiled.log;
+      EXPECT_LE(registers, 64) << capability << '\n' << compiled.log;
     }
   }
   EXPECT_GT(tried, 0);
