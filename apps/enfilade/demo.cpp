@@ -78,7 +78,7 @@ dataset::Dataset find_data(const Options& options) {
       "connectivity/ of peteanderson80/Matterport3DSimulator on GitHub, and its\n"
       "tasks/R2R/data/download.sh fetches the Room-to-Room annotations. Put them into one folder\n"
       "and set ENFILADE_DATA to it.\n\n"
-      "Until then: SYNTHETIC model homes, made now in {} (about three minutes on two\n"
+      "Until then: SYNTHETIC model homes, made now in {} (about two minutes on two\n"
       "cores; the next demo finds them there).\n\n",
       folder.string());
   std::fflush(stdout);
@@ -268,7 +268,7 @@ void add_demo(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "demo",
       "The paper's table rows for Shortest and Random, beside ours; without data, on a set of "
-      "synthetic model homes, in which two agents are trained too. Run again, it goes on where it "
+      "synthetic model homes, in which an agent is trained too. Run again, it goes on where it "
       "was");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);

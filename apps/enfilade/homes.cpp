@@ -112,8 +112,8 @@ void add_options(CLI::App& verb, Options& o) {
   add_setting(verb, "--preset", o.preset, "",
               "small: 2 flats for tests; pretty: 16 homes of 25 to 50 viewpoints; full: 90 homes "
               "of 117 viewpoints on average, 512-texel faces; graphs: 6 homes without pictures; "
-              "training: 96 homes to learn from, 64-texel faces, coarse light; demo: 90 of these, "
-              "four of them pretty",
+              "training: 96 homes to learn from, 64-texel faces, coarse light; demo: 60 of these, "
+              "three of them pretty",
               CLI::IsMember(homes::home_set_presets()));
   add_value(verb, "--homes", o.homes, "N", "How many, instead of the preset's")
       ->check(whole_number(1, 10000));
