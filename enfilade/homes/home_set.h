@@ -54,8 +54,9 @@ struct HomeSetOptions {
   int threads = 0;  ///< 0: all cores; the files are the same for any number
 };
 
-/// Faces and rays of HomeSetOptions::pretty.
-inline constexpr std::uint32_t kPrettyFaceSize = 256, kPrettySamples = 4;
+/// Texels along a face, and colour rays a texel, of HomeSetOptions::pretty.
+inline constexpr std::uint32_t kPrettyFaceSize = 256;
+inline constexpr std::uint32_t kPrettySamples = 4;  ///< see kPrettyFaceSize
 /// The scans that HomeSetOptions::pretty makes pretty, ascending: those that write_home_paths()
 /// with the set's seed puts into val_unseen come first, as reports show these, then train's, then
 /// test's.

@@ -13,6 +13,7 @@ struct CudaDevice {
   std::size_t bytes = 0, free_bytes = 0;  ///< of its memory
 };
 
+/// What cuda_report() found.
 struct CudaReport {
   std::string driver;               ///< the newest CUDA that it knows: "13.0"; empty: none
   std::vector<CudaDevice> devices;  ///< by their numbers
