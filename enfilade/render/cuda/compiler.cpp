@@ -16,6 +16,7 @@ namespace enfilade::render::cuda {
 
 using Program = struct ProgramOfNvrtc*;
 
+// NOLINTBEGIN(readability-identifier-naming): as NVRTC's reference names them
 struct Compiler::Functions {
   int (*Version)(int* major, int* minor);
   const char* (*GetErrorString)(int);
@@ -30,6 +31,7 @@ struct Compiler::Functions {
   int (*GetCUBINSize)(Program, std::size_t*);
   int (*GetCUBIN)(Program, char*);
 };
+// NOLINTEND(readability-identifier-naming)
 
 namespace {
 
@@ -92,7 +94,7 @@ void find(void* library, Function& function, const char* name) {
 
 Compiler::Compiler()
     : functions_([]() -> const Functions& {
-        static const Functions loaded = [] {
+        static const Functions kLoaded = [] {
           void* library = open_library();
           Functions f{};
           find(library, f.Version, "nvrtcVersion");
@@ -108,7 +110,7 @@ Compiler::Compiler()
           find(library, f.GetCUBIN, "nvrtcGetCUBIN");
           return f;
         }();
-        return loaded;
+        return kLoaded;
       }()) {
   int major = 0, minor = 0, count = 0;
   if (functions_.Version(&major, &minor) != 0 || functions_.GetNumSupportedArchs(&count) != 0) {

@@ -36,11 +36,6 @@ std::optional<Compiler> compiler(std::string& reason) {
   }
 }
 
-#define EN_SKIP_WITHOUT_NVRTC(name)   \
-  std::string reason;                 \
-  const auto name = compiler(reason); \
-  if (!name) GTEST_SKIP() << reason
-
 std::vector<Kinds> kinds_that_are_hot(bool every) {
   if (!every) return {{kRgb}, {kPlanar16, kMetres}, {kRgb, kLegacyUnits, kClass8, true, true}};
   std::vector<Kinds> all;
@@ -67,7 +62,9 @@ int largest(const std::string& text, const std::string& expression) {
 }
 
 TEST(CudaCompiler, CompilesForAllCards) {
-  EN_SKIP_WITHOUT_NVRTC(nvrtc);
+  std::string reason;
+  const auto nvrtc = compiler(reason);
+  if (!nvrtc) GTEST_SKIP() << reason;
   int tried = 0;
   for (const int capability : {70, 75, 80, 86, 90, 100}) {
     if (std::ranges::find(nvrtc->capabilities(), capability) == nvrtc->capabilities().end())
@@ -90,7 +87,9 @@ TEST(CudaCompiler, CompilesForAllCards) {
 }
 
 TEST(CudaCompiler, TellsWhatItDoesNotCompile) {
-  EN_SKIP_WITHOUT_NVRTC(nvrtc);
+  std::string reason;
+  const auto nvrtc = compiler(reason);
+  if (!nvrtc) GTEST_SKIP() << reason;
   EXPECT_THAT([&] { nvrtc->compile({{"EN_COLOUR=1"}}, 90); },
               ThrowsMessage<Error>(HasSubstr("EN_DEPTH")));
   EXPECT_THAT([&] { nvrtc->compile({Kinds{kRgb}.definitions()}, 12); },
@@ -98,7 +97,9 @@ TEST(CudaCompiler, TellsWhatItDoesNotCompile) {
 }
 
 TEST(CudaImages, AreFoundAgainWithoutACompiler) {
-  EN_SKIP_WITHOUT_NVRTC(nvrtc);
+  std::string reason;
+  const auto nvrtc = compiler(reason);
+  if (!nvrtc) GTEST_SKIP() << reason;
   const tests::TemporaryFolder folder("images");
   const Images images(folder.path() / "made" / "cuda");
   const Source source{Kinds{kRgb}.definitions()};

@@ -92,9 +92,9 @@ Loaded load() {
 }  // namespace
 
 const Api& api() {
-  static const Loaded loaded = load();
-  if (!loaded.error.empty()) throw Error(fmt::format("CUDA: {}", loaded.error));
-  return loaded.api;
+  static const Loaded kLoaded = load();
+  if (!kLoaded.error.empty()) throw Error(fmt::format("CUDA: {}", kLoaded.error));
+  return kLoaded.api;
 }
 
 void check(Result result, std::string_view doing) {

@@ -22,6 +22,7 @@ using StreamHandle = struct StreamOfCuda*;
 using EventHandle = struct EventOfCuda*;
 
 /// Functions of libcuda.so.1, by their names without "cu".
+// NOLINTBEGIN(readability-identifier-naming): as CUDA's reference names them
 struct Api {
   Result (*Init)(unsigned flags);
   Result (*DriverGetVersion)(int* version);
@@ -64,6 +65,7 @@ struct Api {
   Result (*EventElapsedTime)(float* milliseconds, EventHandle from, EventHandle to);
   Result (*PointerGetAttribute)(void* value, int attribute, DevicePointer);
 };
+// NOLINTEND(readability-identifier-naming)
 
 /// The driver's functions, initialised. \throws Error that says what is missing: the library, one
 /// of its functions, or a card

@@ -39,7 +39,7 @@ std::pair<const Kinds, Twin> twin() {
 
 // Every kind of every layer once, and some together.
 const std::map<Kinds, Twin>& twins() {
-  static const std::map<Kinds, Twin> all{
+  static const std::map<Kinds, Twin> kAll{
       twin<kRgb, kNoDepth, kNoClasses, false>(),
       twin<kRgb, kNoDepth, kNoClasses, false, true>(),
       twin<kBgr, kMetres, kNoClasses, false>(),
@@ -53,7 +53,7 @@ const std::map<Kinds, Twin>& twins() {
       twin<kNoColour, kNoDepth, kClass16, false>(),
       twin<kNoColour, kNoDepth, kNoClasses, true>(),
   };
-  return all;
+  return kAll;
 }
 
 // Layers of panoramas as they lie on a card.

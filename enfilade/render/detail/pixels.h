@@ -18,11 +18,14 @@ using std::fabs;
 using std::floor;
 #endif
 
+// NOLINTBEGIN(google-runtime-int, readability-identifier-naming): a card's compiler knows no
+// <cstdint>, and formulas of bits are read by their widths.
 using i32 = int;
 using u8 = unsigned char;
-using u16 = unsigned short;  // NOLINT(google-runtime-int): a card's compiler knows no <cstdint>
+using u16 = unsigned short;
 using u32 = unsigned int;
-using u64 = unsigned long long;  // NOLINT(google-runtime-int)
+using u64 = unsigned long long;
+// NOLINTEND(google-runtime-int, readability-identifier-naming)
 
 /// As enfilade::Vec3d, without its header.
 struct Vector {
