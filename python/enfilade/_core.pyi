@@ -181,7 +181,7 @@ class ViewArrays:
 class ViewRenderer:
     """What enfilade.Renderer is made of."""
 
-    def __init__(self, panoramas: Panoramas, backend: str, threads: int, cache_bytes: int, shared_bytes: int, clamped_edges: bool, eight_bit_depth: bool, device: str) -> None: ...
+    def __init__(self, panoramas: Panoramas, backend: str, threads: int, cache_bytes: int, shared_bytes: int, clamped_edges: bool, eight_bit_depth: bool, device: str, card_bytes: int) -> None: ...
 
     @property
     def description(self) -> str: ...
@@ -189,7 +189,7 @@ class ViewRenderer:
     def memory(self, shape: tuple[int, ...], type: str) -> numpy.typing.NDArray[Any]:
         """A new array to draw into; what it holds is left over."""
 
-    def render(self, views: ViewArrays, width: int, height: int, vfov: float, colour: Annotated[Any, dict(order='C', device='cpu')] | None, colour_format: str, depth: Annotated[Any, dict(order='C', device='cpu')] | None, ray_depth: bool, classes: Annotated[Any, dict(order='C', device='cpu')] | None, instances: Annotated[Any, dict(order='C', device='cpu')] | None) -> None: ...
+    def render(self, views: ViewArrays, width: int, height: int, vfov: float, colour: Annotated[Any, dict(order='C')] | None, colour_format: str, depth: Annotated[Any, dict(order='C')] | None, ray_depth: bool, classes: Annotated[Any, dict(order='C')] | None, instances: Annotated[Any, dict(order='C')] | None, stream: int | None) -> None: ...
 
 def backends() -> list[str]:
     """What a Renderer may draw with in this build, such as "cpu" and "gl"."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import os
 from collections.abc import Mapping
@@ -259,14 +260,12 @@ def _current_stream(pictures: Mapping[str, Any]) -> Optional[int]:
     """Of the library whose arrays lie on a card."""
     for picture in pictures.values():
         library = type(picture).__module__.partition(".")[0]
+        # By name, as neither library need be there.
         if library == "torch" and picture.is_cuda:
-            import torch
-
-            return int(torch.cuda.current_stream(picture.device).cuda_stream)
+            cuda = importlib.import_module("torch.cuda")
+            return int(cuda.current_stream(picture.device).cuda_stream)
         if library == "cupy":
-            import cupy
-
-            return int(cupy.cuda.get_current_stream().ptr)
+            return int(importlib.import_module("cupy").cuda.get_current_stream().ptr)
     return None
 
 
