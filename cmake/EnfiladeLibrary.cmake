@@ -37,6 +37,20 @@ function(enfilade_library name)
   endif()
 endfunction()
 
+# Has a build step make SOURCE out of text files, so that a library carries them in itself.
+# TEXTS: NAME=FILE|FILE,NAME=FILE, constants of NAMESPACE that HEADER declares (embed_text.cmake).
+# DEPENDS: the files. COMMENT: what the build says.
+function(enfilade_embed_text source)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "HEADER;NAMESPACE;TEXTS;COMMENT" "DEPENDS")
+  set(script ${PROJECT_SOURCE_DIR}/cmake/embed_text.cmake)
+  add_custom_command(OUTPUT ${source}
+    COMMAND ${CMAKE_COMMAND} -DOUTPUT=${source} -DHEADER=${arg_HEADER}
+      -DNAMESPACE=${arg_NAMESPACE} "-DTEXTS=${arg_TEXTS}" -P ${script}
+    DEPENDS ${arg_DEPENDS} ${script}
+    COMMENT ${arg_COMMENT}
+    VERBATIM)
+endfunction()
+
 # A GoogleTest program whose tests ctest runs one by one. SLOW: they are left out of a quick run
 # (`./enfilade.sh test --quick`), as are all tests with the label `slow`.
 function(enfilade_test name)

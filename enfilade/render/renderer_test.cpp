@@ -35,9 +35,9 @@ class EachBackend : public ::testing::TestWithParam<Backend> {
   std::string no_device_;
 };
 
-// Most backends work anywhere; OpenGL needs a device or Mesa's software one.
+// The CPU's work anywhere; OpenGL needs a device or Mesa's software one, CUDA a card.
 #define EN_SKIP_WITHOUT_DEVICE(renderer) \
-  if (!(renderer)) GTEST_SKIP() << "no OpenGL device: " << no_device_
+  if (!(renderer)) GTEST_SKIP() << "no device: " << no_device_
 
 TEST_P(EachBackend, DirectionsComeBackAsTheCamerasRays) {
   constexpr std::uint32_t kSize = 128;

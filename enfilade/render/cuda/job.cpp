@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "enfilade/image/face_cells.h"
 #include "enfilade/render/cpu/pack.h"
 #include "enfilade/render/cpu/row_plan.h"
 #include "enfilade/render/detail/layers.h"
@@ -79,19 +78,6 @@ scan::LayerMask layers_of(const Kinds& kinds) {
   return static_cast<scan::LayerMask>(
       unsigned{kinds.colour != kNoColour} | unsigned{kinds.depth != kNoDepth} << 1U |
       unsigned{kinds.classes != kNoClasses} << 2U | unsigned{kinds.instances} << 3U);
-}
-
-std::size_t cell_bytes(scan::Layer layer, std::uint32_t size) noexcept {
-  switch (layer) {
-    case Layer::kColour:
-      return image::ColourCells::bytes(size);
-    case Layer::kDepth:
-    case Layer::kClass:
-      return image::ValueCells<std::uint16_t>::bytes(size);
-    case Layer::kInstance:
-      return image::ValueCells<std::uint32_t>::bytes(size);
-  }
-  return 0;
 }
 
 Job make_job(const Camera& camera, const Kinds& kinds, const Outputs& outputs) {

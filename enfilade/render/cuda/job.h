@@ -1,7 +1,6 @@
 /// \file  From a call of Renderer::render() to what the kernels take; works without a card.
 #pragma once
 #include <compare>
-#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -29,9 +28,6 @@ Kinds kinds_of(const Outputs& outputs, const Legacy& legacy);
 Kinds only(const Kinds& kinds, scan::Layer layer);
 /// Layers that they draw.
 scan::LayerMask layers_of(const Kinds& kinds);
-
-/// Bytes of a face's cells (image/face_cells.h), without what a FaceCache leaves between faces.
-std::size_t cell_bytes(scan::Layer layer, std::uint32_t size) noexcept;
 
 /// All of a job but its views and the depth factors: size_layer is the first layer drawn. The
 /// outputs' memory may be anywhere; nothing is read or written.

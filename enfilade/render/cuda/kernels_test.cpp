@@ -71,7 +71,7 @@ class Card {
     const u32 size = found[0].size;
     std::vector<u8> cells;
     for (const Face& face : found) {
-      cells.insert(cells.end(), face.cells, face.cells + cell_bytes(layer, size));
+      cells.insert(cells.end(), face.cells, face.cells + scan::cells_bytes(layer, size));
     }
     faces_.release(keys);
     if (layer == Layer::kColour) {

@@ -15,7 +15,8 @@ namespace {
 using scan::Layer;
 
 std::size_t bytes_on_card(Layer layer, std::uint32_t size) {
-  return kCubeFaces * (layer == Layer::kColour ? colour_bytes(size) : cell_bytes(layer, size));
+  return kCubeFaces *
+         (layer == Layer::kColour ? colour_bytes(size) : scan::cells_bytes(layer, size));
 }
 
 constexpr std::uint64_t key_of(ScanIndex scan, ViewpointIndex viewpoint) {
@@ -141,7 +142,7 @@ void Panoramas::bring_in(StreamHandle stream) {
 void Panoramas::upload(const Missing& missing, StreamHandle stream) {
   const Held held(*faces_, missing.scan, missing.viewpoint, missing.layer);
   const std::uint32_t size = missing.entry->on_card.sizes[index(missing.layer)];
-  const std::size_t face = cell_bytes(missing.layer, size), bytes = kCubeFaces * face;
+  const std::size_t face = scan::cells_bytes(missing.layer, size), bytes = kCubeFaces * face;
   Stage& stage = stages_[next_stage_++ % kStages];
   if (stage.busy) check(api().EventSynchronize(stage.done.get()), "waiting for an upload");
   if (stage.bytes < bytes) {
