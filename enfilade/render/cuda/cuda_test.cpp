@@ -9,14 +9,18 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/render/cuda/driver.h"
 #include "enfilade/render/cuda_devices.h"
+#include "tests/support/drawn_formats.h"
 #include "tests/support/made_panoramas.h"
 
 namespace enfilade::render::cuda {
 namespace {
 
 using testing::cache_of;
+using testing::Drawn;
+using testing::Formats;
 using ::testing::HasSubstr;
 using testing::made_panorama;
+using testing::outputs_of;
 using testing::random_view;
 using ::testing::ThrowsMessage;
 
@@ -33,43 +37,6 @@ std::unique_ptr<Renderer> make(const std::shared_ptr<FaceCache>& faces, Backend 
                                Legacy legacy = {}, std::size_t bytes = 0) {
   return make_renderer(faces,
                        {.backend = backend, .threads = 1, .legacy = legacy, .cuda_bytes = bytes});
-}
-
-// Memory of the host for some formats, and the outputs that lead there.
-struct Drawn {
-  std::vector<std::byte> colour, depth, classes;
-  std::vector<std::uint32_t> instances;
-  bool operator==(const Drawn&) const = default;
-};
-
-struct Formats {
-  std::optional<ColourFormat> colour;
-  std::optional<DepthFormat> depth;
-  std::optional<ClassFormat> classes;
-  bool instances = false;
-  DepthMeasure measure = DepthMeasure::kZ;
-};
-
-Outputs outputs_of(const Formats& formats, std::size_t pixels, Drawn& memory) {
-  Outputs out;
-  constexpr std::byte kLeft{0xA5};  // what is not written stays
-  if (formats.colour) {
-    memory.colour.assign(pixels * pixel_bytes(*formats.colour), kLeft);
-    out.colour = ColourOutput{*formats.colour, kImageNet, memory.colour};
-  }
-  if (formats.depth) {
-    memory.depth.assign(pixels * pixel_bytes(*formats.depth), kLeft);
-    out.depth = DepthOutput{*formats.depth, formats.measure, memory.depth};
-  }
-  if (formats.classes) {
-    memory.classes.assign(pixels * pixel_bytes(*formats.classes), kLeft);
-    out.classes = ClassOutput{*formats.classes, memory.classes};
-  }
-  if (formats.instances) {
-    memory.instances.assign(pixels, 0xA5A5A5A5U);
-    out.instances = InstanceOutput{memory.instances};
-  }
-  return out;
 }
 
 Formats random_formats(Rng& rng) {

@@ -13,6 +13,7 @@
 #include "enfilade/render/cpu/pack.h"
 #include "enfilade/render/cuda/job.h"
 #include "enfilade/render/detail/layers.h"
+#include "tests/support/drawn_formats.h"
 #include "tests/support/made_panoramas.h"
 
 namespace enfilade::render::cuda {
@@ -21,6 +22,7 @@ namespace {
 using scan::Layer;
 using testing::cache_of;
 using testing::made_panorama;
+using testing::outputs_of;
 using testing::random_view;
 
 template <class V>
@@ -92,11 +94,6 @@ class Card {
   std::deque<std::vector<u8>> memory_;
 };
 
-struct Memory {
-  std::vector<std::byte> colour, depth, classes;
-  std::vector<std::uint32_t> instances;
-};
-
 template <class T>
 void expect_equal(const std::vector<T>& drawn, const std::vector<T>& wanted, const char* layer) {
   ASSERT_EQ(drawn.size(), wanted.size()) << layer;
@@ -106,36 +103,19 @@ void expect_equal(const std::vector<T>& drawn, const std::vector<T>& wanted, con
          << ", not " << static_cast<unsigned>(*b);
 }
 
-constexpr std::byte kLeft{0xA5};  // what is not written stays
-
-// Some outputs of a kind into new memory.
-Outputs outputs_of(const Kinds& kinds, std::size_t pixels, Memory& memory) {
-  Outputs out;
-  if (kinds.colour != kNoColour) {
-    constexpr std::array kFormats{ColourFormat::kRgb8, ColourFormat::kBgr8, ColourFormat::kRgba8,
-                                  ColourFormat::kPlanarFloat16, ColourFormat::kPlanarFloat32};
-    const ColourFormat format = kFormats[kinds.colour - kRgb];
-    memory.colour.assign(pixels * pixel_bytes(format), kLeft);
-    out.colour = ColourOutput{format, kImageNet, memory.colour};
-  }
+testing::Formats formats_of(const Kinds& kinds) {
+  constexpr std::array kColours{ColourFormat::kRgb8, ColourFormat::kBgr8, ColourFormat::kRgba8,
+                                ColourFormat::kPlanarFloat16, ColourFormat::kPlanarFloat32};
+  testing::Formats formats{.colour = {}, .depth = {}, .classes = {}, .instances = kinds.instances};
+  if (kinds.colour != kNoColour) formats.colour = kColours[kinds.colour - kRgb];
   if (kinds.depth != kNoDepth) {
-    const DepthFormat format = kinds.depth == kMetres || kinds.depth == kLegacyMetres
-                                   ? DepthFormat::kMetresFloat32
-                                   : DepthFormat::kQuarterMillimetresUint16;
-    memory.depth.assign(pixels * pixel_bytes(format), kLeft);
-    out.depth = DepthOutput{format, DepthMeasure::kZ, memory.depth};
+    const bool metres = kinds.depth == kMetres || kinds.depth == kLegacyMetres;
+    formats.depth = metres ? DepthFormat::kMetresFloat32 : DepthFormat::kQuarterMillimetresUint16;
   }
   if (kinds.classes != kNoClasses) {
-    const ClassFormat format =
-        kinds.classes == kClass8 ? ClassFormat::kUint8 : ClassFormat::kUint16;
-    memory.classes.assign(pixels * pixel_bytes(format), kLeft);
-    out.classes = ClassOutput{format, memory.classes};
+    formats.classes = kinds.classes == kClass8 ? ClassFormat::kUint8 : ClassFormat::kUint16;
   }
-  if (kinds.instances) {
-    memory.instances.assign(pixels, 0xA5A5A5A5U);
-    out.instances = InstanceOutput{memory.instances};
-  }
-  return out;
+  return formats;
 }
 
 TEST(CudaKernels, DrawAsTheScalarTwinOfTheCpu) {
@@ -154,10 +134,10 @@ TEST(CudaKernels, DrawAsTheScalarTwinOfTheCpu) {
       std::vector<View> views;
       for (std::size_t k = 0; k < 1 + rng.below(3); ++k) views.push_back(random_view(rng, 2));
       const std::size_t pixels = views.size() * camera.width * camera.height;
-      Memory wanted, drawn;
-      renderer->render(camera, views, outputs_of(kinds, pixels, wanted));
+      testing::Drawn wanted, drawn;
+      renderer->render(camera, views, outputs_of(formats_of(kinds), pixels, wanted));
 
-      const Outputs outputs = outputs_of(kinds, pixels, drawn);
+      const Outputs outputs = outputs_of(formats_of(kinds), pixels, drawn);
       ASSERT_EQ(kinds_of(outputs, legacy), kinds);
       Card card(*faces);
       std::vector<DeviceView> prepared(views.size());
