@@ -28,53 +28,30 @@ constexpr std::size_t kTrialViews = 12;    // per viewpoint that the network is 
 constexpr std::size_t kMostTrials = 200;   // such viewpoints: enough for precise scores
 constexpr std::uint64_t kOrderStream = 1;  // of random numbers
 
-std::vector<encoders::LabelledPlace> places_of(const scan::PanoramaSet& panoramas,
-                                               const std::string& scan,
-                                               const PretrainConfig& config) {
-  const ScanIndex index = panoramas.at(scan);
-  const scan::PanoramaSource& source = panoramas.source(index);
-  std::vector<encoders::LabelledPlace> places;
-  for (std::size_t v = 0; v < source.size(); ++v) {
-    const scan::PanoramaPose& pose = source.poses()[v];
-    const std::size_t faces =
-        source.face_sizes(ViewpointIndex(v))[scan::index(scan::Layer::kColour)];
-    if (!pose.included || faces == 0) continue;
-    places.push_back(
-        {index, ViewpointIndex(v), config.room ? config.room(scan, pose.viewpoint) : '-'});
-  }
-  return places;
-}
-
 struct Split {
   std::vector<encoders::LabelledPlace> training, seen, unseen;
 };
 
-// At most `most`, evenly from all of them.
-void thin_out(std::vector<encoders::LabelledPlace>& places, std::size_t most) {
-  if (places.size() <= most) return;
-  std::vector<encoders::LabelledPlace> kept;
-  for (std::size_t i = 0; i < most; ++i) kept.push_back(places[i * places.size() / most]);
-  places = std::move(kept);
-}
-
 Split split_places(const scan::PanoramaSet& panoramas, const PretrainConfig& config) {
   Split split;
   for (const std::string& scan : config.training) {
-    const std::vector<encoders::LabelledPlace> places = places_of(panoramas, scan, config);
+    const std::vector<encoders::LabelledPlace> places =
+        encoders::places_of(panoramas, scan, config.room);
     for (std::size_t i = 0; i < places.size(); ++i) {
       (i % kHeldOut == kHeldOut / 2 ? split.seen : split.training).push_back(places[i]);
     }
   }
   for (const std::string& scan : config.unseen) {
-    const std::vector<encoders::LabelledPlace> places = places_of(panoramas, scan, config);
+    const std::vector<encoders::LabelledPlace> places =
+        encoders::places_of(panoramas, scan, config.room);
     split.unseen.insert(split.unseen.end(), places.begin(), places.end());
   }
   if (split.training.empty()) {
     throw ArgumentError("training: no scan with pictures; at least one is expected");
   }
-  thin_out(split.training, config.pictures);
-  thin_out(split.seen, kMostTrials);
-  thin_out(split.unseen, kMostTrials);
+  encoders::thin_out(split.training, config.pictures);
+  encoders::thin_out(split.seen, kMostTrials);
+  encoders::thin_out(split.unseen, kMostTrials);
   return split;
 }
 

@@ -47,6 +47,9 @@ TEST_F(StudyTest, MakesAPageAndKeepsWhatIsDone) {
   EXPECT_THAT(page, HasSubstr("<tr><td>3</td><td>1</td>"));
   const fs::path weights = model("homes2_seed1") / "weights.safetensors";
   const auto made = fs::last_write_time(weights);
+  // The homes have a few dozen viewpoints, enough for what a linear probe does.
+  EXPECT_EQ(run({"pretrain", "--data", homes, "--probe", folder_.path() / "features.safetensors"}),
+            0);
   ASSERT_EQ(study("2"), 0);
   EXPECT_EQ(fs::last_write_time(weights), made);
   EXPECT_THAT(read_file(folder_.path() / "study.html"), HasSubstr("<tr><td>2</td><td>2</td>"));

@@ -15,12 +15,13 @@
 #include "enfilade/homes/home_set.h"
 #include "enfilade/mesh/mpcat40.h"
 #include "enfilade/neural/network.h"
+#include "enfilade/neural/probe.h"
 
 namespace enfilade::apps {
 namespace {
 
 struct Options {
-  std::string data, output = "home_encoder.safetensors";
+  std::string data, output = "home_encoder.safetensors", probe;
   neural::PretrainConfig config;
 };
 
@@ -104,6 +105,33 @@ void print_report(const neural::PretrainReport& report) {
   }
 }
 
+void print_probe(const neural::ProbeReport& report) {
+  fmt::print(
+      "{} numbers a view; fitted at {} viewpoints, scored at {} of unseen homes; {} classes\n\n",
+      report.dimensions, report.training, report.unseen, report.classes);
+  fmt::print("{:<48}{:>8}{:>10}\n", "what a linear probe reads from a view", "", "guessing");
+  const auto line = [](std::string_view name, const std::string& score, const std::string& chance) {
+    fmt::print("{:<48}{:>8}{:>10}\n", name, score, chance);
+  };
+  line("classes in the view, mean average precision, %", percent(report.view_precision),
+       percent(report.view_chance));
+  line("classes in each third of it", percent(report.third_precision),
+       percent(report.third_chance));
+  line("room named right, %", percent(report.room), percent(report.room_chance));
+  line("  from all views of a viewpoint", percent(report.viewpoint_room),
+       percent(report.room_chance));
+  line("ln distance of the thirds, mean error", fmt::format("{:.3f}", report.distance_error),
+       fmt::format("{:.3f}", report.distance_chance));
+}
+
+void probe(const Options& o, const std::shared_ptr<const scan::PanoramaSet>& panoramas) {
+  const neural::ProbeConfig config{.training = o.config.training,
+                                   .unseen = o.config.unseen,
+                                   .room = o.config.room,
+                                   .threads = o.config.threads};
+  print_probe(neural::probe_features(features::FeatureSet::open(o.probe), panoramas, config));
+}
+
 void run(Options o) {
   neural::set_threads(o.config.threads);
   const dataset::Dataset data = open_data(o.data);
@@ -112,6 +140,7 @@ void run(Options o) {
   std::vector<std::string> scans = o.config.training;
   scans.insert(scans.end(), o.config.unseen.begin(), o.config.unseen.end());
   const auto panoramas = scan::PanoramaSet::open(data.panorama_places(), std::move(scans));
+  if (!o.probe.empty()) return probe(o, panoramas);
   const auto report = neural::pretrain_home_encoder(panoramas, o.config, o.output, loss_lines());
   fmt::print("{}\n", o.output);
   print_report(report);
@@ -128,10 +157,14 @@ void add_pretrain(CLI::App& app, int& /*status*/) {
   add_whole_number(verb, "--epochs", options->config.epochs, "Times that each is seen");
   add_whole_number(verb, "--seed", options->config.seed, "The same seed gives the same network", 0);
   add_setting(verb, "--device", options->config.device, "NAME", "cpu, cuda or cuda:N");
+  add_value(verb, "--probe", options->probe, "FEATURES",
+            "Train nothing: score a file of `enfilade features`, of any encoder, by what a linear "
+            "fit reads from it in unseen homes");
   add_threads_option(verb, options->config.threads,
                      "0: all cores; part of what the seed stands for");
   set_examples(verb, {"enfilade pretrain --data homes",
-                      "enfilade pretrain --data homes --epochs 6 -o better.safetensors"});
+                      "enfilade pretrain --data homes --epochs 6 -o better.safetensors",
+                      "enfilade pretrain --data homes --probe features.safetensors"});
   verb.callback([options] { run(*options); });
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "enfilade/core/rng.h"
@@ -59,53 +60,107 @@ void average_distances(std::span<const float> metres, float* out) {
   }
 }
 
-// Memory for the pictures of one place.
-struct Buffers {
-  explicit Buffers(std::size_t views) : classes(views * kPixels), distances(views * kPixels) {}
-  std::vector<std::uint8_t> classes;
-  std::vector<float> distances;
+// Draws the same number of views at each place.
+class Drawing {
+ public:
+  Drawing(const std::shared_ptr<const scan::PanoramaSet>& panoramas, std::size_t views,
+          Radians vfov, int threads)
+      : camera_{kHomeWidth, kHomeHeight, vfov},
+        renderer_(render::make_renderer(
+            std::make_shared<render::FaceCache>(
+                panoramas, render::FaceCacheConfig{.threads = threads, .prefetch_thread = false}),
+            {render::Backend::kCpu, threads, {}, {}})),
+        views_(views),
+        classes_(views * kPixels),
+        distances_(views * kPixels) {}
+
+  // \param row of the first view's labels and, if there are any, colours
+  void draw(std::span<const render::View> views, char room, std::size_t row,
+            LabelledPictures& pictures) {
+    render::Outputs outputs;
+    if (pictures.colours.defined()) {
+      auto* const colours = pictures.colours.data_ptr<std::uint8_t>() + row * 3 * kPixels;
+      outputs.colour = {render::ColourFormat::kRgb8,
+                        {},
+                        std::as_writable_bytes(std::span(colours, views_ * 3 * kPixels))};
+    }
+    outputs.classes = {render::ClassFormat::kUint8, std::as_writable_bytes(std::span(classes_))};
+    outputs.depth = {render::DepthFormat::kMetresFloat32, render::DepthMeasure::kRay,
+                     std::as_writable_bytes(std::span(distances_))};
+    renderer_->render(camera_, views, outputs);
+    constexpr std::size_t kLabels = kObjectClasses * kCells;
+    for (std::size_t v = 0; v < views_; ++v) {
+      count_classes(std::span(classes_).subspan(v * kPixels, kPixels),
+                    pictures.classes.data_ptr<std::uint8_t>() + (row + v) * kLabels);
+      average_distances(std::span(distances_).subspan(v * kPixels, kPixels),
+                        pictures.distances.data_ptr<float>() + (row + v) * kCells);
+      pictures.rooms.data_ptr<std::int64_t>()[row + v] = static_cast<unsigned char>(room);
+    }
+  }
+
+ private:
+  Camera camera_;
+  std::unique_ptr<render::Renderer> renderer_;
+  std::size_t views_;
+  std::vector<std::uint8_t> classes_;  // of the pixels of one place
+  std::vector<float> distances_;
 };
 
-render::Outputs outputs_into(std::span<std::uint8_t> colours, Buffers& buffers) {
-  render::Outputs outputs;
-  outputs.colour = {render::ColourFormat::kRgb8, {}, std::as_writable_bytes(colours)};
-  outputs.classes = {render::ClassFormat::kUint8,
-                     std::as_writable_bytes(std::span(buffers.classes))};
-  outputs.depth = {render::DepthFormat::kMetresFloat32, render::DepthMeasure::kRay,
-                   std::as_writable_bytes(std::span(buffers.distances))};
-  return outputs;
+LabelledPictures empty_labels(std::size_t pictures) {
+  const auto n = static_cast<std::int64_t>(pictures);
+  return {{},
+          at::zeros({n, kObjectClasses, kHomeRows, kHomeColumns}, at::kByte),
+          at::empty({n, 1, kHomeRows, kHomeColumns}, at::kFloat),
+          at::empty({n}, at::kLong)};
 }
 
 }  // namespace
 
+std::vector<LabelledPlace> places_of(const scan::PanoramaSet& panoramas, const std::string& scan,
+                                     const RoomOf& room) {
+  const ScanIndex index = panoramas.at(scan);
+  const scan::PanoramaSource& source = panoramas.source(index);
+  std::vector<LabelledPlace> places;
+  for (std::size_t v = 0; v < source.size(); ++v) {
+    const scan::PanoramaPose& pose = source.poses()[v];
+    const std::size_t faces =
+        source.face_sizes(ViewpointIndex(v))[scan::index(scan::Layer::kColour)];
+    if (!pose.included || faces == 0) continue;
+    places.push_back({index, ViewpointIndex(v), room ? room(scan, pose.viewpoint) : '-'});
+  }
+  return places;
+}
+
+void thin_out(std::vector<LabelledPlace>& places, std::size_t most) {
+  if (places.size() <= most) return;
+  std::vector<LabelledPlace> kept;
+  for (std::size_t i = 0; i < most; ++i) kept.push_back(places[i * places.size() / most]);
+  places = std::move(kept);
+}
+
 LabelledPictures draw_labelled(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
                                std::span<const LabelledPlace> places, std::size_t views,
                                std::uint64_t seed, int threads) {
-  const auto n = static_cast<std::int64_t>(places.size() * views);
-  LabelledPictures pictures{at::empty({n, kHomeHeight, kHomeWidth, 3}, at::kByte),
-                            at::zeros({n, kObjectClasses, kHomeRows, kHomeColumns}, at::kByte),
-                            at::empty({n, 1, kHomeRows, kHomeColumns}, at::kFloat),
-                            at::empty({n}, at::kLong)};
-  const auto faces = std::make_shared<render::FaceCache>(
-      panoramas, render::FaceCacheConfig{.threads = threads, .prefetch_thread = false});
-  const auto renderer = render::make_renderer(faces, {render::Backend::kCpu, threads, {}, {}});
-  Buffers buffers(views);
-  auto* colours = pictures.colours.data_ptr<std::uint8_t>();
-  auto* classes = pictures.classes.data_ptr<std::uint8_t>();
-  auto* distances = pictures.distances.data_ptr<float>();
-  auto* rooms = pictures.rooms.data_ptr<std::int64_t>();
-  for (const auto& place : places) {
+  LabelledPictures pictures = empty_labels(places.size() * views);
+  pictures.colours = at::empty({pictures.rooms.numel(), kHomeHeight, kHomeWidth, 3}, at::kByte);
+  Drawing drawing(panoramas, views, degrees(60), threads);
+  std::size_t row = 0;
+  for (const LabelledPlace& place : places) {
     Rng rng(seed, place.scan.at(), place.viewpoint.at());
-    renderer->render({kHomeWidth, kHomeHeight, degrees(60)}, draw_views(place, views, rng),
-                     outputs_into({colours, views * 3 * kPixels}, buffers));
-    for (std::size_t v = 0; v < views; ++v) {
-      count_classes(std::span(buffers.classes).subspan(v * kPixels, kPixels), classes);
-      average_distances(std::span(buffers.distances).subspan(v * kPixels, kPixels), distances);
-      colours += 3 * kPixels;
-      classes += kObjectClasses * kCells;
-      distances += kCells;
-      *rooms++ = static_cast<unsigned char>(place.room);
-    }
+    drawing.draw(draw_views(place, views, rng), place.room, row, pictures);
+    row += views;
+  }
+  return pictures;
+}
+
+LabelledPictures label_views(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
+                             std::span<const LabelledPlace> places, Radians vfov, int threads) {
+  LabelledPictures pictures = empty_labels(places.size() * render::kDiscreteViews);
+  Drawing drawing(panoramas, render::kDiscreteViews, vfov, threads);
+  std::size_t row = 0;
+  for (const LabelledPlace& place : places) {
+    drawing.draw(render::discrete_views(place.scan, place.viewpoint), place.room, row, pictures);
+    row += render::kDiscreteViews;
   }
   return pictures;
 }

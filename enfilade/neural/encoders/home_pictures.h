@@ -2,10 +2,14 @@
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "enfilade/core/ids.h"
+#include "enfilade/geometry/angle.h"
 #include "enfilade/scan/panorama_set.h"
 
 namespace enfilade::neural::encoders {
@@ -20,6 +24,16 @@ struct LabelledPlace {
   char room = '-';
 };
 
+/// Letter of the room of a viewpoint; '-': unknown.
+using RoomOf = std::function<char(const std::string& scan, const std::string& viewpoint)>;
+
+/// The included viewpoints of a scan that have pictures, in its order. An empty function: rooms are
+/// unknown.
+std::vector<LabelledPlace> places_of(const scan::PanoramaSet& panoramas, const std::string& scan,
+                                     const RoomOf& room);
+/// Keeps at most `most` of them, evenly from all.
+void thin_out(std::vector<LabelledPlace>& places, std::size_t most);
+
 /// n pictures of kHomeWidth x kHomeHeight, with labels per cell (home_network.h).
 struct LabelledPictures {
   at::Tensor colours;    ///< (n, height, width, 3) uint8
@@ -33,5 +47,11 @@ struct LabelledPictures {
 LabelledPictures draw_labelled(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
                                std::span<const LabelledPlace> places, std::size_t views,
                                std::uint64_t seed, int threads);
+
+/// The labels of the 36 discretized views of each place (render::discrete_views), one place after
+/// the other; `colours` is empty. \param vfov of the views, whose shape is that of kHomeWidth x
+/// kHomeHeight
+LabelledPictures label_views(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
+                             std::span<const LabelledPlace> places, Radians vfov, int threads);
 
 }  // namespace enfilade::neural::encoders
