@@ -131,16 +131,41 @@ Tokens DuetNetwork::encode_panorama(const PanoramaInput& input, Dropout* dropout
   return {layers.norm(x, table + ".pano_encoder.norm"), mask};
 }
 
-at::Tensor DuetNetwork::branch(const Layers& layers, at::Tensor x, const Tokens& text,
-                               const at::Tensor& mask, const at::Tensor& bias,
-                               const char* name) const {
-  const at::Tensor words = bias_of(text.mask, kSoftMask);
+PreparedText PreparedText::rows(const at::Tensor& which) const {
+  PreparedText some{mask.index_select(0, which), {}, {}};
+  const auto select = [&](const std::vector<Attended>& all, std::vector<Attended>& into) {
+    for (const Attended& one : all) {
+      into.push_back({one.keys.index_select(0, which), one.values.index_select(0, which)});
+    }
+  };
+  select(map, some.map);
+  select(viewpoint, some.viewpoint);
+  return some;
+}
+
+PreparedText DuetNetwork::prepare(const Tokens& text) const {
+  const Layers layers(weights_, config_.heads, nullptr);
+  PreparedText prepared{text.mask, {}, {}};
+  const auto inner = [](const char* branch, std::int64_t layer) {
+    return fmt::format("vln_bert.{}.encoder.x_layers.{}.visual_attention.att", branch, layer);
+  };
+  for (std::int64_t i = 0; i < config_.cross_layers; ++i) {
+    prepared.map.push_back(layers.attended(text.values, inner("global_encoder", i)));
+    prepared.viewpoint.push_back(layers.attended(text.values, inner("local_encoder", i)));
+  }
+  return prepared;
+}
+
+at::Tensor DuetNetwork::branch(const Layers& layers, at::Tensor x, const PreparedText& text,
+                               const std::vector<Attended>& words, const at::Tensor& mask,
+                               const at::Tensor& bias, const char* name) const {
+  const at::Tensor padding = bias_of(text.mask, kSoftMask);
   at::Tensor own = bias_of(mask, kSoftMask);
   if (bias.defined()) own = own + bias;
   for (std::int64_t i = 0; i < config_.cross_layers; ++i) {
     const std::string layer = fmt::format("vln_bert.{}.encoder.x_layers.{}", name, i);
-    x = layers.attention(x, text.values, words, layer + ".visual_attention.att",
-                         layer + ".visual_attention.output");
+    x = layers.attention(x, words[static_cast<std::size_t>(i)], padding,
+                         layer + ".visual_attention.att", layer + ".visual_attention.output");
     x = layers.attention(x, x, own, layer + ".visn_self_att.self", layer + ".visn_self_att.output");
     x = layers.feed_forward(x, layer + ".visn_inter", layer + ".visn_output");
   }
@@ -162,7 +187,7 @@ at::Tensor DuetNetwork::embed_tokens(const NavigationInput& input) const {
   return input.tokens + layers.norm(layers.linear(input.token_positions, here + ".0"), here + ".1");
 }
 
-NavigationOutput DuetNetwork::navigate(const Tokens& text, const NavigationInput& input,
+NavigationOutput DuetNetwork::navigate(const PreparedText& text, const NavigationInput& input,
                                        Dropout* dropout) const {
   const Layers layers(weights_, config_.heads, dropout);
   const std::string map = "vln_bert.global_encoder";
@@ -173,8 +198,10 @@ NavigationOutput DuetNetwork::navigate(const Tokens& text, const NavigationInput
             layers.weight(map + ".sprel_linear.bias").squeeze())
                .unsqueeze(1);
   }
-  out.nodes = branch(layers, embed_nodes(input), text, input.node_mask, bias, "global_encoder");
-  out.tokens = branch(layers, embed_tokens(input), text, input.token_mask, {}, "local_encoder");
+  out.nodes =
+      branch(layers, embed_nodes(input), text, text.map, input.node_mask, bias, "global_encoder");
+  out.tokens = branch(layers, embed_tokens(input), text, text.viewpoint, input.token_mask, {},
+                      "local_encoder");
   fuse(layers, input, out);
   if (config_.object != 0 && input.objects.defined()) {
     out.object_logits = layers.head(out.tokens, "vln_bert.og_head")

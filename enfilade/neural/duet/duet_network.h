@@ -20,6 +20,15 @@ struct Tokens {
   at::Tensor mask;    ///< (n, longest) bool, true for a token
 };
 
+/// Texts for many calls of navigate(): what each cross layer makes of them is made once.
+struct PreparedText {
+  at::Tensor mask;                       ///< as Tokens
+  std::vector<Attended> map, viewpoint;  ///< by layer of each branch
+
+  /// Of some of the texts. \param which (m) int64
+  PreparedText rows(const at::Tensor& which) const;
+};
+
 /// Panoramas as tokens: views, then at once each row's own objects, then padding.
 struct PanoramaInput {
   at::Tensor views;          ///< (n, views, image)
@@ -79,15 +88,22 @@ class DuetNetwork {
   Tokens encode_text(const at::Tensor& ids, const at::Tensor& lengths,
                      Dropout* dropout = nullptr) const;
   Tokens encode_panorama(const PanoramaInput& input, Dropout* dropout = nullptr) const;
-  NavigationOutput navigate(const Tokens& text, const NavigationInput& input,
+  /// A third of a step's work on the text is the same in every step of an episode.
+  PreparedText prepare(const Tokens& text) const;
+  NavigationOutput navigate(const PreparedText& text, const NavigationInput& input,
                             Dropout* dropout = nullptr) const;
+  NavigationOutput navigate(const Tokens& text, const NavigationInput& input,
+                            Dropout* dropout = nullptr) const {
+    return navigate(prepare(text), input, dropout);
+  }
   /// What the first layer of a branch gets: nodes of the map, (n, g, hidden), or tokens of the
   /// viewpoint, (n, v, hidden), each with its position. navigate() does this itself.
   at::Tensor embed_nodes(const NavigationInput& input) const;
   at::Tensor embed_tokens(const NavigationInput& input) const;  ///< likewise
 
  private:
-  at::Tensor branch(const Layers& layers, at::Tensor x, const Tokens& text, const at::Tensor& mask,
+  at::Tensor branch(const Layers& layers, at::Tensor x, const PreparedText& text,
+                    const std::vector<Attended>& words, const at::Tensor& mask,
                     const at::Tensor& bias, const char* name) const;
   void fuse(const Layers& layers, const NavigationInput& input, NavigationOutput& out) const;
 

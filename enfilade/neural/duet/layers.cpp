@@ -53,8 +53,16 @@ at::Tensor Layers::attend(const at::Tensor& query, const at::Tensor& key, const 
 
 at::Tensor Layers::attention(const at::Tensor& x, const at::Tensor& to, const at::Tensor& bias,
                              const std::string& inner, const std::string& output) const {
-  const at::Tensor seen = attend(linear(x, inner + ".query"), linear(to, inner + ".key"),
-                                 linear(to, inner + ".value"), bias);
+  return attention(x, attended(to, inner), bias, inner, output);
+}
+
+Attended Layers::attended(const at::Tensor& to, const std::string& inner) const {
+  return {linear(to, inner + ".key"), linear(to, inner + ".value")};
+}
+
+at::Tensor Layers::attention(const at::Tensor& x, const Attended& to, const at::Tensor& bias,
+                             const std::string& inner, const std::string& output) const {
+  const at::Tensor seen = attend(linear(x, inner + ".query"), to.keys, to.values, bias);
   return norm(drop(linear(seen, output + ".dense")) + x, output + ".LayerNorm");
 }
 

@@ -29,6 +29,11 @@ inline constexpr double kSoftMask = -10000;
 /// \param mask (n, length) bool, true for a token \return (n, 1, 1, length)
 at::Tensor bias_of(const at::Tensor& mask, double padding);
 
+/// What an attention looks at, as its layer needs it.
+struct Attended {
+  at::Tensor keys, values;  ///< (n, b, hidden)
+};
+
 /// The layers of one network. `dropout` may be null: then there is none.
 class Layers {
  public:
@@ -43,6 +48,10 @@ class Layers {
   /// Attention of `x` (n, a, hidden) to `to` (n, b, hidden), then sum and norm.
   /// \param bias added to the scores, as (n, 1, a or 1, b)
   at::Tensor attention(const at::Tensor& x, const at::Tensor& to, const at::Tensor& bias,
+                       const std::string& inner, const std::string& output) const;
+  /// The same in two parts: what is attended to may be the same in many calls.
+  Attended attended(const at::Tensor& to, const std::string& inner) const;
+  at::Tensor attention(const at::Tensor& x, const Attended& to, const at::Tensor& bias,
                        const std::string& inner, const std::string& output) const;
   /// Two linear maps with GELU (of erf) between them, then sum and norm.
   at::Tensor feed_forward(const at::Tensor& x, const std::string& inner,

@@ -311,16 +311,17 @@ TEST_F(PretrainingTasksTest, EachTaskIsLearned) {
     std::vector<PretrainingBatch> batches;
     for (std::uint64_t stream = 0; stream < 8; ++stream) batches.push_back(batch(task, stream));
     detail::OptimizerConfig config;
-    config.rates.learning_rate = 0.02;
+    // At 0.02 some first values never leave the mean of all views; at 0.005 five of five do.
+    config.rates.learning_rate = 0.005;
     detail::Optimizer optimizer(config);
     const double before = mean_loss(network, batches);
     for (int update = 0; update < 160; ++update) {
       pretraining_loss(network, batches[static_cast<std::size_t>(update) % 8]).backward();
       optimizer.update(network.weights());
     }
-    // Eight numbers a token are few to tell views apart. The others fall to about a half, which a
-    // different order of sums moves by a thousandth or two.
-    const double share = task == PretrainingTask::kViews ? 0.95 : 0.6;
+    // Eight numbers a token are few to tell views apart: 0.73 to 0.80 is left by first values; of
+    // the next step 0.45 to 0.48, of the others less.
+    const double share = task == PretrainingTask::kViews ? 0.9 : 0.6;
     EXPECT_LT(mean_loss(network, batches), before * share) << to_string(task) << " " << before;
   }
 }

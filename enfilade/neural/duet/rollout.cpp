@@ -47,7 +47,7 @@ class Run {
       dropout_.emplace(rng.next(), config_.dropout);
     }
     const auto [ids, lengths] = words_of(episodes, config_);
-    text_ = network_.encode_text(ids, lengths, dropout());
+    text_ = network_.prepare(network_.encode_text(ids, lengths, dropout()));
   }
 
   Rollout walk() {
@@ -73,14 +73,14 @@ class Run {
     state.look(walker_.place(config_, {state.episode->scan, state.pose.viewpoint}), t);
   }
 
-  Tokens text_of_active() const {
+  PreparedText text_of_active() const {
     if (active_.size() == states_.size()) return text_;
     std::vector<std::int64_t> which;
     for (const WalkState* state : active_) {
       which.push_back(static_cast<std::int64_t>(state->number));
     }
     const at::Tensor rows = at::tensor(which, at::kLong);
-    return {text_.values.index_select(0, rows), text_.mask.index_select(0, rows)};
+    return text_.rows(rows);
   }
 
   Tokens see() {
@@ -301,7 +301,7 @@ class Run {
   std::vector<std::unique_ptr<WalkState>> states_;
   std::vector<WalkState*> active_;
   std::optional<Dropout> dropout_;
-  Tokens text_;
+  PreparedText text_;
   at::Tensor pool_;  // all means and tokens of panoramas so far: (rows, hidden)
   at::Tensor probabilities_;
   Clock::duration spent_{};
