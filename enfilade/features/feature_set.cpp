@@ -81,7 +81,8 @@ FeatureFormat format_of(const fs::path& file) { return find_format(file).format;
 // --- FeatureSet -----------------------------------------------------------------------------
 
 struct FeatureSet::Impl {
-  explicit Impl(const fs::path& path) : file(path.string()), read(find_format(path).read(path)) {
+  explicit Impl(const fs::path& path)
+      : file(path.string()), read(find_format(path).read(path)), info(read.info) {
     rows.reserve(read.keys.size());
     for (std::size_t i = 0; i < read.keys.size(); ++i) {
       if (!rows.emplace(formats::name_of(read.keys[i]), i).second) {
@@ -90,8 +91,9 @@ struct FeatureSet::Impl {
     }
   }
 
-  void copy(std::size_t row, std::size_t first, std::span<float> out) const {
-    const std::byte* const from = read.rows[row] + first * size_of(read.info.type);
+  void copy(std::size_t row, std::size_t view, std::span<float> out) const {
+    const std::byte* const from =
+        read.rows[row] + view * read.info.dimensions * size_of(read.info.type);
     if (!formats::copy_numbers(from, read.info.type, out)) {
       refuse(file, place_of(read.keys[row]), "not-finite", "a number that is infinite or NaN");
     }
@@ -99,6 +101,7 @@ struct FeatureSet::Impl {
 
   std::string file;
   formats::FeatureRows read;
+  FeatureInfo info;  ///< with the columns that are shown, perhaps fewer than were read
   std::unordered_map<std::string, std::size_t> rows;  ///< by name, as a scan may have a "_", too
 };
 
@@ -108,7 +111,7 @@ FeatureSet FeatureSet::open(const fs::path& file) {
   return set;
 }
 
-const FeatureInfo& FeatureSet::info() const noexcept { return impl_->read.info; }
+const FeatureInfo& FeatureSet::info() const noexcept { return impl_->info; }
 
 std::span<const FeatureKey> FeatureSet::keys() const noexcept { return impl_->read.keys; }
 
@@ -124,13 +127,35 @@ void FeatureSet::copy_view(std::size_t row, std::size_t view, std::span<float> o
   EN_CHECK_LT(row, keys().size());
   EN_CHECK_LT(view, info().views);
   EN_CHECK_EQ(out.size(), info().dimensions);
-  impl_->copy(row, view * info().dimensions, out);
+  impl_->copy(row, view, out);
 }
 
 void FeatureSet::copy_views(std::size_t row, std::span<float> out) const {
   EN_CHECK_LT(row, keys().size());
   EN_CHECK_EQ(out.size(), formats::row_elements(info()));
-  impl_->copy(row, 0, out);
+  const std::size_t n = info().dimensions;
+  if (n == impl_->read.info.dimensions) return impl_->copy(row, 0, out);
+  for (std::size_t view = 0; view < info().views; ++view) {
+    impl_->copy(row, view, out.subspan(view * n, n));
+  }
+}
+
+FeatureSet FeatureSet::first_columns(std::size_t n) const {
+  if (n == 0 || n > info().dimensions) {
+    throw ArgumentError(
+        fmt::format("columns: {}, not from 1 to the {} that there are", n, info().dimensions));
+  }
+  auto fewer = std::make_shared<Impl>(*impl_);
+  fewer->info.dimensions = n;
+  FeatureSet set;
+  set.impl_ = std::move(fewer);
+  return set;
+}
+
+FeatureSet without_class_scores(const FeatureSet& features, std::size_t dimensions) {
+  constexpr std::size_t kClasses = 1000;
+  const bool has_scores = dimensions > 0 && features.info().dimensions == dimensions + kClasses;
+  return has_scores ? features.first_columns(dimensions) : features;
 }
 
 // --- FeatureWriter --------------------------------------------------------------------------

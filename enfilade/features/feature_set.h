@@ -62,10 +62,19 @@ class FeatureSet {
   /// copy_view()
   void copy_views(std::size_t row, std::span<float> out) const;
 
+  /// The first `n` numbers of each view; the data is shared. \throws ArgumentError unless n is from
+  /// 1 to info().dimensions
+  FeatureSet first_columns(std::size_t n) const;
+
  private:
   struct Impl;
   std::shared_ptr<const Impl> impl_;
 };
+
+/// For an agent that sees `dimensions` numbers a view: if the set has 1,000 more, which is how
+/// features are published with the scores of ImageNet's classes behind them, the first ones; else
+/// the set itself.
+FeatureSet without_class_scores(const FeatureSet& features, std::size_t dimensions);
 
 /// Writes features, one viewpoint at a time, in any order. The file has its name only after
 /// finish(); until then the data is in "<file>.part". In safetensors the rows written survive if

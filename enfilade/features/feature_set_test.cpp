@@ -220,6 +220,29 @@ INSTANTIATE_TEST_SUITE_P(Formats, FormatTest,
                            return name;
                          });
 
+TEST_F(FeatureSetTest, ScoresOfClassesBehindTheFeaturesAreLeftOut) {
+  constexpr std::size_t kAll = 1003;
+  const FeatureInfo info = made_info(DType::kFloat32, kAll);
+  FeatureWriter writer = FeatureWriter::create(path("f.safetensors"), info, keys_of({"a"}));
+  const std::vector<float> numbers = row_of(0, kAll);
+  writer.write(0, numbers);
+  writer.finish();
+  const FeatureSet all = FeatureSet::open(path("f.safetensors"));
+  EXPECT_EQ(without_class_scores(all, 768).info().dimensions, kAll) << "other columns: as it is";
+  const FeatureSet set = without_class_scores(all, 3);
+  EXPECT_EQ(set.info().dimensions, 3U);
+  const std::vector<float> read = views(set, {"home_1", "a"});
+  ASSERT_EQ(read.size(), kViews * 3);
+  for (std::size_t view = 0; view < kViews; ++view) {
+    EXPECT_EQ(read[view * 3 + 2], numbers[view * kAll + 2]) << view;
+  }
+  std::vector<float> one(3);
+  set.copy_view(0, 35, one);
+  EXPECT_EQ(one[1], numbers[35 * kAll + 1]);
+  EXPECT_THAT(tests::refusal<ArgumentError>([&] { set.first_columns(4); }),
+              HasSubstr("columns: 4, not from 1 to the 3 that there are"));
+}
+
 TEST_F(FeatureSetTest, TheSuffixNamesTheFormat) {
   EXPECT_EQ(format_of("a/b.safetensors"), FeatureFormat::kSafetensors);
   EXPECT_EQ(format_of("b.tsv"), FeatureFormat::kTsv);

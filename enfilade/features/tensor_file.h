@@ -55,7 +55,9 @@ class TensorFile {
 
   std::span<const NamedArray> arrays() const noexcept;  ///< by name; valid as long as *this
   const NamedArray* find(std::string_view name) const noexcept;  ///< null if there is none
-  /// safetensors' `__metadata__`; empty for others.
+  /// safetensors' `__metadata__`. Of a checkpoint of PyTorch what stands beside "state_dict", in
+  /// one of several networks as "<network>.epoch": digits of a whole number, else an empty text.
+  /// Empty for others.
   const std::map<std::string, std::string>& metadata() const noexcept;
   const std::filesystem::path& path() const noexcept;
 

@@ -10,32 +10,14 @@
 #include "enfilade/core/mapped_file.h"
 #include "enfilade/core/part_file.h"
 #include "enfilade/features/formats/feature_rows.h"
-#include "enfilade/features/formats/hdf5_library.h"
+#include "enfilade/features/formats/hdf5_datasets.h"
 #include "enfilade/features/formats/isolated.h"
 
 namespace enfilade::features::formats {
 namespace {
 
-// No viewpoint has so many numbers; a small file must not make us allocate more.
-constexpr std::uint64_t kMostElements = std::uint64_t{1} << 24;
-
 using Library = Hdf5Library;
 using Handle = Hdf5Handle;
-
-// Only these types are read: the library converts from any bit layout that a file describes, even
-// from an impossible one, and then reads outside of its memory.
-bool is_plain_float(hid_t type) {
-  const Handle half = half_type();
-  const std::array<hid_t, 5> plain{half.id(), H5T_IEEE_F32LE, H5T_IEEE_F32BE, H5T_IEEE_F64LE,
-                                   H5T_IEEE_F64BE};
-  return std::ranges::any_of(plain, [&](hid_t one) { return H5Tequal(type, one) > 0; });
-}
-bool is_plain_number(hid_t type) {
-  const std::array<hid_t, 6> plain{H5T_STD_I32LE, H5T_STD_I64LE, H5T_STD_I16LE,
-                                   H5T_STD_U32LE, H5T_STD_U64LE, H5T_STD_U16LE};
-  return is_plain_float(type) ||
-         std::ranges::any_of(plain, [&](hid_t one) { return H5Tequal(type, one) > 0; });
-}
 
 // In files and in memory, as this machine is little-endian, too (stored_arrays.cpp).
 Handle type_of(DType type) {
@@ -46,19 +28,18 @@ Handle type_of(DType type) {
 
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& path)
-      : name_(path.string()), file_(open(path, name_)) {}
+  explicit Reader(const std::filesystem::path& path) : name_(path.string()), file_(path, name_) {}
 
   /// As safetensors.
   void copy_to(SharedMemory& memory) {
-    const std::vector<std::string> names = datasets();
+    const std::vector<std::string> names = file_.datasets();
     if (names.empty()) refuse(name_, "", "no-features", "holds no viewpoint's features");
     std::vector<FeatureKey> keys;
     for (const std::string& name : names) keys.push_back(key_of(name, name_));
     info_.encoder = text("encoder");
     info_.preprocessing = text("preprocessing");
     info_.weights = text("weights");
-    info_ = info_of(names[0], open_dataset(names[0]));
+    info_ = info_of(names[0], file_.open_dataset(names[0]));
     const SafetensorsLayout layout = lay_out_features(info_, keys);
     memory.write_at(0, std::as_bytes(std::span(layout.start)));
     std::vector<std::byte> row(row_bytes(info_));
@@ -69,49 +50,8 @@ class Reader {
   }
 
  private:
-  static Handle open(const std::filesystem::path& path, const std::string& name) {
-    Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-    if (!file.good()) {
-      refuse(name, "", "bad-hdf5", "not an HDF5 file, or a damaged one: " + Library::reason());
-    }
-    return file;
-  }
-
   [[noreturn]] void fail(const std::string& dataset, const char* code, std::string message) const {
-    refuse(name_, in_quotes(dataset), code, std::move(message));
-  }
-  [[noreturn]] void fail_damaged(const std::string& dataset) const {
-    fail(dataset, "bad-hdf5", "cannot be read: " + Library::reason());
-  }
-
-  struct Links {
-    std::vector<std::string> names;
-    bool hard = true;
-  };
-
-  // Only hard links are followed: others could lead to other files.
-  std::vector<std::string> datasets() const {
-    Links links;
-    const herr_t result = H5Literate(
-        file_.id(), H5_INDEX_NAME, H5_ITER_INC, nullptr,
-        [](hid_t, const char* name, const H5L_info_t* info, void* into) -> herr_t {
-          auto& found = *static_cast<Links*>(into);
-          try {
-            found.names.emplace_back(name);
-          } catch (const std::exception&) {
-            return -1;  // nothing may be thrown through the library
-          }
-          found.hard = info->type == H5L_TYPE_HARD;
-          return found.hard ? 0 : 1;
-        },
-        &links);
-    if (!links.hard) {
-      fail(links.names.back(), "foreign-link", "a soft or external link; only datasets are read");
-    }
-    if (result < 0) {
-      refuse(name_, "", "bad-hdf5", "its list of datasets cannot be read: " + Library::reason());
-    }
-    return std::move(links.names);
+    file_.fail(dataset, code, std::move(message));
   }
 
   // An attribute of the file, if it is a text of fixed length, as ours are.
@@ -134,19 +74,13 @@ class Reader {
     return value;
   }
 
-  Handle open_dataset(const std::string& name) const {
-    Handle dataset(H5Dopen2(file_.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
-    if (!dataset.good()) fail_damaged(name);
-    return dataset;
-  }
-
   void read_dataset(const std::string& name, std::span<std::byte> row) const {
-    const Handle dataset = open_dataset(name);
-    check_layout(name, dataset);
+    const Handle dataset = file_.open_dataset(name);
+    file_.check_layout(name, dataset);
     check_equal(name, info_of(name, dataset));
     if (H5Dread(dataset.id(), type_of(info_.type).id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, row.data()) <
         0) {
-      fail_damaged(name);
+      file_.fail_damaged(name);
     }
     std::vector<float> floats(row_elements(info_));
     if (!copy_numbers(row.data(), info_.type, floats)) {
@@ -154,38 +88,10 @@ class Reader {
     }
   }
 
-  // A dataset without data reads as zeros. The library allocates chunks as large as they claim.
-  void check_layout(const std::string& name, const Handle& dataset) const {
-    if (H5Dget_storage_size(dataset.id()) == 0) fail(name, "no-data", "a dataset without data");
-    const Handle made(H5Dget_create_plist(dataset.id()), H5Pclose);
-    const H5D_layout_t layout = H5Pget_layout(made.id());
-    if (layout == H5D_VIRTUAL || H5Pget_external_count(made.id()) != 0) {
-      fail(name, "foreign-link", "its data is in other files; only data in this file is read");
-    }
-    if (layout != H5D_CHUNKED) return;
-    std::array<hsize_t, 2> chunk{};
-    if (H5Pget_chunk(made.id(), 2, chunk.data()) != 2) fail_damaged(name);
-    check_size(name, chunk);
-  }
-
-  void check_size(const std::string& name, const std::array<hsize_t, 2>& size) const {
-    if (size[0] == 0 || size[1] == 0 || size[0] > kMostElements ||
-        size[1] > kMostElements / size[0]) {
-      fail(name, "bad-shape",
-           fmt::format("{} x {} numbers, not 1 to {}", size[0], size[1], kMostElements));
-    }
-  }
-
   FeatureInfo info_of(const std::string& name, const Handle& dataset) const {
-    const Handle space(H5Dget_space(dataset.id()), H5Sclose);
     const Handle type(H5Dget_type(dataset.id()), H5Tclose);
-    if (!space.good() || !type.good()) fail_damaged(name);
-    std::array<hsize_t, 2> size{};
-    if (H5Sget_simple_extent_ndims(space.id()) != 2 ||
-        H5Sget_simple_extent_dims(space.id(), size.data(), nullptr) != 2) {
-      fail(name, "bad-shape", "not an array of views and dimensions");
-    }
-    check_size(name, size);
+    if (!type.good()) file_.fail_damaged(name);
+    const std::array<hsize_t, 2> size = file_.size_of(name, dataset);
     if (!is_plain_float(type.id())) {
       fail(name, "unsupported-type", "not floating-point numbers of 16, 32 or 64 bits");
     }
@@ -224,7 +130,7 @@ class Reader {
   }
 
   std::string name_;
-  Handle file_;
+  Hdf5Source file_;
   FeatureInfo info_;
 };
 
