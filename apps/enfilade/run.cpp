@@ -10,12 +10,10 @@
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
-#include "enfilade/report/results_table.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/results.h"
 #include "enfilade/tasks/score.h"
 #include "enfilade/tasks/soon_submission.h"
-#include "enfilade/tasks/task_score.h"
 
 namespace enfilade::apps {
 namespace {
@@ -25,17 +23,6 @@ struct Options {
   std::string agent = "random", split = "val_unseen", task, form;
   agents::RunOptions run;
 };
-
-// Of R2R by our own table; of others as the public code of the published tables does.
-void print_score(const std::vector<tasks::Trajectory>& trajectories,
-                 const tasks::EpisodeSet& episodes) {
-  if (episodes.task == tasks::Task::kR2r) {
-    fmt::print("{}", to_table(compute_score(trajectories, episodes)));
-    return;
-  }
-  const auto& scorer = tasks::public_scorer(episodes.task, report::table_scorer(episodes.task));
-  fmt::print("{}", to_table(compute_task_score(trajectories, episodes, scorer), episodes));
-}
 
 std::string results_text(const Options& options, const std::vector<tasks::Trajectory>& trajectories,
                          const tasks::EpisodeSet& episodes) {

@@ -6,7 +6,10 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "enfilade/report/results_table.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/task_score.h"
 
 namespace enfilade::apps {
 
@@ -34,6 +37,16 @@ tasks::EpisodeSet episodes_of(const dataset::Dataset& data, tasks::Task task,
                               const std::string& split, tasks::Instructions instructions) {
   return task == tasks::Task::kR2r ? data.episodes(split, instructions)
                                    : data.episodes(task, split, instructions);
+}
+
+void print_score(const std::vector<tasks::Trajectory>& trajectories,
+                 const tasks::EpisodeSet& episodes) {
+  if (episodes.task == tasks::Task::kR2r) {
+    fmt::print("{}", to_table(compute_score(trajectories, episodes)));
+    return;
+  }
+  const auto& scorer = tasks::public_scorer(episodes.task, report::table_scorer(episodes.task));
+  fmt::print("{}", to_table(compute_task_score(trajectories, episodes, scorer), episodes));
 }
 
 }  // namespace enfilade::apps

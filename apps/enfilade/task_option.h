@@ -3,9 +3,11 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::apps {
 
@@ -22,5 +24,10 @@ tasks::Task task_of(const std::string& named, const dataset::Dataset& data,
 tasks::EpisodeSet episodes_of(const dataset::Dataset& data, tasks::Task task,
                               const std::string& split,
                               tasks::Instructions instructions = tasks::Instructions::kScored);
+
+/// The scores of results, to stdout: of R2R by our own table, of others as the public code of the
+/// published tables does. \pre the goals are not hidden
+void print_score(const std::vector<tasks::Trajectory>& trajectories,
+                 const tasks::EpisodeSet& episodes);
 
 }  // namespace enfilade::apps

@@ -9,6 +9,7 @@
 #include "enfilade/agents/agent.h"
 #include "enfilade/core/progress.h"
 #include "enfilade/features/feature_set.h"
+#include "enfilade/features/object_set.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/results.h"
@@ -30,10 +31,12 @@ class TrainedAgent : public agents::Agent {
   virtual const models::ModelConfig& config() const noexcept = 0;
   virtual std::uint64_t iteration() const noexcept = 0;  ///< of the weights
 
+  /// What viewpoints show of objects, for an agent that names one; before enter(). Others leave it.
+  virtual void set_objects(std::shared_ptr<const features::ObjectSet> /*objects*/) {}
   /// The episodes to walk in, and what is seen there; before all that follows. `episodes` have to
   /// stay until the next enter(). \param features null if the agent does not see
-  /// \throws ArgumentError if it sees and there are none, or their size is not the network's;
-  /// InvalidInput for viewpoints that have none
+  /// \throws ArgumentError if it sees and there are none, or their size is not the network's, and
+  /// likewise for objects; InvalidInput for viewpoints that have none
   virtual void enter(const tasks::EpisodeSet& episodes, const features::FeatureSet* features) = 0;
   /// Walks all episodes, in their order: the trajectories of run_agent(), faster.
   /// \throws FileError for files that cannot be written

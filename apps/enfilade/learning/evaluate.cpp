@@ -7,6 +7,7 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/learning/learn.h"
+#include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/speaker.h"
@@ -22,6 +23,8 @@ struct Options {
   std::string model;
   std::string data;
   std::string features;
+  std::string objects;
+  std::string task;
   std::vector<std::string> splits{"val_seen", "val_unseen"};
   std::string output;
   std::string device = "cpu";
@@ -29,13 +32,24 @@ struct Options {
   std::size_t batch_size = 100;
 };
 
-tasks::EpisodeSet load_split(const std::string& split, const dataset::Dataset& data,
-                             models::DataFingerprint& fingerprint) {
-  const tasks::Annotations annotations = data.annotations(split);
-  tasks::EpisodeSet episodes = make_episodes(annotations, data.graphs());
-  fingerprint.add(annotations);
-  fingerprint.add_graphs(episodes);
-  return episodes;
+// Warns of data that differ from those of training.
+std::vector<tasks::EpisodeSet> load_splits(const Options& options,
+                                           const models::ModelConfig& config,
+                                           const features::FeatureSet* features) {
+  const dataset::Dataset data = open_data(options.data);
+  const tasks::Task task = task_of(options.task, data);
+  models::DataFingerprint here;
+  if (features != nullptr) here.features = features->info();
+  std::vector<tasks::EpisodeSet> splits;
+  for (const std::string& split : options.splits) {
+    splits.push_back(episodes_of(data, task, split));
+    here.add(task == tasks::Task::kR2r ? data.annotations(split) : data.annotations(task, split));
+    here.add_graphs(splits.back());
+  }
+  const auto warnings =
+      differences(config.data, here, models::ModelFiles{options.model}.config().string());
+  if (!warnings.empty()) print_diagnostics(warnings);
+  return splits;
 }
 
 void evaluate(const Options& options, neural::TrainedAgent& agent,
@@ -53,7 +67,7 @@ void evaluate(const Options& options, neural::TrainedAgent& agent,
   if (goals_hidden(episodes)) {
     fmt::print("The goals of this split are hidden; hand the results file in.\n");
   } else {
-    fmt::print("{}", to_table(compute_score(trajectories, episodes)));
+    print_score(trajectories, episodes);
   }
 }
 
@@ -62,15 +76,8 @@ void evaluate_speaker(const Options& options) {
   neural::Speaker speaker(options.model);
   std::optional<features::FeatureSet> file;
   if (!options.features.empty()) file = features::FeatureSet::open(options.features);
-  const dataset::Dataset data = open_data(options.data);
-  models::DataFingerprint here;
-  if (file) here.features = file->info();
-  std::vector<tasks::EpisodeSet> splits;
-  for (const std::string& split : options.splits) splits.push_back(load_split(split, data, here));
-  const auto warnings =
-      differences(speaker.config().data, here, models::ModelFiles{options.model}.config().string());
-  if (!warnings.empty()) print_diagnostics(warnings);
-  for (const tasks::EpisodeSet& split : splits) {
+  for (const tasks::EpisodeSet& split :
+       load_splits(options, speaker.config(), file ? &*file : nullptr)) {
     const models::SpeakerRecord score =
         speaker.score(split, file ? &*file : nullptr, options.batch_size,
                       progress_bar(fmt::format("{}, {}", options.model, split.split)));
@@ -94,17 +101,16 @@ void run(const Options& options) {
   const auto agent = neural::load_trained_agent(options.model, options.device);
   std::optional<features::FeatureSet> file;
   if (agent->config().training.network.inputs.vision && !options.features.empty()) {
-    file = features::FeatureSet::open(options.features);
+    file = without_class_scores(features::FeatureSet::open(options.features),
+                                agent->config().training.network.features);
   }
   const features::FeatureSet* features = usable_features(agent->config(), file ? &*file : nullptr);
-  const dataset::Dataset data = open_data(options.data);
-  models::DataFingerprint here;
-  if (file) here.features = file->info();
-  std::vector<tasks::EpisodeSet> splits;
-  for (const std::string& split : options.splits) splits.push_back(load_split(split, data, here));
-  const auto warnings =
-      differences(agent->config().data, here, models::ModelFiles{options.model}.config().string());
-  if (!warnings.empty()) print_diagnostics(warnings);
+  const std::vector<tasks::EpisodeSet> splits =
+      load_splits(options, agent->config(), file ? &*file : nullptr);
+  if (!options.objects.empty()) {
+    agent->set_objects(
+        std::make_shared<const features::ObjectSet>(features::ObjectSet::open(options.objects)));
+  }
   for (const tasks::EpisodeSet& split : splits) {
     agent->enter(split, features);
     evaluate(options, *agent, split);
@@ -122,6 +128,9 @@ void add_evaluate(CLI::App& app, int& /*status*/) {
   add_data_option(verb, options->data);
   add_value(verb, "--features", options->features, "FILE",
             "Image features, if the agent uses vision");
+  add_value(verb, "--objects", options->objects, "FILE",
+            "Features of objects (HDF5), if the agent names one: REVERIE, SOON");
+  add_task_option(verb, options->task, "r2r, or what the data set has");
   add_setting(verb, "--split", options->splits, "NAMES", "train, val_seen, val_unseen, test, ...")
       ->delimiter(',');
   add_value(verb, "-o,--output", options->output, "DIR",

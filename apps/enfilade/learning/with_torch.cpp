@@ -21,7 +21,10 @@ std::unique_ptr<agents::Agent> load_trained_agent(const std::string& folder,
   neural::set_threads(0);
   auto agent = neural::load_trained_agent(folder);
   std::optional<features::FeatureSet> file;
-  if (!features.empty()) file = features::FeatureSet::open(features);
+  if (!features.empty()) {
+    file = without_class_scores(features::FeatureSet::open(features),
+                                agent->config().training.network.features);
+  }
   models::DataFingerprint here;
   here.add_graphs(episodes);
   if (file) here.features = file->info();

@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -10,8 +11,9 @@
 
 namespace enfilade::neural::detail {
 
-/// \tparam Split made of episodes, words, a TrainConfig and features; walk_episodes() and
-/// walk_and_write() of Network and Split are found beside them
+/// \tparam Split made of episodes, words, a TrainConfig and features, and of objects if it is a
+/// split of an agent that may name one; walk_episodes() and walk_and_write() of Network and Split
+/// are found beside them
 template <class Network, class Split>
 class ViewpointAgent : public PlannedAgent {
  public:
@@ -21,21 +23,35 @@ class ViewpointAgent : public PlannedAgent {
         words_(std::move(words)),
         network_(std::move(network)) {}
 
+  void set_objects(std::shared_ptr<const features::ObjectSet> objects) override {
+    objects_ = std::move(objects);
+  }
   std::vector<tasks::Trajectory> walk(const SplitWalk& options, const Progress& progress) override {
     return walk_and_write(network_, *split_, options, progress);
   }
 
  protected:
   void prepare(const tasks::EpisodeSet& episodes, const features::FeatureSet* features) override {
-    split_ = std::make_unique<Split>(episodes, words_, config().training, features);
+    const models::TrainConfig& training = config().training;
+    if constexpr (kShowsObjects) {
+      split_ = std::make_unique<Split>(episodes, words_, training, features, objects_);
+    } else {
+      split_ = std::make_unique<Split>(episodes, words_, training, features);
+    }
   }
   std::vector<tasks::Trajectory> walk(std::span<const std::size_t> episodes) override {
     return walk_episodes(network_, *split_, episodes);
   }
 
  private:
+  using Objects = std::shared_ptr<const features::ObjectSet>;
+  static constexpr bool kShowsObjects =
+      std::is_constructible_v<Split, const tasks::EpisodeSet&, const models::InstructionWords&,
+                              const models::TrainConfig&, const features::FeatureSet*, Objects>;
+
   models::InstructionWords words_;
   Network network_;
+  Objects objects_;
   std::unique_ptr<Split> split_;
 };
 

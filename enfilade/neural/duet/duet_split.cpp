@@ -1,11 +1,13 @@
 #include "enfilade/neural/duet/duet_split.h"
 
 #include <c10/core/GradMode.h>
+#include <fmt/format.h>
 #include <cmath>
 #include <string>
 #include <utility>
 #include <variant>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/geometry/angle.h"
 #include "enfilade/neural/detail/split_walk.h"
 #include "enfilade/neural/duet/recording.h"
@@ -13,11 +15,24 @@
 namespace enfilade::neural::duet {
 namespace {
 
-// The views of a feature set; no objects.
+void check(const features::ObjectSet* objects, std::int64_t wanted) {
+  constexpr std::size_t kClasses = 1000;  // scores that published files have behind the features
+  if (objects == nullptr) {
+    throw ArgumentError(
+        "the agent names objects, so it needs their features (enfilade evaluate --objects FILE)");
+  }
+  const auto size = static_cast<std::size_t>(wanted);
+  if (objects->dimensions() == size || objects->dimensions() == size + kClasses) return;
+  throw ArgumentError(fmt::format("{}: {} numbers an object; the network was made for {}",
+                                  objects->file().string(), objects->dimensions(), size));
+}
+
+// The views of a feature set, and the objects of a set.
 class ViewSurroundings : public Surroundings {
  public:
-  ViewSurroundings(const tasks::EpisodeSet& episodes, const ViewFeatures* features)
-      : graphs_(*episodes.graphs), features_(features) {}
+  ViewSurroundings(const tasks::EpisodeSet& episodes, const ViewFeatures* features,
+                   std::shared_ptr<const features::ObjectSet> objects)
+      : graphs_(*episodes.graphs), features_(features), objects_(std::move(objects)) {}
 
   void views(const graph::NavGraph& graph, ViewpointIndex viewpoint,
              std::span<float> out) override {
@@ -28,10 +43,23 @@ class ViewSurroundings : public Surroundings {
       features_->copy(scan, viewpoint, view, out.subspan(view * n, n));
     }
   }
+  std::vector<SeenObject> objects(const graph::NavGraph& graph, ViewpointIndex viewpoint) override {
+    std::vector<SeenObject> seen;
+    if (objects_ == nullptr) return seen;
+    for (const features::ObjectView& one : objects_->objects(graph.scan(), graph.id(viewpoint))) {
+      seen.push_back({one.id, one.heading, one.elevation, one.width, one.height});
+    }
+    return seen;
+  }
+  void object(const graph::NavGraph& graph, ViewpointIndex viewpoint, std::size_t i,
+              std::span<float> out) override {
+    objects_->copy(graph.scan(), graph.id(viewpoint), i, out);
+  }
 
  private:
   const graph::GraphSet& graphs_;
   const ViewFeatures* features_;
+  std::shared_ptr<const features::ObjectSet> objects_;
 };
 
 Radians direction(const graph::NavGraph& graph, ViewpointIndex from, ViewpointIndex to) {
@@ -59,7 +87,8 @@ tasks::Trajectory trajectory_of(const Walk& walk, const graph::NavGraph& graph,
 }  // namespace
 
 DuetSplit::DuetSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
-                     const models::TrainConfig& config, const features::FeatureSet* features)
+                     const models::TrainConfig& config, const features::FeatureSet* features,
+                     std::shared_ptr<const features::ObjectSet> objects)
     : episodes_(episodes), words_(words) {
   std::vector<std::vector<std::int64_t>> ids =
       words.encode(episodes, config.network.max_words, config.network.inputs.language);
@@ -79,7 +108,10 @@ DuetSplit::DuetSplit(const tasks::EpisodeSet& episodes, const models::Instructio
     walks_.push_back(std::move(walk));
   }
   if (features != nullptr) features_.emplace(*features, episodes);
-  surroundings_ = std::make_unique<ViewSurroundings>(episodes, features_ ? &*features_ : nullptr);
+  if (config.duet.object == 0) objects.reset();
+  if (config.duet.object != 0) check(objects.get(), config.duet.object);
+  surroundings_ = std::make_unique<ViewSurroundings>(episodes, features_ ? &*features_ : nullptr,
+                                                     std::move(objects));
   walker_ = std::make_unique<Walker>(episodes.graphs, *surroundings_);
 }
 

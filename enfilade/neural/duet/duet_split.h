@@ -9,6 +9,7 @@
 
 #include "enfilade/core/progress.h"
 #include "enfilade/features/feature_set.h"
+#include "enfilade/features/object_set.h"
 #include "enfilade/models/instruction_words.h"
 #include "enfilade/models/train_config.h"
 #include "enfilade/neural/duet/rollout.h"
@@ -23,9 +24,11 @@ namespace enfilade::neural::duet {
 class DuetSplit {
  public:
   /// `episodes` and `words` have to outlive *this. \param features null if the agent does not see
-  /// \throws as ViewFeatures
+  /// \param objects may be null for an agent that names none
+  /// \throws as ViewFeatures; ArgumentError for objects that are missing or of another size
   DuetSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
-            const models::TrainConfig& config, const features::FeatureSet* features);
+            const models::TrainConfig& config, const features::FeatureSet* features,
+            std::shared_ptr<const features::ObjectSet> objects = nullptr);
   DuetSplit(const DuetSplit&) = delete;
   DuetSplit& operator=(const DuetSplit&) = delete;
 
