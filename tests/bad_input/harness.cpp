@@ -65,6 +65,15 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
+// What it prints goes to `output`.
+int run_program(const std::string& command, const fs::path& folder, const fs::path& output) {
+  const std::string line =
+      fmt::format("cd {} && env -u ENFILADE_DATA {} {} > {} 2>&1", folder.string(), EN_PROGRAM,
+                  replaced(command, "{}", folder.string()), output.string());
+  const int status = std::system(line.c_str());  // NOLINT(concurrency-mt-unsafe)
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
 // A cell of a Markdown table.
 std::string cell(const std::string& text) { return replaced(text, "|", "\\|"); }
 
@@ -118,7 +127,7 @@ std::vector<Case> all_cases() {
   std::vector<Case> all;
   for (const auto& group :
        {graph_cases(), mesh_cases(), annotation_cases(), result_cases(), task_cases(),
-        command_line_cases(), home_cases(), import_cases(), render_cases()}) {
+        command_line_cases(), home_cases(), import_cases(), render_cases(), weight_cases()}) {
     all.insert(all.end(), group.begin(), group.end());
   }
   return all;
@@ -134,12 +143,11 @@ Outcome run(const Case& one) {
     write_file_atomically(folder / name, content);
   }
   const fs::path output = folder / "output.txt";
-  const std::string command =
-      fmt::format("cd {} && env -u ENFILADE_DATA {} {} > {} 2>&1", folder.string(), EN_PROGRAM,
-                  replaced(one.command, "{}", folder.string()), output.string());
-  const int status = std::system(command.c_str());  // NOLINT(concurrency-mt-unsafe)
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-          replaced(read_file(output), folder.string(), "{}")};
+  if (!one.first.empty() && run_program(one.first, folder, output) != 0) {
+    throw std::logic_error(one.first + " before " + one.command + ": " + read_file(output));
+  }
+  const int exit_code = run_program(one.command, folder, output);
+  return {exit_code, replaced(read_file(output), folder.string(), "{}")};
 }
 
 std::string docs_page() {
@@ -159,8 +167,9 @@ std::string docs_page() {
       page += fmt::format(
           "\n## {}\n\n| input | `enfilade ...` | exit | says |\n|---|---|---|---|\n", group);
     }
-    page += fmt::format("| {} | `{}` | {} | `{}` |\n", cell(one.input), cell(one.command),
-                        one.exit_code, cell(one.says));
+    const std::string before = one.first.empty() ? "" : fmt::format("`{}`, then ", one.first);
+    page += fmt::format("| {} | {}`{}` | {} | `{}` |\n", cell(one.input), cell(before),
+                        cell(one.command), one.exit_code, cell(one.says));
   }
   return page;
 }

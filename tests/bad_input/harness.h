@@ -39,6 +39,8 @@ struct Case {
   int exit_code = 0;
   std::string says;  ///< part of what is printed; {} as above
   std::function<void(Files&)> damage;
+  bool learns = false;     ///< needs the program with networks
+  std::string first = {};  ///< a command that is run before, and succeeds; empty: none
 };
 
 std::vector<Case> graph_cases();
@@ -50,6 +52,7 @@ std::vector<Case> render_cases();
 std::vector<Case> command_line_cases();
 std::vector<Case> import_cases();
 std::vector<Case> home_cases();
+std::vector<Case> weight_cases();
 std::vector<Case> all_cases();
 
 struct Outcome {
