@@ -151,6 +151,42 @@ TEST_F(ModelDirectoryTest, ASpeakersConfigIsReadBack) {
               ThrowsMessage<ArgumentError>(HasSubstr("text word-pieces: the speaker writes")));
 }
 
+TEST_F(ModelDirectoryTest, TheStageAndTheFirstWeightsAreReadBack) {
+  const TrainConfig pretraining = recipe(AgentKind::kDuet, Recipe::kPublished, Stage::kPretrain);
+  config_.training = pretraining;
+  config_.training.initial_weights = "00ff";
+  write_file_atomically(files_.config(), to_json(config_));
+  const TrainConfig there = load_model_config(files_.config()).training;
+  EXPECT_EQ(there.stage, Stage::kPretrain);
+  EXPECT_EQ(there.initial_weights, "00ff");
+  EXPECT_EQ(there.warm_up, 10'000U);
+  EXPECT_THAT(differences(there, pretraining), ElementsAre("initial_weights: \"00ff\", not none"));
+  edit_config("  \"stage\": \"pretrain\",\n", "");
+  EXPECT_EQ(load_model_config(files_.config()).training.stage, Stage::kFineTune) << "as before";
+  edit_config("\"pretrain\"", "\"sleep\"");
+  EXPECT_THAT(
+      [&] { load_model_config(files_.config()); },
+      ThrowsMessage<InvalidInput>(HasSubstr("$.training.stage: stage \"sleep\": fine-tune")));
+}
+
+TEST_F(ModelDirectoryTest, WeightsFitNetworksOfTheSameSizes) {
+  TrainConfig one = recipe(AgentKind::kDuet), other = one;
+  other.stage = Stage::kPretrain;
+  other.duet.dropout = 0.2;
+  other.network.max_words = 80;
+  other.seed = 7;
+  EXPECT_TRUE(size_differences(one, other).empty());
+  other.duet.hidden = 384;
+  other.network.vocabulary += 1;
+  EXPECT_EQ(size_differences(one, other).size(), 2U);
+  EXPECT_THAT(size_differences(recipe(AgentKind::kPanoramic), one),
+              ElementsAre("agent: panoramic, not duet"));
+  one.agent = AgentKind::kPanoramic;
+  one.stage = Stage::kPretrain;
+  EXPECT_THAT([&] { validate(one); },
+              ThrowsMessage<ArgumentError>(HasSubstr("stage pretrain: the agent panoramic")));
+}
+
 TEST_F(ModelDirectoryTest, FeaturesOfAnotherSizeAreAnError) {
   EXPECT_THAT([&] { usable_features(config_, nullptr); },
               ThrowsMessage<ArgumentError>(HasSubstr("needs features")));

@@ -29,6 +29,7 @@ constexpr NamedValues<TextKind, 3> kTexts{"text", {"words", "word-pieces", "sent
 constexpr NamedValues<Letters, 2> kLetters{"letters", {"cased", "uncased"}};
 constexpr NamedValues<Schedule, 2> kSchedules{"schedule", {"constant", "linear"}};
 constexpr NamedValues<SampledLoss, 2> kSampledLosses{"sampled loss", {"labels", "reinforce"}};
+constexpr NamedValues<Stage, 2> kStages{"stage", {"fine-tune", "pretrain"}};
 constexpr NamedValues<MapTeacher, 2> kMapTeachers{"map teacher", {"spl", "ndtw"}};
 constexpr NamedValues<Recipe, 2> kRecipes{"recipe", {"published", "small"}};
 constexpr NamedValues<AfterEnd, 2> kAfterEnds{"after end", {"walks-on", "stays"}};
@@ -72,6 +73,18 @@ void set_duet(TrainConfig& config) {
   config.network.max_words = 200;
   config.evaluate_every = 1000;
   config.checkpoint_every = 500;
+}
+
+// DUET's pretraining for R2R. Masked views are its only loss of pictures.
+void set_pretraining(TrainConfig& config) {
+  config.adam.learning_rate = 5e-5;
+  config.adam.beta2 = 0.98;
+  config.warm_up = 10'000;
+  config.schedule = Schedule::kLinear;
+  config.clip = 5;
+  config.iterations = 100'000;
+  config.batch_size = 64;
+  config.duet.feature_dropout = 0;
 }
 
 // EnvDrop's run script for the speaker.
@@ -118,6 +131,11 @@ void make_small(TrainConfig& config) {
   config.adam.learning_rate = 5e-4;
   config.batch_size = 16;
   config.clip = 5;
+  if (config.stage == Stage::kPretrain) {
+    config.duet.feature_dropout = 0;
+    config.adam.beta2 = 0.98;
+    config.batch_size = 32;
+  }
 }
 
 void validate_speaker(const TrainConfig& config) {
@@ -149,6 +167,8 @@ std::string_view to_string(Schedule value) noexcept { return kSchedules.name(val
 Schedule parse_schedule(std::string_view name) { return kSchedules.parse(name); }
 std::string_view to_string(SampledLoss value) noexcept { return kSampledLosses.name(value); }
 SampledLoss parse_sampled_loss(std::string_view name) { return kSampledLosses.parse(name); }
+std::string_view to_string(Stage value) noexcept { return kStages.name(value); }
+Stage parse_stage(std::string_view name) { return kStages.parse(name); }
 std::string_view to_string(MapTeacher value) noexcept { return kMapTeachers.name(value); }
 MapTeacher parse_map_teacher(std::string_view name) { return kMapTeachers.parse(name); }
 std::string_view to_string(Recipe value) noexcept { return kRecipes.name(value); }
@@ -158,11 +178,13 @@ AfterEnd parse_after_end(std::string_view name) { return kAfterEnds.parse(name);
 std::string_view to_string(ForwardTo value) noexcept { return kForwards.name(value); }
 ForwardTo parse_forward_to(std::string_view name) { return kForwards.parse(name); }
 
-TrainConfig recipe(AgentKind agent, Recipe source) {
+TrainConfig recipe(AgentKind agent, Recipe source, Stage stage) {
   TrainConfig config;
   config.agent = agent;
+  config.stage = stage;
   if (agent == AgentKind::kPanoramic) set_panoramic(config);
   if (agent == AgentKind::kDuet) set_duet(config);
+  if (agent == AgentKind::kDuet && stage == Stage::kPretrain) set_pretraining(config);
   if (agent == AgentKind::kSpeaker) set_speaker(config);
   if (source == Recipe::kSmall) make_small(config);
   return config;
@@ -234,6 +256,10 @@ void validate(const TrainConfig& config) {
   if (config.agent == AgentKind::kSeq2Seq && config.text != TextKind::kWords) {
     throw ArgumentError(fmt::format("text {}: seq2seq reads words alone", to_string(config.text)));
   }
+  if (config.agent != AgentKind::kDuet && config.stage != Stage::kFineTune) {
+    throw ArgumentError(fmt::format("stage {}: the agent {} has no such stage, duet has",
+                                    to_string(config.stage), to_string(config.agent)));
+  }
   check_range("clip", config.clip, 0, kMostNorm);
   check_range("teacher_weight", config.teacher_weight, 0, 1);
   check_adam(config.adam);
@@ -248,25 +274,48 @@ void validate(const TrainConfig& config) {
   if (config.buildings) check_positive("buildings", *config.buildings);
 }
 
-std::vector<std::string> differences(const TrainConfig& there, const TrainConfig& here) {
-  std::vector<std::string> found;
-  const auto compare = [&](const Json& a, const Json& b) {
-    const auto text = [](const Json& config, const std::string& name) {
-      return config.contains(name) ? config.at(name).dump() : std::string("none");
-    };
-    Json names = a;
-    names.update(b);  // either may lack what it has no value for
-    for (const auto& [name, value] : names.items()) {
-      const std::string was = text(a, name), is = text(b, name);
-      if (is_free(name, here.schedule) || was == is) continue;
-      found.push_back(fmt::format("{}: {}, not {}", name, was, is));
-    }
+namespace {
+
+// What differs of two objects, but for the names that are left out.
+template <class LeftOut>
+void compare(const Json& a, const Json& b, const LeftOut& left_out,
+             std::vector<std::string>& found) {
+  const auto text = [](const Json& config, const std::string& name) {
+    return config.contains(name) ? config.at(name).dump() : std::string("none");
   };
-  if (there.agent != here.agent) {
-    return {fmt::format("agent: {}, not {}", to_string(there.agent), to_string(here.agent))};
+  Json names = a;
+  names.update(b);  // either may lack what it has no value for
+  for (const auto& [name, value] : names.items()) {
+    const std::string was = text(a, name), is = text(b, name);
+    if (left_out(name) || was == is) continue;
+    found.push_back(fmt::format("{}: {}, not {}", name, was, is));
   }
-  compare(detail::network_to_json(there), detail::network_to_json(here));
-  compare(detail::to_json(there), detail::to_json(here));
+}
+
+std::vector<std::string> other_agent(const TrainConfig& there, const TrainConfig& here) {
+  if (there.agent == here.agent) return {};
+  return {fmt::format("agent: {}, not {}", to_string(there.agent), to_string(here.agent))};
+}
+
+}  // namespace
+
+std::vector<std::string> size_differences(const TrainConfig& there, const TrainConfig& here) {
+  std::vector<std::string> found = other_agent(there, here);
+  if (!found.empty()) return found;
+  const auto left_out = [](std::string_view name) {
+    return name == "max_words" || name == "inputs" || name == "dropout" ||
+           name == "feature_dropout";
+  };
+  compare(detail::network_to_json(there), detail::network_to_json(here), left_out, found);
+  return found;
+}
+
+std::vector<std::string> differences(const TrainConfig& there, const TrainConfig& here) {
+  std::vector<std::string> found = other_agent(there, here);
+  if (!found.empty()) return found;
+  const auto free = [&](std::string_view name) { return is_free(name, here.schedule); };
+  compare(detail::network_to_json(there), detail::network_to_json(here), free, found);
+  compare(detail::to_json(there), detail::to_json(here), free, found);
   return found;
 }
 

@@ -25,6 +25,14 @@ std::string_view to_string(
     AgentKind value) noexcept;                      ///< "seq2seq", "panoramic", "duet", "speaker"
 AgentKind parse_agent_kind(std::string_view name);  ///< \throws ArgumentError
 
+/// What a training of duet is for.
+enum class Stage : std::uint8_t {
+  kFineTune,  ///< it walks, with a teacher
+  kPretrain,  ///< it guesses: masked words and views, the next step, the object
+};
+std::string_view to_string(Stage value) noexcept;  ///< "fine-tune", "pretrain"
+Stage parse_stage(std::string_view name);          ///< \throws ArgumentError
+
 /// What happens to an agent that chose `end` away from its goal, while others of its batch go on.
 enum class AfterEnd {
   kWalksOn,  ///< as in the released code: it is still labelled and moved and adds to the loss; only
@@ -104,6 +112,10 @@ struct TrainConfig {
   double teacher_weight = 0.2;
   SampledLoss sampled_loss = SampledLoss::kReinforce;  ///< of panoramic
   MapTeacher map_teacher = MapTeacher::kSpl;           ///< of duet
+  Stage stage = Stage::kFineTune;                      ///< of duet
+  /// Of duet: the hash of another model's weights (in its file) that training began with. No value:
+  /// random ones.
+  std::optional<std::string> initial_weights = {};
   std::size_t iterations = 20'000;
   std::size_t batch_size = 100;
   /// Actions of an episode; of agents that choose among viewpoints, choices.
@@ -131,8 +143,9 @@ enum class Recipe : std::uint8_t {
 std::string_view to_string(Recipe value) noexcept;  ///< "published", "small"
 Recipe parse_recipe(std::string_view name);         ///< \throws ArgumentError
 
-/// The settings of one agent by one recipe.
-TrainConfig recipe(AgentKind agent, Recipe source = Recipe::kPublished);
+/// The settings of one agent by one recipe. \param stage of duet
+TrainConfig recipe(AgentKind agent, Recipe source = Recipe::kPublished,
+                   Stage stage = Stage::kFineTune);
 
 /// The sizes of the networks, with what follows from the data. `<BOS>` and `<MASK>` have rows
 /// beside those of words; pieces have all of theirs. \pre the agent is of that kind
@@ -153,6 +166,10 @@ Feedback parse_feedback(std::string_view name);
 /// Checks everything but network.vocabulary and network.features.
 /// \throws ArgumentError naming the field, its value and what is allowed
 void validate(const TrainConfig& config);
+
+/// Why the weights of one network cannot be those of another: agents, texts and sizes that differ
+/// ("hidden: 512, not 256"). What training alone uses, and max_words, may differ.
+std::vector<std::string> size_differences(const TrainConfig& there, const TrainConfig& here);
 
 /// The differences of two configs that affect the weights ("hidden: 512, not 256"). Left out are
 /// iterations, validation splits and how often to evaluate and to write checkpoints.

@@ -13,6 +13,8 @@
 #include "enfilade/models/model_directory.h"
 #include "enfilade/neural/detail/learner.h"
 #include "enfilade/neural/duet/duet_learner.h"
+#include "enfilade/neural/duet/pretraining_learner.h"
+#include "enfilade/neural/model.h"
 #include "enfilade/neural/panoramic/panoramic_learner.h"
 #include "enfilade/neural/panoramic/speaker_learner.h"
 #include "enfilade/neural/trained_agent.h"
@@ -59,11 +61,53 @@ void keep_buildings(tasks::EpisodeSet& episodes, std::size_t most) {
   });
 }
 
+[[noreturn]] void refuse_origin(const models::ModelFiles& files,
+                                const std::vector<std::string>& differ) {
+  throw ArgumentError(fmt::format("{}: training cannot begin with the weights of this model:\n  {}",
+                                  files.folder.string(), fmt::join(differ, "\n  ")));
+}
+
+// The model that a training begins with.
+struct Origin {
+  models::ModelFiles files;
+  models::TrainConfig config;
+  models::StateFile state;
+
+  fs::path text() const { return files.text(config.text); }
+};
+
+std::optional<Origin> open_origin(const models::TrainConfig& config,
+                                  const std::optional<fs::path>& folder) {
+  if (!folder) return std::nullopt;
+  if (config.agent != models::AgentKind::kDuet) {
+    throw ArgumentError(fmt::format("the agent {} begins with random weights alone, not with {}",
+                                    to_string(config.agent), folder->string()));
+  }
+  models::ModelFiles files = require_model(*folder);
+  models::TrainConfig there = models::load_model_config(files.config()).training;
+  if (there.agent != config.agent) refuse_origin(files, size_differences(there, config));
+  return Origin{files, std::move(there), models::open_state(files.weights())};
+}
+
+models::InstructionWords words_of(const models::TrainConfig& config, const TrainingData& data,
+                                  const std::optional<Origin>& origin) {
+  if (origin) return models::load_instruction_words(origin->files, origin->config);
+  return models::InstructionWords(models::training_vocabulary(data.training, config.least_count));
+}
+
 models::TrainConfig completed(models::TrainConfig config, const TrainingData& data,
-                              const tasks::Vocabulary& vocabulary) {
-  config.network.vocabulary = vocabulary.size();
+                              const models::InstructionWords& words,
+                              const std::optional<Origin>& origin) {
+  const tasks::Vocabulary* const vocabulary = words.vocabulary();
+  config.network.vocabulary = vocabulary != nullptr ? vocabulary->size() : words.size();
   config.network.features =
       config.network.inputs.vision && data.features ? data.features->info().dimensions : 0;
+  if (!origin) return config;
+  config.text = origin->config.text;
+  config.letters = origin->config.letters;
+  config.initial_weights = origin->state.file.metadata().at("hash");
+  const std::vector<std::string> differ = size_differences(origin->config, config);
+  if (!differ.empty()) refuse_origin(origin->files, differ);
   return config;
 }
 
@@ -76,14 +120,15 @@ void require_goals(const tasks::EpisodeSet& episodes) {
 
 // Checks that the model in the directory has this config and data.
 void check_same_model(const models::ModelFiles& files, const models::ModelConfig& now,
-                      const tasks::Vocabulary& vocabulary) {
+                      const models::InstructionWords& words) {
   const models::ModelConfig there = models::load_model_config(files.config());
   std::vector<std::string> found = differences(there.training, now.training);
   for (const Diagnostic& one : differences(there.data, now.data, files.config().string())) {
     found.push_back(fmt::format("{}: {}", one.where, one.message));
   }
-  if (found.empty() &&
-      models::load_vocabulary(files, there.training.network).words() != vocabulary.words()) {
+  const tasks::Vocabulary* const vocabulary = words.vocabulary();
+  if (found.empty() && vocabulary != nullptr &&
+      models::load_vocabulary(files, there.training.network).words() != vocabulary->words()) {
     found.emplace_back("vocabulary.txt: other words than those of the training instructions");
   }
   if (found.empty()) return;
@@ -94,39 +139,47 @@ void check_same_model(const models::ModelFiles& files, const models::ModelConfig
 }
 
 std::unique_ptr<detail::Learner> make_learner(const models::TrainConfig& config,
-                                              const tasks::Vocabulary& vocabulary,
+                                              const models::InstructionWords& words,
                                               const std::string& device) {
-  if (config.agent == models::AgentKind::kSeq2Seq) {
+  using models::AgentKind;
+  if (config.agent == AgentKind::kDuet) {
+    require_cpu(config.agent, device);
+    return config.stage == models::Stage::kPretrain ? duet::make_pretraining_learner(config, words)
+                                                    : duet::make_duet_learner(config, words);
+  }
+  const tasks::Vocabulary& vocabulary = *words.vocabulary();  // they read no pieces in training
+  if (config.agent == AgentKind::kSeq2Seq) {
     return detail::make_seq2seq_learner(config, vocabulary, device);
   }
   require_cpu(config.agent, device);
-  if (config.agent == models::AgentKind::kDuet) return duet::make_duet_learner(config, vocabulary);
-  if (config.agent == models::AgentKind::kSpeaker) {
-    return panoramic::make_speaker_learner(config, vocabulary);
-  }
-  return panoramic::make_panoramic_learner(config, vocabulary);
+  return config.agent == AgentKind::kSpeaker
+             ? panoramic::make_speaker_learner(config, vocabulary)
+             : panoramic::make_panoramic_learner(config, vocabulary);
 }
 
 class Training {
  public:
   Training(const models::TrainConfig& config, const TrainingData& data, const fs::path& directory,
-           const std::string& device, const TrainingListener& listener)
+           const std::string& device, const TrainingListener& listener,
+           const std::optional<fs::path>& from)
       : data_(data),
         files_{directory},
         listener_(listener),
-        vocabulary_(models::training_vocabulary(data.training, config.least_count)),
-        model_{completed(config, data, vocabulary_), data.fingerprint},
+        origin_(open_origin(config, from)),
+        words_(words_of(config, data, origin_)),
+        model_{completed(config, data, words_, origin_), data.fingerprint},
         lock_((make_folder(directory), files_.lock())),
-        learner_(make_learner(model_.training, vocabulary_, device)) {}
+        learner_(make_learner(model_.training, words_, device)) {}
 
   bool run() {
     if (fs::exists(files_.config())) {
-      check_same_model(files_, model_, vocabulary_);
+      check_same_model(files_, model_, words_);
       load_checkpoint();
       if (iteration_ >= config().iterations) return finish();
     } else {
-      vocabulary_.save(files_.vocabulary());
+      save_words();
     }
+    if (iteration_ == 0 && origin_) learner_->begin_with(origin_->state.file);
     // After the vocabulary, so that there is no config.json without one. Always written, as the
     // iterations may have changed.
     write_file_atomically(files_.config(), to_json(model_));
@@ -144,6 +197,10 @@ class Training {
 
  private:
   const models::TrainConfig& config() const { return model_.training; }
+  void save_words() const {
+    if (words_.vocabulary() != nullptr) return words_.vocabulary()->save(files_.vocabulary());
+    write_file_atomically(files_.text(config().text), read_file(origin_->text()));
+  }
   bool is_last() const { return iteration_ == config().iterations; }
   bool is_due(std::size_t every) const {
     return every > 0 && (is_last() || iteration_ % every == 0);
@@ -250,7 +307,8 @@ class Training {
   const TrainingData& data_;
   models::ModelFiles files_;
   const TrainingListener& listener_;
-  tasks::Vocabulary vocabulary_;
+  std::optional<Origin> origin_;
+  models::InstructionWords words_;
   models::ModelConfig model_;
   models::FolderLock lock_;
   std::unique_ptr<detail::Learner> learner_;
@@ -294,7 +352,8 @@ TrainingData load_training_data(const dataset::Dataset& dataset, const models::T
 }
 
 bool train(const models::TrainConfig& config, const TrainingData& data, const fs::path& directory,
-           const std::string& device, const TrainingListener& listener) {
+           const std::string& device, const TrainingListener& listener,
+           const std::optional<fs::path>& from) {
   validate(config);
   if (config.network.inputs.vision && !data.features) {
     throw ArgumentError("the agent is to see, so it needs features");
@@ -302,7 +361,7 @@ bool train(const models::TrainConfig& config, const TrainingData& data, const fs
   if (data.training.episodes.empty()) {
     throw ArgumentError(fmt::format("split {}: no episode to train on", data.training.split));
   }
-  return Training(config, data, directory, device, listener).run();
+  return Training(config, data, directory, device, listener, from).run();
 }
 
 }  // namespace enfilade::neural

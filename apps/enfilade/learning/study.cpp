@@ -162,9 +162,10 @@ void add_study(CLI::App& app, int& status) {
               whole_number(1, 5000))
       ->delimiter(',');
   add_whole_number(verb, "--seeds", options->seeds, "Agents a point");
-  // The study gives these itself.
+  // The study gives these itself, and its agents walk.
   options->training.add_to(verb, "small");
-  for (const char* own : {"--seed", "--evaluate-every"}) options->training.leave_out(verb, own);
+  for (const char* own : {"--seed", "--evaluate-every", "--stage"})
+    options->training.leave_out(verb, own);
   set_examples(verb, {"enfilade study -o study --homes 10,30,100,300,1000",
                       "enfilade study -o duet --agent duet --homes 10,30,100,300 --seeds 3",
                       "enfilade study -o small --homes 3,6 --iterations 50 --batch 20"});

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string data, features, output, device = "cpu";
+  std::string data, features, output, from, device = "cpu";
   int threads = 0;
   TrainingOptions training;
   std::vector<std::string> splits{"train"}, validation{"val_seen", "val_unseen"};
@@ -123,7 +123,9 @@ void run(const Options& options) {
   neural::set_threads(options.threads);
   const neural::TrainingData data = neural::load_training_data(root, config, features);
   Reporter reporter(fs::path(options.output).filename().string(), options.output);
-  if (!neural::train(config, data, options.output, options.device, reporter.listener())) {
+  std::optional<fs::path> from;
+  if (!options.from.empty()) from = options.from;
+  if (!neural::train(config, data, options.output, options.device, reporter.listener(), from)) {
     fmt::print("{}: complete, {} iterations\n", options.output, config.iterations);
     return;
   }
@@ -138,6 +140,9 @@ void add_data(CLI::App& verb, Options& options) {
   add_value(verb, "-o,--output", options.output, "MODELDIR",
             "Model directory; one that is there is trained on from its last checkpoint")
       ->required();
+  add_value(verb, "--from", options.from, "MODELDIR",
+            "duet: begin with the weights and words of this model, as pretrained; its sizes have "
+            "to be the same");
   add_setting(verb, "--splits", options.splits, "",
               "Trained on, and the vocabulary's; for the test submission "
               "train,val_seen,val_unseen")
@@ -164,6 +169,10 @@ void add_train(CLI::App& app, int& /*status*/) {
                       "enfilade train --agent panoramic --features vit.safetensors -o panoramic",
                       "enfilade train --agent duet --recipe small --data homes --features "
                       "features.safetensors -o duet",
+                      "enfilade train --agent duet --stage pretrain --features vit.safetensors -o "
+                      "pretrained",
+                      "enfilade train --agent duet --from pretrained --features vit.safetensors -o "
+                      "duet",
                       "enfilade train --agent speaker --features vit.safetensors -o speaker",
                       "enfilade train --splits train,val_seen,val_unseen --features "
                       "resnet.safetensors -o submission"});

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
+#include <string_view>
 #include <utility>
 
 #include "apps/common/program.h"
@@ -16,6 +17,10 @@ using models::TrainConfig;
 
 constexpr std::array<AgentKind, 4> kKinds{AgentKind::kSeq2Seq, AgentKind::kPanoramic,
                                           AgentKind::kDuet, AgentKind::kSpeaker};
+
+// Of what an agent is taught while it walks.
+constexpr std::array<std::string_view, 3> kOfWalks{"--feedback", "--map-teacher",
+                                                   "--teacher-weight"};
 
 // "(default: 100; panoramic 64, duet 8)"
 template <class Field>
@@ -70,6 +75,7 @@ void TrainingOptions::name(CLI::App& verb, const std::string& name, const std::s
 void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
   agent_ = "seq2seq";
   recipe_ = recipe;
+  stage_ = "fine-tune";
   add_setting(
       verb, "--agent", agent_, "",
       "seq2seq: six actions (Anderson et al. 2018); panoramic: an LSTM that chooses among "
@@ -81,6 +87,11 @@ void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
               "What the options below change: as published, or small networks from nothing, for "
               "model homes and two cores",
               CLI::IsMember({"published", "small"}));
+  add_setting(verb, "--stage", stage_, "",
+              "Of duet: fine-tune: it walks; pretrain: it guesses masked words, masked views and "
+              "the next step, as published in 100000 updates of batch 64 with a rate of 5e-5 after "
+              "a warm-up of 10000",
+              CLI::IsMember({"fine-tune", "pretrain"}));
   name(verb, "--feedback", "What is done next in training (default: student)",
        {AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kDuet}, {"student", "teacher"},
        [this](TrainConfig& config, const std::string& value) {
@@ -172,7 +183,9 @@ void TrainingOptions::add_sizes(CLI::App& verb) {
   const Kinds newer{AgentKind::kPanoramic, AgentKind::kDuet, AgentKind::kSpeaker};
   name(verb, "--size", "Of all of DUET: as published, or small (default: duet)", {AgentKind::kDuet},
        {"duet-s", "duet"}, [](TrainConfig& config, const std::string& value) {
+         const double dropped = config.duet.feature_dropout;  // the stage's
          config.duet = models::duet_preset(value);
+         config.duet.feature_dropout = dropped;
        });
   whole(verb, "--hidden", "Of all LSTMs", lstms, [](TrainConfig& config) -> std::size_t& {
     if (config.agent == AgentKind::kSpeaker) return config.speaker.hidden;
@@ -232,14 +245,19 @@ void TrainingOptions::leave_out(CLI::App& verb, const std::string& name) {
 }
 
 TrainConfig TrainingOptions::config() const {
-  TrainConfig config =
-      models::recipe(models::parse_agent_kind(agent_), models::parse_recipe(recipe_));
+  TrainConfig config = models::recipe(models::parse_agent_kind(agent_),
+                                      models::parse_recipe(recipe_), models::parse_stage(stage_));
   for (const Change& change : changes_) {
     if (change.option->count() == 0) continue;
     if (!change.kinds.empty() &&
         std::ranges::find(change.kinds, config.agent) == change.kinds.end()) {
       throw UsageError(
           fmt::format("{}: not an option of --agent {}", change.option->get_name(), agent_));
+    }
+    if (config.stage == models::Stage::kPretrain &&
+        std::ranges::find(kOfWalks, change.option->get_name()) != kOfWalks.end()) {
+      throw UsageError(
+          fmt::format("{}: not an option of --stage pretrain", change.option->get_name()));
     }
     change.apply(config);
   }
@@ -249,6 +267,7 @@ TrainConfig TrainingOptions::config() const {
 
 std::vector<std::string> TrainingOptions::words() const {
   std::vector<std::string> words{"--agent", agent_, "--recipe", recipe_};
+  if (stage_ != to_string(models::Stage::kFineTune)) words.insert(words.end(), {"--stage", stage_});
   for (const Change& change : changes_) {
     if (change.option->count() == 0) continue;
     words.push_back(change.option->get_name());

@@ -14,7 +14,7 @@ namespace enfilade::apps {
 /// Options that change a recipe. What is not given is as models::recipe() has it.
 class TrainingOptions {
  public:
-  /// Adds --agent, --recipe and all that changes it. *this outlives the verb.
+  /// Adds --agent, --recipe, --stage and all that changes it. *this outlives the verb.
   /// \param recipe the default: "published" or "small"
   void add_to(CLI::App& verb, const std::string& recipe = "published");
   /// The verb has no such option after all.
@@ -42,7 +42,7 @@ class TrainingOptions {
   void add_sizes(CLI::App& verb);
   void add_updates(CLI::App& verb);
 
-  std::string agent_, recipe_;
+  std::string agent_, recipe_, stage_;
   struct Change {
     CLI::Option* option;
     Kinds kinds;  // empty: of all

@@ -30,8 +30,8 @@ template <class T>
 concept Named =
     std::same_as<T, AfterEnd> || std::same_as<T, ForwardTo> || std::same_as<T, AgentKind> ||
     std::same_as<T, Optimizer> || std::same_as<T, Schedule> || std::same_as<T, SampledLoss> ||
-    std::same_as<T, MapTeacher> || std::same_as<T, TextKind> || std::same_as<T, Letters> ||
-    std::same_as<T, Subout> || std::same_as<T, Fusion>;
+    std::same_as<T, MapTeacher> || std::same_as<T, Stage> || std::same_as<T, TextKind> ||
+    std::same_as<T, Letters> || std::same_as<T, Subout> || std::same_as<T, Fusion>;
 
 // One function for each object of the file: calls visit(name, field) for each of its fields.
 
@@ -126,7 +126,11 @@ void for_fields(ConstOrNot<TrainConfig> auto& config, const auto& visit) {
     if (config.agent != AgentKind::kSpeaker) visit("teacher_weight", config.teacher_weight);
   }
   if (config.agent == AgentKind::kPanoramic) visit("sampled_loss", config.sampled_loss);
-  if (config.agent == AgentKind::kDuet) visit("map_teacher", config.map_teacher);
+  if (config.agent == AgentKind::kDuet) {
+    visit("map_teacher", config.map_teacher);
+    visit("stage", config.stage);
+    visit("initial_weights", config.initial_weights);
+  }
   visit("seed", config.seed);
   visit("splits", config.splits);
   visit("buildings", config.buildings);
@@ -204,9 +208,10 @@ struct Reader {
       read(*found, Path(path, name), value);
     }
   }
-  // Files of before there were several kinds of agents, or of texts, have none.
+  // Files of before there were several kinds of agents, of texts, or of stages, have none.
   void operator()(const char* name, AgentKind& value) const { read_if_there(name, value); }
   void operator()(const char* name, TextKind& value) const { read_if_there(name, value); }
+  void operator()(const char* name, Stage& value) const { read_if_there(name, value); }
   void operator()(const char* name, Letters& value) const { read_if_there(name, value); }
   template <class T>
   void operator()(const char* name, std::optional<T>& value) const {
@@ -290,6 +295,9 @@ struct Reader {
   }
   void read(Element element, const Path& at, Letters& value) const {
     read_name(element, at, value, parse_letters);
+  }
+  void read(Element element, const Path& at, Stage& value) const {
+    read_name(element, at, value, parse_stage);
   }
   void read(Element element, const Path& at, Subout& value) const {
     read_name(element, at, value, parse_subout);

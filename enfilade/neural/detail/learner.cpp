@@ -1,6 +1,12 @@
 #include "enfilade/neural/detail/learner.h"
 
+#include "enfilade/core/errors.h"
+
 namespace enfilade::neural::detail {
+
+void Learner::begin_with(const features::TensorFile&) {
+  throw ArgumentError("this agent begins with random weights alone");
+}
 
 Network::State as_state(const Weights& weights) {
   Network::State state;

@@ -46,6 +46,10 @@ class Learner {
   virtual Evaluated evaluate(std::size_t split, std::uint64_t iteration,
                              const models::ModelFiles& files) = 0;
 
+  /// Takes the weights of another model, ahead of the first update. \throws ArgumentError for an
+  /// agent that cannot; InvalidInput as load_training_state()
+  virtual void begin_with(const features::TensorFile& weights);
+
   virtual Network::State weights() const = 0;
   virtual Network::State training_state() const = 0;
   /// \throws InvalidInput naming every missing, surplus and wrong-shaped array

@@ -24,10 +24,10 @@ template <class Network, class Split>
 class SplitLearner : public Learner {
  public:
   /// \param config outlives *this \param parts as OptimizerConfig::parts
-  SplitLearner(const models::TrainConfig& config, const tasks::Vocabulary& vocabulary,
-               Network network, std::vector<std::string> parts)
+  SplitLearner(const models::TrainConfig& config, models::InstructionWords words, Network network,
+               std::vector<std::string> parts)
       : config_(config),
-        words_(vocabulary),
+        words_(std::move(words)),
         network_(std::move(network)),
         optimizer_(optimizer_of(config, std::move(parts))) {}
 
@@ -53,6 +53,7 @@ class SplitLearner : public Learner {
 
  protected:
   const models::TrainConfig& config() const noexcept { return config_; }
+  const models::InstructionWords& words() const noexcept { return words_; }
   Network& network() noexcept { return network_; }
   Optimizer& optimizer() noexcept { return optimizer_; }
   Split& training() { return *training_; }

@@ -2,6 +2,7 @@
 
 #include <ATen/ATen.h>
 #include <c10/core/GradMode.h>
+#include <utility>
 #include <vector>
 
 #include "enfilade/neural/detail/batches.h"
@@ -16,8 +17,13 @@ using models::Feedback;
 
 class DuetLearner : public detail::SplitLearner<DuetNetwork, DuetSplit> {
  public:
-  DuetLearner(const models::TrainConfig& config, const tasks::Vocabulary& vocabulary)
-      : SplitLearner(config, vocabulary, DuetNetwork(duet_sizes(config), config.seed), {""}) {}
+  DuetLearner(const models::TrainConfig& config, models::InstructionWords words)
+      : SplitLearner(config, std::move(words), DuetNetwork(duet_sizes(config), config.seed), {""}) {
+  }
+
+  void begin_with(const features::TensorFile& weights) override {
+    network() = DuetNetwork(network().config(), weights);
+  }
 
   detail::Update update(std::uint64_t iteration) override {
     const std::vector<WalkEpisode> episodes = training().batch(batch(iteration));
@@ -77,8 +83,8 @@ class DuetLearner : public detail::SplitLearner<DuetNetwork, DuetSplit> {
 }  // namespace
 
 std::unique_ptr<detail::Learner> make_duet_learner(const models::TrainConfig& config,
-                                                   const tasks::Vocabulary& vocabulary) {
-  return std::make_unique<DuetLearner>(config, vocabulary);
+                                                   models::InstructionWords words) {
+  return std::make_unique<DuetLearner>(config, std::move(words));
 }
 
 }  // namespace enfilade::neural::duet

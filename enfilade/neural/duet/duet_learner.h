@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 
+#include "enfilade/models/instruction_words.h"
 #include "enfilade/neural/detail/learner.h"
 
 namespace enfilade::neural::duet {
@@ -11,6 +12,6 @@ namespace enfilade::neural::duet {
 /// and map_teacher say. The published one is an own walk and a fifth of the annotated one's loss.
 /// \param config outlives it \throws as DuetNetwork
 std::unique_ptr<detail::Learner> make_duet_learner(const models::TrainConfig& config,
-                                                   const tasks::Vocabulary& vocabulary);
+                                                   models::InstructionWords words);
 
 }  // namespace enfilade::neural::duet

@@ -25,7 +25,8 @@ enum Draws : std::uint64_t { kTeacherDropout, kOwnDropout, kOwnChoices, kStreams
 class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, PanoramicSplit> {
  public:
   PanoramicLearner(const models::TrainConfig& config, const tasks::Vocabulary& vocabulary)
-      : SplitLearner(config, vocabulary, PanoramicNetwork(panoramic_sizes(config), config.seed),
+      : SplitLearner(config, models::InstructionWords(vocabulary),
+                     PanoramicNetwork(panoramic_sizes(config), config.seed),
                      {"encoder.", "decoder."}) {}
 
   detail::Update update(std::uint64_t iteration) override {

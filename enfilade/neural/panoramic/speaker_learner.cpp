@@ -14,8 +14,9 @@ namespace {
 class SpeakerLearner : public detail::SplitLearner<SpeakerNetwork, SpeakerSplit> {
  public:
   SpeakerLearner(const models::TrainConfig& config, const tasks::Vocabulary& vocabulary)
-      : SplitLearner(config, vocabulary, SpeakerNetwork(speaker_sizes(config), config.seed),
-                     {"encoder.", "decoder."}) {}
+      : SplitLearner(config, models::InstructionWords(vocabulary),
+                     SpeakerNetwork(speaker_sizes(config), config.seed), {"encoder.", "decoder."}) {
+  }
 
   detail::Update update(std::uint64_t iteration) override {
     constexpr std::uint64_t kOfDropout = 1;

@@ -1,0 +1,101 @@
+#include "enfilade/neural/duet/pretraining_learner.h"
+
+#include <ATen/ATen.h>
+#include <c10/core/GradMode.h>
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "enfilade/core/rng.h"
+#include "enfilade/neural/detail/batches.h"
+#include "enfilade/neural/detail/split_learner.h"
+#include "enfilade/neural/duet/duet_split.h"
+#include "enfilade/neural/duet/pretraining_tasks.h"
+
+namespace enfilade::neural::duet {
+namespace {
+
+// Names of random streams beside those of batches, which are iterations.
+constexpr std::uint64_t kTaskStream = ~std::uint64_t{0}, kDropoutStream = kTaskStream - 1;
+
+class PretrainingLearner : public detail::SplitLearner<PretrainingNetwork, DuetSplit> {
+ public:
+  PretrainingLearner(const models::TrainConfig& config, models::InstructionWords words)
+      : SplitLearner(config, std::move(words), PretrainingNetwork(duet_sizes(config), config.seed),
+                     {""}),
+        tasks_(pretraining_tasks(network().config(), config.network.inputs)) {}
+
+  void begin_with(const features::TensorFile& weights) override {
+    network() = PretrainingNetwork(network().config(), weights, config().seed);
+  }
+
+  detail::Update update(std::uint64_t iteration) override {
+    const auto begin = std::chrono::steady_clock::now();
+    const std::uint64_t seed = config().seed;
+    const PretrainingTask task = tasks_[Rng(seed, kTaskStream, iteration).below(tasks_.size())];
+    PretrainingDraws draws;
+    draws.seed = seed;
+    draws.stream = iteration;
+    const PretrainingBatch guesses =
+        batch_of(training(), training().batch(batch(iteration)), task, draws);
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
+    Dropout dropout(Rng(seed, kDropoutStream, iteration).next(), network().config().dropout);
+    const at::Tensor loss = pretraining_loss(network(), guesses, &dropout);
+    if (loss.defined()) return {learn(loss), spent.count()};
+    optimizer().update(network().weights());  // nothing to guess; the rate has one step less to go
+    return {0, spent.count()};
+  }
+
+  detail::Evaluated evaluate(std::size_t split, std::uint64_t /*iteration*/,
+                             const models::ModelFiles& files) override {
+    return detail::Walked{
+        validation_loss(split),
+        walk_and_write(network().agent(), validation(split), walk_of(split, files))};
+  }
+
+ private:
+  PretrainingBatch batch_of(DuetSplit& split, const std::vector<WalkEpisode>& episodes,
+                            PretrainingTask task, const PretrainingDraws& draws) {
+    return pretraining_batch(split.walker(), network().config(), words(), episodes, task, draws);
+  }
+
+  // Without dropout; the gaps are the same after each iteration.
+  double validation_loss(std::size_t split) {
+    const c10::NoGradGuard no_gradients;
+    double sum = 0;
+    for (const PretrainingTask task : tasks_) sum += validation_loss(validation(split), task);
+    return sum / static_cast<double>(tasks_.size());
+  }
+
+  double validation_loss(DuetSplit& split, PretrainingTask task) {
+    const std::string& name = split.episodes().split;
+    PretrainingDraws draws;
+    draws.seed = config().seed ^ stream_of(name.data(), name.size());
+    double sum = 0;
+    std::size_t guessed = 0;
+    const std::size_t total = split.episodes().episodes.size();
+    detail::for_each_batch(total, config().batch_size, [&](std::span<const std::size_t> which) {
+      draws.stream = which.front();
+      const at::Tensor loss =
+          pretraining_loss(network(), batch_of(split, split.batch(which), task, draws));
+      if (!loss.defined()) return;
+      sum += loss.item<double>() * static_cast<double>(which.size());
+      guessed += which.size();
+    });
+    return guessed > 0 ? sum / static_cast<double>(guessed) : 0;
+  }
+
+  std::vector<PretrainingTask> tasks_;
+};
+
+}  // namespace
+
+std::unique_ptr<detail::Learner> make_pretraining_learner(const models::TrainConfig& config,
+                                                          models::InstructionWords words) {
+  return std::make_unique<PretrainingLearner>(config, std::move(words));
+}
+
+}  // namespace enfilade::neural::duet
