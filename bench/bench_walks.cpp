@@ -34,7 +34,7 @@ void write_pieces(const tasks::EpisodeSet& episodes, const fs::path& file) {
   std::vector<std::string> texts;
   for (const tasks::Episode& episode : episodes.episodes) texts.push_back(episode.text);
   std::string pieces = "[PAD]\n[UNK]\n[CLS]\n[SEP]\n[MASK]\n";
-  std::size_t n = std::ranges::count(pieces, '\n');
+  auto n = static_cast<std::size_t>(std::ranges::count(pieces, '\n'));
   constexpr std::size_t kMarks = 3;
   const tasks::Vocabulary words = tasks::Vocabulary::build(texts, 1);
   for (std::size_t i = kMarks; i < words.size() && n < kPieces; ++i, ++n) {

@@ -32,7 +32,7 @@ class TrainedAgent : public agents::Agent {
   virtual std::uint64_t iteration() const noexcept = 0;  ///< of the weights
 
   /// What viewpoints show of objects, for an agent that names one; before enter(). Others leave it.
-  virtual void set_objects(std::shared_ptr<const features::ObjectSet> /*objects*/) {}
+  virtual void set_objects(const std::shared_ptr<const features::ObjectSet>& /*objects*/) {}
   /// The episodes to walk in, and what is seen there; before all that follows. `episodes` have to
   /// stay until the next enter(). \param features null if the agent does not see
   /// \throws ArgumentError if it sees and there are none, or their size is not the network's, and

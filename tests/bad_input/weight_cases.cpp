@@ -168,6 +168,8 @@ Case elsewhere(std::string input, std::string says, const std::function<void(Fil
 }
 
 std::vector<Case> models_elsewhere() {
+  const std::string begin =
+      "train --data {} --splits made --validation made --agent duet --inputs none -o new ";
   return {
       walks("a model and features that fit", kWalk, 0, "on made: 6 episodes"),
       walks("features that are not given", "evaluate model --data {} --split made", 2,
@@ -186,6 +188,16 @@ std::vector<Case> models_elsewhere() {
       walks("a split that the data set has not",
             "evaluate model --data {} --split val --features f.safetensors", 3,
             "holds no annotations of split \"val\""),
+      walks("a stage that the agent has not",
+            "train --data {} --agent panoramic --stage pretrain -o new", 2,
+            "stage pretrain: the agent panoramic has no such stage, duet has"),
+      walks("a choice of walks where nobody walks",
+            "train --data {} --agent duet --stage pretrain --feedback teacher -o new", 2,
+            "--feedback: not an option of --stage pretrain"),
+      walks("a model to begin with that is another agent's", begin + "--from model", 2,
+            "model: training cannot begin with the weights of this model"),
+      walks("a model to begin with that is none", begin + "--from r2r", 3,
+            "r2r: no config.json in it, so it is no model"),
       elsewhere(
           "a map that is not that of training", "[other-graph]",
           [](Files& f) { f.edit("other/connectivity/one_connectivity.json", "1.5", "1.25"); }),

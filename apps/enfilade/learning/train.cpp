@@ -164,18 +164,15 @@ void add_train(CLI::App& app, int& /*status*/) {
   add_setting(verb, "--device", options->device, "",
               "cpu, cuda, cuda:1, ...; agents but seq2seq: cpu");
   add_threads_option(verb, options->threads);
-  set_examples(verb, {"enfilade train --data DIR --features resnet.safetensors -o student",
-                      "enfilade train --feedback teacher --inputs language -o language-only",
-                      "enfilade train --agent panoramic --features vit.safetensors -o panoramic",
-                      "enfilade train --agent duet --recipe small --data homes --features "
-                      "features.safetensors -o duet",
-                      "enfilade train --agent duet --stage pretrain --features vit.safetensors -o "
-                      "pretrained",
-                      "enfilade train --agent duet --from pretrained --features vit.safetensors -o "
-                      "duet",
-                      "enfilade train --agent speaker --features vit.safetensors -o speaker",
-                      "enfilade train --splits train,val_seen,val_unseen --features "
-                      "resnet.safetensors -o submission"});
+  set_examples(
+      verb, {"enfilade train --data DIR --features resnet.safetensors -o student",
+             "enfilade train --feedback teacher --inputs language -o language-only",
+             "enfilade train --agent panoramic --features vit.safetensors -o panoramic",
+             "enfilade train --agent duet --recipe small --data homes --features home.hdf5 -o duet",
+             "enfilade train --agent duet --stage pretrain --features vit.hdf5 -o pretrained",
+             "enfilade train --agent duet --from pretrained --features vit.hdf5 -o duet",
+             "enfilade train --agent speaker --features vit.safetensors -o speaker",
+             "enfilade train --splits train,val_seen,val_unseen --features f.hdf5 -o submission"});
   verb.callback([options] { run(*options); });
 }
 

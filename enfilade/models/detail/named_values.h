@@ -11,15 +11,15 @@
 namespace enfilade::models::detail {
 
 /// Names of the values 0, 1, ... of T.
-template <class T, std::size_t n>
+template <class T, std::size_t kCount>
 struct NamedValues {
   std::string_view what;  ///< for messages
-  std::array<std::string_view, n> names;
+  std::array<std::string_view, kCount> names;
 
   std::string_view name(T value) const noexcept { return names[static_cast<std::size_t>(value)]; }
   /// \throws ArgumentError naming the names that there are
   T parse(std::string_view name) const {
-    for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t i = 0; i < kCount; ++i) {
       if (names[i] == name) return static_cast<T>(i);
     }
     throw ArgumentError(

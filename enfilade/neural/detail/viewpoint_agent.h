@@ -23,8 +23,8 @@ class ViewpointAgent : public PlannedAgent {
         words_(std::move(words)),
         network_(std::move(network)) {}
 
-  void set_objects(std::shared_ptr<const features::ObjectSet> objects) override {
-    objects_ = std::move(objects);
+  void set_objects(const std::shared_ptr<const features::ObjectSet>& objects) override {
+    objects_ = objects;
   }
   std::vector<tasks::Trajectory> walk(const SplitWalk& options, const Progress& progress) override {
     return walk_and_write(network_, *split_, options, progress);
