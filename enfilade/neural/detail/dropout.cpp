@@ -1,8 +1,13 @@
 #include "enfilade/neural/detail/dropout.h"
 
 #include <ATen/ATen.h>
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <span>
+
+#include "enfilade/neural/detail/simd_kernels.h"
 
 namespace enfilade::neural::detail {
 namespace {
@@ -13,25 +18,36 @@ constexpr unsigned kBits = 16;
 constexpr std::uint64_t kValues = 1U << kBits;
 
 void fill_mask(Rng& rng, std::uint64_t dropped, float kept, std::span<float> out) {
-  for (std::size_t i = 0; i < out.size();) {
-    std::uint64_t bits = rng.next();
-    for (unsigned k = 0; k < 64 / kBits && i < out.size(); ++k, bits >>= kBits) {
-      out[i++] = bits % kValues >= dropped ? kept : 0;
+  constexpr std::size_t kBlock = 256;
+  std::array<std::uint16_t, kBlock * 64 / kBits> bits;
+  for (std::size_t i = 0; i < out.size(); i += bits.size()) {
+    const std::size_t n = std::min(bits.size(), out.size() - i);
+    for (std::size_t k = 0; k * 64 / kBits < n; ++k) {
+      const std::uint64_t drawn = rng.next();
+      for (std::size_t part = 0; part < 64 / kBits; ++part) {
+        bits[k * 64 / kBits + part] = static_cast<std::uint16_t>(drawn >> (part * kBits));
+      }
     }
+    simd_kernels().keep(bits.data(), static_cast<std::uint32_t>(dropped), kept, out.data() + i, n);
   }
 }
 
 }  // namespace
 
-at::Tensor Dropout::operator()(const at::Tensor& values, double rate) {
+at::Tensor Dropout::mask(at::IntArrayRef sizes, double rate) {
   const auto dropped = static_cast<std::uint64_t>(std::lround(rate * double{kValues}));
-  if (rate <= 0 || dropped == 0) return values;
+  if (rate <= 0 || dropped == 0) return {};
   const double share = 1 - static_cast<double>(dropped) / double{kValues};
-  // Drawn on the CPU, so that devices agree.
-  const at::Tensor mask = at::empty(values.sizes(), at::kFloat);
+  at::Tensor mask = at::empty(sizes, at::kFloat);
   fill_mask(rng_, dropped, static_cast<float>(1 / share),
             {mask.data_ptr<float>(), static_cast<std::size_t>(mask.numel())});
-  return values * mask.to(values.device());
+  return mask;
+}
+
+// Drawn on the CPU, so that devices agree.
+at::Tensor Dropout::operator()(const at::Tensor& values, double rate) {
+  const at::Tensor factors = mask(values.sizes(), rate);
+  return factors.defined() ? values * factors.to(values.device()) : values;
 }
 
 }  // namespace enfilade::neural::detail

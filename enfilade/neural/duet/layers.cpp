@@ -1,9 +1,9 @@
 #include "enfilade/neural/duet/layers.h"
 
 #include <ATen/ATen.h>
-#include <cmath>
 
 #include "enfilade/core/check.h"
+#include "enfilade/neural/detail/transformer_ops.h"
 
 namespace enfilade::neural::duet {
 namespace {
@@ -30,25 +30,28 @@ at::Tensor Layers::drop(const at::Tensor& values) const {
 }
 
 at::Tensor Layers::linear(const at::Tensor& x, const std::string& name) const {
-  return at::linear(x, weight(name + ".weight"), weight(name + ".bias"));
+  return detail::linear(x, weight(name + ".weight"), weight(name + ".bias"));
 }
 
 at::Tensor Layers::norm(const at::Tensor& x, const std::string& name, double eps) const {
-  const at::Tensor& scale = weight(name + ".weight");
-  return at::layer_norm(x, scale.sizes(), scale, weight(name + ".bias"), eps);
+  return detail::sum_norm(x, {}, {}, weight(name + ".weight"), weight(name + ".bias"), eps);
+}
+
+at::Tensor Layers::mask(at::IntArrayRef sizes, const at::Tensor& like) const {
+  const at::Tensor factors = dropout_ == nullptr ? at::Tensor() : dropout_->mask(sizes);
+  return factors.defined() ? factors.to(like.device()) : factors;
+}
+
+at::Tensor Layers::sum_norm(const at::Tensor& y, const at::Tensor& x,
+                            const std::string& name) const {
+  return detail::sum_norm(y, x, mask(y.sizes(), y), weight(name + ".weight"),
+                          weight(name + ".bias"), kBertEpsilon);
 }
 
 at::Tensor Layers::attend(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
                           const at::Tensor& bias) const {
-  const std::int64_t n = query.size(0), hidden = query.size(2), width = hidden / heads_;
-  const auto split = [&](const at::Tensor& x) {
-    return x.reshape({n, x.size(1), heads_, width}).transpose(1, 2);
-  };
-  at::Tensor scores =
-      at::matmul(split(query), split(key).transpose(2, 3)) / std::sqrt(static_cast<double>(width));
-  if (bias.defined()) scores = scores + bias;
-  const at::Tensor shares = drop(at::softmax(scores, -1));
-  return at::matmul(shares, split(value)).transpose(1, 2).reshape({n, query.size(1), hidden});
+  const at::Tensor kept = mask({query.size(0), heads_, query.size(1), key.size(1)}, query);
+  return detail::attend(query, key, value, bias, kept, heads_);
 }
 
 at::Tensor Layers::attention(const at::Tensor& x, const at::Tensor& to, const at::Tensor& bias,
@@ -63,25 +66,25 @@ Attended Layers::attended(const at::Tensor& to, const std::string& inner) const 
 at::Tensor Layers::attention(const at::Tensor& x, const Attended& to, const at::Tensor& bias,
                              const std::string& inner, const std::string& output) const {
   const at::Tensor seen = attend(linear(x, inner + ".query"), to.keys, to.values, bias);
-  return norm(drop(linear(seen, output + ".dense")) + x, output + ".LayerNorm");
+  return sum_norm(linear(seen, output + ".dense"), x, output + ".LayerNorm");
 }
 
 at::Tensor Layers::feed_forward(const at::Tensor& x, const std::string& inner,
                                 const std::string& output) const {
-  const at::Tensor wide = at::gelu(linear(x, inner + ".dense"));
-  return norm(drop(linear(wide, output + ".dense")) + x, output + ".LayerNorm");
+  const at::Tensor wide = detail::gelu(linear(x, inner + ".dense"));
+  return sum_norm(linear(wide, output + ".dense"), x, output + ".LayerNorm");
 }
 
 at::Tensor Layers::pre_norm_layer(const at::Tensor& x, const at::Tensor& bias,
                                   const std::string& name) const {
   const at::Tensor before = norm(x, name + ".norm1", kTorchEpsilon);
-  const auto parts = at::linear(before, weight(name + ".self_attn.in_proj_weight"),
-                                weight(name + ".self_attn.in_proj_bias"))
+  const auto parts = detail::linear(before, weight(name + ".self_attn.in_proj_weight"),
+                                    weight(name + ".self_attn.in_proj_bias"))
                          .chunk(3, -1);
   const at::Tensor seen = attend(parts[0], parts[1], parts[2], bias);
   const at::Tensor y = x + drop(linear(seen, name + ".self_attn.out_proj"));
   const at::Tensor wide =
-      at::gelu(linear(norm(y, name + ".norm2", kTorchEpsilon), name + ".linear1"));
+      detail::gelu(linear(norm(y, name + ".norm2", kTorchEpsilon), name + ".linear1"));
   return y + drop(linear(drop(wide), name + ".linear2"));
 }
 

@@ -17,11 +17,14 @@ class Dropout {
   Dropout(std::uint64_t seed, double rate) : drop_(seed), rate_(rate) {}
   at::Tensor operator()(const at::Tensor& values) { return drop_(values, rate_); }
   at::Tensor operator()(const at::Tensor& values, double rate) { return drop_(values, rate); }
+  at::Tensor mask(at::IntArrayRef sizes) { return drop_.mask(sizes, rate_); }
 
  private:
   detail::Dropout drop_;
   double rate_;
 };
+
+inline constexpr double kBertEpsilon = 1e-12;  ///< of BERT's norms
 
 /// What is added to an attention's scores of padding.
 inline constexpr double kSoftMask = -10000;
@@ -43,7 +46,7 @@ class Layers {
   const at::Tensor& weight(const std::string& name) const;
   at::Tensor drop(const at::Tensor& values) const;
   at::Tensor linear(const at::Tensor& x, const std::string& name) const;
-  at::Tensor norm(const at::Tensor& x, const std::string& name, double eps = 1e-12) const;
+  at::Tensor norm(const at::Tensor& x, const std::string& name, double eps = kBertEpsilon) const;
 
   /// Attention of `x` (n, a, hidden) to `to` (n, b, hidden), then sum and norm.
   /// \param bias added to the scores, as (n, 1, a or 1, b)
@@ -66,6 +69,10 @@ class Layers {
  private:
   at::Tensor attend(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
                     const at::Tensor& bias) const;
+  // norm(drop(y) + x)
+  at::Tensor sum_norm(const at::Tensor& y, const at::Tensor& x, const std::string& name) const;
+  // Factors of dropout on the device of `like`; undefined: none.
+  at::Tensor mask(at::IntArrayRef sizes, const at::Tensor& like) const;
 
   const detail::Weights& weights_;
   std::int64_t heads_;

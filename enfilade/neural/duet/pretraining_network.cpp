@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
+#include "enfilade/neural/detail/transformer_ops.h"
 
 namespace enfilade::neural::duet {
 namespace {
@@ -136,7 +137,7 @@ at::Tensor PretrainingNetwork::guess_words(const Tokens& text, const NavigationI
       text_side(layers, text, agent_.embed_tokens(input), input.token_mask, "local_encoder");
   const std::string head = "mlm_head.predictions";
   const at::Tensor inner =
-      at::gelu(layers.linear(rows_of(both, masked), head + ".transform.dense"));
+      detail::gelu(layers.linear(rows_of(both, masked), head + ".transform.dense"));
   return at::linear(layers.norm(inner, head + ".transform.LayerNorm"),
                     layers.weight("vln_bert.embeddings.word_embeddings.weight"),
                     layers.weight(head + ".bias"));
@@ -147,7 +148,7 @@ at::Tensor PretrainingNetwork::guess_views(const NavigationOutput& output,
   EN_CHECK(config().image > 0);
   const Layers layers(weights_, config().heads, nullptr);
   const std::string head = "image_classifier.net";
-  const at::Tensor inner = at::gelu(layers.linear(rows_of(output.tokens, masked), head + ".0"));
+  const at::Tensor inner = detail::gelu(layers.linear(rows_of(output.tokens, masked), head + ".0"));
   return layers.linear(layers.norm(inner, head + ".2"), head + ".3");
 }
 

@@ -145,6 +145,48 @@ void expect_equal(const at::Tensor& one, std::int64_t i, const at::Tensor& other
   EXPECT_LE((a - b).masked_fill(closed, 0).abs().max().item<double>(), tolerance) << what;
 }
 
+// Loss, gradients and walks, also where the limit ends the walks.
+TEST_F(PretrainingTasksTest, ATeachersWalkAsOneBatchIsThatOfItsSteps) {
+  for (const std::int64_t limit : {1, 3, 15}) {
+    config_.max_actions = limit;
+    const DuetNetwork network(config_, 1);
+    WalkOptions options;
+    options.feedback = WalkFeedback::kTeacher;
+    options.expert = Expert::kReference;
+    options.three_losses = true;
+    const auto walk = [&](const StepWatcher& watcher) {
+      detail::clear_gradients(network.weights());
+      Rollout rollout = walker_.walk(network, episodes_, options, watcher);
+      rollout.loss.backward();
+      std::map<std::string, at::Tensor> gradients;
+      for (const auto& [name, weight] : network.weights()) {
+        if (weight.grad().defined()) gradients.emplace(name, weight.grad().clone());
+      }
+      return std::pair(std::move(rollout), std::move(gradients));
+    };
+    const auto [at_once, gradients] = walk({});
+    const auto [by_steps, expected] = walk([](const StepOfAll&) {});
+    EXPECT_EQ(at_once.steps, by_steps.steps);
+    // Sums of about fifty products of single precision, in another order.
+    EXPECT_NEAR(at_once.loss.item<double>(), by_steps.loss.item<double>(), 1e-4);
+    ASSERT_EQ(gradients.size(), expected.size());
+    for (const auto& [name, gradient] : expected) {
+      EXPECT_LE((gradients.at(name) - gradient).abs().max().item<double>(), 1e-4) << name;
+    }
+    for (std::size_t i = 0; i < episodes_.size(); ++i) {
+      const Walk &one = at_once.walks[i], &other = by_steps.walks[i];
+      EXPECT_EQ(one.path, other.path);
+      EXPECT_EQ(one.stop, other.stop);
+      EXPECT_EQ(one.object, other.object);
+      ASSERT_EQ(one.stop_probabilities.size(), other.stop_probabilities.size());
+      for (std::size_t k = 0; k < one.stop_probabilities.size(); ++k) {
+        EXPECT_EQ(one.stop_probabilities[k].first, other.stop_probabilities[k].first);
+        EXPECT_NEAR(one.stop_probabilities[k].second, other.stop_probabilities[k].second, 1e-5);
+      }
+    }
+  }
+}
+
 TEST_F(PretrainingTasksTest, AllStepsAtOnceAreThoseOfAWalkBehindTheTeacher) {
   const DuetNetwork network(config_, 1);
   const c10::NoGradGuard no_gradients;

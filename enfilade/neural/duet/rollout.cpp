@@ -52,14 +52,15 @@ class Run {
 
   Rollout walk() {
     Rollout result;
-    for (std::size_t t = 0; t < static_cast<std::size_t>(config_.max_actions); ++t) {
-      active_.clear();
-      for (const auto& state : states_) {
-        if (!state->ended) active_.push_back(state.get());
+    // A watcher is told of one step after the other.
+    if (options_.feedback == WalkFeedback::kTeacher && options_.expert == Expert::kReference &&
+        !watcher_) {
+      follow(result);
+    } else {
+      for (std::size_t t = 0; t < most_steps() && find_active(); ++t) {
+        step(t, result);
+        ++result.steps;
       }
-      if (active_.empty()) break;
-      step(t, result);
-      ++result.steps;
     }
     for (const auto& state : states_) result.walks.push_back(std::move(state->walk));
     result.environment_seconds = std::chrono::duration<double>(spent_).count();
@@ -67,6 +68,18 @@ class Run {
   }
 
  private:
+  using Nodes = std::vector<TopologicalMap::Node>;
+
+  std::size_t most_steps() const { return static_cast<std::size_t>(config_.max_actions); }
+
+  bool find_active() {
+    active_.clear();
+    for (const auto& state : states_) {
+      if (!state->ended) active_.push_back(state.get());
+    }
+    return !active_.empty();
+  }
+
   Dropout* dropout() { return dropout_ ? &*dropout_ : nullptr; }
 
   void look(WalkState& state, std::size_t t) {
@@ -83,7 +96,8 @@ class Run {
     return text_.rows(rows);
   }
 
-  Tokens see() {
+  // What the active ones see where they stand.
+  Tokens encode() {
     const Clock::time_point begin = Clock::now();
     PanoramaInput input = panorama_of(active_, config_);
     spent_ += Clock::now() - begin;
@@ -93,12 +107,20 @@ class Run {
         input.objects = (*dropout_)(input.objects, config_.feature_dropout);
       }
     }
-    Tokens seen = network_.encode_panorama(input, dropout());
+    return network_.encode_panorama(input, dropout());
+  }
+
+  static at::Tensor means_of(const Tokens& seen) {
+    const at::Tensor mask = seen.mask.unsqueeze(2).to(at::kFloat);
+    return (seen.values * mask).sum(1) / mask.sum(1);
+  }
+
+  Tokens see() {
+    const Tokens seen = encode();
     const std::int64_t n = std::ssize(active_), longest = seen.values.size(1);
     const std::int64_t before = pool_.defined() ? pool_.size(0) : 0;
-    const at::Tensor mask = seen.mask.unsqueeze(2).to(at::kFloat);
-    const at::Tensor means = (seen.values * mask).sum(1) / mask.sum(1);
-    std::vector<at::Tensor> parts{means, seen.values.reshape({n * longest, seen.values.size(2)})};
+    std::vector<at::Tensor> parts{means_of(seen),
+                                  seen.values.reshape({n * longest, seen.values.size(2)})};
     if (pool_.defined()) parts.insert(parts.begin(), pool_);
     pool_ = at::cat(parts, 0);
     for (std::int64_t i = 0; i < n; ++i) {
@@ -107,13 +129,15 @@ class Run {
     return seen;
   }
 
+  static Nodes nodes_of(const WalkState& state) {
+    return {state.map.rows().begin(), state.map.rows().end()};
+  }
+
   void step(std::size_t t, Rollout& result) {
     const Tokens seen = see();
     const Clock::time_point begin = Clock::now();
-    std::vector<std::vector<TopologicalMap::Node>> nodes;
-    for (const WalkState* state : active_) {
-      nodes.emplace_back(state->map.rows().begin(), state->map.rows().end());
-    }
+    std::vector<Nodes> nodes;
+    for (const WalkState* state : active_) nodes.push_back(nodes_of(*state));
     const NavigationInput input = navigation_of(active_, nodes, seen, pool_, config_);
     spent_ += Clock::now() - begin;
     const NavigationOutput output = network_.navigate(text_of_active(), input, dropout());
@@ -127,12 +151,70 @@ class Run {
       add_loss(output, rows, result.loss);
     }
     choose(output, t, rows);
-    const bool last = t + 1 == static_cast<std::size_t>(config_.max_actions);
+    const bool last = t + 1 == most_steps();
     for (std::size_t i = 0; i < active_.size(); ++i) decide(*active_[i], last, rows[i]);
     if (watcher_) watcher_({t, rows, &seen, &input, &output});
     const Clock::time_point moving = Clock::now();
-    for (std::size_t i = 0; i < active_.size(); ++i) move(*active_[i], t, rows[i]);
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      move(*active_[i], t, rows[i]);
+      // A stop that was drawn off the goal ends a training walk without the walk to the best.
+      if (rows[i].ends) active_[i]->walk_to_best();
+    }
     spent_ += Clock::now() - moving;
+  }
+
+  // The annotated path is known before the network is asked, so all steps are rows of one batch:
+  // products of many rows, and an eighth of the operations to follow back. The pool has for each
+  // stand the mean of its tokens and then these.
+  void follow(Rollout& result) {
+    const Clock::time_point begin = Clock::now();
+    const std::int64_t stride = longest_panorama() + 1;
+    std::vector<std::unique_ptr<WalkState>> stands;  // the states as they were at each step
+    std::vector<Nodes> nodes;
+    std::vector<StepRow> rows;
+    for (std::size_t t = 0; t < most_steps() && find_active(); ++t) {
+      for (WalkState* state : active_) {
+        state->embed(std::ssize(stands) * stride, std::ssize(stands) * stride + 1);
+        const WalkState& stand = *stands.emplace_back(std::make_unique<WalkState>(*state));
+        nodes.push_back(nodes_of(stand));
+        StepRow& row = rows.emplace_back();
+        begin_row(stand, nodes.back(), row);
+        label(stand, t, row);
+        row.choice = row.label;
+        decide(stand, t + 1 == most_steps(), row);
+        move(*state, t, row);
+      }
+      ++result.steps;
+    }
+    active_.clear();
+    for (const auto& stand : stands) active_.push_back(stand.get());
+    spent_ += Clock::now() - begin;
+    const Tokens seen = encode();
+    const std::int64_t missing = stride - 1 - seen.values.size(1);
+    pool_ = at::constant_pad_nd(at::cat({means_of(seen).unsqueeze(1), seen.values}, 1),
+                                {0, 0, 0, missing})
+                .reshape({std::ssize(active_) * stride, seen.values.size(2)});
+    const Clock::time_point writing = Clock::now();
+    const NavigationInput input = navigation_of(active_, nodes, seen, pool_, config_);
+    spent_ += Clock::now() - writing;
+    const NavigationOutput output = network_.navigate(text_of_active(), input, dropout());
+    remember(output, rows);
+    add_loss(output, rows, result.loss);
+    for (const StepRow& row : rows) {
+      if (row.ends) states_[row.episode]->walk_to_best();
+    }
+  }
+
+  // Tokens of the longest panorama on the annotated paths.
+  std::int64_t longest_panorama() {
+    std::size_t longest = 0;
+    for (const auto& state : states_) {
+      for (const ViewpointIndex viewpoint : state->episode->reference) {
+        const Walker::Place& place = walker_.place(config_, {state->episode->scan, viewpoint});
+        longest = std::max(longest, place.panorama->token_views.size() + place.objects.size());
+      }
+    }
+    return static_cast<std::int64_t>(longest);
   }
 
   static void begin_row(const WalkState& state, const std::vector<TopologicalMap::Node>& nodes,
@@ -158,7 +240,8 @@ class Run {
         const auto own = row_of(objects, r).subspan(rows[i].views + 1, rows[i].objects.size());
         best = rows[i].objects[first_of_the_greatest(own)].id;
       }
-      active_[i]->remember(row_of(probabilities_, r)[0], std::move(best));
+      states_[rows[i].episode]->remember(rows[i].pose.viewpoint, row_of(probabilities_, r)[0],
+                                         std::move(best));
     }
   }
 
@@ -269,7 +352,7 @@ class Run {
   }
 
   // Where it goes, and whether it ends here.
-  void decide(WalkState& state, bool last, StepRow& row) const {
+  void decide(const WalkState& state, bool last, StepRow& row) const {
     const bool training =
         options_.feedback == WalkFeedback::kTeacher || options_.feedback == WalkFeedback::kSample;
     const bool stops = training ? !state.episode->reference.empty() &&
@@ -283,14 +366,12 @@ class Run {
   }
 
   void move(WalkState& state, std::size_t t, const StepRow& row) {
-    if (row.goes_to) {
-      state.go(*state.map.find(*row.goes_to), walker_, config_);
-      look(state, t + 1);
+    if (!row.goes_to) {
+      state.ended = true;
       return;
     }
-    // A stop that was drawn off the goal ends a training walk without the walk to the best.
-    if (row.ends) state.walk_to_best();
-    state.ended = true;
+    state.go(*state.map.find(*row.goes_to), walker_, config_);
+    look(state, t + 1);
   }
 
   Walker& walker_;

@@ -90,10 +90,12 @@ void WalkState::go(TopologicalMap::Node to, Walker& walker, const DuetConfig& co
   walk.path.push_back(way);
 }
 
-void WalkState::remember(double stop_probability, std::string best_object) {
-  walk.stop_probabilities.emplace_back(pose.viewpoint, stop_probability);
-  stops.remember(node(), stop_probability);
-  objects[node()] = std::move(best_object);
+void WalkState::remember(ViewpointIndex viewpoint, double stop_probability,
+                         std::string best_object) {
+  const TopologicalMap::Node visited = *map.find(viewpoint);
+  walk.stop_probabilities.emplace_back(viewpoint, stop_probability);
+  stops.remember(visited, stop_probability);
+  objects[visited] = std::move(best_object);
 }
 
 void WalkState::walk_to_best() {

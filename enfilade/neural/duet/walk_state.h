@@ -25,8 +25,8 @@ class WalkState {
   void embed(std::int64_t mean, std::int64_t first);
   /// Goes to a node by known ways and takes the view in which the viewpoint before it has it.
   void go(TopologicalMap::Node node, Walker& walker, const DuetConfig& config);
-  /// What the network says where it stands. \param best_object empty: none is there
-  void remember(double stop_probability, std::string best_object);
+  /// What the network says of a visited viewpoint. \param best_object empty: none is there
+  void remember(ViewpointIndex viewpoint, double stop_probability, std::string best_object);
   /// The walk to the visited viewpoint with the highest probability of stopping.
   void walk_to_best();
   std::vector<ViewpointIndex> walked() const;  ///< all viewpoints so far

@@ -3,11 +3,19 @@
 #include <cmath>
 
 #include "enfilade/core/threads.h"
+#include "enfilade/neural/detail/simd_kernels.h"
 #include "enfilade/neural/seq2seq/kernels.h"
-#include "enfilade/neural/seq2seq/simd_kernels.h"
 
 namespace enfilade::neural::seq2seq {
 namespace {
+
+using detail::AdamStep;
+using detail::LstmBackward;
+using detail::LstmForward;
+using detail::LstmRows;
+using detail::Rows;
+using detail::simd_kernels;
+using detail::SimdKernels;
 
 // Work on fewer numbers is done before another thread has started.
 constexpr std::size_t kWorthAThread = 262144;

@@ -1,6 +1,6 @@
 // The loops against the standard library's functions in double precision, at all lengths that leave
 // other rests behind whole registers.
-#include "enfilade/neural/seq2seq/simd_kernels.h"
+#include "enfilade/neural/detail/simd_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,8 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/seq2seq/dropout.h"
 
-namespace enfilade::neural::seq2seq {
+namespace enfilade::neural::detail {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -103,10 +102,11 @@ TEST(SimdKernels, SoftmaxSumsToOneHoweverLargeTheScores) {
 }
 
 TEST(SimdKernels, DropsByTheMasksBits) {
+  Rng rng(1);
   for (std::size_t n = 1; n < 140; n += 3) {
     std::vector<float> x(n, 3);
-    std::vector<std::uint64_t> kept(mask_words(n));
-    draw_mask({1, 2, 0.5}, Site::kWords, {3, 4}, n, kept);
+    std::vector<std::uint64_t> kept((n + 63) / 64);
+    for (std::uint64_t& word : kept) word = rng.next();
     simd_kernels().drop(x.data(), x.data(), n, kept.data(), 2);
     for (std::size_t i = 0; i < n; ++i) {
       EXPECT_EQ(x[i], (kept[i / 64] >> (i % 64) & 1U) != 0 ? 6 : 0) << n << " " << i;
@@ -155,35 +155,5 @@ TEST(SimdKernels, FindsWhatIsNotFiniteAnywhere) {
   }
 }
 
-// 100,000 bits: the share errs by 0.0016 (1 sigma).
-TEST(Dropout, KeepsTheShareThatIsAsked) {
-  for (const double probability : {0.5, 0.3, 0.0001}) {
-    double kept = 0;
-    std::vector<std::uint64_t> mask(mask_words(100));
-    for (std::uint32_t row = 0; row < 1000; ++row) {
-      draw_mask({1, 0, probability}, Site::kContext, {2, row}, 100, mask);
-      for (std::size_t i = 0; i < 100; ++i) {
-        kept += static_cast<double>(mask[i / 64] >> (i % 64) & 1U);
-      }
-    }
-    EXPECT_NEAR(kept / 1e5, 1 - probability, 0.008);
-  }
-}
-
-TEST(Dropout, EveryCounterNamesAnotherMask) {
-  const auto mask = [](std::uint64_t seed, std::uint64_t stream, Site site, MaskRow at) {
-    std::vector<std::uint64_t> words(4);
-    draw_mask({seed, stream, 0.5}, site, at, 256, words);
-    return words;
-  };
-  const auto first = mask(1, 2, Site::kWords, {3, 4});
-  EXPECT_EQ(mask(1, 2, Site::kWords, {3, 4}), first);
-  EXPECT_NE(mask(2, 2, Site::kWords, {3, 4}), first);
-  EXPECT_NE(mask(1, 3, Site::kWords, {3, 4}), first);
-  EXPECT_NE(mask(1, 2, Site::kContext, {3, 4}), first);
-  EXPECT_NE(mask(1, 2, Site::kWords, {4, 4}), first);
-  EXPECT_NE(mask(1, 2, Site::kWords, {3, 5}), first);
-}
-
 }  // namespace
-}  // namespace enfilade::neural::seq2seq
+}  // namespace enfilade::neural::detail

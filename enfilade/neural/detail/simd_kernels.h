@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace enfilade::neural::seq2seq {
+namespace enfilade::neural::detail {
 
 /// A matrix with contiguous rows.
 struct Rows {
@@ -53,6 +53,32 @@ struct AdamStep {
   float scale = 0;  ///< 1 / sqrt(1 - beta2^updates)
 };
 
+/// Rows of `width` numbers: out = norm(kept y + x) scale + bias.
+struct SumNorm {
+  const float* y = nullptr;
+  const float* kept = nullptr;  ///< factors of y; null: 1
+  const float* x = nullptr;     ///< null: 0
+  const float* scale = nullptr;
+  const float* bias = nullptr;
+  float epsilon = 0;  ///< added to the variance
+  std::size_t width = 0;
+  float* out = nullptr;
+  float* normalized = nullptr;  ///< before scale and bias
+  float* inverse = nullptr;     ///< (rows) of the deviation
+};
+struct SumNormBackward {
+  const float* gradient = nullptr;
+  const float* kept = nullptr;
+  const float* scale = nullptr;
+  const float* normalized = nullptr;
+  const float* inverse = nullptr;
+  std::size_t width = 0;
+  float* to_x = nullptr;
+  float* to_y = nullptr;      ///< written only if there is `kept`; it is to_x otherwise
+  float* to_scale = nullptr;  ///< (width) added to
+  float* to_bias = nullptr;   ///< (width) added to
+};
+
 struct SimdKernels {
   void (*lstm_forward)(const LstmForward&, std::size_t begin, std::size_t end);
   void (*lstm_backward)(const LstmBackward&, std::size_t begin, std::size_t end);
@@ -69,9 +95,19 @@ struct SimdKernels {
   void (*add_row)(const float* in, float* out, std::size_t n);
   void (*adam)(const AdamStep&, std::size_t begin, std::size_t end);
   bool (*all_finite)(const float* x, std::size_t n);
+  void (*multiply)(const float* in, float* out, std::size_t n);  ///< out -> out in
+  /// `kept` where 16 random bits are at least `dropped`, else 0.
+  void (*keep)(const std::uint16_t* bits, std::uint32_t dropped, float kept, float* out,
+               std::size_t n);
+  /// x Phi(x) of the normal distribution's Phi, to 2e-7 |x|
+  void (*gelu)(const float* x, float* out, std::size_t n);
+  /// out = gradient (Phi(x) + x phi(x))
+  void (*gelu_backward)(const float* x, const float* gradient, float* out, std::size_t n);
+  void (*sum_norm)(const SumNorm&, std::size_t begin, std::size_t end);
+  void (*sum_norm_backward)(const SumNormBackward&, std::size_t begin, std::size_t end);
 };
 
 /// The loops for this machine's best instruction set. NaN in an input gives NaN in its outputs.
 const SimdKernels& simd_kernels() noexcept;
 
-}  // namespace enfilade::neural::seq2seq
+}  // namespace enfilade::neural::detail

@@ -1,15 +1,17 @@
 // Compiled once for each instruction set that Highway knows; the best one is chosen at run time.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "enfilade/neural/seq2seq/simd_kernels.cpp"
+#define HWY_TARGET_INCLUDE "enfilade/neural/detail/simd_kernels.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <cmath>
+#include <type_traits>
 
-#include "enfilade/neural/seq2seq/simd_kernels.h"
+#include "enfilade/neural/detail/simd_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace enfilade::neural::seq2seq {
+namespace enfilade::neural::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -203,14 +205,29 @@ void scores(Rows a, Rows b, Rows out, std::size_t m, std::size_t n, std::size_t 
   for (std::size_t i = 0; i < m && whole_n < n; ++i) out[i][n - 1] = dot(a[i], b[n - 1], k);
 }
 
-// Rows i .. of the result, kCount of them, in columns j ..: a register each.
+// Rows i .. of the result, kCount of them, in columns j ..: a register each. Eight, as a product's
+// sum is ready only four cycles later and two are begun in each.
 template <std::size_t kCount, class D>
 HWY_INLINE void combine_rows(const Combination& c, D d, std::size_t i, std::size_t j) {
   const auto start = [&](std::size_t r)
                          HWY_ATTR { return c.add ? hn::LoadU(d, c.out[i + r] + j) : hn::Zero(d); };
   const auto weight = [&](std::size_t r, std::size_t k)
                           HWY_ATTR { return hn::Set(d, c.a[(i + r) * c.a_row + k * c.a_column]); };
-  if constexpr (kCount == 4) {
+  if constexpr (kCount == 8) {
+    auto s0 = start(0), s1 = start(1), s2 = start(2), s3 = start(3);
+    auto s4 = start(4), s5 = start(5), s6 = start(6), s7 = start(7);
+    for (std::size_t k = 0; k < c.k; ++k) {
+      const auto b = hn::LoadU(d, c.b[k] + j);
+      s0 = hn::MulAdd(weight(0, k), b, s0), s1 = hn::MulAdd(weight(1, k), b, s1);
+      s2 = hn::MulAdd(weight(2, k), b, s2), s3 = hn::MulAdd(weight(3, k), b, s3);
+      s4 = hn::MulAdd(weight(4, k), b, s4), s5 = hn::MulAdd(weight(5, k), b, s5);
+      s6 = hn::MulAdd(weight(6, k), b, s6), s7 = hn::MulAdd(weight(7, k), b, s7);
+    }
+    hn::StoreU(s0, d, c.out[i] + j), hn::StoreU(s1, d, c.out[i + 1] + j);
+    hn::StoreU(s2, d, c.out[i + 2] + j), hn::StoreU(s3, d, c.out[i + 3] + j);
+    hn::StoreU(s4, d, c.out[i + 4] + j), hn::StoreU(s5, d, c.out[i + 5] + j);
+    hn::StoreU(s6, d, c.out[i + 6] + j), hn::StoreU(s7, d, c.out[i + 7] + j);
+  } else if constexpr (kCount == 4) {
     auto s0 = start(0), s1 = start(1), s2 = start(2), s3 = start(3);
     for (std::size_t k = 0; k < c.k; ++k) {
       const auto b = hn::LoadU(d, c.b[k] + j);
@@ -231,6 +248,7 @@ HWY_INLINE void combine_rows(const Combination& c, D d, std::size_t i, std::size
 void combine(const Combination& c) {
   for_elements(0, c.n, [&](auto d, std::size_t j) HWY_ATTR {
     std::size_t i = 0;
+    for (; i + 8 <= c.m; i += 8) combine_rows<8>(c, d, i, j);
     for (; i + 4 <= c.m; i += 4) combine_rows<4>(c, d, i, j);
     for (; i < c.m; ++i) combine_rows<1>(c, d, i, j);
   });
@@ -240,17 +258,164 @@ void softmax(float* x, std::size_t n) {
   const float most = *std::max_element(x, x + n);
   for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
     const auto shifted = hn::Sub(hn::LoadU(d, x + i), hn::Set(d, most));
-    const auto e = exponential(d, hn::Max(hn::Set(d, -87.0F), shifted));
-    hn::StoreU(hn::MulAdd(e.power, e.rest, e.power), d, x + i);
+    const auto least = hn::Set(d, -87.0F);
+    const auto e = exponential(d, hn::Max(least, shifted));
+    // 0 below: a share that is not a normal number would slow down what is computed with it.
+    hn::StoreU(hn::IfThenZeroElse(hn::Lt(shifted, least), hn::MulAdd(e.power, e.rest, e.power)), d,
+               x + i);
   });
   float sum = 0;
   for (std::size_t i = 0; i < n; ++i) sum += x[i];
-  for (std::size_t i = 0; i < n; ++i) x[i] /= sum;
+  for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+    hn::StoreU(hn::Div(hn::LoadU(d, x + i), hn::Set(d, sum)), d, x + i);
+  });
 }
 
 void softmax_backward(const float* y, float* gradient, std::size_t n) {
   const float sum = dot(y, gradient, n);
-  for (std::size_t i = 0; i < n; ++i) gradient[i] = y[i] * (gradient[i] - sum);
+  for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+    const auto from = hn::Sub(hn::LoadU(d, gradient + i), hn::Set(d, sum));
+    hn::StoreU(hn::Mul(hn::LoadU(d, y + i), from), d, gradient + i);
+  });
+}
+
+void multiply(const float* in, float* out, std::size_t n) {
+  for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+    hn::StoreU(hn::Mul(hn::LoadU(d, out + i), hn::LoadU(d, in + i)), d, out + i);
+  });
+}
+
+void keep(const std::uint16_t* bits, std::uint32_t dropped, float kept, float* out, std::size_t n) {
+  for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+    const hn::RebindToSigned<decltype(d)> di;
+    const hn::Rebind<std::uint16_t, decltype(d)> half;
+    const auto drawn = hn::PromoteTo(di, hn::LoadU(half, bits + i));
+    const auto drop = hn::Lt(drawn, hn::Set(di, static_cast<std::int32_t>(dropped)));
+    hn::StoreU(hn::IfThenZeroElse(hn::RebindMask(d, drop), hn::Set(d, kept)), d, out + i);
+  });
+}
+
+// The normal distribution: 1 - Phi(|x|) = e^(-x^2 / 2) times a polynomial of 1 / (1 + p |x|), to
+// 1e-7 (Abramowitz and Stegun, 7.1.26, halved). NaN stays NaN.
+template <class D>
+struct Normal {
+  V<D> share;    // Phi(x)
+  V<D> density;  // sqrt(2 pi) phi(x)
+};
+template <class D>
+HWY_INLINE Normal<D> normal(D d, V<D> x) {
+  const auto half = hn::Mul(hn::Mul(x, x), hn::Set(d, -0.5F));
+  const auto e = exponential(d, hn::Max(hn::Set(d, -87.0F), half));
+  const auto density = hn::MulAdd(e.power, e.rest, e.power);
+  const auto one = hn::Set(d, 1.0F);
+  const auto t = hn::Div(one, hn::MulAdd(hn::Abs(x), hn::Set(d, 0.3275911F * 0.70710678F), one));
+  auto sum = hn::Set(d, 0.5F * 1.061405429F);
+  for (const float next :
+       {0.5F * -1.453152027F, 0.5F * 1.421413741F, 0.5F * -0.284496736F, 0.5F * 0.254829592F}) {
+    sum = hn::MulAdd(sum, t, hn::Set(d, next));
+  }
+  const auto tail = hn::Mul(hn::Mul(sum, t), density);
+  const auto share = hn::IfThenElse(hn::Lt(x, hn::Zero(d)), tail, hn::Sub(one, tail));
+  return {share, density};
+}
+
+void gelu(const float* in, float* out, std::size_t n) {
+  for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+    const auto x = hn::LoadU(d, in + i);
+    hn::StoreU(hn::Mul(x, normal(d, x).share), d, out + i);
+  });
+}
+
+void gelu_backward(const float* in, const float* gradient, float* out, std::size_t n) {
+  for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+    const auto x = hn::LoadU(d, in + i);
+    const auto at = normal(d, x);
+    const auto slope = hn::MulAdd(hn::Mul(x, hn::Set(d, 0.39894228F)), at.density, at.share);
+    hn::StoreU(hn::Mul(hn::LoadU(d, gradient + i), slope), d, out + i);
+  });
+}
+
+// Both sums of the mean and of the squared distances in single precision, as in PyTorch.
+void sum_norm(const SumNorm& step, std::size_t begin, std::size_t end) {
+  const std::size_t n = step.width;
+  const auto whole = static_cast<float>(n);
+  for (std::size_t r = begin; r < end; ++r) {
+    float* row = step.normalized + r * n;
+    float* out = step.out + r * n;
+    const Full full;
+    auto sums = hn::Zero(full);
+    float sum = 0;
+    for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+      auto x = hn::LoadU(d, step.y + r * n + i);
+      if (step.kept != nullptr) x = hn::Mul(x, hn::LoadU(d, step.kept + r * n + i));
+      if (step.x != nullptr) x = hn::Add(x, hn::LoadU(d, step.x + r * n + i));
+      hn::StoreU(x, d, row + i);
+      if constexpr (std::is_same_v<decltype(d), Full>) {
+        sums = hn::Add(sums, x);
+      } else {
+        sum += hn::GetLane(x);
+      }
+    });
+    const float mean = (sum + hn::GetLane(hn::SumOfLanes(full, sums))) / whole;
+    sums = hn::Zero(full);
+    sum = 0;
+    for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+      const auto x = hn::Sub(hn::LoadU(d, row + i), hn::Set(d, mean));
+      hn::StoreU(x, d, row + i);
+      if constexpr (std::is_same_v<decltype(d), Full>) {
+        sums = hn::MulAdd(x, x, sums);
+      } else {
+        sum += hn::GetLane(x) * hn::GetLane(x);
+      }
+    });
+    const float variance = (sum + hn::GetLane(hn::SumOfLanes(full, sums))) / whole;
+    const float inverse = 1 / std::sqrt(variance + step.epsilon);
+    step.inverse[r] = inverse;
+    for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+      const auto x = hn::Mul(hn::LoadU(d, row + i), hn::Set(d, inverse));
+      hn::StoreU(x, d, row + i);
+      hn::StoreU(hn::MulAdd(x, hn::LoadU(d, step.scale + i), hn::LoadU(d, step.bias + i)), d,
+                 out + i);
+    });
+  }
+}
+
+void sum_norm_backward(const SumNormBackward& step, std::size_t begin, std::size_t end) {
+  const std::size_t n = step.width;
+  const auto whole = static_cast<float>(n);
+  for (std::size_t r = begin; r < end; ++r) {
+    const float* gradient = step.gradient + r * n;
+    const float* row = step.normalized + r * n;
+    const Full full;
+    auto sums = hn::Zero(full), products = sums;
+    float sum = 0, product = 0;
+    for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+      const auto from = hn::LoadU(d, gradient + i), x = hn::LoadU(d, row + i);
+      const auto g = hn::Mul(from, hn::LoadU(d, step.scale + i));
+      hn::StoreU(hn::MulAdd(from, x, hn::LoadU(d, step.to_scale + i)), d, step.to_scale + i);
+      hn::StoreU(hn::Add(from, hn::LoadU(d, step.to_bias + i)), d, step.to_bias + i);
+      if constexpr (std::is_same_v<decltype(d), Full>) {
+        sums = hn::Add(sums, g);
+        products = hn::MulAdd(g, x, products);
+      } else {
+        sum += hn::GetLane(g);
+        product += hn::GetLane(g) * hn::GetLane(x);
+      }
+    });
+    const float mean = (sum + hn::GetLane(hn::SumOfLanes(full, sums))) / whole;
+    const float along = (product + hn::GetLane(hn::SumOfLanes(full, products))) / whole;
+    const float inverse = step.inverse[r];
+    for_elements(0, n, [&](auto d, std::size_t i) HWY_ATTR {
+      const auto g = hn::Mul(hn::LoadU(d, gradient + i), hn::LoadU(d, step.scale + i));
+      const auto rest =
+          hn::NegMulAdd(hn::LoadU(d, row + i), hn::Set(d, along), hn::Sub(g, hn::Set(d, mean)));
+      const auto to = hn::Mul(rest, hn::Set(d, inverse));
+      hn::StoreU(to, d, step.to_x + r * n + i);
+      if (step.kept != nullptr) {
+        hn::StoreU(hn::Mul(to, hn::LoadU(d, step.kept + r * n + i)), d, step.to_y + r * n + i);
+      }
+    });
+  }
 }
 
 void add_row(const float* in, float* out, std::size_t n) {
@@ -292,23 +457,39 @@ bool all_finite(const float* x, std::size_t n) {
 
 const SimdKernels* kernels() {
   static constexpr SimdKernels kKernels{
-      lstm_forward, lstm_backward,    drop,    tanh, tanh_backward, scores, combine,
-      softmax,      softmax_backward, add_row, adam, all_finite,
+      .lstm_forward = lstm_forward,
+      .lstm_backward = lstm_backward,
+      .drop = drop,
+      .tanh = tanh,
+      .tanh_backward = tanh_backward,
+      .scores = scores,
+      .combine = combine,
+      .softmax = softmax,
+      .softmax_backward = softmax_backward,
+      .add_row = add_row,
+      .adam = adam,
+      .all_finite = all_finite,
+      .multiply = multiply,
+      .keep = keep,
+      .gelu = gelu,
+      .gelu_backward = gelu_backward,
+      .sum_norm = sum_norm,
+      .sum_norm_backward = sum_norm_backward,
   };
   return &kKernels;
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace enfilade::neural::seq2seq
+}  // namespace enfilade::neural::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace enfilade::neural::seq2seq {
+namespace enfilade::neural::detail {
 namespace {
 HWY_EXPORT(kernels);
 }  // namespace
 
 const SimdKernels& simd_kernels() noexcept { return *HWY_DYNAMIC_DISPATCH(kernels)(); }
 
-}  // namespace enfilade::neural::seq2seq
+}  // namespace enfilade::neural::detail
 #endif
