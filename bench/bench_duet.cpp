@@ -1,7 +1,8 @@
-// An iteration of DUET's pretraining, by task: 32 episodes of R2R's train split, made features of
-// 128 numbers (there are no pictures to make them from), the sizes of duet-s. Beside the time, the
-// shares of making the batch and of the matrix products; both are from the same iterations, so that
-// neighbours on the machine disturb them alike.
+// An iteration of DUET's pretraining, by task, and of its training, with a walk behind the teacher
+// and one of its own: 32 or 16 episodes of R2R's train split, made features of 128 numbers (there
+// are no pictures to make them from), the sizes of duet-s. Beside the time, the shares of making
+// the batch (or of environment and maps) and of the matrix products; both are from the same
+// iterations, so that neighbours on the machine disturb them alike.
 #include <ATen/ATen.h>
 #include <ATen/record_function.h>
 #include <benchmark/benchmark.h>
@@ -20,6 +21,7 @@
 #include "enfilade/neural/detail/optimizer.h"
 #include "enfilade/neural/device.h"
 #include "enfilade/neural/duet/pretraining_tasks.h"
+#include "enfilade/neural/duet/training.h"
 #include "enfilade/neural/network.h"
 
 namespace enfilade {
@@ -28,7 +30,7 @@ namespace {
 using namespace neural::duet;  // NOLINT: a benchmark of that folder
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kBatch = 32;
+constexpr std::size_t kBatch = 32, kTrained = 16;
 constexpr std::int64_t kImage = 128;
 
 double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
@@ -51,7 +53,8 @@ class ProductClock {
   };
   static std::unique_ptr<at::ObserverContext> begin(const at::RecordFunction& function) {
     const std::string_view name = function.name();
-    for (const char* product : {"aten::mm", "aten::addmm", "aten::bmm", "aten::baddbmm"}) {
+    for (const char* product :
+         {"aten::mm", "aten::addmm", "aten::addmm_", "aten::bmm", "aten::baddbmm"}) {
       if (name == product) return std::make_unique<Began>();
     }
     return nullptr;
@@ -130,8 +133,45 @@ void iteration(benchmark::State& state, PretrainingTask task, int threads) {
   state.counters["update"] = updates / whole;
 }
 
+void training(benchmark::State& state, int threads) {
+  neural::set_threads(threads);
+  DuetConfig config = models::duet_preset("duet-s");
+  config.image = kImage;
+  config.vocabulary = static_cast<std::int64_t>(data().words.size());
+  const DuetNetwork network(config, 1);
+  MadeSurroundings surroundings;
+  Walker walker(data().episodes.graphs, surroundings);
+  neural::detail::Optimizer optimizer{neural::detail::OptimizerConfig()};
+  const std::span<const WalkEpisode> episodes = std::span(data().batch).first(kTrained);
+  WalkOptions led, own;
+  led.feedback = WalkFeedback::kTeacher;
+  led.expert = Expert::kReference;
+  own.feedback = WalkFeedback::kSample;
+  own.expert = Expert::kSpl;
+  led.dropout = own.dropout = true;
+  const std::vector<TrainingWalk> walks{{episodes, led, 0.2}, {episodes, own, 1}};
+  train_once(network, walker, walks, optimizer);  // what it knows of viewpoints is kept
+  double whole = 0, environment = 0;
+  ProductClock::spent() = {};
+  for (auto _ : state) {
+    const auto begin = Clock::now();
+    environment += train_once(network, walker, walks, optimizer).environment_seconds;
+    const double time = seconds(Clock::now() - begin);
+    state.SetIterationTime(time);
+    whole += time;
+  }
+  state.counters["products"] = seconds(ProductClock::spent()) / whole;
+  state.counters["environment"] = environment / whole;
+}
+
 void register_all() {
   ProductClock::install();
+  for (const int threads : {0, 1}) {
+    benchmark::RegisterBenchmark(threads == 0 ? "train/all_cores" : "train/one_thread",
+                                 [=](benchmark::State& state) { training(state, threads); })
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond);
+  }
   for (const PretrainingTask task :
        {PretrainingTask::kWords, PretrainingTask::kViews, PretrainingTask::kAction}) {
     for (const int threads : {0, 1}) {

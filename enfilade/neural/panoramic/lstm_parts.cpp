@@ -3,9 +3,12 @@
 #include <ATen/ATen.h>
 #include <ATen/CPUGeneratorImpl.h>
 #include <fmt/format.h>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "enfilade/core/rng.h"
+#include "enfilade/neural/detail/recurrent_ops.h"
 
 namespace enfilade::neural::panoramic {
 
@@ -39,20 +42,22 @@ const at::Tensor& weight_of(const detail::Weights& weights, std::string_view nam
 
 LstmOutput read_rows(const detail::Weights& weights, const std::string& name, bool bidirectional,
                      const at::Tensor& x, const at::Tensor& lengths) {
-  std::vector<at::Tensor> parameters;
-  for (const char* suffix : {"_l0", "_l0_reverse"}) {
-    if (parameters.size() == 4 && !bidirectional) break;
-    for (const char* part : {".weight_ih", ".weight_hh", ".bias_ih", ".bias_hh"}) {
-      parameters.push_back(weight_of(weights, name + part + suffix));
-    }
+  const std::span<const std::int64_t> all(lengths.data_ptr<std::int64_t>(),
+                                          static_cast<std::size_t>(lengths.numel()));
+  const std::vector<std::int64_t> steps(all.begin(), all.end());
+  std::vector<at::Tensor> outputs, hidden, cells;
+  for (const bool backwards : {false, true}) {
+    if (backwards && !bidirectional) break;
+    const std::string suffix = backwards ? "_l0_reverse" : "_l0";
+    const auto part = [&](const char* kind) { return weight_of(weights, name + kind + suffix); };
+    const detail::LstmRead read = detail::read_lstm(
+        x, steps, {part(".weight_ih"), part(".weight_hh"), part(".bias_ih"), part(".bias_hh")},
+        backwards);
+    outputs.push_back(read.outputs);
+    hidden.push_back(read.hidden);
+    cells.push_back(read.cell);
   }
-  const std::int64_t hidden = parameters[1].size(1);
-  const at::Tensor zeros = at::zeros({bidirectional ? 2 : 1, x.size(0), hidden}, x.options());
-  const auto [packed, sizes] = at::_pack_padded_sequence(x, lengths, true);
-  const auto [outputs, last, cells] =
-      at::lstm(packed, sizes, {zeros, zeros}, parameters, true, 1, 0.0, false, bidirectional);
-  const auto [padded, unused] = at::_pad_packed_sequence(outputs, sizes, true, 0, x.size(1));
-  return {padded, last, cells};
+  return {at::cat(outputs, 2), at::stack(hidden), at::stack(cells)};
 }
 
 at::Tensor drop_pictures(const at::Tensor& features, std::size_t image, double rate,

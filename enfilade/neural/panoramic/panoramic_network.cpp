@@ -128,6 +128,7 @@ Encoding PanoramicNetwork::encode(const WordBatch& words) {
   encoding.start = at::tanh(linear(from, "encoder.encoder2decoder"));
   encoding.cell = joined(cells);
   encoding.context = drop(context, config_.dropout);
+  encoding.words = detail::Memory(encoding.context, lengths);
   return encoding;
 }
 
@@ -149,11 +150,10 @@ StepOutput PanoramicNetwork::step(const Encoding& encoding, const DecoderState& 
                     weight("decoder.lstm.bias_ih"), weight("decoder.lstm.bias_hh"));
   const at::Tensor dropped = drop(out.hidden, config_.dropout);
   const at::Tensor asked = at::linear(dropped, weight("decoder.attention_layer.linear_in.weight"));
-  out.word_attention =
-      at::softmax(scores(encoding.context, asked).masked_fill(encoding.mask, kNone), 1);
-  out.next.tilde =
-      at::tanh(at::linear(at::cat({weighted(out.word_attention, encoding.context), dropped}, 1),
-                          weight("decoder.attention_layer.linear_out.weight")));
+  const auto [read, shares] = encoding.words.attend(asked);
+  out.word_attention = shares;
+  out.next.tilde = at::tanh(
+      at::linear(at::cat({read, dropped}, 1), weight("decoder.attention_layer.linear_out.weight")));
   const at::Tensor choice = at::linear(drop(out.next.tilde, config_.dropout),
                                        weight("decoder.candidate_att_layer.linear_in.weight"));
   out.logits =

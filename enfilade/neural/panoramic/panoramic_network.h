@@ -7,6 +7,7 @@
 
 #include "enfilade/features/tensor_file.h"
 #include "enfilade/neural/detail/dropout.h"
+#include "enfilade/neural/detail/recurrent_ops.h"
 #include "enfilade/neural/detail/weights.h"
 #include "enfilade/neural/panoramic/panoramic_config.h"
 
@@ -20,10 +21,11 @@ struct WordBatch {
 
 /// What the encoder makes of them.
 struct Encoding {
-  at::Tensor context;  ///< (n, longest, hidden): forward, then backward; zeros at padding
-  at::Tensor mask;     ///< (n, longest) bool: true at padding
-  at::Tensor start;    ///< (n, hidden) the decoder's first state
-  at::Tensor cell;     ///< (n, hidden) its first cell state: backward, then forward
+  at::Tensor context;    ///< (n, longest, hidden): forward, then backward; zeros at padding
+  at::Tensor mask;       ///< (n, longest) bool: true at padding
+  detail::Memory words;  ///< the context, to attend to
+  at::Tensor start;      ///< (n, hidden) the decoder's first state
+  at::Tensor cell;       ///< (n, hidden) its first cell state: backward, then forward
 };
 
 /// Who has taken away a part of the pictures' numbers.
