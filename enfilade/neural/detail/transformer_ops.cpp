@@ -293,8 +293,9 @@ class Linear : public torch::autograd::Function<Linear> {
   static variable_list backward(AutogradContext* context, const variable_list& gradients) {
     const variable_list saved = context->get_saved_variables();
     const at::Tensor &x = saved[0], &weight = saved[1], &bias = saved[2];
-    const at::Tensor gradient = gradients[0].reshape({-1, weight.size(0)});
-    const at::Tensor rows = x.reshape({-1, weight.size(1)});
+    const std::int64_t n = gradients[0].numel() / weight.size(0);
+    const at::Tensor gradient = gradients[0].reshape({n, weight.size(0)});
+    const at::Tensor rows = x.reshape({n, weight.size(1)});  // of no columns if nothing is seen
     at::Tensor &to_weight = gradient_of(weight), &to_bias = gradient_of(bias);
     if (to_weight.defined()) {
       to_weight.addmm_(gradient.t(), rows);

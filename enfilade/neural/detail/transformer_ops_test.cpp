@@ -153,6 +153,14 @@ TEST(Linear, AddsTheGradientsOfItsLeaves) {
               }));
 }
 
+TEST(Linear, OfNothingIsTheBias) {
+  const std::vector<at::Tensor> in{random({3, 4, 0}, 1), random({7, 0}, 2), random({7}, 3)};
+  expect_same({linear(in[0], in[1], in[2]).detach()}, {in[2].detach().expand({3, 4, 7})});
+  linear(in[0], in[1], in[2]).sum().backward();
+  EXPECT_EQ(in[1].grad().sizes(), in[1].sizes());
+  EXPECT_TRUE(in[2].grad().eq(12).all().item<bool>());
+}
+
 TEST(Linear, OfPartsOfALeafHasItsGradientToo) {
   const std::vector<at::Tensor> in{random({4, 12}, 1), random({14, 12}, 2), random({7}, 3)};
   const auto call = [&](const auto& function) {
