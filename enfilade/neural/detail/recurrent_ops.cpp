@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "enfilade/core/check.h"
+#include "enfilade/neural/detail/leaf_gradients.h"
 #include "enfilade/neural/detail/simd_kernels.h"
 
 namespace enfilade::neural::detail {
@@ -134,6 +135,46 @@ class Lstm : public torch::autograd::Function<Lstm> {
   }
 };
 
+class LstmStep : public torch::autograd::Function<LstmStep> {
+ public:
+  static variable_list forward(AutogradContext* context, const at::Tensor& x,
+                               const at::Tensor& before, const at::Tensor& cell,
+                               const at::Tensor& input, const at::Tensor& hidden,
+                               const at::Tensor& input_bias, const at::Tensor& hidden_bias) {
+    const at::Tensor gates = at::mm(x, input.t()).addmm_(before, hidden.t());
+    const at::Tensor bias = input_bias + hidden_bias;
+    at::Tensor next = at::empty_like(cell), out = at::empty_like(cell);
+    simd_kernels().lstm_forward({{rows_of(gates), rows_of(cell), rows_of(next), size(cell.size(1))},
+                                 numbers(bias),
+                                 rows_of(out)},
+                                0, size(cell.size(0)));
+    context->save_for_backward(
+        {x, before, cell, input, hidden, input_bias, hidden_bias, gates, next});
+    return {out, next};
+  }
+
+  static variable_list backward(AutogradContext* context, const variable_list& gradients) {
+    const variable_list saved = context->get_saved_variables();
+    const at::Tensor &x = saved[0], &before = saved[1], &cell = saved[2], &input = saved[3],
+                     &hidden = saved[4];
+    const at::Tensor to_gates = saved[7].clone(), to_cell = gradients[1].clone();
+    const at::Tensor from_outputs = gradients[0].contiguous();
+    const at::Tensor nothing = at::zeros_like(cell);
+    simd_kernels().lstm_backward(
+        {{rows_of(to_gates), rows_of(cell), rows_of(saved[8]), size(cell.size(1))},
+         rows_of(from_outputs),
+         rows_of(nothing),
+         rows_of(to_cell)},
+        0, size(cell.size(0)));
+    add_product(input, to_gates.t(), x);
+    add_product(hidden, to_gates.t(), before);
+    const at::Tensor to_bias = to_gates.sum(0);
+    add_sum(saved[5], to_bias);
+    add_sum(saved[6], to_bias);
+    return {at::mm(to_gates, input), at::mm(to_gates, hidden), to_cell, {}, {}, {}, {}};
+  }
+};
+
 // Inputs that have no gradient here.
 struct Constants {
   at::Tensor values, lengths, sum;
@@ -226,6 +267,22 @@ LstmRead read_lstm(const at::Tensor& x, const std::vector<std::int64_t>& lengths
   const variable_list read = Lstm::apply(x, weights.input, weights.hidden, weights.input_bias,
                                          weights.hidden_bias, lengths, backwards);
   return {read[0], read[1], read[2]};
+}
+
+std::pair<at::Tensor, at::Tensor> lstm_step(const at::Tensor& x, const at::Tensor& hidden,
+                                            const at::Tensor& cell, const LstmWeights& weights) {
+  const bool ours = x.device().is_cpu() && adds_in_place(weights.input) &&
+                    adds_in_place(weights.hidden) && adds_in_place(weights.input_bias) &&
+                    adds_in_place(weights.hidden_bias);
+  if (!ours) {
+    const auto [out, next] = at::lstm_cell(x, {hidden, cell}, weights.input, weights.hidden,
+                                           weights.input_bias, weights.hidden_bias);
+    return {out, next};
+  }
+  const variable_list read =
+      LstmStep::apply(x.contiguous(), hidden.contiguous(), cell.contiguous(), weights.input,
+                      weights.hidden, weights.input_bias, weights.hidden_bias);
+  return {read[0], read[1]};
 }
 
 Memory::Memory(const at::Tensor& values, const at::Tensor& lengths)

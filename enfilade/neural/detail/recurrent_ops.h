@@ -25,6 +25,11 @@ struct LstmRead {
 LstmRead read_lstm(const at::Tensor& x, const std::vector<std::int64_t>& lengths,
                    const LstmWeights& weights, bool backwards);
 
+/// One step of an LSTM. Gradients of weights that are leaves are added in place, as by linear().
+/// \param x (n, in) \param hidden, cell (n, hidden) before it \return those after it
+std::pair<at::Tensor, at::Tensor> lstm_step(const at::Tensor& x, const at::Tensor& hidden,
+                                            const at::Tensor& cell, const LstmWeights& weights);
+
 /// Sequences that are attended to many times, with one gradient for all of these.
 class Memory {
  public:

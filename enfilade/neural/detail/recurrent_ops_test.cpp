@@ -85,6 +85,30 @@ INSTANTIATE_TEST_SUITE_P(Lengths, ReadLstm,
                                          std::vector<std::int64_t>{5, 5, 3, 1},
                                          std::vector<std::int64_t>{17, 9, 9, 9, 2, 1}));
 
+TEST(LstmStep, IsPyTorchsCell) {
+  const std::vector<at::Tensor> in{random({5, 9}, 1),  random({5, 12}, 2),  random({5, 12}, 3),
+                                   random({48, 9}, 4), random({48, 12}, 5), random({48}, 6),
+                                   random({48}, 7)};
+  // Twice, as gradients of weights are added up.
+  const auto twice = [&](const auto& step) {
+    const auto [out, next] = step(in[0], in[1], in[2]);
+    const auto [hidden, cell] = step(at::sin(in[0]), out, next);
+    return std::vector<at::Tensor>{hidden, cell, out};
+  };
+  expect_same(all_of(in,
+                     [&] {
+                       return twice([&](const auto& x, const auto& h, const auto& c) {
+                         return lstm_step(x, h, c, {in[3], in[4], in[5], in[6]});
+                       });
+                     }),
+              all_of(in, [&] {
+                return twice([&](const auto& x, const auto& h, const auto& c) {
+                  const auto [out, next] = at::lstm_cell(x, {h, c}, in[3], in[4], in[5], in[6]);
+                  return std::pair(out, next);
+                });
+              }));
+}
+
 TEST(MemoryTest, IsAttendedToAsByParts) {
   const at::Tensor values = random({3, 9, 37}, 1), query = random({3, 37}, 2);
   const at::Tensor lengths = at::tensor({9, 4, 1}, at::kLong);

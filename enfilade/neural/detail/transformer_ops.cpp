@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "enfilade/neural/detail/leaf_gradients.h"
 #include "enfilade/neural/detail/simd_kernels.h"
 
 namespace enfilade::neural::detail {
@@ -279,37 +280,25 @@ class Gelu : public torch::autograd::Function<Gelu> {
   }
 };
 
-// A leaf's gradient, to add to; defined only if something was added before.
-at::Tensor& gradient_of(const at::Tensor& leaf) { return at::Tensor(leaf).mutable_grad(); }
-
 class Linear : public torch::autograd::Function<Linear> {
  public:
-  static at::Tensor forward(AutogradContext* context, const at::Tensor& x, const at::Tensor& weight,
-                            const at::Tensor& bias) {
-    context->save_for_backward({x, weight, bias});
-    return at::linear(x, weight, bias);
+  // \param inputs x, weight, and the bias if there is one
+  static at::Tensor forward(AutogradContext* context, at::TensorList inputs) {
+    context->save_for_backward(inputs.vec());
+    return at::linear(inputs[0], inputs[1], inputs.size() == 3 ? inputs[2] : at::Tensor());
   }
 
   static variable_list backward(AutogradContext* context, const variable_list& gradients) {
     const variable_list saved = context->get_saved_variables();
-    const at::Tensor &x = saved[0], &weight = saved[1], &bias = saved[2];
+    const at::Tensor &x = saved[0], &weight = saved[1];
     const std::int64_t n = gradients[0].numel() / weight.size(0);
     const at::Tensor gradient = gradients[0].reshape({n, weight.size(0)});
     const at::Tensor rows = x.reshape({n, weight.size(1)});  // of no columns if nothing is seen
-    at::Tensor &to_weight = gradient_of(weight), &to_bias = gradient_of(bias);
-    if (to_weight.defined()) {
-      to_weight.addmm_(gradient.t(), rows);
-    } else {
-      to_weight = at::mm(gradient.t(), rows);
-    }
-    const at::Tensor sums = gradient.sum(0);
-    if (to_bias.defined()) {
-      to_bias.add_(sums);
-    } else {
-      to_bias = sums;
-    }
-    if (!context->needs_input_grad(0)) return {{}, {}, {}};
-    return {at::mm(gradient, weight).view(x.sizes()), {}, {}};
+    add_product(weight, gradient.t(), rows);
+    if (saved.size() == 3) add_sum(saved[2], gradient.sum(0));
+    variable_list result(saved.size());
+    if (context->needs_input_grad(0)) result[0] = at::mm(gradient, weight).view(x.sizes());
+    return result;
   }
 };
 
@@ -320,9 +309,12 @@ at::Tensor gelu(const at::Tensor& x) {
 }
 
 at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias) {
-  const auto leaf = [](const at::Tensor& w) { return w.is_leaf() && w.requires_grad(); };
-  if (!is_ours(x) || !leaf(weight) || !leaf(bias)) return at::linear(x, weight, bias);
-  return Linear::apply(x, weight, bias);
+  if (!is_ours(x) || !adds_in_place(weight) || (bias.defined() && !adds_in_place(bias))) {
+    return at::linear(x, weight, bias);
+  }
+  std::vector<at::Tensor> inputs{x, weight};
+  if (bias.defined()) inputs.push_back(bias);
+  return Linear::apply(at::TensorList(inputs));
 }
 
 at::Tensor attend_by_parts(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,

@@ -33,7 +33,7 @@ at::Tensor gelu(const at::Tensor& x);
 /// x weight^T + bias. Where both are leaves, their gradients are added in place as the loss is
 /// followed back: many steps share the weights, and a product adds for nothing what costs a pass
 /// over memory otherwise. Two threads may not follow losses back to the same leaves.
-/// \param x (..., inner) \param weight (width, inner) \param bias (width)
-at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias);
+/// \param x (..., inner) \param weight (width, inner) \param bias (width); undefined: none
+at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias = {});
 
 }  // namespace enfilade::neural::detail

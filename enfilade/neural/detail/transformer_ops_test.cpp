@@ -153,6 +153,14 @@ TEST(Linear, AddsTheGradientsOfItsLeaves) {
               }));
 }
 
+TEST(Linear, NeedsNoBias) {
+  const std::vector<at::Tensor> in{random({6, 12}, 1), random({7, 12}, 2)};
+  expect_same(
+      all_of(in,
+             [&] { return detail::linear(in[0], in[1]) * detail::linear(at::sin(in[0]), in[1]); }),
+      all_of(in, [&] { return at::linear(in[0], in[1]) * at::linear(at::sin(in[0]), in[1]); }));
+}
+
 TEST(Linear, OfNothingIsTheBias) {
   const std::vector<at::Tensor> in{random({3, 4, 0}, 1), random({7, 0}, 2), random({7}, 3)};
   expect_same({linear(in[0], in[1], in[2]).detach()}, {in[2].detach().expand({3, 4, 7})});

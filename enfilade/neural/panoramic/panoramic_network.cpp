@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/neural/detail/transformer_ops.h"
 #include "enfilade/neural/panoramic/lstm_parts.h"
 
 namespace enfilade::neural::panoramic {
@@ -31,12 +32,8 @@ double bound_of(const PanoramicConfig& config, const detail::ArraySpec& spec) {
 }
 
 // Scores of vectors against a query: (n, k, d) and (n, d) to (n, k).
-at::Tensor scores(const at::Tensor& context, const at::Tensor& query) {
-  return at::bmm(context, query.unsqueeze(2)).squeeze(2);
-}
-
-at::Tensor weighted(const at::Tensor& weights, const at::Tensor& context) {
-  return at::bmm(weights.unsqueeze(1), context).squeeze(1);
+at::Tensor scores(const at::Tensor& vectors, const at::Tensor& query) {
+  return (vectors * query.unsqueeze(1)).sum(2);
 }
 
 void check_words(const WordBatch& words, const PanoramicConfig& config) {
@@ -104,7 +101,7 @@ at::Tensor PanoramicNetwork::drop_images(const at::Tensor& features, FeaturesDro
 }
 
 at::Tensor PanoramicNetwork::linear(const at::Tensor& x, const std::string& name) const {
-  return at::linear(x, weight(name + ".weight"), weight(name + ".bias"));
+  return detail::linear(x, weight(name + ".weight"), weight(name + ".bias"));
 }
 
 Encoding PanoramicNetwork::encode(const WordBatch& words) {
@@ -138,24 +135,25 @@ StepOutput PanoramicNetwork::step(const Encoding& encoding, const DecoderState& 
   const at::Tensor own =
       drop(at::tanh(linear(input.action, "decoder.embedding.0")), config_.dropout);
   const at::Tensor views = drop_images(input.views, input.dropped);
-  const at::Tensor query = at::linear(drop(state.tilde, config_.dropout),
-                                      weight("decoder.feat_att_layer.linear_in.weight"));
-  out.view_attention = at::softmax(scores(views, query), 1);
-  out.attended_view = weighted(out.view_attention, views);
+  const at::Tensor query = detail::linear(drop(state.tilde, config_.dropout),
+                                          weight("decoder.feat_att_layer.linear_in.weight"));
+  const detail::Memory panorama(views, at::full({views.size(0)}, views.size(1), at::kLong));
+  std::tie(out.attended_view, out.view_attention) = panorama.attend(query);
   // The hidden state of the LSTM is the one after attention: the published code never uses the
   // other.
   std::tie(out.hidden, out.next.cell) =
-      at::lstm_cell(at::cat({own, out.attended_view}, 1), {state.tilde, state.cell},
-                    weight("decoder.lstm.weight_ih"), weight("decoder.lstm.weight_hh"),
-                    weight("decoder.lstm.bias_ih"), weight("decoder.lstm.bias_hh"));
+      detail::lstm_step(at::cat({own, out.attended_view}, 1), state.tilde, state.cell,
+                        {weight("decoder.lstm.weight_ih"), weight("decoder.lstm.weight_hh"),
+                         weight("decoder.lstm.bias_ih"), weight("decoder.lstm.bias_hh")});
   const at::Tensor dropped = drop(out.hidden, config_.dropout);
-  const at::Tensor asked = at::linear(dropped, weight("decoder.attention_layer.linear_in.weight"));
+  const at::Tensor asked =
+      detail::linear(dropped, weight("decoder.attention_layer.linear_in.weight"));
   const auto [read, shares] = encoding.words.attend(asked);
   out.word_attention = shares;
-  out.next.tilde = at::tanh(
-      at::linear(at::cat({read, dropped}, 1), weight("decoder.attention_layer.linear_out.weight")));
-  const at::Tensor choice = at::linear(drop(out.next.tilde, config_.dropout),
-                                       weight("decoder.candidate_att_layer.linear_in.weight"));
+  out.next.tilde = at::tanh(detail::linear(at::cat({read, dropped}, 1),
+                                           weight("decoder.attention_layer.linear_out.weight")));
+  const at::Tensor choice = detail::linear(drop(out.next.tilde, config_.dropout),
+                                           weight("decoder.candidate_att_layer.linear_in.weight"));
   out.logits =
       scores(drop_images(input.candidates, input.dropped), choice).masked_fill(input.closed, kNone);
   return out;
