@@ -8,6 +8,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/neural/detail/leaf_gradients.h"
+#include "enfilade/neural/detail/raw_tensors.h"
 #include "enfilade/neural/detail/simd_kernels.h"
 
 namespace enfilade::neural::detail {
@@ -15,10 +16,6 @@ namespace {
 
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
-
-std::size_t size(std::int64_t n) { return static_cast<std::size_t>(n); }
-
-float* numbers(const at::Tensor& x) { return x.data_ptr<float>(); }
 
 Rows rows_of(const at::Tensor& x, std::int64_t first = 0) {
   return {numbers(x) + first * x.stride(0), size(x.stride(0))};

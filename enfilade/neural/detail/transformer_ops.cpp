@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "enfilade/neural/detail/leaf_gradients.h"
+#include "enfilade/neural/detail/raw_tensors.h"
 #include "enfilade/neural/detail/simd_kernels.h"
 
 namespace enfilade::neural::detail {
@@ -20,10 +21,6 @@ constexpr std::int64_t kLanes = 16;      // floats of the widest registers
 constexpr std::int64_t kNormBlock = 64;  // rows whose gradients of scale and bias are summed first
 
 bool is_ours(const at::Tensor& x) { return x.device().is_cpu() && x.scalar_type() == at::kFloat; }
-
-float* numbers(const at::Tensor& x) { return x.defined() ? x.data_ptr<float>() : nullptr; }
-
-std::size_t size(std::int64_t n) { return static_cast<std::size_t>(n); }
 
 // (n, length, heads * width), rows contiguous; those of chunk() need not follow each other.
 struct Heads {
