@@ -33,8 +33,10 @@ struct DuetConfig {
   bool map_distances = true;      ///< the map's distances bias the attention among its nodes
   std::int64_t max_words = 200;   ///< of an instruction, those at both ends included
   std::int64_t max_actions = 15;  ///< decisions of an episode; the last one always stops
-  double dropout = 0.1;           ///< within the network, in training
-  double feature_dropout = 0.4;   ///< of image and object features, in training
+  /// A walk ends where the agent has stopped by itself, and not where stopping was most probable.
+  bool stays_where_it_stops = false;
+  double dropout = 0.1;          ///< within the network, in training
+  double feature_dropout = 0.4;  ///< of image and object features, in training
 
   /// The object features have linear maps of their own.
   bool own_object_map() const noexcept { return object != 0 && object != image; }

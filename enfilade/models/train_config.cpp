@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 4> kInputs{"none", "language", "vision", 
 // What weights do not depend on.
 bool is_free(std::string_view field, Schedule schedule) {
   return (field == "iterations" && schedule == Schedule::kConstant) || field == "validation" ||
-         field == "evaluate_every" || field == "checkpoint_every";
+         field == "evaluate_every" || field == "checkpoint_every" || field == "final_stop";
 }
 
 constexpr NamedValues<AgentKind, 4> kAgents{"agent", {"seq2seq", "panoramic", "duet", "speaker"}};
@@ -31,6 +31,7 @@ constexpr NamedValues<Schedule, 2> kSchedules{"schedule", {"constant", "linear"}
 constexpr NamedValues<SampledLoss, 2> kSampledLosses{"sampled loss", {"labels", "reinforce"}};
 constexpr NamedValues<Stage, 2> kStages{"stage", {"fine-tune", "pretrain"}};
 constexpr NamedValues<MapTeacher, 2> kMapTeachers{"map teacher", {"spl", "ndtw"}};
+constexpr NamedValues<FinalStop, 2> kFinalStops{"final stop", {"best", "own"}};
 constexpr NamedValues<Recipe, 2> kRecipes{"recipe", {"published", "small"}};
 constexpr NamedValues<AfterEnd, 2> kAfterEnds{"after end", {"walks-on", "stays"}};
 constexpr NamedValues<ForwardTo, 2> kForwards{"forward", {"nearest", "intended"}};
@@ -171,6 +172,8 @@ std::string_view to_string(Stage value) noexcept { return kStages.name(value); }
 Stage parse_stage(std::string_view name) { return kStages.parse(name); }
 std::string_view to_string(MapTeacher value) noexcept { return kMapTeachers.name(value); }
 MapTeacher parse_map_teacher(std::string_view name) { return kMapTeachers.parse(name); }
+std::string_view to_string(FinalStop value) noexcept { return kFinalStops.name(value); }
+FinalStop parse_final_stop(std::string_view name) { return kFinalStops.parse(name); }
 std::string_view to_string(Recipe value) noexcept { return kRecipes.name(value); }
 Recipe parse_recipe(std::string_view name) { return kRecipes.parse(name); }
 std::string_view to_string(AfterEnd value) noexcept { return kAfterEnds.name(value); }
@@ -214,6 +217,7 @@ DuetConfig duet_sizes(const TrainConfig& config) {
   sizes.image = static_cast<std::int64_t>(config.network.features);
   sizes.max_words = static_cast<std::int64_t>(config.network.max_words);
   sizes.max_actions = static_cast<std::int64_t>(config.max_steps);
+  sizes.stays_where_it_stops = config.final_stop == FinalStop::kOwn;
   return sizes;
 }
 

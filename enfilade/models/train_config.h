@@ -85,6 +85,14 @@ enum class MapTeacher : std::uint8_t {
 std::string_view to_string(MapTeacher value) noexcept;  ///< "spl", "ndtw"
 MapTeacher parse_map_teacher(std::string_view name);    ///< \throws ArgumentError
 
+/// Where an agent with a map ends after it has stopped by itself. Weights do not depend on it.
+enum class FinalStop : std::uint8_t {
+  kBest,  ///< it goes back to where stopping was most probable, as the released DUET
+  kOwn,   ///< it stays; it goes back only where the limit has stopped it
+};
+std::string_view to_string(FinalStop value) noexcept;  ///< "best", "own"
+FinalStop parse_final_stop(std::string_view name);     ///< \throws ArgumentError
+
 /// Settings of a training. The defaults are the paper's for seq2seq and student-forcing; recipe()
 /// has those of the other agents.
 struct TrainConfig {
@@ -112,6 +120,7 @@ struct TrainConfig {
   double teacher_weight = 0.2;
   SampledLoss sampled_loss = SampledLoss::kReinforce;  ///< of panoramic
   MapTeacher map_teacher = MapTeacher::kSpl;           ///< of duet
+  FinalStop final_stop = FinalStop::kBest;             ///< of duet
   Stage stage = Stage::kFineTune;                      ///< of duet
   /// Of duet: the hash of another model's weights (in its file) that training began with. No value:
   /// random ones.

@@ -132,6 +132,12 @@ void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
        {AgentKind::kDuet}, {"spl", "ndtw"}, [](TrainConfig& config, const std::string& value) {
          config.map_teacher = models::parse_map_teacher(value);
        });
+  name(verb, "--final-stop",
+       "After a stop the agent goes back to where stopping was most probable, as in the released "
+       "code, or stays where it is (default: best)",
+       {AgentKind::kDuet}, {"best", "own"}, [](TrainConfig& config, const std::string& value) {
+         config.final_stop = models::parse_final_stop(value);
+       });
   add_updates(verb);
   add_sizes(verb);
 }

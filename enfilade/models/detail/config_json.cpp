@@ -30,8 +30,9 @@ template <class T>
 concept Named =
     std::same_as<T, AfterEnd> || std::same_as<T, ForwardTo> || std::same_as<T, AgentKind> ||
     std::same_as<T, Optimizer> || std::same_as<T, Schedule> || std::same_as<T, SampledLoss> ||
-    std::same_as<T, MapTeacher> || std::same_as<T, Stage> || std::same_as<T, TextKind> ||
-    std::same_as<T, Letters> || std::same_as<T, Subout> || std::same_as<T, Fusion>;
+    std::same_as<T, MapTeacher> || std::same_as<T, FinalStop> || std::same_as<T, Stage> ||
+    std::same_as<T, TextKind> || std::same_as<T, Letters> || std::same_as<T, Subout> ||
+    std::same_as<T, Fusion>;
 
 // One function for each object of the file: calls visit(name, field) for each of its fields.
 
@@ -128,6 +129,7 @@ void for_fields(ConstOrNot<TrainConfig> auto& config, const auto& visit) {
   if (config.agent == AgentKind::kPanoramic) visit("sampled_loss", config.sampled_loss);
   if (config.agent == AgentKind::kDuet) {
     visit("map_teacher", config.map_teacher);
+    visit("final_stop", config.final_stop);
     visit("stage", config.stage);
     visit("initial_weights", config.initial_weights);
   }
@@ -208,10 +210,12 @@ struct Reader {
       read(*found, Path(path, name), value);
     }
   }
-  // Files of before there were several kinds of agents, of texts, or of stages, have none.
+  // Files of before there were several kinds of agents, of texts, of stages or of final stops, have
+  // none.
   void operator()(const char* name, AgentKind& value) const { read_if_there(name, value); }
   void operator()(const char* name, TextKind& value) const { read_if_there(name, value); }
   void operator()(const char* name, Stage& value) const { read_if_there(name, value); }
+  void operator()(const char* name, FinalStop& value) const { read_if_there(name, value); }
   void operator()(const char* name, Letters& value) const { read_if_there(name, value); }
   template <class T>
   void operator()(const char* name, std::optional<T>& value) const {
@@ -289,6 +293,9 @@ struct Reader {
   }
   void read(Element element, const Path& at, MapTeacher& value) const {
     read_name(element, at, value, parse_map_teacher);
+  }
+  void read(Element element, const Path& at, FinalStop& value) const {
+    read_name(element, at, value, parse_final_stop);
   }
   void read(Element element, const Path& at, TextKind& value) const {
     read_name(element, at, value, parse_text_kind);

@@ -4,6 +4,7 @@
 #include <c10/core/GradMode.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -185,6 +186,30 @@ TEST_F(PretrainingTasksTest, ATeachersWalkAsOneBatchIsThatOfItsSteps) {
       }
     }
   }
+}
+
+// Networks of random weights stop early, and often where another place was likelier.
+TEST_F(PretrainingTasksTest, AnAgentMayStayWhereItStops) {
+  std::size_t stayed = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    DuetConfig own_config = config_;
+    own_config.stays_where_it_stops = true;
+    const DuetNetwork best(config_, seed), own(own_config, seed);
+    const c10::NoGradGuard no_gradients;
+    const Rollout back = walker_.walk(best, episodes_, {}),
+                  stays = walker_.walk(own, episodes_, {});
+    for (std::size_t i = 0; i < episodes_.size(); ++i) {
+      const Walk &one = back.walks[i], &other = stays.walks[i];
+      EXPECT_EQ(one.path.back().back(), one.stop);
+      EXPECT_EQ(other.path.back().back(), other.stop);
+      EXPECT_EQ(one.stop_probabilities, other.stop_probabilities);
+      if (one.path == other.path) continue;
+      ++stayed;
+      EXPECT_EQ(one.path.size(), other.path.size() + 1);
+      EXPECT_TRUE(std::equal(other.path.begin(), other.path.end(), one.path.begin()));
+    }
+  }
+  EXPECT_GT(stayed, 0U);
 }
 
 TEST_F(PretrainingTasksTest, AllStepsAtOnceAreThoseOfAWalkBehindTheTeacher) {

@@ -158,7 +158,7 @@ class Run {
     for (std::size_t i = 0; i < active_.size(); ++i) {
       move(*active_[i], t, rows[i]);
       // A stop that was drawn off the goal ends a training walk without the walk to the best.
-      if (rows[i].ends) active_[i]->walk_to_best();
+      if (rows[i].ends) finish(*active_[i], rows[i]);
     }
     spent_ += Clock::now() - moving;
   }
@@ -201,7 +201,7 @@ class Run {
     remember(output, rows);
     add_loss(output, rows, result.loss);
     for (const StepRow& row : rows) {
-      if (row.ends) states_[row.episode]->walk_to_best();
+      if (row.ends) finish(*states_[row.episode], row);
     }
   }
 
@@ -355,14 +355,19 @@ class Run {
   void decide(const WalkState& state, bool last, StepRow& row) const {
     const bool training =
         options_.feedback == WalkFeedback::kTeacher || options_.feedback == WalkFeedback::kSample;
-    const bool stops = training ? !state.episode->reference.empty() &&
-                                      state.pose.viewpoint == state.episode->reference.back()
-                                : row.choice == 0;
+    const bool on_goal = !state.episode->reference.empty() &&
+                         state.pose.viewpoint == state.episode->reference.back();
+    const bool stops = training ? on_goal : row.choice == 0;
     if (stops || last || state.map.open() == 0) {
       row.ends = true;
     } else if (row.choice > 0) {
       row.goes_to = state.map.viewpoint(row.nodes[static_cast<std::size_t>(row.choice - 1)]);
     }
+  }
+
+  void finish(WalkState& state, const StepRow& row) const {
+    const bool own = row.choice == 0 && config_.stays_where_it_stops;
+    state.finish(own ? agents::FinalStop::kUnlessOwn : agents::FinalStop::kAlways);
   }
 
   void move(WalkState& state, std::size_t t, const StepRow& row) {

@@ -98,13 +98,12 @@ void WalkState::remember(ViewpointIndex viewpoint, double stop_probability,
   objects[visited] = std::move(best_object);
 }
 
-void WalkState::walk_to_best() {
-  const TopologicalMap::Node best = *stops.best();
-  walk.stop = map.viewpoint(best);
-  walk.object = objects[best];
+void WalkState::finish(agents::FinalStop rule) {
+  const TopologicalMap::Node stop = rule == agents::FinalStop::kAlways ? *stops.best() : node();
+  walk.stop = map.viewpoint(stop);
+  walk.object = objects[stop];
   std::vector<ViewpointIndex> way;
-  agents::final_walk(map, node(), stops, agents::LastAction::kStop, agents::FinalStop::kAlways,
-                     way);
+  agents::final_walk(map, node(), stops, agents::LastAction::kStop, rule, way);
   if (!way.empty()) walk.path.push_back(std::move(way));
 }
 

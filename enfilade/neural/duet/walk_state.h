@@ -27,8 +27,9 @@ class WalkState {
   void go(TopologicalMap::Node node, Walker& walker, const DuetConfig& config);
   /// What the network says of a visited viewpoint. \param best_object empty: none is there
   void remember(ViewpointIndex viewpoint, double stop_probability, std::string best_object);
-  /// The walk to the visited viewpoint with the highest probability of stopping.
-  void walk_to_best();
+  /// After a stop: the walk to the visited viewpoint with the highest probability of stopping, or
+  /// none.
+  void finish(agents::FinalStop rule);
   std::vector<ViewpointIndex> walked() const;  ///< all viewpoints so far
 
   const WalkEpisode* episode;
