@@ -93,7 +93,7 @@ class Attention : public torch::autograd::Function<Attention> {
     const Heads queries(query), keys(key), values(value);
     const Bias biases(bias.value);
     const at::Tensor shares = at::empty({s.n, heads, s.a, s.stride}, at::kFloat);
-    const at::Tensor out = at::empty({s.n, s.a, query.size(2)}, at::kFloat);
+    at::Tensor out = at::empty({s.n, s.a, query.size(2)}, at::kFloat);
     const Heads outs(out);
     at::parallel_for(0, s.n, 1, [&](std::int64_t begin, std::int64_t end) {
       Scratch scratch;
@@ -203,7 +203,7 @@ class Norm : public torch::autograd::Function<Norm> {
     const at::Tensor &y = inputs[0], &scale = inputs[1], &bias = inputs[2], &kept = factors.value;
     const at::Tensor x = inputs.size() == 4 ? inputs[3] : at::Tensor();
     const std::int64_t width = y.size(-1), rows = y.numel() / width;
-    const at::Tensor out = at::empty(y.sizes(), at::kFloat);
+    at::Tensor out = at::empty(y.sizes(), at::kFloat);
     const at::Tensor normalized = at::empty(y.sizes(), at::kFloat);
     const at::Tensor inverse = at::empty({rows}, at::kFloat);
     const SumNorm step{numbers(y),      numbers(kept), numbers(x),
@@ -257,7 +257,7 @@ constexpr std::int64_t kGeluBlock = 16384;  // numbers that are worth a thread
 class Gelu : public torch::autograd::Function<Gelu> {
  public:
   static at::Tensor forward(AutogradContext* context, const at::Tensor& x) {
-    const at::Tensor out = at::empty(x.sizes(), at::kFloat);
+    at::Tensor out = at::empty(x.sizes(), at::kFloat);
     at::parallel_for(0, x.numel(), kGeluBlock, [&](std::int64_t begin, std::int64_t end) {
       simd_kernels().gelu(numbers(x) + begin, numbers(out) + begin, size(end - begin));
     });
@@ -268,7 +268,7 @@ class Gelu : public torch::autograd::Function<Gelu> {
   static variable_list backward(AutogradContext* context, const variable_list& gradients) {
     const at::Tensor x = context->get_saved_variables()[0];
     const at::Tensor gradient = gradients[0].contiguous();
-    const at::Tensor out = at::empty(x.sizes(), at::kFloat);
+    at::Tensor out = at::empty(x.sizes(), at::kFloat);
     at::parallel_for(0, x.numel(), kGeluBlock, [&](std::int64_t begin, std::int64_t end) {
       simd_kernels().gelu_backward(numbers(x) + begin, numbers(gradient) + begin,
                                    numbers(out) + begin, size(end - begin));

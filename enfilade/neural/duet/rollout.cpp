@@ -116,7 +116,7 @@ class Run {
   }
 
   Tokens see() {
-    const Tokens seen = encode();
+    Tokens seen = encode();
     const std::int64_t n = std::ssize(active_), longest = seen.values.size(1);
     const std::int64_t before = pool_.defined() ? pool_.size(0) : 0;
     std::vector<at::Tensor> parts{means_of(seen),
