@@ -96,11 +96,16 @@ const Data& data() {
   return kData;
 }
 
-void iteration(benchmark::State& state, PretrainingTask task, int threads) {
-  neural::set_threads(threads);
+DuetConfig sizes() {
   DuetConfig config = models::duet_preset("duet-s");
   config.image = kImage;
   config.vocabulary = static_cast<std::int64_t>(data().words.size());
+  return config;
+}
+
+void iteration(benchmark::State& state, PretrainingTask task, int threads) {
+  neural::set_threads(threads);
+  const DuetConfig config = sizes();
   const PretrainingNetwork network(config, 1);
   MadeSurroundings surroundings;
   Walker walker(data().episodes.graphs, surroundings);
@@ -135,10 +140,7 @@ void iteration(benchmark::State& state, PretrainingTask task, int threads) {
 
 void training(benchmark::State& state, int threads) {
   neural::set_threads(threads);
-  DuetConfig config = models::duet_preset("duet-s");
-  config.image = kImage;
-  config.vocabulary = static_cast<std::int64_t>(data().words.size());
-  const DuetNetwork network(config, 1);
+  const DuetNetwork network(sizes(), 1);
   MadeSurroundings surroundings;
   Walker walker(data().episodes.graphs, surroundings);
   neural::detail::Optimizer optimizer{neural::detail::OptimizerConfig()};

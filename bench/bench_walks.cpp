@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <filesystem>
-#include <set>
+#include <span>
 
 #include "apps/common/program.h"
 #include "enfilade/core/file.h"
@@ -14,6 +14,7 @@
 #include "enfilade/neural/trained_agent.h"
 #include "enfilade/neural/untrained.h"
 #include "enfilade/tasks/tokenizer.h"
+#include "tests/support/feature_files.h"
 #include "tests/support/temporary_folder.h"
 
 namespace {
@@ -44,29 +45,6 @@ void write_pieces(const tasks::EpisodeSet& episodes, const fs::path& file) {
   write_file_atomically(file, pieces);
 }
 
-void write_views(const tasks::EpisodeSet& episodes, std::size_t dimensions, const fs::path& file) {
-  std::set<std::uint32_t> scans;
-  std::vector<features::FeatureKey> keys;
-  for (const tasks::ReferencePath& path : episodes.paths) {
-    if (!scans.insert(path.scan.value).second) continue;
-    const graph::NavGraph& graph = episodes.graphs->graph(path.scan);
-    for (std::uint32_t v = 0; v < graph.size(); ++v) {
-      const ViewpointIndex viewpoint(v);
-      if (graph.included(viewpoint)) keys.push_back({graph.scan(), graph.id(viewpoint)});
-    }
-  }
-  features::FeatureInfo info;
-  info.dimensions = dimensions;
-  features::FeatureWriter writer = features::FeatureWriter::create(file, info, keys);
-  std::vector<float> numbers(info.views * dimensions);
-  Rng rng(1);
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    for (float& number : numbers) number = static_cast<float>(rng.uniform() - 0.5);
-    writer.write(i, numbers);
-  }
-  writer.finish();
-}
-
 // The first episodes, evenly from the whole.
 tasks::EpisodeSet some_of(tasks::EpisodeSet episodes, std::size_t n) {
   std::vector<tasks::Episode> some;
@@ -92,8 +70,13 @@ void run(const Options& options) {
   config.training.network.features = static_cast<std::size_t>(config.training.duet.image);
   neural::write_untrained(config, folder.path());
   write_pieces(all, models::ModelFiles{folder.path()}.text(config.training.text));
-  write_views(episodes, config.training.network.features, folder.path() / "f.safetensors");
-  const auto views = features::FeatureSet::open(folder.path() / "f.safetensors");
+  const fs::path file = folder.path() / "f.safetensors";
+  Rng rng(1);
+  tests::write_feature_file(file, config.training.network.features, tests::keys_of(episodes),
+                            [&](const features::FeatureKey&, std::span<float> out) {
+                              for (float& x : out) x = static_cast<float>(rng.uniform() - 0.5);
+                            });
+  const auto views = features::FeatureSet::open(file);
   const auto agent = neural::load_trained_agent(folder.path());
   agent->enter(episodes, &views);
   const apps::Stopwatch watch;

@@ -35,11 +35,6 @@ using ::testing::ThrowsMessage;
 constexpr std::array<models::AgentKind, 3> kKinds{
     models::AgentKind::kSeq2Seq, models::AgentKind::kPanoramic, models::AgentKind::kDuet};
 
-// What an interrupted run throws, in place of the signal that a process would get.
-struct Stop : std::runtime_error {
-  Stop() : std::runtime_error("stopped") {}
-};
-
 class TrainerTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { small_ = std::make_unique<tests::SmallTraining>(); }
@@ -50,29 +45,14 @@ class TrainerTest : public ::testing::Test {
     return small_->model(std::string(test->name()) + "_" + name);
   }
   bool train_into(const fs::path& folder, const models::TrainConfig& config) const {
-    return train(config, small_->load(config), folder);
+    return small_->train(folder, config);
   }
   void train_until(const fs::path& folder, const models::TrainConfig& config,
                    std::uint64_t stop) const {
-    TrainingListener listener;
-    listener.iteration = [stop](const TrainingProgress& progress) {
-      if (progress.iteration == stop) throw Stop();
-    };
-    EXPECT_THROW(train(config, small_->load(config), folder, "cpu", listener), Stop);
+    small_->train_until(folder, config, stop);
   }
-  static std::string weights(const fs::path& folder) {
-    return read_file(models::ModelFiles{folder}.weights());
-  }
-  static std::vector<nlohmann::json> log(const fs::path& folder) {
-    std::vector<nlohmann::json> lines;
-    const std::string text = read_file(models::ModelFiles{folder}.log());
-    for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1) {
-      lines.push_back(nlohmann::json::parse(text.substr(at, text.find('\n', at) - at)));
-      for (const char* own : {"time", "seconds"}) lines.back().erase(own);
-    }
-    std::erase_if(lines, [](const nlohmann::json& line) { return line["type"] == "start"; });
-    return lines;
-  }
+  static std::string weights(const fs::path& folder) { return tests::weights_of(folder); }
+  static std::vector<nlohmann::json> log(const fs::path& folder) { return tests::log_of(folder); }
 
   static std::unique_ptr<tests::SmallTraining> small_;
 };

@@ -19,10 +19,10 @@ void NamedSurroundings::views(const graph::NavGraph& graph, ViewpointIndex viewp
   }
 }
 
-std::vector<SeenObject> NamedSurroundings::objects(const graph::NavGraph& graph,
-                                                   ViewpointIndex viewpoint) {
+std::vector<features::ObjectView> NamedSurroundings::objects(const graph::NavGraph& graph,
+                                                             ViewpointIndex viewpoint) {
   const double f = 240 / std::tan(kPi / 6);
-  std::vector<SeenObject> seen;
+  std::vector<features::ObjectView> seen;
   for (const auto& object : data_.objects().at(graph.scan(), graph.id(viewpoint))) {
     if (!object.visible()) continue;
     std::size_t largest = 0;

@@ -19,8 +19,8 @@ class NamedSurroundings : public neural::duet::Surroundings {
  public:
   explicit NamedSurroundings(const dataset::Dataset& data) : data_(data) {}
   void views(const graph::NavGraph& graph, ViewpointIndex viewpoint, std::span<float> out) override;
-  std::vector<neural::duet::SeenObject> objects(const graph::NavGraph& graph,
-                                                ViewpointIndex viewpoint) override;
+  std::vector<features::ObjectView> objects(const graph::NavGraph& graph,
+                                            ViewpointIndex viewpoint) override;
   void object(const graph::NavGraph& graph, ViewpointIndex viewpoint, std::size_t i,
               std::span<float> out) override;
 

@@ -18,6 +18,7 @@
 #include "tests/conformance/agents_golden.h"
 #include "tests/conformance/duet_episodes.h"
 #include "tests/conformance/synthetic.h"
+#include "tests/support/feature_files.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
@@ -80,28 +81,12 @@ tasks::EpisodeSet episodes_of(const AgentsFolder& folder, const std::vector<json
 
 // SYNTHETIC features of all viewpoints of these episodes' buildings.
 fs::path write_views(const tasks::EpisodeSet& episodes, const fs::path& file) {
-  std::set<std::uint32_t> scans;
-  std::vector<features::FeatureKey> keys;
-  for (const tasks::ReferencePath& path : episodes.paths) {
-    if (!scans.insert(path.scan.value).second) continue;
-    const graph::NavGraph& graph = episodes.graphs->graph(path.scan);
-    for (std::uint32_t v = 0; v < graph.size(); ++v) {
-      if (graph.included(ViewpointIndex(v)))
-        keys.push_back({graph.scan(), graph.id(ViewpointIndex(v))});
-    }
-  }
-  features::FeatureInfo info;
-  info.dimensions = kColumns;
-  features::FeatureWriter writer = features::FeatureWriter::create(file, info, keys);
-  std::vector<float> numbers(kViews * kColumns);
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    for (std::uint32_t view = 0; view < kViews; ++view) {
-      synthetic_view(keys[i].scan, keys[i].viewpoint, view,
-                     std::span(numbers).subspan(view * kColumns, kColumns));
-    }
-    writer.write(i, numbers);
-  }
-  writer.finish();
+  write_feature_file(
+      file, kColumns, keys_of(episodes), [](const features::FeatureKey& key, std::span<float> out) {
+        for (std::uint32_t view = 0; view < kViews; ++view) {
+          synthetic_view(key.scan, key.viewpoint, view, out.subspan(view * kColumns, kColumns));
+        }
+      });
   return file;
 }
 

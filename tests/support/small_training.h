@@ -1,17 +1,45 @@
 /// \file  A data set and a network small enough to train within a test.
 #pragma once
+#include <gtest/gtest.h>
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
+#include "enfilade/core/file.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/features/feature_set.h"
 #include "enfilade/neural/trainer.h"
+#include "tests/support/feature_files.h"
 #include "tests/support/small_homes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tests {
+
+/// What an interrupted training throws, in place of the signal that a process would get.
+struct Stop : std::runtime_error {
+  Stop() : std::runtime_error("stopped") {}
+};
+
+/// The bytes of a model's weights.
+inline std::string weights_of(const std::filesystem::path& folder) {
+  return read_file(models::ModelFiles{folder}.weights());
+}
+/// The lines of its log, without starts and times.
+inline std::vector<nlohmann::json> log_of(const std::filesystem::path& folder) {
+  std::vector<nlohmann::json> lines;
+  const std::string text = read_file(models::ModelFiles{folder}.log());
+  for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1) {
+    lines.push_back(nlohmann::json::parse(text.substr(at, text.find('\n', at) - at)));
+    for (const char* own : {"time", "seconds"}) lines.back().erase(own);
+  }
+  std::erase_if(lines, [](const nlohmann::json& line) { return line["type"] == "start"; });
+  return lines;
+}
 
 /// Three model homes without pictures, with paths and instructions, and random features of their
 /// views.
@@ -40,16 +68,10 @@ class SmallTraining {
         keys.push_back({scan, graph.id(ViewpointIndex(i))});
       }
     }
-    FeatureInfo info;
-    info.dimensions = dimensions;
-    FeatureWriter writer = FeatureWriter::create(file, info, keys);
     Rng rng(1);
-    for (std::size_t row = 0; row < keys.size(); ++row) {
-      std::vector<float> views(info.views * dimensions);
+    write_feature_file(file, dimensions, keys, [&](const FeatureKey&, std::span<float> views) {
       for (float& value : views) value = static_cast<float>(rng.uniform());
-      writer.write(row, views);
-    }
-    writer.finish();
+    });
   }
 
   /// Learns nothing, but goes through everything: 12 iterations, evaluation at 6 and 12,
@@ -80,6 +102,21 @@ class SmallTraining {
     config.evaluate_every = 6;
     config.checkpoint_every = 5;
     return config;
+  }
+
+  bool train(const std::filesystem::path& folder, const models::TrainConfig& config,
+             const std::optional<std::filesystem::path>& from = {}) const {
+    return neural::train(config, load(config), folder, "cpu", {}, from);
+  }
+  /// Expects that Stop comes after so many iterations.
+  void train_until(const std::filesystem::path& folder, const models::TrainConfig& config,
+                   std::uint64_t stop,
+                   const std::optional<std::filesystem::path>& from = {}) const {
+    neural::TrainingListener listener;
+    listener.iteration = [stop](const neural::TrainingProgress& progress) {
+      if (progress.iteration == stop) throw Stop();
+    };
+    EXPECT_THROW(neural::train(config, load(config), folder, "cpu", listener, from), Stop);
   }
 
   neural::TrainingData load(const models::TrainConfig& config) const {

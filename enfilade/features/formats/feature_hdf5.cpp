@@ -11,7 +11,6 @@
 #include "enfilade/core/part_file.h"
 #include "enfilade/features/formats/feature_rows.h"
 #include "enfilade/features/formats/hdf5_datasets.h"
-#include "enfilade/features/formats/isolated.h"
 
 namespace enfilade::features::formats {
 namespace {
@@ -234,13 +233,9 @@ class Hdf5Rows final : public RowWriter {
 }  // namespace
 
 FeatureRows read_feature_hdf5(const std::filesystem::path& file) {
-  const MappedFile readable(file);  // throws the system's reason, which the library does not give
-  SharedMemory memory(file.string());
-  {
-    const Library library;
-    run_isolated(file.string(), "bad-hdf5", [&] { Reader(file).copy_to(memory); });
-  }
-  return feature_rows_of(std::make_shared<const MappedFile>(memory.path()), file.string());
+  return feature_rows_of(
+      read_isolated(file, [&](SharedMemory& memory) { Reader(file).copy_to(memory); }),
+      file.string());
 }
 
 std::unique_ptr<RowWriter> write_feature_hdf5(const std::filesystem::path& file,

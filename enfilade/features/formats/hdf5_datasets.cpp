@@ -119,4 +119,15 @@ void Hdf5Source::check_layout(const std::string& dataset, const Hdf5Handle& open
   check_size(dataset, chunk);
 }
 
+std::shared_ptr<const MappedFile> read_isolated(const std::filesystem::path& file,
+                                                const std::function<void(SharedMemory&)>& copy) {
+  const MappedFile readable(file);  // throws the system's reason, which the library does not give
+  SharedMemory memory(file.string());
+  {
+    const Hdf5Library library;
+    run_isolated(file.string(), "bad-hdf5", [&] { copy(memory); });
+  }
+  return std::make_shared<const MappedFile>(memory.path());
+}
+
 }  // namespace enfilade::features::formats

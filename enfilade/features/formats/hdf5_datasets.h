@@ -2,10 +2,14 @@
 #pragma once
 #include <array>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "enfilade/core/mapped_file.h"
 #include "enfilade/features/formats/hdf5_library.h"
+#include "enfilade/features/formats/isolated.h"
 
 namespace enfilade::features::formats {
 
@@ -43,5 +47,10 @@ class Hdf5Source {
   std::string name_;
   Hdf5Handle file_;
 };
+
+/// What `copy` makes of a file, in a forked copy of the process: damaged files crash the library.
+/// \throws FileError; InvalidInput
+std::shared_ptr<const MappedFile> read_isolated(const std::filesystem::path& file,
+                                                const std::function<void(SharedMemory&)>& copy);
 
 }  // namespace enfilade::features::formats

@@ -12,7 +12,6 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/features/formats/feature_rows.h"
 #include "enfilade/features/formats/hdf5_datasets.h"
-#include "enfilade/features/formats/isolated.h"
 
 namespace enfilade::features::formats {
 namespace {
@@ -238,14 +237,8 @@ ViewpointObjects viewpoint_of(In& in, std::size_t& dimensions) {
 }  // namespace
 
 ObjectRows read_object_hdf5(const std::filesystem::path& file) {
-  const MappedFile readable(file);  // throws the system's reason, which the library does not give
-  SharedMemory memory(file.string());
-  {
-    const Hdf5Library library;
-    run_isolated(file.string(), "bad-hdf5", [&] { Reader(file).copy_to(memory); });
-  }
   ObjectRows rows;
-  rows.memory = std::make_shared<const MappedFile>(memory.path());
+  rows.memory = read_isolated(file, [&](SharedMemory& memory) { Reader(file).copy_to(memory); });
   const std::string name = file.string();
   In in(rows.memory->bytes(), name);
   const auto count = in.number<std::uint64_t>();

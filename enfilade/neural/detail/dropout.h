@@ -15,7 +15,8 @@ class Dropout {
   /// \param rate share of numbers that become 0, below 1, to the nearest 1 / 65,536; at 0 or below
   /// nothing is drawn
   at::Tensor operator()(const at::Tensor& values, double rate);
-  /// Its factors, 0 or what scales up, on the CPU; undefined where nothing is drawn.
+  /// The factors by which the operator multiplies numbers of these sizes: 0 or 1 / (1 - rate);
+  /// float32 on the CPU. Undefined where nothing is drawn.
   at::Tensor mask(at::IntArrayRef sizes, double rate);
 
  private:

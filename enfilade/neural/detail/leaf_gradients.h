@@ -20,6 +20,7 @@ inline void add_product(const at::Tensor& leaf, const at::Tensor& a, const at::T
   }
 }
 
+/// `part`, of the leaf's shape, is added to the gradient.
 inline void add_sum(const at::Tensor& leaf, const at::Tensor& part) {
   at::Tensor& sum = at::Tensor(leaf).mutable_grad();
   if (sum.defined()) {

@@ -335,7 +335,7 @@ void gelu_backward(const float* in, const float* gradient, float* out, std::size
   });
 }
 
-// Both sums of the mean and of the squared distances in single precision, as in PyTorch.
+// Two sums in single precision: of the numbers, then of their squared distances from the mean.
 void sum_norm(const SumNorm& step, std::size_t begin, std::size_t end) {
   const std::size_t n = step.width;
   const auto whole = static_cast<float>(n);

@@ -101,7 +101,7 @@ struct SimdKernels {
                std::size_t n);
   /// x Phi(x) of the normal distribution's Phi, to 2e-7 |x|
   void (*gelu)(const float* x, float* out, std::size_t n);
-  /// out = gradient (Phi(x) + x phi(x))
+  /// out = gradient (Phi(x) + x times the density at x)
   void (*gelu_backward)(const float* x, const float* gradient, float* out, std::size_t n);
   void (*sum_norm)(const SumNorm&, std::size_t begin, std::size_t end);
   void (*sum_norm_backward)(const SumNormBackward&, std::size_t begin, std::size_t end);

@@ -43,13 +43,11 @@ class ViewSurroundings : public Surroundings {
       features_->copy(scan, viewpoint, view, out.subspan(view * n, n));
     }
   }
-  std::vector<SeenObject> objects(const graph::NavGraph& graph, ViewpointIndex viewpoint) override {
-    std::vector<SeenObject> seen;
-    if (objects_ == nullptr) return seen;
-    for (const features::ObjectView& one : objects_->objects(graph.scan(), graph.id(viewpoint))) {
-      seen.push_back({one.id, one.heading, one.elevation, one.width, one.height});
-    }
-    return seen;
+  std::vector<features::ObjectView> objects(const graph::NavGraph& graph,
+                                            ViewpointIndex viewpoint) override {
+    if (objects_ == nullptr) return {};
+    const auto seen = objects_->objects(graph.scan(), graph.id(viewpoint));
+    return {seen.begin(), seen.end()};
   }
   void object(const graph::NavGraph& graph, ViewpointIndex viewpoint, std::size_t i,
               std::span<float> out) override {

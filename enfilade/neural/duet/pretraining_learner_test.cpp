@@ -28,11 +28,6 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-// In place of the signal that a process would get.
-struct Stop : std::runtime_error {
-  Stop() : std::runtime_error("stopped") {}
-};
-
 class PretrainingTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { small_ = std::make_unique<tests::SmallTraining>(); }
@@ -49,29 +44,14 @@ class PretrainingTest : public ::testing::Test {
   }
   static bool train_into(const fs::path& folder, const models::TrainConfig& config,
                          const std::optional<fs::path>& from = {}) {
-    return train(config, small_->load(config), folder, "cpu", {}, from);
+    return small_->train(folder, config, from);
   }
   static void train_until(const fs::path& folder, const models::TrainConfig& config,
                           std::uint64_t stop, const std::optional<fs::path>& from = {}) {
-    TrainingListener listener;
-    listener.iteration = [stop](const TrainingProgress& progress) {
-      if (progress.iteration == stop) throw Stop();
-    };
-    EXPECT_THROW(train(config, small_->load(config), folder, "cpu", listener, from), Stop);
+    small_->train_until(folder, config, stop, from);
   }
-  static std::string weights(const fs::path& folder) {
-    return read_file(ModelFiles{folder}.weights());
-  }
-  static std::vector<nlohmann::json> log(const fs::path& folder) {
-    std::vector<nlohmann::json> lines;
-    const std::string text = read_file(ModelFiles{folder}.log());
-    for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1) {
-      lines.push_back(nlohmann::json::parse(text.substr(at, text.find('\n', at) - at)));
-      for (const char* own : {"time", "seconds"}) lines.back().erase(own);
-    }
-    std::erase_if(lines, [](const nlohmann::json& line) { return line["type"] == "start"; });
-    return lines;
-  }
+  static std::string weights(const fs::path& folder) { return tests::weights_of(folder); }
+  static std::vector<nlohmann::json> log(const fs::path& folder) { return tests::log_of(folder); }
 
   static std::unique_ptr<tests::SmallTraining> small_;
 };

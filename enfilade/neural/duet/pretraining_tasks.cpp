@@ -163,7 +163,8 @@ class Builder {
       if (next_[i]) label(i, *next_[i], nodes.back(), tokens.back());
       objects.push_back(kNoLabel);
       const Walker::Place& place = *states_[i].place;
-      const auto found = std::ranges::find(place.objects, episodes_[i].object, &SeenObject::id);
+      const auto found =
+          std::ranges::find(place.objects, episodes_[i].object, &features::ObjectView::id);
       if (episodes_[i].object.empty() || found == place.objects.end()) continue;
       objects.back() =
           1 + std::ssize(place.panorama->token_views) + (found - place.objects.begin());

@@ -54,7 +54,8 @@ class Lattice : public Surroundings {
                                            0.1 * static_cast<double>(viewpoint.at())));
     }
   }
-  std::vector<SeenObject> objects(const graph::NavGraph&, ViewpointIndex viewpoint) override {
+  std::vector<features::ObjectView> objects(const graph::NavGraph&,
+                                            ViewpointIndex viewpoint) override {
     if (viewpoint.at() != 6 && viewpoint.at() != 1) return {};
     return {{"lamp", Radians(0.3), Radians(0.1), 60, 80},
             {"chair", Radians(2), Radians(0), 90, 90}};

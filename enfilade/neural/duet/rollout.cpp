@@ -395,7 +395,9 @@ class Run {
 
 }  // namespace
 
-std::vector<SeenObject> Surroundings::objects(const graph::NavGraph&, ViewpointIndex) { return {}; }
+std::vector<features::ObjectView> Surroundings::objects(const graph::NavGraph&, ViewpointIndex) {
+  return {};
+}
 
 void Surroundings::object(const graph::NavGraph&, ViewpointIndex, std::size_t, std::span<float>) {}
 

@@ -16,6 +16,7 @@
 #include "enfilade/agents/panorama.h"
 #include "enfilade/agents/topological_map.h"
 #include "enfilade/core/ids.h"
+#include "enfilade/features/object_set.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/neural/duet/duet_network.h"
 #include "enfilade/neural/duet/labels.h"
@@ -34,13 +35,6 @@ struct Pose {
   Radians elevation() const { return agents::view_elevation(view); }
 };
 
-/// An object as one viewpoint shows it.
-struct SeenObject {
-  std::string id;
-  Radians heading, elevation;    ///< of its middle, in the world
-  double width = 0, height = 0;  ///< pixels, of a picture of 640 x 480
-};
-
 /// Features by viewpoint: of its 36 views, and of what is to be seen there.
 class Surroundings {
  public:
@@ -49,7 +43,8 @@ class Surroundings {
   virtual void views(const graph::NavGraph& graph, ViewpointIndex viewpoint,
                      std::span<float> out) = 0;
   /// The objects of a viewpoint, in their order; the network sees the first 20. None by default.
-  virtual std::vector<SeenObject> objects(const graph::NavGraph& graph, ViewpointIndex viewpoint);
+  virtual std::vector<features::ObjectView> objects(const graph::NavGraph& graph,
+                                                    ViewpointIndex viewpoint);
   /// \param out (config.object) of object `i` of objects()
   virtual void object(const graph::NavGraph& graph, ViewpointIndex viewpoint, std::size_t i,
                       std::span<float> out);
@@ -98,7 +93,7 @@ struct StepRow {
   std::vector<TopologicalMap::Node> nodes;  ///< of the map's rows from 1
   std::span<const sim::Candidate> candidates;
   std::size_t views = 0;  ///< tokens that are candidates or views
-  std::vector<SeenObject> objects;
+  std::vector<features::ObjectView> objects;
   std::int64_t choice = 0;  ///< row of the map; 0: stop
   std::int64_t label = kNoLabel, local_label = kNoLabel, object_label = kNoLabel;
   std::optional<ViewpointIndex> goes_to;  ///< none: it moves no more
@@ -147,9 +142,9 @@ class Walker {
   /// What it knows of a viewpoint; valid as long as the walker.
   struct Place {
     const agents::Panorama* panorama = nullptr;
-    at::Tensor views;                 ///< (36, image)
-    std::vector<SeenObject> objects;  ///< 20 at most
-    at::Tensor object_features;       ///< (objects, object)
+    at::Tensor views;                           ///< (36, image)
+    std::vector<features::ObjectView> objects;  ///< 20 at most
+    at::Tensor object_features;                 ///< (objects, object)
   };
   const Place& place(const DuetConfig& config, graph::Location location);
   const graph::NavGraph& graph(ScanIndex scan) const { return graphs_->graph(scan); }

@@ -147,7 +147,7 @@ void write_tokens(const Stand& stand, std::int64_t i, Filled<float>& locations,
     const Pose centre{{}, view};
     write_location(locations.at(i, j++), centre.heading(), centre.elevation(), stand.pose, 1, 1);
   }
-  for (const SeenObject& object : stand.place->objects) {
+  for (const features::ObjectView& object : stand.place->objects) {
     *types.at(i, j) = 2;
     write_location(locations.at(i, j++), object.heading, object.elevation, stand.pose,
                    static_cast<float>(object.height / kPictureHeight),
