@@ -2,14 +2,35 @@
 
 #include <fmt/format.h>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
+
+#include "enfilade/core/errors.h"
 
 namespace enfilade::tasks::formats {
 namespace {
 
 enum OfTurn : std::size_t { kRole, kMessage, kTurnStep, kTurnFields };
 constexpr std::array<json::Field, kTurnFields> kOfTurn{{{"role"}, {"message"}, {"nav_idx"}}};
+
+enum OfWord : std::size_t { kWord, kStart, kEnd, kWordFields };
+constexpr std::array<json::Field, kWordFields> kOfWord{
+    {{"word"}, {"start_time", false}, {"end_time", false}}};
+
+TimedWord read_word(json::Element element, const json::Path& path, json::Faults& faults) {
+  TimedWord word;
+  std::array<std::optional<json::Element>, kWordFields> found;
+  if (!json::fields(element, kOfWord, found, path, faults)) return word;
+  word.word = json::string(*found[kWord], json::Path(path, "word"), faults).value_or("");
+  if (found[kStart]) {
+    word.start = json::number(*found[kStart], json::Path(path, "start_time"), faults);
+  }
+  if (found[kEnd]) word.end = json::number(*found[kEnd], json::Path(path, "end_time"), faults);
+  return word;
+}
 
 DialogueTurn read_turn(json::Element element, const json::Path& path, json::Faults& faults) {
   DialogueTurn turn;
@@ -78,6 +99,37 @@ std::vector<DialogueTurn> read_turns(json::Element element, const json::Path& pa
   for (const json::Element one : *list)
     turns.push_back(read_turn(one, json::Path(path, turns.size()), faults));
   return turns;
+}
+
+std::vector<TimedWord> read_timed_words(json::Element element, const json::Path& path,
+                                        json::Faults& faults) {
+  std::vector<TimedWord> words;
+  const auto list = json::array(element, path, faults);
+  if (!list) return words;
+  words.reserve(list->size());
+  for (const json::Element one : *list)
+    words.push_back(read_word(one, json::Path(path, words.size()), faults));
+  return words;
+}
+
+nlohmann::ordered_json timed_words_json(std::span<const TimedWord> words, std::string_view where) {
+  auto list = nlohmann::ordered_json::array();
+  const auto add = [&](nlohmann::ordered_json& one, const char* field,
+                       const std::optional<double>& time) {
+    if (!time) return;
+    if (!std::isfinite(*time)) {
+      throw ArgumentError(fmt::format("{}: {} {}, not a finite number", where, field, *time));
+    }
+    one[field] = *time;
+  };
+  for (const TimedWord& word : words) {
+    nlohmann::ordered_json one;
+    add(one, "start_time", word.start);
+    one["word"] = word.word;
+    add(one, "end_time", word.end);
+    list.push_back(std::move(one));
+  }
+  return list;
 }
 
 void Once::check(const std::string& id, std::size_t record, const json::Path& path,

@@ -4,8 +4,11 @@
 #include <cstdint>
 #include <exception>
 #include <iterator>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -45,6 +48,13 @@ std::vector<std::int32_t> read_tokens(json::Element element, const json::Path& p
 /// The turns of a dialogue: `role`, `message`, `nav_idx`; reports other roles than CVDN's two.
 std::vector<DialogueTurn> read_turns(json::Element element, const json::Path& path,
                                      json::Faults& faults);
+
+/// Words and when they were said: `word`, and `start_time` and `end_time` in seconds, which may be
+/// absent.
+std::vector<TimedWord> read_timed_words(json::Element element, const json::Path& path,
+                                        json::Faults& faults);
+/// The way back. \throws ArgumentError, beginning with `where`, for an infinite number
+nlohmann::ordered_json timed_words_json(std::span<const TimedWord> words, std::string_view where);
 
 /// Finds ids that two records have.
 class Once {

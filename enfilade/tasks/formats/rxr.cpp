@@ -43,10 +43,6 @@ constexpr std::array<json::Field, kFields> kWanted{{{"path_id", false},
                                                     {"timed_instruction", false},
                                                     {"instr_encoding", false}}};
 
-enum OfWord : std::size_t { kWord, kStart, kEnd, kWordFields };
-constexpr std::array<json::Field, kWordFields> kOfWord{
-    {{"word"}, {"start_time", false}, {"end_time", false}}};
-
 enum OfWalk : std::size_t { kDemonstration, kFollowed, kAnnotator, kWalk, kMetrics, kWalkFields };
 constexpr std::array<json::Field, kWalkFields> kOfWalk{
     {{"demonstration_id"}, {"instruction_id"}, {"annotator_id"}, {"path"}, {"metrics"}}};
@@ -72,25 +68,6 @@ std::string read_language(Element element, const Path& path, Faults& faults) {
         fmt::format("{:?} is no language of RxR; {} are", *text, fmt::join(kLanguages, ", ")));
   }
   return std::string(*text);
-}
-
-TimedWord read_word(Element element, const Path& path, Faults& faults) {
-  TimedWord word;
-  std::array<std::optional<Element>, kWordFields> found;
-  if (!json::fields(element, kOfWord, found, path, faults)) return word;
-  word.word = json::string(*found[kWord], Path(path, "word"), faults).value_or("");
-  if (found[kStart]) word.start = json::number(*found[kStart], Path(path, "start_time"), faults);
-  if (found[kEnd]) word.end = json::number(*found[kEnd], Path(path, "end_time"), faults);
-  return word;
-}
-
-std::vector<TimedWord> read_words(Element element, const Path& path, Faults& faults) {
-  std::vector<TimedWord> words;
-  const auto list = json::array(element, path, faults);
-  if (!list) return words;
-  words.reserve(list->size());
-  for (const Element one : *list) words.push_back(read_word(one, Path(path, words.size()), faults));
-  return words;
 }
 
 // Gives the instruction's id. Test lines go by it alone, as HAMT names them.
@@ -136,7 +113,7 @@ Line read_line(Element element, const Path& path, Faults& faults) {
   const std::int64_t id = read_ids(found, path, faults, entry, details);
   details.language = read_language(*found[kLanguage], Path(path, "language"), faults);
   if (found[kWords]) {
-    details.words = read_words(*found[kWords], Path(path, "timed_instruction"), faults);
+    details.words = read_timed_words(*found[kWords], Path(path, "timed_instruction"), faults);
   }
   if (found[kTokens]) {
     details.tokens = read_tokens(*found[kTokens], Path(path, "instr_encoding"), faults);
@@ -176,20 +153,6 @@ void check_finite(const PathAnnotation& entry, double number, std::string_view n
   throw not_rxr(entry, fmt::format("{} {}, not a finite number", name, number));
 }
 
-nlohmann::ordered_json words_json(const PathAnnotation& entry) {
-  auto list = nlohmann::ordered_json::array();
-  for (const TimedWord& word : entry.details[0].words) {
-    nlohmann::ordered_json one;
-    check_finite(entry, word.start.value_or(0), "start_time");
-    check_finite(entry, word.end.value_or(0), "end_time");
-    if (word.start) one["start_time"] = *word.start;
-    one["word"] = word.word;
-    if (word.end) one["end_time"] = *word.end;
-    list.push_back(std::move(one));
-  }
-  return list;
-}
-
 // The number in the id of the instruction.
 std::int64_t number_of(const PathAnnotation& entry) {
   const std::string& id = entry.details[0].id;
@@ -217,7 +180,8 @@ std::string line_of(const PathAnnotation& entry, const std::string& split) {
   fields["instruction_id"] = number_of(entry);
   fields["language"] = details.language;
   fields["instruction"] = entry.instructions[0];
-  fields["timed_instruction"] = words_json(entry);
+  fields["timed_instruction"] =
+      timed_words_json(details.words, fmt::format("path {}", entry.path_id));
   if (!details.tokens.empty()) fields["instr_encoding"] = details.tokens;
   try {
     return fields.dump();

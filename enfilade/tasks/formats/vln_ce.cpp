@@ -1,0 +1,146 @@
+#include "enfilade/tasks/formats/vln_ce.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <unordered_set>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/geometry/habitat_frame.h"
+
+namespace enfilade::tasks::formats {
+
+using json::Element;
+using json::Faults;
+using json::Path;
+using Json = nlohmann::ordered_json;
+
+bool read_fields(Element element, std::span<const json::Field> wanted,
+                 std::span<std::optional<Element>> found, OtherFields& others, const Path& path,
+                 Faults& faults) {
+  if (!json::fields(element, wanted, found, path, faults)) return false;
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    if (!wanted[k].required && found[k] && found[k]->is_null()) found[k].reset();
+  }
+  bool good = true;
+  std::unordered_set<std::string_view> seen;
+  const simdjson::dom::object members = element.get_object().value_unsafe();
+  for (const auto member : members) {
+    if (std::ranges::find(wanted, member.key, &json::Field::name) != wanted.end()) continue;
+    if (seen.insert(member.key).second) {
+      others.emplace_back(std::string(member.key), simdjson::minify(member.value));
+      continue;
+    }
+    faults.error(Path(path, member.key), "repeated-field", "given twice in one object");
+    good = false;
+  }
+  return good;
+}
+
+Vec3d read_point(Element element, const Path& path, Faults& faults) {
+  const auto list = json::array(element, path, faults);
+  if (!list) return {};
+  if (list->size() != 3) {
+    faults.error(path, "bad-point",
+                 fmt::format("{} numbers, not 3: x, y (up) and z in metres", list->size()));
+    return {};
+  }
+  Vec3d point;
+  std::size_t k = 0;
+  for (double* const coordinate : {&point.x, &point.y, &point.z}) {
+    *coordinate = json::number(list->at(k).value_unsafe(), Path(path, k), faults).value_or(0);
+    ++k;
+  }
+  return from_habitat(point);
+}
+
+std::vector<Vec3d> read_points(Element element, const Path& path, Faults& faults) {
+  std::vector<Vec3d> points;
+  const auto list = json::array(element, path, faults);
+  if (!list) return points;
+  points.reserve(list->size());
+  for (const Element one : *list) {
+    if (faults.full()) break;
+    points.push_back(read_point(one, Path(path, points.size()), faults));
+  }
+  if (points.empty()) faults.error(path, "empty-path", "no point; one at least is expected");
+  return points;
+}
+
+std::optional<FileId> read_id(Element element, const Path& path, Faults& faults) {
+  std::string_view text;
+  if (element.get(text) == simdjson::SUCCESS) {
+    if (!text.empty()) return std::string(text);
+    faults.error(path, "bad-id", "an empty text; a whole number or a text is expected");
+    return std::nullopt;
+  }
+  std::int64_t number = 0;
+  if (element.get(number) == simdjson::SUCCESS) return number;
+  faults.error(path, "bad-id",
+               fmt::format("{}, neither a whole number nor a text", json::describe(element)));
+  return std::nullopt;
+}
+
+std::optional<double> read_length(Element element, std::string_view what, const Path& path,
+                                  Faults& faults) {
+  const auto number = json::number(element, path, faults);
+  if (!number || *number >= 0) return number;
+  faults.error(path, "bad-length", fmt::format("{} is no {}; 0 and more are", *number, what));
+  return std::nullopt;
+}
+
+std::int64_t read_count(Element element, std::string_view what, std::int64_t most, const Path& path,
+                        Faults& faults) {
+  const auto number = json::integer(element, path, faults);
+  if (!number || (*number >= 0 && *number <= most)) return number.value_or(0);
+  faults.error(path, "out-of-range", fmt::format("{} is no {}; 0 to {} are", *number, what, most));
+  return 0;
+}
+
+double finite(double number, std::string_view where) {
+  if (std::isfinite(number)) return number;
+  throw ArgumentError(fmt::format("{}: {}, not a finite number", where, number));
+}
+
+Json point_json(Vec3d point, std::string_view where) {
+  const Vec3d theirs = to_habitat(point);
+  return Json::array({finite(theirs.x, where), finite(theirs.y, where), finite(theirs.z, where)});
+}
+
+Json points_json(std::span<const Vec3d> points, std::string_view where) {
+  Json list = Json::array();
+  for (const Vec3d point : points) list.push_back(point_json(point, where));
+  return list;
+}
+
+Json id_json(const FileId& id) {
+  return std::visit([](const auto& value) { return Json(value); }, id);
+}
+
+void add_others(const OtherFields& others, std::span<const json::Field> known, Json& fields,
+                std::string_view where) {
+  for (const auto& [name, text] : others) {
+    const bool is_known = std::ranges::find(known, name, &json::Field::name) != known.end();
+    if (is_known || fields.contains(name)) {
+      throw ArgumentError(fmt::format("{}: {:?} is no other field, or there twice", where, name));
+    }
+    Json value = Json::parse(text, nullptr, false);
+    if (value.is_discarded()) {
+      throw ArgumentError(fmt::format("{}: field {:?} is no JSON", where, name));
+    }
+    fields[name] = std::move(value);
+  }
+}
+
+std::string dump(const Json& value, std::string_view where) {
+  try {
+    return value.dump();
+  } catch (const Json::type_error&) {
+    throw ArgumentError(fmt::format("{}: holds text that is not UTF-8", where));
+  }
+}
+
+}  // namespace enfilade::tasks::formats
