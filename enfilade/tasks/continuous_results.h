@@ -1,0 +1,95 @@
+/// \file  Results of walks in continuous space: VLN-CE's two forms of files, and what scores them.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/geometry/angle.h"
+#include "enfilade/geometry/vec.h"
+#include "enfilade/tasks/continuous_episodes.h"
+#include "enfilade/tasks/continuous_score.h"
+#include "enfilade/tasks/results.h"
+
+namespace enfilade::tasks {
+
+/// A walk through one episode, as a simulator recorded it or a file has it: n + 1 poses, n actions
+/// between them.
+struct ContinuousResult {
+  std::size_t episode = 0;       ///< index into ContinuousEpisodes::episodes
+  std::vector<Vec3f> positions;  ///< world, metres, (n + 1): the start, then after each action
+  /// [0, 2 pi), (n + 1); empty if they are not known, as in RxR's form.
+  std::vector<Radians> headings;
+  /// (n): 0 stop, 1 forward, 2 left, 3 right, 4 up, 5 down. Files do not have them: those that are
+  /// read were told from the poses around them.
+  std::vector<std::uint8_t> actions;
+  /// Whether each action ended in a collision, (n); empty if that is not known, as in files.
+  std::vector<std::uint8_t> collided;
+
+  bool stopped() const noexcept {
+    return !actions.empty() && actions.back() == ContinuousWalk::kStop;
+  }
+  friend bool operator==(const ContinuousResult&, const ContinuousResult&) = default;
+};
+
+/// In which form results are written.
+enum class ContinuousResultsForm : std::uint8_t {
+  /// VLN-CE's challenge on R2R: `{"<episode_id>": [{"position": [x, y, z], "heading": h, "stop":
+  /// false}, ...], ...}`, a pose before the first action and after each. The heading is the angle
+  /// about Habitat's y axis, -pi to pi: ours with the other sign.
+  kR2r,
+  /// The RxR-Habitat challenge: lines of `{"instruction_id": "26", "path": [[x, y, z], ...]}`, a
+  /// position each time that it changed. They end where the agent stopped, or was stopped.
+  kRxr,
+};
+
+/// Reads a results file, checked against its split: one walk an episode, in the order of the
+/// episodes. Either form is read, which it tells apart by itself, packed or not. Told from
+/// poses is which action came between two: stop where `stop` becomes true; else forward where the
+/// position changed; else left or right by the heading; else forward against a wall. A walk of
+/// RxR's form ends with stop. \throws FileError; InvalidInput listing its faults (up to 1000) with
+/// their JSON paths: not JSON, missing, repeated or wrongly typed fields, an episode or instruction
+/// that the split does not have, one that is answered twice or (Coverage::kAll) not at all, no
+/// pose, a position that is not three numbers, a start that is more than 1 cm off the episode's,
+/// poses after stop
+std::vector<ContinuousResult> load_continuous_results(const std::filesystem::path& file,
+                                                      const ContinuousEpisodes& episodes,
+                                                      Coverage coverage = Coverage::kAll);
+/// The same of a text. \param file  for messages
+std::vector<ContinuousResult> parse_continuous_results(std::string_view text,
+                                                       const std::string& file,
+                                                       const ContinuousEpisodes& episodes,
+                                                       Coverage coverage = Coverage::kAll);
+
+/// The text of a results file. kR2r: one episode a line, which parse_continuous_results() reads
+/// back equal but for `collided` and for looks up and down, which become steps against a wall.
+/// kRxr: ordered by instruction ids, as the public code does. \throws ArgumentError for an episode
+/// that `episodes` do not have, for walks whose arrays do not fit together or that go on after
+/// stop, for numbers that are not finite, and, kRxr, for an episode without an instruction id;
+/// kR2r, for a walk without headings
+std::string to_json(std::span<const ContinuousResult> walks, const ContinuousEpisodes& episodes,
+                    ContinuousResultsForm form);
+
+/// A walk that owns what score_continuous() takes. In Habitat's frame, as sums in single precision
+/// depend on the order of the coordinates.
+struct ScoredWalk {
+  std::vector<std::array<float, 3>> positions;  ///< Habitat's frame, metres, (n + 1)
+  std::vector<std::uint8_t> actions;            ///< (n)
+  std::vector<double> goal_distances;           ///< geodesic, metres, (n + 1)
+  std::vector<std::uint8_t> collided;           ///< (n); 0 where it is not known
+
+  /// Valid as long as *this.
+  ContinuousWalk view() const noexcept { return {positions, actions, goal_distances, collided}; }
+};
+/// \param goal_distances  of each position, metres; infinite: no way
+/// \throws ArgumentError if there are not as many as positions, or the walk's arrays do not fit
+ScoredWalk to_score(const ContinuousResult& walk, std::vector<double> goal_distances);
+/// An expert's locations, or a reference path, as the reference that score_continuous() takes.
+std::vector<Point3> reference_to_score(std::span<const Vec3d> points);
+
+}  // namespace enfilade::tasks

@@ -1,0 +1,368 @@
+// VLN-CE's results files: enfilade/tasks/continuous_results.h.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+#include "enfilade/core/text_file.h"
+#include "enfilade/geometry/habitat_frame.h"
+#include "enfilade/tasks/continuous_results.h"
+#include "enfilade/tasks/formats/records.h"
+#include "enfilade/tasks/formats/vln_ce.h"
+
+namespace enfilade::tasks {
+namespace {
+
+using json::Element;
+using json::Faults;
+using json::Path;
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint8_t kStop = ContinuousWalk::kStop, kForward = 1, kLeft = 2, kRight = 3;
+constexpr std::size_t kListedIds = 20;    // of missing ones; further ones are only counted
+constexpr double kStartTolerance = 0.01;  // metres: more than any rounding, less than any step
+
+enum OfPose : std::size_t { kPosition, kHeading, kStopped, kPoseFields };
+constexpr std::array<json::Field, kPoseFields> kOfPose{{{"position"}, {"heading"}, {"stop"}}};
+
+enum OfLine : std::size_t { kInstruction, kPath, kLineFields };
+constexpr std::array<json::Field, kLineFields> kOfLine{{{"instruction_id"}, {"path"}}};
+
+// Whether a text is lines with instruction ids.
+bool is_rxr(std::string_view text) {
+  try {
+    json::Records records(text, "", formats::kMostRecordBytes);
+    simdjson::dom::object object;
+    return records.is_lines() && records.next() && records.element() &&
+           records.element()->get_object().get(object) == simdjson::SUCCESS &&
+           object.at_key(kOfLine[kInstruction].name).error() == simdjson::SUCCESS;
+  } catch (const InvalidInput&) {
+    return false;  // an object of several lines
+  }
+}
+
+std::uint8_t action_between(const ContinuousResult& walk, std::size_t before) {
+  const std::size_t after = before + 1;
+  if (walk.positions[after] != walk.positions[before] || walk.headings.empty()) return kForward;
+  const Radians turn = wrap_difference(walk.headings[after] - walk.headings[before]);
+  if (turn.value == 0) return kForward;
+  return turn.value < 0 ? kLeft : kRight;  // headings are clockwise
+}
+
+class ResultsReader {
+ public:
+  ResultsReader(const std::string& file, const ContinuousEpisodes& episodes, Coverage coverage)
+      : episodes_(episodes), coverage_(coverage), faults_(file), walks_(episodes.episodes.size()) {}
+
+  std::vector<ContinuousResult> read(std::string_view text) {
+    if (is_rxr(text)) {
+      read_lines(text);
+    } else {
+      read_object(text);
+    }
+    if (!faults_.stopped()) report_missing();
+    faults_.throw_if_errors();
+    std::vector<ContinuousResult> walks;
+    for (auto& walk : walks_) {
+      if (walk) walks.push_back(std::move(*walk));
+    }
+    return walks;
+  }
+
+ private:
+  void read_object(std::string_view text) {
+    id_field_ = "episode_id";
+    for (std::size_t i = 0; i < episodes_.episodes.size(); ++i) {
+      by_id_.emplace(text_of(episodes_.episodes[i].id), i);
+    }
+    const json::Document document = json::Document::parse(text, faults_.file());
+    const Path root;
+    const auto members = json::object(document.root(), root, faults_);
+    if (!members) return;
+    for (const auto member : *members) {
+      const Path path(root, member.key);
+      if (faults_.full()) {
+        faults_.stop(path);
+        return;
+      }
+      const auto episode = claim(std::string(member.key), path);
+      const std::size_t errors = faults_.errors();
+      ContinuousResult walk = read_poses(member.value, path);
+      keep(episode, std::move(walk), errors, path);
+    }
+  }
+
+  void read_lines(std::string_view text) {
+    id_field_ = "instruction_id";
+    for (std::size_t i = 0; i < episodes_.episodes.size(); ++i) {
+      const auto& id = episodes_.episodes[i].instruction.id;
+      if (id) by_id_.emplace(text_of(*id), i);
+    }
+    formats::for_each_record(text, faults_, [this](Element element, const Path& path) {
+      std::array<std::optional<Element>, kLineFields> found;
+      if (!json::fields(element, kOfLine, found, path, faults_)) return;
+      const Path id_path(path, kOfLine[kInstruction].name);
+      const auto id = formats::read_id(*found[kInstruction], id_path, faults_);
+      const auto episode = id ? claim(text_of(*id), id_path) : std::nullopt;
+      const std::size_t errors = faults_.errors();
+      const Path list(path, kOfLine[kPath].name);
+      ContinuousResult walk = read_path(*found[kPath], list);
+      keep(episode, std::move(walk), errors, list);
+    });
+  }
+
+  // The episode of an id that is there for the first time.
+  std::optional<std::size_t> claim(const std::string& id, const Path& path) {
+    const auto found = by_id_.find(id);
+    if (found == by_id_.end()) {
+      faults_.error(path, "unknown-episode",
+                    fmt::format("{:?} is not one of the {} values of {} in split {}", id,
+                                by_id_.size(), id_field_, episodes_.split));
+      return std::nullopt;
+    }
+    if (claimed_.emplace(found->second, path.text()).second) return found->second;
+    faults_.error(
+        path, "repeated-episode",
+        fmt::format("{} {:?} stands at {} already", id_field_, id, claimed_.at(found->second)));
+    return std::nullopt;
+  }
+
+  Vec3f read_position(Element element, const Path& path) {
+    constexpr double kMost = std::numeric_limits<float>::max();
+    const Vec3d point = formats::read_point(element, path, faults_);
+    for (const double coordinate : {point.x, point.y, point.z}) {
+      if (std::abs(coordinate) <= kMost) continue;
+      faults_.error(path, "out-of-range", fmt::format("{} is no place in metres", coordinate));
+      return {};
+    }
+    return to_float(point);
+  }
+
+  ContinuousResult read_poses(Element element, const Path& path) {
+    ContinuousResult walk;
+    const auto list = json::array(element, path, faults_);
+    if (!list) return walk;
+    std::optional<std::size_t> stop;
+    for (const Element one : *list) {
+      if (faults_.full()) break;
+      const std::size_t k = walk.positions.size();
+      const Path place(path, k);
+      walk.positions.emplace_back();
+      walk.headings.emplace_back();
+      std::array<std::optional<Element>, kPoseFields> found;
+      if (!json::fields(one, kOfPose, found, place, faults_)) continue;
+      walk.positions[k] = read_position(*found[kPosition], Path(place, "position"));
+      // Habitat's is counter-clockwise.
+      walk.headings[k] =
+          wrap_heading(-formats::read_angle(*found[kHeading], Path(place, "heading"), faults_));
+      const auto stopped = json::boolean(*found[kStopped], Path(place, "stop"), faults_);
+      if (stop && *stop + 1 == k) {
+        faults_.error(place, "after-stop", "a pose after stop was called");
+      }
+      if (!stop && stopped.value_or(false)) stop = k;
+    }
+    if (stop == 0U) {
+      faults_.error(Path(path, 0), "no-start", "stop before the first action; a start is expected");
+    }
+    for (std::size_t k = 0; k + 1 < walk.positions.size(); ++k) {
+      walk.actions.push_back(stop == k + 1 ? kStop : action_between(walk, k));
+    }
+    return walk;
+  }
+
+  ContinuousResult read_path(Element element, const Path& path) {
+    ContinuousResult walk;
+    const auto list = json::array(element, path, faults_);
+    if (!list) return walk;
+    for (const Element one : *list) {
+      if (faults_.full()) break;
+      walk.positions.push_back(read_position(one, Path(path, walk.positions.size())));
+    }
+    if (walk.positions.empty()) return walk;
+    walk.actions.assign(walk.positions.size() - 1, kForward);
+    walk.actions.push_back(kStop);
+    walk.positions.push_back(walk.positions.back());
+    return walk;
+  }
+
+  void keep(std::optional<std::size_t> episode, ContinuousResult walk, std::size_t errors,
+            const Path& path) {
+    if (faults_.errors() != errors) return;
+    if (walk.positions.empty()) {
+      faults_.error(path, "no-pose", "no pose; the start at least is expected");
+      return;
+    }
+    if (!episode) return;
+    const Vec3d start = episodes_.episodes[*episode].start;
+    const double off = length(to_double(walk.positions[0]) - start);
+    if (off > kStartTolerance) {
+      const Vec3d found = to_habitat(to_double(walk.positions[0])), wanted = to_habitat(start);
+      faults_.error(Path(path, 0), "wrong-start",
+                    fmt::format("[{}, {}, {}] is {:.3f} m off the episode's start, [{}, {}, {}]",
+                                found.x, found.y, found.z, off, wanted.x, wanted.y, wanted.z));
+      return;
+    }
+    walk.episode = *episode;
+    walks_[*episode] = std::move(walk);
+  }
+
+  void report_missing() {
+    if (coverage_ == Coverage::kPart && !claimed_.empty()) return;
+    std::vector<std::string> missing;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < walks_.size(); ++i) {
+      if (claimed_.contains(i) || ++count > kListedIds) continue;
+      missing.push_back(fmt::format("{:?}", text_of(episodes_.episodes[i].id)));
+    }
+    if (count == 0) return;
+    faults_.error(
+        Path(), "missing-episode",
+        fmt::format("no walk for {} of the {} episodes of split {}: {}{}", count, walks_.size(),
+                    episodes_.split, fmt::join(missing, ", "),
+                    count > kListedIds ? fmt::format(" and {} more", count - kListedIds) : ""));
+  }
+
+  const ContinuousEpisodes& episodes_;
+  Coverage coverage_;
+  Faults faults_;
+  std::string id_field_;
+  std::unordered_map<std::string, std::size_t> by_id_;    // indices of episodes
+  std::unordered_map<std::size_t, std::string> claimed_;  // where each was answered first
+  std::vector<std::optional<ContinuousResult>> walks_;    // by episode
+};
+
+const ContinuousEpisode& episode_of(const ContinuousResult& walk,
+                                    const ContinuousEpisodes& episodes) {
+  if (walk.episode < episodes.episodes.size()) return episodes.episodes[walk.episode];
+  throw ArgumentError(
+      fmt::format("a walk of episode {}; there are {}", walk.episode, episodes.episodes.size()));
+}
+
+void check_sizes(const ContinuousResult& walk, std::string_view where) {
+  const std::size_t poses = walk.positions.size();
+  const bool fit = poses > 0 && walk.actions.size() == poses - 1 &&
+                   (walk.headings.empty() || walk.headings.size() == poses) &&
+                   (walk.collided.empty() || walk.collided.size() == poses - 1);
+  if (!fit) {
+    throw ArgumentError(fmt::format(
+        "{}: {} positions, {} headings, {} actions, {} collisions; n + 1, n + 1 or 0, n, n or 0 "
+        "are expected",
+        where, poses, walk.headings.size(), walk.actions.size(), walk.collided.size()));
+  }
+}
+
+void check_walk(const ContinuousResult& walk, const std::string& where) {
+  check_sizes(walk, where);
+  const auto stop = std::ranges::find(walk.actions, kStop);
+  if (stop == walk.actions.end() || stop + 1 == walk.actions.end()) return;
+  throw ArgumentError(fmt::format("{}: action {} is stop, and {} come after it", where,
+                                  stop - walk.actions.begin(), walk.actions.end() - stop - 1));
+}
+
+Json poses_json(const ContinuousResult& walk, const std::string& where) {
+  if (walk.headings.empty()) {
+    throw ArgumentError(fmt::format("{}: its headings are not known; R2R's form has them", where));
+  }
+  Json list = Json::array();
+  for (std::size_t k = 0; k < walk.positions.size(); ++k) {
+    const double angle = formats::finite(walk.headings[k].value, where);
+    list.push_back({{"position", formats::point_json(to_double(walk.positions[k]), where)},
+                    {"heading", wrap_difference(-Radians(angle)).value},
+                    {"stop", k > 0 && walk.actions[k - 1] == kStop}});
+  }
+  return list;
+}
+
+std::string r2r_text(std::span<const ContinuousResult> walks, const ContinuousEpisodes& episodes) {
+  std::string text = "{";
+  const char* before = "\n";
+  for (const ContinuousResult& walk : walks) {
+    const std::string id = text_of(episode_of(walk, episodes).id);
+    const std::string where = fmt::format("the walk of episode {}", id);
+    check_walk(walk, where);
+    text += before + formats::dump(Json(id), where) + ": ";
+    text += formats::dump(poses_json(walk, where), where);
+    before = ",\n";
+  }
+  return text + "\n}\n";
+}
+
+std::string rxr_text(std::span<const ContinuousResult> walks, const ContinuousEpisodes& episodes) {
+  std::vector<std::pair<FileId, std::string>> lines;
+  for (const ContinuousResult& walk : walks) {
+    const ContinuousEpisode& episode = episode_of(walk, episodes);
+    const std::string where = fmt::format("the walk of episode {}", text_of(episode.id));
+    check_walk(walk, where);
+    if (!episode.instruction.id) {
+      throw ArgumentError(fmt::format("{}: it has no instruction id; RxR's form has one", where));
+    }
+    Json path = Json::array();
+    for (std::size_t k = 0; k < walk.positions.size(); ++k) {
+      if (k > 0 && walk.positions[k] == walk.positions[k - 1]) continue;
+      path.push_back(formats::point_json(to_double(walk.positions[k]), where));
+    }
+    const Json line{{"instruction_id", formats::id_json(*episode.instruction.id)},
+                    {"path", std::move(path)}};
+    lines.emplace_back(*episode.instruction.id, formats::dump(line, where) + "\n");
+  }
+  std::ranges::stable_sort(lines, {}, &std::pair<FileId, std::string>::first);
+  std::string text;
+  for (const auto& [id, line] : lines) text += line;
+  return text;
+}
+
+}  // namespace
+
+std::vector<ContinuousResult> parse_continuous_results(std::string_view text,
+                                                       const std::string& file,
+                                                       const ContinuousEpisodes& episodes,
+                                                       Coverage coverage) {
+  return ResultsReader(file, episodes, coverage).read(text);
+}
+
+std::vector<ContinuousResult> load_continuous_results(const std::filesystem::path& file,
+                                                      const ContinuousEpisodes& episodes,
+                                                      Coverage coverage) {
+  const TextFile content(file);
+  return parse_continuous_results(content.text(), file.string(), episodes, coverage);
+}
+
+std::string to_json(std::span<const ContinuousResult> walks, const ContinuousEpisodes& episodes,
+                    ContinuousResultsForm form) {
+  return form == ContinuousResultsForm::kR2r ? r2r_text(walks, episodes)
+                                             : rxr_text(walks, episodes);
+}
+
+ScoredWalk to_score(const ContinuousResult& walk, std::vector<double> goal_distances) {
+  check_sizes(walk, "a walk");
+  if (goal_distances.size() != walk.positions.size()) {
+    throw ArgumentError(fmt::format("{} distances to the goal of {} positions",
+                                    goal_distances.size(), walk.positions.size()));
+  }
+  ScoredWalk scored{{}, walk.actions, std::move(goal_distances), walk.collided};
+  scored.positions.reserve(walk.positions.size());
+  for (const Vec3f position : walk.positions) {
+    const Vec3f theirs = to_habitat(position);
+    scored.positions.push_back({theirs.x, theirs.y, theirs.z});
+  }
+  if (scored.collided.empty()) scored.collided.assign(walk.actions.size(), 0);
+  return scored;
+}
+
+std::vector<Point3> reference_to_score(std::span<const Vec3d> points) {
+  std::vector<Point3> reference;
+  reference.reserve(points.size());
+  for (const Vec3d point : points) {
+    const Vec3d theirs = to_habitat(point);
+    reference.push_back({theirs.x, theirs.y, theirs.z});
+  }
+  return reference;
+}
+
+}  // namespace enfilade::tasks
