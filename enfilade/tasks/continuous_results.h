@@ -81,7 +81,7 @@ struct ScoredWalk {
   std::vector<std::array<float, 3>> positions;  ///< Habitat's frame, metres, (n + 1)
   std::vector<std::uint8_t> actions;            ///< (n)
   std::vector<double> goal_distances;           ///< geodesic, metres, (n + 1)
-  std::vector<std::uint8_t> collided;           ///< (n); 0 where it is not known
+  std::vector<std::uint8_t> collided;           ///< (n); empty if it is not known
 
   /// Valid as long as *this.
   ContinuousWalk view() const noexcept { return {positions, actions, goal_distances, collided}; }

@@ -55,7 +55,7 @@ void check_sizes(const ContinuousWalk& walk, std::span<const Point3> reference) 
   EN_CHECK(!reference.empty());
   EN_CHECK_EQ(walk.positions.size(), walk.actions.size() + 1);
   EN_CHECK_EQ(walk.goal_distances.size(), walk.positions.size());
-  EN_CHECK_EQ(walk.collided.size(), walk.actions.size());
+  if (!walk.collided.empty()) EN_CHECK_EQ(walk.collided.size(), walk.actions.size());
 }
 
 // success * shortest / max(shortest, walked); NaN where the public code divides by zero.
@@ -81,7 +81,9 @@ class Running {
       score_.distance_to_goal = walk_.goal_distances[i + 1];
     }
     score_.path_length += static_cast<double>(length(walk_.positions[i], here));
-    score_.collisions = score_.collisions.value_or(0) + (walk_.collided[i] != 0 ? 1 : 0);
+    if (!walk_.collided.empty()) {
+      score_.collisions = score_.collisions.value_or(0) + (walk_.collided[i] != 0 ? 1 : 0);
+    }
     ++score_.steps_taken;
     update();
   }
@@ -142,6 +144,8 @@ EtpNavScore score_as_etpnav(const ContinuousWalk& walk, std::span<const Point3> 
   score.collisions =
       static_cast<double>(std::ranges::count_if(walk.collided, [](auto c) { return c != 0; })) /
       static_cast<double>(places.size());
+  const bool known = !walk.collided.empty() || walk.actions.empty();
+  if (!known) score.collisions = std::numeric_limits<double>::quiet_NaN();
   score.spl = spl(score.success > 0, walk.goal_distances[0], walked);
   const auto path = points_at(walk.positions, places);
   score.ndtw = similarity(fast_dtw(path, reference, FastDtw::kPlain), reference.size());

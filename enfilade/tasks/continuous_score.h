@@ -18,7 +18,8 @@ struct ContinuousWalk {
   std::span<const std::array<float, 3>> positions;  ///< metres, (n + 1)
   std::span<const std::uint8_t> actions;            ///< (n): 0 stop, 1 forward, 2 left, 3 right
   std::span<const double> goal_distances;  ///< geodesic, at each pose, (n + 1); infinite: no way
-  std::span<const std::uint8_t> collided;  ///< whether each action ended in a collision, (n)
+  /// Whether each action ended in a collision, (n); empty if that is not known.
+  std::span<const std::uint8_t> collided;
 };
 
 /// The measures of VLN-CE with Habitat 0.1.7. Lengths and errors in metres, shares as fractions.
@@ -31,9 +32,10 @@ struct ContinuousScore {
   double oracle_navigation_error = 0;  ///< least distance
   double oracle_spl = 0;               ///< largest SPL at any time
   double steps_taken = 0;              ///< actions
-  std::optional<double> collisions;    ///< no value before the first action
-  double dtw = 0;                      ///< exact
-  double ndtw = 0;                     ///< exp(-dtw / (3 |reference|))
+  /// No value before the first action, and where it is not known.
+  std::optional<double> collisions;
+  double dtw = 0;                                      ///< exact
+  double ndtw = 0;                                     ///< exp(-dtw / (3 |reference|))
   double ndtw_fastdtw = 0, ndtw_fastdtw_compiled = 0;  ///< with the approximations: FastDtw
   double sdtw = 0;                                     ///< success * ndtw
 };
@@ -49,7 +51,7 @@ inline ContinuousScore score_continuous(const ContinuousWalk& walk,
 
 /// ETPNav's numbers of the same walk, which differ: success is an end within 3 m (inclusive), stop
 /// or not; collisions are divided by the number of different poses; time warping is
-/// FastDtw::kPlain; lengths are summed in single precision.
+/// FastDtw::kPlain; lengths are summed in single precision. Collisions that are not known are NaN.
 struct EtpNavScore {
   double steps_taken = 0, distance_to_goal = 0, success = 0, oracle_success = 0, path_length = 0,
          collisions = 0, spl = 0, ndtw = 0, sdtw = 0;

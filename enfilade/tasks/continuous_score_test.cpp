@@ -74,6 +74,15 @@ TEST(ContinuousScore, BeforeTheFirstAction) {
   EXPECT_EQ(s.oracle_navigation_error, 4);
 }
 
+TEST(ContinuousScore, CollisionsMayBeUnknown) {
+  const Line line({0, 1}, 4, {1});
+  ContinuousWalk walk = line.walk();
+  walk.collided = {};
+  EXPECT_FALSE(score_continuous(walk, kReference).collisions.has_value());
+  EXPECT_TRUE(std::isnan(score_as_etpnav(walk, kReference).collisions));
+  EXPECT_EQ(score_continuous(walk, kReference).steps_taken, 1);
+}
+
 TEST(ContinuousScore, ASlowDriftIsSeenLate) {
   Line line({0, 0.00008F, 0.00016F, 0.00016F}, 4, {1, 1, 2});
   line.distances = {4, 3.5, 3.25, 3};  // asked after the second step, as the first is too short

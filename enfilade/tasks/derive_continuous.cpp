@@ -9,6 +9,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/instruction_tokens.h"
 
 namespace enfilade::tasks {
 namespace {
@@ -36,14 +37,16 @@ class Deriver {
         graphs_(graphs),
         floor_(floor),
         options_(options),
-        paths_(look_up_paths(annotations, graphs)) {}
+        paths_(look_up_paths(annotations, graphs)) {
+    if (options.vocabulary) encoder_.emplace(*options.vocabulary);
+  }
 
   DerivedEpisodes derive() {
     put_on_floor();
     DerivedEpisodes derived;
     derived.episodes.split = annotations_.split;
     derived.episodes.file = annotations_.file;
-    derived.episodes.vocabulary.emplace();
+    derived.episodes.vocabulary = options_.vocabulary.value_or(InstructionVocabulary());
     for (std::size_t p = 0; p < paths_.size(); ++p) {
       const PathAnnotation& path = annotations_.paths[p];
       std::string why = on_floor_[p].walked.obstacle;
@@ -107,6 +110,7 @@ class Deriver {
 
   ContinuousInstruction instruction(const PathAnnotation& path, std::size_t k) const {
     ContinuousInstruction result{path.instructions[k]};
+    if (encoder_) result.tokens = encoder_->encode(result.text);
     if (annotations_.task != Task::kRxr) return result;
     const InstructionDetails& details = path.details.at(k);
     result.id = instruction_number(details.id);
@@ -145,6 +149,7 @@ class Deriver {
   const EpisodeFloor& floor_;
   const DeriveOptions& options_;
   std::vector<ReferencePath> paths_;
+  std::optional<InstructionEncoder> encoder_;
   std::vector<OnFloor> on_floor_;  // of each path
 };
 

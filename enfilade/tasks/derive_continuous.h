@@ -65,6 +65,9 @@ struct DeriveOptions {
   double radius = 3;                  ///< of goals, metres \pre 0 or more
   std::string scene_folder = "mp3d";  ///< a scene is "<folder>/<scan>/<scan>.glb"
   std::int64_t first_id = 1;          ///< of the first episode; the others follow without gaps
+  /// Whose tokens instructions get (InstructionEncoder), and which goes into the file. No value: no
+  /// tokens, and a vocabulary without words.
+  std::optional<InstructionVocabulary> vocabulary = {};
 };
 
 /// A path that has become no episode.
@@ -84,11 +87,10 @@ struct DerivedEpisodes {
 
 /// An episode for each instruction of each path that a body can walk: a viewpoint has one node
 /// wherever it occurs, a path keeps all its instructions (R2R's fourth ones too) or none. Ids are
-/// numbers, and texts of RxR, as in VLN-CE's files; the vocabulary is empty, and there are no
-/// tokens. Paths with hidden goals give episodes with hidden goals. The floor is asked from one
-/// thread, for one scan after the other, once a viewpoint and once a path.
-/// \throws ArgumentError for other annotations than R2R's, R2R-Last's, R4R's and RxR's;
-/// InvalidInput and errors of graph files as look_up_paths(); what the floor throws
+/// numbers, and texts of RxR, as in VLN-CE's files. Paths with hidden goals give episodes with
+/// hidden goals. The floor is asked from one thread, for one scan after the other, once a viewpoint
+/// and once a path. \throws ArgumentError for other annotations than R2R's, R2R-Last's, R4R's and
+/// RxR's; InvalidInput and errors of graph files as look_up_paths(); what the floor throws
 DerivedEpisodes derive_continuous(const Annotations& annotations, const graph::GraphSet& graphs,
                                   const EpisodeFloor& floor, const DeriveOptions& options = {});
 

@@ -141,6 +141,13 @@ TEST(DeriveContinuous, TakesOptions) {
   EXPECT_EQ(all.episodes[0].scene, "homes/two/two.glb");
   EXPECT_EQ(all.episodes[0].goals->at(0).radius, 1.5);
   EXPECT_FALSE(all.episodes[0].info->geodesic_distance);
+  EXPECT_THAT(all.vocabulary->words, IsEmpty());
+  options.vocabulary.emplace();
+  options.vocabulary->words = {"<pad>", "<unk>", "go"};
+  const auto told = derive_continuous(three_paths(), *squares(), floor, options).episodes;
+  EXPECT_EQ(told.episodes[0].instruction.tokens->size(), 200U);
+  EXPECT_EQ(told.episodes[0].instruction.tokens->at(0), 2);
+  EXPECT_EQ(told.vocabulary, options.vocabulary);
   options.radius = -1;
   EXPECT_THAT(tests::refusal<ArgumentError>(
                   [&] { derive_continuous(three_paths(), *squares(), floor, options); }),

@@ -11,36 +11,19 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/tasks/formats/characters.h"
 
 namespace enfilade::tasks {
 namespace {
 
+using formats::is_word;
+using formats::lower;
+using formats::strip;
+
 constexpr std::array<std::string_view, 3> kSpecials{"<PAD>", "<UNK>", "<EOS>"};
 
-// The classes of Python's re and str for ASCII, whatever the C library's locale.
-bool is_word(char c) {
-  const auto byte = static_cast<unsigned char>(c);
-  return byte > 127 || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
-         c == '_';
-}
-
-bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r') || (c >= 28 && c <= 31); }
-
+// As Python's string.punctuation.
 bool is_punctuation(char c) { return c > 32 && c < 127 && (!is_word(c) || c == '_'); }
-
-std::string_view strip(std::string_view text) {
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
-  return text;
-}
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return result;
-}
 
 void add_piece(std::string_view piece, std::vector<std::string>& tokens) {
   piece = strip(piece);

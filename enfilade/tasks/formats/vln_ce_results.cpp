@@ -351,7 +351,6 @@ ScoredWalk to_score(const ContinuousResult& walk, std::vector<double> goal_dista
     const Vec3f theirs = to_habitat(position);
     scored.positions.push_back({theirs.x, theirs.y, theirs.z});
   }
-  if (scored.collided.empty()) scored.collided.assign(walk.actions.size(), 0);
   return scored;
 }
 
