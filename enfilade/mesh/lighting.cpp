@@ -70,6 +70,12 @@ Vec3f lifted(Vec3f at, Vec3f normal) {
 
 }  // namespace
 
+Vec3f sky_radiance(const Sky& sky, Vec3f towards) {
+  if (towards.z >= 0) return mix(sky.horizon, sky.zenith, std::sqrt(std::min(towards.z, 1.0F)));
+  constexpr float kHaze = 0.1F;  // how far below the horizon the ground is lost in haze
+  return mix(sky.horizon, sky.ground, std::min(-towards.z / kHaze, 1.0F));
+}
+
 struct LitMesh::Impl {
   Impl(std::shared_ptr<const RayTracer> with, Lights of, const BakeOptions& options,
        const Progress& progress)
@@ -82,7 +88,11 @@ struct LitMesh::Impl {
 
   void look(std::span<const Ray> rays, std::span<const Hit> hits, std::span<Vec3f> radiance,
             float spread, bool mirrors) const;
-  Vec3f light_at(const Hit& hit, LightPoint side) const;
+  void light(std::span<const SurfacePoint> points, std::span<Vec3f> radiance) const;
+  Vec3f light_at(std::uint32_t triangle, float u, float v, LightPoint side) const;
+  Vec3f light_at(const Hit& hit, LightPoint side) const {
+    return light_at(hit.triangle, hit.u, hit.v, side);
+  }
   void shine_sun(const Onward& towards, std::span<Vec3f> radiance) const;
   void look_in_mirrors(const Onward& mirrored, std::span<Vec3f> radiance, float spread) const;
 
@@ -94,8 +104,8 @@ struct LitMesh::Impl {
   BakedLight baked;
 };
 
-Vec3f LitMesh::Impl::light_at(const Hit& hit, LightPoint side) const {
-  const LightMesh::Place place = baked.mesh.locate(hit.triangle, hit.u, hit.v);
+Vec3f LitMesh::Impl::light_at(std::uint32_t triangle, float u, float v, LightPoint side) const {
+  const LightMesh::Place place = baked.mesh.locate(triangle, u, v);
   const auto& corners = baked.mesh.pieces()[place.piece].front;
   return place.weights[0] * baked.light[corners[0] ^ side] +
          place.weights[1] * baked.light[corners[1] ^ side] +
@@ -142,6 +152,22 @@ void LitMesh::Impl::look(std::span<const Ray> rays, std::span<const Hit> hits,
   }
   if (to_sun.count > 0) shine_sun(to_sun, radiance);
   if (mirrored.count > 0) look_in_mirrors(mirrored, radiance, spread);
+}
+
+// \pre at most kBlock points
+void LitMesh::Impl::light(std::span<const SurfacePoint> points, std::span<Vec3f> radiance) const {
+  Onward to_sun;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& [triangle, u, v, back] = points[i];
+    radiance[i] = light_at(triangle, u, v, back ? 1 : 0);
+    const float turned = back ? -1.0F : 1.0F;
+    const Vec3f geometric = turned * surfaces.normal(triangle);
+    const float cosine = turned * dot(surfaces.normal(triangle, u, v), sun);
+    if (!sunny || cosine <= 0 || dot(geometric, sun) <= 0) continue;
+    to_sun.add(i, lifted(surfaces.position(triangle, u, v), geometric), sun,
+               cosine / kFloatPi * lights.sun.irradiance);
+  }
+  if (to_sun.count > 0) shine_sun(to_sun, radiance);
 }
 
 void LitMesh::Impl::shine_sun(const Onward& towards, std::span<Vec3f> radiance) const {
@@ -200,6 +226,14 @@ void LitMesh::look(std::span<const Ray> rays, std::span<const Hit> hits, std::sp
     const std::size_t n = std::min(kBlock, rays.size() - first);
     impl_->look(rays.subspan(first, n), hits.subspan(first, n), radiance.subspan(first, n), spread,
                 true);
+  }
+}
+
+void LitMesh::light(std::span<const SurfacePoint> points, std::span<Vec3f> radiance) const {
+  EN_CHECK_EQ(points.size(), radiance.size());
+  for (std::size_t first = 0; first < points.size(); first += kBlock) {
+    const std::size_t n = std::min(kBlock, points.size() - first);
+    impl_->light(points.subspan(first, n), radiance.subspan(first, n));
   }
 }
 

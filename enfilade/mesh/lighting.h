@@ -34,6 +34,9 @@ struct Portal {
   Vec3f corner, edge0, edge1;
 };
 
+/// Radiance of the sky in a direction. \param towards of length 1
+Vec3f sky_radiance(const Sky& sky, Vec3f towards);
+
 /// All that lights a scene.
 struct Lights {
   Sky sky;
@@ -52,6 +55,13 @@ struct BakeOptions {
   std::uint32_t bounces = 2;
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: all cores
+};
+
+/// A point of a triangle, on one of its sides.
+struct SurfacePoint {
+  std::uint32_t triangle = 0;
+  float u = 0, v = 0;  ///< as Hit's
+  bool back = false;   ///< the side from which its corners are clockwise
 };
 
 /// A mesh with its light. Indirect light and lamps are computed at points on all surfaces and
@@ -76,6 +86,9 @@ class LitMesh {
   /// look() along rays whose hits are known. \pre sizes are equal
   void look(std::span<const Ray> rays, std::span<const Hit> hits, std::span<Vec3f> radiance,
             float spread = 0) const;
+  /// The light on points of surfaces, sunlight included: irradiance / pi, that is the radiance
+  /// which a white matt surface has there. \pre sizes are equal
+  void light(std::span<const SurfacePoint> points, std::span<Vec3f> radiance) const;
   /// Luminance that pictures of this mesh should show as mid-grey: the median of indoor surfaces
   /// without ceilings (of all surfaces if none is indoors).
   float key() const noexcept;

@@ -50,21 +50,6 @@ void validate(const ColourOutput& colour, std::size_t pixels) {
   }
 }
 
-void validate(const Outputs& outputs, std::size_t pixels) {
-  const auto validate_values = [&](std::string_view name, const auto& output) {
-    const std::size_t bytes = pixel_bytes(output.format);
-    validate_size(name, output.pixels.size(), pixels, bytes);
-    validate_alignment(name, output.pixels.data(), bytes);
-  };
-  if (outputs.colour) validate(*outputs.colour, pixels);
-  if (outputs.depth) validate_values("depth", *outputs.depth);
-  if (outputs.classes) validate_values("classes", *outputs.classes);
-  if (outputs.instances) {
-    validate_size("instances", outputs.instances->pixels.size_bytes(), pixels,
-                  sizeof(std::uint32_t));
-  }
-}
-
 void validate(const View& view, std::size_t place, const scan::PanoramaSet& panoramas) {
   const auto fail = [&](const std::string& what) {
     throw ArgumentError(fmt::format("views[{}].{}", place, what));
@@ -135,6 +120,21 @@ std::array<View, kDiscreteViews> discrete_views(ScanIndex scan, ViewpointIndex v
     views[k] = {scan, viewpoint, Radians(heading), Radians(elevation)};
   }
   return views;
+}
+
+void validate(const Outputs& outputs, std::size_t pixels) {
+  const auto validate_values = [&](std::string_view name, const auto& output) {
+    const std::size_t bytes = pixel_bytes(output.format);
+    validate_size(name, output.pixels.size(), pixels, bytes);
+    validate_alignment(name, output.pixels.data(), bytes);
+  };
+  if (outputs.colour) validate(*outputs.colour, pixels);
+  if (outputs.depth) validate_values("depth", *outputs.depth);
+  if (outputs.classes) validate_values("classes", *outputs.classes);
+  if (outputs.instances) {
+    validate_size("instances", outputs.instances->pixels.size_bytes(), pixels,
+                  sizeof(std::uint32_t));
+  }
 }
 
 void validate(const Camera& camera, std::span<const View> views, const Outputs& outputs,

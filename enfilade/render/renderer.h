@@ -175,6 +175,10 @@ std::unique_ptr<Renderer> make_renderer(std::shared_ptr<FaceCache> faces,
 void validate(const Camera& camera, std::span<const View> views, const Outputs& outputs,
               const scan::PanoramaSet& panoramas);
 
+/// Checks sizes, alignment and normalisation of outputs for so many pixels, all views together, but
+/// for the stream. \throws ArgumentError naming the output
+void validate(const Outputs& outputs, std::size_t pixels);
+
 /// The 36 discretized views of a viewpoint in the order of MatterSim's viewIndex: 12 headings from
 /// 0 in steps of 30 degrees, at elevation -30, then 0, then 30 degrees.
 inline constexpr std::size_t kDiscreteViews = 36;

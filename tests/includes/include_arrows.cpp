@@ -32,7 +32,9 @@ const std::vector<ThirdParty>& third_parties() {
       {"httplib.h", {"enfilade/service/client.cpp", "enfilade/service/http/", "tests/"}},
       {"SQLiteCpp/", {"enfilade/service/store/", "tests/"}},
       {"openssl/", {"enfilade/service/detail/"}},
-      {"hwy/", {"enfilade/image/", "enfilade/render/", "enfilade/neural/", "apps/"}},
+      {"hwy/",
+       {"enfilade/image/", "enfilade/render/", "enfilade/neural/", "enfilade/continuous/",
+        "apps/"}},
       {"turbojpeg.h", {"enfilade/image/"}},
       {"jpeglib.h", {"enfilade/image/"}},
       {"spng.h", {"enfilade/image/"}},
@@ -40,7 +42,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"zstd.h", {"enfilade/scan/"}},
       {"xxhash.h",
        {"enfilade/scan/", "enfilade/render/", "enfilade/features/", "enfilade/models/",
-        "enfilade/neural/", "tests/"}},
+        "enfilade/neural/", "enfilade/continuous/", "tests/"}},
       {"embree3/", {"enfilade/mesh/"}},
       {"embree4/", {"enfilade/mesh/"}},
       {"tiny_gltf.h", {"enfilade/mesh/"}},
@@ -293,6 +295,7 @@ const Arrows& direct_arrows() {
 
 const std::map<std::string, Arrows, std::less<>>& rooms() {
   static const std::map<std::string, Arrows, std::less<>> kRooms{
+      {"continuous", {{"pixels", {}}}},
       {"draw", {{"plan", {}}}},
       {"features", {{"formats", {}}}},
       {"homes",

@@ -27,12 +27,6 @@ float luminance_of_brightest(const Sky& sky) {
 
 }  // namespace
 
-Vec3f sky_radiance(const Sky& sky, Vec3f towards) {
-  if (towards.z >= 0) return mix(sky.horizon, sky.zenith, std::sqrt(std::min(towards.z, 1.0F)));
-  constexpr float kHaze = 0.1F;  // how far below the horizon the ground is lost in haze
-  return mix(sky.horizon, sky.ground, std::min(-towards.z / kHaze, 1.0F));
-}
-
 LightSource::LightSource(const Lamp& lamp)
     : kind_(Kind::kLamp),
       middle_(lamp.position),

@@ -7,9 +7,6 @@
 
 namespace enfilade::mesh::light {
 
-/// Radiance of the sky. \param towards of length 1
-Vec3f sky_radiance(const Sky& sky, Vec3f towards);
-
 /// A surface point that receives light.
 struct Receiver {
   Vec3f position, normal;  ///< the normal has length 1

@@ -1,0 +1,229 @@
+#include "enfilade/continuous/eyes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
+#include <utility>
+
+#include "enfilade/continuous/pixels/painter.h"
+#include "enfilade/continuous/pixels/rasteriser.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/threads.h"
+
+namespace enfilade::continuous {
+
+using pixels::Eye;
+using pixels::Frame;
+using pixels::kBlock;
+using pixels::kTile;
+using pixels::Lattice;
+using pixels::Painter;
+using pixels::Pixels;
+using pixels::Sphere;
+using pixels::TileRows;
+
+namespace {
+
+constexpr std::array<std::string_view, 3> kMethods{"raster", "rays", "plain"};  // by Method
+constexpr std::uint32_t kLargest = 8192;  // pixels along an edge
+constexpr double kFarthest = 1e7;         // metres: floats resolve one there
+
+// What one thread draws with.
+struct Workspace {
+  Frame frame;
+  std::vector<std::uint32_t> line;
+};
+
+void check_size(const char* name, std::uint32_t pixels) {
+  if (pixels > 0 && pixels <= kLargest) return;
+  throw ArgumentError(fmt::format("{}: {} pixels, not 1 .. {}", name, pixels, kLargest));
+}
+
+void check(const MeshView& view, std::size_t place, std::size_t buildings) {
+  const auto fail = [place](const std::string& what) {
+    throw ArgumentError(fmt::format("views[{}].{}", place, what));
+  };
+  if (view.building >= buildings) {
+    fail(fmt::format("building: {}, but there are {}", view.building, buildings));
+  }
+  const auto fits = [](double x) { return std::abs(x) <= kFarthest; };  // not NaN either
+  if (!fits(view.eye.x) || !fits(view.eye.y) || !fits(view.eye.z)) {
+    fail(fmt::format("eye: ({}, {}, {}), not finite and within {:g} m of the origin", view.eye.x,
+                     view.eye.y, view.eye.z, kFarthest));
+  }
+  if (!std::isfinite(view.heading.value)) {
+    fail(fmt::format("heading: {}, not finite", view.heading.value));
+  }
+  if (!(std::abs(view.elevation.value) <= kPi / 2)) {
+    fail(fmt::format("elevation: {}, not in [-pi/2, pi/2]", view.elevation.value));
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(Method method) { return kMethods[static_cast<std::size_t>(method)]; }
+
+std::optional<Method> parse_method(std::string_view name) {
+  const auto found = std::ranges::find(kMethods, name);
+  if (found == kMethods.end()) return std::nullopt;
+  return static_cast<Method>(found - kMethods.begin());
+}
+
+struct Eyes::Impl {
+  std::vector<std::shared_ptr<const Scene>> buildings;
+  EyesConfig config;
+  int threads = 1;
+  pixels::Rasteriser rasteriser = nullptr;
+
+  // Cameras and spheres seen so far, with their tables.
+  std::vector<std::pair<Camera, std::unique_ptr<Lattice>>> lattices;
+  std::vector<std::unique_ptr<Sphere>> spheres;
+  std::vector<Eye> eyes;
+  std::mutex mutex;
+  std::vector<std::unique_ptr<Workspace>> workspaces;  // free ones
+
+  const Lattice& lattice_of(const Camera& camera) {
+    const auto found =
+        std::ranges::find(lattices, camera, [](const auto& pair) { return pair.first; });
+    if (found != lattices.end()) return *found->second;
+    if (lattices.size() >= kMostKept) lattices.erase(lattices.begin());
+    return *lattices.emplace_back(camera, std::make_unique<Lattice>(camera)).second;
+  }
+  const Sphere& sphere_of(std::uint32_t width, std::uint32_t height) {
+    const auto found = std::ranges::find_if(spheres, [&](const auto& sphere) {
+      return sphere->width == width && sphere->height == height;
+    });
+    if (found != spheres.end()) return **found;
+    if (spheres.size() >= kMostKept) spheres.erase(spheres.begin());
+    return *spheres.emplace_back(std::make_unique<Sphere>(width, height));
+  }
+
+  std::unique_ptr<Workspace> take() {
+    const std::lock_guard lock(mutex);
+    std::unique_ptr<Workspace> taken = std::move(workspaces.back());
+    workspaces.pop_back();
+    return taken;
+  }
+  void give_back(std::unique_ptr<Workspace> workspace) {
+    const std::lock_guard lock(mutex);
+    workspaces.push_back(std::move(workspace));
+  }
+
+  void check_all(std::span<const MeshView> views, const render::Outputs& outputs,
+                 std::size_t pixels) const {
+    render::validate(outputs, views.size() * pixels);
+    if (outputs.stream) throw ArgumentError("outputs.stream: only the back end cuda has streams");
+    for (std::size_t k = 0; k < views.size(); ++k) check(views[k], k, buildings.size());
+  }
+
+  void draw(const Pixels& pixels, std::span<const MeshView> views, const render::Outputs& outputs) {
+    const std::uint32_t block_rows = parts(parts(pixels.height(), kTile), kBlock);
+    const std::uint32_t blocks_across = parts(parts(pixels.width(), kTile), kBlock);
+    // Whole views, where there are enough for all threads: each band goes through the tree anew.
+    const auto wanted = static_cast<std::size_t>(threads == 1 ? 1 : 2 * threads);
+    const std::size_t bands =
+        views.size() >= wanted
+            ? 1
+            : std::clamp<std::size_t>(wanted / std::max<std::size_t>(views.size(), 1), 1,
+                                      block_rows);
+    // Before the threads start, so that none allocates.
+    for (auto& workspace : workspaces) {
+      workspace->frame.resize(blocks_across, block_rows);
+      if (workspace->line.size() < pixels.width()) workspace->line.resize(pixels.width());
+    }
+    parallel_for(views.size() * bands, 1, threads, [&](std::size_t begin, std::size_t end) {
+      std::unique_ptr<Workspace> workspace = take();
+      for (std::size_t job = begin; job < end; ++job) {
+        const std::size_t view = job / bands, band = job % bands;
+        const auto row = [&](std::size_t k) {
+          return static_cast<std::uint32_t>(k * block_rows / bands) * kBlock;
+        };
+        draw(pixels, views[view], view, {row(band), row(band + 1)}, outputs, *workspace);
+      }
+      give_back(std::move(workspace));
+    });
+  }
+
+  void draw(const Pixels& pixels, const MeshView& at, std::size_t view, TileRows rows,
+            const render::Outputs& outputs, Workspace& workspace) const {
+    const pixels::SceneParts& scene = buildings[at.building]->parts();
+    const Eye& eye = eyes[view];
+    const Painter painter(scene, pixels, eye);
+    if (pixels.sphere != nullptr || config.method == Method::kRays) {
+      painter.trace(rows, workspace.frame);
+    } else {
+      workspace.frame.clear(*pixels.lattice, rows);
+      rasteriser({scene.tree, scene.surfaces, *pixels.lattice, eye}, rows, workspace.frame);
+    }
+    painter.paint(workspace.frame, rows, outputs, view, workspace.line);
+  }
+
+  static std::uint32_t parts(std::uint32_t of, std::uint32_t size) {
+    return (of + size - 1) / size;
+  }
+  static constexpr std::size_t kMostKept = 8;
+};
+
+Eyes::Eyes(std::vector<std::shared_ptr<const Scene>> buildings, const EyesConfig& config)
+    : impl_(std::make_unique<Impl>()) {
+  if (buildings.empty()) throw ArgumentError("buildings: none");
+  for (std::size_t k = 0; k < buildings.size(); ++k) {
+    if (buildings[k] == nullptr) throw ArgumentError(fmt::format("buildings[{}]: null", k));
+  }
+  if (config.threads < 0) {
+    throw ArgumentError(fmt::format("config.threads: {}, below 0", config.threads));
+  }
+  impl_->buildings = std::move(buildings);
+  impl_->config = config;
+  impl_->threads = threads_or_all(config.threads);
+  impl_->rasteriser =
+      config.method == Method::kPlain ? pixels::rasterise_plainly : pixels::best_rasteriser();
+  // The calling thread takes part in the loop, and may be one more than those asked for.
+  for (int k = 0; k <= impl_->threads; ++k) {
+    impl_->workspaces.push_back(std::make_unique<Workspace>());
+  }
+}
+
+Eyes::~Eyes() = default;
+
+void Eyes::render(const Camera& camera, std::span<const MeshView> views,
+                  const render::Outputs& outputs) {
+  validate(camera);
+  check_size("camera.width", camera.width);
+  check_size("camera.height", camera.height);
+  impl_->check_all(views, outputs, std::size_t{camera.width} * camera.height);
+  const Lattice& lattice = impl_->lattice_of(camera);
+  impl_->eyes.clear();
+  for (const MeshView& view : views) {
+    impl_->eyes.emplace_back(view.eye, view.heading, view.elevation);
+  }
+  impl_->draw({&lattice, nullptr, 1 / lattice.focal}, views, outputs);
+}
+
+void Eyes::render_equirectangular(std::uint32_t width, std::uint32_t height,
+                                  std::span<const MeshView> views, const render::Outputs& outputs) {
+  check_size("width", width);
+  check_size("height", height);
+  impl_->check_all(views, outputs, std::size_t{width} * height);
+  const Sphere& sphere = impl_->sphere_of(width, height);
+  impl_->eyes.clear();
+  for (const MeshView& view : views) impl_->eyes.emplace_back(view.eye, view.heading, Radians(0));
+  impl_->draw({nullptr, &sphere, static_cast<float>(kPi / height)}, views, outputs);
+}
+
+const std::vector<std::shared_ptr<const Scene>>& Eyes::buildings() const noexcept {
+  return impl_->buildings;
+}
+
+std::string Eyes::description() const {
+  const std::string with =
+      impl_->config.method == Method::kRaster
+          ? pixels::rasteriser_variants().front().name
+          : std::string(impl_->config.method == Method::kRays ? "Embree" : "scalar");
+  return fmt::format("{} ({}, {} threads)", to_string(impl_->config.method), with, impl_->threads);
+}
+
+}  // namespace enfilade::continuous

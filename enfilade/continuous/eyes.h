@@ -1,0 +1,77 @@
+/// \file  Pictures of meshes from any place, drawn in batches.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/continuous/scene.h"
+#include "enfilade/geometry/angle.h"
+#include "enfilade/geometry/camera.h"
+#include "enfilade/geometry/vec.h"
+#include "enfilade/render/renderer.h"
+
+namespace enfilade::continuous {
+
+/// Place and direction of view.
+struct MeshView {
+  std::size_t building = 0;  ///< among the scenes
+  Vec3d eye;                 ///< metres, world frame; within 10,000 km of the origin
+  Radians heading;
+  Radians elevation;  ///< [-pi/2, pi/2], up positive
+};
+
+/// How the surface that a pixel shows is found.
+enum class Method : std::uint8_t {
+  kRaster,  ///< triangles are drawn, near ones first, with vector instructions
+  kRays,    ///< a ray a pixel (Embree); equirectangular pictures are always drawn so
+  kPlain,   ///< as kRaster to the bit, one pixel after another: slow; the reference
+};
+std::string_view to_string(Method method);                  ///< "raster", "rays", "plain"
+std::optional<Method> parse_method(std::string_view name);  ///< by such a name
+
+/// How pictures are drawn.
+struct EyesConfig {
+  Method method = Method::kRaster;
+  int threads = 0;  ///< 0: all cores; does not change the pictures
+};
+
+/// Draws batches of views of some buildings. Depth, class and instance are those at the pixel's
+/// middle, and so is colour, of textures averaged over the pixel. May be used by one thread at a
+/// time; several may be used at once, also of the same scenes.
+class Eyes {
+ public:
+  /// \throws ArgumentError for no scene, a null one, or threads below 0
+  explicit Eyes(std::vector<std::shared_ptr<const Scene>> buildings, const EyesConfig& config = {});
+  ~Eyes();
+  Eyes(const Eyes&) = delete;
+  Eyes& operator=(const Eyes&) = delete;
+
+  /// Fills the outputs. The same view gives the same bytes in any batch, with any number of
+  /// threads. Agents with several cameras call it once for each. Allocates nothing once it has seen
+  /// the camera and the batch size, but for what oneTBB takes for its tasks with several threads.
+  /// \throws ArgumentError for an invalid camera or one above 8192 pixels, a view with an unknown
+  /// building or numbers that are not finite or out of range (naming its place), or outputs as
+  /// render::validate(), or a stream, before anything is drawn
+  void render(const Camera& camera, std::span<const MeshView> views,
+              const render::Outputs& outputs);
+  /// The same for equirectangular pictures (height, width): the middle column is at the view's
+  /// heading, the middle row at the horizon, the top row up; elevation is ignored. Depth is along
+  /// the ray, whatever its measure.
+  void render_equirectangular(std::uint32_t width, std::uint32_t height,
+                              std::span<const MeshView> views, const render::Outputs& outputs);
+
+  const std::vector<std::shared_ptr<const Scene>>& buildings() const noexcept;
+  /// "raster (AVX3, 2 threads)"
+  std::string description() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace enfilade::continuous

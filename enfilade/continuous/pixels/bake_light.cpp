@@ -1,0 +1,230 @@
+// Light on a grid of points of each triangle, so that a pixel need not search for it, nor trace a
+// ray to the sun.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "enfilade/continuous/pixels/scene_parts.h"
+#include "enfilade/core/threads.h"
+
+namespace enfilade::continuous::pixels {
+namespace {
+
+constexpr double kMostValues = 24e6;  // of all surfaces; the spacing grows with larger ones
+constexpr std::uint32_t kMostCells = 1023;
+constexpr float kOutside = 4;  // times the spacing, where nobody walks
+constexpr std::size_t kSamples = 256;
+
+// The grid of one triangle's light.
+class Grid {
+ public:
+  Grid(const Surface& surface, Vec3f u, Vec3f v)
+      : cells_u_(surface.cells_u),
+        cells_v_(surface.cells_v),
+        first_corner_(surface.first_corner),
+        inset_(std::min(kInset, 3e-3F / std::max({length(u), length(v), 1e-6F}))) {}
+
+  std::size_t size() const { return (cells_u_ + std::size_t{1}) * (cells_v_ + std::size_t{1}); }
+  Weights at(std::size_t k) const {
+    return {static_cast<float>(k % (cells_u_ + 1U)) / static_cast<float>(cells_u_),
+            static_cast<float>(k / (cells_u_ + 1U)) / static_cast<float>(cells_v_)};
+  }
+  bool is_inside(std::size_t k) const { return at(k).u + at(k).v <= 1 + 1e-5F; }
+  // Whether a cell with a part of the triangle has this point.
+  bool is_used(std::size_t k) const {
+    const std::size_t i = k % (cells_u_ + 1U), j = k / (cells_u_ + 1U);
+    const float u = i == 0 ? 0 : static_cast<float>(i - 1) / static_cast<float>(cells_u_);
+    const float v = j == 0 ? 0 : static_cast<float>(j - 1) / static_cast<float>(cells_v_);
+    return u + v < 1;
+  }
+  // Small triangles are often alone in their plane: a point outside would be in the air, or in
+  // another thing. The light there continues that of the three others of its cell. Large ones are
+  // mostly halves of rectangles, where the point outside lies on the other half.
+  bool continues(std::size_t k) const {
+    if (is_inside(k) || cells_u_ > 2 || cells_v_ > 2) return false;
+    const std::size_t pitch = cells_u_ + 1U;
+    return k % pitch > 0 && k >= pitch && is_inside(k - 1) && is_inside(k - pitch);
+  }
+  std::size_t pitch() const { return cells_u_ + 1U; }
+
+  // Point `part` of four around a grid point, a quarter of a cell away, on the mesh's triangle.
+  mesh::SurfacePoint sample(std::uint32_t triangle, std::size_t k, unsigned part, bool back) const {
+    Weights w = at(k);
+    constexpr float kQuarter = 0.25F;
+    w.u += (part % 2 == 0 ? -kQuarter : kQuarter) / static_cast<float>(cells_u_);
+    w.v += (part / 2 == 0 ? -kQuarter : kQuarter) / static_cast<float>(cells_v_);
+    w = {std::max(w.u, 0.0F), std::max(w.v, 0.0F)};
+    const bool small = cells_u_ <= 2 && cells_v_ <= 2;
+    if (const float sum = w.u + w.v; sum > 1 && (small || is_inside(k))) w = {w.u / sum, w.v / sum};
+    // Away from the triangle's edges, where other surfaces may stand.
+    const float u = w.u + inset_ * (1.0F / 3 - w.u), v = w.v + inset_ * (1.0F / 3 - w.v);
+    std::array<float, 3> weights;
+    weights[first_corner_] = 1 - u - v;
+    weights[(first_corner_ + 1U) % 3] = u;
+    weights[(first_corner_ + 2U) % 3] = v;
+    return {triangle, weights[1], weights[2], back};
+  }
+
+ private:
+  static constexpr float kInset = 0.02F;
+  std::uint32_t cells_u_, cells_v_;
+  std::uint8_t first_corner_;
+  float inset_;
+};
+
+class LightBaker {
+ public:
+  LightBaker(const mesh::LitMesh& light, const SceneOptions& options, SceneParts& parts)
+      : light_(light), mesh_(light.mesh()), options_(options), parts_(parts) {
+    samples_ = luminance(light.lights().sun.irradiance) > 0 ? 4 : 1;
+    for (const mesh::Object& object : mesh_.objects) has_rooms_ = has_rooms_ || object.region >= 0;
+  }
+
+  void run(const Progress& progress) {
+    choose_cells();
+    const std::size_t count = parts_.surfaces.all.size();
+    constexpr std::size_t kParts = 16;
+    for (std::size_t k = 0; k < kParts; ++k) {
+      const std::size_t first = count * k / kParts, last = count * (k + 1) / kParts;
+      std::vector<std::vector<std::uint32_t>> sides(2 * (last - first));
+      parallel_for(last - first, 64, options_.threads, [&](std::size_t a, std::size_t b) {
+        for (std::size_t t = a; t < b; ++t) {
+          for (const std::size_t side : {0U, 1U}) {
+            sides[2 * t + side] = values(static_cast<std::uint32_t>(first + t), side == 1);
+          }
+        }
+      });
+      for (std::size_t t = first; t < last; ++t) {
+        Surface& surface = parts_.surfaces.all[t];
+        surface.front = keep(sides[2 * (t - first)]);
+        surface.back = keep(sides[2 * (t - first) + 1]);
+      }
+      if (progress) progress(k + 1, kParts);
+    }
+    parts_.surfaces.light.shrink_to_fit();
+  }
+
+ private:
+  static float luminance(Vec3f c) { return 0.2126F * c.x + 0.7152F * c.y + 0.0722F * c.z; }
+  Vec3f corner(std::size_t triangle, unsigned k) const {
+    const unsigned first = parts_.surfaces.all[triangle].first_corner;
+    return mesh_.positions[mesh_.triangles[triangle][(first + k) % 3U]];
+  }
+  float spacing(std::size_t triangle, double metres) const {
+    const std::uint32_t object = mesh::object_of(mesh_, triangle);
+    const bool outside =
+        has_rooms_ && (object == mesh::kNoObject || mesh_.objects[object].region < 0);
+    return static_cast<float>(metres) * (outside ? kOutside : 1);
+  }
+  static std::uint16_t cells(float edge, float spacing) {
+    const float count = std::ceil(edge / spacing);
+    return static_cast<std::uint16_t>(std::clamp(count, 1.0F, static_cast<float>(kMostCells)));
+  }
+
+  void choose_cells() {
+    double metres = options_.light_spacing;
+    double values = 0;
+    for (std::size_t t = 0; t < parts_.surfaces.all.size(); ++t) {
+      const Vec3f u = corner(t, 1) - corner(t, 0), v = corner(t, 2) - corner(t, 0);
+      const double step = spacing(t, metres);
+      values += (length(u) / step + 1) * (length(v) / step + 1);
+    }
+    if (values > kMostValues) metres *= std::sqrt(values / kMostValues);
+    for (std::size_t t = 0; t < parts_.surfaces.all.size(); ++t) {
+      Surface& surface = parts_.surfaces.all[t];
+      surface.cells_u = cells(length(corner(t, 1) - corner(t, 0)), spacing(t, metres));
+      surface.cells_v = cells(length(corner(t, 2) - corner(t, 0)), spacing(t, metres));
+    }
+  }
+
+  // The light on one side; empty: dark.
+  std::vector<std::uint32_t> values(std::uint32_t triangle, bool back) const {
+    const Surface& surface = parts_.surfaces.all[triangle];
+    const Grid grid(surface, corner(triangle, 1) - corner(triangle, 0),
+                    corner(triangle, 2) - corner(triangle, 0));
+    std::vector<Vec3f> sums(grid.size());
+    std::array<mesh::SurfacePoint, kSamples> points;
+    std::array<std::size_t, kSamples> of;
+    std::array<Vec3f, kSamples> found;
+    std::size_t n = 0;
+    const auto look = [&] {
+      light_.light(std::span(points).first(n), std::span(found).first(n));
+      for (std::size_t i = 0; i < n; ++i) sums[of[i]] += found[i];
+      n = 0;
+    };
+    for (std::size_t k = 0; k < grid.size(); ++k) {
+      if (!grid.is_used(k) || grid.continues(k)) continue;
+      for (unsigned part = 0; part < samples_; ++part) {
+        // Without sun, light changes slowly: one place serves for all four.
+        points[n] = grid.sample(triangle, k, samples_ == 1 ? (k % 2 == 0 ? 0 : 3) : part, back);
+        of[n++] = k;
+        if (n == kSamples) look();
+      }
+    }
+    look();
+    return packed(grid, triangle, std::move(sums));
+  }
+
+  std::vector<std::uint32_t> packed(const Grid& grid, std::uint32_t triangle,
+                                    std::vector<Vec3f> sums) const {
+    const float scale = parts_.scale / static_cast<float>(samples_);
+    float most = 0;
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      if (grid.continues(k)) {
+        sums[k] = sums[k - 1] + sums[k - grid.pitch()] - sums[k - grid.pitch() - 1];
+      } else {
+        sums[k] = scale * sums[k];
+        most = std::max(most, luminance(sums[k]));
+      }
+    }
+    constexpr float kDark = 1e-5F;  // below what any curve shows
+    if (most < kDark) return {};
+    std::vector<std::uint32_t> bits(sums.size());
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      bits[k] = pack_light(colour_at(grid.at(k), triangle, sums[k]));
+    }
+    return bits;
+  }
+
+  // Times the mesh's own colours.
+  Vec3f colour_at(Weights at, std::uint32_t triangle, Vec3f light) const {
+    if (mesh_.colours.empty()) return light;
+    const unsigned first = parts_.surfaces.all[triangle].first_corner;
+    const auto colour = [&](unsigned k) {
+      return mesh_.colours[mesh_.triangles[triangle][(first + k) % 3U]];
+    };
+    const Vec3f c = (1 - at.u - at.v) * colour(0) + at.u * colour(1) + at.v * colour(2);
+    return {c.x * light.x, c.y * light.y, c.z * light.z};
+  }
+
+  std::uint32_t keep(const std::vector<std::uint32_t>& values) {
+    if (values.empty()) return Surfaces::kDark;
+    auto& light = parts_.surfaces.light;
+    const auto first = static_cast<std::uint32_t>(light.size());
+    light.insert(light.end(), values.begin(), values.end());
+    return first;
+  }
+
+  const mesh::LitMesh& light_;
+  const mesh::Mesh& mesh_;
+  const SceneOptions& options_;
+  SceneParts& parts_;
+  unsigned samples_ = 1;
+  bool has_rooms_ = false;
+};
+
+}  // namespace
+
+void apply_scale(SceneParts& parts) {
+  for (Paint& paint : parts.surfaces.paints) paint.emission = parts.scale * paint.emission;
+  parts.sky = {parts.scale * parts.sky.zenith, parts.scale * parts.sky.horizon,
+               parts.scale * parts.sky.ground};
+}
+
+void bake_light(const mesh::LitMesh& light, const SceneOptions& options, const Progress& progress,
+                SceneParts& parts) {
+  parts.surfaces.light.resize(2);  // kDark and kWhite
+  LightBaker(light, options, parts).run(progress);
+}
+
+}  // namespace enfilade::continuous::pixels

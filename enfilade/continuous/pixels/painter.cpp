@@ -1,0 +1,193 @@
+#include "enfilade/continuous/pixels/painter.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "enfilade/image/image.h"
+#include "enfilade/render/pack_pixels.h"
+
+namespace enfilade::continuous::pixels {
+namespace {
+
+Vec3f times(Vec3f a, Vec3f b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+
+// Place k of a tile in Z-order, so that the rays of a packet lie in a small square.
+struct Place {
+  std::uint32_t x, y;
+};
+constexpr std::array<Place, kTilePixels> make_z_order() {
+  std::array<Place, kTilePixels> order{};
+  for (std::uint32_t k = 0; k < kTilePixels; ++k) {
+    order[k] = {(k & 1U) | (k >> 1U & 2U) | (k >> 2U & 4U),
+                (k >> 1U & 1U) | (k >> 2U & 2U) | (k >> 3U & 4U)};
+  }
+  return order;
+}
+constexpr auto kZOrder = make_z_order();
+
+template <class T>
+T* values_at(std::span<std::byte> pixels, std::size_t first) {
+  return reinterpret_cast<T*>(pixels.data()) + first;
+}
+
+}  // namespace
+
+Sphere::Sphere(std::uint32_t across, std::uint32_t down)
+    : width(across), height(down), column(across), level(down), up(down) {
+  for (std::uint32_t j = 0; j < width; ++j) {
+    const double turned = ((j + 0.5) / width - 0.5) * 2 * kPi;
+    column[j] = to_float({std::sin(turned), std::cos(turned), 0});
+  }
+  for (std::uint32_t i = 0; i < height; ++i) {
+    const double elevation = (0.5 - (i + 0.5) / height) * kPi;
+    level[i] = static_cast<float>(std::cos(elevation));
+    up[i] = static_cast<float>(std::sin(elevation));
+  }
+}
+
+void Painter::trace(TileRows rows, Frame& frame) const {
+  const std::uint32_t width = pixels_.width(), height = pixels_.height();
+  std::array<mesh::Ray, kTilePixels> rays;
+  std::array<mesh::Hit, kTilePixels> hits;
+  std::array<std::size_t, kTilePixels> places;
+  for (std::uint32_t y0 = rows.begin * kTile; y0 < std::min(rows.end * kTile, height);
+       y0 += kTile) {
+    for (std::uint32_t x0 = 0; x0 < width; x0 += kTile) {
+      std::size_t n = 0;
+      for (const auto [dx, dy] : kZOrder) {
+        const std::uint32_t x = x0 + dx, y = y0 + dy;
+        if (x >= width || y >= height) continue;
+        places[n] = frame.pixel_place(x, y);
+        rays[n++] = {eye_.whole, pixels_.towards(eye_, x, y)};
+      }
+      scene_.tracer->trace(std::span(rays).first(n), std::span(hits).first(n));
+      for (std::size_t i = 0; i < n; ++i) {
+        frame.triangle[places[i]] =
+            hits[i] ? static_cast<std::int32_t>(hits[i].triangle) : kNothing;
+        frame.nearness[places[i]] = hits[i] ? 1 / hits[i].distance : kLeastNearness;
+      }
+    }
+  }
+}
+
+Vec3f Painter::sky(Vec3f towards) const {
+  if (!scene_.lit) return {};
+  return mesh::sky_radiance(scene_.sky, (1 / length(towards)) * towards);
+}
+
+inline Vec3f Painter::look(const Surface& surface, const Paint& paint, Vec3f from, Vec3f towards,
+                           float distance) const {
+  const Weights at = weights_at(surface, from);
+  const float across = dot(towards, surface.normal);
+  const Vec3f light = light_at(scene_.surfaces.light.data(), surface,
+                               across > 0 ? surface.back : surface.front, at);
+  Vec3f colour = (1 - paint.mirror) * paint.colour;
+  if (paint.texture != Paint::kNoTexture) {
+    // Seen at a slant, a texel covers fewer pixels along one axis: the mean of both axes.
+    const float size = length(towards);
+    constexpr float kLeastSlant = 0.05F;
+    const float slant = std::sqrt(std::max(std::abs(across) / size, kLeastSlant));
+    const float footprint = pixels_.spread * distance * size / slant;
+    const Filtered texel = scene_.surfaces.textures.at(
+        paint.texture, surface.s0 + at.u * surface.su + at.v * surface.sv,
+        surface.t0 + at.u * surface.tu + at.v * surface.tv, footprint * surface.texels_per_metre);
+    colour = times(colour, {scene_.linear.of(texel.parts[0]), scene_.linear.of(texel.parts[1]),
+                            scene_.linear.of(texel.parts[2])});
+  }
+  return times(colour, light) + paint.emission;
+}
+
+// One reflection; a mirror in a mirror is as bright as a white wall there.
+Vec3f Painter::mirrored(const Surface& surface, const Paint& paint, Vec3f from, Vec3f towards,
+                        Vec3f light) const {
+  const float across = dot(towards, surface.normal);
+  const Vec3f back = towards - 2 * across * surface.normal;
+  const Vec3f at = surface.origin + from;
+  const float far = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
+  const float lift = (across > 0 ? -1.0F : 1.0F) * (3e-4F + 1e-6F * far);
+  const mesh::Ray ray{at + lift * surface.normal, back};
+  const mesh::Hit hit = scene_.tracer->trace(ray);
+  Vec3f seen;
+  if (!hit) {
+    seen = sky(back);
+  } else {
+    const Surface& other = scene_.surfaces.all[hit.triangle];
+    const Paint& its = scene_.surfaces.paints[other.paint];
+    const Vec3f there = (ray.origin - other.origin) + hit.distance * back;
+    seen = look(other, its, there, back, hit.distance);
+    if (its.mirror > 0) {
+      const std::uint32_t side = dot(back, other.normal) > 0 ? other.back : other.front;
+      seen += its.mirror *
+              light_at(scene_.surfaces.light.data(), other, side, weights_at(other, there));
+    }
+  }
+  return light + paint.mirror * seen;
+}
+
+void Painter::paint_depth(const Frame& frame, std::uint32_t row, const render::DepthOutput& output,
+                          std::size_t first) const {
+  const bool along_ray = pixels_.lattice != nullptr && output.measure == render::DepthMeasure::kRay;
+  const auto metres = [&](std::uint32_t column) {
+    const std::size_t place = frame.pixel_place(column, row);
+    if (frame.triangle[place] < 0) return 0.0F;
+    const float distance = 1 / frame.nearness[place];
+    return along_ray ? distance * length(pixels_.towards(eye_, column, row)) : distance;
+  };
+  if (output.format == render::DepthFormat::kMetresFloat32) {
+    float* out = values_at<float>(output.pixels, first);
+    for (std::uint32_t j = 0; j < pixels_.width(); ++j) out[j] = metres(j);
+    return;
+  }
+  auto* out = values_at<std::uint16_t>(output.pixels, first);
+  for (std::uint32_t j = 0; j < pixels_.width(); ++j) {
+    const float m = metres(j);
+    out[j] = m > 0 ? image::depth_units(m) : std::uint16_t{0};
+  }
+}
+
+void Painter::paint(const Frame& frame, TileRows rows, const render::Outputs& outputs,
+                    std::size_t view, std::vector<std::uint32_t>& line) const {
+  const std::uint32_t width = pixels_.width();
+  const std::size_t pixels = std::size_t{width} * pixels_.height();
+  for (std::uint32_t row = rows.begin * kTile; row < std::min(rows.end * kTile, pixels_.height());
+       ++row) {
+    const std::size_t in_view = std::size_t{row} * width, first = view * pixels + in_view;
+    if (outputs.colour) {
+      for (std::uint32_t j = 0; j < width; ++j) {
+        const std::size_t place = frame.pixel_place(j, row);
+        line[j] = scene_.tone.rgba(
+            look(frame.triangle[place], pixels_.towards(eye_, j, row), 1 / frame.nearness[place]));
+      }
+      render::pack_colours(*outputs.colour, {view, in_view, pixels}, std::span(line).first(width));
+    }
+    if (outputs.depth) paint_depth(frame, row, *outputs.depth, first);
+    const auto surface = [&](std::uint32_t j) -> const Surface* {
+      const std::int32_t triangle = frame.triangle[frame.pixel_place(j, row)];
+      return triangle < 0 ? nullptr : &scene_.surfaces.all[static_cast<std::size_t>(triangle)];
+    };
+    if (outputs.classes) {
+      const bool bytes = outputs.classes->format == render::ClassFormat::kUint8;
+      for (std::uint32_t j = 0; j < width; ++j) {
+        const Surface* const s = surface(j);
+        const std::uint16_t category = s == nullptr ? std::uint16_t{0} : s->category;
+        if (bytes) {
+          *values_at<std::uint8_t>(outputs.classes->pixels, first + j) =
+              static_cast<std::uint8_t>(std::min<std::uint16_t>(category, 255));
+        } else {
+          *values_at<std::uint16_t>(outputs.classes->pixels, first + j) = category;
+        }
+      }
+    }
+    if (outputs.instances) {
+      for (std::uint32_t j = 0; j < width; ++j) {
+        const Surface* const s = surface(j);
+        outputs.instances->pixels[first + j] = s == nullptr ? 0 : s->instance;
+      }
+    }
+  }
+}
+
+}  // namespace enfilade::continuous::pixels

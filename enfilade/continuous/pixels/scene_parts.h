@@ -1,0 +1,34 @@
+/// \file  What a Scene consists of.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "enfilade/continuous/pixels/surfaces.h"
+#include "enfilade/continuous/pixels/tone.h"
+#include "enfilade/continuous/pixels/tree.h"
+#include "enfilade/continuous/scene.h"
+
+namespace enfilade::continuous::pixels {
+
+struct SceneParts {
+  SceneParts(std::shared_ptr<const mesh::RayTracer> with, ToneTable::Curve curve)
+      : tracer(std::move(with)), surfaces(tracer->mesh()), tree(tracer->mesh()), tone(curve) {}
+
+  std::shared_ptr<const mesh::RayTracer> tracer;
+  Surfaces surfaces;  ///< light and emission are scaled: 0.18 is mid-grey in pictures
+  Tree tree;
+  ToneTable tone;
+  LinearTable linear;
+  bool lit = false;
+  mesh::Sky sky;    ///< scaled likewise; of lit scenes
+  float scale = 1;  ///< that factor
+};
+
+/// Scales emission and sky. \pre parts.scale
+void apply_scale(SceneParts& parts);
+
+/// Computes the light of all surfaces. \pre parts.scale, options are in range
+void bake_light(const mesh::LitMesh& light, const SceneOptions& options, const Progress& progress,
+                SceneParts& parts);
+
+}  // namespace enfilade::continuous::pixels

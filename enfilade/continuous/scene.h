@@ -1,0 +1,62 @@
+/// \file  One building as eyes see it: its surfaces with their colours and light.
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+
+#include "enfilade/core/progress.h"
+#include "enfilade/mesh/lighting.h"
+
+namespace enfilade::continuous {
+
+namespace pixels {
+struct SceneParts;
+}
+
+/// How finely light is kept.
+struct SceneOptions {
+  double light_spacing = 0.05;  ///< metres between values on surfaces, [0.005, 10]
+  float exposure = 0;           ///< stops, added to the mesh's own (LitMesh::key())
+  int threads = 0;              ///< 0: all cores; does not change the result
+};
+
+/// All that pictures of a building need. Immutable: any number of eyes and threads share one. Takes
+/// about 500 bytes a triangle, and 4 for each value of light.
+class Scene {
+ public:
+  /// Of a photographed mesh: textures and colours are shown as they are, and nothing is black where
+  /// there is no surface. \throws ArgumentError for a null tracer
+  static std::shared_ptr<const Scene> photographed(std::shared_ptr<const mesh::RayTracer> tracer);
+  /// Of a mesh with light, sun and sky; the light is computed here for points of a grid on each
+  /// surface, and interpolated between them. \param light of the same tracer
+  /// \throws ArgumentError for options out of range, a null tracer, or another mesh's light
+  static std::shared_ptr<const Scene> lit(std::shared_ptr<const mesh::RayTracer> tracer,
+                                          const mesh::LitMesh& light,
+                                          const SceneOptions& options = {},
+                                          const Progress& progress = {});
+  /// A lit scene whose light save() has written. \throws FileError naming the file; InvalidInput if
+  /// it is no such file, of another version, of another mesh, truncated or changed
+  static std::shared_ptr<const Scene> load(std::shared_ptr<const mesh::RayTracer> tracer,
+                                           const std::filesystem::path& file);
+  /// Writes the light, so that it need not be computed again. \throws FileError; ArgumentError for
+  /// a photographed scene, which has none
+  void save(const std::filesystem::path& file) const;
+
+  ~Scene();
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  const mesh::RayTracer& tracer() const noexcept;
+  bool is_lit() const noexcept;
+  /// Memory beside the tracer's, bytes.
+  std::size_t bytes() const noexcept;
+
+  /// For this library.
+  const pixels::SceneParts& parts() const noexcept { return *parts_; }
+
+ private:
+  explicit Scene(std::unique_ptr<pixels::SceneParts> parts);
+  std::unique_ptr<pixels::SceneParts> parts_;
+};
+
+}  // namespace enfilade::continuous

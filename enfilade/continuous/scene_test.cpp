@@ -1,0 +1,233 @@
+#include "enfilade/continuous/scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "enfilade/continuous/detail/test_rooms.h"
+#include "enfilade/continuous/eyes.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/geometry/cube_map.h"
+#include "enfilade/mesh/capture.h"
+
+namespace enfilade::continuous {
+namespace {
+
+using namespace detail;
+using ::testing::HasSubstr;
+
+// The room with a window to the sun, a box, a striped floor, a lamp's shade and a mirror.
+mesh::Mesh furnished_room() {
+  mesh::Mesh mesh;
+  const Vec3f x{6, 0, 0}, y{0, 4, 0}, z{0, 0, 2.75F};
+  const std::uint32_t wall = add_material(mesh, {0.8F, 0.75F, 0.7F});
+  const std::uint32_t floor = add_material(mesh, {0.9F, 0.9F, 0.9F});
+  image::Image8 stripes(64, 64, 3);
+  for (std::size_t i = 0; i < stripes.pixels.size(); ++i) {
+    stripes.pixels[i] = static_cast<std::uint8_t>(90 + i / 3 % 64 / 8 * 20);
+  }
+  mesh.materials[floor].texture = std::move(stripes);
+  const std::uint32_t glass = add_material(mesh, {0.9F, 0.9F, 0.9F});
+  mesh.materials[glass].mirror = 0.85F;
+  const std::uint32_t shade = add_material(mesh, {0.8F, 0.8F, 0.8F});
+  mesh.materials[shade].emission = {3, 2.5F, 2};
+  add_side(mesh, floor, 14, kRoomLow, x, y);
+  add_side(mesh, wall, 15, kRoomHigh, -y, -x);
+  add_side(mesh, wall, 11, kRoomHigh, -z, -y);
+  add_side(mesh, wall, 13, kRoomHigh, -x, -z);
+  add_side(mesh, wall, 12, kRoomLow, z, x);
+  // The wall at -x has a window of 2 x 1.2 m.
+  const auto piece = [&](float y0, float y1, float z0, float z1) {
+    add_side(mesh, wall, 10, {kRoomLow.x, y0, z0}, {0, y1 - y0, 0}, {0, 0, z1 - z0});
+  };
+  piece(kRoomLow.y, -0.5F, 0, 2.75F);
+  piece(1.5F, kRoomHigh.y, 0, 2.75F);
+  piece(-0.5F, 1.5F, 0, 1);
+  piece(-0.5F, 1.5F, 2.2F, 2.75F);
+  const Vec3f box{1, -0.5F, 0};
+  add_side(mesh, wall, 20, box + Vec3f{0, 0, 0.8F}, {1, 0, 0}, {0, 1, 0});
+  add_side(mesh, wall, 20, box, {1, 0, 0}, {0, 0, 0.8F});
+  add_side(mesh, wall, 20, box, {0, 0, 0.8F}, {0, 1, 0});
+  add_side(mesh, wall, 20, box + Vec3f{1, 1, 0}, {-1, 0, 0}, {0, 0, 0.8F});
+  add_side(mesh, wall, 20, box + Vec3f{1, 1, 0}, {0, 0, 0.8F}, {0, -1, 0});
+  add_side(mesh, glass, 21, {3.45F, 0, 0.8F}, {0, 0, 1.2F}, {0, 1.2F, 0});
+  add_side(mesh, shade, 22, {0, 1, 2.4F}, {0, 0.4F, 0}, {0.4F, 0, 0});
+  return mesh;
+}
+
+struct Lit {
+  std::shared_ptr<const mesh::RayTracer> tracer = tracer_of(furnished_room());
+  mesh::LitMesh light;
+  std::shared_ptr<const Scene> scene;
+  Lit() : light(tracer, lights(), options()), scene(Scene::lit(tracer, light)) {}
+
+  static mesh::Lights lights() {
+    mesh::Lights lights;
+    lights.sun = {{-0.8F, 0.1F, 0.6F}, {14, 13, 11}};
+    lights.lamps.push_back({{0.2F, 1.2F, 2.3F}, {1, 0.9F, 0.8F}, 0.05F});
+    return lights;
+  }
+  static mesh::BakeOptions options() {
+    mesh::BakeOptions options;
+    options.rays = 32;
+    return options;
+  }
+};
+const Lit& lit() {
+  static const Lit kLit;
+  return kLit;
+}
+
+constexpr Camera kCamera{120, 120, degrees(90)};
+
+std::vector<std::uint8_t> picture(const std::shared_ptr<const Scene>& scene, const MeshView& view) {
+  std::vector<std::uint8_t> rgb(3 * kCamera.width * kCamera.height);
+  render::Outputs outputs;
+  outputs.colour =
+      render::ColourOutput{render::ColourFormat::kRgb8, {}, std::as_writable_bytes(std::span(rgb))};
+  Eyes({scene}).render(kCamera, {&view, 1}, outputs);
+  return rgb;
+}
+
+// What mesh/capture.h draws there, with all its rays.
+std::vector<std::uint8_t> truth(const mesh::LitMesh& light, const MeshView& view) {
+  mesh::Pinhole pinhole;
+  pinhole.width = kCamera.width;
+  pinhole.height = kCamera.height;
+  pinhole.fx = pinhole.fy = kCamera.height / 2.0;
+  pinhole.cx = (kCamera.width - 1) / 2.0;
+  pinhole.cy = (kCamera.height - 1) / 2.0;
+  pinhole.world_from_camera = world_from_camera(view.heading, view.elevation);
+  pinhole.position = view.eye;
+  mesh::CaptureOptions options;
+  options.samples = 1;
+  options.depth = options.labels = false;
+  return mesh::capture_pinhole(light, pinhole, options).colour.pixels;
+}
+
+double psnr(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double d = double{static_cast<double>(a[i])} - b[i];
+    sum += d * d;
+  }
+  return 10 * std::log10(255.0 * 255.0 * static_cast<double>(a.size()) / std::max(sum, 1e-9));
+}
+
+const std::vector<MeshView>& views() {
+  static const std::vector<MeshView> kViews{
+      {0, {-1, 0, 1.5}, Radians(kPi / 2), Radians(-0.2)},  // the box, the mirror, the sun's patch
+      {0, {2, 1.5, 1.5}, Radians(3 * kPi / 2), Radians(-0.3)},  // the window and the floor
+      {0, {0, -1, 0.6}, Radians(0.4), Radians(0.6)},            // the lamp and the ceiling
+      {0, {-6, 0.5, 1.6}, Radians(kPi / 2), Radians(0)},        // from outside
+      {0, {0.5, 0.5, 1.2}, Radians(2.2), Radians(-1.1)}};
+  return kViews;
+}
+
+TEST(Scene, PicturesAreThoseOfTheSlowRenderer) {
+  for (const MeshView& view : views()) {
+    // Edges of sunlight are softened over half the spacing of 5 cm; the rest differs by a step.
+    EXPECT_GT(psnr(picture(lit().scene, view), truth(lit().light, view)), 32) << view.heading.value;
+  }
+}
+
+TEST(Scene, WithoutSunPicturesDifferByAStep) {
+  mesh::Lights lights = Lit::lights();
+  lights.sun.irradiance = {};
+  const mesh::LitMesh light(lit().tracer, lights, Lit::options());
+  const auto scene = Scene::lit(lit().tracer, light);
+  for (const MeshView& view : views()) {
+    EXPECT_GT(psnr(picture(scene, view), truth(light, view)), 38) << view.heading.value;
+  }
+}
+
+TEST(Scene, ThreadsDoNotChangeTheLight) {
+  SceneOptions options;
+  options.light_spacing = 0.2;
+  options.threads = 1;
+  const auto one = Scene::lit(lit().tracer, lit().light, options);
+  options.threads = 3;
+  const auto three = Scene::lit(lit().tracer, lit().light, options);
+  for (const MeshView& view : views()) EXPECT_EQ(picture(one, view), picture(three, view));
+}
+
+TEST(Scene, ExposureBrightens) {
+  SceneOptions options;
+  options.light_spacing = 0.2;
+  options.exposure = 1;
+  const auto brighter = Scene::lit(lit().tracer, lit().light, options);
+  const auto a = picture(lit().scene, views()[1]), b = picture(brighter, views()[1]);
+  double more = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) more += static_cast<double>(b[i]) - a[i];
+  EXPECT_GT(more / static_cast<double>(a.size()), 10);
+}
+
+class SceneFile : public ::testing::Test {
+ protected:
+  std::filesystem::path path_ = std::filesystem::path(::testing::TempDir()) / "scene_test.light";
+  void SetUp() override { lit().scene->save(path_); }
+  void TearDown() override { std::filesystem::remove(path_); }
+  std::string code(const std::shared_ptr<const mesh::RayTracer>& tracer) const {
+    try {
+      Scene::load(tracer, path_);
+    } catch (const InvalidInput& error) {
+      EXPECT_THAT(error.what(), HasSubstr(path_.string()));
+      return error.diagnostics().front().code;
+    }
+    return "";
+  }
+  void change(const std::function<void(std::string&)>& how) const {
+    std::string content = read_file(path_);
+    how(content);
+    write_file_atomically(path_, content);
+  }
+};
+
+TEST_F(SceneFile, LoadedSceneGivesTheSamePictures) {
+  const auto loaded = Scene::load(lit().tracer, path_);
+  EXPECT_TRUE(loaded->is_lit());
+  for (const MeshView& view : views()) {
+    EXPECT_EQ(picture(loaded, view), picture(lit().scene, view));
+  }
+}
+
+TEST_F(SceneFile, BadFilesAreRefused) {
+  EXPECT_EQ(code(lit().tracer), "");
+  EXPECT_EQ(code(tracer_of(empty_room())), "other-mesh");
+  mesh::Mesh moved = furnished_room();
+  moved.positions[3].x += 0.01F;
+  EXPECT_EQ(code(tracer_of(moved)), "other-mesh");
+  change([](std::string& s) { s[s.size() / 2] = static_cast<char>(s[s.size() / 2] ^ 1); });
+  EXPECT_EQ(code(lit().tracer), "checksum");
+  change([](std::string& s) { s.resize(s.size() - 5); });
+  EXPECT_EQ(code(lit().tracer), "truncated");
+  change([](std::string& s) { s[8] = 9; });
+  EXPECT_EQ(code(lit().tracer), "version");
+  change([](std::string& s) { s[0] = 'X'; });
+  EXPECT_EQ(code(lit().tracer), "not-light");
+  change([](std::string& s) { s.resize(20); });
+  EXPECT_EQ(code(lit().tracer), "truncated");
+  std::filesystem::remove(path_);
+  EXPECT_THROW(Scene::load(lit().tracer, path_), FileError);
+}
+
+TEST_F(SceneFile, MistakesAreNamed) {
+  EXPECT_THROW(Scene::photographed(lit().tracer)->save(path_), ArgumentError);
+  EXPECT_THROW(Scene::lit(tracer_of(empty_room()), lit().light), ArgumentError);
+  EXPECT_THROW(Scene::lit(nullptr, lit().light), ArgumentError);
+  SceneOptions options;
+  options.light_spacing = 0;
+  EXPECT_THROW(Scene::lit(lit().tracer, lit().light, options), ArgumentError);
+  options = {};
+  options.exposure = std::numeric_limits<float>::infinity();
+  EXPECT_THROW(Scene::lit(lit().tracer, lit().light, options), ArgumentError);
+}
+
+}  // namespace
+}  // namespace enfilade::continuous
