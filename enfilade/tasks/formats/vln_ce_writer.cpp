@@ -128,11 +128,6 @@ std::string_view ContinuousEpisode::scan() const noexcept {
 ContinuousForm form_of(const ContinuousEpisodes& episodes) noexcept {
   constexpr std::int64_t kBertWords = 30522, kBertUnknown = 100;
   constexpr std::size_t kBertTokens = 80;
-  if (episodes.vocabulary && (episodes.vocabulary->size == kBertWords ||
-                              episodes.vocabulary->words.size() == std::size_t{kBertWords} ||
-                              episodes.vocabulary->unknown == kBertUnknown)) {
-    return ContinuousForm::kR2rBert;
-  }
   const auto any = [&episodes](const auto& holds) {
     return std::ranges::any_of(episodes.episodes, holds);
   };
@@ -140,6 +135,11 @@ ContinuousForm form_of(const ContinuousEpisodes& episodes) noexcept {
         return one.instruction.language || (one.info && one.info->role);
       })) {
     return ContinuousForm::kRxr;
+  }
+  if (episodes.vocabulary && (episodes.vocabulary->size == kBertWords ||
+                              episodes.vocabulary->words.size() == std::size_t{kBertWords} ||
+                              episodes.vocabulary->unknown == kBertUnknown)) {
+    return ContinuousForm::kR2rBert;
   }
   const bool short_tokens = any([](const ContinuousEpisode& one) {
     return one.instruction.tokens && one.instruction.tokens->size() == kBertTokens;
