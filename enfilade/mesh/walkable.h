@@ -23,6 +23,8 @@ struct WalkableOptions {
   Body body;
   double cell = 0.07;       ///< grid spacing, metres
   double least_area = 1.0;  ///< m2; smaller islands of floor (table tops) are dropped
+  /// What lies outside is not looked at: a landscape around a building. None: everything is.
+  std::optional<Box> within = {};
 };
 
 /// A grid cell in which the body can stand.

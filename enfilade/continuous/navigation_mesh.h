@@ -1,0 +1,104 @@
+/// \file  The floor of a building as a mesh to walk on (Detour).
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/rng.h"
+#include "enfilade/geometry/vec.h"
+#include "enfilade/mesh/floor_polygons.h"
+
+namespace enfilade::continuous {
+
+/// A point of the floor.
+struct FloorPoint {
+  Vec3f point;                ///< world, metres
+  std::uint32_t polygon = 0;  ///< of the navigation mesh that it lies on
+};
+
+/// How far nearest() looks.
+struct Reach {
+  float aside = 0.5F;     ///< metres along x and y
+  float above_below = 1;  ///< metres
+};
+
+/// How one walk along a straight line ended.
+struct Walked {
+  FloorPoint end;
+  bool at_wall = false;  ///< it did not come to where the line ends
+};
+
+/// What a wall does to a body that walks into it.
+enum class Walls : std::uint8_t {
+  kSlide,  ///< it goes on to the nearest place that it can reach: VLN-CE on R2R
+  kStop,   ///< it stops there: RxR-CE
+};
+
+/// Scratch memory of walk(). One thread at a time; any navigation mesh.
+class Walker {
+ public:
+  Walker();
+  ~Walker();
+  Walker(Walker&&) noexcept;
+  Walker& operator=(Walker&&) noexcept;
+
+ private:
+  friend class NavigationMesh;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The walkable floor of one building, for one body: convex polygons and their heights. Immutable:
+/// any thread, shared by all who walk in the building. Results depend on arguments only.
+class NavigationMesh {
+ public:
+  /// \throws InvalidInput for polygons that do not fit together (check_polygons())
+  explicit NavigationMesh(mesh::FloorPolygons floor);
+  ~NavigationMesh();
+  NavigationMesh(const NavigationMesh&) = delete;
+  NavigationMesh& operator=(const NavigationMesh&) = delete;
+
+  const mesh::FloorPolygons& floor() const noexcept;
+  std::size_t areas() const noexcept;         ///< connected parts, ranked as mesh::WalkableFloor's
+  double area_m2(std::size_t area) const;     ///< seen from above. \pre area < areas()
+  Vec3f corner(std::size_t corner) const;     ///< with its exact height. \pre it is one
+  std::size_t memory_bytes() const noexcept;  ///< about
+
+  /// The point of the floor that is nearest to any point; none within reach: no value.
+  std::optional<FloorPoint> nearest(Vec3f point, Reach reach = {}) const;
+  /// The floor's height at a point that is over a polygon, or at its rim.
+  float height(const FloorPoint& at) const;
+  /// A point drawn uniformly, seen from above, from one connected part or from all.
+  /// \pre area < areas()
+  FloorPoint random_point(Rng& rng, std::optional<std::uint32_t> area = {}) const;
+  /// Walks straight towards a point, whose height does not count. Allocates nothing.
+  Walked walk(Walker& walker, const FloorPoint& from, Vec3f towards,
+              Walls walls = Walls::kSlide) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// What makes polygons no floor: indices out of range, neighbours that do not know each other,
+/// corners in no order, heights of other polygons. `file` is the name in messages.
+std::vector<Diagnostic> check_polygons(const mesh::FloorPolygons& floor, const std::string& file);
+
+/// A file that load_navigation_mesh() reads back equal: a line of text that says what it is, the
+/// numbers (little-endian), a checksum.
+/// \throws FileError
+void save_navigation_mesh(const mesh::FloorPolygons& floor, const std::filesystem::path& file);
+/// \throws FileError; InvalidInput: `not-a-navigation-mesh`, `other-version`, `truncated`,
+/// `damaged` (the checksum), and what check_polygons() finds
+mesh::FloorPolygons load_navigation_mesh(const std::filesystem::path& file);
+/// The same of a file in memory. \param name  for messages
+mesh::FloorPolygons parse_navigation_mesh(std::span<const std::uint8_t> bytes,
+                                          const std::string& name);
+
+}  // namespace enfilade::continuous
