@@ -33,7 +33,9 @@ struct Buildings::Entry {
   }
 };
 
-std::string navigation_mesh_name(std::string_view scan) { return fmt::format("{}{}", scan, kSuffix); }
+std::string navigation_mesh_name(std::string_view scan) {
+  return fmt::format("{}{}", scan, kSuffix);
+}
 
 Buildings::Buildings(const std::filesystem::path& folder) {
   std::error_code code;

@@ -174,8 +174,12 @@ void Simulator::Impl::act(std::size_t agent, Action action, Walker& walker) {
   collided[agent] = 0;
   ++steps[agent];
   switch (action) {
-    case Action::kStop: episode[agent] = EpisodeState::kStopped; return;
-    case Action::kForward: walk(agent, walker); break;
+    case Action::kStop:
+      episode[agent] = EpisodeState::kStopped;
+      return;
+    case Action::kForward:
+      walk(agent, walker);
+      break;
     case Action::kLeft:
     case Action::kRight:
       turns[agent] += action == Action::kRight ? 1 : -1;
@@ -205,7 +209,7 @@ const Buildings& Simulator::buildings() const noexcept { return *impl_->building
 
 StateSpans Simulator::state() const noexcept {
   const Impl& s = *impl_;
-  return {s.building,   s.position, s.heading,  s.elevation, s.steps,
+  return {s.building,   s.position, s.heading, s.elevation, s.steps,
           s.collisions, s.collided, s.episode, s.off_floor};
 }
 

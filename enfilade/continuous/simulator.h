@@ -22,16 +22,16 @@ std::string_view to_string(Action action) noexcept;  ///< "stop", "forward", "le
 
 /// Everything that a Simulator is made from; nothing can be changed later.
 struct SimulatorConfig {
-  std::size_t batch_size = 1;       ///< agents, >= 1
-  double forward = 0.25;            ///< metres, as seen from above; (0, 5]
-  Radians turn = degrees(15);       ///< (0, pi]
-  Radians look = degrees(30);       ///< (0, pi / 2]
+  std::size_t batch_size = 1;            ///< agents, >= 1
+  double forward = 0.25;                 ///< metres, as seen from above; (0, 5]
+  Radians turn = degrees(15);            ///< (0, pi]
+  Radians look = degrees(30);            ///< (0, pi / 2]
   Radians most_elevation = degrees(60);  ///< up and down; looking further changes nothing
   Walls walls = Walls::kSlide;
-  double eye_height = 1.25;         ///< metres above the floor; the body's height does not limit it
-  std::uint32_t most_steps = 500;   ///< actions; the last one ends the episode whatever it is
-  Reach start_reach{0.5F, 0.5F};    ///< how far from its start an agent may be put on the floor
-  int threads = 1;                  ///< that step() may use, 0: all cores. Never changes a result
+  double eye_height = 1.25;        ///< metres above the floor; the body's height does not limit it
+  std::uint32_t most_steps = 500;  ///< actions; the last one ends the episode whatever it is
+  Reach start_reach{0.5F, 0.5F};   ///< how far from its start an agent may be put on the floor
+  int threads = 1;                 ///< that step() may use, 0: all cores. Never changes a result
 
   /// VLN-CE's tasks: steps of 0.25 m, turns of 15 degrees, sliding along walls.
   static SimulatorConfig room_to_room();
@@ -63,12 +63,12 @@ enum class EpisodeState : std::uint8_t {
 /// The state of a batch: one array a quantity, shape (batch). Valid as long as the simulator.
 struct StateSpans {
   std::span<const std::uint32_t> building;
-  std::span<const Vec3f> position;          ///< of the feet; exactly the start's until it walks
-  std::span<const double> heading;          ///< radians, [0, 2 pi)
-  std::span<const double> elevation;        ///< radians
-  std::span<const std::uint32_t> steps;     ///< actions since the start, stop too
+  std::span<const Vec3f> position;            ///< of the feet; exactly the start's until it walks
+  std::span<const double> heading;            ///< radians, [0, 2 pi)
+  std::span<const double> elevation;          ///< radians
+  std::span<const std::uint32_t> steps;       ///< actions since the start, stop too
   std::span<const std::uint32_t> collisions;  ///< steps forward that a wall cut short
-  std::span<const std::uint8_t> collided;   ///< whether the last action was one of them
+  std::span<const std::uint8_t> collided;     ///< whether the last action was one of them
   std::span<const EpisodeState> episode;
   std::span<const float> off_floor;  ///< metres from the start's position to the floor under it
 };

@@ -41,17 +41,12 @@ const std::vector<ThirdParty>& third_parties() {
       {"zip.h", {"enfilade/scan/", "tests/"}},
       {"zstd.h", {"enfilade/scan/"}},
       {"xxhash.h",
-<<<<<<< HEAD
        {"enfilade/scan/", "enfilade/render/", "enfilade/features/", "enfilade/models/",
         "enfilade/neural/", "enfilade/continuous/", "tests/"}},
-=======
-       {"enfilade/scan/", "enfilade/render/", "enfilade/continuous/", "enfilade/features/",
-        "enfilade/models/", "enfilade/neural/", "tests/"}},
->>>>>>> abb95de (mesh, continuous: the floor as convex polygons, a mesh to walk on, and shortest ways on it)
       {"embree3/", {"enfilade/mesh/"}},
       {"embree4/", {"enfilade/mesh/"}},
       {"tiny_gltf.h", {"enfilade/mesh/"}},
-      {"Recast.h", {"enfilade/mesh/", "enfilade/continuous/"}},
+      {"Recast.h", {"enfilade/mesh/"}},
       {"Detour", {"enfilade/continuous/"}},
       {"epoxy/", {"enfilade/render/gl/"}},
       {"ATen/", {"enfilade/neural/", "tests/conformance/", "bench/bench_duet"}},
