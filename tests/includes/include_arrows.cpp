@@ -283,7 +283,7 @@ const Arrows& direct_arrows() {
       {"draw", {"graph", "render", "tasks"}},
       {"features", {"scan"}},
       {"homes", {"capture", "draw", "tasks"}},
-      {"agents", {"sim", "render", "tasks"}},
+      {"agents", {"sim", "continuous", "render", "tasks"}},
       {"models", {"features", "tasks"}},
       {"neural", {"agents", "dataset", "models"}},
       {"report", {"dataset", "draw", "models"}},

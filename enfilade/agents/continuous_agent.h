@@ -1,0 +1,54 @@
+/// \file  Agents that walk freely: an observation in, an action out.
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/continuous/follower.h"
+#include "enfilade/continuous/simulator.h"
+#include "enfilade/core/rng.h"
+#include "enfilade/tasks/continuous_episodes.h"
+
+namespace enfilade::agents {
+
+/// What an agent knows in one episode. Valid during the call that it is passed to.
+struct ContinuousObservation {
+  const tasks::ContinuousEpisode* episode = nullptr;  ///< goals and path: only oracles may look
+  const continuous::Buildings* buildings = nullptr;   ///< only oracles may look at ways
+  std::size_t building = 0;
+  continuous::Pose pose;
+  continuous::FloorPoint floor;  ///< where it stands
+  bool collided = false;         ///< whether its last action was cut short by a wall
+  std::uint32_t step = 0;        ///< actions so far
+  Rng* rng = nullptr;            ///< this episode's own random numbers
+  bool ended = false;            ///< the episode is over; the action is ignored
+};
+
+/// Implement this to run an agent with run_continuous(). Keep the state of each episode in arrays
+/// by slot.
+class ContinuousAgent {
+ public:
+  virtual ~ContinuousAgent() = default;
+  virtual std::string_view name() const = 0;
+  /// True for oracles, which cannot run where the goal is hidden.
+  virtual bool needs_goal() const { return false; }
+  /// A new episode begins in a slot, in a simulator of this config.
+  virtual void start(std::size_t slot, const ContinuousObservation& seen,
+                     const continuous::SimulatorConfig& config) = 0;
+  /// Decides for each slot that has not ended. \pre actions.size() == batch.size()
+  virtual void act(std::span<const ContinuousObservation> batch,
+                   std::span<continuous::Action> actions) = 0;
+};
+
+/// "random": forward, left, right and stop with the shares that they have in VLN-CE's training
+/// data, 0.68, 0.15, 0.15 and 0.02. "forward": turns to a random heading, walks 37 steps, which is
+/// the mean of that data, and stops (both Krantz et al. 2020, section 4). "shortest": the shortest
+/// way to the goal. "reference": along the reference path, as VLN-CE's experts.
+/// \throws LookupError listing the names
+std::unique_ptr<ContinuousAgent> make_continuous_agent(std::string_view name);
+std::vector<std::string> continuous_agent_names();
+
+}  // namespace enfilade::agents

@@ -1,0 +1,154 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+
+#include "enfilade/agents/continuous_agent.h"
+#include "enfilade/core/errors.h"
+
+namespace enfilade::agents {
+
+using continuous::Action;
+
+namespace {
+
+class RandomWalk final : public ContinuousAgent {
+ public:
+  std::string_view name() const override { return "random"; }
+  void start(std::size_t, const ContinuousObservation&,
+             const continuous::SimulatorConfig&) override {}
+  void act(std::span<const ContinuousObservation> batch, std::span<Action> actions) override {
+    for (std::size_t a = 0; a < batch.size(); ++a) {
+      if (!batch[a].ended) actions[a] = draw(batch[a].rng->uniform());
+    }
+  }
+
+ private:
+  static Action draw(double uniform) {
+    if (uniform < 0.68) return Action::kForward;
+    if (uniform < 0.83) return Action::kLeft;
+    return uniform < 0.98 ? Action::kRight : Action::kStop;
+  }
+};
+
+class ForwardOnly final : public ContinuousAgent {
+ public:
+  static constexpr std::uint32_t kSteps = 37;
+
+  std::string_view name() const override { return "forward"; }
+  void start(std::size_t slot, const ContinuousObservation& seen,
+             const continuous::SimulatorConfig& config) override {
+    if (turns_.size() <= slot) turns_.resize(slot + 1);
+    const auto full = static_cast<std::uint64_t>(2 * kPi / config.turn.value + 0.5);
+    turns_[slot] = static_cast<std::uint32_t>(seen.rng->below(std::max<std::uint64_t>(full, 1)));
+  }
+  void act(std::span<const ContinuousObservation> batch, std::span<Action> actions) override {
+    for (std::size_t a = 0; a < batch.size(); ++a) {
+      if (batch[a].ended) continue;
+      const std::uint32_t step = batch[a].step, turns = turns_[a];
+      actions[a] = step < turns            ? Action::kRight
+                   : step < turns + kSteps ? Action::kForward
+                                           : Action::kStop;
+    }
+  }
+
+ private:
+  std::vector<std::uint32_t> turns_;  // by slot
+};
+
+// The ways of a building, kept alive by whoever runs the agent.
+std::shared_ptr<const continuous::Geodesics> ways_of(const ContinuousObservation& seen) {
+  return {std::shared_ptr<const void>(), &seen.buildings->ways(seen.building)};
+}
+
+// Where a point of an episode is on the floor; the agent's own place if it is off every floor.
+continuous::FloorPoint on_floor(const ContinuousObservation& seen, Vec3d point) {
+  const auto found = seen.buildings->floor(seen.building).nearest(to_float(point), {1, 1});
+  return found.value_or(seen.floor);
+}
+
+class Follower : public ContinuousAgent {
+ public:
+  bool needs_goal() const override { return true; }
+  void start(std::size_t slot, const ContinuousObservation& seen,
+             const continuous::SimulatorConfig& config) override {
+    if (followers_.size() <= slot) followers_.resize(slot + 1);
+    std::vector<continuous::FloorPoint> points;
+    for (const Vec3d point : points_of(*seen.episode)) points.push_back(on_floor(seen, point));
+    followers_[slot].emplace(ways_of(seen), std::move(points), config, distances());
+  }
+  void act(std::span<const ContinuousObservation> batch, std::span<Action> actions) override {
+    for (std::size_t a = 0; a < batch.size(); ++a) {
+      if (!batch[a].ended) {
+        actions[a] = followers_[a]->next(batch[a].floor, batch[a].pose.heading);
+      }
+    }
+  }
+
+ private:
+  virtual std::vector<Vec3d> points_of(const tasks::ContinuousEpisode& episode) const = 0;
+  virtual continuous::FollowerConfig distances() const = 0;
+
+  std::vector<std::optional<continuous::ReferenceFollower>> followers_;  // by slot
+};
+
+class Shortest final : public Follower {
+ public:
+  std::string_view name() const override { return "shortest"; }
+
+ private:
+  std::vector<Vec3d> points_of(const tasks::ContinuousEpisode& episode) const override {
+    return {episode.goals->front().position};
+  }
+  continuous::FollowerConfig distances() const override {
+    return {.reached = 0.5, .last_reached = 0.25};
+  }
+};
+
+class Reference final : public Follower {
+ public:
+  std::string_view name() const override { return "reference"; }
+
+ private:
+  std::vector<Vec3d> points_of(const tasks::ContinuousEpisode& episode) const override {
+    if (episode.reference_path) return *episode.reference_path;
+    return {episode.goals->front().position};
+  }
+  continuous::FollowerConfig distances() const override { return {}; }
+};
+
+using Maker = std::unique_ptr<ContinuousAgent> (*)();
+template <class A>
+std::unique_ptr<ContinuousAgent> make() {
+  return std::make_unique<A>();
+}
+
+const std::map<std::string_view, Maker>& makers() {
+  static const std::map<std::string_view, Maker> kMakers{{"random", make<RandomWalk>},
+                                                         {"forward", make<ForwardOnly>},
+                                                         {"reference", make<Reference>},
+                                                         {"shortest", make<Shortest>}};
+  return kMakers;
+}
+
+}  // namespace
+
+std::unique_ptr<ContinuousAgent> make_continuous_agent(std::string_view name) {
+  const auto found = makers().find(name);
+  if (found == makers().end()) {
+    throw LookupError(fmt::format("no agent \"{}\" walks freely; there are {}", name,
+                                  fmt::join(continuous_agent_names(), ", ")));
+  }
+  return found->second();
+}
+
+std::vector<std::string> continuous_agent_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, maker] : makers()) names.emplace_back(name);
+  return names;
+}
+
+}  // namespace enfilade::agents

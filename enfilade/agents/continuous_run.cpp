@@ -1,0 +1,253 @@
+#include "enfilade/agents/continuous_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade::agents {
+
+using continuous::Action;
+using continuous::Buildings;
+using continuous::EpisodeState;
+using continuous::Simulator;
+
+namespace {
+
+// The place of each episode's building, or a fault.
+std::vector<std::size_t> find_buildings(const tasks::ContinuousEpisodes& episodes,
+                                        const Buildings& buildings) {
+  std::vector<std::size_t> found;
+  for (const tasks::ContinuousEpisode& e : episodes.episodes) {
+    found.push_back(buildings.at(e.scan()));
+  }
+  return found;
+}
+
+continuous::EpisodeStart start_of(const tasks::ContinuousEpisode& episode, std::size_t building) {
+  return {.building = building,
+          .pose = {to_float(episode.start), episode.start_heading(), Radians(0)}};
+}
+
+// All of them are looked at before anybody walks.
+void check_starts(const tasks::ContinuousEpisodes& episodes, const Buildings& buildings,
+                  const std::vector<std::size_t>& places, const continuous::Reach& reach) {
+  std::vector<Diagnostic> faults;
+  for (std::size_t e = 0; e < episodes.episodes.size(); ++e) {
+    const tasks::ContinuousEpisode& episode = episodes.episodes[e];
+    const Vec3f p = to_float(episode.start);
+    if (buildings.floor(places[e]).nearest(p, reach)) continue;
+    if (faults.size() == kMostFaultsKept) break;
+    const Vec3d start = episode.start;
+    faults.push_back(
+        {Severity::kError, episodes.file, fmt::format("$.episodes[{}].start_position", e),
+         "start-off-floor",
+         fmt::format("no floor of {} within {} m of ({}, {}, {}), z up, and {} m above "
+                     "or below",
+                     episode.scan(), reach.aside, start.x, start.y, start.z, reach.above_below)});
+  }
+  if (!faults.empty()) throw InvalidInput(std::move(faults));
+}
+
+// The episodes of one split in the slots of one simulator.
+class Runner {
+ public:
+  Runner(ContinuousAgent& agent, const tasks::ContinuousEpisodes& episodes,
+         std::shared_ptr<const Buildings> buildings, const ContinuousRunOptions& options)
+      : agent_(agent),
+        episodes_(episodes),
+        buildings_(std::move(buildings)),
+        options_(options),
+        places_(find_buildings(episodes, *buildings_)),
+        slots_(std::min(options.batch_size, episodes.episodes.size())) {
+    check_starts(episodes, *buildings_, places_, options.simulator.start_reach);
+    results_.resize(episodes.episodes.size());
+  }
+
+  std::vector<tasks::ContinuousResult> run(const Progress& progress) {
+    continuous::SimulatorConfig config = options_.simulator;
+    config.batch_size = std::max<std::size_t>(slots_.size(), 1);
+    Simulator simulator(buildings_, config);
+    seen_.resize(slots_.size());
+    std::vector<Action> actions(slots_.size(), Action::kStop);
+    for (std::size_t s = 0; s < slots_.size(); ++s) begin_next(simulator, s);
+    while (done_ < results_.size()) {
+      agent_.act(seen_, actions);
+      simulator.step(actions);
+      for (std::size_t s = 0; s < slots_.size(); ++s) {
+        if (slots_[s].ended) continue;
+        record(simulator, s, actions[s]);
+        if (simulator.state().episode[s] == EpisodeState::kWalking) continue;
+        ++done_;
+        if (progress) progress(done_, results_.size());
+        begin_next(simulator, s);
+      }
+    }
+    return std::move(results_);
+  }
+
+ private:
+  struct Slot {
+    std::size_t episode = 0;
+    bool ended = true;
+    Rng rng{0};
+  };
+
+  void begin_next(Simulator& simulator, std::size_t s) {
+    Slot& slot = slots_[s];
+    slot.ended = next_ == results_.size();
+    seen_[s].ended = slot.ended;
+    if (slot.ended) return;
+    slot.episode = next_++;
+    const tasks::ContinuousEpisode& episode = episodes_.episodes[slot.episode];
+    const std::string id = tasks::text_of(episode.id);
+    slot.rng = Rng(options_.seed, stream_of(id.data(), id.size()));
+    simulator.new_episode(s, start_of(episode, places_[slot.episode]));
+    tasks::ContinuousResult& result = results_[slot.episode];
+    result.episode = slot.episode;
+    add_pose(simulator, s, result);
+    look(simulator, s);
+    agent_.start(s, seen_[s], simulator.config());
+  }
+
+  void record(const Simulator& simulator, std::size_t s, Action action) {
+    tasks::ContinuousResult& result = results_[slots_[s].episode];
+    result.actions.push_back(static_cast<std::uint8_t>(action));
+    result.collided.push_back(simulator.state().collided[s]);
+    add_pose(simulator, s, result);
+    look(simulator, s);
+  }
+
+  static void add_pose(const Simulator& simulator, std::size_t s, tasks::ContinuousResult& result) {
+    result.positions.push_back(simulator.state().position[s]);
+    result.headings.emplace_back(simulator.state().heading[s]);
+  }
+
+  void look(const Simulator& simulator, std::size_t s) {
+    const continuous::StateSpans state = simulator.state();
+    Slot& slot = slots_[s];
+    seen_[s] = {.episode = &episodes_.episodes[slot.episode],
+                .buildings = buildings_.get(),
+                .building = state.building[s],
+                .pose = {state.position[s], Radians(state.heading[s]), Radians(state.elevation[s])},
+                .floor = simulator.floor_point(s),
+                .collided = state.collided[s] != 0,
+                .step = state.steps[s],
+                .rng = &slot.rng,
+                .ended = false};
+  }
+
+  ContinuousAgent& agent_;
+  const tasks::ContinuousEpisodes& episodes_;
+  std::shared_ptr<const Buildings> buildings_;
+  const ContinuousRunOptions& options_;
+  std::vector<std::size_t> places_;  // buildings by episode
+  std::vector<Slot> slots_;
+  std::vector<ContinuousObservation> seen_;  // by slot
+  std::vector<tasks::ContinuousResult> results_;
+  std::size_t next_ = 0, done_ = 0;
+};
+
+void require_goals(const tasks::ContinuousEpisodes& episodes, std::string_view who) {
+  for (const tasks::ContinuousEpisode& e : episodes.episodes) {
+    if (e.goal_hidden()) {
+      throw ArgumentError(fmt::format("{}: episode {} of {} hides its goal, which is needed", who,
+                                      tasks::text_of(e.id), episodes.file));
+    }
+  }
+}
+
+continuous::DistanceField field_of(const tasks::ContinuousEpisode& episode,
+                                   const continuous::Geodesics& ways) {
+  std::vector<continuous::FloorPoint> goals;
+  for (const tasks::ContinuousGoal& goal : *episode.goals) {
+    if (const auto found = ways.mesh().nearest(to_float(goal.position), {1, 1})) {
+      goals.push_back(*found);
+    }
+  }
+  if (goals.empty()) {
+    throw ArgumentError(fmt::format("episode {}: no floor of {} within 1 m of its goal",
+                                    tasks::text_of(episode.id), episode.scan()));
+  }
+  return ways.field(goals);
+}
+
+}  // namespace
+
+std::vector<tasks::ContinuousResult> run_continuous(ContinuousAgent& agent,
+                                                    const tasks::ContinuousEpisodes& episodes,
+                                                    std::shared_ptr<const Buildings> buildings,
+                                                    const ContinuousRunOptions& options,
+                                                    const Progress& progress) {
+  if (options.batch_size == 0) throw ArgumentError("batch_size: 0, at least 1");
+  if (!buildings) throw ArgumentError("buildings: null");
+  if (agent.needs_goal()) require_goals(episodes, agent.name());
+  return Runner(agent, episodes, std::move(buildings), options).run(progress);
+}
+
+tasks::ExpertWalks record_experts(const tasks::ContinuousEpisodes& episodes,
+                                  std::shared_ptr<const Buildings> buildings,
+                                  const ContinuousRunOptions& options, const Progress& progress) {
+  const std::unique_ptr<ContinuousAgent> expert = make_continuous_agent("reference");
+  const auto walks = run_continuous(*expert, episodes, std::move(buildings), options, progress);
+  tasks::ExpertWalks experts;
+  for (const tasks::ContinuousResult& walk : walks) {
+    tasks::ExpertWalk& made = experts[tasks::text_of(episodes.episodes[walk.episode].id)];
+    made.actions = walk.actions;
+    made.locations.push_back(to_double(walk.positions.front()));
+    for (std::size_t k = 0; k < walk.actions.size(); ++k) {
+      if (walk.actions[k] != static_cast<std::uint8_t>(Action::kForward)) continue;
+      ++made.forward_steps;
+      made.locations.push_back(to_double(walk.positions[k + 1]));
+    }
+  }
+  return experts;
+}
+
+std::vector<double> goal_distances(const tasks::ContinuousResult& walk,
+                                   const tasks::ContinuousEpisode& episode,
+                                   const Buildings& buildings) {
+  const continuous::Geodesics& ways = buildings.ways(buildings.at(episode.scan()));
+  const continuous::DistanceField field = field_of(episode, ways);
+  std::vector<double> distances;
+  for (std::size_t k = 0; k < walk.positions.size(); ++k) {
+    if (k > 0 && walk.positions[k] == walk.positions[k - 1]) {
+      distances.push_back(distances.back());
+      continue;
+    }
+    const auto at = ways.mesh().nearest(walk.positions[k], {1, 1});
+    distances.push_back(at ? field.distance(*at) : std::numeric_limits<double>::infinity());
+  }
+  return distances;
+}
+
+std::vector<tasks::ContinuousScore> score_continuous_walks(
+    std::span<const tasks::ContinuousResult> walks, const tasks::ContinuousEpisodes& episodes,
+    const Buildings& buildings, const tasks::ExpertWalks& experts, const Progress& progress) {
+  require_goals(episodes, "score");
+  std::vector<tasks::ContinuousScore> scores;
+  for (const tasks::ContinuousResult& walk : walks) {
+    const tasks::ContinuousEpisode& episode = episodes.episodes.at(walk.episode);
+    const auto expert = experts.find(tasks::text_of(episode.id));
+    std::vector<Vec3d> reference;
+    if (expert != experts.end()) {
+      reference = expert->second.locations;
+    } else if (episode.reference_path) {
+      reference = *episode.reference_path;
+    } else {
+      reference = {episode.start, episode.goals->front().position};
+    }
+    const tasks::ScoredWalk scored =
+        tasks::to_score(walk, goal_distances(walk, episode, buildings));
+    scores.push_back(tasks::score_continuous(scored.view(), tasks::reference_to_score(reference)));
+    if (progress) progress(scores.size(), walks.size());
+  }
+  return scores;
+}
+
+}  // namespace enfilade::agents

@@ -1,0 +1,52 @@
+/// \file  Running agents over continuous episodes, recording experts, and scoring walks.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "enfilade/agents/continuous_agent.h"
+#include "enfilade/core/progress.h"
+#include "enfilade/tasks/continuous_results.h"
+#include "enfilade/tasks/continuous_score.h"
+
+namespace enfilade::agents {
+
+/// How agents are run. Batch size and threads do not change walks.
+struct ContinuousRunOptions {
+  std::size_t batch_size = 64;
+  std::uint64_t seed = 1;  ///< an episode's stream is named by its id
+  /// Batch size in it is replaced by that above.
+  continuous::SimulatorConfig simulator = continuous::SimulatorConfig::room_to_room();
+};
+
+/// One walk an episode, in order. Slots take the next episode when theirs has ended.
+/// \throws ArgumentError if the agent needs goals that the file hides, for a batch size of 0;
+/// LookupError for a scan without a navigation mesh; InvalidInput naming each episode whose start
+/// is off the floor (`start-off-floor`); errors of files
+std::vector<tasks::ContinuousResult> run_continuous(
+    ContinuousAgent& agent, const tasks::ContinuousEpisodes& episodes,
+    std::shared_ptr<const continuous::Buildings> buildings,
+    const ContinuousRunOptions& options = {}, const Progress& progress = {});
+
+/// The reference agent's walks as VLN-CE's `_gt` files have them. \throws as run_continuous()
+tasks::ExpertWalks record_experts(const tasks::ContinuousEpisodes& episodes,
+                                  std::shared_ptr<const continuous::Buildings> buildings,
+                                  const ContinuousRunOptions& options = {},
+                                  const Progress& progress = {});
+
+/// Geodesic distances of all poses of a walk to the nearest goal. \pre the goals are not hidden
+std::vector<double> goal_distances(const tasks::ContinuousResult& walk,
+                                   const tasks::ContinuousEpisode& episode,
+                                   const continuous::Buildings& buildings);
+
+/// VLN-CE's measures of each walk, in order. \param experts  their locations are what nDTW compares
+/// with; the reference path, for an episode that has none
+/// \throws ArgumentError for hidden goals; as run_continuous()
+std::vector<tasks::ContinuousScore> score_continuous_walks(
+    std::span<const tasks::ContinuousResult> walks, const tasks::ContinuousEpisodes& episodes,
+    const continuous::Buildings& buildings, const tasks::ExpertWalks& experts = {},
+    const Progress& progress = {});
+
+}  // namespace enfilade::agents

@@ -1,0 +1,49 @@
+/// \file  The expert of continuous episodes: walks along reference points by shortest ways.
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "enfilade/continuous/geodesics.h"
+#include "enfilade/continuous/simulator.h"
+
+namespace enfilade::continuous {
+
+/// When a point counts as reached: metres, straight lines.
+struct FollowerConfig {
+  double reached = 0.5;       ///< of points on the way: VLN-CE's experts; > 0
+  double last_reached = 0.5;  ///< of the last one, where it stops; StreamVLN's has 0.25; > 0
+};
+
+/// Says what to do next in a simulator with the given config. The rule is that of VLN-CE's recorded
+/// experts: points are visited in order; if the shortest way to the present one leads more than one
+/// turn off the heading, it turns to the side that is nearer (left if both are), else it walks. If
+/// walking brings it no nearer several times, as where a body cannot come closer, it goes on to the
+/// next point. One thread at a time.
+class ReferenceFollower {
+ public:
+  /// \pre points is not empty; all are of the building
+  /// \throws ArgumentError for no point, or distances that are not positive
+  ReferenceFollower(std::shared_ptr<const Geodesics> ways, std::vector<FloorPoint> points,
+                    const SimulatorConfig& simulator, const FollowerConfig& config = {});
+
+  /// The next action of a body at this place. After kStop the walk is over.
+  Action next(const FloorPoint& at, Radians heading);
+  /// Points that were reached so far, those given up not counted.
+  std::size_t reached() const noexcept { return reached_; }
+  std::size_t given_up() const noexcept { return given_up_; }
+
+ private:
+  bool advance(const FloorPoint& at);
+
+  std::shared_ptr<const Geodesics> ways_;
+  std::vector<FloorPoint> points_;
+  std::vector<DistanceField> fields_;  // of the present point; at most one
+  double turn_;
+  FollowerConfig config_;
+  std::size_t target_ = 0, reached_ = 0, given_up_ = 0;
+  double nearest_ = 0;  // to the present point so far
+  int in_vain_ = 0;     // steps that came no nearer
+};
+
+}  // namespace enfilade::continuous
