@@ -62,7 +62,7 @@ const World& world() {
     World made;
     homes::PlanOptions options;
     options.seed = 5;
-    options.area = 160;
+    options.area = 260;
     homes::BuiltHome built = homes::build_home(options);
     made.tracer = built.tracer;
     made.light = std::make_shared<const mesh::LitMesh>(built.tracer, built.home.lights);

@@ -34,7 +34,7 @@ constexpr double kFarthest = 1e7;         // metres: floats resolve one there
 // What one thread draws with.
 struct Workspace {
   Frame frame;
-  std::vector<std::uint32_t> line;
+  std::vector<std::uint32_t> lines;
 };
 
 void check_size(const char* name, std::uint32_t pixels) {
@@ -77,6 +77,7 @@ struct Eyes::Impl {
   EyesConfig config;
   int threads = 1;
   pixels::Rasteriser rasteriser = nullptr;
+  pixels::Shader shader = nullptr;
 
   // Cameras and spheres seen so far, with their tables.
   std::vector<std::pair<Camera, std::unique_ptr<Lattice>>> lattices;
@@ -132,7 +133,8 @@ struct Eyes::Impl {
     // Before the threads start, so that none allocates.
     for (auto& workspace : workspaces) {
       workspace->frame.resize(blocks_across, block_rows);
-      if (workspace->line.size() < pixels.width()) workspace->line.resize(pixels.width());
+      const std::size_t lines = std::size_t{kTile} * Painter::line_pitch(pixels.width());
+      if (workspace->lines.size() < lines) workspace->lines.resize(lines);
     }
     parallel_for(views.size() * bands, 1, threads, [&](std::size_t begin, std::size_t end) {
       std::unique_ptr<Workspace> workspace = take();
@@ -151,14 +153,14 @@ struct Eyes::Impl {
             const render::Outputs& outputs, Workspace& workspace) const {
     const pixels::SceneParts& scene = buildings[at.building]->parts();
     const Eye& eye = eyes[view];
-    const Painter painter(scene, pixels, eye);
+    const Painter painter(scene, pixels, eye, shader);
     if (pixels.sphere != nullptr || config.method == Method::kRays) {
       painter.trace(rows, workspace.frame);
     } else {
       workspace.frame.clear(*pixels.lattice, rows);
       rasteriser({scene.tree, scene.surfaces, *pixels.lattice, eye}, rows, workspace.frame);
     }
-    painter.paint(workspace.frame, rows, outputs, view, workspace.line);
+    painter.paint(workspace.frame, rows, outputs, view, workspace.lines);
   }
 
   static std::uint32_t parts(std::uint32_t of, std::uint32_t size) {
@@ -181,6 +183,7 @@ Eyes::Eyes(std::vector<std::shared_ptr<const Scene>> buildings, const EyesConfig
   impl_->threads = threads_or_all(config.threads);
   impl_->rasteriser =
       config.method == Method::kPlain ? pixels::rasterise_plainly : pixels::best_rasteriser();
+  if (config.method != Method::kPlain) impl_->shader = pixels::best_shader();
   // The calling thread takes part in the loop, and may be one more than those asked for.
   for (int k = 0; k <= impl_->threads; ++k) {
     impl_->workspaces.push_back(std::make_unique<Workspace>());

@@ -19,8 +19,8 @@ Scene::~Scene() = default;
 
 std::shared_ptr<const Scene> Scene::photographed(std::shared_ptr<const mesh::RayTracer> tracer) {
   if (tracer == nullptr) throw ArgumentError("tracer: none");
-  return std::shared_ptr<const Scene>(
-      new Scene(std::make_unique<SceneParts>(std::move(tracer), ToneTable::Curve::kPlain)));
+  return std::shared_ptr<const Scene>(new Scene(std::make_unique<SceneParts>(
+      std::move(tracer), ToneTable::Curve::kPlain, SceneOptions().least_mirror)));
 }
 
 std::shared_ptr<const Scene> Scene::lit(std::shared_ptr<const mesh::RayTracer> tracer,
@@ -36,7 +36,11 @@ std::shared_ptr<const Scene> Scene::lit(std::shared_ptr<const mesh::RayTracer> t
   if (!std::isfinite(options.exposure)) {
     throw ArgumentError(fmt::format("exposure: {}, not finite", options.exposure));
   }
-  auto parts = std::make_unique<SceneParts>(std::move(tracer), ToneTable::Curve::kShoulder);
+  if (!(options.least_mirror >= 0 && options.least_mirror <= 1)) {
+    throw ArgumentError(fmt::format("least_mirror: {}, not in [0, 1]", options.least_mirror));
+  }
+  auto parts = std::make_unique<SceneParts>(std::move(tracer), ToneTable::Curve::kShoulder,
+                                            options.least_mirror);
   parts->lit = true;
   parts->scale = image::kMidGrey<float> / light.key() * std::exp2(options.exposure);
   parts->sky = light.lights().sky;

@@ -17,7 +17,10 @@ struct SceneParts;
 struct SceneOptions {
   double light_spacing = 0.05;  ///< metres between values on surfaces, [0.005, 10]
   float exposure = 0;           ///< stops, added to the mesh's own (LitMesh::key())
-  int threads = 0;              ///< 0: all cores; does not change the result
+  /// Materials that reflect a smaller share as a mirror does are matt and a little whiter instead:
+  /// a reflection costs a ray and a second look. [0, 1]; 0: all reflect.
+  float least_mirror = 0.3F;
+  int threads = 0;  ///< 0: all cores; does not change the result
 };
 
 /// All that pictures of a building need. Immutable: any number of eyes and threads share one. Takes

@@ -32,7 +32,8 @@ struct Head {
   std::uint64_t mesh = 0;  ///< fingerprint()
   float scale = 1;
   std::array<float, 9> sky{};  ///< zenith, horizon, ground; scaled
-  std::uint64_t reserved = 0;
+  float least_mirror = 0;
+  std::uint32_t reserved = 0;
 };
 static_assert(sizeof(Head) == 80);
 static_assert(std::endian::native == std::endian::little, "files are little-endian");
@@ -130,6 +131,7 @@ void Scene::save(const std::filesystem::path& file) const {
   head.values = p.surfaces.light.size();
   head.mesh = fingerprint(p.tracer->mesh());
   head.scale = p.scale;
+  head.least_mirror = p.least_mirror;
   head.sky = std::bit_cast<std::array<float, 9>>(p.sky);
   std::string content;
   content.reserve(sizeof head + p.surfaces.all.size() * sizeof(Grid) + 4 * head.values + 8);
@@ -149,7 +151,8 @@ std::shared_ptr<const Scene> Scene::load(std::shared_ptr<const mesh::RayTracer> 
   if (tracer == nullptr) throw ArgumentError("tracer: none");
   const std::string content = read_file(file);
   const Head head = read_head(file, content);
-  auto parts = std::make_unique<SceneParts>(std::move(tracer), ToneTable::Curve::kShoulder);
+  auto parts = std::make_unique<SceneParts>(std::move(tracer), ToneTable::Curve::kShoulder,
+                                            head.least_mirror);
   read_body(file, content, head, *parts);
   parts->lit = true;
   parts->scale = head.scale;

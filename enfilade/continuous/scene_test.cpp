@@ -11,6 +11,8 @@
 
 #include "enfilade/continuous/detail/test_rooms.h"
 #include "enfilade/continuous/eyes.h"
+#include "enfilade/continuous/pixels/painter.h"
+#include "enfilade/continuous/pixels/rasteriser.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/geometry/cube_map.h"
@@ -147,6 +149,55 @@ TEST(Scene, WithoutSunPicturesDifferByAStep) {
   }
 }
 
+std::vector<std::uint8_t> drawn(const std::shared_ptr<const Scene>& scene, const MeshView& view,
+                                const EyesConfig& config) {
+  std::vector<std::uint8_t> rgb(3 * kCamera.width * kCamera.height);
+  render::Outputs outputs;
+  outputs.colour =
+      render::ColourOutput{render::ColourFormat::kRgb8, {}, std::as_writable_bytes(std::span(rgb))};
+  Eyes({scene}, config).render(kCamera, {&view, 1}, outputs);
+  return rgb;
+}
+
+TEST(Scene, PlainTwinGivesTheSameColours) {
+  const auto photographed = Scene::photographed(lit().tracer);
+  for (const MeshView& view : views()) {
+    for (const auto& scene : {lit().scene, photographed}) {
+      EXPECT_EQ(drawn(scene, view, {Method::kRaster, 2}), drawn(scene, view, {Method::kPlain, 1}));
+    }
+  }
+}
+
+TEST(Scene, EveryInstructionSetGivesTheSameColours) {
+  const pixels::SceneParts& parts = lit().scene->parts();
+  const pixels::Lattice lattice(kCamera);
+  const pixels::TileRows rows{0, lattice.blocks_down * pixels::kBlock};
+  ASSERT_EQ(pixels::shader_variants().size(), pixels::rasteriser_variants().size());
+  for (const MeshView& view : views()) {
+    const pixels::Eye eye(view.eye, view.heading, view.elevation);
+    const pixels::Pixels of{&lattice, nullptr, 1 / lattice.focal};
+    std::vector<pixels::Frame> frames;
+    std::vector<std::vector<std::byte>> pictures;
+    for (std::size_t k = 0; k < pixels::shader_variants().size(); ++k) {
+      pixels::Frame& frame = frames.emplace_back();
+      frame.resize(lattice.blocks_across, lattice.blocks_down);
+      frame.clear(lattice, rows);
+      pixels::rasteriser_variants()[k].draw({parts.tree, parts.surfaces, lattice, eye}, rows,
+                                            frame);
+      const pixels::Painter painter(parts, of, eye, pixels::shader_variants()[k]);
+      auto& rgb = pictures.emplace_back(std::size_t{3} * kCamera.width * kCamera.height);
+      render::Outputs outputs;
+      outputs.colour = render::ColourOutput{render::ColourFormat::kRgb8, {}, rgb};
+      std::vector<std::uint32_t> lines(pixels::kTile * pixels::Painter::line_pitch(kCamera.width));
+      painter.paint(frame, rows, outputs, 0, lines);
+      const std::string& name = pixels::rasteriser_variants()[k].name;
+      EXPECT_TRUE(frame.nearness == frames[0].nearness && frame.triangle == frames[0].triangle)
+          << name;
+      EXPECT_TRUE(rgb == pictures[0]) << name;
+    }
+  }
+}
+
 TEST(Scene, ThreadsDoNotChangeTheLight) {
   SceneOptions options;
   options.light_spacing = 0.2;
@@ -223,6 +274,9 @@ TEST_F(SceneFile, MistakesAreNamed) {
   EXPECT_THROW(Scene::lit(nullptr, lit().light), ArgumentError);
   SceneOptions options;
   options.light_spacing = 0;
+  EXPECT_THROW(Scene::lit(lit().tracer, lit().light, options), ArgumentError);
+  options = {};
+  options.least_mirror = 2;
   EXPECT_THROW(Scene::lit(lit().tracer, lit().light, options), ArgumentError);
   options = {};
   options.exposure = std::numeric_limits<float>::infinity();

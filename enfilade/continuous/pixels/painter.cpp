@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -84,11 +85,10 @@ inline Vec3f Painter::look(const Surface& surface, const Paint& paint, Vec3f fro
   const float across = dot(towards, surface.normal);
   const Vec3f light = light_at(scene_.surfaces.light.data(), surface,
                                across > 0 ? surface.back : surface.front, at);
-  Vec3f colour = (1 - paint.mirror) * paint.colour;
+  Vec3f colour = paint.colour;
   if (paint.texture != Paint::kNoTexture) {
     // Seen at a slant, a texel covers fewer pixels along one axis: the mean of both axes.
     const float size = length(towards);
-    constexpr float kLeastSlant = 0.05F;
     const float slant = std::sqrt(std::max(std::abs(across) / size, kLeastSlant));
     const float footprint = pixels_.spread * distance * size / slant;
     const Filtered texel = scene_.surfaces.textures.at(
@@ -97,6 +97,7 @@ inline Vec3f Painter::look(const Surface& surface, const Paint& paint, Vec3f fro
     colour = times(colour, {scene_.linear.of(texel.parts[0]), scene_.linear.of(texel.parts[1]),
                             scene_.linear.of(texel.parts[2])});
   }
+  colour += {paint.gloss, paint.gloss, paint.gloss};
   return times(colour, light) + paint.emission;
 }
 
@@ -127,6 +128,44 @@ Vec3f Painter::mirrored(const Surface& surface, const Paint& paint, Vec3f from, 
   return light + paint.mirror * seen;
 }
 
+void Painter::find_directions(std::uint32_t tile_x, std::uint32_t tile_y, Directions& out) const {
+  for (std::uint32_t k = 0; k < kTilePixels; ++k) {
+    const std::uint32_t column = std::min(tile_x * kTile + k % kTile, pixels_.width() - 1);
+    const std::uint32_t row = std::min(tile_y * kTile + k / kTile, pixels_.height() - 1);
+    const Vec3f towards = pixels_.towards(eye_, column, row);
+    out.x[k] = towards.x;
+    out.y[k] = towards.y;
+    out.z[k] = towards.z;
+  }
+}
+
+void Painter::colour_tiles(const Frame& frame, std::uint32_t tile_y,
+                           std::vector<std::uint32_t>& lines) const {
+  const std::uint32_t pitch = line_pitch(pixels_.width());
+  Directions directions;
+  std::array<std::uint32_t, kTilePixels> rgba;
+  for (std::uint32_t tile_x = 0; tile_x < pitch / kTile; ++tile_x) {
+    find_directions(tile_x, tile_y, directions);
+    const std::size_t first = frame.tile_place(tile_x, tile_y) * kTilePixels;
+    const TileColours tile{scene_,
+                           eye_,
+                           pixels_.spread,
+                           frame.triangle.data() + first,
+                           frame.nearness.data() + first,
+                           directions};
+    std::uint64_t left = shader_ == nullptr ? ~std::uint64_t{0} : shader_(tile, rgba.data());
+    for (; left != 0; left &= left - 1) {
+      const auto k = static_cast<std::size_t>(std::countr_zero(left));
+      const Vec3f towards{directions.x[k], directions.y[k], directions.z[k]};
+      rgba[k] = scene_.tone.rgba(look(tile.triangle[k], towards, 1 / tile.nearness[k]));
+    }
+    for (std::size_t y = 0; y < kTile; ++y) {
+      std::copy_n(rgba.begin() + static_cast<std::ptrdiff_t>(y * kTile), kTile,
+                  lines.begin() + static_cast<std::ptrdiff_t>(y * pitch + tile_x * kTile));
+    }
+  }
+}
+
 void Painter::paint_depth(const Frame& frame, std::uint32_t row, const render::DepthOutput& output,
                           std::size_t first) const {
   const bool along_ray = pixels_.lattice != nullptr && output.measure == render::DepthMeasure::kRay;
@@ -149,19 +188,17 @@ void Painter::paint_depth(const Frame& frame, std::uint32_t row, const render::D
 }
 
 void Painter::paint(const Frame& frame, TileRows rows, const render::Outputs& outputs,
-                    std::size_t view, std::vector<std::uint32_t>& line) const {
+                    std::size_t view, std::vector<std::uint32_t>& lines) const {
   const std::uint32_t width = pixels_.width();
   const std::size_t pixels = std::size_t{width} * pixels_.height();
   for (std::uint32_t row = rows.begin * kTile; row < std::min(rows.end * kTile, pixels_.height());
        ++row) {
     const std::size_t in_view = std::size_t{row} * width, first = view * pixels + in_view;
     if (outputs.colour) {
-      for (std::uint32_t j = 0; j < width; ++j) {
-        const std::size_t place = frame.pixel_place(j, row);
-        line[j] = scene_.tone.rgba(
-            look(frame.triangle[place], pixels_.towards(eye_, j, row), 1 / frame.nearness[place]));
-      }
-      render::pack_colours(*outputs.colour, {view, in_view, pixels}, std::span(line).first(width));
+      if (row % kTile == 0) colour_tiles(frame, row / kTile, lines);
+      const std::size_t begin = std::size_t{row % kTile} * line_pitch(width);
+      render::pack_colours(*outputs.colour, {view, in_view, pixels},
+                           std::span(lines).subspan(begin, width));
     }
     if (outputs.depth) paint_depth(frame, row, *outputs.depth, first);
     const auto surface = [&](std::uint32_t j) -> const Surface* {

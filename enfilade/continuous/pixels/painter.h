@@ -6,6 +6,7 @@
 
 #include "enfilade/continuous/pixels/frame.h"
 #include "enfilade/continuous/pixels/scene_parts.h"
+#include "enfilade/continuous/pixels/shader.h"
 #include "enfilade/render/renderer.h"
 
 namespace enfilade::continuous::pixels {
@@ -43,15 +44,19 @@ struct Pixels {
 /// Paints the pictures of one eye.
 class Painter {
  public:
-  Painter(const SceneParts& scene, const Pixels& pixels, const Eye& eye)
-      : scene_(scene), pixels_(pixels), eye_(eye) {}
+  /// \param shader null: look() for each pixel
+  Painter(const SceneParts& scene, const Pixels& pixels, const Eye& eye, Shader shader)
+      : scene_(scene), pixels_(pixels), eye_(eye), shader_(shader) {}
 
   /// Finds what pixels see by rays. \pre frame.resize()
   void trace(TileRows rows, Frame& frame) const;
   /// Writes the outputs of view `view` for these rows of tiles. \param line room for a row of
   /// pixels
   void paint(const Frame& frame, TileRows rows, const render::Outputs& outputs, std::size_t view,
-             std::vector<std::uint32_t>& line) const;
+             std::vector<std::uint32_t>& lines) const;
+  static std::uint32_t line_pitch(std::uint32_t width) {
+    return (width + kTile - 1) / kTile * kTile;
+  }
 
   /// Light from a point of a triangle, or the sky. \param distance in lengths of `towards`
   Vec3f look(std::int32_t triangle, Vec3f towards, float distance) const {
@@ -69,12 +74,16 @@ class Painter {
              float distance) const;
   Vec3f mirrored(const Surface& surface, const Paint& paint, Vec3f from, Vec3f towards,
                  Vec3f light) const;
+  void find_directions(std::uint32_t tile_x, std::uint32_t tile_y, Directions& out) const;
+  void colour_tiles(const Frame& frame, std::uint32_t tile_y,
+                    std::vector<std::uint32_t>& lines) const;
   void paint_depth(const Frame& frame, std::uint32_t row, const render::DepthOutput& output,
                    std::size_t first) const;
 
   const SceneParts& scene_;
   const Pixels& pixels_;
   const Eye& eye_;
+  Shader shader_;
 };
 
 }  // namespace enfilade::continuous::pixels

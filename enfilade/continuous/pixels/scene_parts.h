@@ -11,10 +11,15 @@
 namespace enfilade::continuous::pixels {
 
 struct SceneParts {
-  SceneParts(std::shared_ptr<const mesh::RayTracer> with, ToneTable::Curve curve)
-      : tracer(std::move(with)), surfaces(tracer->mesh()), tree(tracer->mesh()), tone(curve) {}
+  SceneParts(std::shared_ptr<const mesh::RayTracer> with, ToneTable::Curve curve, float mirrors)
+      : tracer(std::move(with)),
+        least_mirror(mirrors),
+        surfaces(tracer->mesh(), mirrors),
+        tree(tracer->mesh()),
+        tone(curve) {}
 
   std::shared_ptr<const mesh::RayTracer> tracer;
+  float least_mirror;
   Surfaces surfaces;  ///< light and emission are scaled: 0.18 is mid-grey in pictures
   Tree tree;
   ToneTable tone;

@@ -69,9 +69,13 @@ float texels_per_metre(const Surface& s, float width, float height) {
 
 }  // namespace
 
-Surfaces::Surfaces(const Mesh& mesh) : light{pack_light({}), pack_light({1, 1, 1})} {
+Surfaces::Surfaces(const Mesh& mesh, float least_mirror)
+    : light{pack_light({}), pack_light({1, 1, 1})} {
   for (const mesh::Material& material : mesh.materials) {
-    Paint paint{material.colour, material.emission, material.mirror, 0, Paint::kNoTexture};
+    Paint paint;
+    paint.colour = (1 - material.mirror) * material.colour;
+    paint.emission = material.emission;
+    (material.mirror < least_mirror ? paint.gloss : paint.mirror) = material.mirror;
     if (!material.texture.pixels.empty() && !mesh.texture_points.empty()) {
       paint.texture = textures.add(material.texture);
       if (material.texture.channels == 4) paint.cutout = material.cutout;

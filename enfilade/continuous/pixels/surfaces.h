@@ -12,6 +12,10 @@
 
 namespace enfilade::continuous::pixels {
 
+/// Least sine of the angle between a line of sight and a surface, for the size of what a pixel
+/// covers there.
+inline constexpr float kLeastSlant = 0.05F;
+
 /// A triangle. Its corners are numbered from the one opposite the longest edge on, so that the two
 /// edges which meet there are the legs of a grid that wastes little.
 struct alignas(64) Surface {
@@ -31,8 +35,10 @@ struct alignas(64) Surface {
 /// A material.
 struct Paint {
   static constexpr std::uint32_t kNoTexture = 0xFFFFFFFFU;
-  Vec3f colour, emission;
-  float mirror = 0;
+  Vec3f colour;     ///< without the share that is reflected as by a mirror
+  float gloss = 0;  ///< reflected so, but little enough to be taken as white
+  Vec3f emission;
+  float mirror = 0;  ///< reflected so
   float cutout = 0;  ///< 0: none
   std::uint32_t texture = kNoTexture;
 };
@@ -41,17 +47,19 @@ struct Paint {
 struct Weights {
   float u, v;
 };
+/// In [0, 1]; 0 for what is not a number.
+inline float share(float weight) { return weight > 0 ? std::min(weight, 1.0F) : 0; }
 /// \param from from the surface's origin
 inline Weights weights_at(const Surface& surface, Vec3f from) {
-  return {std::clamp(dot(surface.along_u, from), 0.0F, 1.0F),
-          std::clamp(dot(surface.along_v, from), 0.0F, 1.0F)};
+  return {share(dot(surface.along_u, from)), share(dot(surface.along_v, from))};
 }
 
 /// All triangles of a mesh.
 class Surfaces {
  public:
   /// Light 1 on both sides, times the mesh's colours. \pre mesh passes check()
-  explicit Surfaces(const mesh::Mesh& mesh);
+  /// \param least_mirror  less is gloss
+  Surfaces(const mesh::Mesh& mesh, float least_mirror);
 
   /// One of kDark and kWhite is at these places of `light`.
   static constexpr std::uint32_t kDark = 0, kWhite = 1;

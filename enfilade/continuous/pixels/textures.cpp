@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/image/tone.h"
 
 namespace enfilade::continuous::pixels {
@@ -36,9 +37,12 @@ std::uint8_t srgb_byte(float light) {
 std::uint32_t Textures::add(const image::Image8& texture) {
   first_level_.push_back(static_cast<std::uint32_t>(levels_.size()));
   const std::size_t first = levels_.size();
-  levels_.push_back({texture.width, texture.height, 0, texels_.size()});
   const std::size_t texels = std::size_t{texture.width} * texture.height;
-  texels_.reserve(texels_.size() + texels + texels / 3 + 64);
+  constexpr std::size_t kMost = std::size_t{1} << 31U;
+  if (texels_.size() + 2 * texels + 64 > kMost) {
+    throw Error("textures: more than 2^31 texels in one mesh");
+  }
+  levels_.push_back({texture.width, texture.height, 0, static_cast<std::uint32_t>(texels_.size())});
   for (std::size_t i = 0; i < texels; ++i) {
     const std::uint8_t* p = texture.pixels.data() + i * texture.channels;
     const std::uint32_t alpha = texture.channels == 4 ? p[3] : 255;
@@ -55,7 +59,7 @@ std::uint32_t Textures::add(const image::Image8& texture) {
 void Textures::add_half(const Level& whole) {
   const auto& linear = linear_bytes();
   const Level half{std::max(whole.width / 2, 1U), std::max(whole.height / 2, 1U), 0,
-                   texels_.size()};
+                   static_cast<std::uint32_t>(texels_.size())};
   for (std::uint32_t y = 0; y < half.height; ++y) {
     for (std::uint32_t x = 0; x < half.width; ++x) {
       std::array<float, 3> sum{};

@@ -22,6 +22,7 @@ struct Filtered {
 class Textures {
  public:
   /// Appends a texture. \returns its number  \pre 3 or 4 channels, at least a texel
+  /// \throws Error for more than 2^31 texels in all
   std::uint32_t add(const image::Image8& texture);
   std::size_t size() const noexcept { return first_level_.size(); }
   std::size_t bytes() const noexcept { return 4 * texels_.capacity(); }
@@ -56,12 +57,21 @@ class Textures {
   /// Alpha in [0, 1], bilinear, of the largest size.
   float alpha(std::uint32_t texture, float s, float t) const;
 
- private:
+  /// One size of a texture.
   struct Level {
     std::uint32_t width, height;
-    std::uint32_t last;  ///< how many smaller levels follow
-    std::uint64_t first;
+    std::uint32_t last;   ///< how many smaller ones follow
+    std::uint32_t first;  ///< of its texels
   };
+  /// For vector instructions.
+  struct Tables {
+    const std::uint32_t* first_level;  ///< by texture
+    const Level* levels;
+    const std::uint32_t* texels;  ///< R lowest
+  };
+  Tables tables() const { return {first_level_.data(), levels_.data(), texels_.data()}; }
+
+ private:
   // R, B, G and A of a texel in 16 bits each.
   using Fields = std::uint64_t;
   static Fields spread(std::uint32_t texel) {

@@ -16,6 +16,7 @@ class LinearTable {
   LinearTable();
   /// \param value in 1 / 256 of a byte's step, at most 255 * 256
   float of(std::uint32_t value) const { return values_[value >> 6U]; }
+  const float* table() const { return values_.data(); }
 
  private:
   std::array<float, 1024> values_;
@@ -33,7 +34,7 @@ class ToneTable {
   std::uint8_t of(float light) const {
     if (!(light >= kLeast)) return 0;
     const auto bits = std::bit_cast<std::uint32_t>(std::min(light, kMost));
-    return bytes_[(bits - kLeastBits) >> kDropped];
+    return static_cast<std::uint8_t>(bytes_[(bits - kLeastBits) >> kDropped]);
   }
   /// RGBA, R lowest, A = 255.
   std::uint32_t rgba(Vec3f light) const {
@@ -41,13 +42,16 @@ class ToneTable {
            std::uint32_t{of(light.z)} << 16U | 255U << 24U;
   }
 
- private:
+  const std::uint32_t* table() const { return bytes_.data(); }
   static constexpr std::uint32_t kDropped = 15;
   static constexpr float kLeast = 1.0F / (1U << 14U);  // below: sRGB's byte 0
   static constexpr float kMost = 31.9F;                // above: byte 255 with either curve
   static constexpr auto kLeastBits = std::bit_cast<std::uint32_t>(kLeast);
   static constexpr auto kMostBits = std::bit_cast<std::uint32_t>(kMost);
-  std::array<std::uint8_t, ((kMostBits - kLeastBits) >> kDropped) + 1> bytes_;
+
+ private:
+  // As 32 bits each, which is what vector instructions gather.
+  std::array<std::uint32_t, ((kMostBits - kLeastBits) >> kDropped) + 1> bytes_;
 };
 
 /// Colours of light in 32 bits: a common exponent and nine bits each (as OpenGL's RGB9_E5). The
