@@ -132,7 +132,8 @@ std::vector<std::filesystem::path> expert_places(ContinuousForm form, std::strin
                                                  AnnotationRole role = AnnotationRole::kGuide);
 
 /// Reads `<split>.json.gz` of R2R-CE, `<split>_<role>.json.gz` of RxR-CE, packed or not. Fields
-/// that the model does not have are kept; null is read as no value where a field may be absent.
+/// that the model does not have are kept; null is read as no value where a field may be absent. One
+/// episode is parsed at a time, of at most 4 MiB.
 /// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths: not JSON,
 /// missing, repeated or wrongly typed fields, an id that is neither a whole number nor a text, that
 /// is empty or that another episode has, a scene without a name, points of other than three
@@ -144,9 +145,10 @@ ContinuousEpisodes parse_continuous_episodes(std::string_view json, const std::s
                                              std::string split);
 
 /// The text of such a file, an episode a line: equal to the one that was read as JSON values, but
-/// for fields that were null. parse_continuous_episodes() reads it back equal.
-/// \throws ArgumentError for what JSON cannot say: an infinite number, text that is not UTF-8, a
-/// field among `others` that is no JSON or has a name of the model's
+/// for fields that were null and for other fields of timed words than their three.
+/// parse_continuous_episodes() reads it back equal. \throws ArgumentError for what JSON cannot say:
+/// an infinite number, text that is not UTF-8, a field among `others` that is no JSON or has a name
+/// of the model's
 std::string to_json(const ContinuousEpisodes& episodes);
 
 /// What an expert did in an episode (`<split>_gt.json.gz`).

@@ -49,6 +49,28 @@ std::size_t end_of_value(std::string_view text, std::size_t at) {
   return text.size();
 }
 
+std::size_t after_blanks(std::string_view text, std::size_t at) {
+  while (at < text.size() && std::string_view(" \t\n\r").find(text[at]) != text.npos) ++at;
+  return at;
+}
+
+// A part of a text that is one level down in it.
+simdjson::error_code parse_part(simdjson::dom::parser& parser, std::string_view text,
+                                std::size_t begin, std::size_t end, Element& element) {
+  const std::size_t bytes = end - begin;
+  // The parser would forget how deep it may go when it grows.
+  if (parser.capacity() < bytes) {
+    const auto code = parser.allocate(bytes, simdjson::DEFAULT_MAX_DEPTH - 1);
+    if (code != simdjson::SUCCESS) throw std::bad_alloc();
+  }
+  // simdjson looks at some bytes after the text that it is given. If there are none that belong to
+  // us, it has to copy it.
+  const bool copies = text.size() - end < simdjson::SIMDJSON_PADDING;
+  const simdjson::error_code code = parser.parse(text.data() + begin, bytes, copies).get(element);
+  if (code == simdjson::MEMALLOC) throw std::bad_alloc();
+  return code;
+}
+
 }  // namespace
 
 Entries::Entries(std::string_view text, std::string name, std::size_t most_bytes)
@@ -119,26 +141,76 @@ void Entries::take_any(std::size_t begin) {
 
 simdjson::error_code Entries::parse(std::size_t begin, std::size_t end) {
   bytes_ = end - begin;
-  // The list is one level of those that simdjson allows. The parser would forget it when it grows.
-  if (parser_.capacity() < bytes_) {
-    const auto code = parser_.allocate(bytes_, simdjson::DEFAULT_MAX_DEPTH - 1);
-    if (code != simdjson::SUCCESS) throw std::bad_alloc();
-  }
-  // simdjson looks at some bytes after the text that it is given. If there are none that belong to
-  // us, it has to copy it.
-  const bool copies = text_.size() - end < simdjson::SIMDJSON_PADDING;
   Element element;
-  const simdjson::error_code code =
-      parser_.parse(text_.data() + begin, bytes_, copies).get(element);
-  if (code == simdjson::MEMALLOC) throw std::bad_alloc();
+  const simdjson::error_code code = parse_part(parser_, text_, begin, end, element);
   if (code == simdjson::SUCCESS) element_ = element;
   return code;
 }
 
-void Entries::skip_blanks() {
-  while (at_ < text_.size() && std::string_view(" \t\n\r").find(text_[at_]) != text_.npos) ++at_;
-}
+void Entries::skip_blanks() { at_ = after_blanks(text_, at_); }
 
 void Entries::refuse(simdjson::error_code code) const { throw not_json(text_, name_, code); }
+
+Members::Members(std::string_view text, std::string name)
+    : text_(without_byte_order_mark(text)), name_(std::move(name)) {}
+
+bool Members::is_object(Faults& faults) {
+  skip_blanks();
+  if (at_ < text_.size() && text_[at_] == '{') return true;
+  // A whole parse of a list would take many times the text's bytes.
+  check_syntax(text_, name_);
+  const std::string found = at_ < text_.size() && text_[at_] == '['
+                                ? "array"
+                                : describe(Document::parse(text_, name_).root());
+  faults.error(Path(), "not-an-object", fmt::format("{}, not an object", found));
+  return false;
+}
+
+bool Members::next() {
+  // at_ is at what stands before the member: the object's brace, or the last member's comma
+  bool ended = !first_ && text_[at_] == '}';
+  if (!ended) {
+    ++at_;
+    skip_blanks();
+    ended = first_ && at_ < text_.size() && text_[at_] == '}';
+  }
+  if (ended) {
+    ++at_;
+    skip_blanks();
+    if (at_ < text_.size()) refuse(simdjson::TAPE_ERROR);
+    return false;
+  }
+  first_ = false;
+  key_ = read_key();
+  skip_blanks();
+  if (at_ == text_.size() || text_[at_] != ':') refuse(simdjson::TAPE_ERROR);
+  begin_ = after_blanks(text_, at_ + 1);
+  at_ = end_of_value(text_, begin_);
+  if (at_ == text_.size() || at_ == begin_ || text_[at_] == ']') refuse(simdjson::TAPE_ERROR);
+  return true;
+}
+
+std::optional<Element> Members::element(std::size_t most_bytes) {
+  if (at_ - begin_ > most_bytes) return std::nullopt;
+  Element element;
+  const simdjson::error_code code = parse_part(parser_, text_, begin_, at_, element);
+  if (code != simdjson::SUCCESS) refuse(code);
+  return element;
+}
+
+std::string Members::read_key() {
+  if (at_ == text_.size() || text_[at_] != '"') refuse(simdjson::TAPE_ERROR);
+  const std::size_t begin = at_;
+  at_ = skip_string(text_, begin + 1);
+  Element element;
+  std::string_view key;
+  const simdjson::error_code code = parse_part(parser_, text_, begin, at_, element);
+  if (code != simdjson::SUCCESS || element.get(key) != simdjson::SUCCESS) refuse(code);
+  return std::string(key);
+}
+
+void Members::skip_blanks() { at_ = after_blanks(text_, at_); }
+
+void Members::refuse(simdjson::error_code code) const { throw not_json(text_, name_, code); }
 
 }  // namespace enfilade::json

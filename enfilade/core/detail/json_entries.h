@@ -1,4 +1,5 @@
-/// \file  Reading of a large JSON list, one entry at a time. Internal, as it includes simdjson.
+/// \file  Reading of a large JSON list, one entry at a time, and of a large object, one member at a
+/// time. Internal, as it includes simdjson.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -55,6 +56,53 @@ class Entries {
   std::size_t bytes_ = 0;
   bool plain_ = true;  // all entries until now were plain objects
   std::optional<Element> element_;
+  simdjson::dom::parser parser_;
+};
+
+/// The members of a text that is one object, in turn, repeated ones too. Values are parsed only
+/// where they are asked for, so that a large one can be read by Entries. Texts of which every value
+/// is parsed are accepted and refused, with the same messages, as by Document::parse().
+///
+///     Members members(text, "walks.json");
+///     if (!members.is_object(faults)) return;
+///     while (members.next()) read(members.key(), members.element(most_bytes));
+///
+/// Belongs to one thread.
+class Members {
+ public:
+  /// \pre the text outlives *this
+  Members(std::string_view text, std::string name);
+  Members(const Members&) = delete;
+  Members& operator=(const Members&) = delete;
+
+  /// Whether the text is an object. If not, that is reported to `faults`, at $.
+  /// \throws InvalidInput for a text that is not JSON, and no object either
+  bool is_object(Faults& faults);
+  /// Goes to the next member. False if there are no more; of values that were not parsed the
+  /// brackets and strings alone were looked at. \pre is_object()
+  /// \throws InvalidInput if the text is not JSON as far as this member's end
+  bool next();
+  const std::string& key() const noexcept { return key_; }  ///< \pre next()
+  /// The text of the value. Valid as long as the whole text. \pre next()
+  std::string_view value() const noexcept { return text_.substr(begin_, at_ - begin_); }
+  /// The value, valid until the next call of next() or element(); none if its text has more than
+  /// `most_bytes`. \pre next() \throws InvalidInput if it is not JSON
+  std::optional<Element> element(std::size_t most_bytes);
+  /// Reads the whole text for its first fault: what a reader of value() found is told with its
+  /// place in the whole. Returns if there is none. \throws InvalidInput
+  void check_whole() const { check_syntax(text_, name_); }
+
+ private:
+  void skip_blanks();
+  std::string read_key();
+  [[noreturn]] void refuse(simdjson::error_code code) const;
+
+  std::string_view text_;
+  std::string name_;
+  std::size_t at_ = 0;     // at the object's brace; later at what stands behind the member
+  std::size_t begin_ = 0;  // of the value
+  bool first_ = true;
+  std::string key_;
   simdjson::dom::parser parser_;
 };
 

@@ -152,5 +152,107 @@ TEST(JsonEntries, ARootThatIsNoListIsNamedWithoutAParseOfIt) {
   EXPECT_THAT(entries_of(text), ElementsAre("error: f: $: object, not an array [not-an-array]"));
 }
 
+/// Each member as key and value, as simdjson writes them; or what is thrown or reported.
+std::vector<std::string> members_of(std::string_view text) {
+  std::vector<std::string> found;
+  try {
+    Faults faults("f");
+    Members members(text, "f");
+    if (!members.is_object(faults)) return {to_string(faults.take().at(0))};
+    while (members.next()) {
+      found.push_back(members.key() + ":" + simdjson::minify(members.element(1U << 20U).value()));
+    }
+  } catch (const InvalidInput& error) {
+    return {error.what()};
+  }
+  return found;
+}
+
+std::vector<std::string> whole_object(std::string_view text) {
+  std::vector<std::string> found;
+  try {
+    const Document document = Document::parse(text, "f");
+    Faults faults("f");
+    const auto object = json::object(document.root(), Path(), faults);
+    if (!object) return {to_string(faults.take().at(0))};
+    for (const auto member : *object) {
+      found.push_back(std::string(member.key) + ":" + simdjson::minify(member.value));
+    }
+  } catch (const InvalidInput& error) {
+    return {error.what()};
+  }
+  return found;
+}
+
+TEST(JsonMembers, AreTheOnesOfTheObject) {
+  EXPECT_THAT(members_of(R"({"a": [1, "}\""], "b\"\u0041" : {"c": 2} , "a": [ ], "": null})"),
+              ElementsAre(R"(a:[1,"}\""])", R"(b"A:{"c":2})", "a:[]", ":null"));
+  EXPECT_THAT(members_of("\xEF\xBB\xBF { \"a\": 1 }\n"), ElementsAre("a:1"));
+  EXPECT_THAT(members_of("{}"), ElementsAre());
+}
+
+TEST(JsonMembers, AcceptAndRefuseWhatAWholeParseDoes) {
+  for (const std::string text : {"",
+                                 " ",
+                                 "{",
+                                 "}",
+                                 "{}}",
+                                 "{},",
+                                 "{\"a\"",
+                                 "{\"a\"}",
+                                 "{\"a\":",
+                                 "{\"a\":}",
+                                 "{\"a\":,}",
+                                 "{\"a\":1",
+                                 "{\"a\":1,",
+                                 "{\"a\":1,}",
+                                 "{,\"a\":1}",
+                                 "{\"a\":1,,\"b\":2}",
+                                 "{\"a\":1 \"b\":2}",
+                                 "{\"a\":1]",
+                                 "{\"a\":1:2}",
+                                 "{\"a\" 1}",
+                                 "{a:1}",
+                                 "{1:1}",
+                                 "{\"a:1}",
+                                 "{\"a\\\":1}",
+                                 "{\"a\\x\":1}",
+                                 "{\"\xff\":1}",
+                                 "{\"a\":[1}",
+                                 "{\"a\":{]}",
+                                 "{\"a\":NaN}",
+                                 "{\"a\":1e999}",
+                                 "{\"a\":01}",
+                                 "{\"a\":tru}",
+                                 "{\"a\":1}\n2",
+                                 "{\"a\":1}\n",
+                                 "\"text\"",
+                                 "12",
+                                 "nul",
+                                 "null",
+                                 "x",
+                                 "{\n\"a\":1,\n\"b\":2,\n?\n}",
+                                 "{\"a\": [{\"b\": [1,\n 2, ?]}]}"}) {
+    EXPECT_EQ(members_of(text), whole_object(text)) << text;
+  }
+  EXPECT_THAT(members_of("[1, 2]"), ElementsAre(HasSubstr("$: array, not an object")));
+  EXPECT_THAT(members_of("[1, 2"), ElementsAre(HasSubstr("not-json")));
+}
+
+TEST(JsonMembers, LeaveLargeValuesToTheirReaders) {
+  const std::string text = R"({"list": [1, 2, 3], "b": [4, ?]})";
+  Members members(text, "f");
+  Faults faults("f");
+  ASSERT_TRUE(members.is_object(faults));
+  ASSERT_TRUE(members.next());
+  EXPECT_EQ(members.value(), "[1, 2, 3]");
+  EXPECT_FALSE(members.element(8).has_value());
+  EXPECT_TRUE(members.element(9).has_value());
+  ASSERT_TRUE(members.next());
+  EXPECT_EQ(members.value(), "[4, ?]");  // its reader will find the fault
+  EXPECT_FALSE(members.next());
+  EXPECT_THROW(members.check_whole(), InvalidInput);
+}
+
 }  // namespace
 }  // namespace enfilade::json

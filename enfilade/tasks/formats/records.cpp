@@ -101,6 +101,11 @@ std::vector<DialogueTurn> read_turns(json::Element element, const json::Path& pa
   return turns;
 }
 
+void refuse_large(std::size_t bytes, const json::Path& path, json::Faults& faults,
+                  std::size_t most) {
+  faults.error(path, "too-large", fmt::format("{} bytes; {} are allowed", bytes, most));
+}
+
 std::vector<TimedWord> read_timed_words(json::Element element, const json::Path& path,
                                         json::Faults& faults) {
   std::vector<TimedWord> words;

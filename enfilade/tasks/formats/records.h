@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "enfilade/core/detail/json.h"
+#include "enfilade/core/detail/json_entries.h"
 #include "enfilade/core/detail/json_records.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/tasks/annotations.h"
@@ -69,6 +70,27 @@ class Once {
   std::unordered_map<std::string, std::size_t> places_;
 };
 
+/// Reports a part of a file of more than it may have. \param most  bytes
+void refuse_large(std::size_t bytes, const json::Path& path, json::Faults& faults,
+                  std::size_t most = kMostRecordBytes);
+
+/// Reads each member of an object in turn; after kMostFaultsKept errors the rest is not read.
+/// `read(members, path)` is called for each. \throws InvalidInput if the text is not JSON
+template <class Read>
+void for_each_member(std::string_view text, json::Faults& faults, const Read& read) {
+  json::Members members(text, faults.file());
+  const json::Path root;
+  if (!members.is_object(faults)) return;
+  while (members.next()) {
+    const json::Path path(root, members.key());
+    if (faults.full()) {
+      faults.stop(path);
+      return;
+    }
+    read(members, path);
+  }
+}
+
 // Goes through the records that are left. \param any  whether there was one
 template <class Read>
 void go_through(json::Records& records, json::Faults& faults, bool& any, const Read& read) {
@@ -84,9 +106,7 @@ void go_through(json::Records& records, json::Faults& faults, bool& any, const R
       read(&*records.element(), path);
       continue;
     }
-    faults.error(path, "too-large",
-                 std::to_string(records.bytes()) + " bytes; " + std::to_string(kMostRecordBytes) +
-                     " are allowed");
+    refuse_large(records.bytes(), path, faults);
     read(nullptr, path);
   }
 }

@@ -18,6 +18,33 @@ using json::Faults;
 using json::Path;
 using Json = nlohmann::ordered_json;
 
+namespace {
+
+// Repeated names in objects: of two values readers keep one or the other.
+void report_repeated(Element element, const Path& path, Faults& faults) {
+  if (simdjson::dom::array list; element.get(list) == simdjson::SUCCESS) {
+    std::size_t k = 0;
+    for (const Element one : list) report_repeated(one, Path(path, k++), faults);
+  }
+  simdjson::dom::object object;
+  if (element.get(object) != simdjson::SUCCESS) return;
+  std::unordered_set<std::string_view> seen;
+  for (const auto member : object) {
+    const Path place(path, member.key);
+    if (!seen.insert(member.key).second) {
+      faults.error(place, "repeated-field", "given twice in one object");
+    }
+    report_repeated(member.value, place, faults);
+  }
+}
+
+}  // namespace
+
+std::string read_other(Element element, const Path& path, Faults& faults) {
+  report_repeated(element, path, faults);
+  return simdjson::minify(element);
+}
+
 bool read_fields(Element element, std::span<const json::Field> wanted,
                  std::span<std::optional<Element>> found, OtherFields& others, const Path& path,
                  Faults& faults) {
@@ -31,7 +58,8 @@ bool read_fields(Element element, std::span<const json::Field> wanted,
   for (const auto member : members) {
     if (std::ranges::find(wanted, member.key, &json::Field::name) != wanted.end()) continue;
     if (seen.insert(member.key).second) {
-      others.emplace_back(std::string(member.key), simdjson::minify(member.value));
+      const Path place(path, member.key);
+      others.emplace_back(std::string(member.key), read_other(member.value, place, faults));
       continue;
     }
     faults.error(Path(path, member.key), "repeated-field", "given twice in one object");

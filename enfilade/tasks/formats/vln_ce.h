@@ -15,6 +15,9 @@
 
 namespace enfilade::tasks::formats {
 
+/// A value that the model has no place for, as JSON without blanks. Reports a field that an object
+/// in it has twice.
+std::string read_other(json::Element element, const json::Path& path, json::Faults& faults);
 /// As json::fields(), but null counts as absent where the field is not required, and fields of
 /// other names are given.
 bool read_fields(json::Element element, std::span<const json::Field> wanted,

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
+#include "enfilade/core/detail/json_entries.h"
 #include "enfilade/core/text_file.h"
 #include "enfilade/tasks/continuous_episodes.h"
 #include "enfilade/tasks/formats/records.h"
@@ -20,6 +22,9 @@ using json::Faults;
 using json::Path;
 using namespace formats::vln_ce;
 
+// Of a vocabulary and of fields that the model does not have: ten times XLM-R's 250,000 words, four
+// times over.
+constexpr std::size_t kMostMemberBytes = std::size_t{1} << 28U;
 constexpr std::int64_t kMostCount = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t kLastAction = 5;  // look down
 // Rounding of what was computed in single precision.
@@ -170,27 +175,60 @@ Read read_episode(Element element, const Path& path, Faults& faults) {
   return read;
 }
 
-void read_episodes(Element element, const Path& path, Faults& faults,
-                   std::vector<ContinuousEpisode>& episodes) {
-  const auto list = json::array(element, path, faults);
-  if (!list) return;
-  episodes.reserve(list->size());
-  std::unordered_map<std::string, std::size_t> places;
-  for (const Element one : *list) {
-    const std::size_t index = episodes.size();
-    const Path place(path, index);
-    if (faults.full()) {
-      faults.stop(place);
-      return;
+// Reads the list one episode at a time.
+class EpisodesReader {
+ public:
+  EpisodesReader(std::vector<ContinuousEpisode>& episodes, Faults& faults)
+      : episodes_(episodes), faults_(faults) {}
+
+  void read(std::string_view list, const Path& path) {
+    json::Entries entries(list, faults_.file(), formats::kMostRecordBytes);
+    if (!entries.is_list(faults_)) return;
+    while (entries.next()) {
+      const Path place(path, entries.index());
+      if (faults_.full()) {
+        faults_.stop(place);
+        return;
+      }
+      if (entries.element()) {
+        add(read_episode(*entries.element(), place, faults_), place);
+      } else {
+        formats::refuse_large(entries.bytes(), place, faults_);
+        episodes_.emplace_back();
+      }
     }
-    Read read = read_episode(one, place, faults);
-    episodes.push_back(std::move(read.episode));
-    if (!read.has_id) continue;
-    const std::string id = text_of(episodes.back().id);
-    const auto [first, fresh] = places.emplace(id, index);
-    if (fresh) continue;
-    faults.error(Path(place, "episode_id"), "repeated-id",
-                 fmt::format("{:?} stands at $.episodes[{}] already", id, first->second));
+  }
+
+ private:
+  void add(Read read, const Path& place) {
+    const std::size_t index = episodes_.size();
+    episodes_.push_back(std::move(read.episode));
+    if (!read.has_id) return;
+    const std::string id = text_of(episodes_.back().id);
+    const auto [first, fresh] = places_.emplace(id, index);
+    if (fresh) return;
+    faults_.error(Path(place, "episode_id"), "repeated-id",
+                  fmt::format("{:?} stands at $.episodes[{}] already", id, first->second));
+  }
+
+  std::vector<ContinuousEpisode>& episodes_;
+  Faults& faults_;
+  std::unordered_map<std::string, std::size_t> places_;
+};
+
+void read_episodes(json::Members& members, const Path& path, Faults& faults,
+                   std::vector<ContinuousEpisode>& episodes) {
+  if (!members.value().starts_with('[')) {
+    const auto value = members.element(kMostMemberBytes);
+    if (value) json::array(*value, path, faults);
+    if (!value) formats::refuse_large(members.value().size(), path, faults, kMostMemberBytes);
+    return;
+  }
+  try {
+    EpisodesReader(episodes, faults).read(members.value(), path);
+  } catch (const InvalidInput&) {
+    members.check_whole();  // says where in the file it is
+    throw;
   }
 }
 
@@ -236,17 +274,26 @@ ExpertWalk read_walk(Element element, const Path& path, Faults& faults) {
 
 ContinuousEpisodes parse_continuous_episodes(std::string_view json, const std::string& file,
                                              std::string split) {
-  const json::Document document = json::Document::parse(json, file);
   ContinuousEpisodes result{std::move(split), file, {}};
   Faults faults(file);
   const Path root;
-  Found<kFileFields> found;
-  if (formats::read_fields(document.root(), kOfFile, found, result.others, root, faults)) {
-    read_episodes(*found[kEpisodes], Path(root, "episodes"), faults, result.episodes);
-    if (found[kVocabulary]) {
-      result.vocabulary =
-          read_vocabulary(*found[kVocabulary], Path(root, "instruction_vocab"), faults);
+  const Path list(root, kOfFile[kEpisodes].name), words(root, kOfFile[kVocabulary].name);
+  std::unordered_set<std::string> seen;
+  formats::for_each_member(json, faults, [&](json::Members& members, const Path& path) {
+    if (!seen.insert(members.key()).second) {
+      faults.error(path, "repeated-field", "given twice in one object");
+    } else if (members.key() == kOfFile[kEpisodes].name) {
+      read_episodes(members, list, faults, result.episodes);
+    } else if (const auto value = members.element(kMostMemberBytes); !value) {
+      formats::refuse_large(members.value().size(), path, faults, kMostMemberBytes);
+    } else if (members.key() != kOfFile[kVocabulary].name) {
+      result.others.emplace_back(members.key(), formats::read_other(*value, path, faults));
+    } else if (!value->is_null()) {
+      result.vocabulary = read_vocabulary(*value, words, faults);
     }
+  });
+  if (faults.errors() == 0 && !seen.contains(std::string(kOfFile[kEpisodes].name))) {
+    faults.error(root, "missing-field", fmt::format("has no field {:?}", kOfFile[kEpisodes].name));
   }
   faults.throw_if_errors();
   return result;
@@ -258,22 +305,17 @@ ContinuousEpisodes load_continuous_episodes(const std::filesystem::path& file, s
 }
 
 ExpertWalks parse_expert_walks(std::string_view json, const std::string& file) {
-  const json::Document document = json::Document::parse(json, file);
   ExpertWalks walks;
   Faults faults(file);
-  const Path root;
-  if (const auto members = json::object(document.root(), root, faults)) {
-    for (const auto member : *members) {
-      const Path place(root, member.key);
-      if (faults.full()) {
-        faults.stop(place);
-        break;
-      }
-      const bool fresh =
-          walks.emplace(std::string(member.key), read_walk(member.value, place, faults)).second;
-      if (!fresh) faults.error(place, "repeated-id", "a walk of this episode is there already");
+  formats::for_each_member(json, faults, [&](json::Members& members, const Path& path) {
+    const auto value = members.element(formats::kMostRecordBytes);
+    if (!value) {
+      formats::refuse_large(members.value().size(), path, faults);
+      return;
     }
-  }
+    const bool fresh = walks.emplace(members.key(), read_walk(*value, path, faults)).second;
+    if (!fresh) faults.error(path, "repeated-id", "a walk of this episode is there already");
+  });
   faults.throw_if_errors();
   return walks;
 }

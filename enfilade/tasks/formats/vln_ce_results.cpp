@@ -81,21 +81,17 @@ class ResultsReader {
     for (std::size_t i = 0; i < episodes_.episodes.size(); ++i) {
       by_id_.emplace(text_of(episodes_.episodes[i].id), i);
     }
-    const json::Document document = json::Document::parse(text, faults_.file());
-    const Path root;
-    const auto members = json::object(document.root(), root, faults_);
-    if (!members) return;
-    for (const auto member : *members) {
-      const Path path(root, member.key);
-      if (faults_.full()) {
-        faults_.stop(path);
+    formats::for_each_member(text, faults_, [this](json::Members& members, const Path& path) {
+      const auto episode = claim(members.key(), path);
+      const auto value = members.element(formats::kMostRecordBytes);
+      if (!value) {
+        formats::refuse_large(members.value().size(), path, faults_);
         return;
       }
-      const auto episode = claim(std::string(member.key), path);
       const std::size_t errors = faults_.errors();
-      ContinuousResult walk = read_poses(member.value, path);
+      ContinuousResult walk = read_poses(*value, path);
       keep(episode, std::move(walk), errors, path);
-    }
+    });
   }
 
   void read_lines(std::string_view text) {

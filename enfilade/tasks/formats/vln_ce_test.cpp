@@ -190,8 +190,20 @@ TEST(ContinuousEpisodes, ReportFaultsWithTheirPaths) {
               HasSubstr("$.episodes[0].instruction.timed_instruction[0]: has no field \"word\""));
   EXPECT_THAT(faults("\"version\": 2", "\"version\": 2, \"version\": 2", kRxr),
               HasSubstr("$.version: given twice in one object"));
+  EXPECT_THAT(faults("2.5]", "{\"b\": 1, \"b\": 2}]", kRxr),
+              HasSubstr("$.episodes[0].tour.part[2].b: given twice in one object"));
   EXPECT_THAT(tests::refusal<InvalidInput>([] { parsed(kR2r.substr(0, 300)); }),
               HasSubstr("the file ends too early"));
+  EXPECT_THAT(faults("[4, 5, 0]", "[4, 5, NaN]"),
+              HasSubstr("$.episodes[0].instruction.instruction_tokens[2]: line 1, column"));
+  EXPECT_THAT(tests::refusal<InvalidInput>([] { parsed(R"({"episodes": {"1": 2}})"); }),
+              HasSubstr("$.episodes: object, not an array"));
+  EXPECT_THAT(tests::refusal<InvalidInput>([] { parsed("[]"); }),
+              HasSubstr("$: array, not an object"));
+  EXPECT_THAT(tests::refusal<InvalidInput>([] { parsed(""); }), HasSubstr("the file is empty"));
+  EXPECT_THAT(faults("\"reference_path\"",
+                     "\"x\": \"" + std::string(5U << 20U, 'x') + "\", \"reference_path\""),
+              HasSubstr("$.episodes[0]: 5243"));
 }
 
 TEST(ContinuousEpisodes, ReportAnIdThatIsThereTwiceAsNumberOrText) {
@@ -259,9 +271,8 @@ TEST(ExpertWalks, ReportFaultsWithTheirPaths) {
   EXPECT_THAT(refused("\"7\"", "\"302\""), HasSubstr("$.302: a walk of this episode"));
   EXPECT_THAT(refused("\"actions\": [2, 1, 0]", "\"steps\": []"),
               HasSubstr("$.302: has no field \"actions\""));
-  EXPECT_THAT(
-      tests::refusal<InvalidInput>([] { parse_expert_walks("[]", "gt.json"); }),
-      AllOf(HasSubstr("gt.json: $: array of 0, not an object"), HasSubstr("not-an-object")));
+  EXPECT_THAT(tests::refusal<InvalidInput>([] { parse_expert_walks("[]", "gt.json"); }),
+              AllOf(HasSubstr("gt.json: $: array, not an object"), HasSubstr("not-an-object")));
 }
 
 }  // namespace
