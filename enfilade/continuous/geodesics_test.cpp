@@ -18,8 +18,8 @@ std::shared_ptr<const NavigationMesh> mesh_of(mesh::Mesh made) {
   return std::make_shared<const NavigationMesh>(make_floor_polygons(tracer));
 }
 
-// A cell of 2 cm, in which every rim lies, at each of two walls.
-constexpr double kRim = 2 * 0.02;
+// A cell of 1.25 cm, in which every rim lies, at each of two walls.
+constexpr double kRim = 2 * 0.0125;
 
 double flat_length(Vec3f a, Vec3f b) { return std::hypot(a.x - b.x, a.y - b.y); }
 

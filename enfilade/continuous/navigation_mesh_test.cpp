@@ -27,7 +27,7 @@ mesh::Mesh pillar_room() {
 }
 
 // Half a cell, and the error of the rim.
-constexpr double kRim = 0.5 * 0.02 + 0.015;
+constexpr double kRim = 0.5 * 0.0125 + 0.01;
 
 TEST(NavigationMesh, FindsTheNearestPointOfTheFloor) {
   const NavigationMesh mesh(polygons_of(pillar_room()));

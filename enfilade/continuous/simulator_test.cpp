@@ -184,8 +184,8 @@ TEST(ContinuousSimulator, NobodyEndsInAWall) {
   for (std::size_t a = 0; a < 100; ++a) starts.push_back(start_at(1, 1, static_cast<double>(a)));
   s.new_episodes(starts);
   std::vector<Action> actions(100);
-  // 2 cm of a cell, of which each rim is somewhere in, and 1.5 cm that its line may deviate.
-  constexpr double kRadius = 0.1 - 0.035;
+  // A cell, in which each rim is, and what its line may deviate.
+  constexpr double kRadius = 0.1 - 0.0125 - 0.01;
   for (int step = 0; step < 10'000; ++step) {
     for (Action& action : actions) action = random_action(rng);
     s.step(actions);

@@ -113,10 +113,12 @@ void check_polygon_options(const PolygonOptions& o) {
 
 }  // namespace
 
-FloorPolygons make_floor_polygons(const RayTracer& tracer, const PolygonOptions& options) {
-  check_polygon_options(options);
-  check_walkable_input(tracer.mesh(), options.floor);
-  const double cell = options.floor.cell;
+FloorPolygons make_floor_polygons(const RayTracer& tracer, const PolygonOptions& asked) {
+  check_polygon_options(asked);
+  check_walkable_input(tracer.mesh(), asked.floor);
+  PolygonOptions options = asked;
+  const double cell = options.floor.cell = fitting_cell(tracer.mesh(), asked.floor);
+  options.rim_error *= cell / asked.floor.cell;
   const Lattice lattice = make_lattice(tracer.mesh(), options.floor);
   Field field = make_field(tracer.mesh(), options.floor, lattice);
   field.erode_straight(options.floor);

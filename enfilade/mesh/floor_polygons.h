@@ -13,12 +13,14 @@
 
 namespace enfilade::mesh {
 
-/// Who walks, and how closely the polygons follow the floor's rim.
+/// Who walks, and how closely the polygons follow the floor's rim. Where the box that is looked at
+/// is too large for cells of that size (2,600 m2 at 1.25 cm), cells and rim_error grow together
+/// until it is not: FloorPolygons::cell says what they are.
 struct PolygonOptions {
   WalkableOptions floor{.body = {.radius = 0.1, .height = 1.5, .step = 0.2, .slope = 45},
-                        .cell = 0.02,
+                        .cell = 0.0125,
                         .least_area = 1.0};
-  double rim_error = 0.015;    ///< metres that an edge of the rim may deviate; 0 .. 1
+  double rim_error = 0.01;     ///< metres that an edge of the rim may deviate; 0 .. 1
   double height_every = 0.2;   ///< metres between samples of the height inside polygons; 0.05 .. 10
   double height_error = 0.02;  ///< metres that a height may be off between them; 0.005 .. 1
 };

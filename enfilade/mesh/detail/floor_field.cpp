@@ -97,6 +97,17 @@ Box box_of(const Mesh& mesh, const WalkableOptions& options) {
 
 }  // namespace
 
+double fitting_cell(const Mesh& mesh, const WalkableOptions& options) {
+  const auto [low, high] = box_of(mesh, options);
+  const auto columns = [&](double cell) {
+    return (std::ceil((high.x - low.x) / cell) + 2 * kMargin + 1) *
+           (std::ceil((high.y - low.y) / cell) + 2 * kMargin + 1);
+  };
+  double cell = options.cell;
+  while (columns(cell) > kMostColumns && cell < 1) cell *= 1.25;
+  return cell;
+}
+
 Lattice make_lattice(const Mesh& mesh, const WalkableOptions& options) {
   const double cell = options.cell;
   Lattice lattice;

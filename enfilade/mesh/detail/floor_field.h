@@ -24,6 +24,9 @@ void check_walkable_input(const Mesh& mesh, const WalkableOptions& options);
 /// \throws ArgumentError for more columns or levels than Recast counts
 Lattice make_lattice(const Mesh& mesh, const WalkableOptions& options);
 
+/// The least cells of `options`, or larger, of which a mesh is not too many columns.
+double fitting_cell(const Mesh& mesh, const WalkableOptions& options);
+
 /// Levels that one step of the body climbs.
 int climb_of(const WalkableOptions& options, const Lattice& lattice);
 /// Levels of the body's height.
