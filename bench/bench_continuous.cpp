@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "enfilade/capture/mesh_panoramas.h"
 #include "enfilade/continuous/eyes.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/core/threads.h"
@@ -32,6 +33,7 @@ struct World {
   std::shared_ptr<const mesh::LitMesh> light;
   std::shared_ptr<const Scene> scene;
   std::vector<MeshView> views;
+  scan::Connectivity graph;
 };
 
 // Places over the floors of rooms with nothing within 0.2 m, at the height of a person's eyes.
@@ -68,6 +70,7 @@ const World& world() {
     made.light = std::make_shared<const mesh::LitMesh>(built.tracer, built.home.lights);
     made.scene = Scene::lit(made.tracer, *made.light);
     made.views = places(built);
+    made.graph = homes::build_graph(built, "home", 0);
     std::printf("home: %zu triangles; scene: %.1f MB\n", made.tracer->mesh().triangles.size(),
                 static_cast<double>(made.scene->bytes()) / 1e6);
     return made;
@@ -81,8 +84,24 @@ std::span<const MeshView> batch(std::size_t& at) {
   return taken;
 }
 
-void draw(benchmark::State& state, Method method, bool colour, bool depth) {
-  Eyes eyes({world().scene}, {method, static_cast<int>(state.range(0))});
+const std::shared_ptr<const continuous::Photographs>& photographs() {
+  static const auto kPhotographs = [] {
+    mesh::CaptureOptions capture;
+    capture.samples = 1;
+    const auto source = std::make_shared<const capture::MeshPanoramas>(world().light, world().graph,
+                                                                       256, capture, "");
+    auto made = std::make_shared<const continuous::Photographs>(scan::PanoramaSet::of({source}),
+                                                                ScanIndex(0), world().scene);
+    made->load_all();
+    return made;
+  }();
+  return kPhotographs;
+}
+
+void draw(benchmark::State& state, Method method, bool colour, bool depth, bool panoramas = false) {
+  continuous::EyesConfig config{method, static_cast<int>(state.range(0)), {}};
+  if (panoramas) config.photographs = {photographs()};
+  Eyes eyes({world().scene}, config);
   std::vector<std::byte> rgb(kBatch * kColour.width * kColour.height * 3);
   std::vector<std::byte> metres(kBatch * kDepth.width * kDepth.height * 4);
   render::Outputs of_colour, of_depth;
@@ -139,6 +158,11 @@ BENCHMARK_CAPTURE(draw, colour_and_depth, Method::kRaster, true, true)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(draw, colour, Method::kRaster, true, false)
+    ->Arg(1)
+    ->Arg(2)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(draw, colour_of_panoramas, Method::kRaster, true, false, true)
     ->Arg(1)
     ->Arg(2)
     ->UseRealTime()

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "enfilade/continuous/pixels/painter.h"
+#include "enfilade/continuous/pixels/photo.h"
 #include "enfilade/continuous/pixels/rasteriser.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/threads.h"
@@ -28,6 +29,7 @@ using pixels::TileRows;
 namespace {
 
 constexpr std::array<std::string_view, 3> kMethods{"raster", "rays", "plain"};  // by Method
+constexpr std::array<std::string_view, 2> kAppearances{"mesh", "panoramas"};    // by Appearance
 constexpr std::uint32_t kLargest = 8192;  // pixels along an edge
 constexpr double kFarthest = 1e7;         // metres: floats resolve one there
 
@@ -35,6 +37,13 @@ constexpr double kFarthest = 1e7;         // metres: floats resolve one there
 struct Workspace {
   Frame frame;
   std::vector<std::uint32_t> lines;
+};
+
+// The panoramas that a view takes colours from.
+struct Chosen {
+  std::array<const pixels::Photo*, 8> photos{};
+  std::size_t count = 0;
+  std::span<const pixels::Photo* const> all() const { return std::span(photos).first(count); }
 };
 
 void check_size(const char* name, std::uint32_t pixels) {
@@ -72,17 +81,28 @@ std::optional<Method> parse_method(std::string_view name) {
   return static_cast<Method>(found - kMethods.begin());
 }
 
+std::string_view to_string(Appearance appearance) {
+  return kAppearances[static_cast<std::size_t>(appearance)];
+}
+
+std::optional<Appearance> parse_appearance(std::string_view name) {
+  const auto found = std::ranges::find(kAppearances, name);
+  if (found == kAppearances.end()) return std::nullopt;
+  return static_cast<Appearance>(found - kAppearances.begin());
+}
+
 struct Eyes::Impl {
   std::vector<std::shared_ptr<const Scene>> buildings;
   EyesConfig config;
   int threads = 1;
   pixels::Rasteriser rasteriser = nullptr;
-  pixels::Shader shader = nullptr;
+  pixels::Colouring colouring;
 
   // Cameras and spheres seen so far, with their tables.
   std::vector<std::pair<Camera, std::unique_ptr<Lattice>>> lattices;
   std::vector<std::unique_ptr<Sphere>> spheres;
   std::vector<Eye> eyes;
+  std::vector<Chosen> chosen;  // by view
   std::mutex mutex;
   std::vector<std::unique_ptr<Workspace>> workspaces;  // free ones
 
@@ -121,6 +141,7 @@ struct Eyes::Impl {
   }
 
   void draw(const Pixels& pixels, std::span<const MeshView> views, const render::Outputs& outputs) {
+    choose(views, outputs);
     const std::uint32_t block_rows = parts(parts(pixels.height(), kTile), kBlock);
     const std::uint32_t blocks_across = parts(parts(pixels.width(), kTile), kBlock);
     // Whole views, where there are enough for all threads: each band goes through the tree anew.
@@ -153,7 +174,7 @@ struct Eyes::Impl {
             const render::Outputs& outputs, Workspace& workspace) const {
     const pixels::SceneParts& scene = buildings[at.building]->parts();
     const Eye& eye = eyes[view];
-    const Painter painter(scene, pixels, eye, shader);
+    const Painter painter(scene, pixels, eye, colouring, chosen[view].all());
     if (pixels.sphere != nullptr || config.method == Method::kRays) {
       painter.trace(rows, workspace.frame);
     } else {
@@ -161,6 +182,23 @@ struct Eyes::Impl {
       rasteriser({scene.tree, scene.surfaces, *pixels.lattice, eye}, rows, workspace.frame);
     }
     painter.paint(workspace.frame, rows, outputs, view, workspace.lines);
+  }
+
+  // Reads panoramas that are needed for the first time.
+  void choose(std::span<const MeshView> views, const render::Outputs& outputs) {
+    chosen.assign(views.size(), {});
+    if (!outputs.colour || config.photographs.empty()) return;
+    parallel_for(views.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        const Photographs* const photographs = config.photographs[views[k].building].get();
+        if (photographs == nullptr) continue;
+        std::array<std::size_t, 8> places{};
+        chosen[k].count = photographs->choose(views[k].eye, places);
+        for (std::size_t i = 0; i < chosen[k].count; ++i) {
+          chosen[k].photos[i] = &photographs->photo(places[i]);
+        }
+      }
+    });
   }
 
   static std::uint32_t parts(std::uint32_t of, std::uint32_t size) {
@@ -175,6 +213,16 @@ Eyes::Eyes(std::vector<std::shared_ptr<const Scene>> buildings, const EyesConfig
   for (std::size_t k = 0; k < buildings.size(); ++k) {
     if (buildings[k] == nullptr) throw ArgumentError(fmt::format("buildings[{}]: null", k));
   }
+  const auto& photographs = config.photographs;
+  if (!photographs.empty() && photographs.size() != buildings.size()) {
+    throw ArgumentError(fmt::format("config.photographs: of {} buildings, but there are {}",
+                                    photographs.size(), buildings.size()));
+  }
+  for (std::size_t k = 0; k < photographs.size(); ++k) {
+    if (photographs[k] != nullptr && &photographs[k]->scene() != buildings[k].get()) {
+      throw ArgumentError(fmt::format("config.photographs[{}]: of another scene", k));
+    }
+  }
   if (config.threads < 0) {
     throw ArgumentError(fmt::format("config.threads: {}, below 0", config.threads));
   }
@@ -183,7 +231,9 @@ Eyes::Eyes(std::vector<std::shared_ptr<const Scene>> buildings, const EyesConfig
   impl_->threads = threads_or_all(config.threads);
   impl_->rasteriser =
       config.method == Method::kPlain ? pixels::rasterise_plainly : pixels::best_rasteriser();
-  if (config.method != Method::kPlain) impl_->shader = pixels::best_shader();
+  if (config.method != Method::kPlain) {
+    impl_->colouring = {pixels::best_shader(), pixels::best_reprojector()};
+  }
   // The calling thread takes part in the loop, and may be one more than those asked for.
   for (int k = 0; k <= impl_->threads; ++k) {
     impl_->workspaces.push_back(std::make_unique<Workspace>());

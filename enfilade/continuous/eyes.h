@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/continuous/photographs.h"
 #include "enfilade/continuous/scene.h"
 #include "enfilade/geometry/angle.h"
 #include "enfilade/geometry/camera.h"
@@ -38,14 +39,26 @@ std::optional<Method> parse_method(std::string_view name);  ///< by such a name
 struct EyesConfig {
   Method method = Method::kRaster;
   int threads = 0;  ///< 0: all cores; does not change the pictures
+  /// By building: panoramas that pixels take their colours from where they see what the pixel
+  /// shows; empty, or null for a building: the mesh's own colours.
+  std::vector<std::shared_ptr<const Photographs>> photographs = {};
 };
+
+/// Where colours come from.
+enum class Appearance : std::uint8_t {
+  kMesh,       ///< the mesh
+  kPanoramas,  ///< EyesConfig::photographs, and the mesh where none sees
+};
+std::string_view to_string(Appearance appearance);                  ///< "mesh", "panoramas"
+std::optional<Appearance> parse_appearance(std::string_view name);  ///< by such a name
 
 /// Draws batches of views of some buildings. Depth, class and instance are those at the pixel's
 /// middle, and so is colour, of textures averaged over the pixel. May be used by one thread at a
 /// time; several may be used at once, also of the same scenes.
 class Eyes {
  public:
-  /// \throws ArgumentError for no scene, a null one, or threads below 0
+  /// \throws ArgumentError for no scene, a null one, threads below 0, or photographs of another
+  /// number of buildings or of another scene
   explicit Eyes(std::vector<std::shared_ptr<const Scene>> buildings, const EyesConfig& config = {});
   ~Eyes();
   Eyes(const Eyes&) = delete;
@@ -56,7 +69,7 @@ class Eyes {
   /// the camera and the batch size, but for what oneTBB takes for its tasks with several threads.
   /// \throws ArgumentError for an invalid camera or one above 8192 pixels, a view with an unknown
   /// building or numbers that are not finite or out of range (naming its place), or outputs as
-  /// render::validate(), or a stream, before anything is drawn
+  /// render::validate(), or a stream, before anything is drawn; as Photographs::load_all()
   void render(const Camera& camera, std::span<const MeshView> views,
               const render::Outputs& outputs);
   /// The same for equirectangular pictures (height, width): the middle column is at the view's

@@ -37,8 +37,8 @@ class DistanceField {
 /// Shortest ways of one building. A way is straight lines that bend at corners of the rim; its
 /// length is that of these lines in three dimensions, as Habitat measures it. Among the ways on the
 /// polygons none is left out, whereas Detour's own search takes the shortest chain of polygons'
-/// middles, and shortens that. Corners of the rim count as the arcs that they stand for. Immutable: any thread, shared by all who walk in the
-/// building.
+/// middles, and shortens that. Corners of the rim count as the arcs that they stand for. Immutable:
+/// any thread, shared by all who walk in the building.
 class Geodesics {
  public:
   /// Finds the corners that see each other: milliseconds for a home, about 0.1 s for a large

@@ -24,68 +24,6 @@ namespace {
 using namespace detail;
 using ::testing::HasSubstr;
 
-// The room with a window to the sun, a box, a striped floor, a lamp's shade and a mirror.
-mesh::Mesh furnished_room() {
-  mesh::Mesh mesh;
-  const Vec3f x{6, 0, 0}, y{0, 4, 0}, z{0, 0, 2.75F};
-  const std::uint32_t wall = add_material(mesh, {0.8F, 0.75F, 0.7F});
-  const std::uint32_t floor = add_material(mesh, {0.9F, 0.9F, 0.9F});
-  image::Image8 stripes(64, 64, 3);
-  for (std::size_t i = 0; i < stripes.pixels.size(); ++i) {
-    stripes.pixels[i] = static_cast<std::uint8_t>(90 + i / 3 % 64 / 8 * 20);
-  }
-  mesh.materials[floor].texture = std::move(stripes);
-  const std::uint32_t glass = add_material(mesh, {0.9F, 0.9F, 0.9F});
-  mesh.materials[glass].mirror = 0.85F;
-  const std::uint32_t shade = add_material(mesh, {0.8F, 0.8F, 0.8F});
-  mesh.materials[shade].emission = {3, 2.5F, 2};
-  add_side(mesh, floor, 14, kRoomLow, x, y);
-  add_side(mesh, wall, 15, kRoomHigh, -y, -x);
-  add_side(mesh, wall, 11, kRoomHigh, -z, -y);
-  add_side(mesh, wall, 13, kRoomHigh, -x, -z);
-  add_side(mesh, wall, 12, kRoomLow, z, x);
-  // The wall at -x has a window of 2 x 1.2 m.
-  const auto piece = [&](float y0, float y1, float z0, float z1) {
-    add_side(mesh, wall, 10, {kRoomLow.x, y0, z0}, {0, y1 - y0, 0}, {0, 0, z1 - z0});
-  };
-  piece(kRoomLow.y, -0.5F, 0, 2.75F);
-  piece(1.5F, kRoomHigh.y, 0, 2.75F);
-  piece(-0.5F, 1.5F, 0, 1);
-  piece(-0.5F, 1.5F, 2.2F, 2.75F);
-  const Vec3f box{1, -0.5F, 0};
-  add_side(mesh, wall, 20, box + Vec3f{0, 0, 0.8F}, {1, 0, 0}, {0, 1, 0});
-  add_side(mesh, wall, 20, box, {1, 0, 0}, {0, 0, 0.8F});
-  add_side(mesh, wall, 20, box, {0, 0, 0.8F}, {0, 1, 0});
-  add_side(mesh, wall, 20, box + Vec3f{1, 1, 0}, {-1, 0, 0}, {0, 0, 0.8F});
-  add_side(mesh, wall, 20, box + Vec3f{1, 1, 0}, {0, 0, 0.8F}, {0, -1, 0});
-  add_side(mesh, glass, 21, {3.45F, 0, 0.8F}, {0, 0, 1.2F}, {0, 1.2F, 0});
-  add_side(mesh, shade, 22, {0, 1, 2.4F}, {0, 0.4F, 0}, {0.4F, 0, 0});
-  return mesh;
-}
-
-struct Lit {
-  std::shared_ptr<const mesh::RayTracer> tracer = tracer_of(furnished_room());
-  mesh::LitMesh light;
-  std::shared_ptr<const Scene> scene;
-  Lit() : light(tracer, lights(), options()), scene(Scene::lit(tracer, light)) {}
-
-  static mesh::Lights lights() {
-    mesh::Lights lights;
-    lights.sun = {{-0.8F, 0.1F, 0.6F}, {14, 13, 11}};
-    lights.lamps.push_back({{0.2F, 1.2F, 2.3F}, {1, 0.9F, 0.8F}, 0.05F});
-    return lights;
-  }
-  static mesh::BakeOptions options() {
-    mesh::BakeOptions options;
-    options.rays = 32;
-    return options;
-  }
-};
-const Lit& lit() {
-  static const Lit kLit;
-  return kLit;
-}
-
 constexpr Camera kCamera{120, 120, degrees(90)};
 
 std::vector<std::uint8_t> picture(const std::shared_ptr<const Scene>& scene, const MeshView& view) {
@@ -184,7 +122,7 @@ TEST(Scene, EveryInstructionSetGivesTheSameColours) {
       frame.clear(lattice, rows);
       pixels::rasteriser_variants()[k].draw({parts.tree, parts.surfaces, lattice, eye}, rows,
                                             frame);
-      const pixels::Painter painter(parts, of, eye, pixels::shader_variants()[k]);
+      const pixels::Painter painter(parts, of, eye, {pixels::shader_variants()[k], nullptr});
       auto& rgb = pictures.emplace_back(std::size_t{3} * kCamera.width * kCamera.height);
       render::Outputs outputs;
       outputs.colour = render::ColourOutput{render::ColourFormat::kRgb8, {}, rgb};

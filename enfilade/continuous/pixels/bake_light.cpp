@@ -2,7 +2,10 @@
 // ray to the sun.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "enfilade/continuous/pixels/scene_parts.h"
 #include "enfilade/core/threads.h"
@@ -21,7 +24,6 @@ class Grid {
   Grid(const Surface& surface, Vec3f u, Vec3f v)
       : cells_u_(surface.cells_u),
         cells_v_(surface.cells_v),
-        first_corner_(surface.first_corner),
         inset_(std::min(kInset, 3e-3F / std::max({length(u), length(v), 1e-6F}))) {}
 
   std::size_t size() const { return (cells_u_ + std::size_t{1}) * (cells_v_ + std::size_t{1}); }
@@ -37,38 +39,34 @@ class Grid {
     const float v = j == 0 ? 0 : static_cast<float>(j - 1) / static_cast<float>(cells_v_);
     return u + v < 1;
   }
-  // Small triangles are often alone in their plane: a point outside would be in the air, or in
-  // another thing. The light there continues that of the three others of its cell. Large ones are
-  // mostly halves of rectangles, where the point outside lies on the other half.
+  // The light at a point outside continues that of the three others of its cell, where they are
+  // inside.
   bool continues(std::size_t k) const {
-    if (is_inside(k) || cells_u_ > 2 || cells_v_ > 2) return false;
+    if (is_inside(k)) return false;
     const std::size_t pitch = cells_u_ + 1U;
     return k % pitch > 0 && k >= pitch && is_inside(k - 1) && is_inside(k - pitch);
   }
   std::size_t pitch() const { return cells_u_ + 1U; }
 
-  // Point `part` of four around a grid point, a quarter of a cell away, on the mesh's triangle.
-  mesh::SurfacePoint sample(std::uint32_t triangle, std::size_t k, unsigned part, bool back) const {
+  // Point `part` of four around a grid point, a quarter of a cell away; perhaps beyond the edge
+  // opposite corner 0.
+  Weights sample(std::size_t k, unsigned part) const {
     Weights w = at(k);
     constexpr float kQuarter = 0.25F;
     w.u += (part % 2 == 0 ? -kQuarter : kQuarter) / static_cast<float>(cells_u_);
     w.v += (part / 2 == 0 ? -kQuarter : kQuarter) / static_cast<float>(cells_v_);
+    return {std::max(w.u, 0.0F), std::max(w.v, 0.0F)};
+  }
+  // Within the triangle, and away from its edges, where other surfaces may stand.
+  Weights inset(Weights w) const {
     w = {std::max(w.u, 0.0F), std::max(w.v, 0.0F)};
-    const bool small = cells_u_ <= 2 && cells_v_ <= 2;
-    if (const float sum = w.u + w.v; sum > 1 && (small || is_inside(k))) w = {w.u / sum, w.v / sum};
-    // Away from the triangle's edges, where other surfaces may stand.
-    const float u = w.u + inset_ * (1.0F / 3 - w.u), v = w.v + inset_ * (1.0F / 3 - w.v);
-    std::array<float, 3> weights;
-    weights[first_corner_] = 1 - u - v;
-    weights[(first_corner_ + 1U) % 3] = u;
-    weights[(first_corner_ + 2U) % 3] = v;
-    return {triangle, weights[1], weights[2], back};
+    if (const float sum = w.u + w.v; sum > 1) w = {w.u / sum, w.v / sum};
+    return {w.u + inset_ * (1.0F / 3 - w.u), w.v + inset_ * (1.0F / 3 - w.v)};
   }
 
  private:
   static constexpr float kInset = 0.02F;
   std::uint32_t cells_u_, cells_v_;
-  std::uint8_t first_corner_;
   float inset_;
 };
 
@@ -81,6 +79,7 @@ class LightBaker {
   }
 
   void run(const Progress& progress) {
+    find_others();
     choose_cells();
     const std::size_t count = parts_.surfaces.all.size();
     constexpr std::size_t kParts = 16;
@@ -137,6 +136,65 @@ class LightBaker {
     }
   }
 
+  // The other halves of rectangles: triangles with the same longest edge, in the same plane. Points
+  // beyond that edge lie on them.
+  void find_others() {
+    const auto& all = parts_.surfaces.all;
+    constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+    struct Edge {
+      std::array<std::uint32_t, 6> ends;
+      std::uint32_t triangle;
+    };
+    std::vector<Edge> edges;
+    edges.reserve(all.size());
+    for (std::uint32_t t = 0; t < all.size(); ++t) {
+      std::array<Vec3f, 2> ends{corner(t, 1), corner(t, 2)};
+      const auto bits = [](Vec3f p) {
+        return std::array{std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
+                          std::bit_cast<std::uint32_t>(p.z)};
+      };
+      auto a = bits(ends[0]), b = bits(ends[1]);
+      if (b < a) std::swap(a, b);
+      edges.push_back({{a[0], a[1], a[2], b[0], b[1], b[2]}, t});
+    }
+    std::ranges::sort(edges, [](const Edge& a, const Edge& b) {
+      return std::tie(a.ends, a.triangle) < std::tie(b.ends, b.triangle);
+    });
+    other_.assign(all.size(), kNone);
+    constexpr float kSamePlane = 0.9999F;
+    for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
+      const std::uint32_t a = edges[k].triangle, b = edges[k + 1].triangle;
+      if (edges[k].ends != edges[k + 1].ends || other_[a] != kNone) continue;
+      if (std::abs(dot(all[a].normal, all[b].normal)) < kSamePlane) continue;
+      // On the other side of the edge, not on top of it.
+      const Vec3f beyond = all[b].origin - all[a].origin;
+      if (dot(all[a].along_u, beyond) + dot(all[a].along_v, beyond) <= 1) continue;
+      other_[a] = b;
+      other_[b] = a;
+    }
+  }
+  bool has_other(std::uint32_t triangle) const { return other_[triangle] != 0xFFFFFFFFU; }
+
+  mesh::SurfacePoint point(std::uint32_t triangle, const Grid& grid, Weights w, bool back) const {
+    if (w.u + w.v > 1 && has_other(triangle)) {
+      const Surface &from = parts_.surfaces.all[triangle],
+                    &to = parts_.surfaces.all[other_[triangle]];
+      const Vec3f at = w.u * (corner(triangle, 1) - corner(triangle, 0)) +
+                       w.v * (corner(triangle, 2) - corner(triangle, 0)) +
+                       (from.origin - to.origin);
+      w = {dot(to.along_u, at), dot(to.along_v, at)};
+      if (dot(from.normal, to.normal) < 0) back = !back;
+      triangle = other_[triangle];
+    }
+    w = grid.inset(w);
+    const unsigned first = parts_.surfaces.all[triangle].first_corner;
+    std::array<float, 3> weights;
+    weights[first] = 1 - w.u - w.v;
+    weights[(first + 1U) % 3] = w.u;
+    weights[(first + 2U) % 3] = w.v;
+    return {triangle, weights[1], weights[2], back};
+  }
+
   // The light on one side; empty: dark.
   std::vector<std::uint32_t> values(std::uint32_t triangle, bool back) const {
     const Surface& surface = parts_.surfaces.all[triangle];
@@ -153,10 +211,10 @@ class LightBaker {
       n = 0;
     };
     for (std::size_t k = 0; k < grid.size(); ++k) {
-      if (!grid.is_used(k) || grid.continues(k)) continue;
+      if (!grid.is_used(k) || (!has_other(triangle) && grid.continues(k))) continue;
       for (unsigned part = 0; part < samples_; ++part) {
-        // Without sun, light changes slowly: one place serves for all four.
-        points[n] = grid.sample(triangle, k, samples_ == 1 ? (k % 2 == 0 ? 0 : 3) : part, back);
+        const Weights place = samples_ == 1 ? grid.at(k) : grid.sample(k, part);
+        points[n] = point(triangle, grid, place, back);
         of[n++] = k;
         if (n == kSamples) look();
       }
@@ -170,7 +228,7 @@ class LightBaker {
     const float scale = parts_.scale / static_cast<float>(samples_);
     float most = 0;
     for (std::size_t k = 0; k < sums.size(); ++k) {
-      if (grid.continues(k)) {
+      if (!has_other(triangle) && grid.continues(k)) {
         sums[k] = sums[k - 1] + sums[k - grid.pitch()] - sums[k - grid.pitch() - 1];
       } else {
         sums[k] = scale * sums[k];
@@ -209,6 +267,7 @@ class LightBaker {
   const mesh::Mesh& mesh_;
   const SceneOptions& options_;
   SceneParts& parts_;
+  std::vector<std::uint32_t> other_;  // by triangle
   unsigned samples_ = 1;
   bool has_rooms_ = false;
 };

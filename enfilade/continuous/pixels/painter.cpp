@@ -139,6 +139,24 @@ void Painter::find_directions(std::uint32_t tile_x, std::uint32_t tile_y, Direct
   }
 }
 
+void Painter::colour(const TileColours& tile, std::array<std::uint32_t, kTilePixels>& rgba) const {
+  std::uint64_t wanted = ~std::uint64_t{0};
+  if (!photos_.empty()) wanted = colouring_.reprojector(tile, photos_, rgba.data());
+  if (wanted == 0) return;
+  std::array<std::uint32_t, kTilePixels> of_mesh;
+  std::uint64_t left = ~std::uint64_t{0};
+  if (colouring_.shader != nullptr) left = colouring_.shader(tile, of_mesh.data());
+  for (; wanted != 0; wanted &= wanted - 1) {
+    const auto k = static_cast<std::size_t>(std::countr_zero(wanted));
+    if ((left >> k & 1U) == 0) {
+      rgba[k] = of_mesh[k];
+      continue;
+    }
+    const Vec3f towards{tile.towards.x[k], tile.towards.y[k], tile.towards.z[k]};
+    rgba[k] = scene_.tone.rgba(look(tile.triangle[k], towards, 1 / tile.nearness[k]));
+  }
+}
+
 void Painter::colour_tiles(const Frame& frame, std::uint32_t tile_y,
                            std::vector<std::uint32_t>& lines) const {
   const std::uint32_t pitch = line_pitch(pixels_.width());
@@ -153,12 +171,7 @@ void Painter::colour_tiles(const Frame& frame, std::uint32_t tile_y,
                            frame.triangle.data() + first,
                            frame.nearness.data() + first,
                            directions};
-    std::uint64_t left = shader_ == nullptr ? ~std::uint64_t{0} : shader_(tile, rgba.data());
-    for (; left != 0; left &= left - 1) {
-      const auto k = static_cast<std::size_t>(std::countr_zero(left));
-      const Vec3f towards{directions.x[k], directions.y[k], directions.z[k]};
-      rgba[k] = scene_.tone.rgba(look(tile.triangle[k], towards, 1 / tile.nearness[k]));
-    }
+    colour(tile, rgba);
     for (std::size_t y = 0; y < kTile; ++y) {
       std::copy_n(rgba.begin() + static_cast<std::ptrdiff_t>(y * kTile), kTile,
                   lines.begin() + static_cast<std::ptrdiff_t>(y * pitch + tile_x * kTile));

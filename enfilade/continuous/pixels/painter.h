@@ -1,10 +1,13 @@
 /// \file  What pixels show, once it is known which triangle they see.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "enfilade/continuous/pixels/frame.h"
+#include "enfilade/continuous/pixels/photo.h"
 #include "enfilade/continuous/pixels/scene_parts.h"
 #include "enfilade/continuous/pixels/shader.h"
 #include "enfilade/render/renderer.h"
@@ -41,12 +44,19 @@ struct Pixels {
   }
 };
 
+/// What finds the colours of tiles.
+struct Colouring {
+  Shader shader = nullptr;  ///< null: Painter::look() for each pixel
+  Reprojector reprojector = reproject_plainly;
+};
+
 /// Paints the pictures of one eye.
 class Painter {
  public:
-  /// \param shader null: look() for each pixel
-  Painter(const SceneParts& scene, const Pixels& pixels, const Eye& eye, Shader shader)
-      : scene_(scene), pixels_(pixels), eye_(eye), shader_(shader) {}
+  /// \param photos the panoramas that colours come from where they see
+  Painter(const SceneParts& scene, const Pixels& pixels, const Eye& eye, const Colouring& colouring,
+          std::span<const Photo* const> photos = {})
+      : scene_(scene), pixels_(pixels), eye_(eye), colouring_(colouring), photos_(photos) {}
 
   /// Finds what pixels see by rays. \pre frame.resize()
   void trace(TileRows rows, Frame& frame) const;
@@ -75,6 +85,7 @@ class Painter {
   Vec3f mirrored(const Surface& surface, const Paint& paint, Vec3f from, Vec3f towards,
                  Vec3f light) const;
   void find_directions(std::uint32_t tile_x, std::uint32_t tile_y, Directions& out) const;
+  void colour(const TileColours& tile, std::array<std::uint32_t, kTilePixels>& rgba) const;
   void colour_tiles(const Frame& frame, std::uint32_t tile_y,
                     std::vector<std::uint32_t>& lines) const;
   void paint_depth(const Frame& frame, std::uint32_t row, const render::DepthOutput& output,
@@ -83,7 +94,8 @@ class Painter {
   const SceneParts& scene_;
   const Pixels& pixels_;
   const Eye& eye_;
-  Shader shader_;
+  Colouring colouring_;
+  std::span<const Photo* const> photos_;
 };
 
 }  // namespace enfilade::continuous::pixels

@@ -75,7 +75,12 @@ Surfaces::Surfaces(const Mesh& mesh, float least_mirror)
     Paint paint;
     paint.colour = (1 - material.mirror) * material.colour;
     paint.emission = material.emission;
-    (material.mirror < least_mirror ? paint.gloss : paint.mirror) = material.mirror;
+    if (material.mirror < least_mirror) {
+      constexpr float kAround = 0.5F;  // about what a room reflects
+      paint.gloss = kAround * material.mirror;
+    } else {
+      paint.mirror = material.mirror;
+    }
     if (!material.texture.pixels.empty() && !mesh.texture_points.empty()) {
       paint.texture = textures.add(material.texture);
       if (material.texture.channels == 4) paint.cutout = material.cutout;

@@ -36,7 +36,7 @@ struct alignas(64) Surface {
 struct Paint {
   static constexpr std::uint32_t kNoTexture = 0xFFFFFFFFU;
   Vec3f colour;     ///< without the share that is reflected as by a mirror
-  float gloss = 0;  ///< reflected so, but little enough to be taken as white
+  float gloss = 0;  ///< added for what is reflected so, where it is little
   Vec3f emission;
   float mirror = 0;  ///< reflected so
   float cutout = 0;  ///< 0: none

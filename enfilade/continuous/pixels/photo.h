@@ -1,0 +1,61 @@
+/// \file  A panorama as colours for what a picture sees.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "enfilade/continuous/pixels/frame.h"
+#include "enfilade/continuous/pixels/scene_parts.h"
+#include "enfilade/continuous/pixels/shader.h"
+
+namespace enfilade::continuous::pixels {
+
+/// Six faces with a border of a texel, in halved sizes; and how near the mesh is at each texel of
+/// the largest size.
+struct Photo {
+  static constexpr std::uint32_t kMostLevels = 8;
+
+  Vec3f centre;                ///< world
+  Vec3f right, down, forward;  ///< the panorama's axes in the world
+  std::uint32_t size = 0;      ///< texels along an edge
+  std::uint32_t levels = 0;    ///< sizes: size, size / 2, ...
+  /// By level: where its faces begin in `colours`.
+  std::array<std::int32_t, kMostLevels> first{};
+  std::vector<std::uint32_t> colours;  ///< RGBA, R lowest
+  std::vector<float> nearness;         ///< 1 / distance along the face's axis
+
+  std::uint32_t size_of(std::uint32_t level) const { return size >> level; }
+};
+
+/// Texels of a face with its border.
+constexpr std::size_t bordered_texels(std::uint32_t size) {
+  return (std::size_t{size} + 2) * (size + 2);
+}
+
+/// How much a panorama counts. All lengths in metres.
+///
+/// The angle between the lines from the eye and from the panorama counts most, as surfaces shine
+/// and meshes are not exact; then how much coarser the panorama sees the point.
+inline constexpr float kCoarseness = 0.05F;  ///< penalty for each time farther than the eye is
+inline constexpr float kLeastPenalty = 2e-3F;
+/// A panorama sees a point if its nearness there is the mesh's within this part, and this much.
+inline constexpr float kSamePart = 0.015F, kSameNearness = 2e-4F;
+/// Of points nearer to the panorama, metres, no direction is taken.
+inline constexpr float kLeastAlong = 1e-6F;
+/// Where the sky is taken to be.
+inline constexpr float kSkyDistance = 1e4F;
+
+/// Colours of a tile from panoramas, blended; alpha is not used. \returns the pixels that no
+/// panorama sees, or that show a mirror, as bits; their colours are not written
+using Reprojector = std::uint64_t (*)(const TileColours& tile, std::span<const Photo* const> photos,
+                                      std::uint32_t* rgba);
+/// With the best vector instructions of this machine.
+Reprojector best_reprojector();
+/// By the names and in the order of rasteriser_variants().
+const std::vector<Reprojector>& reprojector_variants();
+/// One pixel after another: the reference for the others.
+std::uint64_t reproject_plainly(const TileColours& tile, std::span<const Photo* const> photos,
+                                std::uint32_t* rgba);
+
+}  // namespace enfilade::continuous::pixels
