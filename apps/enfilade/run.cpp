@@ -6,9 +6,12 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/continuous/walks.h"
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/agents/continuous_agent.h"
+#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/results.h"
@@ -40,6 +43,19 @@ void check_form(const std::string& form, tasks::Task task) {
 }
 
 void run(const Options& options) {
+  if (agents::is_continuous(options.task)) {
+    if (!options.form.empty() || !options.features.empty()) {
+      throw UsageError(fmt::format("--task {}: takes neither --to nor --features", options.task));
+    }
+    run_free_walk({.data = options.data,
+                   .task = options.task,
+                   .agent = options.agent,
+                   .split = options.split,
+                   .output = options.output,
+                   .seed = options.run.seed,
+                   .batch_size = options.run.batch_size});
+    return;
+  }
   const bool trained = std::filesystem::is_directory(options.agent);
   std::unique_ptr<agents::Agent> agent;
   if (!trained) agent = agents::make_agent(options.agent);
@@ -72,10 +88,13 @@ void add_run(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("run", "Run an agent over a split and write its results");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
-  add_setting(verb, "--agent", options->agent, "NAME",
-              fmt::format("One of {}, or the directory of a trained model",
-                          fmt::join(agents::agent_names(), ", ")));
-  add_task_option(verb, options->task, "r2r, or what the data set has");
+  add_setting(
+      verb, "--agent", options->agent, "NAME",
+      fmt::format("One of {}, or the directory of a trained model; of r2r-ce and rxr-ce one "
+                  "of {}",
+                  fmt::join(agents::agent_names(), ", "),
+                  fmt::join(agents::continuous_agent_names(), ", ")));
+  add_task_option(verb, options->task, "r2r, or what the data set has", FreeTasks::kToo);
   add_setting(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, test, ...");
   add_value(verb, "--features", options->features, "FILE",
             "Image features, for a model with vision");
@@ -89,6 +108,7 @@ void add_run(CLI::App& app, int& /*status*/) {
   set_examples(verb, {"enfilade run --agent random --split val_unseen -o results.json",
                       "enfilade run --agent shortest --split val_seen",
                       "enfilade run --agent reference --task reverie --split val_unseen",
+                      "enfilade run --agent shortest --task r2r-ce --split val_unseen",
                       "enfilade run --agent MODELDIR --features FILE --split test -o test.json"});
   verb.callback([options] { run(*options); });
 }

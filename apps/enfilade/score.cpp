@@ -2,9 +2,12 @@
 #include <fmt/format.h>
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/continuous/walks.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/tasks/files.h"
@@ -119,7 +122,28 @@ void refuse_hidden(const Options& options, const tasks::EpisodeSet& episodes) {
           : ""));
 }
 
+// Options that say nothing about walks in continuous space are not read over.
+ExitCode score_free(const Options& options) {
+  if (options.split.empty()) throw UsageError("score: which split? Give --split NAME");
+  for (const auto& [name, given] : {std::pair{"--annotations", !options.annotations.empty()},
+                                    {"--connectivity", !options.connectivity.empty()},
+                                    {"--objects", !options.objects.empty()},
+                                    {"--scorer", !options.scorer.empty()},
+                                    {"--all-instructions", options.all_instructions},
+                                    {"--spl reference", options.spl == "reference"}}) {
+    if (given) throw UsageError(fmt::format("--task {}: takes no {}", options.task, name));
+  }
+  return score_free_walk({.data = options.data,
+                          .task = options.task,
+                          .split = options.split,
+                          .results = options.results,
+                          .json = options.json,
+                          .per_episode = options.per_episode,
+                          .part = options.part});
+}
+
 ExitCode score(const Options& options) {
+  if (agents::is_continuous(options.task)) return score_free(options);
   if (options.split.empty() && options.annotations.empty()) {
     throw UsageError("score: which split? Give --split NAME, or --annotations FILE");
   }
@@ -164,9 +188,10 @@ void add_options(CLI::App& verb, Options& options) {
       ->required();
   add_value(verb, "--split", options.split, "NAME", "train, val_seen, val_unseen, ...");
   add_data_option(verb, options.data);
-  add_value(verb, "--task", options.task, "NAME",
-            "r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn or soon (default: what the files are "
-            "of; where results say nothing, r2r)");
+  add_value(
+      verb, "--task", options.task, "NAME",
+      "r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn, soon, r2r-ce or rxr-ce (default: what "
+      "the files are of; where results say nothing, r2r)");
   add_value(
       verb, "--scorer", options.scorer, "NAME",
       "Whose formulas, by name: official, duet, hamt, valan, r4r_public, ... (docs/tasks.md). "
@@ -203,6 +228,7 @@ void add_score(CLI::App& app, int& status) {
   set_examples(verb, {"enfilade score results.json --split val_unseen",
                       "enfilade score results.json --split val_seen --json - --per-episode",
                       "enfilade score results.json --task reverie --split val_unseen --scorer duet",
+                      "enfilade score results.json --task r2r-ce --split val_unseen",
                       "enfilade score results.json --task rxr --annotations "
                       "rxr_val_unseen_guide.jsonl.gz"});
   verb.callback([options, &status] { status = score(*options); });

@@ -13,10 +13,12 @@
 
 namespace enfilade::apps {
 
-void add_task_option(CLI::App& verb, std::string& task, const std::string& otherwise) {
-  add_value(verb, "--task", task, "NAME",
-            fmt::format("r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn or soon (default: {})",
-                        otherwise));
+void add_task_option(CLI::App& verb, std::string& task, const std::string& otherwise,
+                     FreeTasks free) {
+  add_value(
+      verb, "--task", task, "NAME",
+      fmt::format("r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn{} (default: {})",
+                  free == FreeTasks::kToo ? ", soon, r2r-ce or rxr-ce" : " or soon", otherwise));
 }
 
 tasks::Task task_of(const std::string& named, const dataset::Dataset& data,

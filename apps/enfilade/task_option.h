@@ -1,6 +1,7 @@
 /// \file  `--task`: which benchmark a verb is about.
 #pragma once
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,8 +12,12 @@
 
 namespace enfilade::apps {
 
+/// Whether a verb knows the benchmarks of walking freely too.
+enum class FreeTasks : std::uint8_t { kNot, kToo };
+
 /// Adds `--task NAME`; `otherwise` says what is taken without it.
-void add_task_option(CLI::App& verb, std::string& task, const std::string& otherwise);
+void add_task_option(CLI::App& verb, std::string& task, const std::string& otherwise,
+                     FreeTasks free = FreeTasks::kNot);
 
 /// The benchmark of that option. Not named: `found`, if what is looked at says it; else R2R where
 /// the data set has a split of it; else the only benchmark that it has.

@@ -7,6 +7,7 @@ namespace enfilade::apps {
 // Each adds its verb with options, help and examples. `status` is the program's exit code if
 // nothing is thrown; it is kSuccess before, and a verb that ends otherwise sets another ExitCode.
 void add_contact_sheet(CLI::App& app, int& status);  ///< all viewpoints of a scan, or a trajectory
+void add_continuous(CLI::App& app, int& status);     ///< floors and episodes to walk freely
 void add_convert(CLI::App& app, int& status);        ///< the same content in another form
 void add_dataset(CLI::App& app, int& status);        ///< paths and instructions for model homes
 void add_demo(CLI::App& app, int& status);           ///< R2R's baselines, then training

@@ -1,0 +1,158 @@
+// enfilade continuous: navigation meshes and episodes to walk freely.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/continuous/floors.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/mesh_floor.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
+#include "enfilade/tasks/derive_continuous.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string data, task = "r2r-ce", headings = "path", dropped;
+  MeshSource meshes;
+  std::uint64_t seed = 1;
+  int threads = 0;
+  bool floors_only = false;
+};
+
+// What became of one split.
+struct SplitReport {
+  std::size_t episodes = 0, paths = 0;
+  std::vector<tasks::DroppedPath> dropped;
+};
+
+std::size_t source_paths(const tasks::DerivedEpisodes& derived, const tasks::Annotations& from) {
+  return from.paths.size() - derived.dropped.size();
+}
+
+void write_packed(const fs::path& file, const std::string& text) {
+  make_folder(file.parent_path());
+  write_file_atomically(file, gzip(text, 6));
+}
+
+tasks::Annotations annotations_of(const dataset::Dataset& data, tasks::ContinuousForm form,
+                                  const std::string& split) {
+  return form == tasks::ContinuousForm::kRxr ? data.annotations(tasks::Task::kRxr, split)
+                                             : data.annotations(split);
+}
+
+bool any_goal_hidden(const tasks::ContinuousEpisodes& episodes) {
+  return !episodes.episodes.empty() && episodes.episodes.front().goal_hidden();
+}
+
+SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousBenchmark& benchmark,
+                         const std::shared_ptr<const continuous::Buildings>& buildings,
+                         const std::string& split, const Options& options) {
+  const tasks::Annotations annotations = annotations_of(data, benchmark.form, split);
+  tasks::DeriveOptions derive;
+  derive.seed = options.seed;
+  if (options.headings == "random") derive.start_headings = tasks::StartHeadings::kRandom;
+  const tasks::DerivedEpisodes derived =
+      tasks::derive_continuous(annotations, *data.graphs(), agents::MeshFloor(buildings), derive);
+  const fs::path folder = data.folder();
+  if (!any_goal_hidden(derived.episodes)) {
+    const agents::ContinuousRunOptions run{
+        .batch_size = 64, .seed = 1, .simulator = benchmark.simulator};
+    write_packed(folder / tasks::expert_places(benchmark.form, split).front(),
+                 to_json(agents::record_experts(derived.episodes, buildings, run,
+                                                progress_bar("experts, " + split))));
+  }
+  write_packed(folder / tasks::continuous_places(benchmark.form, split).front(),
+               to_json(derived.episodes));
+  return {derived.episodes.episodes.size(), source_paths(derived, annotations), derived.dropped};
+}
+
+void tell_dropped(const std::string& split, const SplitReport& report, std::string& text) {
+  for (const tasks::DroppedPath& path : report.dropped) {
+    text += fmt::format("{}\t{}\t{}\t{}\n", split, path.id, path.scan, path.why);
+  }
+}
+
+FloorsReport make_and_tell(const dataset::Dataset& data,
+                           const agents::ContinuousBenchmark& benchmark, const Options& options) {
+  FloorsReport report = make_floors(data, benchmark, options.meshes, options.threads);
+  const fs::path folder = data.folder() / benchmark.navigation_folder();
+  fmt::print("{}: {} made, {} were there\n", folder.string(),
+             counted(report.made, "navigation mesh"), report.kept);
+  if (!report.without_mesh.empty()) {
+    fmt::print(stderr, "note: no mesh of {}, such as {}; see --meshes\n",
+               counted(report.without_mesh.size(), "scan"), report.without_mesh.front());
+  }
+  if (!report.faults.empty()) print_diagnostics(report.faults);
+  if (report.made + report.kept == 0) {
+    throw UsageError(fmt::format(
+        "{}: no building has a mesh to walk on; looked for model homes (homes.json), "
+        "v1/scans/SCAN/matterport_mesh, mp3d/SCAN/SCAN.glb and meshes/SCAN.glb. Give --meshes DIR",
+        data.folder().string()));
+  }
+  return report;
+}
+
+std::vector<std::string> splits_of(const dataset::Dataset& data, tasks::ContinuousForm form) {
+  return form == tasks::ContinuousForm::kRxr ? data.splits(tasks::Task::kRxr) : data.splits();
+}
+
+ExitCode make(const Options& options) {
+  const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(options.task);
+  const dataset::Dataset data = open_data(options.data);
+  const FloorsReport floors = make_and_tell(data, benchmark, options);
+  const ExitCode status = floors.faults.empty() ? kSuccess : kFaultsFound;
+  if (options.floors_only) return status;
+  const auto buildings =
+      std::make_shared<const continuous::Buildings>(data.folder() / benchmark.navigation_folder());
+  std::string dropped;
+  for (const std::string& split : splits_of(data, benchmark.form)) {
+    const SplitReport report = derive_split(data, benchmark, buildings, split, options);
+    tell_dropped(split, report, dropped);
+    fmt::print("{}: {} episodes of {} paths; {} cannot be walked\n",
+               (data.folder() / tasks::continuous_places(benchmark.form, split).front()).string(),
+               report.episodes, report.paths, report.dropped.size());
+  }
+  if (!options.dropped.empty()) write_output(options.dropped, dropped);
+  if (data.synthetic()) fmt::print("SYNTHETIC: model homes made by Enfilade.\n");
+  return status;
+}
+
+}  // namespace
+
+void add_continuous(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand(
+      "continuous",
+      "Make the floors of a data set's buildings walkable freely, and episodes in VLN-CE's files");
+  const auto options = std::make_shared<Options>();
+  add_value(verb, "data", options->data, "DATA", "Folder of the data set (default: ENFILADE_DATA)");
+  add_setting(verb, "--task", options->task, "NAME",
+              "r2r-ce, from Room-to-Room, or rxr-ce, from RxR: its body, steps and files",
+              CLI::IsMember({"r2r-ce", "rxr-ce"}));
+  add_value(verb, "--meshes", options->meshes.folder, "DIR",
+            "Meshes DIR/SCAN.glb, .obj or .ply, instead of the data set's own");
+  add_setting(verb, "--up", options->meshes.up, "AXIS",
+              "Axis of meshes that points up; format: y for glTF, z for others and for mp3d/",
+              CLI::IsMember({"format", "y", "z"}));
+  add_setting(verb, "--start-headings", options->headings, "RULE",
+              "path: the annotation's, as VLN-CE since v1-3; random: as before",
+              CLI::IsMember({"path", "random"}));
+  add_whole_number(verb, "--seed", options->seed, "Of random headings", 0);
+  add_value(verb, "--dropped", options->dropped, "FILE",
+            "Write which paths no body can walk, and why: split, path, scan, reason, a line each");
+  verb.add_flag("--floors-only", options->floors_only, "Navigation meshes, no episodes");
+  add_threads_option(verb, options->threads);
+  set_examples(verb, {"enfilade continuous homes",
+                      "enfilade continuous data --meshes glb --dropped dropped.tsv",
+                      "enfilade run --task r2r-ce --data homes --agent shortest"});
+  verb.callback([options, &status] { status = make(*options); });
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,32 @@
+/// \file  Navigation meshes of a data set's buildings.
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "enfilade/agents/continuous_benchmark.h"
+
+namespace enfilade::apps {
+
+/// Where meshes are, and how they are turned.
+struct MeshSource {
+  std::string folder;         ///< of `<scan>.glb`, ...; empty: the data set's own places
+  std::string up = "format";  ///< as of `scan-mesh`
+};
+
+/// What happened to the buildings of a data set.
+struct FloorsReport {
+  std::size_t made = 0, kept = 0;
+  std::vector<std::string> without_mesh;  ///< scans
+  std::vector<Diagnostic> faults;         ///< of meshes, a scan each
+};
+
+/// Makes the navigation mesh of each scan that has a mesh: a model home's own, which is made again
+/// from its seed, or a file. What is there for the same body is kept; a killed run goes on.
+/// \throws FileError
+FloorsReport make_floors(const dataset::Dataset& data, const agents::ContinuousBenchmark& benchmark,
+                         const MeshSource& source, int threads);
+
+}  // namespace enfilade::apps

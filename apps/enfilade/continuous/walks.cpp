@@ -1,0 +1,101 @@
+#include "apps/enfilade/continuous/walks.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/agents/continuous_run.h"
+#include "enfilade/core/gzip.h"
+#include "enfilade/tasks/continuous_measures.h"
+
+namespace enfilade::apps {
+namespace {
+
+using agents::ContinuousBenchmark;
+
+std::shared_ptr<const continuous::Buildings> open_buildings(const ContinuousBenchmark& benchmark,
+                                                            const dataset::Dataset& data) {
+  return std::make_shared<const continuous::Buildings>(data.folder() /
+                                                       benchmark.navigation_folder());
+}
+
+bool goals_are_hidden(const tasks::ContinuousEpisodes& episodes) {
+  return !episodes.episodes.empty() && episodes.episodes.front().goal_hidden();
+}
+
+tasks::ContinuousResultsForm form_of(const ContinuousBenchmark& benchmark) {
+  return benchmark.form == tasks::ContinuousForm::kRxr ? tasks::ContinuousResultsForm::kRxr
+                                                       : tasks::ContinuousResultsForm::kR2r;
+}
+
+std::vector<tasks::ContinuousScore> scores_of(const std::vector<tasks::ContinuousResult>& walks,
+                                              const tasks::ContinuousEpisodes& episodes,
+                                              const continuous::Buildings& buildings,
+                                              const ContinuousBenchmark& benchmark,
+                                              const dataset::Dataset& data) {
+  return agents::score_continuous_walks(
+      walks, episodes, buildings, agents::load_experts_of(benchmark, data.folder(), episodes.split),
+      progress_bar("scores"));
+}
+
+}  // namespace
+
+void run_free_walk(const FreeWalk& walk) {
+  const ContinuousBenchmark& benchmark = agents::continuous_benchmark(walk.task);
+  const auto agent = agents::make_continuous_agent(walk.agent);
+  const dataset::Dataset data = open_data(walk.data);
+  const tasks::ContinuousEpisodes episodes =
+      agents::load_continuous_split(benchmark, data.folder(), walk.split);
+  const auto buildings = open_buildings(benchmark, data);
+  const agents::ContinuousRunOptions options{
+      .batch_size = walk.batch_size, .seed = walk.seed, .simulator = benchmark.simulator};
+  const auto walks =
+      agents::run_continuous(*agent, episodes, buildings, options,
+                             progress_bar(fmt::format("{}, {}", walk.agent, walk.split)));
+  if (!walk.output.empty()) {
+    write_output(walk.output, to_json(walks, episodes, form_of(benchmark)));
+  }
+  if (walk.output == "-") return;
+  fmt::print("{} on {} of {}: {} episodes{}\n", walk.agent, walk.split, benchmark.title,
+             walks.size(), walk.output.empty() ? "" : " -> " + walk.output);
+  if (goals_are_hidden(episodes)) {
+    fmt::print("The goals of this split are hidden, so there is nothing to score it with.\n");
+    return;
+  }
+  const auto scores = scores_of(walks, episodes, *buildings, benchmark, data);
+  fmt::print("{}", to_table(tasks::measure(scores, walks, episodes)));
+}
+
+ExitCode score_free_walk(const FreeScore& asked) {
+  const ContinuousBenchmark& benchmark = agents::continuous_benchmark(asked.task);
+  const dataset::Dataset data = open_data(asked.data);
+  const tasks::ContinuousEpisodes episodes =
+      agents::load_continuous_split(benchmark, data.folder(), asked.split);
+  std::vector<tasks::ContinuousResult> walks;
+  try {
+    walks = tasks::load_continuous_results(
+        asked.results, episodes, asked.part ? tasks::Coverage::kPart : tasks::Coverage::kAll);
+  } catch (const InvalidInput& refused) {
+    print_diagnostics(refused.diagnostics());
+    return kFaultsFound;
+  }
+  if (goals_are_hidden(episodes)) {
+    throw UsageError(
+        fmt::format("{}: the file is good, but the goals of split {} are hidden, so "
+                    "it cannot be scored here",
+                    asked.results, asked.split));
+  }
+  const auto buildings = open_buildings(benchmark, data);
+  const auto scores = scores_of(walks, episodes, *buildings, benchmark, data);
+  const tasks::ContinuousMeasures measures = tasks::measure(scores, walks, episodes);
+  if (!asked.json.empty()) {
+    write_output(asked.json, to_json(measures, scores, walks, episodes, asked.per_episode));
+  }
+  if (asked.json != "-") fmt::print("{}", to_table(measures));
+  return kSuccess;
+}
+
+}  // namespace enfilade::apps

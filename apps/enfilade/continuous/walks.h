@@ -1,0 +1,27 @@
+/// \file  The benchmarks of walking freely, behind the verbs `run` and `score`.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "apps/common/program.h"
+
+namespace enfilade::apps {
+
+/// What `run` is asked for.
+struct FreeWalk {
+  std::string data, task, agent, split, output;
+  std::uint64_t seed = 1;
+  std::size_t batch_size = 64;
+};
+/// Runs an agent, writes its results and prints their scores.
+void run_free_walk(const FreeWalk& walk);
+
+/// What `score` is asked for.
+struct FreeScore {
+  std::string data, task, split, results, json;
+  bool per_episode = false, part = false;
+};
+ExitCode score_free_walk(const FreeScore& score);
+
+}  // namespace enfilade::apps

@@ -1,0 +1,40 @@
+/// \file  The benchmarks of walking freely, by name: who walks, how, and where their files are.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/continuous/simulator.h"
+#include "enfilade/mesh/walkable.h"
+#include "enfilade/tasks/continuous_episodes.h"
+
+namespace enfilade::agents {
+
+/// One of them.
+struct ContinuousBenchmark {
+  std::string_view name;  ///< "r2r-ce"
+  std::string_view title;
+  tasks::ContinuousForm form = tasks::ContinuousForm::kR2r;
+  mesh::Body body;
+  continuous::SimulatorConfig simulator;
+
+  /// The folder of its navigation meshes in a data set: "navmesh/r2r-ce".
+  std::filesystem::path navigation_folder() const;
+};
+
+/// All: R2R-CE (VLN-CE) and RxR-CE.
+const std::vector<ContinuousBenchmark>& continuous_benchmarks();
+bool is_continuous(std::string_view name) noexcept;
+/// \throws LookupError listing the names
+const ContinuousBenchmark& continuous_benchmark(std::string_view name);
+
+/// A split's episodes in a folder of data, by tasks::continuous_places(), and its experts' walks
+/// where there are any. \throws FileError naming every place that was tried; InvalidInput
+tasks::ContinuousEpisodes load_continuous_split(const ContinuousBenchmark& benchmark,
+                                                const std::filesystem::path& data,
+                                                const std::string& split);
+tasks::ExpertWalks load_experts_of(const ContinuousBenchmark& benchmark,
+                                   const std::filesystem::path& data, const std::string& split);
+
+}  // namespace enfilade::agents

@@ -1,0 +1,47 @@
+/// \file  The measures of a split of walks in continuous space, as tables show them.
+#pragma once
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/tasks/bootstrap.h"
+#include "enfilade/tasks/continuous_episodes.h"
+#include "enfilade/tasks/continuous_results.h"
+#include "enfilade/tasks/continuous_score.h"
+
+namespace enfilade::tasks {
+
+/// A measure by name, and its value of one walk.
+struct ContinuousMeasure {
+  std::string_view name;   ///< "spl", as VLN-CE's code has it
+  std::string_view title;  ///< "SPL (%)"
+  double unit = 1;         ///< what the table multiplies by: 100 of shares
+  double (*value)(const ContinuousScore&) = nullptr;
+};
+/// All, in the order of tables. Collisions, which files do not tell, are NaN where unknown.
+std::span<const ContinuousMeasure> continuous_measures() noexcept;
+
+/// Means over episodes.
+struct ContinuousMeasures {
+  std::size_t episodes = 0, trajectories = 0;
+  /// Of continuous_measures(), with intervals of 95 % by the bootstrap over trajectories:
+  /// instructions of one trajectory are no independent samples. NaN where a walk has no value.
+  std::vector<MeanInterval> means;
+};
+
+/// \param walks  whose scores they are, in the same order
+/// \throws ArgumentError for no score, or if there are not as many walks
+ContinuousMeasures measure(std::span<const ContinuousScore> scores,
+                           std::span<const ContinuousResult> walks,
+                           const ContinuousEpisodes& episodes);
+
+/// A line a measure, for people.
+std::string to_table(const ContinuousMeasures& measures);
+/// All measures; with `per_episode` those of each episode too, by its id. NaN is null.
+std::string to_json(const ContinuousMeasures& measures, std::span<const ContinuousScore> scores,
+                    std::span<const ContinuousResult> walks, const ContinuousEpisodes& episodes,
+                    bool per_episode);
+
+}  // namespace enfilade::tasks
