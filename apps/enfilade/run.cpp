@@ -24,6 +24,7 @@ namespace {
 struct Options {
   std::string data, features, output;
   std::string agent = "random", split = "val_unseen", task, form;
+  bool walk_graph = false;
   agents::RunOptions run;
 };
 
@@ -44,18 +45,24 @@ void check_form(const std::string& form, tasks::Task task) {
 
 void run(const Options& options) {
   if (agents::is_continuous(options.task)) {
-    if (!options.form.empty() || !options.features.empty()) {
-      throw UsageError(fmt::format("--task {}: takes neither --to nor --features", options.task));
+    if (!options.form.empty())
+      throw UsageError(fmt::format("--task {}: takes no --to", options.task));
+    if (!options.features.empty() && !options.walk_graph) {
+      throw UsageError(
+          fmt::format("--task {}: takes --features with --walk-graph only", options.task));
     }
     run_free_walk({.data = options.data,
                    .task = options.task,
                    .agent = options.agent,
                    .split = options.split,
+                   .features = options.features,
                    .output = options.output,
+                   .walk_graph = options.walk_graph,
                    .seed = options.run.seed,
                    .batch_size = options.run.batch_size});
     return;
   }
+  if (options.walk_graph) throw UsageError("--walk-graph: with --task r2r-ce or rxr-ce only");
   const bool trained = std::filesystem::is_directory(options.agent);
   std::unique_ptr<agents::Agent> agent;
   if (!trained) agent = agents::make_agent(options.agent);
@@ -103,12 +110,16 @@ void add_run(CLI::App& app, int& /*status*/) {
   add_value(verb, "--to", options->form, "FORM",
             "released: SOON's results as its own code writes them, an entry with its alternatives "
             "an element (default: as DUET does)");
+  verb.add_flag("--walk-graph", options->walk_graph,
+                "r2r-ce and rxr-ce: the agent decides in the graph, and a controller walks its "
+                "trajectories in the continuous world");
   add_whole_number(verb, "--seed", options->run.seed, "Seed of the agent's random numbers", 0);
   add_whole_number(verb, "--batch", options->run.batch_size, "Episodes at once; changes no result");
   set_examples(verb, {"enfilade run --agent random --split val_unseen -o results.json",
                       "enfilade run --agent shortest --split val_seen",
                       "enfilade run --agent reference --task reverie --split val_unseen",
                       "enfilade run --agent shortest --task r2r-ce --split val_unseen",
+                      "enfilade run --agent random --task r2r-ce --walk-graph",
                       "enfilade run --agent MODELDIR --features FILE --split test -o test.json"});
   verb.callback([options] { run(*options); });
 }

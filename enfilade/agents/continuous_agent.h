@@ -1,6 +1,8 @@
 /// \file  Agents that walk freely: an observation in, an action out.
 #pragma once
 #include <cstddef>
+#include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -49,6 +51,11 @@ class ContinuousAgent {
 /// way to the goal. "reference": along the reference path, as VLN-CE's experts.
 /// \throws LookupError listing the names
 std::unique_ptr<ContinuousAgent> make_continuous_agent(std::string_view name);
+/// An agent that walks given routes, by the ids of episodes as text: points of the floor, which it
+/// visits in order, to within 0.5 m, and stops at the last, to within 0.25 m. An episode without a
+/// route stops at once. For decisions that were made elsewhere, such as in a graph.
+std::unique_ptr<ContinuousAgent> make_route_agent(
+    std::string name, std::map<std::string, std::vector<Vec3d>, std::less<>> routes);
 std::vector<std::string> continuous_agent_names();
 
 }  // namespace enfilade::agents

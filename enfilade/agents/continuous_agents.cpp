@@ -5,6 +5,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "enfilade/agents/continuous_agent.h"
 #include "enfilade/core/errors.h"
@@ -120,6 +121,27 @@ class Reference final : public Follower {
   continuous::FollowerConfig distances() const override { return {}; }
 };
 
+class Route final : public Follower {
+ public:
+  Route(std::string name, std::map<std::string, std::vector<Vec3d>, std::less<>> routes)
+      : name_(std::move(name)), routes_(std::move(routes)) {}
+  std::string_view name() const override { return name_; }
+  bool needs_goal() const override { return false; }
+
+ private:
+  std::vector<Vec3d> points_of(const tasks::ContinuousEpisode& episode) const override {
+    const auto route = routes_.find(tasks::text_of(episode.id));
+    if (route == routes_.end() || route->second.empty()) return {episode.start};
+    return route->second;
+  }
+  continuous::FollowerConfig distances() const override {
+    return {.reached = 0.5, .last_reached = 0.25};
+  }
+
+  std::string name_;
+  std::map<std::string, std::vector<Vec3d>, std::less<>> routes_;
+};
+
 using Maker = std::unique_ptr<ContinuousAgent> (*)();
 template <class A>
 std::unique_ptr<ContinuousAgent> make() {
@@ -143,6 +165,11 @@ std::unique_ptr<ContinuousAgent> make_continuous_agent(std::string_view name) {
                                   fmt::join(continuous_agent_names(), ", ")));
   }
   return found->second();
+}
+
+std::unique_ptr<ContinuousAgent> make_route_agent(
+    std::string name, std::map<std::string, std::vector<Vec3d>, std::less<>> routes) {
+  return std::make_unique<Route>(std::move(name), std::move(routes));
 }
 
 std::vector<std::string> continuous_agent_names() {

@@ -84,8 +84,8 @@ FloorsReport make_and_tell(const dataset::Dataset& data,
                            const agents::ContinuousBenchmark& benchmark, const Options& options) {
   FloorsReport report = make_floors(data, benchmark, options.meshes, options.threads);
   const fs::path folder = data.folder() / benchmark.navigation_folder();
-  fmt::print("{}: {} made, {} were there\n", folder.string(),
-             counted(report.made, "navigation mesh"), report.kept);
+  fmt::print("{}: {} navigation meshes made, {} were there\n", folder.string(), report.made,
+             report.kept);
   if (!report.without_mesh.empty()) {
     fmt::print(stderr, "note: no mesh of {}, such as {}; see --meshes\n",
                counted(report.without_mesh.size(), "scan"), report.without_mesh.front());

@@ -2,14 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "apps/enfilade/learning/learn.h"
+#include "apps/enfilade/task_option.h"
 #include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/graph_walk.h"
+#include "enfilade/agents/run.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/tasks/continuous_measures.h"
+#include "enfilade/tasks/score.h"
 
 namespace enfilade::apps {
 namespace {
@@ -41,15 +47,40 @@ std::vector<tasks::ContinuousScore> scores_of(const std::vector<tasks::Continuou
       progress_bar("scores"));
 }
 
+// Runs the agent through the graph's episodes, and prints how it did there.
+std::unique_ptr<agents::ContinuousAgent> decide_in_graph(
+    const FreeWalk& walk, const ContinuousBenchmark& benchmark, const dataset::Dataset& data,
+    const tasks::ContinuousEpisodes& episodes,
+    const std::shared_ptr<const continuous::Buildings>& buildings) {
+  const tasks::Task task =
+      benchmark.form == tasks::ContinuousForm::kRxr ? tasks::Task::kRxr : tasks::Task::kR2r;
+  const tasks::EpisodeSet set = episodes_of(data, task, walk.split, tasks::Instructions::kAll);
+  const std::unique_ptr<agents::Agent> agent =
+      std::filesystem::is_directory(walk.agent) ? load_trained_agent(walk.agent, walk.features, set)
+                                                : agents::make_agent(walk.agent);
+  const auto trajectories =
+      agents::run_agent(*agent, set, {.batch_size = walk.batch_size, .seed = walk.seed},
+                        progress_bar(walk.agent + ", graph"));
+  if (walk.output != "-" && !tasks::goals_hidden(set)) {
+    fmt::print("In the graph:\n");
+    print_score(trajectories, set);
+    fmt::print("\n");
+  }
+  return agents::make_graph_walker(walk.agent, trajectories, set, episodes,
+                                   agents::MeshFloor(buildings));
+}
+
 }  // namespace
 
 void run_free_walk(const FreeWalk& walk) {
   const ContinuousBenchmark& benchmark = agents::continuous_benchmark(walk.task);
-  const auto agent = agents::make_continuous_agent(walk.agent);
+  std::unique_ptr<agents::ContinuousAgent> agent;
+  if (!walk.walk_graph) agent = agents::make_continuous_agent(walk.agent);
   const dataset::Dataset data = open_data(walk.data);
   const tasks::ContinuousEpisodes episodes =
       agents::load_continuous_split(benchmark, data.folder(), walk.split);
   const auto buildings = open_buildings(benchmark, data);
+  if (walk.walk_graph) agent = decide_in_graph(walk, benchmark, data, episodes, buildings);
   const agents::ContinuousRunOptions options{
       .batch_size = walk.batch_size, .seed = walk.seed, .simulator = benchmark.simulator};
   const auto walks =

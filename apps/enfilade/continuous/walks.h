@@ -10,7 +10,8 @@ namespace enfilade::apps {
 
 /// What `run` is asked for.
 struct FreeWalk {
-  std::string data, task, agent, split, output;
+  std::string data, task, agent, split, features, output;
+  bool walk_graph = false;  ///< the agent decides in the graph, and its trajectories are walked
   std::uint64_t seed = 1;
   std::size_t batch_size = 64;
 };
