@@ -2,6 +2,9 @@
 // the nearest panorama: PSNR and SSIM of the mesh's own colours and of colours from panoramas.
 // Truth is mesh/capture.h with all its light and 4 rays a pixel.
 //
+// The last two columns are of the same home with one colour for each texture: what a scan gives
+// whose own textures are poor.
+//
 //   eyes_quality [SEED] [AREA] [VIEWS] [FACE] [FOLDER FOR PICTURES]
 #include <algorithm>
 #include <array>
@@ -21,6 +24,7 @@
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/image/codecs.h"
+#include "enfilade/image/tone.h"
 
 namespace enfilade {
 namespace {
@@ -141,10 +145,34 @@ void write_strip(const std::filesystem::path& file, std::span<const image::Image
   write_file_atomically(file, std::string(png.begin(), png.end()));
 }
 
+// The mesh with one colour for each texture, as of a scan whose pictures were lost.
+std::shared_ptr<const mesh::RayTracer> without_textures(const mesh::Mesh& mesh) {
+  mesh::Mesh bare = mesh;
+  for (mesh::Material& material : bare.materials) {
+    const image::Image8& texture = material.texture;
+    if (texture.pixels.empty() || material.cutout > 0) continue;
+    std::array<double, 3> sum{};
+    const std::size_t texels = std::size_t{texture.width} * texture.height;
+    for (std::size_t i = 0; i < texels; ++i) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        sum[c] += image::linear_from_srgb(texture.pixels[i * texture.channels + c] / 255.0);
+      }
+    }
+    const auto mean = [&](std::size_t c) {
+      return static_cast<float>(sum[c] / static_cast<double>(texels));
+    };
+    material.colour = {material.colour.x * mean(0), material.colour.y * mean(1),
+                       material.colour.z * mean(2)};
+    material.texture = {};
+  }
+  return std::make_shared<const mesh::RayTracer>(
+      std::make_shared<const mesh::Mesh>(std::move(bare)));
+}
+
 struct Row {
   double from = 0, to = 0;
   std::size_t count = 0;
-  std::array<double, 4> sums{};  // PSNR and SSIM of the mesh, of panoramas
+  std::array<double, 8> sums{};  // PSNR and SSIM of each
 };
 
 void run(const Arguments& arguments) {
@@ -160,25 +188,34 @@ void run(const Arguments& arguments) {
   kept.face_size = arguments.face;
   const auto photographs = std::make_shared<const Photographs>(scan::PanoramaSet::of({source}),
                                                                ScanIndex(0), scene, kept);
+  const auto bare = without_textures(built.tracer->mesh());
+  const mesh::LitMesh bare_light(bare, built.home.lights);
+  const auto bare_scene = Scene::lit(bare, bare_light);
+  const auto on_bare = std::make_shared<const Photographs>(scan::PanoramaSet::of({source}),
+                                                           ScanIndex(0), bare_scene, kept);
   std::printf("SYNTHETIC home, seed %llu: %zu triangles, %zu panoramas of %u texels, kept at %u\n",
               static_cast<unsigned long long>(arguments.seed),
               built.tracer->mesh().triangles.size(), photographs->size(), kPanoramaFace,
               arguments.face);
   photographs->load_all();
+  on_bare->load_all();
+  Eyes of_bare({bare_scene}),
+      of_bare_panoramas({bare_scene}, {continuous::Method::kRaster, 0, {on_bare}});
   Eyes of_mesh({scene}), of_panoramas({scene}, {continuous::Method::kRaster, 0, {photographs}});
   std::vector<Row> rows;
-  const std::array<double, 7> edges{0, 0.4, 0.8, 1.2, 1.6, 2.4, 1e9};
+  const std::array<double, 6> edges{0, 0.4, 0.8, 1.2, 1.6, 100};
   for (std::size_t k = 0; k + 1 < edges.size(); ++k) rows.push_back({edges[k], edges[k + 1]});
   std::size_t number = 0;
   for (const MeshView& view : places(built, arguments.views)) {
     double nearest = 1e9;
     for (const Vec3d at : photographs->positions())
       nearest = std::min(nearest, length(at - view.eye));
-    const std::array<image::Image8, 3> pictures{truth(*light, view), drawn(of_mesh, view),
-                                                drawn(of_panoramas, view)};
+    const std::array<image::Image8, 5> pictures{truth(*light, view), drawn(of_mesh, view),
+                                                drawn(of_panoramas, view), drawn(of_bare, view),
+                                                drawn(of_bare_panoramas, view)};
     const auto row = std::ranges::find_if(rows, [&](const Row& r) { return nearest < r.to; });
     ++row->count;
-    for (std::size_t k = 0; k < 2; ++k) {
+    for (std::size_t k = 0; k < 4; ++k) {
       row->sums[2 * k] += psnr(pictures[0], pictures[k + 1]);
       row->sums[2 * k + 1] += ssim(pictures[0], pictures[k + 1]);
     }
@@ -191,12 +228,16 @@ void run(const Arguments& arguments) {
     ++number;
   }
   std::printf(
-      "| metres to the nearest panorama | views | mesh: PSNR, SSIM | panoramas: PSNR, SSIM |\n");
+      "| metres to the nearest panorama | views | mesh | panoramas | mesh without textures | "
+      "panoramas on it |\n|---|---|---|---|---|---|\n");
   for (const Row& row : rows) {
     if (row.count == 0) continue;
-    const auto n = static_cast<double>(row.count);
-    std::printf("| %.1f - %.1f | %zu | %.1f, %.3f | %.1f, %.3f |\n", row.from, row.to, row.count,
-                row.sums[0] / n, row.sums[1] / n, row.sums[2] / n, row.sums[3] / n);
+    std::printf("| %.1f - %.1f | %zu |", row.from, row.to, row.count);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto n = static_cast<double>(row.count);
+      std::printf(" %.1f, %.3f |", row.sums[2 * k] / n, row.sums[2 * k + 1] / n);
+    }
+    std::printf("\n");
   }
 }
 
