@@ -18,7 +18,7 @@ std::vector<Case> command_line_cases() {
            "export, features, graph, homes, import, import-weights, pack, panorama, pretrain, r4r, "
            "render, report, run, sample, scan-mesh, score, serve, speak, stats, study, submit, "
            "synth, "
-           "table, train"),
+           "table, top-down, train"),
       line("an option that is none", "stats --data {} --colour", 2, "--colour"),
       line("an option without its value", "run --agent", 2, "--agent"),
       line("a number that is none", "run --data {} --batch many", 2,

@@ -1,0 +1,44 @@
+/// \file  Top-down maps of a floor with the lines that bodies walked on it, as SVG.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "enfilade/geometry/vec.h"
+#include "enfilade/mesh/floor_polygons.h"
+
+namespace enfilade::draw {
+
+/// A line on the floor.
+struct WalkedLine {
+  /// Whose it is.
+  enum class Role {
+    kReference,  ///< a wide band with its points; a ring of the success distance at its end
+    kAgent,      ///< a line, darker as time passes; a ring where it ends
+  };
+  Role role = Role::kAgent;
+  std::vector<Vec3d> points;  ///< world, metres; at least one
+  std::string label;          ///< for the legend; empty: named by its role
+};
+
+/// What is written and drawn on a map.
+struct TopDownOptions {
+  std::string title;              ///< may be empty
+  std::string note;               ///< a paragraph below it, such as the instruction; may be empty
+  double pixels_per_metre = 0;    ///< > 0; or 0: fits about 1000 pixels
+  double success_distance = 3.0;  ///< metres; radius of the ring around the reference's end
+};
+
+/// Heights at which storeys lie, lowest first: the most frequent heights of the floor, at least
+/// 1.8 m apart, each with a twelfth of its area. \pre floor has a polygon
+std::vector<double> find_floor_levels(const mesh::FloorPolygons& floor);
+
+/// A self-contained SVG document: a panel a storey, lowest first, all at one scale, north (+y) up,
+/// with a scale bar and a legend. Floor and lines between storeys, as on stairs, are drawn with the
+/// storey that is nearer. It has its own background, for light and dark pages. Texts are escaped.
+/// \throws ArgumentError for a line without a point or with one that is not finite, a scale or
+/// distance that is negative or not finite; as mesh::FloorPolygons' users, for no polygon
+std::string top_down_svg(const mesh::FloorPolygons& floor,
+                         const std::vector<WalkedLine>& lines = {},
+                         const TopDownOptions& options = {});
+
+}  // namespace enfilade::draw
