@@ -29,31 +29,6 @@ std::vector<std::size_t> find_buildings(const tasks::ContinuousEpisodes& episode
   return found;
 }
 
-continuous::EpisodeStart start_of(const tasks::ContinuousEpisode& episode, std::size_t building) {
-  return {.building = building,
-          .pose = {to_float(episode.start), episode.start_heading(), Radians(0)}};
-}
-
-// All of them are looked at before anybody walks.
-void check_starts(const tasks::ContinuousEpisodes& episodes, const Buildings& buildings,
-                  const std::vector<std::size_t>& places, const continuous::Reach& reach) {
-  std::vector<Diagnostic> faults;
-  for (std::size_t e = 0; e < episodes.episodes.size(); ++e) {
-    const tasks::ContinuousEpisode& episode = episodes.episodes[e];
-    const Vec3f p = to_float(episode.start);
-    if (buildings.floor(places[e]).nearest(p, reach)) continue;
-    if (faults.size() == kMostFaultsKept) break;
-    const Vec3d start = episode.start;
-    faults.push_back(
-        {Severity::kError, episodes.file, fmt::format("$.episodes[{}].start_position", e),
-         "start-off-floor",
-         fmt::format("no floor of {} within {} m of ({}, {}, {}), z up, and {} m above "
-                     "or below",
-                     episode.scan(), reach.aside, start.x, start.y, start.z, reach.above_below)});
-  }
-  if (!faults.empty()) throw InvalidInput(std::move(faults));
-}
-
 // The episodes of one split in the slots of one simulator.
 class Runner {
  public:
@@ -65,7 +40,7 @@ class Runner {
         options_(options),
         places_(find_buildings(episodes, *buildings_)),
         slots_(std::min(options.batch_size, episodes.episodes.size())) {
-    check_starts(episodes, *buildings_, places_, options.simulator.start_reach);
+    check_starts(episodes, *buildings_, options.simulator.start_reach);
     results_.resize(episodes.episodes.size());
   }
 
@@ -162,8 +137,35 @@ void require_goals(const tasks::ContinuousEpisodes& episodes, std::string_view w
   }
 }
 
-continuous::DistanceField field_of(const tasks::ContinuousEpisode& episode,
-                                   const continuous::Geodesics& ways) {
+}  // namespace
+
+continuous::EpisodeStart start_of(const tasks::ContinuousEpisode& episode, std::size_t building) {
+  return {.building = building,
+          .pose = {to_float(episode.start), episode.start_heading(), Radians(0)}};
+}
+
+void check_starts(const tasks::ContinuousEpisodes& episodes, const Buildings& buildings,
+                  const continuous::Reach& reach) {
+  const std::vector<std::size_t> places = find_buildings(episodes, buildings);
+  std::vector<Diagnostic> faults;
+  for (std::size_t e = 0; e < episodes.episodes.size(); ++e) {
+    const tasks::ContinuousEpisode& episode = episodes.episodes[e];
+    const Vec3f p = to_float(episode.start);
+    if (buildings.floor(places[e]).nearest(p, reach)) continue;
+    if (faults.size() == kMostFaultsKept) break;
+    const Vec3d start = episode.start;
+    faults.push_back(
+        {Severity::kError, episodes.file, fmt::format("$.episodes[{}].start_position", e),
+         "start-off-floor",
+         fmt::format("no floor of {} within {} m of ({}, {}, {}), z up, and {} m above "
+                     "or below",
+                     episode.scan(), reach.aside, start.x, start.y, start.z, reach.above_below)});
+  }
+  if (!faults.empty()) throw InvalidInput(std::move(faults));
+}
+
+continuous::DistanceField goal_field(const tasks::ContinuousEpisode& episode,
+                                     const continuous::Geodesics& ways) {
   std::vector<continuous::FloorPoint> goals;
   for (const tasks::ContinuousGoal& goal : *episode.goals) {
     if (const auto found = ways.mesh().nearest(to_float(goal.position), {1, 1})) {
@@ -176,8 +178,6 @@ continuous::DistanceField field_of(const tasks::ContinuousEpisode& episode,
   }
   return ways.field(goals);
 }
-
-}  // namespace
 
 std::vector<tasks::ContinuousResult> run_continuous(ContinuousAgent& agent,
                                                     const tasks::ContinuousEpisodes& episodes,
@@ -213,7 +213,7 @@ std::vector<double> goal_distances(const tasks::ContinuousResult& walk,
                                    const tasks::ContinuousEpisode& episode,
                                    const Buildings& buildings) {
   const continuous::Geodesics& ways = buildings.ways(buildings.at(episode.scan()));
-  const continuous::DistanceField field = field_of(episode, ways);
+  const continuous::DistanceField field = goal_field(episode, ways);
   std::vector<double> distances;
   for (std::size_t k = 0; k < walk.positions.size(); ++k) {
     if (k > 0 && walk.positions[k] == walk.positions[k - 1]) {
@@ -226,25 +226,31 @@ std::vector<double> goal_distances(const tasks::ContinuousResult& walk,
   return distances;
 }
 
+tasks::ContinuousScore score_continuous_walk(const tasks::ContinuousResult& walk,
+                                             const tasks::ContinuousEpisode& episode,
+                                             const Buildings& buildings,
+                                             const tasks::ExpertWalks& experts) {
+  const auto expert = experts.find(tasks::text_of(episode.id));
+  std::vector<Vec3d> reference;
+  if (expert != experts.end()) {
+    reference = expert->second.locations;
+  } else if (episode.reference_path) {
+    reference = *episode.reference_path;
+  } else {
+    reference = {episode.start, episode.goals->front().position};
+  }
+  const tasks::ScoredWalk scored = tasks::to_score(walk, goal_distances(walk, episode, buildings));
+  return tasks::score_continuous(scored.view(), tasks::reference_to_score(reference));
+}
+
 std::vector<tasks::ContinuousScore> score_continuous_walks(
     std::span<const tasks::ContinuousResult> walks, const tasks::ContinuousEpisodes& episodes,
     const Buildings& buildings, const tasks::ExpertWalks& experts, const Progress& progress) {
   require_goals(episodes, "score");
   std::vector<tasks::ContinuousScore> scores;
   for (const tasks::ContinuousResult& walk : walks) {
-    const tasks::ContinuousEpisode& episode = episodes.episodes.at(walk.episode);
-    const auto expert = experts.find(tasks::text_of(episode.id));
-    std::vector<Vec3d> reference;
-    if (expert != experts.end()) {
-      reference = expert->second.locations;
-    } else if (episode.reference_path) {
-      reference = *episode.reference_path;
-    } else {
-      reference = {episode.start, episode.goals->front().position};
-    }
-    const tasks::ScoredWalk scored =
-        tasks::to_score(walk, goal_distances(walk, episode, buildings));
-    scores.push_back(tasks::score_continuous(scored.view(), tasks::reference_to_score(reference)));
+    scores.push_back(
+        score_continuous_walk(walk, episodes.episodes.at(walk.episode), buildings, experts));
     if (progress) progress(scores.size(), walks.size());
   }
   return scores;

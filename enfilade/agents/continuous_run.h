@@ -21,6 +21,13 @@ struct ContinuousRunOptions {
   continuous::SimulatorConfig simulator = continuous::SimulatorConfig::room_to_room();
 };
 
+/// Looks at all starts. \throws LookupError for a scan without a navigation mesh; InvalidInput
+/// naming each episode whose start is off the floor (`start-off-floor`); errors of files
+void check_starts(const tasks::ContinuousEpisodes& episodes, const continuous::Buildings& buildings,
+                  const continuous::Reach& reach);
+/// Where an episode puts a body. \param building  that of the episode's scan
+continuous::EpisodeStart start_of(const tasks::ContinuousEpisode& episode, std::size_t building);
+
 /// One walk an episode, in order. Slots take the next episode when theirs has ended.
 /// \throws ArgumentError if the agent needs goals that the file hides, for a batch size of 0;
 /// LookupError for a scan without a navigation mesh; InvalidInput naming each episode whose start
@@ -36,6 +43,10 @@ tasks::ExpertWalks record_experts(const tasks::ContinuousEpisodes& episodes,
                                   const ContinuousRunOptions& options = {},
                                   const Progress& progress = {});
 
+/// How far it is to the nearest goal of an episode. \param ways  of the episode's building
+/// \pre the goals are not hidden \throws ArgumentError if no floor is within 1 m of any goal
+continuous::DistanceField goal_field(const tasks::ContinuousEpisode& episode,
+                                     const continuous::Geodesics& ways);
 /// Geodesic distances of all poses of a walk to the nearest goal. \pre the goals are not hidden
 std::vector<double> goal_distances(const tasks::ContinuousResult& walk,
                                    const tasks::ContinuousEpisode& episode,
@@ -48,5 +59,11 @@ std::vector<tasks::ContinuousScore> score_continuous_walks(
     std::span<const tasks::ContinuousResult> walks, const tasks::ContinuousEpisodes& episodes,
     const continuous::Buildings& buildings, const tasks::ExpertWalks& experts = {},
     const Progress& progress = {});
+
+/// The same of one walk through an episode. \pre its goals are not hidden
+tasks::ContinuousScore score_continuous_walk(const tasks::ContinuousResult& walk,
+                                             const tasks::ContinuousEpisode& episode,
+                                             const continuous::Buildings& buildings,
+                                             const tasks::ExpertWalks& experts = {});
 
 }  // namespace enfilade::agents

@@ -1,0 +1,78 @@
+/// \file  Episodes of walking freely as a reinforcement-learning environment: a batch of agents,
+/// one action each.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "enfilade/agents/continuous_run.h"
+
+namespace enfilade::agents {
+
+/// What agents walk in. Shared by any number of environments.
+struct ContinuousWorld {
+  std::shared_ptr<const tasks::ContinuousEpisodes> episodes;
+  std::shared_ptr<const tasks::ExpertWalks> experts;  ///< what nDTW compares with; null: none
+  std::shared_ptr<const continuous::Buildings> buildings;
+};
+
+/// Which way a teacher leads.
+enum class ContinuousExpert : std::uint8_t {
+  kReference,  ///< along the reference path, as VLN-CE's experts: the agent "reference"
+  kShortest,   ///< the shortest way to the goal: the agent "shortest"
+};
+
+/// A batch of agents, each in an episode of its own that it was told to begin. One thread at a
+/// time.
+class ContinuousEnvironment {
+ public:
+  /// Looks at the starts of all episodes.
+  /// \throws ArgumentError for nulls (experts may be), no episode, or as
+  /// continuous::Simulator; what check_starts() throws
+  ContinuousEnvironment(ContinuousWorld world, const continuous::SimulatorConfig& config);
+  ~ContinuousEnvironment();
+  ContinuousEnvironment(ContinuousEnvironment&&) noexcept;
+  ContinuousEnvironment& operator=(ContinuousEnvironment&&) noexcept;
+
+  /// Begins episodes. \param chosen  an index of an episode for each agent; below 0: as it is
+  /// \throws ArgumentError for another length, an index out of range, an agent that has never begun
+  /// and is left out, no floor within 1 m of a goal. In the last case some agents may have begun
+  void begin(std::span<const std::int64_t> chosen);
+  /// One action for every agent; those whose episode has ended stay as they are.
+  /// \throws as continuous::Simulator::step()
+  void step(std::span<const continuous::Action> actions);
+
+  const ContinuousWorld& world() const noexcept { return world_; }
+  const continuous::Simulator& simulator() const noexcept { return simulator_; }
+  std::span<const std::uint32_t> episode() const noexcept { return episode_; }  ///< indices, (n)
+  /// Geodesic, to the nearest goal, metres, (n); NaN: it is hidden, infinite: there is no way.
+  std::span<const double> distance() const noexcept { return distance_; }
+  /// What an agent has walked in its episode so far. \pre it has begun
+  const tasks::ContinuousResult& walk(std::size_t agent) const;
+  /// The next action of a teacher, an oracle; kStop once an episode is over. It has followed the
+  /// agent from the start, whenever it is asked for the first time. No value if the goal is hidden.
+  /// \throws ArgumentError for an agent beyond the batch or that has not begun
+  std::optional<continuous::Action> expert(std::size_t agent, ContinuousExpert rule);
+  /// VLN-CE's measures of what an agent has walked in its episode so far.
+  /// \throws ArgumentError as expert(), or for a hidden goal
+  tasks::ContinuousScore score(std::size_t agent) const;
+
+ private:
+  struct Slot;
+  void begin_one(std::size_t agent, std::size_t episode);
+  void record(std::size_t agent);
+  const Slot& slot(std::size_t agent) const;
+  const tasks::ContinuousEpisode& episode_of(const Slot& slot) const;
+  void make_teacher(Slot& slot, ContinuousExpert rule) const;
+
+  ContinuousWorld world_;
+  continuous::Simulator simulator_;
+  std::vector<Slot> slots_;
+  std::vector<std::uint32_t> episode_;
+  std::vector<double> distance_;
+};
+
+}  // namespace enfilade::agents
