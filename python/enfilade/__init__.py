@@ -33,6 +33,17 @@ from enfilade._core import (
 from enfilade._errors import ArgumentError, Error, FileError, InvalidInput, UnknownNameError
 
 if TYPE_CHECKING:
+    from enfilade._continuous import (
+        ContinuousAction,
+        ContinuousEpisode,
+        ContinuousEpisodes,
+        ContinuousGoal,
+        ContinuousSimulator,
+        ContinuousState,
+        EpisodeStatus,
+        ExpertWalk,
+        continuous_episodes,
+    )
     from enfilade._dataset import Dataset, Part, SeenObject
     from enfilade._episodes import Episode, Episodes, Score, SubInstruction, TimedWord, Turn
     from enfilade._renderer import Renderer, open_panoramas
@@ -47,6 +58,15 @@ _LATER = {
     "Dataset": "_dataset",
     "Part": "_dataset",
     "SeenObject": "_dataset",
+    "ContinuousAction": "_continuous",
+    "ContinuousEpisode": "_continuous",
+    "ContinuousEpisodes": "_continuous",
+    "ContinuousGoal": "_continuous",
+    "ContinuousSimulator": "_continuous",
+    "ContinuousState": "_continuous",
+    "EpisodeStatus": "_continuous",
+    "ExpertWalk": "_continuous",
+    "continuous_episodes": "_continuous",
     "Candidate": "_simulator",
     "CandidateTable": "_simulator",
     "Simulator": "_simulator",
@@ -65,16 +85,24 @@ _LATER = {
     "write_small_dataset": "synth",
 }
 
-_MODULES = ("agents", "camera", "features", "goals")
+_MODULES = ("agents", "camera", "features", "goals", "habitat")
 
 __all__ = [
     "ArgumentError",
     "Candidate",
     "CandidateTable",
+    "ContinuousAction",
+    "ContinuousEpisode",
+    "ContinuousEpisodes",
+    "ContinuousGoal",
+    "ContinuousSimulator",
+    "ContinuousState",
     "Dataset",
     "Episode",
+    "EpisodeStatus",
     "Episodes",
     "Error",
+    "ExpertWalk",
     "FileError",
     "Graph",
     "Graphs",
@@ -93,6 +121,7 @@ __all__ = [
     "UnknownNameError",
     "Vocabulary",
     "backends",
+    "continuous_episodes",
     "metrics",
     "open_panoramas",
     "score_paths",

@@ -69,6 +69,8 @@ void bind_episodes(nb::module_& module);
 void bind_scores(nb::module_& module);
 void bind_tokens(nb::module_& module);
 void bind_environment(nb::module_& module);
+void bind_continuous(nb::module_& module);
+void bind_continuous_episodes(nb::module_& module);
 namespace mattersim {
 void bind(nb::module_& module);  ///< the old simulator's names, in a module of their own
 void bind_cbf(nb::module_& module);

@@ -3,6 +3,8 @@
 >>> import gymnasium, enfilade.gym
 >>> env = gymnasium.make("RoomToRoom-v0", config=enfilade.gym.EnvConfig("data", "train"))
 >>> envs = gymnasium.make_vec("RoomToRoom-v0", 256, config=enfilade.gym.EnvConfig("data", "train"))
+>>> walk = enfilade.gym.ContinuousEnvConfig("data", "train")
+>>> env = gymnasium.make("Enfilade/ContinuousRoomToRoom-v0", config=walk)
 >>> env = gymnasium.make("enfilade/REVERIE-v0", config=enfilade.gym.EnvConfig("data", "train"))
 """
 
@@ -11,10 +13,23 @@ from __future__ import annotations
 import gymnasium
 
 from enfilade.gym._config import EnvConfig, Transition
+from enfilade.gym._continuous import ContinuousEnvConfig
+from enfilade.gym._continuous_env import ContinuousRoomToRoomEnv, ContinuousRoomToRoomVectorEnv
 from enfilade.gym._env import RoomToRoomEnv
 from enfilade.gym._vector import RoomToRoomVectorEnv
 
-__all__ = ["ENV_TASKS", "EnvConfig", "RoomToRoomEnv", "RoomToRoomVectorEnv", "Transition", "register"]
+__all__ = [
+    "CONTINUOUS_ENV_TASKS",
+    "ENV_TASKS",
+    "ContinuousEnvConfig",
+    "ContinuousRoomToRoomEnv",
+    "ContinuousRoomToRoomVectorEnv",
+    "EnvConfig",
+    "RoomToRoomEnv",
+    "RoomToRoomVectorEnv",
+    "Transition",
+    "register",
+]
 
 ENV_ID = "RoomToRoom-v0"
 
@@ -31,6 +46,12 @@ ENV_TASKS = {
 }
 """The ids of environments, and the task that each sets; that of the config where there is none."""
 
+CONTINUOUS_ENV_TASKS = {
+    "Enfilade/ContinuousRoomToRoom-v0": "r2r-ce",
+    "Enfilade/ContinuousRoomAcrossRoom-v0": "rxr-ce",
+}
+"""The same of environments in which agents walk freely; they take a ContinuousEnvConfig."""
+
 
 def register() -> None:
     """Registers the environments with Gymnasium; importing this module does so."""
@@ -41,6 +62,14 @@ def register() -> None:
                 entry_point="enfilade.gym:RoomToRoomEnv",
                 vector_entry_point="enfilade.gym:RoomToRoomVectorEnv",
                 kwargs={} if task is None else {"task": task},
+            )
+    for name, task in CONTINUOUS_ENV_TASKS.items():
+        if name not in gymnasium.registry:
+            gymnasium.register(
+                name,
+                entry_point="enfilade.gym:ContinuousRoomToRoomEnv",
+                vector_entry_point="enfilade.gym:ContinuousRoomToRoomVectorEnv",
+                kwargs={"task": task},
             )
 
 

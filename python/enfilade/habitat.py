@@ -1,0 +1,458 @@
+"""The part of Habitat's interface that evaluators of VLN-CE call, without Habitat.
+
+>>> from enfilade import habitat
+>>> env = habitat.Env(habitat.Config("data", task="r2r-ce", split="val_unseen"))
+>>> seen = env.reset()
+>>> while not env.episode_over:
+...     seen = env.step(agent(seen))
+>>> env.get_metrics()["spl"]
+
+Everything here is in Habitat's frame, metres: x as in our world frame, y up, z as our -y. A body looks along
+-z, and turns about +y, left being positive. docs/python_continuous.md says call by call what differs from
+Habitat 0.1.7.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass, field
+from typing import Any, Optional, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from enfilade._arguments import whole
+from enfilade._continuous import (
+    ContinuousAction,
+    ContinuousEpisodes,
+    ContinuousSimulator,
+    EpisodeStatus,
+    continuous_episodes,
+)
+from enfilade._continuous import ContinuousEpisode as _Episode
+from enfilade._errors import ArgumentError
+
+__all__ = [
+    "ACTIONS",
+    "AgentState",
+    "Config",
+    "Env",
+    "Episode",
+    "Goal",
+    "Instruction",
+    "Quaternion",
+    "Simulator",
+    "from_habitat",
+    "to_habitat",
+]
+
+ACTIONS = {
+    "STOP": 0,
+    "MOVE_FORWARD": 1,
+    "TURN_LEFT": 2,
+    "TURN_RIGHT": 3,
+    "LOOK_UP": 4,
+    "LOOK_DOWN": 5,
+}
+"""Habitat's names of the actions."""
+
+
+def to_habitat(points: ArrayLike) -> NDArray[Any]:
+    """Points (..., 3) of our world frame in Habitat's: (x, y, z) becomes (x, z, -y)."""
+    p = np.asarray(points)
+    return np.stack([p[..., 0], p[..., 2], -p[..., 1]], axis=-1)
+
+
+def from_habitat(points: ArrayLike) -> NDArray[Any]:
+    """The way back: (x, y, z) becomes (x, -z, y)."""
+    p = np.asarray(points)
+    return np.stack([p[..., 0], -p[..., 2], p[..., 1]], axis=-1)
+
+
+@dataclass(frozen=True)
+class Quaternion:
+    """A rotation, with the names that code for the package numpy-quaternion uses: w, x, y, z, real, imag,
+    inverse(), and products of two."""
+
+    w: float
+    x: float
+    y: float
+    z: float
+
+    @classmethod
+    def of_heading(cls, heading: float) -> Quaternion:
+        """Of our heading: radians, clockwise as seen from above; 0 looks along -z."""
+        return cls(math.cos(heading / 2), 0.0, -math.sin(heading / 2), 0.0)
+
+    @property
+    def heading(self) -> float:
+        """Our heading, [0, 2 pi): where the body looks, seen from above."""
+        east = -2 * (self.x * self.z + self.w * self.y)
+        ahead = 1 - 2 * (self.x * self.x + self.y * self.y)
+        return math.atan2(east, ahead) % (2 * math.pi)
+
+    @property
+    def real(self) -> float:
+        """w."""
+        return self.w
+
+    @property
+    def imag(self) -> NDArray[np.float64]:
+        """(3,): x, y, z."""
+        return np.array([self.x, self.y, self.z])
+
+    @property
+    def components(self) -> NDArray[np.float64]:
+        """(4,): w, x, y, z."""
+        return np.array([self.w, self.x, self.y, self.z])
+
+    def inverse(self) -> Quaternion:
+        """The rotation back, of a quaternion of length 1."""
+        return Quaternion(self.w, -self.x, -self.y, -self.z)
+
+    def __mul__(self, other: Any) -> Quaternion:
+        a, b = self, other
+        return Quaternion(
+            a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
+            a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+            a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+            a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
+        )
+
+
+def _quaternion(rotation: Any) -> Quaternion:
+    """From anything with w, x, y, z, or four numbers x, y, z, w."""
+    if all(hasattr(rotation, name) for name in "wxyz"):
+        numbers = [float(getattr(rotation, name)) for name in "wxyz"]
+    else:
+        values = np.asarray(rotation, np.float64)
+        if values.shape != (4,):
+            raise ArgumentError(f"rotation: shape {values.shape}, not four numbers x, y, z, w")
+        numbers = [float(values[3]), *map(float, values[:3])]
+    length = math.sqrt(sum(number * number for number in numbers))
+    if not math.isfinite(length) or length < 1e-6:
+        raise ArgumentError(f"rotation {rotation!r}: a quaternion of length 1 is wanted")
+    return Quaternion(*(number / length for number in numbers))
+
+
+@dataclass(frozen=True)
+class AgentState:
+    """Where the body is: position (3,) float32 of its feet, and its rotation about +y."""
+
+    position: NDArray[np.float32]
+    rotation: Quaternion
+
+
+@dataclass(frozen=True)
+class Config:
+    """What an Env is made from: plain data.
+
+    Args:
+        data: folder of the data set, with navigation meshes and episodes (`enfilade continuous`).
+        task: "r2r-ce" or "rxr-ce". split: of its episodes. episodes_file: this file instead.
+        max_episode_steps: actions after which an episode is over.
+        simulator: options of ContinuousSimulator that differ from the task's.
+    """
+
+    data: Union[str, os.PathLike[str]]
+    task: str = "r2r-ce"
+    split: str = "val_unseen"
+    episodes_file: Optional[str] = None
+    max_episode_steps: int = 500
+    simulator: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Instruction:
+    """What an episode asks for in words, under VLN-CE's names."""
+
+    instruction_text: str
+    instruction_tokens: Optional[list[int]]
+    instruction_id: Optional[str]
+    language: Optional[str]
+
+
+@dataclass(frozen=True)
+class Goal:
+    """Where an episode should end."""
+
+    position: list[float]
+    radius: Optional[float]
+
+
+@dataclass(frozen=True)
+class Episode:
+    """An episode under the names that Habitat and VLN-CE give its parts. What test splits hide is None."""
+
+    episode_id: str
+    trajectory_id: str
+    scene_id: str
+    start_position: list[float]
+    start_rotation: list[float]  #: x, y, z, w
+    instruction: Instruction
+    goals: Optional[list[Goal]]
+    reference_path: Optional[list[list[float]]]
+    info: dict[str, Any]
+    index: int  #: its place in Env.all_episodes
+
+
+class Simulator:
+    """Env.sim: one body in the building of the current episode."""
+
+    def __init__(self, native: ContinuousSimulator) -> None:
+        self._native = native
+        self._scan: Optional[str] = None
+
+    @property
+    def native(self) -> ContinuousSimulator:
+        """The simulator behind it, in our world frame, with one agent."""
+        return self._native
+
+    @property
+    def previous_step_collided(self) -> bool:
+        """Whether a wall cut the last step short."""
+        return bool(self._native.state.collided[0])
+
+    def get_agent_state(self, agent_id: int = 0) -> AgentState:
+        """Where the body is."""
+        self._building(agent_id)
+        state = self._native.state
+        position = to_habitat(state.position[0]).astype(np.float32)
+        return AgentState(position, Quaternion.of_heading(float(state.heading[0])))
+
+    def set_agent_state(
+        self, position: ArrayLike, rotation: Any, agent_id: int = 0, reset_sensors: bool = True
+    ) -> bool:
+        """Puts the body somewhere else in the building. False, and nothing has happened, if there is no
+        floor near (0.5 m). The episode goes on: no action is counted.
+
+        Args:
+            position: (3,).
+            rotation: a Quaternion, numpy-quaternion's, or x, y, z, w. Only its turn about +y counts.
+            reset_sensors: of no effect: there is nothing that a move could leave behind.
+        """
+        scan = self._building(agent_id)
+        point = from_habitat(np.asarray(position, np.float64))
+        heading = _quaternion(rotation).heading
+        if not np.isfinite(point).all():
+            raise ArgumentError(f"position {position!r}: finite numbers are wanted")
+        aside, above_below = self._native.config["start_reach"]
+        if self._native.nearest(scan, point, aside=aside, above_below=above_below) is None:
+            return False
+        self._native.new_episode(0, scan, point, heading, float(self._native.state.elevation[0]))
+        return True
+
+    def geodesic_distance(
+        self, position_a: ArrayLike, position_b: ArrayLike, episode: Optional[Episode] = None
+    ) -> float:
+        """The length of the shortest way on the floor, metres; inf: there is none.
+
+        Args:
+            position_a: (3,). position_b: (3,), or (m, 3): then it is the nearest of them.
+            episode: of no effect: nothing is kept between calls.
+        """
+        ends = from_habitat(np.asarray(position_b, np.float64))
+        start = from_habitat(np.asarray(position_a, np.float64))
+        return self._native.geodesic_distance(self._building(), start, ends)
+
+    def get_straight_shortest_path_points(
+        self, position_a: ArrayLike, position_b: ArrayLike
+    ) -> list[NDArray[np.float32]]:
+        """The points at which the shortest way bends, both ends included; [] if there is none."""
+        start = from_habitat(np.asarray(position_a, np.float64))
+        end = from_habitat(np.asarray(position_b, np.float64))
+        path = self._native.geodesic_path(self._building(), start, end)
+        return [] if path is None else list(to_habitat(path).astype(np.float32))
+
+    def is_navigable(self, point: ArrayLike) -> bool:
+        """Whether a body can stand there: the floor is within 2 cm aside and 0.5 m above or below."""
+        place = from_habitat(np.asarray(point, np.float64))
+        return self._native.nearest(self._building(), place, aside=0.02) is not None
+
+    def snap_point(self, point: ArrayLike) -> NDArray[np.float32]:
+        """The nearest point of the floor within 2 m; (nan, nan, nan) if there is none."""
+        place = from_habitat(np.asarray(point, np.float64))
+        found = self._native.nearest(self._building(), place, aside=2.0, above_below=2.0)
+        return np.asarray(to_habitat(found) if found is not None else [np.nan] * 3, np.float32)
+
+    def _building(self, agent_id: int = 0) -> str:
+        if agent_id != 0:
+            raise ArgumentError(f"agent_id {agent_id}: there is one agent, 0")
+        if self._scan is None:
+            raise ArgumentError("sim: Env.reset() has to come first")
+        return self._scan
+
+
+class Env:
+    """One body in the episodes of a split, one after the other: habitat.Env as evaluators call it.
+
+    reset() begins the next episode, in the order of `episodes`, and after the last one again the first.
+    """
+
+    def __init__(self, config: Config) -> None:
+        self._config = config
+        if whole("max_episode_steps", config.max_episode_steps) < 1:
+            raise ArgumentError("max_episode_steps 0: at least 1 is wanted")
+        self._set: ContinuousEpisodes = continuous_episodes(
+            config.data, config.task, config.split, file=config.episodes_file
+        )
+        # It counts the steps here, as moving the body begins anew in the simulator.
+        options = {**config.simulator, "most_steps": 2**32 - 1}
+        self._native = ContinuousSimulator(config.data, config.task, **options)
+        self._sim = Simulator(self._native)
+        self._actions = 4 if config.task == "r2r-ce" else 6
+        self._all = [_episode(i, self._set[i]) for i in range(len(self._set))]
+        self._episodes = list(self._all)
+        self._next = 0
+        self._current: Optional[Episode] = None
+        self._forced = False
+        self._over = True
+        self._walk: list[NDArray[np.float32]] = []
+        self._did: list[int] = []
+        self._collided: list[bool] = []
+
+    @property
+    def sim(self) -> Simulator:
+        """The simulator: where the body is, and distances."""
+        return self._sim
+
+    @property
+    def all_episodes(self) -> list[Episode]:
+        """Those of the file, whatever `episodes` was set to."""
+        return list(self._all)
+
+    @property
+    def episodes(self) -> list[Episode]:
+        """Those that reset() goes through. Set a part of them, and it begins with the first."""
+        return self._episodes
+
+    @episodes.setter
+    def episodes(self, episodes: list[Episode]) -> None:
+        if not episodes:
+            raise ArgumentError("episodes: none, at least one is wanted")
+        self._episodes, self._next = list(episodes), 0
+
+    @property
+    def number_of_episodes(self) -> int:
+        """How many `episodes` has."""
+        return len(self._episodes)
+
+    @property
+    def current_episode(self) -> Episode:
+        """The one that runs, or has just ended. Set it, and the next reset() begins it."""
+        if self._current is None:
+            raise ArgumentError("current_episode: reset() has to come first")
+        return self._current
+
+    @current_episode.setter
+    def current_episode(self, episode: Episode) -> None:
+        self._current, self._forced = episode, True
+
+    @property
+    def episode_over(self) -> bool:
+        """Whether the episode has ended, by stop or by too many steps; True before reset()."""
+        return self._over
+
+    def reset(self) -> dict[str, Any]:
+        """Begins the next episode. Raises ArgumentError if there is no floor where it starts."""
+        if self._forced and self._current is not None:
+            episode, self._forced = self._current, False
+        else:
+            episode = self._episodes[self._next % len(self._episodes)]
+            self._next += 1
+        own = self._set[episode.index]
+        self._native.new_episode(0, own.scan, own.start, own.heading)
+        self._sim._scan, self._current, self._over = own.scan, episode, False
+        self._walk, self._did, self._collided = [self._native.state.position[0].copy()], [], []
+        return self._observations()
+
+    def step(self, action: Any) -> dict[str, Any]:
+        """One action: its number, its name (ACTIONS), or {"action": either}. Raises ArgumentError if the
+        episode is over."""
+        if self._over:
+            raise ArgumentError("step(): the episode is over; reset() has to come first")
+        number = self._number(action)
+        state = self._native.step([number])
+        self._did.append(number)
+        self._collided.append(bool(state.collided[0]))
+        self._walk.append(state.position[0].copy())
+        stopped = state.episode[0] == EpisodeStatus.STOPPED
+        self._over = bool(stopped) or len(self._did) >= self._config.max_episode_steps
+        return self._observations()
+
+    def get_metrics(self) -> dict[str, Any]:
+        """VLN-CE's measures of the walk so far; nothing where the goal is hidden. `collisions` and
+        `position` are as in Habitat and VLN-CE: {"count", "is_collision"}, and {"position", "distance"}
+        with one entry for the start and one for each action."""
+        episode = self.current_episode
+        if episode.goals is None:
+            return {}
+        score, distances = self._set._score(
+            self._native, episode.index, np.array(self._walk), self._did, self._collided
+        )
+        metrics: dict[str, Any] = dict(score)
+        metrics["collisions"] = {
+            "count": sum(self._collided),
+            "is_collision": bool(self._collided and self._collided[-1]),
+        }
+        metrics["position"] = {
+            "position": to_habitat(np.array(self._walk)).tolist(),
+            "distance": distances.tolist(),
+        }
+        return metrics
+
+    def seed(self, seed: int) -> None:
+        """Of no effect: nothing here is random."""
+        whole("seed", seed, 2**64 - 1)
+
+    def close(self) -> None:
+        """Of no effect: memory is given back with the object."""
+
+    def __enter__(self) -> Env:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def _number(self, action: Any) -> int:
+        wanted = action["action"] if isinstance(action, dict) else action
+        if isinstance(wanted, str):
+            if wanted not in ACTIONS:
+                raise ArgumentError(f"action '{wanted}': one of {', '.join(ACTIONS)} is wanted")
+            wanted = ACTIONS[wanted]
+        number = whole("action", wanted)
+        if number >= self._actions:
+            names = ", ".join(list(ACTIONS)[: self._actions])
+            raise ArgumentError(f"action {number}: {self._config.task} has {names}")
+        return int(ContinuousAction(number))
+
+    def _observations(self) -> dict[str, Any]:
+        episode = self.current_episode
+        state = self._sim.get_agent_state()
+        turn = -float(self._native.state.heading[0])  # Habitat's, about +y
+        return {
+            "instruction": {
+                "text": episode.instruction.instruction_text,
+                "tokens": episode.instruction.instruction_tokens,
+                "trajectory_id": episode.trajectory_id,
+            },
+            "position": state.position,
+            "heading": np.array([math.remainder(turn, 2 * math.pi)], np.float32),
+        }
+
+
+def _episode(index: int, own: _Episode) -> Episode:
+    words = Instruction(
+        own.instruction,
+        None if own.tokens is None else list(own.tokens),
+        own.instruction_id,
+        own.language,
+    )
+    goals = own.goals and [Goal(to_habitat(g.position).tolist(), g.radius) for g in own.goals]
+    path = None if own.reference_path is None else to_habitat(own.reference_path).tolist()
+    info = {} if own.geodesic_distance is None else {"geodesic_distance": own.geodesic_distance}
+    return Episode(
+        own.id, own.trajectory_id, own.scene, to_habitat(own.start).tolist(), list(own.rotation), words,
+        goals or None, path, info, index,
+    )  # fmt: skip

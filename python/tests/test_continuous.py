@@ -1,0 +1,458 @@
+"""Walking freely: the simulator, episodes, Gymnasium environments, and Habitat's interface, in model homes
+(SYNTHETIC) that `enfilade homes` and `enfilade continuous` make."""
+
+from __future__ import annotations
+
+import copy
+import math
+import os
+import pickle
+import subprocess
+import warnings
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+np = pytest.importorskip("numpy")
+
+import enfilade  # noqa: E402
+from enfilade import habitat  # noqa: E402
+from enfilade import ContinuousAction, ContinuousSimulator, EpisodeStatus, continuous_episodes  # noqa: E402
+
+STOP, FORWARD, LEFT, RIGHT, LOOK_UP, LOOK_DOWN = ContinuousAction
+
+
+def run(*arguments: object) -> str:
+    """The program's standard output; it has to succeed."""
+    program = os.environ.get("ENFILADE_COMMAND") or os.environ.get("ENFILADE_PROGRAM")
+    if not program:
+        pytest.skip("ENFILADE_COMMAND names no program")
+    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="session")
+def free(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three homes without pictures, with navigation meshes and episodes of both benchmarks."""
+    folder = tmp_path_factory.mktemp("free") / "homes"
+    run("homes", "-o", folder, "--preset", "graphs", "--homes", 3, "--paths", 6)
+    for task in ("r2r-ce", "rxr-ce"):
+        run("continuous", folder, "--task", task)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def one(free: Path) -> enfilade.ContinuousEpisode:
+    return continuous_episodes(free, "r2r-ce", "train")[0]
+
+
+def start(sim: ContinuousSimulator, *episodes: enfilade.ContinuousEpisode) -> enfilade.ContinuousState:
+    return sim.new_episodes(
+        [e.scan for e in episodes], [e.start for e in episodes], [e.heading for e in episodes]
+    )
+
+
+# --- episodes -------------------------------------------------------------------------------------
+
+
+def test_episodes_have_what_their_files_have(free: Path) -> None:
+    episodes = continuous_episodes(free, "r2r-ce", "val_unseen")
+    of_graph = enfilade.Episodes(free, "val_unseen")
+    assert len(episodes) > 0 and episodes.file.endswith("val_unseen.json.gz")
+    texts = {(str(e.path_id), e.text) for e in of_graph}
+    for place, episode in enumerate(episodes):
+        assert (episode.trajectory_id, episode.instruction) in texts
+        assert episode.scan in episode.scene and 0 <= episode.heading < 2 * math.pi
+        assert episode.goals is not None and episode.reference_path is not None
+        assert np.array_equal(episode.reference_path[0], episode.start)
+        assert np.array_equal(episode.reference_path[-1], episode.goals[0].position)
+        assert episode.goals[0].radius == 3
+        turn = habitat.Quaternion(*(episode.rotation[k] for k in (3, 0, 1, 2))).heading
+        assert abs(math.remainder(turn - episode.heading, 2 * math.pi)) < 1e-6
+        assert episodes.find(episode.id) == place == episodes.find(int(episode.id))
+        expert = episodes.expert(place)
+        assert expert is not None and expert.actions[-1] == STOP
+        assert len(expert.locations) == np.count_nonzero(expert.actions == FORWARD) + 1
+    assert episodes.find("none") is None
+    assert episodes[-1].id == episodes[len(episodes) - 1].id
+    assert [e.id for e in episodes[:2]] == [episodes[0].id, episodes[1].id]
+    again = pickle.loads(pickle.dumps(episodes))
+    assert len(again) == len(episodes) and again[0].id == episodes[0].id
+    from_file = continuous_episodes(file=episodes.file)
+    assert len(from_file) == len(episodes) and from_file.expert(0) is None
+    spoken = continuous_episodes(free, "rxr-ce", "val_unseen")[0]
+    assert spoken.language is not None and spoken.instruction_id is not None
+
+
+def test_wrong_episodes_are_named(free: Path, tmp_path: Path) -> None:
+    with pytest.raises(enfilade.FileError, match="tried .*vlnce"):
+        continuous_episodes(free, "r2r-ce", "nowhere")
+    with pytest.raises(enfilade.UnknownNameError, match="r2r-ce, rxr-ce"):
+        continuous_episodes(free, "r2r", "train")
+    broken = tmp_path / "broken.json"
+    broken.write_text('{"episodes": [{"episode_id": 1, "start_position": [0, 1]}]}')
+    with pytest.raises(enfilade.InvalidInput, match=r"\$\.episodes\[0\]"):
+        continuous_episodes(file=broken)
+    with pytest.raises(IndexError):
+        continuous_episodes(free, "r2r-ce", "train")[10**6]
+
+
+# --- the simulator --------------------------------------------------------------------------------
+
+
+def test_bodies_move_as_the_state_says(free: Path, one: enfilade.ContinuousEpisode) -> None:
+    sim = ContinuousSimulator(free, batch_size=2)
+    state = start(sim, one, one)
+    assert sim.scans[state.building[0]] == one.scan
+    assert np.allclose(state.position, one.start, atol=1e-6) and state.position.dtype == np.float32
+    assert (state.off_floor < 0.5).all()
+    assert state is sim.state
+    with pytest.raises(ValueError):
+        state.position[0, 0] = 1
+    before = state.position.copy()
+    sim.step([FORWARD, RIGHT])
+    assert np.linalg.norm(state.position[0] - before[0]) <= 0.3 and state.steps.tolist() == [1, 1]
+    assert np.array_equal(state.position[1], before[1])
+    turned = math.remainder(state.heading[1] - one.heading - math.radians(15), 2 * math.pi)
+    assert abs(turned) < 1e-12
+    sim.step([STOP, LOOK_UP])
+    assert state.episode.tolist() == [EpisodeStatus.STOPPED, EpisodeStatus.WALKING]
+    assert math.isclose(state.elevation[1], math.radians(30))
+    stopped = state.position[0].copy()
+    sim.step([FORWARD, FORWARD])
+    assert np.array_equal(state.position[0], stopped)
+    sim.new_episode(0, one.scan, one.start, 0.5)
+    assert state.episode[0] == EpisodeStatus.WALKING and state.heading[0] == 0.5
+
+
+def test_equal_actions_give_equal_bytes_in_any_batch(free: Path) -> None:
+    episodes = continuous_episodes(free, "r2r-ce", "train")
+    rng = np.random.default_rng(3)
+    n = len(episodes)
+    actions = rng.choice([1, 1, 1, 2, 3], (60, n))
+    together = ContinuousSimulator(free, batch_size=n, threads=2)
+    start(together, *episodes)
+    alone = ContinuousSimulator(free)
+    for row in actions:
+        together.step(row)
+    for k in range(n):
+        start(alone, episodes[k])
+        for row in actions:
+            alone.step(row[k : k + 1])
+        for name in ("position", "heading", "steps", "collisions", "collided"):
+            assert np.array_equal(getattr(alone.state, name)[0], getattr(together.state, name)[k])
+    assert together.state.collisions.sum() > 0
+
+
+def test_options_and_tasks_are_what_they_say(free: Path, one: enfilade.ContinuousEpisode) -> None:
+    rxr = ContinuousSimulator(free, "rxr-ce")
+    assert math.isclose(rxr.config["turn"], math.radians(30)) and rxr.config["slide"] is False
+    short = ContinuousSimulator(free, forward=0.5, turn=0.1, most_steps=2)
+    start(short, one)
+    short.step([RIGHT])
+    assert math.isclose(math.remainder(short.state.heading[0] - one.heading, 2 * math.pi), 0.1)
+    short.step([RIGHT])
+    assert short.state.episode[0] == EpisodeStatus.CUT_SHORT
+    own = ContinuousSimulator(navigation=free / "navmesh" / "r2r-ce")
+    assert own.scans == short.scans and own.areas(0)[0] > 10
+    again = copy.copy(short)
+    assert again.config == short.config and again.batch_size == 1
+
+
+def test_distances_are_those_of_the_floor(free: Path, one: enfilade.ContinuousEpisode) -> None:
+    sim = ContinuousSimulator(free)
+    assert one.goals is not None and one.geodesic_distance is not None
+    goal = one.goals[0].position
+    metres = sim.geodesic_distance(one.scan, one.start, goal)
+    assert abs(metres - one.geodesic_distance) < 0.02
+    assert metres >= math.dist(one.start, goal) - 1e-3
+    assert abs(sim.geodesic_distance(one.scan, goal, one.start) - metres) < 1e-3
+    path = sim.geodesic_path(one.scan, one.start, goal)
+    assert path is not None
+    walked = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+    assert abs(walked - metres) < 1e-3
+    nearer = sim.geodesic_distance(one.scan, one.start, [goal, one.start])
+    assert nearer < 1e-3
+    assert sim.geodesic_distance(one.scan, one.start, (1e4, 0, 0)) == math.inf
+    assert sim.geodesic_path(one.scan, one.start, (1e4, 0, 0)) is None
+    assert sim.nearest(one.scan, (1e4, 0, 0)) is None
+    drawn = sim.random_point(one.scan, 7)
+    assert drawn == sim.random_point(one.scan, 7) != sim.random_point(one.scan, 8)
+    back = sim.nearest(one.scan, drawn)
+    assert back is not None and math.dist(back, drawn) < 1e-3
+
+
+def test_the_teacher_does_what_the_experts_did(free: Path) -> None:
+    episodes = continuous_episodes(free, "r2r-ce", "val_unseen")
+    sim = ContinuousSimulator(free)
+    for place in range(0, len(episodes), 3):
+        episode, expert = episodes[place], episodes.expert(place)
+        assert expert is not None and episode.reference_path is not None
+        start(sim, episode)
+        sim.follow(0, episode.reference_path)
+        did, positions = [], [sim.state.position[0].copy()]
+        while sim.state.episode[0] == EpisodeStatus.WALKING:
+            action = sim.expert_action(0)
+            assert action == sim.expert_action(0)
+            sim.step([action])
+            did.append(action)
+            positions.append(sim.state.position[0].copy())
+        assert did == expert.actions.tolist()
+        score = episodes.score(sim, place, positions, did)
+        assert score["success"] == 1 and score["ndtw"] > 0.999 and math.isnan(score["collisions"])
+        assert score["steps_taken"] == len(did)
+
+
+def test_wrong_calls_of_the_simulator_are_named(free: Path, one: enfilade.ContinuousEpisode) -> None:
+    sim = ContinuousSimulator(free, batch_size=2)
+    with pytest.raises(enfilade.ArgumentError, match="no episode"):
+        sim.step([FORWARD, FORWARD])
+    with pytest.raises(enfilade.ArgumentError, match="agent 0 has no episode yet"):
+        sim.follow(0, [one.start])
+    start(sim, one, one)
+    with pytest.raises(enfilade.ArgumentError, match="follow"):
+        sim.expert_action(1)
+    for wrong in ([1], [1, 2, 3], [1, 6], [-1, 0]):
+        with pytest.raises(enfilade.ArgumentError):
+            sim.step(wrong)
+    with pytest.raises(TypeError, match="integers"):
+        sim.step([0.5, 1])
+    assert sim.state.steps.tolist() == [0, 0]
+    with pytest.raises(enfilade.UnknownNameError, match="nowhere"):
+        sim.new_episode(0, "nowhere", one.start, 0)
+    with pytest.raises(enfilade.ArgumentError, match="building 99|99"):
+        sim.new_episode(0, 99, one.start, 0)
+    with pytest.raises(enfilade.ArgumentError, match="agent 1"):
+        sim.new_episodes([one.scan] * 2, [one.start, (0, 0, 50)], 0.0)
+    with pytest.raises(enfilade.ArgumentError, match="finite"):
+        sim.new_episode(0, one.scan, (math.nan, 0, 0), 0)
+    with pytest.raises(enfilade.ArgumentError, match=r"positions: shape"):
+        sim.new_episodes([one.scan] * 2, one.start, 0.0)
+    with pytest.raises(enfilade.ArgumentError, match="no floor within 1 m"):
+        sim.follow(0, [(1e4, 0, 0)])
+    with pytest.raises(enfilade.ArgumentError, match="speed: not an option"):
+        ContinuousSimulator(free, speed=1)
+    with pytest.raises(enfilade.ArgumentError, match="forward"):
+        ContinuousSimulator(free, forward=-1)
+    with pytest.raises(enfilade.ArgumentError, match="r2r-ce, rxr-ce"):
+        ContinuousSimulator(free, "r2r")
+    with pytest.raises(enfilade.FileError):
+        ContinuousSimulator(free / "vlnce")
+    damaged = free.parent / "damaged"
+    damaged.mkdir()
+    (damaged / "home0001.navmesh").write_bytes(b"no navigation mesh")
+    with pytest.raises(enfilade.InvalidInput, match="not-a-navigation-mesh"):
+        ContinuousSimulator(navigation=damaged).areas(0)
+
+
+# --- Habitat's interface --------------------------------------------------------------------------
+
+
+def test_an_evaluator_of_vln_ce_walks_through_the_split(free: Path) -> None:
+    """The loop of an evaluator as VLN-CE's are written: experts' actions, metrics at each episode's end."""
+    env = habitat.Env(habitat.Config(free, "r2r-ce", "val_unseen"))
+    experts = continuous_episodes(free, "r2r-ce", "val_unseen")
+    assert env.episode_over and env.number_of_episodes == len(env.episodes) == len(experts)
+    env.episodes = env.episodes[:5]
+    stats: dict[str, dict[str, float]] = {}
+    while len(stats) < env.number_of_episodes:
+        seen = env.reset()
+        episode = env.current_episode
+        assert seen["instruction"]["text"] == episode.instruction.instruction_text
+        assert np.allclose(env.sim.get_agent_state().position, episode.start_position, atol=1e-6)
+        assert env.get_metrics()["path_length"] == 0
+        expert = experts.expert(episode.index)
+        assert expert is not None
+        for action in expert.actions:
+            assert not env.episode_over
+            seen = env.step(int(action))
+            assert np.array_equal(seen["position"], env.sim.get_agent_state().position)
+        assert env.episode_over
+        metrics = env.get_metrics()
+        assert len(metrics["position"]["position"]) == len(expert.actions) + 1
+        last = env.sim.geodesic_distance(seen["position"], [g.position for g in episode.goals or []])
+        assert math.isclose(metrics["position"]["distance"][-1], last, abs_tol=1e-5)
+        assert math.isclose(metrics["distance_to_goal"], last, abs_tol=1e-5)
+        stats[episode.episode_id] = metrics
+    assert len(stats) == 5
+    assert all(one["success"] == 1 and one["ndtw"] > 0.999 for one in stats.values())
+    with pytest.raises(enfilade.ArgumentError, match="reset"):
+        env.step(1)
+    assert env.reset() and env.current_episode.episode_id == next(iter(stats))  # the first once more
+
+
+def test_the_state_is_in_habitats_frame(free: Path) -> None:
+    env = habitat.Env(habitat.Config(free, "r2r-ce", "train"))
+    with pytest.raises(enfilade.ArgumentError, match="reset"):
+        env.sim.get_agent_state()
+    seen = env.reset()
+    episode, state = env.current_episode, env.sim.get_agent_state()
+    x, y, z, w = episode.start_rotation
+    same = habitat.Quaternion(w, x, y, z)
+    assert abs(abs(float(same.components @ state.rotation.components)) - 1) < 1e-9
+    # Where it looks is where it walks: -z, turned by the quaternion.
+    for _ in range(3):
+        env.step("TURN_LEFT")
+    state = env.sim.get_agent_state()
+    ahead = (state.rotation * habitat.Quaternion(0, 0, 0, -1) * state.rotation.inverse()).imag
+    env.step({"action": "MOVE_FORWARD"})
+    moved = env.sim.get_agent_state().position - state.position
+    if not env.sim.previous_step_collided:
+        assert np.allclose(moved, 0.25 * ahead, atol=0.01)
+    turned = env.step("TURN_RIGHT")["heading"][0] - seen["heading"][0]
+    assert abs(math.remainder(turned - math.radians(30), 2 * math.pi)) < 1e-5
+    ours = np.array([[1.0, 2, 3], [4, 5, 6]])
+    assert np.array_equal(habitat.from_habitat(habitat.to_habitat(ours)), ours)
+    assert habitat.to_habitat((1, 2, 3)).tolist() == [1, 3, -2]
+
+
+def test_a_body_can_be_put_elsewhere(free: Path) -> None:
+    env = habitat.Env(habitat.Config(free, "r2r-ce", "train", max_episode_steps=3))
+    env.reset()
+    episode = env.current_episode
+    assert episode.reference_path is not None and episode.goals is not None
+    goal = episode.goals[0].position
+    before = env.sim.get_agent_state()
+    assert not env.sim.set_agent_state([0, 99, 0], before.rotation)
+    assert np.array_equal(env.sim.get_agent_state().position, before.position)
+    assert env.sim.set_agent_state(goal, [0, 1, 0, 0])  # half a turn
+    state = env.sim.get_agent_state()
+    assert np.allclose(state.position, goal) and math.isclose(state.rotation.heading, math.pi)
+    assert env.sim.is_navigable(goal) and not env.sim.is_navigable([0, 99, 0])
+    assert np.allclose(env.sim.snap_point(goal), goal, atol=0.3)
+    assert np.isnan(env.sim.snap_point([0, 99, 0])).all()
+    ways = env.sim.get_straight_shortest_path_points(episode.start_position, goal)
+    assert len(ways) >= 2 and np.allclose(ways[-1], goal, atol=0.3)
+    assert env.sim.get_straight_shortest_path_points(goal, [0, 99, 0]) == []
+    env.step("TURN_LEFT")
+    assert env.get_metrics()["oracle_success"] == 1 and not env.episode_over
+    env.step(0)
+    metrics = env.get_metrics()
+    assert env.episode_over and metrics["success"] == 1 and metrics["steps_taken"] == 2
+    assert metrics["collisions"] == {"count": 0, "is_collision": False}
+    env.current_episode = episode
+    env.reset()
+    assert env.current_episode is episode
+    for _ in range(3):
+        env.step(2)
+    assert env.episode_over and env.get_metrics()["success"] == 0
+    env.reset()
+    for wrong in (4, -1, "FLY"):
+        with pytest.raises(enfilade.ArgumentError):
+            env.step(wrong)
+    for turn in ([0, 0, 0, 0], [1, 0, 0]):
+        with pytest.raises(enfilade.ArgumentError, match="rotation"):
+            env.sim.set_agent_state(goal, turn)
+    with pytest.raises(enfilade.ArgumentError, match="one agent"):
+        env.sim.get_agent_state(1)
+    with pytest.raises(enfilade.ArgumentError, match="none"):
+        env.episodes = []
+    spoken = habitat.Env(habitat.Config(free, "rxr-ce", "train"))
+    with spoken:
+        spoken.reset()
+        spoken.step("LOOK_DOWN")
+        assert math.isclose(spoken.sim.native.state.elevation[0], -math.radians(30))
+
+
+# --- Gymnasium ------------------------------------------------------------------------------------
+
+
+def equal(a: Any, b: Any) -> bool:
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(equal(a[key], b[key]) for key in a)
+    if isinstance(a, (tuple, list)):
+        return len(a) == len(b) and all(map(equal, a, b))
+    return bool(np.array_equal(a, b, equal_nan=np.asarray(a).dtype.kind == "f"))
+
+
+@pytest.mark.parametrize(
+    "name", ["Enfilade/ContinuousRoomToRoom-v0", "Enfilade/ContinuousRoomAcrossRoom-v0"]
+)
+def test_the_environments_pass_gymnasiums_checker(free: Path, name: str) -> None:
+    gymnasium = pytest.importorskip("gymnasium", minversion="1.0")
+    from enfilade.gym import ContinuousEnvConfig
+    from gymnasium.utils.env_checker import check_env
+
+    env = gymnasium.make(name, config=ContinuousEnvConfig(free, "train"), render_mode="ansi")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped, skip_render_check=True)
+    env.reset(seed=1)
+    assert "heading" in env.render()
+    assert env.action_space.n == (4 if "ToRoom" in name else 6)
+    again = pickle.loads(pickle.dumps(env.unwrapped))
+    assert equal(again.reset(seed=4)[0], env.unwrapped.reset(seed=4)[0])
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
+def test_the_vector_environment_does_what_single_ones_do(free: Path, mode: str) -> None:
+    pytest.importorskip("gymnasium", minversion="1.0")
+    from enfilade.gym import ContinuousEnvConfig, ContinuousRoomToRoomEnv, ContinuousRoomToRoomVectorEnv
+    from gymnasium.vector import AutoresetMode, SyncVectorEnv
+
+    n, kind = 4, AutoresetMode(mode)
+    config = ContinuousEnvConfig(free, max_steps=12)
+    ours = ContinuousRoomToRoomVectorEnv(config, n, autoreset_mode=kind)
+    theirs = SyncVectorEnv([lambda: ContinuousRoomToRoomEnv(config)] * n, autoreset_mode=kind)
+    assert ours.observation_space == theirs.observation_space
+    assert ours.action_space == theirs.action_space
+    assert equal(ours.reset(seed=7)[0], theirs.reset(seed=7)[0])
+    rng = np.random.default_rng(2)
+    ends = 0
+    for _ in range(150):
+        chosen = rng.choice([0, 1, 1, 1, 1, 1, 1, 2, 3], n)
+        got, want = ours.step(chosen), theirs.step(chosen)
+        assert equal(got[:4], want[:4])
+        assert ours.observation_space.contains(got[0])
+        ended = got[2] | got[3]
+        ends += int(ended.sum())
+        if not ended.any():
+            continue
+        final, other = (got[4], want[4]) if kind != AutoresetMode.SAME_STEP else (
+            got[4]["final_info"], want[4]["final_info"])  # fmt: skip
+        for name in ("success", "spl", "ndtw", "distance_to_goal"):
+            assert equal(np.where(ended, final[name], 0), np.where(ended, other[name], 0))
+        if kind == AutoresetMode.SAME_STEP:
+            for mine, its in zip(got[4]["final_obs"], want[4]["final_obs"]):
+                assert (mine is None) == (its is None) and (mine is None or equal(mine, its))
+        if kind == AutoresetMode.DISABLED:
+            options = {"reset_mask": ended}
+            assert equal(ours.reset(options=options)[0], theirs.reset(options=dict(options))[0])
+    assert ends > 20
+
+
+def test_the_teacher_arrives_and_rewards_add_up(free: Path) -> None:
+    pytest.importorskip("gymnasium", minversion="1.0")
+    from enfilade.gym import ContinuousEnvConfig, ContinuousRoomToRoomEnv
+
+    env = ContinuousRoomToRoomEnv(ContinuousEnvConfig(free, "val_unseen"))
+    with pytest.raises(enfilade.ArgumentError, match="reset"):
+        env.step(1)
+    for rule in ("reference", "shortest"):
+        _, info = env.reset(options={"episode": 3})
+        first, total, ended, steps = info["distance"], 0.0, False, 0
+        while not ended:
+            if steps == 20:  # asked anew, the other teacher has followed the walk too
+                assert env.expert("shortest") is not None
+            action = env.expert(rule)
+            _, reward, ended, cut, info = env.step(action)
+            total, steps = total + reward, steps + 1
+            assert not cut
+        assert info["success"] == 1 and info["ndtw"] > 0.5
+        assert math.isclose(total, first - info["distance"] + 2, abs_tol=1e-6)
+        assert env.metrics()["spl"] == info["spl"]
+    with pytest.raises(enfilade.ArgumentError, match="ended"):
+        env.step(1)
+    with pytest.raises(enfilade.ArgumentError, match="reference, shortest"):
+        env.expert("spl")
+    with pytest.raises(enfilade.ArgumentError, match="not in the split"):
+        env.reset(options={"episode": "none"})
+    quiet = ContinuousRoomToRoomEnv(ContinuousEnvConfig(free, reward="success", text=False, max_steps=1))
+    seen, _ = quiet.reset(seed=1)
+    assert "instruction" not in seen
+    _, reward, stopped, cut, info = quiet.step(1)
+    assert (reward, stopped, cut, info["success"]) == (0.0, False, True, 0)
+    with pytest.raises(enfilade.ArgumentError, match="task 'r2r'"):
+        ContinuousEnvConfig(free, task="r2r")
