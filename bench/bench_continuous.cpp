@@ -114,7 +114,7 @@ void draw(benchmark::State& state, Method method, bool colour, bool depth, bool 
     if (colour) eyes.render(kColour, views, of_colour);
     if (depth) eyes.render(kDepth, views, of_depth);
   }
-  state.counters["steps"] = benchmark::Counter(static_cast<double>(state.iterations() * kBatch),
+  state.counters["steps"] = benchmark::Counter(static_cast<double>(state.iterations()) * kBatch,
                                                benchmark::Counter::kIsRate);
 }
 

@@ -77,6 +77,10 @@ Head read_head(const std::filesystem::path& file, const std::string& content) {
     fail(file, "version",
          fmt::format("is of version {}; this program reads {}", head.version, kVersion));
   }
+  // All surfaces have two values in common; places are numbers of 31 bits.
+  if (head.values < 2 || head.values >= std::uint64_t{1} << 31U) {
+    fail(file, "bad-grid", fmt::format("has {} values of light, not 2 .. 2^31 - 1", head.values));
+  }
   return head;
 }
 

@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <xxhash.h>
 
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -204,6 +206,30 @@ TEST_F(SceneFile, BadFilesAreRefused) {
   EXPECT_EQ(code(lit().tracer), "truncated");
   std::filesystem::remove(path_);
   EXPECT_THROW(Scene::load(lit().tracer, path_), FileError);
+}
+
+// Puts a number into the file, and the right checksum under it.
+template <class T>
+void put(std::string& content, std::size_t at, T value) {
+  std::memcpy(content.data() + at, &value, sizeof value);
+  const std::size_t rest = content.size() - sizeof(std::uint64_t);
+  const std::uint64_t sum = XXH3_64bits(content.data(), rest);
+  std::memcpy(content.data() + rest, &sum, sizeof sum);
+}
+
+TEST_F(SceneFile, PlacesOutsideTheFileAreRefused) {
+  constexpr std::size_t kHead = 80, kValues = 16;
+  const std::string good = read_file(path_);
+  change([](std::string& s) { put(s, kHead, std::uint32_t{0x7FFFFFFFU}); });
+  EXPECT_EQ(code(lit().tracer), "bad-grid");
+  write_file_atomically(path_, good);
+  change([](std::string& s) { put(s, kHead + 8, std::uint16_t{65535}); });
+  EXPECT_EQ(code(lit().tracer), "bad-grid");
+  for (const std::uint64_t values : {std::uint64_t{0}, std::uint64_t{1}, ~std::uint64_t{0}}) {
+    write_file_atomically(path_, good);
+    change([&](std::string& s) { put(s, kValues, values); });
+    EXPECT_EQ(code(lit().tracer), "bad-grid");
+  }
 }
 
 TEST_F(SceneFile, MistakesAreNamed) {

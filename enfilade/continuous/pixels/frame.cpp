@@ -86,7 +86,7 @@ void Frame::clear(const Lattice& lattice, TileRows rows) {
   }
   // The bands that threads draw are whole rows of blocks.
   for (std::uint32_t by = rows.begin / kBlock; by < (rows.end + kBlock - 1) / kBlock; ++by) {
-    std::fill_n(block_far.begin() + static_cast<std::ptrdiff_t>(by * blocks_across_),
+    std::fill_n(block_far.begin() + static_cast<std::ptrdiff_t>(std::size_t{by} * blocks_across_),
                 blocks_across_, kLeastNearness);
   }
 }
