@@ -41,7 +41,8 @@ struct Workspace {
 
 // The panoramas that a view takes colours from.
 struct Chosen {
-  std::array<const pixels::Photo*, 8> photos{};
+  std::array<std::shared_ptr<const pixels::Photo>, 8> held{};
+  std::array<const pixels::Photo*, 8> photos{};  // the same
   std::size_t count = 0;
   std::span<const pixels::Photo* const> all() const { return std::span(photos).first(count); }
 };
@@ -186,7 +187,8 @@ struct Eyes::Impl {
 
   // Reads panoramas that are needed for the first time.
   void choose(std::span<const MeshView> views, const render::Outputs& outputs) {
-    chosen.assign(views.size(), {});
+    chosen.resize(views.size());
+    for (Chosen& one : chosen) one = {};
     if (!outputs.colour || config.photographs.empty()) return;
     parallel_for(views.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
@@ -195,7 +197,8 @@ struct Eyes::Impl {
         std::array<std::size_t, 8> places{};
         chosen[k].count = photographs->choose(views[k].eye, places);
         for (std::size_t i = 0; i < chosen[k].count; ++i) {
-          chosen[k].photos[i] = &photographs->photo(places[i]);
+          chosen[k].held[i] = photographs->photo(places[i]);
+          chosen[k].photos[i] = chosen[k].held[i].get();
         }
       }
     });

@@ -175,8 +175,9 @@ void check(const PhotographsOptions& options) {
 struct Photographs::Impl {
   struct Slot {
     ViewpointIndex viewpoint;
-    std::once_flag read;
-    Photo photo;
+    std::mutex reading;                  // held by who reads it
+    std::shared_ptr<const Photo> photo;  // null: not kept (here and below: under `mutex`)
+    std::uint64_t used = 0;
   };
   std::shared_ptr<const scan::PanoramaSet> panoramas;
   const scan::PanoramaSource* source = nullptr;
@@ -184,8 +185,36 @@ struct Photographs::Impl {
   PhotographsOptions options;
   std::vector<Vec3d> positions;
   std::unique_ptr<Slot[]> slots;
+  std::mutex mutex;
+  std::uint64_t uses = 0;
+  std::size_t bytes = 0;
 
-  void read(Slot& slot) const {
+  static std::size_t bytes_of(const Photo& photo) {
+    return sizeof photo + 4 * (photo.colours.capacity() + photo.nearness.capacity());
+  }
+  std::shared_ptr<const Photo> find(Slot& slot) {
+    const std::lock_guard lock(mutex);
+    slot.used = ++uses;
+    return slot.photo;
+  }
+  void keep(Slot& slot, std::shared_ptr<const Photo> photo) {
+    const std::lock_guard lock(mutex);
+    slot.used = ++uses;
+    bytes += bytes_of(*photo);
+    slot.photo = std::move(photo);
+    while (bytes > options.bytes) {
+      Slot* oldest = nullptr;
+      for (Slot* s = slots.get(); s != slots.get() + positions.size(); ++s) {
+        if (s == &slot || s->photo == nullptr) continue;
+        if (oldest == nullptr || s->used < oldest->used) oldest = s;
+      }
+      if (oldest == nullptr) return;
+      bytes -= bytes_of(*oldest->photo);
+      oldest->photo.reset();  // who draws with it has a share of it
+    }
+  }
+
+  std::shared_ptr<const Photo> read(const Slot& slot) const {
     const scan::Panorama panorama =
         scan::read_panorama(*source, slot.viewpoint, scan::mask_of(scan::Layer::kColour));
     const scan::PanoramaPose& pose = source->poses()[slot.viewpoint.at()];
@@ -198,7 +227,7 @@ struct Photographs::Impl {
     add_colours(panorama.colour, options.face_size, photo);
     add_nearness(scene->parts(), pose.position, photo);
     leave_out_edges(photo);
-    slot.photo = std::move(photo);
+    return std::make_shared<const Photo>(std::move(photo));
   }
 };
 
@@ -279,10 +308,14 @@ std::size_t Photographs::choose(Vec3d eye, std::span<std::size_t> chosen) const 
   return count;
 }
 
-const Photo& Photographs::photo(std::size_t k) const {
+std::shared_ptr<const Photo> Photographs::photo(std::size_t k) const {
   Impl::Slot& slot = impl_->slots[k];
-  std::call_once(slot.read, [&] { impl_->read(slot); });
-  return slot.photo;
+  if (auto kept = impl_->find(slot)) return kept;
+  const std::lock_guard reading(slot.reading);
+  if (auto kept = impl_->find(slot)) return kept;
+  std::shared_ptr<const Photo> made = impl_->read(slot);
+  impl_->keep(slot, made);
+  return made;
 }
 
 }  // namespace enfilade::continuous

@@ -21,11 +21,14 @@ struct PhotographsOptions {
   /// as many a degree as a picture of 224 pixels over 90 degrees.
   std::uint32_t face_size = 256;
   std::size_t nearest = 4;  ///< panoramas that a view takes colours from, 1 .. 8
+  /// Of panoramas that are kept; those used longest ago are dropped, and read again when they are
+  /// needed. Does not change the pictures.
+  std::size_t bytes = std::size_t{512} << 20U;
 };
 
-/// The panoramas of one scan. Each is read when a view needs it for the first time, and kept from
-/// then on: 4 MB at 256 texels. What it sees of the mesh is found by drawing the mesh from there,
-/// so that no depth pictures are needed. Any thread may use it.
+/// The panoramas of one scan. Each is read when a view needs it for the first time, and kept, 4 MB
+/// at 256 texels, while there is room. What it sees of the mesh is found by drawing the mesh from
+/// there, so that no depth pictures are needed. Any thread may use it.
 class Photographs {
  public:
   /// \param scene of the same building, in the same frame
@@ -49,7 +52,7 @@ class Photographs {
   /// most. \returns how many
   std::size_t choose(Vec3d eye, std::span<std::size_t> chosen) const;
   /// For this library. \throws as load_all()
-  const pixels::Photo& photo(std::size_t k) const;
+  std::shared_ptr<const pixels::Photo> photo(std::size_t k) const;
 
  private:
   struct Impl;

@@ -167,8 +167,8 @@ TEST(Photographs, EveryInstructionSetGivesTheSameColours) {
   const pixels::Lattice lattice(kCamera);
   const pixels::TileRows rows{0, lattice.blocks_down * pixels::kBlock};
   const pixels::Pixels of{&lattice, nullptr, 1 / lattice.focal};
-  const std::vector<const pixels::Photo*> photos{&photographs()->photo(0), &photographs()->photo(1),
-                                                 &photographs()->photo(2)};
+  const std::vector<const pixels::Photo*> photos{
+      photographs()->photo(0).get(), photographs()->photo(1).get(), photographs()->photo(2).get()};
   for (const MeshView& view : views()) {
     const pixels::Eye eye(view.eye, view.heading, view.elevation);
     pixels::Frame frame;
@@ -194,6 +194,25 @@ TEST(Photographs, ChoosesTheNearestThatSee) {
   EXPECT_EQ(chosen[0], 0U);
   EXPECT_EQ(photographs()->choose({2.5, 1.5, 1.2}, std::span(chosen).first(1)), 1U);
   EXPECT_EQ(chosen[0], 1U);
+}
+
+TEST(Photographs, LittleMemoryGivesTheSamePictures) {
+  PhotographsOptions options;
+  options.bytes = 1;  // each panorama is dropped when the next one is read
+  const auto forgetful = std::make_shared<const Photographs>(panoramas(places(), 256), ScanIndex(0),
+                                                             lit().scene, options);
+  Eyes eyes({lit().scene}, {Method::kRaster, 2, {forgetful}});
+  std::vector<MeshView> all = views();
+  const std::size_t bytes = 3 * kCamera.width * kCamera.height;
+  std::vector<std::uint8_t> rgb(all.size() * bytes);
+  render::Outputs outputs;
+  outputs.colour =
+      render::ColourOutput{render::ColourFormat::kRgb8, {}, std::as_writable_bytes(std::span(rgb))};
+  eyes.render(kCamera, all, outputs);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    EXPECT_TRUE(std::ranges::equal(std::span(rgb).subspan(k * bytes, bytes),
+                                   drawn(all[k], {Method::kRaster, 1, {photographs()}})));
+  }
 }
 
 TEST(Photographs, MistakesAreNamed) {
