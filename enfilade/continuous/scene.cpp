@@ -7,6 +7,7 @@
 
 #include "enfilade/continuous/pixels/scene_parts.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
 #include "enfilade/image/tone.h"
 
 namespace enfilade::continuous {
@@ -47,6 +48,18 @@ std::shared_ptr<const Scene> Scene::lit(std::shared_ptr<const mesh::RayTracer> t
   pixels::apply_scale(*parts);
   pixels::bake_light(light, options, progress, *parts);
   return std::shared_ptr<const Scene>(new Scene(std::move(parts)));
+}
+
+std::shared_ptr<const Scene> Scene::open(const std::filesystem::path& mesh_file,
+                                         const mesh::ReadOptions& options) {
+  auto tracer = std::make_shared<const mesh::RayTracer>(
+      std::make_shared<const mesh::Mesh>(mesh::read_mesh(mesh_file, options).mesh));
+  const std::filesystem::path light = light_file(mesh_file);
+  return file_exists(light) ? load(std::move(tracer), light) : photographed(std::move(tracer));
+}
+
+std::filesystem::path light_file(const std::filesystem::path& mesh_file) {
+  return std::filesystem::path(mesh_file).replace_extension(".light");
 }
 
 const mesh::RayTracer& Scene::tracer() const noexcept { return *parts_->tracer; }

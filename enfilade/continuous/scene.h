@@ -6,6 +6,7 @@
 
 #include "enfilade/core/progress.h"
 #include "enfilade/mesh/lighting.h"
+#include "enfilade/mesh/read_mesh.h"
 
 namespace enfilade::continuous {
 
@@ -45,6 +46,11 @@ class Scene {
   /// a photographed scene, which has none
   void save(const std::filesystem::path& file) const;
 
+  /// The scene of a mesh file, as mesh::read_mesh() reads it: lit if its light was saved beside it
+  /// (light_file()), photographed if not. \throws as read_mesh(), RayTracer, load()
+  static std::shared_ptr<const Scene> open(const std::filesystem::path& mesh_file,
+                                           const mesh::ReadOptions& options = {});
+
   ~Scene();
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
@@ -61,5 +67,8 @@ class Scene {
   explicit Scene(std::unique_ptr<pixels::SceneParts> parts);
   std::unique_ptr<pixels::SceneParts> parts_;
 };
+
+/// Where the light of a mesh file is saved: beside it, "home0001.glb" -> "home0001.light".
+std::filesystem::path light_file(const std::filesystem::path& mesh_file);
 
 }  // namespace enfilade::continuous

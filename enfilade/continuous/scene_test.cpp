@@ -188,6 +188,29 @@ TEST_F(SceneFile, LoadedSceneGivesTheSamePictures) {
   }
 }
 
+TEST_F(SceneFile, MeshFilesAreOpenedWithTheirLight) {
+  const std::filesystem::path folder =
+      std::filesystem::path(::testing::TempDir()) / "scene_test_open";
+  std::filesystem::create_directories(folder);
+  const std::filesystem::path file = folder / "room.glb";
+  EXPECT_EQ(light_file(file), folder / "room.light");
+  mesh::write_glb(lit().tracer->mesh(), file);
+  const auto bare = Scene::open(file);
+  EXPECT_FALSE(bare->is_lit());
+  // Its textures are its colours.
+  const auto photographed = Scene::photographed(lit().tracer);
+  EXPECT_GT(psnr(picture(bare, views()[1]), picture(photographed, views()[1])), 30);
+  // The light of the mesh as it is in the file.
+  const auto tracer = std::make_shared<const mesh::RayTracer>(
+      std::make_shared<const mesh::Mesh>(bare->tracer().mesh()));
+  const mesh::LitMesh light(tracer, Lit::lights(), Lit::options());
+  Scene::lit(tracer, light)->save(light_file(file));
+  const auto opened = Scene::open(file);
+  EXPECT_TRUE(opened->is_lit());
+  EXPECT_GT(psnr(picture(opened, views()[2]), picture(lit().scene, views()[2])), 30);
+  std::filesystem::remove_all(folder);
+}
+
 TEST_F(SceneFile, BadFilesAreRefused) {
   EXPECT_EQ(code(lit().tracer), "");
   EXPECT_EQ(code(tracer_of(empty_room())), "other-mesh");
