@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -49,6 +50,27 @@ std::size_t nearest_level(const std::vector<double>& levels, double z) {
     if (std::abs(levels[l] - z) < std::abs(levels[best] - z)) best = l;
   }
   return best;
+}
+
+// From light to dark as time passes.
+struct Hue {
+  std::array<int, 3> light, dark;
+
+  std::string at(double late) const {
+    const auto part = [&](std::size_t c) {
+      return static_cast<int>(std::lround(light[c] + late * (dark[c] - light[c])));
+    };
+    return fmt::format("rgb({},{},{})", part(0), part(1), part(2));
+  }
+};
+
+// Blue, green, purple and grey, which also differ in brightness at the end.
+const Hue& hue_of(std::size_t agent) {
+  static const std::array<Hue, 4> kHues{{{{90, 150, 230}, {10, 40, 110}},
+                                         {{110, 200, 150}, {0, 100, 60}},
+                                         {{200, 150, 220}, {110, 20, 120}},
+                                         {{170, 170, 170}, {40, 40, 40}}}};
+  return kHues[agent % kHues.size()];
 }
 
 void check_line(const WalkedLine& line) {
@@ -166,8 +188,9 @@ class Map {
     for (const WalkedLine& line : lines_) {
       if (line.role == WalkedLine::Role::kReference) draw_reference(line, level);
     }
+    std::size_t agents = 0;
     for (const WalkedLine& line : lines_) {
-      if (line.role == WalkedLine::Role::kAgent) draw_agent(line, level);
+      if (line.role == WalkedLine::Role::kAgent) draw_agent(line, hue_of(agents++), level);
     }
   }
 
@@ -193,27 +216,24 @@ class Map {
         x(end), y(end, level), options_.success_distance * scale_, x(end), y(end, level));
   }
 
-  void draw_agent(const WalkedLine& line, std::size_t level) {
+  void draw_agent(const WalkedLine& line, const Hue& hue, std::size_t level) {
     const std::size_t n = line.points.size();
     for (std::size_t k = 1; k < n; ++k) {
       if (!on(line.points[k - 1], level) && !on(line.points[k], level)) continue;
       const double late = static_cast<double>(k) / static_cast<double>(n);
-      // Light blue to dark blue.
-      const int red = static_cast<int>(90 - 80 * late), green = static_cast<int>(150 - 110 * late),
-                blue = static_cast<int>(230 - 120 * late);
-      segment(line.points[k - 1], line.points[k], level,
-              fmt::format("stroke=\"rgb({},{},{})\" stroke-width=\"2.5\" stroke-linecap=\"round\"",
-                          red, green, blue));
+      segment(
+          line.points[k - 1], line.points[k], level,
+          fmt::format("stroke=\"{}\" stroke-width=\"2.5\" stroke-linecap=\"round\"", hue.at(late)));
     }
     if (on(line.points.front(), level)) {
-      text_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"#5a96e6\"/>\n",
-                           x(line.points.front()), y(line.points.front(), level));
+      text_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>\n",
+                           x(line.points.front()), y(line.points.front(), level), hue.at(0));
     }
     if (on(line.points.back(), level)) {
       text_ += fmt::format(
-          "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"7\" fill=\"none\" stroke=\"#0a2870\" "
+          "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"7\" fill=\"none\" stroke=\"{}\" "
           "stroke-width=\"2.5\"/>\n",
-          x(line.points.back()), y(line.points.back(), level));
+          x(line.points.back()), y(line.points.back(), level), hue.at(1));
     }
   }
 
@@ -223,14 +243,15 @@ class Map {
         "<line x1=\"{0}\" y1=\"{1:.0f}\" x2=\"{2:.1f}\" y2=\"{1:.0f}\" stroke=\"#444\" "
         "stroke-width=\"2\"/>\n<text x=\"{3:.1f}\" y=\"{4:.0f}\" fill=\"#444\">{5:.0f} m</text>\n",
         kMargin, at, kMargin + metres * scale_, kMargin + metres * scale_ + 8, at + 4, metres);
+    std::size_t agents = 0;
     for (const WalkedLine& line : lines_) {
       at += kLine;
       const bool reference = line.role == WalkedLine::Role::kReference;
       text_ += fmt::format(
           "<line x1=\"{0}\" y1=\"{1:.0f}\" x2=\"{2}\" y2=\"{1:.0f}\" stroke=\"{3}\" "
           "stroke-width=\"{4}\"/>\n<text x=\"{5}\" y=\"{6:.0f}\" fill=\"#222\">{7}</text>\n",
-          kMargin, at, kMargin + 28, reference ? "#e8a33d" : "#2457b0", reference ? 9 : 2.5,
-          kMargin + 38, at + 4,
+          kMargin, at, kMargin + 28, reference ? "#e8a33d" : hue_of(agents++).at(0.6),
+          reference ? 9 : 2.5, kMargin + 38, at + 4,
           escape(!line.label.empty() ? line.label
                  : reference         ? "reference path"
                                      : "agent"));

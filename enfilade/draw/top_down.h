@@ -22,8 +22,8 @@ struct WalkedLine {
 
 /// What is written and drawn on a map.
 struct TopDownOptions {
-  std::string title;              ///< may be empty
-  std::string note;               ///< a paragraph below it, such as the instruction; may be empty
+  std::string title = {};         ///< may be empty
+  std::string note = {};          ///< a paragraph below it, such as the instruction; may be empty
   double pixels_per_metre = 0;    ///< > 0; or 0: fits about 1000 pixels
   double success_distance = 3.0;  ///< metres; radius of the ring around the reference's end
 };
