@@ -209,12 +209,27 @@ class PolygonChecker {
       const Vec3d a = flat(polygon.corners[0]);
       twice += cross(flat(polygon.corners[k - 1]) - a, flat(polygon.corners[k]) - a).z;
     }
+    if (!is_convex(polygon, n, twice < 0 ? -1 : 1)) {
+      fault(where, "bad-polygon", "is not convex");
+      return false;
+    }
     const int sign = (twice > 0) - (twice < 0);
     if (sign_ == 0) sign_ = sign;
     if (sign == 0 || sign != sign_) {
       fault(where, "bad-polygon",
             sign == 0 ? "has no area" : "turns the other way than the first one");
       return false;
+    }
+    return true;
+  }
+
+  // Exact: corners are whole numbers.
+  bool is_convex(const FloorPolygon& polygon, std::size_t n, int sign) const {
+    for (std::size_t k = 0; k < n; ++k) {
+      const Vec3d a = flat(polygon.corners[k]), side = flat(polygon.corners[(k + 1) % n]) - a;
+      for (std::size_t c = 0; c < n; ++c) {
+        if (sign * cross(side, flat(polygon.corners[c]) - a).z < 0) return false;
+      }
     }
     return true;
   }
