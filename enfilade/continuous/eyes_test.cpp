@@ -208,8 +208,7 @@ TEST(Eyes, SameViewSameBytesInAnyBatchWithAnyThreads) {
   }
 }
 
-// --- colours
-// ---------------------------------------------------------------------------------------
+// --- colours -------------------------------------------------------------------------------------
 
 image::Image8 one_colour(std::uint32_t size, std::array<std::uint8_t, 3> rgb) {
   image::Image8 picture(size, size, 3);
@@ -302,8 +301,7 @@ TEST(Eyes, HolesInTexturesAreSeenThrough) {
   EXPECT_LE(differ, 40U) << "the rim of the hole is rounded differently";
 }
 
-// --- odd places
-// ------------------------------------------------------------------------------------
+// --- odd places ----------------------------------------------------------------------------------
 
 TEST(Eyes, NothingIsSeenWhereNothingIs) {
   Eyes eyes({room_scene()});
@@ -340,8 +338,37 @@ TEST(Eyes, OddPlacesGiveWhatTheMeshHas) {
   }
 }
 
-// --- mistakes
-// --------------------------------------------------------------------------------------
+TEST(Eyes, NothingIsLeftFromAnotherBuilding) {
+  // Sizes that fill no tile: what lies beyond the edge must not be looked up in the next building.
+  Rng rng(13);
+  for (const Method method : {Method::kRaster, Method::kRays}) {
+    Eyes both({room_scene(), clutter_scene()}, {method, 1}), one({room_scene()}, {method, 1});
+    const Camera camera{61, 43, degrees(90)};
+    MeshView view = random_view(rng);
+    const Drawn alone = draw(one, camera, {&view, 1});
+    view.building = 1;
+    draw(both, camera, {&view, 1});
+    view.building = 0;
+    EXPECT_TRUE(draw(both, camera, {&view, 1}) == alone) << to_string(method);
+    Drawn sphere(53 * 27), sphere_alone(53 * 27);
+    one.render_equirectangular(53, 27, {&view, 1}, sphere_alone.outputs());
+    view.building = 1;
+    both.render_equirectangular(53, 27, {&view, 1}, sphere.outputs());
+    view.building = 0;
+    both.render_equirectangular(53, 27, {&view, 1}, sphere.outputs());
+    EXPECT_TRUE(sphere == sphere_alone) << to_string(method);
+  }
+}
+
+TEST(Eyes, NoViewsAreNoWork) {
+  Eyes eyes({room_scene()});
+  Drawn drawn(0);
+  eyes.render({64, 64, degrees(90)}, {}, drawn.outputs());
+  eyes.render({64, 64, degrees(90)}, {}, {});
+  eyes.render_equirectangular(64, 32, {}, drawn.outputs());
+}
+
+// --- mistakes ------------------------------------------------------------------------------------
 
 std::string message(Eyes& eyes, const Camera& camera, const MeshView& view) {
   const std::size_t pixels =

@@ -196,6 +196,22 @@ TEST(Photographs, ChoosesTheNearestThatSee) {
   EXPECT_EQ(chosen[0], 1U);
 }
 
+TEST(Photographs, EquirectangularPicturesTakeThemToo) {
+  constexpr std::uint32_t kWidth = 160, kHeight = 80;
+  const auto sphere = [&](const EyesConfig& config) {
+    const MeshView view{0, {-0.9, 0.1, 1.45}, Radians(1), Radians(0)};
+    std::vector<std::uint8_t> rgb(3 * kWidth * kHeight);
+    render::Outputs outputs;
+    outputs.colour = render::ColourOutput{
+        render::ColourFormat::kRgb8, {}, std::as_writable_bytes(std::span(rgb))};
+    Eyes({lit().scene}, config).render_equirectangular(kWidth, kHeight, {&view, 1}, outputs);
+    return rgb;
+  };
+  const auto of_mesh = sphere({}), of_panoramas = sphere({Method::kRaster, 1, {photographs()}});
+  EXPECT_NE(of_mesh, of_panoramas);
+  EXPECT_GT(psnr(of_mesh, of_panoramas), 24);
+}
+
 TEST(Photographs, LittleMemoryGivesTheSamePictures) {
   PhotographsOptions options;
   options.bytes = 1;  // each panorama is dropped when the next one is read

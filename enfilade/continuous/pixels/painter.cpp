@@ -65,6 +65,14 @@ void Painter::trace(TileRows rows, Frame& frame) const {
         rays[n++] = {eye_.whole, pixels_.towards(eye_, x, y)};
       }
       scene_.tracer->trace(std::span(rays).first(n), std::span(hits).first(n));
+      if (n < kTilePixels) {
+        // What lies beyond the picture's edge may be left from another building.
+        const std::size_t first = frame.tile_place(x0 / kTile, y0 / kTile) * kTilePixels;
+        std::fill_n(frame.triangle.begin() + static_cast<std::ptrdiff_t>(first), kTilePixels,
+                    kNothing);
+        std::fill_n(frame.nearness.begin() + static_cast<std::ptrdiff_t>(first), kTilePixels,
+                    kLeastNearness);
+      }
       for (std::size_t i = 0; i < n; ++i) {
         frame.triangle[places[i]] =
             hits[i] ? static_cast<std::int32_t>(hits[i].triangle) : kNothing;
