@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "enfilade/core/errors.h"
@@ -22,6 +23,9 @@ ContinuousWorld checked(ContinuousWorld world, const continuous::SimulatorConfig
   }
   if (!world.experts) world.experts = std::make_shared<const tasks::ExpertWalks>();
   check_starts(*world.episodes, *world.buildings, config.start_reach);
+  std::vector<std::size_t> all(world.episodes->episodes.size());
+  std::iota(all.begin(), all.end(), 0);
+  check_goals(*world.episodes, *world.buildings, all);
   return world;
 }
 

@@ -29,9 +29,9 @@ enum class ContinuousExpert : std::uint8_t {
 /// time.
 class ContinuousEnvironment {
  public:
-  /// Looks at the starts of all episodes.
+  /// Looks at the starts and goals of all episodes.
   /// \throws ArgumentError for nulls (experts may be), no episode, or as
-  /// continuous::Simulator; what check_starts() throws
+  /// continuous::Simulator; what check_starts() and check_goals() throw
   ContinuousEnvironment(ContinuousWorld world, const continuous::SimulatorConfig& config);
   ~ContinuousEnvironment();
   ContinuousEnvironment(ContinuousEnvironment&&) noexcept;
@@ -39,7 +39,7 @@ class ContinuousEnvironment {
 
   /// Begins episodes. \param chosen  an index of an episode for each agent; below 0: as it is
   /// \throws ArgumentError for another length, an index out of range, an agent that has never begun
-  /// and is left out, no floor within 1 m of a goal. In the last case some agents may have begun
+  /// and is left out. Then nothing has happened
   void begin(std::span<const std::int64_t> chosen);
   /// One action for every agent; those whose episode has ended stay as they are.
   /// \throws as continuous::Simulator::step()

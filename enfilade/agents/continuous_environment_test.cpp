@@ -128,7 +128,7 @@ TEST(ContinuousEnvironment, HiddenGoalsHaveNoDistanceScoreOrTeacher) {
   EXPECT_THROW(e.score(0), ArgumentError);
 }
 
-TEST(ContinuousEnvironment, SaysWhatIsWrong) {
+TEST(ContinuousEnvironment, SaysWhatIsWrongWithItsFiles) {
   ContinuousWorld none = world();
   none.episodes = std::make_shared<const tasks::ContinuousEpisodes>();
   EXPECT_THROW(environment(1, none), ArgumentError);
@@ -145,6 +145,19 @@ TEST(ContinuousEnvironment, SaysWhatIsWrong) {
     EXPECT_EQ(error.diagnostics().at(0).where, "$.episodes[1].start_position");
     EXPECT_EQ(error.diagnostics().at(0).code, "start-off-floor");
   }
+  moved = *world().episodes;
+  moved.episodes[1].goals->front().position = {90, 0, 0};
+  off.episodes = std::make_shared<const tasks::ContinuousEpisodes>(moved);
+  try {
+    environment(1, off);
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_EQ(error.diagnostics().at(0).where, "$.episodes[1].goals");
+    EXPECT_EQ(error.diagnostics().at(0).code, "goal-off-floor");
+  }
+}
+
+TEST(ContinuousEnvironment, SaysWhatIsWrongWithACall) {
   ContinuousEnvironment e = environment(1);
   EXPECT_THROW(step(e, {Action::kForward}), ArgumentError);
   EXPECT_THROW(begin(e, {2}), ArgumentError);

@@ -159,7 +159,27 @@ void check_starts(const tasks::ContinuousEpisodes& episodes, const Buildings& bu
          "start-off-floor",
          fmt::format("no floor of {} within {} m of ({}, {}, {}), z up, and {} m above "
                      "or below",
-                     episode.scan(), reach.aside, start.x, start.y, start.z, reach.above_below)});
+                     episode.scan(), reach.aside, start.x + 0, start.y + 0, start.z + 0,
+                     reach.above_below)});
+  }
+  if (!faults.empty()) throw InvalidInput(std::move(faults));
+}
+
+void check_goals(const tasks::ContinuousEpisodes& episodes, const Buildings& buildings,
+                 std::span<const std::size_t> which) {
+  std::vector<Diagnostic> faults;
+  for (const std::size_t e : which) {
+    const tasks::ContinuousEpisode& episode = episodes.episodes.at(e);
+    if (episode.goal_hidden()) continue;
+    const continuous::NavigationMesh& floor = buildings.floor(buildings.at(episode.scan()));
+    const bool any = std::ranges::any_of(*episode.goals, [&](const tasks::ContinuousGoal& goal) {
+      return floor.nearest(to_float(goal.position), {1, 1}).has_value();
+    });
+    if (any) continue;
+    if (faults.size() == kMostFaultsKept) break;
+    faults.push_back({Severity::kError, episodes.file, fmt::format("$.episodes[{}].goals", e),
+                      "goal-off-floor",
+                      fmt::format("no floor of {} within 1 m of any goal", episode.scan())});
   }
   if (!faults.empty()) throw InvalidInput(std::move(faults));
 }
@@ -247,6 +267,9 @@ std::vector<tasks::ContinuousScore> score_continuous_walks(
     std::span<const tasks::ContinuousResult> walks, const tasks::ContinuousEpisodes& episodes,
     const Buildings& buildings, const tasks::ExpertWalks& experts, const Progress& progress) {
   require_goals(episodes, "score");
+  std::vector<std::size_t> walked;
+  for (const tasks::ContinuousResult& walk : walks) walked.push_back(walk.episode);
+  check_goals(episodes, buildings, walked);
   std::vector<tasks::ContinuousScore> scores;
   for (const tasks::ContinuousResult& walk : walks) {
     scores.push_back(

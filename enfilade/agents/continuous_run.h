@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,11 @@ struct ContinuousRunOptions {
 /// naming each episode whose start is off the floor (`start-off-floor`); errors of files
 void check_starts(const tasks::ContinuousEpisodes& episodes, const continuous::Buildings& buildings,
                   const continuous::Reach& reach);
+/// Looks at the goals of some episodes. \param which  their indices
+/// \throws LookupError as above; InvalidInput naming each episode that has no goal within 1 m of
+/// the floor (`goal-off-floor`); errors of files
+void check_goals(const tasks::ContinuousEpisodes& episodes, const continuous::Buildings& buildings,
+                 std::span<const std::size_t> which);
 /// Where an episode puts a body. \param building  that of the episode's scan
 continuous::EpisodeStart start_of(const tasks::ContinuousEpisode& episode, std::size_t building);
 
@@ -54,7 +60,7 @@ std::vector<double> goal_distances(const tasks::ContinuousResult& walk,
 
 /// VLN-CE's measures of each walk, in order. \param experts  their locations are what nDTW compares
 /// with; the reference path, for an episode that has none
-/// \throws ArgumentError for hidden goals; as run_continuous()
+/// \throws ArgumentError for hidden goals; as run_continuous() and check_goals()
 std::vector<tasks::ContinuousScore> score_continuous_walks(
     std::span<const tasks::ContinuousResult> walks, const tasks::ContinuousEpisodes& episodes,
     const continuous::Buildings& buildings, const tasks::ExpertWalks& experts = {},

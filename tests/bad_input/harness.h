@@ -48,6 +48,7 @@ std::vector<Case> mesh_cases();
 std::vector<Case> annotation_cases();
 std::vector<Case> result_cases();
 std::vector<Case> task_cases();
+std::vector<Case> free_walk_cases();
 std::vector<Case> render_cases();
 std::vector<Case> command_line_cases();
 std::vector<Case> import_cases();

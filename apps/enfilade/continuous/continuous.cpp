@@ -84,14 +84,14 @@ FloorsReport make_and_tell(const dataset::Dataset& data,
                            const agents::ContinuousBenchmark& benchmark, const Options& options) {
   FloorsReport report = make_floors(data, benchmark, options.meshes, options.threads);
   const fs::path folder = data.folder() / benchmark.navigation_folder();
-  fmt::print("{}: {} navigation meshes made, {} were there\n", folder.string(), report.made,
+  fmt::print("{}: navigation meshes: {} made, {} were there\n", folder.string(), report.made,
              report.kept);
   if (!report.without_mesh.empty()) {
     fmt::print(stderr, "note: no mesh of {}, such as {}; see --meshes\n",
                counted(report.without_mesh.size(), "scan"), report.without_mesh.front());
   }
   if (!report.faults.empty()) print_diagnostics(report.faults);
-  if (report.made + report.kept == 0) {
+  if (report.made + report.kept == 0 && report.faults.empty()) {
     throw UsageError(fmt::format(
         "{}: no building has a mesh to walk on; looked for model homes (homes.json), "
         "v1/scans/SCAN/matterport_mesh, mp3d/SCAN/SCAN.glb and meshes/SCAN.glb. Give --meshes DIR",
@@ -109,7 +109,7 @@ ExitCode make(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
   const FloorsReport floors = make_and_tell(data, benchmark, options);
   const ExitCode status = floors.faults.empty() ? kSuccess : kFaultsFound;
-  if (options.floors_only) return status;
+  if (options.floors_only || floors.made + floors.kept == 0) return status;
   const auto buildings =
       std::make_shared<const continuous::Buildings>(data.folder() / benchmark.navigation_folder());
   std::string dropped;

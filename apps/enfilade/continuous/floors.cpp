@@ -93,6 +93,9 @@ class Maker {
         benchmark_(benchmark),
         source_(source),
         folder_(data.folder() / benchmark.navigation_folder()) {
+    if (!source.folder.empty() && !fs::is_directory(source.folder)) {
+      throw FileError(fmt::format("{}: not a folder (looked for meshes there)", source.folder));
+    }
     if (file_exists(data.folder() / "homes.json")) {
       for (homes::HomeEntry& home : homes::read_home_list(data.folder())) {
         homes_.emplace(home.scan, std::move(home));

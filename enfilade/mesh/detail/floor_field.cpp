@@ -89,7 +89,8 @@ Box box_of(const Mesh& mesh, const WalkableOptions& options) {
   box.low = {std::max(box.low.x, low.x), std::max(box.low.y, low.y), std::max(box.low.z, low.z)};
   box.high = {std::min(box.high.x, high.x), std::min(box.high.y, high.y),
               std::min(box.high.z, high.z)};
-  if (!(box.low.x < box.high.x && box.low.y < box.high.y && box.low.z < box.high.z)) {
+  // A level floor alone has no height.
+  if (!(box.low.x < box.high.x && box.low.y < box.high.y && box.low.z <= box.high.z)) {
     no_floor("nothing of the mesh lies in the box that was asked for");
   }
   return box;
