@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/continuous/scenes.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/exports/box_files.h"
@@ -16,6 +18,7 @@
 #include "enfilade/exports/feature_files.h"
 #include "enfilade/exports/graph_tables.h"
 #include "enfilade/exports/networkx.h"
+#include "enfilade/exports/streamvln.h"
 #include "enfilade/exports/view_pictures.h"
 
 namespace enfilade::apps {
@@ -29,6 +32,7 @@ struct Options {
   std::string features, logits, type = "f32", boxes, meshes;
   std::size_t most_objects = exports::kMostObjects;
   bool nested = false;
+  std::string task = "r2r-ce", split = "train";
   int quality = exports::ViewPicturesOptions().quality;
   int threads = 0;
 };
@@ -193,7 +197,26 @@ void write_views(const Options& options, const dataset::Dataset& data, const fs:
              report.viewpoints, report.kept);
 }
 
-constexpr std::array<Form, 10> kForms{{
+void write_streamvln(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+  const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(options.task);
+  const tasks::ContinuousEpisodes episodes =
+      agents::load_continuous_split(benchmark, data.folder(), options.split);
+  const auto buildings =
+      std::make_shared<const continuous::Buildings>(data.folder() / benchmark.navigation_folder());
+  exports::StreamVlnOptions pictures;
+  pictures.quality = options.quality;
+  pictures.data = benchmark.form == tasks::ContinuousForm::kRxr ? "rxr" : "r2r";
+  const MeshSource meshes{.folder = options.meshes, .up = "format"};
+  const exports::StreamVlnReport report = exports::write_streamvln(
+      episodes, buildings, benchmark.simulator,
+      [&](const std::string& scan) { return scene_of_scan(data, meshes, scan, options.threads); },
+      to, pictures, told(options));
+  fmt::print("{}: {} walks with {} pictures, of which {} walks were there; {} are too long\n",
+             to.string(), report.episodes, report.pictures, report.kept, report.too_long);
+  if (data.synthetic()) fmt::print("SYNTHETIC: model homes made by Enfilade.\n");
+}
+
+constexpr std::array<Form, 11> kForms{{
     {"duet-candidates", "scanvp_candview_relangles.json",
      "neighbours and the view that shows each best (DUET, BEVBert, GridMM)", write_duet},
     {"langnav", "adj_loc_dict.json", "the same with EnvDrop's fields (LangNav, NavCoT)",
@@ -212,6 +235,10 @@ constexpr std::array<Form, 10> kForms{{
      "depth_14x14.hdf5, semantic41_14x14.hdf5, vit_b16_224_clip_patch.hdf5 (BEVBert)",
      write_bevbert},
     {"gridmm", nullptr, "viewpoint_info.json, depth.hdf5, clip_p32.hdf5 (GridMM)", write_gridmm},
+    {"streamvln", nullptr,
+     "images/SCAN_r2r_ID/rgb/001.jpg, annotations.json: experts' walks in the continuous world "
+     "(StreamVLN)",
+     write_streamvln},
     {"mapgpt-views", nullptr, "SCAN/VIEWPOINT/0.jpg to 35.jpg (MapGPT)", write_views},
 }};
 
@@ -280,14 +307,17 @@ void add_details(CLI::App& verb, Options& options) {
                                  "Boxes of objects, instead of the data set's");
   add_value(verb, "--meshes", options.meshes, "DIR",
             "Compute the boxes from labelled meshes: SCAN.house, .ply, .fsegs.json, .semseg.json "
-            "here or in SCAN/house_segmentations")
+            "here or in SCAN/house_segmentations; streamvln: draw SCAN.glb, .obj or .ply here")
       ->excludes(boxes);
   add_whole_number(verb, "--objects", options.most_objects,
                    "Of a viewpoint, at most (object-hdf5)");
   verb.add_flag("--nested", options.nested,
                 "One file of boxes in REVERIE's form, not DUET's (reverie-boxes)");
-  add_setting(verb, "--quality", options.quality, "N", "Of JPEGs, 1 to 100 (mapgpt-views)",
-              whole_number(1, 100));
+  add_setting(verb, "--quality", options.quality, "N",
+              "Of JPEGs, 1 to 100 (mapgpt-views, streamvln)", whole_number(1, 100));
+  add_setting(verb, "--task", options.task, "NAME", "Of streamvln",
+              CLI::IsMember({"r2r-ce", "rxr-ce"}));
+  add_setting(verb, "--split", options.split, "NAME", "Of streamvln");
 }
 
 }  // namespace
@@ -311,6 +341,7 @@ void add_export(CLI::App& app, int& /*status*/) {
                       "enfilade export --as duet-hdf5 --features f.safetensors --type f64 -o "
                       "pth_vit_base_patch16_224_imagenet.hdf5",
                       "enfilade export --as reverie-boxes --meshes v1/scans -o BBoxes.json",
+                      "enfilade export --as streamvln --data homes --split train -o streamvln",
                       "enfilade export --as mapgpt-views --scans 17DRP5sb8fy -o RGB_Observations"});
   verb.footer(list_of_forms() + "\n\n" + verb.get_footer());
   verb.callback([options] { write_form(*options); });

@@ -14,7 +14,7 @@
 namespace enfilade::mesh {
 
 /// Who walks, and how closely the polygons follow the floor's rim. Where the box that is looked at
-/// is too large for cells of that size (2,600 m2 at 1.25 cm), cells and rim_error grow together
+/// is too large for cells of that size (520 m2 at 1.25 cm), cells and rim_error grow together
 /// until it is not: FloorPolygons::cell says what they are.
 struct PolygonOptions {
   WalkableOptions floor{.body = {.radius = 0.1, .height = 1.5, .step = 0.2, .slope = 45},

@@ -81,6 +81,47 @@ TEST(FloorPolygons, SidesKnowEachOther) {
   EXPECT_GT(inner, 0U);
 }
 
+double area_of(const FloorPolygons& f) {
+  double area = 0;
+  for (std::size_t p = 0; p < f.polygons.size(); ++p) area += area_of(f, p);
+  return area;
+}
+
+TEST(FloorPolygons, DoNotDependOnWhichSideIsTheFront) {
+  Mesh mesh = testing::two_storeys().mesh;
+  const FloorPolygons good = polygons_of(mesh);
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += 2) {
+    std::swap(mesh.triangles[t][0], mesh.triangles[t][1]);
+  }
+  EXPECT_TRUE(polygons_of(mesh) == good);
+}
+
+// A floor of 5 x 4 m in four pieces around a hole of 1 x 1 m, under a ceiling.
+TEST(FloorPolygons, GoAroundHoles) {
+  Maker made;
+  made.level(0, 0, 2, 4, 0).level(3, 0, 5, 4, 0).level(2, 0, 3, 1.5F, 0).level(2, 2.5F, 3, 4, 0);
+  made.level(0, 0, 5, 4, 2.6F);
+  const FloorPolygons f = polygons_of(made.mesh);
+  // Nothing is there to touch: a body's middle may be up to its radius from the hole's rim, as
+  // Recast keeps that much from every rim.
+  EXPECT_NEAR(area_of(f), 4.8 * 3.8 - 1.2 * 1.2, 22 * 0.02);
+}
+
+TEST(FloorPolygons, LargeFloorsHaveLargerCells) {
+  const FloorPolygons f = polygons_of(Maker().room(0, 0, 90, 80).mesh);
+  EXPECT_GT(f.cell, PolygonOptions().floor.cell);
+  EXPECT_NEAR(area_of(f), 89.8 * 79.8, 340 * f.cell);
+}
+
+TEST(FloorPolygons, LieInTheBoxThatIsAskedFor) {
+  PolygonOptions options;
+  options.floor.within = Box{{0, 0, -1}, {2, 4, 3}};
+  const FloorPolygons f = polygons_of(Maker().room(0, 0, 5, 4).mesh, options);
+  for (std::size_t c = 0; c < f.corners.size(); ++c) EXPECT_LE(place(f, c).x, 2.1);
+  options.floor.within = Box{{50, 50, -1}, {52, 54, 3}};
+  EXPECT_THROW(polygons_of(Maker().room(0, 0, 5, 4).mesh, options), InvalidInput);
+}
+
 TEST(FloorPolygons, OptionsOutOfRangeAreNamed) {
   const auto message = [](const PolygonOptions& options) -> std::string {
     try {

@@ -287,7 +287,7 @@ const Arrows& direct_arrows() {
       {"models", {"features", "tasks"}},
       {"neural", {"agents", "dataset", "models"}},
       {"report", {"dataset", "draw", "models"}},
-      {"exports", {"dataset", "features", "capture"}},
+      {"exports", {"dataset", "features", "capture", "agents"}},
       {"service", {"dataset", "draw", "homes"}},
   };
   return kArrows;

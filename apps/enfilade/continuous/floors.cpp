@@ -21,24 +21,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A mesh file, and which axis of it points up unless the user says.
-struct Found {
-  fs::path file;
-  std::string up;
-};
-
-std::optional<Found> in_folder(const fs::path& folder, const std::string& scan,
-                               const std::string& glb_up) {
+std::optional<MeshFile> in_folder(const fs::path& folder, const std::string& scan,
+                                  const std::string& glb_up) {
   for (const char* suffix : {".glb", ".gltf", ".obj", ".ply"}) {
     for (const fs::path& file : {folder / (scan + suffix), folder / scan / (scan + suffix)}) {
-      if (file_exists(file)) return Found{file, suffix[1] == 'g' ? glb_up : "format"};
+      if (file_exists(file)) return MeshFile{file, suffix[1] == 'g' ? glb_up : "format"};
     }
   }
   return std::nullopt;
 }
 
 // Matterport3D's own OBJ has a name of its own in a folder of that name.
-std::optional<Found> of_matterport(const fs::path& data, const std::string& scan) {
+std::optional<MeshFile> of_matterport(const fs::path& data, const std::string& scan) {
   for (const char* scans : {"v1/scans", "scans", "data/v1/scans"}) {
     const fs::path folder = data / scans / scan / "matterport_mesh";
     std::error_code none;
@@ -46,20 +40,9 @@ std::optional<Found> of_matterport(const fs::path& data, const std::string& scan
     for (const auto& entry : fs::recursive_directory_iterator(folder, none)) {
       if (entry.path().extension() == ".obj") files.push_back(entry.path());
     }
-    if (!files.empty()) return Found{*std::ranges::min_element(files), "format"};
+    if (!files.empty()) return MeshFile{*std::ranges::min_element(files), "format"};
   }
   return std::nullopt;
-}
-
-std::optional<Found> find_mesh(const fs::path& data, const MeshSource& source,
-                               const std::string& scan) {
-  if (!source.folder.empty()) return in_folder(source.folder, scan, "format");
-  // Habitat's copies of Matterport3D keep z up, against glTF's convention.
-  for (const char* folder : {"mp3d", "scene_datasets/mp3d", "data/scene_datasets/mp3d"}) {
-    if (auto found = in_folder(data / folder, scan, "z")) return found;
-  }
-  if (auto found = of_matterport(data, scan)) return found;
-  return in_folder(data / "meshes", scan, "format");
 }
 
 // Around the viewpoints: what lies farther cannot be part of an episode.
@@ -73,7 +56,7 @@ mesh::Box around(const graph::NavGraph& graph) {
   return {box.low - Vec3f{kAside, kAside, kBelow}, box.high + Vec3f{kAside, kAside, kAbove}};
 }
 
-mesh::FloorPolygons floor_of_file(const Found& found, const std::string& up,
+mesh::FloorPolygons floor_of_file(const MeshFile& found, const std::string& up,
                                   const graph::NavGraph& graph, const mesh::Body& body) {
   MeshOptions options;
   options.file = found.file.string();
@@ -126,8 +109,8 @@ class Maker {
     const fs::path file = folder_ / continuous::navigation_mesh_name(scan);
     if (is_there(file)) return count(report_.kept);
     const auto home = homes_.find(scan);
-    const auto found =
-        home == homes_.end() ? find_mesh(data_.folder(), source_, scan) : std::optional<Found>();
+    const auto found = home == homes_.end() ? find_mesh_file(data_.folder(), source_, scan)
+                                            : std::optional<MeshFile>();
     if (home == homes_.end() && !found) {
       const std::lock_guard lock(mutex_);
       report_.without_mesh.push_back(scan);
@@ -174,6 +157,17 @@ class Maker {
 };
 
 }  // namespace
+
+std::optional<MeshFile> find_mesh_file(const fs::path& data, const MeshSource& source,
+                                       const std::string& scan) {
+  if (!source.folder.empty()) return in_folder(source.folder, scan, "format");
+  // Habitat's copies of Matterport3D keep z up, against glTF's convention.
+  for (const char* folder : {"mp3d", "scene_datasets/mp3d", "data/scene_datasets/mp3d"}) {
+    if (auto found = in_folder(data / folder, scan, "z")) return found;
+  }
+  if (auto found = of_matterport(data, scan)) return found;
+  return in_folder(data / "meshes", scan, "format");
+}
 
 FloorsReport make_floors(const dataset::Dataset& data, const agents::ContinuousBenchmark& benchmark,
                          const MeshSource& source, int threads) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,15 @@ struct MeshSource {
   std::string folder;         ///< of `<scan>.glb`, ...; empty: the data set's own places
   std::string up = "format";  ///< as of `scan-mesh`
 };
+
+/// A mesh file, and which axis of it points up unless the user says.
+struct MeshFile {
+  std::filesystem::path file;
+  std::string up;
+};
+/// The mesh of a scan in that folder or, without one, in the data set's own places.
+std::optional<MeshFile> find_mesh_file(const std::filesystem::path& data, const MeshSource& source,
+                                       const std::string& scan);
 
 /// What happened to the buildings of a data set.
 struct FloorsReport {

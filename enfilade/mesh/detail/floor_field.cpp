@@ -105,7 +105,9 @@ double fitting_cell(const Mesh& mesh, const WalkableOptions& options) {
            (std::ceil((high.y - low.y) / cell) + 2 * kMargin + 1);
   };
   double cell = options.cell;
-  while (columns(cell) > kMostColumns && cell < 1) cell *= 1.25;
+  // Storeys, furniture and roofs make several places to stand in a column.
+  constexpr double kPlaces = 5;
+  while (columns(cell) > kMostColumns / kPlaces && cell < 1) cell *= 1.25;
   return cell;
 }
 

@@ -1,0 +1,40 @@
+#include "apps/enfilade/continuous/scenes.h"
+
+#include <fmt/format.h>
+
+#include "enfilade/core/file.h"
+#include "enfilade/homes/built_home.h"
+#include "enfilade/homes/home_set.h"
+
+namespace enfilade::apps {
+namespace {
+
+std::shared_ptr<const continuous::Scene> scene_of_home(const homes::PlanOptions& plan,
+                                                       int threads) {
+  const homes::BuiltHome built = homes::build_home(plan);
+  const mesh::LitMesh light(built.tracer, built.home.lights,
+                            {.detail = 0.5F, .rays = 48, .threads = threads});
+  return continuous::Scene::lit(built.tracer, light, {.threads = threads});
+}
+
+}  // namespace
+
+std::shared_ptr<const continuous::Scene> scene_of_scan(const dataset::Dataset& data,
+                                                       const MeshSource& source,
+                                                       const std::string& scan, int threads) {
+  if (source.folder.empty() && file_exists(data.folder() / "homes.json")) {
+    for (const homes::HomeEntry& home : homes::read_home_list(data.folder())) {
+      if (home.scan == scan) return scene_of_home(home.plan, threads);
+    }
+  }
+  const auto found = find_mesh_file(data.folder(), source, scan);
+  if (!found) {
+    throw UsageError(fmt::format("no mesh of scan {} to draw; give --meshes DIR", scan));
+  }
+  mesh::ReadOptions options;
+  const std::string& up = source.up == "format" ? found->up : source.up;
+  options.up = up == "y" ? mesh::UpAxis::kY : up == "z" ? mesh::UpAxis::kZ : mesh::UpAxis::kFormat;
+  return continuous::Scene::open(found->file, options);
+}
+
+}  // namespace enfilade::apps

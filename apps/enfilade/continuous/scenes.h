@@ -1,0 +1,17 @@
+/// \file  What the buildings of a data set look like from any place.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "apps/enfilade/continuous/floors.h"
+#include "enfilade/continuous/scene.h"
+
+namespace enfilade::apps {
+
+/// Of a model home, made again with its textures and fine light; or of the scan's mesh file, as it
+/// was photographed or lit. \throws UsageError for a scan without a mesh; as Scene::open()
+std::shared_ptr<const continuous::Scene> scene_of_scan(const dataset::Dataset& data,
+                                                       const MeshSource& source,
+                                                       const std::string& scan, int threads);
+
+}  // namespace enfilade::apps
