@@ -137,6 +137,7 @@ Vec3f Painter::mirrored(const Surface& surface, const Paint& paint, Vec3f from, 
 }
 
 void Painter::find_directions(std::uint32_t tile_x, std::uint32_t tile_y, Directions& out) const {
+  if (pixels_.lattice != nullptr) return find_directions(*pixels_.lattice, tile_x, tile_y, out);
   for (std::uint32_t k = 0; k < kTilePixels; ++k) {
     const std::uint32_t column = std::min(tile_x * kTile + k % kTile, pixels_.width() - 1);
     const std::uint32_t row = std::min(tile_y * kTile + k / kTile, pixels_.height() - 1);
@@ -144,6 +145,22 @@ void Painter::find_directions(std::uint32_t tile_x, std::uint32_t tile_y, Direct
     out.x[k] = towards.x;
     out.y[k] = towards.y;
     out.z[k] = towards.z;
+  }
+}
+
+// As Pixels::towards(), with the products of rows and columns taken once.
+void Painter::find_directions(const Lattice& lattice, std::uint32_t tile_x, std::uint32_t tile_y,
+                              Directions& out) const {
+  std::array<Vec3f, kTile> across;
+  for (std::uint32_t i = 0; i < kTile; ++i) across[i] = lattice.x[tile_x * kTile + i] * eye_.right;
+  for (std::uint32_t k = 0, row = tile_y * kTile; k < kTilePixels; ++row) {
+    const Vec3f down = lattice.y[row] * eye_.down;
+    for (std::uint32_t i = 0; i < kTile; ++i, ++k) {
+      const Vec3f towards = across[i] + down + eye_.forward;
+      out.x[k] = towards.x;
+      out.y[k] = towards.y;
+      out.z[k] = towards.z;
+    }
   }
 }
 
@@ -190,22 +207,25 @@ void Painter::colour_tiles(const Frame& frame, std::uint32_t tile_y,
 void Painter::paint_depth(const Frame& frame, std::uint32_t row, const render::DepthOutput& output,
                           std::size_t first) const {
   const bool along_ray = pixels_.lattice != nullptr && output.measure == render::DepthMeasure::kRay;
-  const auto metres = [&](std::uint32_t column) {
-    const std::size_t place = frame.pixel_place(column, row);
-    if (frame.triangle[place] < 0) return 0.0F;
-    const float distance = 1 / frame.nearness[place];
-    return along_ray ? distance * length(pixels_.towards(eye_, column, row)) : distance;
+  const auto each = [&](const auto& put) {
+    for (std::uint32_t j0 = 0; j0 < pixels_.width(); j0 += kTile) {
+      const std::size_t place = frame.pixel_place(j0, row);
+      const std::uint32_t columns = std::min(kTile, pixels_.width() - j0);
+      for (std::uint32_t i = 0; i < columns; ++i) {
+        float metres = frame.triangle[place + i] < 0 ? 0.0F : 1 / frame.nearness[place + i];
+        if (along_ray) metres = metres * length(pixels_.towards(eye_, j0 + i, row));
+        put(j0 + i, metres);
+      }
+    }
   };
   if (output.format == render::DepthFormat::kMetresFloat32) {
-    float* out = values_at<float>(output.pixels, first);
-    for (std::uint32_t j = 0; j < pixels_.width(); ++j) out[j] = metres(j);
-    return;
+    float* const out = values_at<float>(output.pixels, first);
+    return each([out](std::uint32_t j, float metres) { out[j] = metres; });
   }
-  auto* out = values_at<std::uint16_t>(output.pixels, first);
-  for (std::uint32_t j = 0; j < pixels_.width(); ++j) {
-    const float m = metres(j);
-    out[j] = m > 0 ? image::depth_units(m) : std::uint16_t{0};
-  }
+  auto* const out = values_at<std::uint16_t>(output.pixels, first);
+  each([out](std::uint32_t j, float metres) {
+    out[j] = metres > 0 ? image::depth_units(metres) : std::uint16_t{0};
+  });
 }
 
 void Painter::paint(const Frame& frame, TileRows rows, const render::Outputs& outputs,

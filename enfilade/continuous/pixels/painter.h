@@ -85,6 +85,8 @@ class Painter {
   Vec3f mirrored(const Surface& surface, const Paint& paint, Vec3f from, Vec3f towards,
                  Vec3f light) const;
   void find_directions(std::uint32_t tile_x, std::uint32_t tile_y, Directions& out) const;
+  void find_directions(const Lattice& lattice, std::uint32_t tile_x, std::uint32_t tile_y,
+                       Directions& out) const;
   void colour(const TileColours& tile, std::array<std::uint32_t, kTilePixels>& rgba) const;
   void colour_tiles(const Frame& frame, std::uint32_t tile_y,
                     std::vector<std::uint32_t>& lines) const;
