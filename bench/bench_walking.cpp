@@ -108,7 +108,7 @@ BENCHMARK(distance_field)->Unit(benchmark::kMicrosecond);
 // From its file to the first shortest way.
 void open_building(benchmark::State& state) {
   const tests::TemporaryFolder folder("bench-walking");
-  save_navigation_mesh(floor(), folder.path() / "home.navmesh");
+  continuous::save_navigation_mesh(floor(), folder.path() / "home.navmesh");
   for (auto _ : state) {
     const continuous::Buildings opened(folder.path());
     benchmark::DoNotOptimize(opened.ways(0).bends());

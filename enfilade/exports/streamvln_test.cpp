@@ -35,7 +35,7 @@ struct World {
       e.id = e.trajectory_id = id;
       e.scene = "mp3d/room/room.glb";
       e.start = {1, 1, 0};
-      e.rotation = tasks::StartRotation::of(degrees(id));
+      e.rotation = tasks::StartRotation::of(degrees(static_cast<double>(id)));
       e.goals = {{{5, 1, 0}, 3}};
       e.instruction.text = "Walk around the wall.";
       e.reference_path = {{1, 1, 0}, {2.7, 3.2, 0}, {5, 1, 0}};
