@@ -22,6 +22,7 @@ class MeshFloor final : public tasks::EpisodeFloor {
   /// Habitat's nodes lie up to 1.6 m beside their viewpoints.
   static constexpr continuous::Reach kReach{1.6F, 0.8F};
 
+  /// \throws ArgumentError if `buildings` is null
   explicit MeshFloor(std::shared_ptr<const continuous::Buildings> buildings,
                      const DetourLimit& limit = {});
 

@@ -35,6 +35,7 @@ class Buildings {
 
   std::size_t size() const noexcept;
   const std::string& scan(std::size_t building) const;  ///< \pre building < size()
+  /// The place of a scan's building; no value: it has none here.
   std::optional<std::size_t> find(std::string_view scan) const noexcept;
   /// find(), or \throws LookupError naming the scan and what there is
   std::size_t at(std::string_view scan) const;

@@ -17,6 +17,7 @@ namespace enfilade::continuous {
 
 /// What a body can do in one step. The first four have VLN-CE's numbers.
 enum class Action : std::uint8_t { kStop, kForward, kLeft, kRight, kLookUp, kLookDown };
+/// How many there are.
 inline constexpr std::size_t kActions = 6;
 std::string_view to_string(Action action) noexcept;  ///< "stop", "forward", "left", ...
 
