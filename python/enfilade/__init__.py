@@ -85,7 +85,7 @@ _LATER = {
     "write_small_dataset": "synth",
 }
 
-_MODULES = ("agents", "camera", "features", "goals", "habitat")
+_MODULES = ("agents", "camera", "eyes", "features", "goals", "habitat")
 
 __all__ = [
     "ArgumentError",

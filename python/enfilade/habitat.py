@@ -153,6 +153,11 @@ class Config:
         task: "r2r-ce" or "rxr-ce". split: of its episodes. episodes_file: this file instead.
         max_episode_steps: actions after which an episode is over.
         simulator: options of ContinuousSimulator that differ from the task's.
+        sensors: any of "rgb" (h, w, 3) uint8 and "depth" (h, w, 1) float32, 0 to 1 for 0 to max_depth
+            metres: pictures in the observations. sizes: their widths and heights by name.
+        hfov: their horizontal field of view, degrees.
+        eyes: options of enfilade.eyes.Eyes: {"meshes": "mp3d", "up": "z"}; without "meshes" the data are
+            model homes.
     """
 
     data: Union[str, os.PathLike[str]]
@@ -161,6 +166,11 @@ class Config:
     episodes_file: Optional[str] = None
     max_episode_steps: int = 500
     simulator: dict[str, Any] = field(default_factory=dict)
+    sensors: tuple[str, ...] = ()
+    sizes: dict[str, tuple[int, int]] = field(default_factory=dict)
+    hfov: float = 90
+    max_depth: float = 10
+    eyes: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -308,6 +318,7 @@ class Env:
         self._current: Optional[Episode] = None
         self._forced = False
         self._over = True
+        self._eyes = _eyes_of(config)
         self._walk: list[NDArray[np.float32]] = []
         self._did: list[int] = []
         self._collided: list[bool] = []
@@ -439,7 +450,32 @@ class Env:
             },
             "position": state.position,
             "heading": np.array([math.remainder(turn, 2 * math.pi)], np.float32),
+            **self._pictures(),
         }
+
+    def _pictures(self) -> dict[str, NDArray[Any]]:
+        seen: dict[str, NDArray[Any]] = {}
+        for sensor in self._config.sensors:
+            width, height = self._config.sizes.get(sensor, (224, 224) if sensor == "rgb" else (256, 256))
+            vfov = 2 * math.atan(math.tan(math.radians(self._config.hfov) / 2) * height / width)
+            drawn: NDArray[Any] = self._eyes.render_agents(
+                self._native, layers=(sensor,), size=(width, height), vfov=vfov
+            )[sensor][0]
+            if sensor == "depth":
+                drawn = np.clip(drawn[..., None] / np.float32(self._config.max_depth), 0, 1)
+            seen[sensor] = drawn
+        return seen
+
+
+def _eyes_of(config: Config) -> Any:
+    for sensor in config.sensors:
+        if sensor not in ("rgb", "depth"):
+            raise ArgumentError(f"sensors '{sensor}': any of rgb, depth are wanted")
+    if not config.sensors:
+        return None
+    from enfilade.eyes import Eyes  # loads a ray tracer
+
+    return Eyes(None if "meshes" in config.eyes else config.data, **config.eyes)
 
 
 def _episode(index: int, own: _Episode) -> Episode:

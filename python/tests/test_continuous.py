@@ -247,6 +247,83 @@ def test_wrong_calls_of_the_simulator_are_named(free: Path, one: enfilade.Contin
         ContinuousSimulator(navigation=damaged).areas(0)
 
 
+# --- pictures ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def boxes(free: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Meshes of the homes' names that are all the same: a box of 100 x 100 x 50 m around them."""
+    folder = tmp_path_factory.mktemp("boxes")
+    corners = [(x, y, z) for z in (-5, 45) for y in (-50, 50) for x in (-50, 50)]
+    faces = ["1 2 4 3", "5 6 8 7", "1 2 6 5", "3 4 8 7", "1 3 7 5", "2 4 8 6"]
+    text = "".join("v {} {} {}\n".format(*c) for c in corners) + "".join(f"f {f}\n" for f in faces)
+    for scan in ContinuousSimulator(free).scans:
+        (folder / f"{scan}.obj").write_text(text)
+    return folder
+
+
+def test_depth_is_that_of_the_mesh(free: Path, boxes: Path, one: enfilade.ContinuousEpisode) -> None:
+    from enfilade.eyes import Eyes
+
+    eyes = Eyes(meshes=boxes)
+    scan = one.scan
+    seen = eyes.render(
+        [scan] * 3, [(0, 0, 20)] * 3, [0, math.pi / 2, 0], [0, 0, -math.pi / 2],
+        layers=("depth", "rgb", "class", "instance"), size={"rgb": (64, 32)},
+    )  # fmt: skip
+    assert seen["rgb"].shape == (3, 32, 64, 3) and seen["rgb"].dtype == np.uint8
+    assert seen["depth"].shape == (3, 256, 256) and seen["class"].dtype == np.uint16
+    assert np.abs(seen["depth"][:2, 100:156] - 50).max() < 1e-3
+    assert np.abs(seen["depth"][2, 100:156, 100:156] - 25).max() < 1e-3
+    sim = ContinuousSimulator(free, batch_size=2)
+    start(sim, one, continuous_episodes(free, "r2r-ce", "val_unseen")[0])
+    assert sim.state.building[0] != sim.state.building[1]
+    walked = eyes.render_agents(sim)
+    for k in range(2):  # a batch of two buildings is what each gives alone
+        x, y, z = sim.state.position[k]
+        alone = eyes.render(
+            [sim.scans[sim.state.building[k]]], [(x, y, float(z) + 1.25)], sim.state.heading[k]
+        )
+        assert np.allclose(alone["depth"][0], walked["depth"][k], atol=1e-4)
+        assert np.abs(alone["rgb"][0].astype(int) - walked["rgb"][k]).max() <= 1
+    by_file = Eyes(meshes={scan: boxes / f"{scan}.obj"}, threads=1)
+    again = by_file.render([scan], [(0, 0, 20)], layers=("depth",))
+    assert np.array_equal(again["depth"][0], seen["depth"][0])
+    for wrong, what in (
+        ({"layers": ("smell",)}, "any of rgb"),
+        ({"size": (0, 4)}, "at least 1 x 1"),
+        ({"vfov": 4.0}, "field_of_view|field of view"),
+    ):
+        with pytest.raises(enfilade.ArgumentError, match=what):
+            eyes.render([scan], [(0, 0, 20)], **wrong)
+    with pytest.raises(enfilade.ArgumentError, match="1 names"):
+        eyes.render(scan, [(0, 0, 20)])
+    with pytest.raises(enfilade.UnknownNameError, match="nowhere"):
+        eyes.open("nowhere")
+    with pytest.raises(enfilade.FileError, match="none"):
+        Eyes(meshes=boxes / "none")
+    (boxes / "broken.obj").write_text("v 0 0\n")
+    with pytest.raises(enfilade.InvalidInput, match="broken.obj"):
+        Eyes(meshes=boxes).open("broken")
+
+
+def test_homes_have_light_that_is_kept(free: Path, tmp_path: Path, one: enfilade.ContinuousEpisode) -> None:
+    """The light of a home takes half a minute of a core."""
+    from enfilade.eyes import Eyes
+
+    x, y, z = one.start
+    eyes = Eyes(free, light=tmp_path, light_spacing=0.2)
+    layers = ("rgb", "depth", "class", "instance")
+    down = eyes.render([one.scan], [(x, y, z + 1.25)], 0, -math.pi / 2, layers=layers)
+    assert abs(down["depth"][0, 128, 128] - 1.25) < 0.1  # the floor, or a rug
+    assert down["rgb"].std() > 1 and down["class"].any()
+    assert (tmp_path / f"{one.scan}.light").exists()
+    again = Eyes(free, light=tmp_path).render([one.scan], [(x, y, z + 1.25)], 0, -math.pi / 2, layers=layers)
+    assert all(np.array_equal(down[layer], again[layer]) for layer in layers)
+    with pytest.raises(enfilade.UnknownNameError, match="nowhere"):
+        eyes.open("nowhere")
+
+
 # --- Habitat's interface --------------------------------------------------------------------------
 
 
@@ -356,6 +433,21 @@ def test_a_body_can_be_put_elsewhere(free: Path) -> None:
         assert math.isclose(spoken.sim.native.state.elevation[0], -math.radians(30))
 
 
+def test_sensors_are_in_the_observations(free: Path, boxes: Path) -> None:
+    config = habitat.Config(free, split="train", sensors=("rgb", "depth"), eyes={"meshes": boxes},
+                            sizes={"rgb": (40, 30)}, max_depth=100)  # fmt: skip
+    env = habitat.Env(config)
+    seen = env.reset()
+    assert seen["rgb"].shape == (30, 40, 3) and seen["depth"].shape == (256, 256, 1)
+    assert 0.05 < seen["depth"].min() < seen["depth"].max() <= 1
+    turned = env.step("TURN_LEFT")
+    assert not np.array_equal(turned["depth"], seen["depth"])
+    near = habitat.Env(habitat.Config(free, split="train", sensors=("depth",), eyes={"meshes": boxes}))
+    assert (near.reset()["depth"] == 1).mean() > 0.5  # 10 m are the most
+    with pytest.raises(enfilade.ArgumentError, match="rgb, depth"):
+        habitat.Env(habitat.Config(free, sensors=("lidar",)))
+
+
 # --- Gymnasium ------------------------------------------------------------------------------------
 
 
@@ -370,7 +462,7 @@ def equal(a: Any, b: Any) -> bool:
 @pytest.mark.parametrize(
     "name", ["Enfilade/ContinuousRoomToRoom-v0", "Enfilade/ContinuousRoomAcrossRoom-v0"]
 )
-def test_the_environments_pass_gymnasiums_checker(free: Path, name: str) -> None:
+def test_the_environments_pass_gymnasiums_checker(free: Path, boxes: Path, name: str) -> None:
     gymnasium = pytest.importorskip("gymnasium", minversion="1.0")
     from enfilade.gym import ContinuousEnvConfig
     from gymnasium.utils.env_checker import check_env
@@ -382,18 +474,26 @@ def test_the_environments_pass_gymnasiums_checker(free: Path, name: str) -> None
     env.reset(seed=1)
     assert "heading" in env.render()
     assert env.action_space.n == (4 if "ToRoom" in name else 6)
+    size = {"rgb": (24, 16), "depth": (16, 16)}
+    looking = ContinuousEnvConfig(free, observe=("rgb", "depth"), sizes=size, eyes={"meshes": boxes})
+    sees = gymnasium.make(name, config=looking, render_mode="rgb_array")
+    check_env(sees.unwrapped, skip_render_check=True)
+    assert sees.reset(seed=1)[0]["depth"].shape == (16, 16) and sees.render().shape == (16, 24, 3)
+    with pytest.raises(enfilade.ArgumentError, match="any of rgb"):
+        ContinuousEnvConfig(free, observe=("smell",))
     again = pickle.loads(pickle.dumps(env.unwrapped))
     assert equal(again.reset(seed=4)[0], env.unwrapped.reset(seed=4)[0])
 
 
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
-def test_the_vector_environment_does_what_single_ones_do(free: Path, mode: str) -> None:
+def test_the_vector_environment_does_what_single_ones_do(free: Path, boxes: Path, mode: str) -> None:
     pytest.importorskip("gymnasium", minversion="1.0")
     from enfilade.gym import ContinuousEnvConfig, ContinuousRoomToRoomEnv, ContinuousRoomToRoomVectorEnv
     from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
     n, kind = 4, AutoresetMode(mode)
-    config = ContinuousEnvConfig(free, max_steps=12)
+    pictures = {"observe": ("depth",), "sizes": {"depth": (12, 8)}, "eyes": {"meshes": boxes, "threads": 1}}
+    config = ContinuousEnvConfig(free, max_steps=12, **(pictures if kind == AutoresetMode.SAME_STEP else {}))
     ours = ContinuousRoomToRoomVectorEnv(config, n, autoreset_mode=kind)
     theirs = SyncVectorEnv([lambda: ContinuousRoomToRoomEnv(config)] * n, autoreset_mode=kind)
     assert ours.observation_space == theirs.observation_space

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -13,16 +14,23 @@ from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from enfilade._arguments import whole
-from enfilade._continuous import TASKS, EpisodeStatus, continuous_episodes
+from enfilade._continuous import TASKS, ContinuousSimulator, EpisodeStatus, continuous_episodes
 from enfilade._core import FloorSet, FreeEnvironment
 from enfilade._errors import ArgumentError
-from enfilade.gym._config import REWARDS, Transition
+from enfilade.gym._config import LAYERS, REWARDS, Transition
 
 PI = np.float32(np.pi)  # above pi, as a rounded angle may be
 MOST_METRES = 10000  # the spaces' bound of coordinates, larger than any building's
 SUCCESS_METRES = 3.0  # a stop nearer than this, as VLN-CE counts
 EXPERTS = ("reference", "shortest")
-RENDER_MODES = ["ansi"]
+RENDER_MODES = ["rgb_array", "ansi"]
+# What a picture is made of, and above all of its values.
+_PICTURES: dict[str, tuple[Any, float]] = {
+    "rgb": (np.uint8, 255),
+    "depth": (np.float32, MOST_METRES),
+    "class": (np.uint16, 2**16 - 1),
+    "instance": (np.uint32, 2**32 - 1),
+}
 
 
 @dataclass(frozen=True)
@@ -40,6 +48,10 @@ class ContinuousEnvConfig:
         text: whether observations have the instruction's text, which not every library takes.
         simulator: options of ContinuousSimulator that differ from the task's: {"slide": False}.
         seed: of the episodes, until reset(seed=...) gives another.
+        observe: any of "rgb", "depth" (metres), "class", "instance": pictures (enfilade.eyes).
+        sizes: their widths and heights by name; those of VLN-CE where there is none.
+        vfov: their vertical field of view, radians.
+        eyes: options of enfilade.eyes.Eyes: {"meshes": "glb"}; without "meshes" the data are model homes.
     """
 
     data: Union[str, os.PathLike[str]]
@@ -50,6 +62,10 @@ class ContinuousEnvConfig:
     text: bool = True
     simulator: dict[str, Any] = field(default_factory=dict)
     seed: int = 1
+    observe: tuple[str, ...] = ()
+    sizes: dict[str, tuple[int, int]] = field(default_factory=dict)
+    vfov: float = math.pi / 2
+    eyes: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.task not in TASKS:
@@ -61,6 +77,11 @@ class ContinuousEnvConfig:
         if whole("max_steps", self.max_steps) < 1:
             raise ArgumentError("max_steps 0: at least 1 is wanted")
         whole("seed", self.seed, 2**64 - 1)
+        if isinstance(self.observe, str):
+            raise ArgumentError(f"observe '{self.observe}': a tuple is wanted: ('{self.observe}',)")
+        for layer in self.observe:
+            if layer not in LAYERS:
+                raise ArgumentError(f"observe '{layer}': any of {', '.join(LAYERS)} are wanted")
 
 
 class ContinuousBatch:
@@ -81,8 +102,36 @@ class ContinuousBatch:
         self._texts = self.episodes._core.texts
         self._rngs = [np.random.default_rng(config.seed + k) for k in range(n)]
         self._begun = False
+        self._eyes: Any = None
+        self._floors = floors
+        self._eye_height = ContinuousSimulator(
+            navigation=Path(config.data, "navmesh", config.task), task=config.task, **config.simulator
+        ).config["eye_height"]
+        if config.observe:
+            self.eyes()
         self.single_observation_space = self._observation_space()
         self.single_action_space = spaces.Discrete(4 if config.task == "r2r-ce" else 6)
+
+    def eyes(self) -> Any:
+        """Made at their first use, as they load a ray tracer."""
+        if self._eyes is None:
+            from enfilade.eyes import Eyes
+
+            data = None if "meshes" in self.config.eyes else self.config.data
+            self._eyes = Eyes(data, **self.config.eyes)
+        return self._eyes
+
+    def pictures(self, layers: Sequence[str], agents: NDArray[np.intp]) -> dict[str, NDArray[Any]]:
+        """What these agents see."""
+        names = self._floors.scans
+        scans = [names[building] for building in self.arrays["building"][agents]]
+        at = self.arrays["position"][agents].astype(np.float64)
+        at[:, 2] += self._eye_height
+        heading, elevation = self.arrays["heading"][agents], self.arrays["elevation"][agents]
+        drawn: dict[str, NDArray[Any]] = self.eyes().render(
+            scans, at, heading, elevation, layers=layers, size=self.config.sizes, vfov=self.config.vfov
+        )
+        return drawn
 
     def _observation_space(self) -> spaces.Dict:
         space: dict[str, spaces.Space[Any]] = {
@@ -98,6 +147,13 @@ class ContinuousBatch:
                 min_length=0,
                 charset=frozenset("".join(self._texts)) or frozenset(" "),
             )
+        for layer in self.config.observe:
+            from enfilade.eyes import SIZES
+
+            width, height = self.config.sizes.get(layer, SIZES[layer])
+            kind, high = _PICTURES[layer]
+            shape = (height, width, 3) if layer == "rgb" else (height, width)
+            space[layer] = spaces.Box(0, high, shape, kind)
         return spaces.Dict(space)
 
     def seed(self, seeds: Sequence[Optional[int]]) -> None:
@@ -219,6 +275,17 @@ class ContinuousBatch:
 
     def observe(self) -> dict[str, Any]:
         """Copies by name, shape (n, ...), and a tuple of n texts."""
+        drawn = self.pictures(self.config.observe, np.arange(self.n)) if self.config.observe else {}
+        return {**self._numbers(), **drawn}
+
+    def observe_again(self, seen: dict[str, Any], agents: NDArray[np.intp]) -> None:
+        """Updates an observation where only these agents have been reset since."""
+        seen.update(self._numbers())
+        if self.config.observe:
+            for name, redrawn in self.pictures(self.config.observe, agents).items():
+                seen[name][agents] = redrawn
+
+    def _numbers(self) -> dict[str, Any]:
         pose = np.empty((self.n, 2), np.float32)
         pose[:, 0] = self.arrays["heading"]
         pose[:, 1] = self.arrays["elevation"]
@@ -231,12 +298,14 @@ class ContinuousBatch:
             seen["instruction"] = tuple(self._texts[e] for e in self.arrays["episode"])
         return seen
 
-    def describe(self, mode: Optional[str]) -> Optional[list[str]]:
-        """Where each agent is, in words: render_mode "ansi"; None for no mode."""
+    def describe(self, mode: Optional[str]) -> Optional[list[Any]]:
+        """The result of a render mode for each agent; None for no mode."""
         if mode is None:
             return None
         if not self._begun:
             raise ArgumentError("render(): reset() has to come first")
+        if mode == "rgb_array":
+            return list(self.pictures(("rgb",), np.arange(self.n))["rgb"])
         return [self._describe(agent) for agent in range(self.n)]
 
     def _describe(self, agent: int) -> str:

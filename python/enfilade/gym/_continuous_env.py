@@ -28,7 +28,7 @@ class ContinuousRoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
     Actions: 0 stop, 1 forward, 2 left, 3 right; of RxR-CE also 4 look up, 5 look down. Observations, a
     Dict: instruction: text, unless the config has text=False. position: (3,) of the feet, metres, world
     frame (z up). pose: heading (clockwise from +y) and elevation of the camera, radians. collided: (1,)
-    whether a wall cut the last step short.
+    whether a wall cut the last step short. rgb, depth, class, instance: where the config wants them.
 
     reset(options={"episode": e}) takes an index or an episode's id instead of drawing one. info:
     episode_id, scan, distance (metres to the goal by the shortest way; NaN if it is hidden); at an
@@ -90,8 +90,8 @@ class ContinuousRoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
         """VLN-CE's measures of the walk so far. Raises ArgumentError for a goal that is hidden."""
         return self._batch.metrics(0)
 
-    def render(self) -> Optional[str]:
-        """ansi: where it is, in words."""
+    def render(self) -> Union[None, NDArray[np.uint8], str]:
+        """rgb_array: (height, width, 3) uint8, what the agent sees. ansi: where it is, in words."""
         seen = self._batch.describe(self.render_mode)
         return None if seen is None else seen[0]
 
@@ -118,7 +118,7 @@ class ContinuousRoomToRoomVectorEnv(
         num_envs: n.
         autoreset_mode: Gymnasium's NEXT_STEP, SAME_STEP (final_obs and final_info in the info) or
             DISABLED (reset(options={"reset_mask": flags})).
-        render_mode: "ansi"; render() gives n of them.
+        render_mode: "rgb_array" or "ansi"; render() gives n of them.
 
     info: distance (metres to the goal), episode_index (into `episodes`), and at an episode's end VLN-CE's
     measures, each with its mask `_name` as Gymnasium has it. Pickled or copied, it is a new one of the
@@ -189,7 +189,6 @@ class ContinuousRoomToRoomVectorEnv(
             final = self._final_metrics(self._ended)
             if self.autoreset_mode == AutoresetMode.SAME_STEP:
                 info = self._reset_ended(self._ended, seen, {**info, **final})
-                seen = batch.observe()
             else:
                 info.update(final)
         return seen, rewards, terminated, truncated, info
@@ -250,12 +249,14 @@ class ContinuousRoomToRoomVectorEnv(
         self, ended: Flags, seen: Observation, final_info: dict[str, Any]
     ) -> dict[str, Any]:
         final = np.full(self.num_envs, None, object)
-        for agent in np.flatnonzero(ended):
+        agents = np.flatnonzero(ended)
+        for agent in agents:
             final[agent] = {name: copy(value[agent]) for name, value in seen.items()}
         for name in final_info:
             if name.startswith("_"):
                 final_info[name] = final_info[name] & ended
         self._batch.reset(ended)
+        self._batch.observe_again(seen, agents)
         self._ended = np.zeros(self.num_envs, bool)
         return {
             **self._info(self._all),

@@ -1,0 +1,188 @@
+"""What bodies see that walk freely: pictures of meshes from any place, drawn on the CPU.
+
+>>> eyes = enfilade.eyes.Eyes("homes")                         # or Eyes(meshes="glb"): glb/SCAN.glb, ...
+>>> seen = eyes.render_agents(sim)                             # of a ContinuousSimulator
+>>> seen["rgb"].shape, seen["depth"].shape                     # (n, 224, 224, 3), (n, 256, 256)
+
+Importing this loads a ray tracer.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import Any, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from enfilade import _eyes
+from enfilade._arguments import whole
+from enfilade._continuous import ContinuousSimulator, PathLike, _data_folder, _points, _row
+from enfilade._errors import ArgumentError, FileError, UnknownNameError
+
+__all__ = ["LAYERS", "SIZES", "Eyes"]
+
+LAYERS = ("rgb", "depth", "class", "instance")
+"""What can be drawn: (n, h, w, 3) uint8; (n, h, w) float32 metres along the optical axis, 0: nothing is
+there; (n, h, w) uint16 of mpcat40; (n, h, w) uint32, 0: no object."""
+
+SIZES = {"rgb": (224, 224), "depth": (256, 256), "class": (256, 256), "instance": (256, 256)}
+"""Width and height of VLN-CE's pictures, pixels."""
+
+Size = Tuple[int, int]
+_TYPES: dict[str, Any] = {"rgb": np.uint8, "depth": np.float32, "class": np.uint16, "instance": np.uint32}
+_SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
+
+
+class Eyes:
+    """Draws buildings, each of which is opened when it is first looked at and then kept.
+
+    Args:
+        data: folder of model homes (SYNTHETIC): meshes and light are made anew from its homes.json,
+            in up to a minute of a core for a home. None without `meshes`: the folder that ENFILADE_DATA names.
+        meshes: of other buildings: a folder with SCAN.glb (or .gltf, .obj, .ply) or SCAN/SCAN.glb, or
+            files by scan.
+        up: the axis of mesh files that points up: "format" (y of glTF, z of others), "y" or "z"
+            (Habitat's copies of Matterport3D).
+        light: a folder to keep the light of homes in: the next time it takes about a second.
+        light_spacing: metres between the points for which the light of homes is computed.
+        threads: 0: all cores; never changes a picture.
+
+    One thread at a time. Raises FileError for a folder that is not there.
+    """
+
+    def __init__(
+        self,
+        data: Optional[PathLike] = None,
+        *,
+        meshes: Union[None, PathLike, Mapping[str, PathLike]] = None,
+        up: str = "format",
+        light: Optional[PathLike] = None,
+        light_spacing: float = 0.05,
+        threads: int = 0,
+    ) -> None:
+        self._files = {} if meshes is None else _mesh_files(meshes)
+        self._data = _data_folder(data) if meshes is None or data is not None else None
+        self._up, self._light = up, light
+        self._spacing = light_spacing
+        self._threads = whole("threads", threads)
+        self._open: dict[str, _eyes.BuildingEyes] = {}
+
+    def open(self, scan: str) -> None:
+        """Opens a building now. Raises UnknownNameError if there is neither a mesh nor a home of it,
+        InvalidInput for a broken file."""
+        self._building(scan)
+
+    def render(
+        self,
+        scans: Sequence[str],
+        eyes: ArrayLike,
+        headings: ArrayLike = 0.0,
+        elevations: ArrayLike = 0.0,
+        *,
+        layers: Sequence[str] = ("rgb", "depth"),
+        size: Union[None, Size, Mapping[str, Size]] = None,
+        vfov: float = math.pi / 2,
+    ) -> dict[str, NDArray[Any]]:
+        """Pictures of n views, by the names in LAYERS; what stands in the middle is straight ahead.
+
+        Args:
+            scans: (n,) names of buildings.
+            eyes: (n, 3) where the eyes are, metres, world frame.
+            headings: (n,) or one, radians clockwise from +y. elevations: likewise, up positive.
+            layers: what to draw. size: width and height of all, or by layer; what has none: SIZES.
+            vfov: vertical field of view, radians.
+        """
+        places = _points("eyes", eyes)
+        n = len(places)
+        if isinstance(scans, str) or len(scans) != n:
+            raise ArgumentError(f"scans: {n} names are wanted, one for each of the eyes")
+        for layer in layers:
+            if layer not in LAYERS:
+                raise ArgumentError(f"layers '{layer}': any of {', '.join(LAYERS)} are wanted")
+        by_layer = size if isinstance(size, Mapping) else {} if size is None else dict.fromkeys(layers, size)
+        sizes = {layer: _size(layer, by_layer.get(layer, SIZES[layer])) for layer in layers}
+        turned, raised = _row(headings, n), _row(elevations, n)
+        drawn: dict[str, NDArray[Any]] = {}
+        for width, height in dict.fromkeys(sizes.values()):
+            here = [layer for layer in sizes if sizes[layer] == (width, height)]
+            for layer in here:
+                shape = (n, height, width, 3) if layer == "rgb" else (n, height, width)
+                drawn[layer] = np.empty(shape, _TYPES[layer])
+            for scan in dict.fromkeys(scans):
+                rows = np.flatnonzero([one == scan for one in scans])
+                camera = (width, height, vfov)
+                self._draw(scan, rows, places, turned, raised, camera, {k: drawn[k] for k in here})
+        return drawn
+
+    def render_agents(
+        self, simulator: ContinuousSimulator, **options: Any
+    ) -> dict[str, NDArray[Any]]:
+        """What the agents of a simulator see from its eye_height; options of render()."""
+        state = simulator.state
+        eyes = state.position.astype(np.float64)
+        eyes[:, 2] += simulator.config["eye_height"]
+        names = simulator.scans
+        scans = [names[building] for building in state.building]
+        return self.render(scans, eyes, state.heading, state.elevation, **options)
+
+    def _draw(
+        self,
+        scan: str,
+        rows: NDArray[np.intp],
+        places: NDArray[np.float64],
+        headings: NDArray[np.float64],
+        elevations: NDArray[np.float64],
+        camera: tuple[int, int, float],
+        drawn: dict[str, NDArray[Any]],
+    ) -> None:
+        # What is empty is not drawn.
+        whole_batch = len(rows) == len(places)
+        parts = {k: v if whole_batch else np.empty_like(v[rows]) for k, v in drawn.items()}
+        nothing = {layer: np.empty((0, 0, 0, 3) if layer == "rgb" else (0, 0, 0), _TYPES[layer])
+                   for layer in LAYERS}  # fmt: skip
+        into = [{**nothing, **parts}[layer] for layer in LAYERS]
+        at, turned, raised = places[rows], headings[rows], elevations[rows]
+        self._building(scan).render(at, turned, raised, *camera, *into)
+        if not whole_batch:
+            for layer, part in parts.items():
+                drawn[layer][rows] = part
+
+    def _building(self, scan: str) -> _eyes.BuildingEyes:
+        if scan not in self._open:
+            self._open[scan] = self._opened(scan)
+        return self._open[scan]
+
+    def _opened(self, scan: str) -> _eyes.BuildingEyes:
+        if scan in self._files:
+            return _eyes.of_mesh(os.fspath(self._files[scan]), self._up, self._threads)
+        if self._data is None:
+            raise UnknownNameError(f"scan '{scan}': none of the {len(self._files)} meshes is of it")
+        kept = "" if self._light is None else os.fspath(Path(self._light, f"{scan}.light"))
+        return _eyes.of_home(self._data, scan, kept, self._spacing, self._threads)
+
+
+def _size(layer: str, size: Size) -> Size:
+    width, height = (whole(f"size of {layer}", pixels, 8192) for pixels in size)
+    if width == 0 or height == 0:
+        raise ArgumentError(f"size of {layer}: {width} x {height} pixels, at least 1 x 1")
+    return width, height
+
+
+def _mesh_files(meshes: Union[PathLike, Mapping[str, PathLike]]) -> dict[str, PathLike]:
+    if isinstance(meshes, Mapping):
+        return dict(meshes)
+    # The first suffix counts where a scan has several files.
+    try:
+        folder = Path(meshes)
+        own = [file for file in folder.glob("*/*") if file.stem == file.parent.name]
+        found = sorted([*own, *folder.iterdir()], key=lambda file: -_rank(file))
+    except OSError as error:
+        raise FileError(f"{os.fspath(meshes)}: {error.strerror} (looked for meshes there)") from error
+    return {file.stem: file for file in found if file.suffix in _SUFFIXES}
+
+
+def _rank(file: Path) -> int:
+    return _SUFFIXES.index(file.suffix) if file.suffix in _SUFFIXES else len(_SUFFIXES)
