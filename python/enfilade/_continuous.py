@@ -17,6 +17,7 @@ from enfilade._errors import ArgumentError, FileError
 
 PathLike = Union[str, "os.PathLike[str]"]
 Point = Tuple[float, float, float]
+MOST_AGENTS = 2**20  # more would be a slip, and fill the memory
 
 
 class ContinuousAction(enum.IntEnum):
@@ -211,7 +212,7 @@ class ContinuousSimulator:
         data: folder with `navmesh/TASK/SCAN.navmesh`, as `enfilade continuous` makes them; None: the one
             that the environment variable ENFILADE_DATA names.
         task: "r2r-ce" or "rxr-ce": whose body, steps and turns the defaults below are.
-        batch_size: agents, n.
+        batch_size: agents, n; at most 2**20.
         navigation: a folder of navigation meshes instead of the data set's.
         options: forward (metres, 0.25), turn (radians, 15 or 30 degrees), look (radians, 30 degrees),
             most_elevation (radians, 60 degrees), slide (along walls; else bodies stop there),
@@ -240,7 +241,9 @@ class ContinuousSimulator:
             raise ArgumentError(f"task '{task}': one of {', '.join(TASKS)} is wanted")
         self._floors = FloorSet(os.fspath(folder))
         self._arguments = (data, task, batch_size, navigation, options)
-        self._core = BatchContinuous(self._floors, task, whole("batch_size", batch_size), options)
+        self._core = BatchContinuous(
+            self._floors, task, whole("batch_size", batch_size, MOST_AGENTS), options
+        )
         self.task, self.batch_size = task, batch_size
         self.config: dict[str, Any] = self._core.config()
         self.state = ContinuousState(**self._core.state_arrays())

@@ -10,7 +10,9 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <atomic>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -223,6 +225,17 @@ nb::list benchmark_list() {
   return rows;
 }
 
+template <class T>
+T option(const std::string& name, nb::handle value) {
+  try {
+    return nb::cast<T>(value);
+  } catch (const nb::cast_error&) {
+    throw nb::type_error(
+        fmt::format("{}: {} has a wrong type or sign", name, nb::cast<std::string>(nb::repr(value)))
+            .c_str());
+  }
+}
+
 void bind_buildings(nb::module_& m) {
   nb::class_<Buildings>(m, "FloorSet", "The navigation meshes of a folder, by name.")
       .def(nb::new_(&open_buildings), "folder"_a)
@@ -261,24 +274,24 @@ continuous::SimulatorConfig continuous_config(const std::string& task, std::size
   for (const auto& [key, value] : options) {
     const auto name = nb::cast<std::string>(key);
     if (name == "forward") {
-      c.forward = nb::cast<double>(value);
+      c.forward = option<double>(name, value);
     } else if (name == "turn") {
-      c.turn = Radians(nb::cast<double>(value));
+      c.turn = Radians(option<double>(name, value));
     } else if (name == "look") {
-      c.look = Radians(nb::cast<double>(value));
+      c.look = Radians(option<double>(name, value));
     } else if (name == "most_elevation") {
-      c.most_elevation = Radians(nb::cast<double>(value));
+      c.most_elevation = Radians(option<double>(name, value));
     } else if (name == "slide") {
-      c.walls = nb::cast<bool>(value) ? continuous::Walls::kSlide : continuous::Walls::kStop;
+      c.walls = option<bool>(name, value) ? continuous::Walls::kSlide : continuous::Walls::kStop;
     } else if (name == "eye_height") {
-      c.eye_height = nb::cast<double>(value);
+      c.eye_height = option<double>(name, value);
     } else if (name == "most_steps") {
-      c.most_steps = nb::cast<std::uint32_t>(value);
+      c.most_steps = option<std::uint32_t>(name, value);
     } else if (name == "start_reach") {
-      const auto reach = nb::cast<std::pair<float, float>>(value);
+      const auto reach = option<std::pair<float, float>>(name, value);
       c.start_reach = {reach.first, reach.second};
     } else if (name == "threads") {
-      c.threads = nb::cast<int>(value);
+      c.threads = option<int>(name, value);
     } else {
       throw ArgumentError(fmt::format("{}: not an option of a simulator", name));
     }

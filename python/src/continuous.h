@@ -1,7 +1,8 @@
 /// \file  What the bindings of free walking share.
 #pragma once
 #include <cstdint>
-#include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "enfilade/continuous/simulator.h"

@@ -9,7 +9,9 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "enfilade/continuous/eyes.h"

@@ -236,6 +236,19 @@ def test_wrong_calls_of_the_simulator_are_named(free: Path, one: enfilade.Contin
         ContinuousSimulator(free, speed=1)
     with pytest.raises(enfilade.ArgumentError, match="forward"):
         ContinuousSimulator(free, forward=-1)
+    for name, value in (("forward", "far"), ("most_steps", -1), ("start_reach", 1.0)):
+        with pytest.raises(TypeError, match=name):
+            ContinuousSimulator(free, **{name: value})
+    for many in (0, 2**31):
+        with pytest.raises(enfilade.ArgumentError, match="batch_size"):
+            ContinuousSimulator(free, batch_size=many)
+    assert sim.nearest(one.scan, (math.nan, 0, 0)) is None
+    with pytest.raises(enfilade.ArgumentError, match="reached"):
+        sim.follow(0, [one.start], reached=-1)
+    with pytest.raises(enfilade.ArgumentError):
+        sim.follow(0, np.empty((0, 3)))
+    with pytest.raises(enfilade.ArgumentError, match="agent 5"):
+        sim.new_episode(5, one.scan, one.start, 0)
     with pytest.raises(enfilade.ArgumentError, match="r2r-ce, rxr-ce"):
         ContinuousSimulator(free, "r2r")
     with pytest.raises(enfilade.FileError):

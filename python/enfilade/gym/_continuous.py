@@ -14,7 +14,13 @@ from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from enfilade._arguments import whole
-from enfilade._continuous import TASKS, ContinuousSimulator, EpisodeStatus, continuous_episodes
+from enfilade._continuous import (
+    MOST_AGENTS,
+    TASKS,
+    ContinuousSimulator,
+    EpisodeStatus,
+    continuous_episodes,
+)
 from enfilade._core import FloorSet, FreeEnvironment
 from enfilade._errors import ArgumentError
 from enfilade.gym._config import LAYERS, REWARDS, Transition
@@ -97,7 +103,7 @@ class ContinuousBatch:
             )
         floors = FloorSet(os.fspath(Path(config.data, "navmesh", config.task)))
         options = {**config.simulator, "most_steps": config.max_steps}
-        self.core = FreeEnvironment(self.episodes._core, floors, whole("num_envs", n), options)
+        self.core = FreeEnvironment(self.episodes._core, floors, whole("num_envs", n, MOST_AGENTS), options)
         self.arrays: dict[str, NDArray[Any]] = self.core.arrays()
         self._texts = self.episodes._core.texts
         self._rngs = [np.random.default_rng(config.seed + k) for k in range(n)]
