@@ -149,8 +149,9 @@ class PolygonChecker {
     check_parts();
     for (std::size_t i = 0; i < floor_.points.size() && found_.size() < kMostFaultsKept; ++i) {
       const Vec3f v = floor_.points[i];
-      if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
-        fault(fmt::format("$.points[{}]", i), "not-finite", "has a coordinate that is not finite");
+      if (!is_place(v)) {
+        fault(fmt::format("$.points[{}]", i), "bad-number",
+              "has a coordinate that is not finite, or beyond 1e6 m");
       }
     }
     return found_;
@@ -160,6 +161,10 @@ class PolygonChecker {
   void fault(std::string where, std::string code, std::string message) {
     found_.push_back(
         {Severity::kError, file_, std::move(where), std::move(code), std::move(message)});
+  }
+
+  static bool is_place(Vec3f v) {
+    return std::abs(v.x) < 1e6F && std::abs(v.y) < 1e6F && std::abs(v.z) < 1e6F;
   }
 
   void check_frame() {
@@ -177,8 +182,7 @@ class PolygonChecker {
       }
     }
     for (const Vec3f v : {floor_.low, floor_.high}) {
-      const float most = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-      if (!(most < 1e6F) || std::isnan(v.x) || std::isnan(v.y) || std::isnan(v.z)) {
+      if (!is_place(v)) {
         fault("$.box", "bad-number", "has a coordinate that is not finite, or beyond 1e6 m");
       }
     }
@@ -210,7 +214,7 @@ class PolygonChecker {
       twice += cross(flat(polygon.corners[k - 1]) - a, flat(polygon.corners[k]) - a).z;
     }
     if (!is_convex(polygon, n, twice < 0 ? -1 : 1)) {
-      fault(where, "bad-polygon", "is not convex");
+      fault(where, "bad-polygon", "is not convex, or has a side of no length");
       return false;
     }
     const int sign = (twice > 0) - (twice < 0);
@@ -227,6 +231,7 @@ class PolygonChecker {
   bool is_convex(const FloorPolygon& polygon, std::size_t n, int sign) const {
     for (std::size_t k = 0; k < n; ++k) {
       const Vec3d a = flat(polygon.corners[k]), side = flat(polygon.corners[(k + 1) % n]) - a;
+      if (side == Vec3d{}) return false;
       for (std::size_t c = 0; c < n; ++c) {
         if (sign * cross(side, flat(polygon.corners[c]) - a).z < 0) return false;
       }

@@ -159,7 +159,7 @@ TEST(FloorPolygons, ThatDoNotFitTogetherAreRefused) {
             "bad");
   EXPECT_EQ(code([](auto& f) { f.polygons[0].area = 70'000; }).substr(0, 3), "bad");
   EXPECT_EQ(code([](auto& f) { f.heights[0].first_point = 1'000'000; }), "bad-index");
-  EXPECT_EQ(code([](auto& f) { f.points[0].z = std::nanf(""); }), "not-finite");
+  EXPECT_EQ(code([](auto& f) { f.points[0].z = std::nanf(""); }), "bad-number");
   EXPECT_EQ(code([](auto& f) { f.cell = 0; }), "bad-number");
 }
 
