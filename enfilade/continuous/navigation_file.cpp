@@ -22,6 +22,9 @@ namespace {
 constexpr std::string_view kTitle = "Enfilade navigation mesh, version 1\n";
 constexpr std::string_view kTitleOfAny = "Enfilade navigation mesh, version ";
 
+// In a triangle's flags, two bits a side: it is one of the polygon's.
+constexpr unsigned kAnySideOfPolygon = 0b01'01'01;
+
 // What lists of numbers the file has, in order, after the box.
 template <class Floor, class Visit>
 void each_list(Floor& floor, const Visit& visit) {
@@ -287,12 +290,15 @@ class PolygonChecker {
                         floor_.polygons[p].size()));
       return;
     }
+    bool has_rim = false;  // Detour looks for the nearest point on such a side
     for (std::uint32_t t = 0; t < h.triangles; ++t) {
       const auto& triangle = floor_.triangles[h.first_triangle + t];
+      has_rim = has_rim || (triangle[3] & kAnySideOfPolygon) != 0;
       if (std::max({triangle[0], triangle[1], triangle[2]}) >= h.points) {
         fault(where, "bad-index", fmt::format("triangle {} has a point that is none", t));
       }
     }
+    if (!has_rim) fault(where, "bad-heights", "no triangle has a side of the polygon");
   }
 
   // Areas are numbered without gaps.
