@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/graph_walk.h"
 #include "enfilade/agents/mesh_floor.h"
+#include "enfilade/agents/run.h"
 #include "enfilade/continuous/simulator.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/homes/home_floor.h"
@@ -150,6 +152,37 @@ TEST(ContinuousHomes, ExpertsReachTheirGoals) {
   EXPECT_GE(static_cast<double>(successes), 0.99 * static_cast<double>(walks));
   EXPECT_GE(static_cast<double>(by_reference), 0.98 * static_cast<double>(walks));
   EXPECT_GT(ndtw / static_cast<double>(walks), 0.999);  // it is what nDTW compares with
+}
+
+// A graph agent decides, a controller walks: Shortest of the graph arrives in either world.
+TEST(ContinuousHomes, GraphAgentsWalkTheirTrajectories) {
+  const TemporaryFolder folder("continuous-graph");
+  write_small_homes(folder.path(), 3);
+  std::vector<Building> made;
+  for (const homes::HomeEntry& entry : homes::read_home_list(folder.path())) {
+    made.push_back({entry.scan, floor_of(homes::build_home(entry.plan, homes::Surfaces::kPlain))});
+  }
+  const auto buildings = std::make_shared<const Buildings>(std::move(made));
+  const agents::MeshFloor floor(buildings);
+  const dataset::Dataset data(folder.path());
+  const tasks::EpisodeSet set = data.episodes("val_seen", tasks::Instructions::kAll);
+  const tasks::DerivedEpisodes derived =
+      tasks::derive_continuous(data.annotations("val_seen"), *data.graphs(), floor);
+  const auto in_graph = agents::make_agent("shortest");
+  std::vector<tasks::Trajectory> trajectories = agents::run_agent(*in_graph, set);
+  const auto walker =
+      agents::make_graph_walker("shortest", trajectories, set, derived.episodes, floor);
+  const auto walks = agents::run_continuous(*walker, derived.episodes, buildings);
+  std::size_t successes = 0;
+  for (const tasks::ContinuousScore& score :
+       agents::score_continuous_walks(walks, derived.episodes, *buildings)) {
+    successes += score.success > 0 ? 1 : 0;
+  }
+  ASSERT_GT(walks.size(), 10U);
+  EXPECT_GE(static_cast<double>(successes), 0.98 * static_cast<double>(walks.size()));
+  trajectories.pop_back();
+  EXPECT_THROW(agents::make_graph_walker("shortest", trajectories, set, derived.episodes, floor),
+               ArgumentError);
 }
 
 }  // namespace
