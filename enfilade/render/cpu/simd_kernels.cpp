@@ -76,7 +76,8 @@ constexpr std::int32_t halves(std::int32_t high, std::int32_t low) {
 
 // sum + a.low * b.low + a.high * b.high of the 16-bit halves of each lane, which have signs.
 HWY_INLINE VI add_products(VI sum, VI a, VI b) {
-#if EN_X86_DL && !defined(__clang__)  // to which Highway 1.0 does not name VNNI; the sum is the same
+// Highway 1.0 does not name VNNI to clang. The sum is the same.
+#if EN_X86_DL && !defined(__clang__)
   return VI{_mm512_dpwssd_epi32(sum.raw, a.raw, b.raw)};
 #elif EN_X86_512
   return VI{_mm512_add_epi32(sum.raw, _mm512_madd_epi16(a.raw, b.raw))};
