@@ -12,13 +12,14 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/exports/box_files.h"
 #include "enfilade/exports/depth_files.h"
+#include "enfilade/exports/expert_walks.h"
 #include "enfilade/exports/feature_files.h"
 #include "enfilade/exports/graph_tables.h"
 #include "enfilade/exports/networkx.h"
-#include "enfilade/exports/streamvln.h"
 #include "enfilade/exports/view_pictures.h"
 
 namespace enfilade::apps {
@@ -197,26 +198,53 @@ void write_views(const Options& options, const dataset::Dataset& data, const fs:
              report.viewpoints, report.kept);
 }
 
-void write_streamvln(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+using WriteWalks = exports::WalkReport (*)(const exports::ExpertWalks&, const fs::path&,
+                                           const exports::WalkPictures&,
+                                           const exports::ExportOptions&);
+
+/// The experts' walks of a split, drawn in one of the forms.
+template <WriteWalks kWrite>
+void write_walks(const Options& options, const dataset::Dataset& data, const fs::path& to) {
   const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(options.task);
   const tasks::ContinuousEpisodes episodes =
       agents::load_continuous_split(benchmark, data.folder(), options.split);
   const auto buildings =
       std::make_shared<const continuous::Buildings>(data.folder() / benchmark.navigation_folder());
-  exports::StreamVlnOptions pictures;
+  exports::WalkPictures pictures;
   pictures.quality = options.quality;
   pictures.data = benchmark.form == tasks::ContinuousForm::kRxr ? "rxr" : "r2r";
   const MeshSource meshes{.folder = options.meshes, .up = "format"};
-  const exports::StreamVlnReport report = exports::write_streamvln(
-      episodes, buildings, benchmark.simulator,
-      [&](const std::string& scan) { return scene_of_scan(data, meshes, scan, options.threads); },
-      to, pictures, told(options));
+  const auto scene_of = [&](const std::string& scan) {
+    return scene_of_scan(data, meshes, scan, options.threads);
+  };
+  const exports::WalkReport report =
+      kWrite({episodes, buildings, benchmark.simulator, scene_of}, to, pictures, told(options));
   fmt::print("{}: {} walks with {} pictures, of which {} walks were there; {} are too long\n",
              to.string(), report.episodes, report.pictures, report.kept, report.too_long);
   if (data.synthetic()) fmt::print("SYNTHETIC: model homes made by Enfilade.\n");
 }
 
-constexpr std::array<Form, 11> kForms{{
+/// Episodes and experts' walks where VLN-CE's code looks for them.
+void write_vlnce(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+  const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(options.task);
+  const tasks::ContinuousEpisodes episodes =
+      agents::load_continuous_split(benchmark, data.folder(), options.split);
+  // The second place of each is where the newest public code looks.
+  const auto write = [&](const std::vector<fs::path>& places, const std::string& text) {
+    const fs::path file = to / places.at(1);
+    make_folder(file.parent_path());
+    write_file_atomically(file, gzip(text, 6));
+    say_written(file);
+  };
+  write(tasks::continuous_places(benchmark.form, options.split), to_json(episodes));
+  const tasks::ExpertWalks experts =
+      agents::load_experts_of(benchmark, data.folder(), options.split);
+  if (!experts.empty()) {
+    write(tasks::expert_places(benchmark.form, options.split), to_json(experts));
+  }
+}
+
+constexpr std::array<Form, 14> kForms{{
     {"duet-candidates", "scanvp_candview_relangles.json",
      "neighbours and the view that shows each best (DUET, BEVBert, GridMM)", write_duet},
     {"langnav", "adj_loc_dict.json", "the same with EnvDrop's fields (LangNav, NavCoT)",
@@ -238,7 +266,18 @@ constexpr std::array<Form, 11> kForms{{
     {"streamvln", nullptr,
      "images/SCAN_r2r_ID/rgb/001.jpg, annotations.json: experts' walks in the continuous world "
      "(StreamVLN)",
-     write_streamvln},
+     write_walks<exports::write_streamvln>},
+    {"navila", nullptr,
+     "R2R/train/ID/frame_0.jpg, R2R/annotations.json: the same walks, a decision for up to three "
+     "actions (NaVILA)",
+     write_walks<exports::write_navila>},
+    {"lerobot", nullptr,
+     "data/chunk-000/*.parquet, meta/: the same walks as a data set of LeRobot 2.1",
+     write_walks<exports::write_lerobot>},
+    {"vlnce", nullptr,
+     "R2R_VLNCE_v1-3_preprocessed/SPLIT/SPLIT.json.gz, SPLIT_gt.json.gz: a split's episodes and "
+     "experts' walks (VLN-CE)",
+     write_vlnce},
     {"mapgpt-views", nullptr, "SCAN/VIEWPOINT/0.jpg to 35.jpg (MapGPT)", write_views},
 }};
 
@@ -307,17 +346,18 @@ void add_details(CLI::App& verb, Options& options) {
                                  "Boxes of objects, instead of the data set's");
   add_value(verb, "--meshes", options.meshes, "DIR",
             "Compute the boxes from labelled meshes: SCAN.house, .ply, .fsegs.json, .semseg.json "
-            "here or in SCAN/house_segmentations; streamvln: draw SCAN.glb, .obj or .ply here")
+            "here or in SCAN/house_segmentations; streamvln, navila, lerobot: draw SCAN.glb, .obj "
+            "or .ply here")
       ->excludes(boxes);
   add_whole_number(verb, "--objects", options.most_objects,
                    "Of a viewpoint, at most (object-hdf5)");
   verb.add_flag("--nested", options.nested,
                 "One file of boxes in REVERIE's form, not DUET's (reverie-boxes)");
   add_setting(verb, "--quality", options.quality, "N",
-              "Of JPEGs, 1 to 100 (mapgpt-views, streamvln)", whole_number(1, 100));
-  add_setting(verb, "--task", options.task, "NAME", "Of streamvln",
+              "Of JPEGs, 1 to 100 (mapgpt-views and walks)", whole_number(1, 100));
+  add_setting(verb, "--task", options.task, "NAME", "Of walks: streamvln, navila, lerobot, vlnce",
               CLI::IsMember({"r2r-ce", "rxr-ce"}));
-  add_setting(verb, "--split", options.split, "NAME", "Of streamvln");
+  add_setting(verb, "--split", options.split, "NAME", "Of walks, likewise");
 }
 
 }  // namespace
@@ -342,6 +382,7 @@ void add_export(CLI::App& app, int& /*status*/) {
                       "pth_vit_base_patch16_224_imagenet.hdf5",
                       "enfilade export --as reverie-boxes --meshes v1/scans -o BBoxes.json",
                       "enfilade export --as streamvln --data homes --split train -o streamvln",
+                      "enfilade export --as lerobot --data homes --split train -o lerobot",
                       "enfilade export --as mapgpt-views --scans 17DRP5sb8fy -o RGB_Observations"});
   verb.footer(list_of_forms() + "\n\n" + verb.get_footer());
   verb.callback([options] { write_form(*options); });

@@ -4,6 +4,9 @@
 from __future__ import annotations
 
 import copy
+import gzip
+import io
+import json
 import math
 import os
 import pickle
@@ -569,3 +572,49 @@ def test_the_teacher_arrives_and_rewards_add_up(free: Path) -> None:
     assert (reward, stopped, cut, info["success"]) == (0.0, False, True, 0)
     with pytest.raises(enfilade.ArgumentError, match="task 'r2r'"):
         ContinuousEnvConfig(free, task="r2r")
+
+
+# --- experts' walks for video models --------------------------------------------------------------
+
+
+def test_lerobot_tables_are_read_by_pyarrow(free: Path, tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
+    image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    run("export", "--as", "lerobot", "--data", free, "--split", "val_unseen", "-o", tmp_path)
+    info = json.loads((tmp_path / "meta/info.json").read_text())
+    tasks = [json.loads(line)["task"] for line in (tmp_path / "meta/tasks.jsonl").read_text().splitlines()]
+    lengths = [json.loads(line) for line in (tmp_path / "meta/episodes.jsonl").read_text().splitlines()]
+    episodes = continuous_episodes(free, "r2r-ce", "val_unseen")
+    assert info["total_episodes"] == len(lengths) == len(episodes)
+    row = 0
+    for place, episode in enumerate(episodes):
+        name = info["data_path"].format(episode_chunk=0, episode_index=place)
+        table = parquet.read_table(tmp_path / name)
+        expert = episodes.expert(place)
+        assert expert is not None
+        # The same walk that `enfilade continuous` recorded, by the same rule.
+        assert table["action"].to_pylist() == list(expert.actions)
+        assert table.num_rows == lengths[place]["length"]
+        assert tasks[table["task_index"][0].as_py()] == episode.instruction
+        assert table["index"].to_pylist() == list(range(row, row + table.num_rows))
+        row += table.num_rows
+        first = table["observation.state"][0].as_py()
+        assert np.allclose(first[:2], episode.start[:2], atol=1e-5)  # rounded to single precision
+        assert abs(math.remainder(first[3] - episode.heading, 2 * math.pi)) < 1e-6
+        picture = table["observation.images.rgb"][table.num_rows - 1].as_py()
+        opened = image.open(io.BytesIO(picture["bytes"]))
+        assert list(opened.size) == info["features"]["observation.images.rgb"]["shape"][1::-1]
+    assert row == info["total_frames"]
+    named = json.loads(table.schema.metadata[b"huggingface"])["info"]["features"]
+    assert set(named) == set(table.column_names) == set(info["features"])
+    statistics = json.loads((tmp_path / "meta/episodes_stats.jsonl").read_text().splitlines()[-1])
+    assert statistics["stats"]["index"]["max"] == [row - 1]
+
+
+def test_vlnce_export_is_the_same_split(free: Path, tmp_path: Path) -> None:
+    run("export", "--as", "vlnce", "--data", free, "--split", "val_unseen", "-o", tmp_path)
+    there = tmp_path / "R2R_VLNCE_v1-3_preprocessed/val_unseen"
+    for name in ("val_unseen.json.gz", "val_unseen_gt.json.gz"):
+        read = json.loads(gzip.decompress((there / name).read_bytes()))
+        assert read == json.loads(gzip.decompress((free / "vlnce" / name).read_bytes()))
+    assert len(continuous_episodes(tmp_path, "r2r-ce", "val_unseen")) == len(read)

@@ -1,0 +1,78 @@
+/// \file  Experts' walks as pictures and actions, in the files that video models are trained with.
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "enfilade/continuous/buildings.h"
+#include "enfilade/continuous/scene.h"
+#include "enfilade/continuous/simulator.h"
+#include "enfilade/exports/options.h"
+#include "enfilade/geometry/camera.h"
+#include "enfilade/tasks/continuous_episodes.h"
+
+namespace enfilade::exports {
+
+/// What a building looks like. Called once a scan, from one thread.
+using SceneOfScan = std::function<std::shared_ptr<const continuous::Scene>(const std::string&)>;
+
+/// Where an expert walks: along each episode's reference path, within 0.5 m of points on the way
+/// and 0.25 m of the end, as VLN-CE's experts do.
+struct ExpertWalks {
+  const tasks::ContinuousEpisodes& episodes;
+  std::shared_ptr<const continuous::Buildings> buildings;
+  continuous::SimulatorConfig simulator;
+  SceneOfScan scene_of;
+};
+
+/// What the pictures are like, and which walks are taken.
+struct WalkPictures {
+  /// 640 x 480 pixels, 79 degrees from left to right, as StreamVLN and NaVid have.
+  Camera camera{640, 480, degrees(63.4534)};
+  int quality = 90;                ///< of JPEG, 1 to 100
+  std::size_t most_actions = 498;  ///< longer walks are left out, as StreamVLN's data do
+  std::string data = "r2r";        ///< "r2r" or "rxr": in names of folders
+};
+
+/// How much was done.
+struct WalkReport {
+  std::size_t episodes = 0;  ///< whose pictures are there now
+  std::size_t kept = 0;      ///< of them, those that an earlier run had written
+  std::size_t too_long = 0;  ///< left out
+  std::size_t pictures = 0;
+};
+
+// All have a picture before each action, the one of the stop included. A walk's files appear when
+// all its pictures are drawn; a run that was stopped goes on. `enfilade_export.json` says what the
+// pictures are like. `options.progress` counts walks. All throw ArgumentError for options out of
+// range, or episodes without a reference path; FileError, also if the folder has pictures of other
+// options; and as agents::run_continuous().
+
+/// StreamVLN's form, below `folder`: `images/<scan>_<data>_<id, six digits>/rgb/001.jpg`, and
+/// `annotations.json`: `[{"id": 525, "video": "images/<scan>_r2r_000525", "instructions": ["..."],
+/// "actions": [-1, 1, 2, ...]}]`, where action -1 is the beginning, 1 forward, 2 left, 3 right, one
+/// a picture; the stop at the end is not written, as in the released data.
+WalkReport write_streamvln(const ExpertWalks& walks, const std::filesystem::path& folder,
+                           const WalkPictures& pictures = {}, const ExportOptions& options = {});
+
+/// NaVILA's form, below `folder`: `R2R/train/<id>/frame_0.jpg` and `R2R/annotations.json` (RxR, and
+/// the split's name, likewise): an entry a decision, `{"video_id": "<id>-<decision>", "q":
+/// instruction, "a": "The next action is move forward 75 cm.", "frames": ["<id>/frame_0.jpg",
+/// ...]}`, with all pictures so far. Up to three equal actions are one decision: 25 to 75 cm, or
+/// one to three turns. Each decision is there once; the released file repeats turns, short steps
+/// and stops to balance them.
+WalkReport write_navila(const ExpertWalks& walks, const std::filesystem::path& folder,
+                        const WalkPictures& pictures = {}, const ExportOptions& options = {});
+
+/// A data set of LeRobot, version 2.1, in `folder`: `data/chunk-000/episode_000000.parquet` with a
+/// row a picture, and `meta/`: info.json, tasks.jsonl (instructions), episodes.jsonl,
+/// episodes_stats.jsonl. Columns: `observation.images.rgb` (JPEG), `observation.state` (x, y, z of
+/// the floor, metres, and heading, radians, world frame), `action` (0 stop, 1 forward, 2 left, 3
+/// right; what is done after the picture), and LeRobot's own. Pictures are in the rows (its type
+/// "image"), not in videos. A step counts as a fifth of a second.
+WalkReport write_lerobot(const ExpertWalks& walks, const std::filesystem::path& folder,
+                         const WalkPictures& pictures = {}, const ExportOptions& options = {});
+
+}  // namespace enfilade::exports

@@ -1,0 +1,223 @@
+#include "enfilade/exports/expert_walks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/image/codecs.h"
+#include "tests/support/made_meshes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace enfilade::exports {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct World {
+  std::shared_ptr<const mesh::RayTracer> tracer;
+  std::shared_ptr<const continuous::Buildings> buildings;
+  tasks::ContinuousEpisodes episodes;
+
+  World() {
+    tracer = std::make_shared<const mesh::RayTracer>(std::make_shared<const mesh::Mesh>(
+        mesh::testing::Maker().room(0, 0, 6, 4).box({2.5F, 0, 0}, {3, 2.5F, 2.6F}).mesh));
+    buildings = std::make_shared<const continuous::Buildings>(std::vector<continuous::Building>{
+        {"room",
+         std::make_shared<continuous::NavigationMesh>(mesh::make_floor_polygons(*tracer))}});
+    for (const std::int64_t id : {7, 12}) {
+      tasks::ContinuousEpisode e;
+      e.id = e.trajectory_id = id;
+      e.scene = "mp3d/room/room.glb";
+      e.start = {1, 1, 0};
+      e.rotation = tasks::StartRotation::of(degrees(static_cast<double>(id)));
+      e.goals = {{{5, 1, 0}, 3}};
+      e.instruction.text = "Walk around the wall.";
+      e.reference_path = {{1, 1, 0}, {2.7, 3.2, 0}, {5, 1, 0}};
+      episodes.episodes.push_back(e);
+    }
+    episodes.split = "train";
+  }
+  ExpertWalks walks() const {
+    return {episodes, buildings, continuous::SimulatorConfig::room_to_room(),
+            [this](const std::string&) { return continuous::Scene::photographed(tracer); }};
+  }
+  WalkReport write(const fs::path& folder, const WalkPictures& pictures = small()) const {
+    return write_streamvln(walks(), folder, pictures);
+  }
+  static WalkPictures small() {
+    WalkPictures options;
+    options.camera = {64, 48, degrees(60)};
+    return options;
+  }
+};
+
+// Read as the public loader does: annotations, then the folder's pictures in the order of names.
+TEST(StreamVln, HasAPictureBeforeEachAction) {
+  const World world;
+  const tests::TemporaryFolder folder("streamvln");
+  const WalkReport report = world.write(folder.path());
+  EXPECT_EQ(report.episodes, 2U);
+  EXPECT_EQ(report.kept, 0U);
+  const Json all = Json::parse(read_file(folder.path() / "annotations.json"));
+  ASSERT_EQ(all.size(), 2U);
+  std::size_t pictures = 0;
+  for (const Json& entry : all) {
+    EXPECT_EQ(entry["instructions"][0], "Walk around the wall.");
+    const auto actions = entry["actions"].get<std::vector<int>>();
+    ASSERT_GT(actions.size(), 20U);
+    EXPECT_EQ(actions[0], -1);
+    EXPECT_THAT(std::vector<int>(actions.begin() + 1, actions.end()),
+                testing::Each(testing::AllOf(testing::Ge(1), testing::Le(3))));
+    const fs::path rgb = folder.path() / entry["video"].get<std::string>() / "rgb";
+    const auto files = std::distance(fs::directory_iterator(rgb), fs::directory_iterator());
+    EXPECT_EQ(static_cast<std::size_t>(files), actions.size());
+    const image::Image8 first = image::load_picture((rgb / "001.jpg").string());
+    EXPECT_EQ(first.width, 64U);
+    EXPECT_EQ(first.height, 48U);
+    pictures += actions.size();
+  }
+  EXPECT_EQ(all[0]["id"], 7);
+  EXPECT_EQ(all[0]["video"], "images/room_r2r_000007");
+  EXPECT_EQ(report.pictures, pictures);
+}
+
+TEST(StreamVln, GoesOnWhereItStopped) {
+  const World world;
+  const tests::TemporaryFolder folder("streamvln");
+  world.write(folder.path());
+  const fs::path walk = folder.path() / "images" / "room_r2r_000012";
+  const std::string picture = read_file(walk / "rgb" / "002.jpg");
+  fs::remove_all(walk);
+  fs::create_directories(folder.path() / "images" / "room_r2r_000012.part" / "rgb");  // was killed
+  const WalkReport report = world.write(folder.path());
+  EXPECT_EQ(report.episodes, 2U);
+  EXPECT_EQ(report.kept, 1U);
+  EXPECT_EQ(read_file(walk / "rgb" / "002.jpg"), picture);
+}
+
+TEST(StreamVln, RefusesOtherPicturesInAFolder) {
+  const World world;
+  const tests::TemporaryFolder folder("streamvln");
+  world.write(folder.path());
+  WalkPictures other = World::small();
+  other.camera.width = 80;
+  EXPECT_THROW(world.write(folder.path(), other), FileError);
+}
+
+TEST(StreamVln, LeavesOutLongWalksAndRefusesHiddenPaths) {
+  World world;
+  const tests::TemporaryFolder folder("streamvln");
+  WalkPictures options = World::small();
+  options.most_actions = 5;
+  const WalkReport report = world.write(folder.path(), options);
+  EXPECT_EQ(report.too_long, 2U);
+  EXPECT_EQ(report.episodes, 0U);
+  world.episodes.episodes[0].reference_path.reset();
+  EXPECT_THROW(world.write(folder.path(), options), ArgumentError);
+}
+
+// What the actions of all decisions of a walk are, one after the other, by the sentences.
+std::vector<int> actions_of(const Json& entries, const std::string& id) {
+  std::vector<int> actions;
+  for (const Json& entry : entries) {
+    if (!entry["video_id"].get<std::string>().starts_with(id + "-")) continue;
+    const auto text = entry["a"].get<std::string>();
+    EXPECT_EQ(entry["frames"].size(), actions.size() + 1) << text;
+    EXPECT_EQ(entry["frames"].back(), id + "/frame_" + std::to_string(actions.size()) + ".jpg");
+    if (text == "I think I should stop because I have finished the instruction.") {
+      actions.push_back(0);
+      continue;
+    }
+    const int action = text.find("forward") != std::string::npos ? 1
+                       : text.find("left") != std::string::npos  ? 2
+                                                                 : 3;
+    const int amount = std::stoi(text.substr(text.find_first_of("0123456789")));
+    const int one = action == 1 ? 25 : 15;
+    EXPECT_EQ(amount % one, 0) << text;
+    EXPECT_LE(amount, 3 * one) << text;
+    actions.insert(actions.end(), static_cast<std::size_t>(amount / one), action);
+  }
+  return actions;
+}
+
+TEST(NaVila, HasADecisionForUpToThreeEqualActions) {
+  const World world;
+  const tests::TemporaryFolder folder("navila");
+  const WalkReport report = write_navila(world.walks(), folder.path(), World::small());
+  EXPECT_EQ(report.episodes, 2U);
+  const Json all = Json::parse(read_file(folder.path() / "R2R" / "annotations.json"));
+  // The same walks as StreamVLN's, which has an action a picture.
+  world.write(folder.path() / "same");
+  const Json same = Json::parse(read_file(folder.path() / "same" / "annotations.json"));
+  for (const std::size_t k : {0U, 1U}) {
+    const std::string id = same[k]["id"].dump();
+    auto expected = same[k]["actions"].get<std::vector<int>>();
+    expected.erase(expected.begin());
+    expected.push_back(0);
+    EXPECT_EQ(actions_of(all, id), expected);
+  }
+  EXPECT_EQ(all[0]["video_id"], "7-0");
+  EXPECT_EQ(all[0]["q"], "Walk around the wall.");
+  const fs::path frames = folder.path() / "R2R" / "train";
+  EXPECT_EQ(read_file(frames / "7" / "frame_0.jpg"),
+            read_file(folder.path() / "same" / "images" / "room_r2r_000007" / "rgb" / "001.jpg"));
+  EXPECT_EQ(write_navila(world.walks(), folder.path(), World::small()).kept, 2U);
+}
+
+std::vector<Json> lines_of(const fs::path& file) {
+  std::vector<Json> lines;
+  std::istringstream text(read_file(file));
+  for (std::string line; std::getline(text, line);) lines.push_back(Json::parse(line));
+  return lines;
+}
+
+// The tables themselves are read by another reader in python/tests/test_exports.py.
+TEST(LeRobot, DescribesItsTables) {
+  const World world;
+  const tests::TemporaryFolder folder("lerobot");
+  const WalkReport report = write_lerobot(world.walks(), folder.path(), World::small());
+  EXPECT_EQ(report.episodes, 2U);
+  const fs::path meta = folder.path() / "meta";
+  const Json info = Json::parse(read_file(meta / "info.json"));
+  EXPECT_EQ(info["codebase_version"], "v2.1");
+  EXPECT_EQ(info["total_frames"], report.pictures);
+  EXPECT_EQ(info["splits"]["train"], "0:2");
+  EXPECT_EQ(info["features"]["observation.images.rgb"]["shape"], Json({48, 64, 3}));
+  EXPECT_EQ(info["features"]["action"]["shape"], Json::array({1}));
+  const auto episodes = lines_of(meta / "episodes.jsonl");
+  ASSERT_EQ(episodes.size(), 2U);
+  EXPECT_EQ(episodes[1]["tasks"], Json::array({"Walk around the wall."}));
+  EXPECT_EQ(lines_of(meta / "tasks.jsonl").size(), 1U);  // both have the same instruction
+  const auto statistics = lines_of(meta / "episodes_stats.jsonl");
+  ASSERT_EQ(statistics.size(), 2U);
+  const Json& stats = statistics[1]["stats"];
+  EXPECT_EQ(stats["action"]["min"], Json::array({0.0}));
+  EXPECT_EQ(stats["action"]["count"], Json::array({episodes[1]["length"]}));
+  EXPECT_EQ(stats["index"]["min"][0], episodes[0]["length"]);
+  const Json mean = stats["observation.images.rgb"]["mean"];
+  ASSERT_EQ(mean.size(), 3U);
+  EXPECT_TRUE(mean[2][0][0].get<double>() > 0 && mean[2][0][0].get<double>() < 1) << mean;
+}
+
+TEST(LeRobot, GoesOnWhereItStopped) {
+  const World world;
+  const tests::TemporaryFolder folder("lerobot");
+  write_lerobot(world.walks(), folder.path(), World::small());
+  const fs::path table = folder.path() / "data" / "chunk-000" / "episode_000001.parquet";
+  const std::string before = read_file(table);
+  fs::remove(table);
+  EXPECT_EQ(write_lerobot(world.walks(), folder.path(), World::small()).kept, 1U);
+  EXPECT_EQ(read_file(table), before);
+}
+
+}  // namespace
+}  // namespace enfilade::exports
