@@ -28,9 +28,13 @@ void make(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
   report::ReportConfig config = options.config;
   config.runs.assign(options.named.begin(), options.named.end());
-  config.task =
-      task_of(options.task, data,
-              options.task.empty() ? report::find_task_of_runs(config.runs) : std::nullopt);
+  if (const auto* free = free_task_of(options.task, config.runs)) {
+    config.continuous = *free;
+  } else {
+    config.task =
+        task_of(options.task, data,
+                options.task.empty() ? report::find_task_of_runs(config.runs) : std::nullopt);
+  }
   config.facts = {
       {"Enfilade", version_with_commit()},
       {"made on", fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))},
@@ -52,7 +56,8 @@ void add_report(CLI::App& app, int& /*status*/) {
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   add_task_option(verb, options->task,
-                  "what the results are of; where they say nothing, r2r or what the data set has");
+                  "what the results are of; where they say nothing, r2r or what the data set has",
+                  FreeTasks::kToo);
   add_value(verb, "runs", options->named, "PATH",
             "Folder of a run, model directories, results files AGENT_SPLIT.json")
       ->required();

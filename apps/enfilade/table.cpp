@@ -6,6 +6,7 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/report/continuous_runs.h"
 #include "enfilade/report/results_table.h"
 
 namespace enfilade::apps {
@@ -26,17 +27,32 @@ std::string formatted(const report::ResultsTable& table, const Options& options)
   return options.markdown ? to_markdown(table) : to_text(table);
 }
 
-void table(const Options& options) {
-  const dataset::Dataset data = open_data(options.data);
-  const std::vector<fs::path> named(options.named.begin(), options.named.end());
+report::ResultsTable continuous_table(const agents::ContinuousBenchmark& benchmark,
+                                      const dataset::Dataset& data,
+                                      const std::vector<fs::path>& named) {
+  const report::RunDirectory found = report::find_continuous_runs(named, data, benchmark);
+  const auto runs = score_continuous_runs(found, benchmark, data, progress_bar("scoring"));
+  return make_table(runs, data.synthetic());
+}
+
+report::ResultsTable graph_table(const Options& options, const dataset::Dataset& data,
+                                 const std::vector<fs::path>& named) {
   const tasks::Task task = task_of(
       options.task, data, options.task.empty() ? report::find_task_of_runs(named) : std::nullopt);
   const report::RunDirectory found = report::find_runs(named, data, task);
-  const report::ScoredRuns runs = score_runs(found, data, progress_bar("scoring"));
-  if (runs.runs.empty() && runs.left_out.empty()) {
+  return make_table(score_runs(found, data, progress_bar("scoring")), data.synthetic());
+}
+
+void table(const Options& options) {
+  const dataset::Dataset data = open_data(options.data);
+  const std::vector<fs::path> named(options.named.begin(), options.named.end());
+  const agents::ContinuousBenchmark* free = free_task_of(options.task, named);
+  const report::ResultsTable made =
+      free != nullptr ? continuous_table(*free, data, named) : graph_table(options, data, named);
+  if (made.rows.empty() && made.left_out.empty()) {
     throw UsageError("there are models here, but no results file; enfilade evaluate makes them");
   }
-  write_output(options.output, formatted(make_table(runs, data.synthetic()), options));
+  write_output(options.output, formatted(made, options));
 }
 
 }  // namespace
@@ -49,7 +65,8 @@ void add_table(CLI::App& app, int& /*status*/) {
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   add_task_option(verb, options->task,
-                  "what the results are of; where they say nothing, r2r or what the data set has");
+                  "what the results are of; where they say nothing, r2r or what the data set has",
+                  FreeTasks::kToo);
   add_value(verb, "runs", options->named, "PATH",
             "Results files AGENT_SPLIT.json, model directories, or folders with these; runs "
             "whose names differ in a number at the end (student-1, student-2) are one row")
@@ -63,6 +80,7 @@ void add_table(CLI::App& app, int& /*status*/) {
   set_examples(verb, {"enfilade table enfilade-demo --data enfilade-demo/homes",
                       "enfilade table random_val_seen.json models/student-1 models/student-2",
                       "enfilade table enfilade-demo --csv -o table.csv",
+                      "enfilade table walks --task r2r-ce --data homes",
                       "enfilade table runs/reverie --task reverie --markdown"});
   verb.callback([options] { table(*options); });
 }

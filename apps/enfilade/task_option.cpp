@@ -7,6 +7,7 @@
 
 #include "apps/common/program.h"
 #include "enfilade/report/results_table.h"
+#include "enfilade/report/run_directory.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/score.h"
 #include "enfilade/tasks/task_score.h"
@@ -33,6 +34,12 @@ tasks::Task task_of(const std::string& named, const dataset::Dataset& data,
   for (const tasks::Task task : there) names.push_back(tasks::name_of(task));
   throw UsageError(fmt::format("{} has annotations of {}: which ones? Give --task NAME",
                                data.folder().string(), fmt::join(names, ", ")));
+}
+
+const agents::ContinuousBenchmark* free_task_of(const std::string& named,
+                                                std::span<const std::filesystem::path> results) {
+  if (named.empty()) return report::find_continuous_benchmark_of_runs(results);
+  return agents::is_continuous(named) ? &agents::continuous_benchmark(named) : nullptr;
 }
 
 tasks::EpisodeSet episodes_of(const dataset::Dataset& data, tasks::Task task,

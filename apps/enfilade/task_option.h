@@ -2,10 +2,13 @@
 #pragma once
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/results.h"
@@ -24,6 +27,11 @@ void add_task_option(CLI::App& verb, std::string& task, const std::string& other
 /// \throws LookupError for an unknown name; UsageError if the data set has several others
 tasks::Task task_of(const std::string& named, const dataset::Dataset& data,
                     std::optional<tasks::Task> found = {});
+
+/// The benchmark of walking freely that the option names; where it names none, that of the first
+/// results file. None if they are of the graph.
+const agents::ContinuousBenchmark* free_task_of(const std::string& named,
+                                                std::span<const std::filesystem::path> results);
 
 /// A split of any benchmark. \throws as dataset::Dataset::episodes()
 tasks::EpisodeSet episodes_of(const dataset::Dataset& data, tasks::Task task,

@@ -270,6 +270,14 @@ class Map {
 
 }  // namespace
 
+std::vector<Vec3d> walked_points(std::span<const Vec3f> positions) {
+  std::vector<Vec3d> points;
+  for (const Vec3f& p : positions) {
+    if (points.empty() || points.back() != to_double(p)) points.push_back(to_double(p));
+  }
+  return points;
+}
+
 std::vector<double> find_floor_levels(const FloorPolygons& floor) {
   if (floor.polygons.empty()) throw ArgumentError("floor: has no polygon");
   const auto bins = static_cast<std::size_t>((floor.high.z - floor.low.z) / kBin) + 2;

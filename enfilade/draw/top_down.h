@@ -1,5 +1,6 @@
 /// \file  Top-down maps of a floor with the lines that bodies walked on it, as SVG.
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct WalkedLine {
   std::vector<Vec3d> points;  ///< world, metres; at least one
   std::string label;          ///< for the legend; empty: named by its role
 };
+
+/// The points of a walk, each once while the body stays there, as a turn does not move it.
+std::vector<Vec3d> walked_points(std::span<const Vec3f> positions);
 
 /// What is written and drawn on a map.
 struct TopDownOptions {

@@ -14,6 +14,7 @@
 #include "enfilade/report/parts/page.h"
 #include "enfilade/report/parts/picture_parts.h"
 #include "enfilade/report/parts/result_parts.h"
+#include "enfilade/report/parts/walk_parts.h"
 #include "enfilade/report/results_table.h"
 #include "enfilade/report/run_directory.h"
 #include "enfilade/report/scored_runs.h"
@@ -47,6 +48,54 @@ Json config_json(const ModelDirectory& model) {
   } catch (const nlohmann::json::exception& error) {
     throw InvalidInput({{Severity::kError, file.string(), "$", "not-json", error.what()}});
   }
+}
+
+// What the head of the page says of the data; empty texts are left out.
+struct DataFacts {
+  std::string benchmark;
+  std::size_t buildings = 0;
+  std::string instructions;
+};
+
+Json about_json(const ReportConfig& config, const dataset::Dataset& data,
+                const std::vector<ModelDirectory>& models, const DataFacts& of_data) {
+  Json facts = Json::array();
+  const auto add = [&facts](const std::string& name, const std::string& value) {
+    if (!value.empty()) facts.push_back({name, value});
+  };
+  add("benchmark", of_data.benchmark);
+  add("data", fmt::format("{}, {} buildings{}",
+                          std::filesystem::weakly_canonical(data.folder()).filename().string(),
+                          of_data.buildings, data.synthetic() ? " (synthetic model homes)" : ""));
+  add("instructions", of_data.instructions);
+  Json configs = Json::array();
+  for (const ModelDirectory& model : models) {
+    add("model " + model.agent, model_fact(model));
+    configs.push_back({{"name", model.agent}, {"config", config_json(model)}});
+  }
+  for (const auto& [name, value] : config.facts) facts.push_back({name, value});
+  return {{"title", config.title},
+          {"synthetic", data.synthetic()},
+          {"facts", std::move(facts)},
+          {"models", std::move(configs)}};
+}
+
+Json continuous_page(const ReportConfig& config, const dataset::Dataset& data,
+                     const Progress& progress) {
+  const RunDirectory found = find_continuous_runs(config.runs, data, *config.continuous);
+  const ContinuousRuns runs = score_continuous_runs(found, *config.continuous, data, progress);
+  std::string instructions;
+  for (const auto& [split, episodes] : runs.splits) {
+    instructions +=
+        fmt::format("{}{} {}", instructions.empty() ? "" : ", ", split, episodes.episodes.size());
+  }
+  return {{"table", Json::parse(to_json(make_table(runs, data.synthetic())))},
+          {"curves", parts::curves_part(found)},
+          {"errors", parts::errors_part(runs)},
+          {"walks", parts::walks_part(runs, config.episodes_of_a_kind, data.synthetic())},
+          {"about", about_json(config, data, found.models,
+                               {std::string(config.continuous->title), runs.buildings->size(),
+                                std::move(instructions)})}};
 }
 
 // Builds the page's data, one part after the other.
@@ -107,35 +156,16 @@ class Reporter {
   }
 
   Json about() const {
-    Json facts = Json::array();
-    const auto add = [&facts](const std::string& name, const std::string& value) {
-      facts.push_back({name, value});
-    };
-    const std::string folder =
-        std::filesystem::weakly_canonical(data_.folder()).filename().string();
-    if (config_.task != tasks::Task::kR2r) {
-      add("benchmark", std::string(tasks::title_of(config_.task)));
-    }
-    add("data", fmt::format("{}, {} buildings{}", folder, runs_.graphs->size(),
-                            synthetic_ ? " (synthetic model homes)" : ""));
     std::string instructions;
     for (const tasks::Annotations& split : splits_) {
       std::size_t count = 0;
       for (const tasks::PathAnnotation& path : split.paths) count += path.instructions.size();
       instructions += fmt::format("{}{} {}", instructions.empty() ? "" : ", ", split.split, count);
     }
-    if (!instructions.empty()) add("instructions", instructions);
-    for (const ModelDirectory& model : found_.models)
-      add("model " + model.agent, model_fact(model));
-    for (const auto& [name, value] : config_.facts) add(name, value);
-    Json models = Json::array();
-    for (const ModelDirectory& model : found_.models) {
-      models.push_back({{"name", model.agent}, {"config", config_json(model)}});
-    }
-    return {{"title", config_.title},
-            {"synthetic", synthetic_},
-            {"facts", std::move(facts)},
-            {"models", std::move(models)}};
+    const bool r2r = config_.task == tasks::Task::kR2r;
+    return about_json(config_, data_, found_.models,
+                      {r2r ? std::string() : std::string(tasks::title_of(config_.task)),
+                       runs_.graphs->size(), std::move(instructions)});
   }
 
   const ReportConfig& config_;
@@ -156,7 +186,8 @@ class Reporter {
 std::string make_report(const ReportConfig& config, const dataset::Dataset& data,
                         const Progress& progress) {
   const std::string title = data.synthetic() ? config.title + " (synthetic homes)" : config.title;
-  return parts::make_page(title, Reporter(config, data, progress).run());
+  return parts::make_page(title, config.continuous ? continuous_page(config, data, progress)
+                                                   : Reporter(config, data, progress).run());
 }
 
 }  // namespace enfilade::report

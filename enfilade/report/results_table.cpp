@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "enfilade/core/check.h"
+#include "enfilade/tasks/files.h"
 #include "enfilade/tasks/public_scorer.h"
 
 namespace enfilade::report {
@@ -43,6 +45,17 @@ double student_quantile(std::size_t freedom) {
   return 1.960 + 2.45 / static_cast<double>(freedom);  // within 0.001 of the table's next entries
 }
 
+// The means of one run on all episodes, or on those in a language.
+struct Means {
+  std::size_t episodes = 0;
+  std::vector<tasks::MeanInterval> values;  // by column; shares in [0, 1]
+};
+struct RunMeans {
+  std::string agent, split;
+  Means all;
+  std::map<std::string, Means> languages;
+};
+
 // Of one run; shares in [0, 1], whatever the scorer prints.
 tasks::MeanInterval value_of(const Scores& scores, const TableColumn& column) {
   if (column.scored.empty()) return scores.ours.mean(column.metric);
@@ -56,10 +69,29 @@ tasks::MeanInterval value_of(const Scores& scores, const TableColumn& column) {
   return {mean.mean / found->scale, mean.low / found->scale, mean.high / found->scale};
 }
 
-tasks::MeanInterval value_of(const std::vector<const Scores*>& runs, const TableColumn& column) {
-  if (runs.size() == 1) return value_of(*runs.front(), column);
+Means means_of(const Scores& scores, std::span<const TableColumn> columns) {
+  Means means{scores.ours.episodes.size(), {}};
+  for (const TableColumn& column : columns) means.values.push_back(value_of(scores, column));
+  return means;
+}
+
+Means means_of(const ContinuousRun& run, std::span<const TableColumn> columns) {
+  Means means{run.measures.episodes, {}};
+  const auto all = tasks::continuous_measures();
+  for (const TableColumn& column : columns) {
+    const auto found = std::ranges::find(all, column.metric, &tasks::ContinuousMeasure::name);
+    EN_CHECK(found != all.end());
+    means.values.push_back(run.measures.means.at(static_cast<std::size_t>(found - all.begin())));
+  }
+  return means;
+}
+
+// Of several runs: the mean of their means, with Student's interval.
+tasks::MeanInterval value_over(const std::vector<const Means*>& runs, std::size_t k,
+                               const TableColumn& column) {
+  if (runs.size() == 1) return runs.front()->values[k];
   std::vector<double> means;
-  for (const Scores* run : runs) means.push_back(value_of(*run, column).mean);
+  for (const Means* run : runs) means.push_back(run->values[k].mean);
   tasks::MeanInterval interval = student_interval(means);
   interval.low = std::max(interval.low, column.least);
   if (column.scale != 1) interval.high = std::min(interval.high, 1.0);
@@ -67,32 +99,56 @@ tasks::MeanInterval value_of(const std::vector<const Scores*>& runs, const Table
 }
 
 // A row of a language, or of all where it is empty.
-TableRow make_row(const std::vector<const ScoredRun*>& runs, tasks::Task task,
+TableRow make_row(const std::vector<const RunMeans*>& runs, std::span<const TableColumn> columns,
                   const std::string& language) {
   TableRow row;
   row.agent = without_seed(runs.front()->agent);
   row.split = runs.front()->split;
   row.language = language;
-  std::vector<const Scores*> scores;
-  for (const ScoredRun* run : runs) {
+  std::vector<const Means*> means;
+  for (const RunMeans* run : runs) {
     row.runs.push_back(run->agent);
-    scores.push_back(language.empty() ? &run->scores : &run->languages.at(language));
+    means.push_back(language.empty() ? &run->all : &run->languages.at(language));
   }
-  row.episodes = scores.front()->ours.episodes.size();
-  for (const TableColumn& column : table_columns(task)) {
-    row.values.push_back(value_of(scores, column));
+  row.episodes = means.front()->episodes;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    row.values.push_back(value_over(means, k, columns[k]));
   }
   return row;
 }
 
-void add_rows(const std::vector<const ScoredRun*>& runs, ResultsTable& table) {
-  TableRow& row = table.rows.emplace_back(make_row(runs, table.task, {}));
-  const bool papers = table.task == tasks::Task::kR2r && !table.synthetic;
-  if (papers && row.episodes == published_episodes(row.split)) {
-    row.published = published_row(row.agent, row.split);
+// Runs of one agent and split, by split; they are sorted by agent, and a split's rows keep that
+// order.
+std::vector<std::vector<const RunMeans*>> groups_of(const std::vector<RunMeans>& runs) {
+  std::vector<std::vector<const RunMeans*>> groups;
+  for (const RunMeans& run : runs) {
+    const auto same = std::ranges::find_if(groups, [&run](const auto& group) {
+      return group.front()->split == run.split &&
+             without_seed(group.front()->agent) == without_seed(run.agent);
+    });
+    if (same == groups.end()) {
+      groups.push_back({&run});
+    } else {
+      same->push_back(&run);
+    }
   }
-  for (const auto& [language, scores] : runs.front()->languages) {
-    table.rows.push_back(make_row(runs, table.task, language));
+  std::ranges::stable_sort(groups, [](const auto& a, const auto& b) {
+    const std::string &x = a.front()->split, &y = b.front()->split;
+    return std::pair(split_rank(x), x) < std::pair(split_rank(y), y);
+  });
+  return groups;
+}
+
+void add_rows(const std::vector<RunMeans>& runs, ResultsTable& table) {
+  const bool papers = table.task == tasks::Task::kR2r && !table.synthetic;
+  for (const auto& group : groups_of(runs)) {
+    TableRow& row = table.rows.emplace_back(make_row(group, table.columns, {}));
+    if (papers && row.episodes == published_episodes(row.split)) {
+      row.published = published_row(row.agent, row.split);
+    }
+    for (const auto& [language, means] : group.front()->languages) {
+      table.rows.push_back(make_row(group, table.columns, language));
+    }
   }
 }
 
@@ -111,25 +167,37 @@ tasks::MeanInterval student_interval(std::span<const double> samples) {
 }
 
 ResultsTable make_table(const ScoredRuns& runs, bool synthetic) {
-  // Runs are sorted by agent; the rows of a split keep that order.
-  std::vector<std::vector<const ScoredRun*>> groups;
+  ResultsTable table;
+  table.benchmark = tasks::name_of(runs.task);
+  table.title = tasks::title_of(runs.task);
+  table.task = runs.task;
+  table.columns = table_columns(runs.task);
+  table.synthetic = synthetic;
+  table.left_out = runs.left_out;
+  std::vector<RunMeans> means;
   for (const ScoredRun& run : runs.runs) {
-    const auto same = std::ranges::find_if(groups, [&run](const auto& group) {
-      return group.front()->split == run.split &&
-             without_seed(group.front()->agent) == without_seed(run.agent);
-    });
-    if (same == groups.end()) {
-      groups.push_back({&run});
-    } else {
-      same->push_back(&run);
+    RunMeans& one =
+        means.emplace_back(RunMeans{run.agent, run.split, means_of(run.scores, table.columns), {}});
+    for (const auto& [language, scores] : run.languages) {
+      one.languages.emplace(language, means_of(scores, table.columns));
     }
   }
-  std::ranges::stable_sort(groups, [](const auto& a, const auto& b) {
-    const std::string &x = a.front()->split, &y = b.front()->split;
-    return std::pair(split_rank(x), x) < std::pair(split_rank(y), y);
-  });
-  ResultsTable table{runs.task, synthetic, {}, runs.left_out};
-  for (const auto& group : groups) add_rows(group, table);
+  add_rows(means, table);
+  return table;
+}
+
+ResultsTable make_table(const ContinuousRuns& runs, bool synthetic) {
+  ResultsTable table;
+  table.benchmark = runs.benchmark.name;
+  table.title = runs.benchmark.title;
+  table.columns = continuous_columns();
+  table.synthetic = synthetic;
+  table.left_out = runs.left_out;
+  std::vector<RunMeans> means;
+  for (const ContinuousRun& run : runs.runs) {
+    means.push_back({run.agent, run.split, means_of(run, table.columns), {}});
+  }
+  add_rows(means, table);
   return table;
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/report/continuous_runs.h"
 #include "enfilade/report/scored_runs.h"
 #include "enfilade/tasks/bootstrap.h"
 #include "enfilade/tasks/goal.h"
@@ -26,6 +27,8 @@ struct TableColumn {
 /// What the published tables of a benchmark show, in their order: of R2R TL NE SR OSR SPL; of
 /// REVERIE SR OSR SPL RGS RGSPL; and so on (docs/report.md). All of them have "success".
 std::span<const TableColumn> table_columns(tasks::Task task = tasks::Task::kR2r) noexcept;
+/// Those of walks in continuous space, by the names of tasks::continuous_measures().
+std::span<const TableColumn> continuous_columns() noexcept;
 /// The name of the public scorer behind the columns; empty for R2R, which has our own metrics.
 std::string_view table_scorer(tasks::Task task) noexcept;
 
@@ -80,7 +83,10 @@ struct TableRow {
 
 /// The table of a benchmark: rows of agents by split.
 struct ResultsTable {
-  tasks::Task task = tasks::Task::kR2r;
+  std::string benchmark = "r2r";    ///< "r2r", "reverie", "r2r-ce", ...
+  std::string title = "R2R";        ///< as people write it
+  std::optional<tasks::Task> task;  ///< none of walks in continuous space
+  std::span<const TableColumn> columns;
   bool synthetic = false;      ///< of made-up buildings: nothing published belongs beside them
   std::vector<TableRow> rows;  ///< by split (train, val_seen, val_unseen, others), then agent
   std::vector<std::string> left_out;  ///< as ScoredRuns::left_out
@@ -89,6 +95,9 @@ struct ResultsTable {
 /// Rows of one agent's runs become one, with an interval over runs. Of RxR each is followed by rows
 /// of its languages.
 ResultsTable make_table(const ScoredRuns& runs, bool synthetic);
+/// The same of walks in continuous space: TL NE SR OSR SPL nDTW SDTW, by VLN-CE's measures
+/// (tasks/continuous_score.h).
+ResultsTable make_table(const ContinuousRuns& runs, bool synthetic);
 
 /// Mean and two-sided 95 % interval of a few independent samples by Student's distribution.
 /// \pre not empty; of one sample the interval is empty (low = high = mean)
@@ -96,8 +105,9 @@ tasks::MeanInterval student_interval(std::span<const double> samples);
 
 /// For people, in columns.
 std::string to_text(const ResultsTable& table);
-/// {"task", "scorer", "source", "synthetic", "columns": [{"metric", "label", "scale", "digits"}],
-/// "notes", "rows": [{"agent", "split", "language"?, "runs", "episodes", "interval", metric:
+/// {"task" (its benchmark), "scorer", "source", "synthetic", "columns": [{"metric", "label",
+/// "scale", "digits"}], "notes", "rows": [{"agent", "split", "language"?, "runs", "episodes",
+/// "interval", metric:
 /// {"mean", "low", "high", "published"?}}], "published": [{"agent", "source", metric: value}],
 /// "left_out"}; shares in [0, 1]. What isn't finite is null. Of R4R and RxR `ndtw` and
 /// `ndtw_collapsed` are both there.

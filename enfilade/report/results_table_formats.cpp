@@ -81,14 +81,18 @@ std::vector<PublishedResult> published_beside(const ResultsTable& table) {
   return beside;
 }
 
-// The repository of the scorer; empty for our own.
-std::string_view source_of(tasks::Task task) {
-  const auto scorer = table_scorer(task);
-  return scorer.empty() ? std::string_view() : tasks::public_scorer(task, scorer).source;
+// The scorer behind the columns, and its repository; empty for our own.
+std::string_view scorer_of(const ResultsTable& table) {
+  return table.task ? table_scorer(*table.task) : std::string_view("vln-ce");
+}
+std::string_view source_of(const ResultsTable& table) {
+  const auto scorer = scorer_of(table);
+  if (!table.task) return "the measures of jacobkrantz/VLN-CE; nDTW and SDTW exact";
+  return scorer.empty() ? std::string_view() : tasks::public_scorer(*table.task, scorer).source;
 }
 
 bool has_stars(const ResultsTable& table) {
-  return std::ranges::any_of(table_columns(table.task), [](const TableColumn& column) {
+  return std::ranges::any_of(table.columns, [](const TableColumn& column) {
     return column.label.find('*') != std::string_view::npos;
   });
 }
@@ -96,9 +100,8 @@ bool has_stars(const ResultsTable& table) {
 std::vector<std::string> notes_of(const ResultsTable& table) {
   std::vector<std::string> notes;
   if (table.synthetic) notes.emplace_back(kSynthetic);
-  if (const auto scorer = table_scorer(table.task); !scorer.empty()) {
-    notes.push_back(fmt::format("{}, scored as {} ({}).", tasks::title_of(table.task), scorer,
-                                source_of(table.task)));
+  if (const auto scorer = scorer_of(table); !scorer.empty()) {
+    notes.push_back(fmt::format("{}, scored as {} ({}).", table.title, scorer, source_of(table)));
   }
   if (has_stars(table)) notes.emplace_back(kStar);
   notes.emplace_back(kIntervals);
@@ -181,7 +184,7 @@ std::string text_line(const Widths& widths, std::span<const TableColumn> columns
 
 std::string to_text(const ResultsTable& table) {
   const Widths widths = widths_of(table);
-  const auto columns = table_columns(table.task);
+  const auto columns = table.columns;
   std::string text = text_line(widths, columns, "split", "agent", "runs",
                                [](std::size_t, const TableColumn& column) {
                                  return fmt::format("{:>7}{:<14}", column.label, "");
@@ -207,7 +210,7 @@ std::string to_text(const ResultsTable& table) {
 }
 
 std::string to_json(const ResultsTable& table) {
-  const auto columns = table_columns(table.task);
+  const auto columns = table.columns;
   Json rows = Json::array();
   for (const TableRow& row : table.rows) {
     Json json{{"agent", row.agent},
@@ -221,9 +224,9 @@ std::string to_json(const ResultsTable& table) {
     }
     rows.push_back(std::move(json));
   }
-  const Json all{{"task", tasks::name_of(table.task)},
-                 {"scorer", table_scorer(table.task)},
-                 {"source", source_of(table.task)},
+  const Json all{{"task", table.benchmark},
+                 {"scorer", scorer_of(table)},
+                 {"source", source_of(table)},
                  {"synthetic", table.synthetic},
                  {"columns", columns_json(columns)},
                  {"rows", rows},
@@ -237,7 +240,7 @@ std::string to_csv(const ResultsTable& table) {
   const bool languages = table.task == tasks::Task::kRxr;
   std::string text = languages ? "agent,split,language,runs,episodes,synthetic"
                                : "agent,split,runs,episodes,synthetic";
-  const auto columns = table_columns(table.task);
+  const auto columns = table.columns;
   for (const TableColumn& column : columns) {
     text += fmt::format(",{0},{0}_low,{0}_high,{0}_published", column.metric);
   }
@@ -261,7 +264,7 @@ std::string to_csv(const ResultsTable& table) {
 std::string to_markdown(const ResultsTable& table) {
   std::string text = "| split | agent | runs |";
   std::string rule = "|---|---|---:|";
-  const auto columns = table_columns(table.task);
+  const auto columns = table.columns;
   for (const TableColumn& column : columns) {
     text += fmt::format(" {} |", column.label);
     rule += "---:|";

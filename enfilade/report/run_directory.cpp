@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
+#include <fstream>
+#include <functional>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -13,6 +15,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/models/model_directory.h"
+#include "enfilade/tasks/continuous_episodes.h"
 #include "enfilade/tasks/files.h"
 
 namespace enfilade::report {
@@ -56,9 +59,37 @@ std::vector<fs::path> json_files(const fs::path& folder) {
   return files;
 }
 
+// The first character of a text that is not blank; none of an empty one.
+char first_sign(const fs::path& file) {
+  std::ifstream text(file);
+  char first = '\0';
+  text >> first;
+  return first;
+}
+
+// The files that are named, and those in named folders and their results/.
+std::vector<fs::path> candidates(std::span<const fs::path> named) {
+  std::vector<fs::path> files;
+  for (const fs::path& one : named) {
+    std::error_code code;
+    if (!fs::exists(one, code)) continue;  // find_runs() says so
+    if (!fs::is_directory(one, code)) {
+      files.push_back(one);
+      continue;
+    }
+    for (const fs::path& folder : {one, one / "results"}) {
+      for (const fs::path& file : json_files(folder)) files.push_back(file);
+    }
+  }
+  return files;
+}
+
 class Finder {
  public:
-  Finder(const dataset::Dataset& data, tasks::Task task) : data_(data) { found_.task = task; }
+  /// \param has_split  whether the data have annotations of a split
+  /// \param results  what a results file begins with: [ of the graph, { of continuous space
+  Finder(fs::path data, std::function<bool(const std::string&)> has_split, char results)
+      : data_(std::move(data)), has_split_(std::move(has_split)), results_(results) {}
 
   void add(const fs::path& named) {
     std::error_code code;
@@ -83,9 +114,11 @@ class Finder {
   }
 
  private:
-  bool has_split(const std::string& split) const {
-    return found_.task == tasks::Task::kR2r ? data_.has_split(split)
-                                            : data_.has_split(found_.task, split);
+  bool has_split(const std::string& split) const { return has_split_(split); }
+  // A file that is of neither is loaded, which says what is wrong with it.
+  bool is_other(const fs::path& file) const {
+    const char first = first_sign(file);
+    return first != results_ && (first == '[' || first == '{');
   }
 
   void add_folder(const fs::path& folder) {
@@ -112,13 +145,14 @@ class Finder {
     if (!fs::is_directory(folder / "results", code)) return;
     for (const fs::path& path : entries(folder / "results")) {
       const std::string split = path.stem().string();
-      if (path.extension() == ".json" && has_split(split)) add_results(path, agent, split);
+      if (path.extension() != ".json" || !has_split(split) || is_other(path)) continue;
+      add_results(path, agent, split);
     }
   }
 
   void add_results_of(const fs::path& folder) {
     for (const fs::path& path : entries(folder)) {
-      if (path.extension() != ".json") continue;
+      if (path.extension() != ".json" || is_other(path)) continue;
       if (const auto name = parse(path)) add_results(path, name->first, name->second);
     }
   }
@@ -136,7 +170,7 @@ class Finder {
       throw LookupError(
           fmt::format("{}: its name says no split of {}; AGENT_SPLIT.json is expected, such as "
                       "random_val_unseen.json",
-                      file.string(), data_.folder().string()));
+                      file.string(), data_.string()));
     }
     add_results(file, name->first, name->second);
   }
@@ -163,7 +197,9 @@ class Finder {
     found_.results.push_back({file, agent, split});
   }
 
-  const dataset::Dataset& data_;
+  fs::path data_;
+  std::function<bool(const std::string&)> has_split_;
+  char results_;
   RunDirectory found_;
   std::set<fs::path> models_;
 };
@@ -178,24 +214,36 @@ std::string_view without_seed(std::string_view agent) noexcept {
 }
 
 std::optional<tasks::Task> find_task_of_runs(std::span<const fs::path> named) {
-  for (const fs::path& one : named) {
-    std::error_code code;
-    if (!fs::exists(one, code)) continue;  // find_runs() says so
-    std::vector<fs::path> files{one};
-    if (fs::is_directory(one, code)) {
-      files = json_files(one);
-      for (const fs::path& more : json_files(one / "results")) files.push_back(more);
-    }
-    for (const fs::path& file : files) {
-      if (const auto task = tasks::find_task_of_results(read_file(file))) return task;
-    }
+  for (const fs::path& file : candidates(named)) {
+    if (const auto task = tasks::find_task_of_results(read_file(file))) return task;
   }
   return std::nullopt;
 }
 
-RunDirectory find_runs(std::span<const fs::path> named, const dataset::Dataset& data,
-                       tasks::Task task) {
-  Finder finder(data, task);
+const agents::ContinuousBenchmark* find_continuous_benchmark_of_runs(
+    std::span<const fs::path> named) {
+  for (const fs::path& file : candidates(named)) {
+    std::string text = read_file(file);
+    std::erase_if(text, [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; });
+    if (text.starts_with('[')) return nullptr;  // of the graph
+    const std::string_view record = std::string_view(text).substr(0, text.find('}'));
+    const auto has = [record](std::string_view what) {
+      return record.find(what) != std::string_view::npos;
+    };
+    if (!record.starts_with("{\"")) continue;
+    if (has("\"instruction_id\":") && has("\"path\":[[")) {
+      return &agents::continuous_benchmark("rxr-ce");
+    }
+    if (has("\":[{\"") && has("\"position\":[") && has("\"stop\":")) {
+      return &agents::continuous_benchmark("r2r-ce");
+    }
+  }
+  return nullptr;
+}
+
+namespace {
+
+RunDirectory find(Finder finder, std::span<const fs::path> named) {
   for (const fs::path& path : named) finder.add(path);
   RunDirectory found = finder.take();
   if (found.results.empty() && found.models.empty()) {
@@ -207,6 +255,28 @@ RunDirectory find_runs(std::span<const fs::path> named, const dataset::Dataset& 
         fmt::join(names, ", ")));
   }
   return found;
+}
+
+}  // namespace
+
+RunDirectory find_runs(std::span<const fs::path> named, const dataset::Dataset& data,
+                       tasks::Task task) {
+  const auto has_split = [&data, task](const std::string& split) {
+    return task == tasks::Task::kR2r ? data.has_split(split) : data.has_split(task, split);
+  };
+  RunDirectory found = find(Finder(data.folder(), has_split, '['), named);
+  found.task = task;
+  return found;
+}
+
+RunDirectory find_continuous_runs(std::span<const fs::path> named, const dataset::Dataset& data,
+                                  const agents::ContinuousBenchmark& benchmark) {
+  const auto has_split = [&](const std::string& split) {
+    return std::ranges::any_of(
+        tasks::continuous_places(benchmark.form, split),
+        [&](const fs::path& place) { return file_exists(data.folder() / place); });
+  };
+  return find(Finder(data.folder(), has_split, '{'), named);
 }
 
 }  // namespace enfilade::report

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/tasks/goal.h"
 
@@ -43,10 +44,22 @@ std::optional<tasks::Task> find_task_of_runs(std::span<const std::filesystem::pa
 /// What is named: a results file "<agent>_<split>.json"; a model directory (a folder with
 /// config.json), whose results are "results/<split>.json"; or a folder with any of these, in
 /// itself, in results/ and in models/. A split is what `data` has annotations of, of that
-/// benchmark. A file of another name is passed over where a folder was named. \throws FileError for
+/// benchmark. A file of another name is passed over where a folder was named, and one of walks in
+/// continuous space. \throws FileError for
 /// what is not there; LookupError for a file whose name says no split of `data`, for one agent and
 /// split in two files, or where there is nothing at all
 RunDirectory find_runs(std::span<const std::filesystem::path> named, const dataset::Dataset& data,
                        tasks::Task task = tasks::Task::kR2r);
+
+/// The same of walks in continuous space, whose splits are those of VLN-CE's files in the folder of
+/// `data`. In a folder, results of the graph are passed over, as find_runs() does with these.
+/// \throws as find_runs()
+RunDirectory find_continuous_runs(std::span<const std::filesystem::path> named,
+                                  const dataset::Dataset& data,
+                                  const agents::ContinuousBenchmark& benchmark);
+/// The benchmark of walks in continuous space whose results are named or lie in the named folders,
+/// by their first record; none if results of the graph come first. \throws as find_task_of_runs()
+const agents::ContinuousBenchmark* find_continuous_benchmark_of_runs(
+    std::span<const std::filesystem::path> named);
 
 }  // namespace enfilade::report

@@ -71,6 +71,16 @@ constexpr auto kSoon = std::to_array<TableColumn>({
     {"detection", "found (%)", 100, 1, "det_sr"},
 });
 
+constexpr auto kContinuous = std::to_array<TableColumn>({
+    {"path_length", "TL (m)"},
+    {"distance_to_goal", "NE (m)"},
+    {"success", "SR (%)", 100, 1},
+    {"oracle_success", "OSR (%)", 100, 1},
+    {"spl", "SPL (%)", 100, 1},
+    {"ndtw", "nDTW (%)", 100, 1},
+    {"sdtw", "SDTW (%)", 100, 1},
+});
+
 constexpr const char* kNaviLlm = "README of zd11024/NaviLLM";
 constexpr const char* kNavGpt2 = "README of GengzeZhou/NavGPT-2";
 
@@ -115,6 +125,8 @@ std::span<const TableColumn> table_columns(Task task) noexcept {
   }
   return kR2r;
 }
+
+std::span<const TableColumn> continuous_columns() noexcept { return kContinuous; }
 
 // Of CVDN HAMT's: its success is to end in the region, and it needs none of the paths that files
 // without dialogues lack. Goal progress is the same in all of CVDN's scorers.

@@ -73,7 +73,7 @@ report::ResultsTable table_of(Task task) {
 // The value of a metric in a row; nothing if the table has no such column.
 std::optional<double> value(const report::ResultsTable& table, const report::TableRow& row,
                             std::string_view metric) {
-  const auto columns = report::table_columns(table.task);
+  const auto columns = table.columns;
   const auto column = std::ranges::find(columns, metric, &report::TableColumn::metric);
   if (column == columns.end()) return std::nullopt;
   return row.values.at(static_cast<std::size_t>(column - columns.begin())).mean;

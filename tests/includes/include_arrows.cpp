@@ -286,7 +286,7 @@ const Arrows& direct_arrows() {
       {"agents", {"sim", "continuous", "render", "tasks"}},
       {"models", {"features", "tasks"}},
       {"neural", {"agents", "dataset", "models"}},
-      {"report", {"dataset", "draw", "models"}},
+      {"report", {"agents", "dataset", "draw", "models"}},
       {"exports", {"dataset", "features", "capture", "agents"}},
       {"service", {"dataset", "draw", "homes"}},
   };

@@ -28,14 +28,6 @@ const tasks::ContinuousEpisode* find_episode(const tasks::ContinuousEpisodes& ep
   return nullptr;
 }
 
-std::vector<Vec3d> points_of(const tasks::ContinuousResult& walk) {
-  std::vector<Vec3d> points;
-  for (const Vec3f p : walk.positions) {
-    if (points.empty() || points.back() != to_double(p)) points.push_back(to_double(p));
-  }
-  return points;
-}
-
 std::vector<draw::WalkedLine> lines_of(const tasks::ContinuousEpisodes& episodes,
                                        const tasks::ContinuousEpisode& episode,
                                        const Options& options) {
@@ -47,7 +39,8 @@ std::vector<draw::WalkedLine> lines_of(const tasks::ContinuousEpisodes& episodes
     bool there = false;
     for (const tasks::ContinuousResult& walk : walks) {
       if (&episodes.episodes.at(walk.episode) != &episode) continue;
-      lines.push_back({Role::kAgent, points_of(walk), std::filesystem::path(file).stem().string()});
+      lines.push_back({Role::kAgent, draw::walked_points(walk.positions),
+                       std::filesystem::path(file).stem().string()});
       there = true;
     }
     if (!there) {

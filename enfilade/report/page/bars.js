@@ -49,8 +49,8 @@ function drawErrors(section, data) {
   const all = agents.flatMap((a) => validation(a.splits).map((split) => a.splits[split]));
   const last = lastBin(all);
   const splits = new Set(agents.flatMap((a) => validation(a.splits)));
-  section.append(paragraph('The distance along the graph from where the agent stopped to the ' +
-    `goal. ${data.errors.rule}`, 'lead'), legend(splits, 'val_seen'));
+  section.append(paragraph(`The distance ${data.errors.measured} from where the agent ` +
+    `stopped to the goal. ${data.errors.rule}`, 'lead'), legend(splits, 'val_seen'));
   const panels = element('div', {class: 'panels'});
   for (const agent of agents) {
     const chart = makeChart({

@@ -3,18 +3,20 @@
 // Puts the page together. What fails is said in its place and at the top, so that a test, or a
 // reader, sees it.
 
+// Address, title, how it is drawn, and the data without which it is left out.
 const kSections = [
-  ['results', 'Results', drawResults],
-  ['training', 'Training', drawCurves],
-  ['errors', 'Where agents stop', drawErrors],
-  ['length', 'Success by path length', drawByLength],
-  ['episodes', 'Episodes', drawGallery],
-  ['plans', 'Floor plans', drawPlans],
-  ['examples', 'Instructions', drawExamples],
-  ['buildings', 'Buildings', drawPanoramas],
-  ['lengths', 'Lengths', drawLengths],
-  ['words', 'First words', drawWords],
-  ['settings', 'Settings', drawSettings],
+  ['results', 'Results', drawResults, 'table'],
+  ['training', 'Training', drawCurves, 'curves'],
+  ['errors', 'Where agents stop', drawErrors, 'errors'],
+  ['length', 'Success by path length', drawByLength, 'byLength'],
+  ['episodes', 'Episodes', drawGallery, 'gallery'],
+  ['plans', 'Floor plans', drawPlans, 'plans'],
+  ['walks', 'Walks', drawWalks, 'walks'],
+  ['examples', 'Instructions', drawExamples, 'examples'],
+  ['buildings', 'Buildings', drawPanoramas, 'panoramas'],
+  ['lengths', 'Lengths', drawLengths, 'lengths'],
+  ['words', 'First words', drawWords, 'words'],
+  ['settings', 'Settings', drawSettings, 'about'],
 ];
 
 const failures = [];
@@ -73,7 +75,8 @@ function drawPage() {
   drawHead(data.about);
   const sections = document.getElementById('sections');
   const contents = document.getElementById('contents');
-  for (const [id, title, draw] of kSections) {
+  for (const [id, title, draw, needs] of kSections) {
+    if (!(needs in data)) continue;
     const section = element('section', {id}, element('h2', {}, title));
     sections.append(section);
     contents.append(element('a', {href: `#${id}`}, title));

@@ -64,3 +64,24 @@ function drawPlans(section, data) {
   }
   section.append(list);
 }
+
+// Of walks in continuous space: a map from above with the lines of all agents.
+function drawWalks(section, data) {
+  const part = data.walks;
+  if (part.missing) {
+    section.append(missing(part.missing));
+    return;
+  }
+  section.append(paragraph(`Episodes of ${part.split}: the reference path as a band with the ring ` +
+    'of success at its end, each agent’s way as a line that darkens with time. Best and worst are ' +
+    `by where ${agentName(part.agent)} stopped.`, 'lead'));
+  const list = element('div', {class: 'pictures'});
+  for (const walk of part.walks) {
+    list.append(element('figure', {class: 'plan'},
+      picture(walk.picture, `Map of ${walk.scan} from above with the walks of episode ${walk.episode}`),
+      element('figcaption', {}, `${walk.kind}: ${walk.scan}, episode ${walk.episode}: ` +
+        walk.agents.map((one) => `${agentName(one.agent)} ${one.distance === null ? 'out of reach'
+          : `${one.distance.toFixed(1)} m`}${one.success ? ', success' : ''}`).join('; '))));
+  }
+  section.append(list);
+}

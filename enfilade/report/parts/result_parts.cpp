@@ -21,11 +21,11 @@ constexpr std::size_t kPoints = 400;  // of a curve, at most: charts have few mo
 constexpr std::size_t kFewestPaths = 5;
 
 // All agents but "shortest", in their order: [{"agent", "splits": {split: one(runs)}}].
-template <class One>
-Json by_agent(const ScoredRuns& scored, const One& one) {
+template <class Run, class One>
+Json by_agent(const std::vector<Run>& all_runs, const One& one) {
   std::vector<std::string> agents;
-  std::map<std::string, std::map<std::string, std::vector<const ScoredRun*>>> groups;
-  for (const ScoredRun& run : scored.runs) {
+  std::map<std::string, std::map<std::string, std::vector<const Run*>>> groups;
+  for (const Run& run : all_runs) {
     const std::string agent(without_seed(run.agent));
     if (agent == "shortest" || agent == "reference") continue;
     if (!groups.contains(agent)) agents.push_back(agent);
@@ -146,7 +146,7 @@ std::vector<CurvePoint> training_curve(std::span<const models::TrainRecord> reco
 }
 
 Json errors_part(const ScoredRuns& scored) {
-  Json part = by_agent(scored, [](const std::vector<const ScoredRun*>& runs) {
+  Json part = by_agent(scored.runs, [](const std::vector<const ScoredRun*>& runs) {
     Histogram histogram{1, {}, 0};
     for (const ScoredRun* run : runs) {
       for (const tasks::EpisodeMetrics& m : run->scores.ours.episodes) {
@@ -155,14 +155,31 @@ Json errors_part(const ScoredRuns& scored) {
     }
     return to_json(histogram);
   });
+  part["measured"] = "along the graph";
   const bool near = ends_near(scored.task);
   part["rule"] = rule_of(scored.task);
   part["radius"] = near ? Json(tasks::MetricOptions{}.success_distance) : Json(nullptr);
   return part;
 }
 
+Json errors_part(const ContinuousRuns& scored) {
+  Json part = by_agent(scored.runs, [](const std::vector<const ContinuousRun*>& runs) {
+    Histogram histogram{1, {}, 0};
+    for (const ContinuousRun* run : runs) {
+      for (const tasks::ContinuousScore& score : run->scores) {
+        if (std::isfinite(score.distance_to_goal)) histogram.add(score.distance_to_goal);
+      }
+    }
+    return to_json(histogram);
+  });
+  part["measured"] = "along the floor";
+  part["rule"] = "An episode succeeds if the agent says stop and it is less than 3 m.";
+  part["radius"] = 3.0;
+  return part;
+}
+
 Json by_length_part(const ScoredRuns& scored) {
-  return by_agent(scored, [&scored](const std::vector<const ScoredRun*>& runs) {
+  return by_agent(scored.runs, [&scored](const std::vector<const ScoredRun*>& runs) {
     return success_by_length(runs, scored);
   });
 }
