@@ -33,7 +33,7 @@ struct Options {
   std::string features, logits, type = "f32", boxes, meshes;
   std::size_t most_objects = exports::kMostObjects;
   bool nested = false;
-  std::string task = "r2r-ce", split = "train";
+  std::string task = "r2r-ce", split = "train", appearance = "mesh";
   int quality = exports::ViewPicturesOptions().quality;
   int threads = 0;
 };
@@ -214,11 +214,12 @@ void write_walks(const Options& options, const dataset::Dataset& data, const fs:
   pictures.quality = options.quality;
   pictures.data = benchmark.form == tasks::ContinuousForm::kRxr ? "rxr" : "r2r";
   const MeshSource meshes{.folder = options.meshes, .up = "format"};
-  const auto scene_of = [&](const std::string& scan) {
-    return scene_of_scan(data, meshes, scan, options.threads);
+  pictures.appearance = continuous::parse_appearance(options.appearance).value();
+  const auto look_of = [&](const std::string& scan) {
+    return look_of_scan(data, meshes, scan, pictures.appearance, options.threads);
   };
   const exports::WalkReport report =
-      kWrite({episodes, buildings, benchmark.simulator, scene_of}, to, pictures, told(options));
+      kWrite({episodes, buildings, benchmark.simulator, look_of}, to, pictures, told(options));
   fmt::print("{}: {} walks with {} pictures, of which {} walks were there; {} are too long\n",
              to.string(), report.episodes, report.pictures, report.kept, report.too_long);
   if (data.synthetic()) fmt::print("SYNTHETIC: model homes made by Enfilade.\n");
@@ -358,6 +359,7 @@ void add_details(CLI::App& verb, Options& options) {
   add_setting(verb, "--task", options.task, "NAME", "Of walks: streamvln, navila, lerobot, vlnce",
               CLI::IsMember({"r2r-ce", "rxr-ce"}));
   add_setting(verb, "--split", options.split, "NAME", "Of walks, likewise");
+  add_appearance_option(verb, options.appearance);
 }
 
 }  // namespace

@@ -35,6 +35,7 @@ void add_study(CLI::App& app, int& status);          ///< success by number of h
 void add_submit(CLI::App& app, int& status);         ///< sends results to a server
 void add_synth(CLI::App& app, int& status);          ///< model homes without pictures
 void add_table(CLI::App& app, int& status);          ///< a table of runs' scores, as in the paper
+void add_filmstrip(CLI::App& app, int& status);      ///< what was seen on a walk in a mesh
 void add_top_down(CLI::App& app, int& status);       ///< a floor from above, with walks
 void add_train(CLI::App& app, int& status);          ///< trains the sequence-to-sequence agent
 

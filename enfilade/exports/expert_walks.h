@@ -7,7 +7,7 @@
 #include <string>
 
 #include "enfilade/continuous/buildings.h"
-#include "enfilade/continuous/scene.h"
+#include "enfilade/continuous/eyes.h"
 #include "enfilade/continuous/simulator.h"
 #include "enfilade/exports/options.h"
 #include "enfilade/geometry/camera.h"
@@ -15,8 +15,14 @@
 
 namespace enfilade::exports {
 
-/// What a building looks like. Called once a scan, from one thread.
-using SceneOfScan = std::function<std::shared_ptr<const continuous::Scene>(const std::string&)>;
+/// What a building looks like.
+struct BuildingLook {
+  std::shared_ptr<const continuous::Scene> scene;
+  /// Of that scene: pixels take their colours from them where they see; null: the mesh's own.
+  std::shared_ptr<const continuous::Photographs> photographs = nullptr;
+};
+/// Called once a scan, from one thread.
+using LookOfScan = std::function<BuildingLook(const std::string&)>;
 
 /// Where an expert walks: along each episode's reference path, within 0.5 m of points on the way
 /// and 0.25 m of the end, as VLN-CE's experts do.
@@ -24,7 +30,7 @@ struct ExpertWalks {
   const tasks::ContinuousEpisodes& episodes;
   std::shared_ptr<const continuous::Buildings> buildings;
   continuous::SimulatorConfig simulator;
-  SceneOfScan scene_of;
+  LookOfScan look_of;
 };
 
 /// What the pictures are like, and which walks are taken.
@@ -34,6 +40,8 @@ struct WalkPictures {
   int quality = 90;                ///< of JPEG, 1 to 100
   std::size_t most_actions = 498;  ///< longer walks are left out, as StreamVLN's data do
   std::string data = "r2r";        ///< "r2r" or "rxr": in names of folders
+  /// Where colours come from; look_of() has photographs for kPanoramas.
+  continuous::Appearance appearance = continuous::Appearance::kMesh;
 };
 
 /// How much was done.

@@ -48,7 +48,9 @@ struct World {
   }
   ExpertWalks walks() const {
     return {episodes, buildings, continuous::SimulatorConfig::room_to_room(),
-            [this](const std::string&) { return continuous::Scene::photographed(tracer); }};
+            [this](const std::string&) {
+              return BuildingLook{continuous::Scene::photographed(tracer)};
+            }};
   }
   WalkReport write(const fs::path& folder, const WalkPictures& pictures = small()) const {
     return write_streamvln(walks(), folder, pictures);
@@ -111,6 +113,14 @@ TEST(StreamVln, RefusesOtherPicturesInAFolder) {
   WalkPictures other = World::small();
   other.camera.width = 80;
   EXPECT_THROW(world.write(folder.path(), other), FileError);
+}
+
+TEST(StreamVln, WantsPhotographsForTheirAppearance) {
+  const World world;
+  const tests::TemporaryFolder folder("streamvln");
+  WalkPictures panoramas = World::small();
+  panoramas.appearance = continuous::Appearance::kPanoramas;
+  EXPECT_THROW(world.write(folder.path(), panoramas), ArgumentError);
 }
 
 TEST(StreamVln, LeavesOutLongWalksAndRefusesHiddenPaths) {

@@ -15,7 +15,8 @@ std::vector<Case> command_line_cases() {
       line("a verb that is none", "fly", 2,
            "\"fly\" is none of its verbs: contact-sheet, continuous, convert, dataset, demo, "
            "doctor, evaluate, "
-           "export, features, graph, homes, import, import-weights, pack, panorama, pretrain, r4r, "
+           "export, features, filmstrip, graph, homes, import, import-weights, pack, panorama, "
+           "pretrain, r4r, "
            "render, report, run, sample, scan-mesh, score, serve, speak, stats, study, submit, "
            "synth, "
            "table, top-down, train"),

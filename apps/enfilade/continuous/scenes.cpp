@@ -37,4 +37,30 @@ std::shared_ptr<const continuous::Scene> scene_of_scan(const dataset::Dataset& d
   return continuous::Scene::open(found->file, options);
 }
 
+exports::BuildingLook look_of_scan(const dataset::Dataset& data, const MeshSource& source,
+                                   const std::string& scan, continuous::Appearance appearance,
+                                   int threads) {
+  exports::BuildingLook look{scene_of_scan(data, source, scan, threads)};
+  if (appearance == continuous::Appearance::kMesh) return look;
+  const auto& panoramas = data.panoramas();
+  const auto index = panoramas->find(scan);
+  if (!index) {
+    throw UsageError(fmt::format("--appearance panoramas: {} has no panoramas of scan {}",
+                                 data.folder().string(), scan));
+  }
+  try {
+    look.photographs =
+        std::make_shared<const continuous::Photographs>(panoramas, *index, look.scene);
+  } catch (const LookupError& error) {
+    throw UsageError(fmt::format("--appearance panoramas: {}", error.what()));
+  }
+  return look;
+}
+
+void add_appearance_option(CLI::App& verb, std::string& appearance) {
+  add_setting(verb, "--appearance", appearance, "NAME",
+              "Where colours come from: mesh, or panoramas, where they see what is shown",
+              CLI::IsMember({"mesh", "panoramas"}));
+}
+
 }  // namespace enfilade::apps

@@ -5,6 +5,7 @@
 
 #include "apps/enfilade/continuous/floors.h"
 #include "enfilade/continuous/scene.h"
+#include "enfilade/exports/expert_walks.h"
 
 namespace enfilade::apps {
 
@@ -13,5 +14,14 @@ namespace enfilade::apps {
 std::shared_ptr<const continuous::Scene> scene_of_scan(const dataset::Dataset& data,
                                                        const MeshSource& source,
                                                        const std::string& scan, int threads);
+
+/// The same with the scan's panoramas, where `appearance` asks for them. \throws UsageError if the
+/// scan has none; as scene_of_scan()
+exports::BuildingLook look_of_scan(const dataset::Dataset& data, const MeshSource& source,
+                                   const std::string& scan, continuous::Appearance appearance,
+                                   int threads);
+
+/// --appearance, "mesh" or "panoramas"
+void add_appearance_option(CLI::App& verb, std::string& appearance);
 
 }  // namespace enfilade::apps

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/continuous/walked_episode.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/continuous/buildings.h"
@@ -20,14 +21,6 @@ struct Options {
   std::vector<std::string> results;
 };
 
-const tasks::ContinuousEpisode* find_episode(const tasks::ContinuousEpisodes& episodes,
-                                             const std::string& id) {
-  for (const tasks::ContinuousEpisode& e : episodes.episodes) {
-    if (tasks::text_of(e.id) == id) return &e;
-  }
-  return nullptr;
-}
-
 std::vector<draw::WalkedLine> lines_of(const tasks::ContinuousEpisodes& episodes,
                                        const tasks::ContinuousEpisode& episode,
                                        const Options& options) {
@@ -35,17 +28,9 @@ std::vector<draw::WalkedLine> lines_of(const tasks::ContinuousEpisodes& episodes
   std::vector<draw::WalkedLine> lines;
   if (episode.reference_path) lines.push_back({Role::kReference, *episode.reference_path, ""});
   for (const std::string& file : options.results) {
-    const auto walks = tasks::load_continuous_results(file, episodes, tasks::Coverage::kPart);
-    bool there = false;
-    for (const tasks::ContinuousResult& walk : walks) {
-      if (&episodes.episodes.at(walk.episode) != &episode) continue;
-      lines.push_back({Role::kAgent, draw::walked_points(walk.positions),
-                       std::filesystem::path(file).stem().string()});
-      there = true;
-    }
-    if (!there) {
-      throw UsageError(fmt::format("{}: has no walk of episode {}", file, options.what));
-    }
+    const tasks::ContinuousResult walk = walk_of(file, episodes, episode);
+    lines.push_back({Role::kAgent, draw::walked_points(walk.positions),
+                     std::filesystem::path(file).stem().string()});
   }
   return lines;
 }

@@ -30,16 +30,19 @@ constexpr std::size_t kViewsAtOnce = 16;
 // What would change the pictures.
 std::string description(std::string_view form, const WalkPictures& o,
                         const continuous::SimulatorConfig& s) {
-  return nlohmann::ordered_json{
-             {"form", form},
-             {"width", o.camera.width},
-             {"height", o.camera.height},
-             {"vertical_field_of_view", to_degrees(o.camera.vertical_field_of_view)},
-             {"quality", o.quality},
-             {"eye_height", s.eye_height},
-             {"data", o.data}}
-             .dump(1) +
-         "\n";
+  nlohmann::ordered_json all{
+      {"form", form},
+      {"width", o.camera.width},
+      {"height", o.camera.height},
+      {"vertical_field_of_view", to_degrees(o.camera.vertical_field_of_view)},
+      {"quality", o.quality},
+      {"eye_height", s.eye_height},
+      {"data", o.data}};
+  // Folders of before there was a choice are the mesh's, and can be completed.
+  if (o.appearance != continuous::Appearance::kMesh) {
+    all["appearance"] = continuous::to_string(o.appearance);
+  }
+  return all.dump(1) + "\n";
 }
 
 void claim_folder(const fs::path& folder, const std::string& is) {
@@ -177,9 +180,14 @@ WalkReport draw_walks(const Walked& walked, const ExpertWalks& walks, const Walk
     }
   }
   for (const auto& [scan, list] : missing) {
-    const std::shared_ptr<const continuous::Scene> scene = walks.scene_of(scan);
+    const BuildingLook look = walks.look_of(scan);
+    const bool panoramas = pictures.appearance == continuous::Appearance::kPanoramas;
+    if (panoramas != (look.photographs != nullptr)) {
+      throw ArgumentError(fmt::format("{}: its look does not fit the appearance \"{}\"", scan,
+                                      continuous::to_string(pictures.appearance)));
+    }
     parallel_for(list.size(), 1, options.threads, [&](std::size_t first, std::size_t last) {
-      continuous::Eyes eyes({scene}, {.threads = 1});
+      continuous::Eyes eyes({look.scene}, {.threads = 1, .photographs = {look.photographs}});
       for (std::size_t i = first; i < last; ++i) {
         const std::size_t k = list[i];
         store.write(

@@ -1,0 +1,168 @@
+// enfilade filmstrip: what an agent saw on a walk in the continuous world.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/continuous/scenes.h"
+#include "apps/enfilade/continuous/walked_episode.h"
+#include "apps/enfilade/picture_files.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/agents/continuous_run.h"
+#include "enfilade/continuous/eyes.h"
+#include "enfilade/draw/contact_sheet.h"
+
+namespace enfilade::apps {
+namespace {
+
+struct Options {
+  std::string episode, data, task = "r2r-ce", split = "val_unseen", results, meshes;
+  std::string output = "walk.jpg", thumb = "320x240", appearance = "mesh";
+  double vfov = 63.4534;  // 79 degrees from left to right at 4 : 3
+  std::size_t pictures = 12, columns = 0;
+  int threads = 0;
+};
+
+// The expert's walk along the reference path.
+tasks::ContinuousResult expert_walk(const tasks::ContinuousEpisodes& episodes,
+                                    const tasks::ContinuousEpisode& episode,
+                                    const std::shared_ptr<const continuous::Buildings>& buildings,
+                                    const agents::ContinuousBenchmark& benchmark) {
+  tasks::ContinuousEpisodes one = episodes;
+  one.episodes = {episode};
+  if (!episode.reference_path) {
+    throw UsageError(
+        fmt::format("episode {} of {} has no reference path for an expert; give "
+                    "--results FILE",
+                    tasks::text_of(episode.id), episodes.split));
+  }
+  const auto expert = agents::make_continuous_agent("reference");
+  return agents::run_continuous(*expert, one, buildings, {.simulator = benchmark.simulator})
+      .front();
+}
+
+// "12: forward"; the last pose has no action after it.
+std::string caption(const tasks::ContinuousResult& walk, std::size_t k) {
+  constexpr std::array<std::string_view, 6> kNames{"stop",  "forward", "left",
+                                                   "right", "up",      "down"};
+  if (k >= walk.actions.size()) return fmt::format("{}", k);
+  return fmt::format("{}: {}", k, kNames.at(walk.actions[k]));
+}
+
+// So many poses, evenly spread, the first and the one before the last action among them.
+std::vector<std::size_t> chosen_poses(const tasks::ContinuousResult& walk, std::size_t count) {
+  const std::size_t last = std::max<std::size_t>(walk.actions.size(), 1) - 1;
+  if (last + 1 <= count) count = last + 1;
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < count; ++i) {
+    chosen.push_back(count == 1 ? 0 : (i * last + (count - 1) / 2) / (count - 1));
+  }
+  return chosen;
+}
+
+std::vector<draw::SheetPicture> draw_poses(const tasks::ContinuousResult& walk,
+                                           const std::vector<std::size_t>& poses,
+                                           const exports::BuildingLook& look, const Camera& camera,
+                                           double eye_height, int threads) {
+  continuous::Eyes eyes({look.scene}, {.threads = threads, .photographs = {look.photographs}});
+  std::vector<continuous::MeshView> views;
+  for (const std::size_t k : poses) {
+    Vec3d eye = to_double(walk.positions[k]);
+    eye.z += eye_height;
+    views.push_back(
+        {.building = 0, .eye = eye, .heading = walk.headings[k], .elevation = Radians(0)});
+  }
+  const std::size_t bytes = std::size_t{3} * camera.width * camera.height;
+  std::vector<std::byte> pixels(views.size() * bytes);
+  render::Outputs outputs;
+  outputs.colour = render::ColourOutput{render::ColourFormat::kRgb8, {}, pixels};
+  eyes.render(camera, views, outputs);
+  std::vector<draw::SheetPicture> pictures;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    image::Image8 picture(camera.width, camera.height, 3);
+    std::transform(pixels.begin() + static_cast<std::ptrdiff_t>(i * bytes),
+                   pixels.begin() + static_cast<std::ptrdiff_t>((i + 1) * bytes),
+                   picture.pixels.begin(),
+                   [](std::byte b) { return static_cast<std::uint8_t>(b); });
+    pictures.push_back({std::move(picture), caption(walk, poses[i])});
+  }
+  return pictures;
+}
+
+void draw_strip(const Options& options) {
+  (void)picture_files({.file = options.output});  // throws if the name is not that of a picture
+  const Size thumb = parse_size("--thumb", options.thumb);
+  validate_field_of_view(options.vfov);
+  const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(options.task);
+  const dataset::Dataset data = open_data(options.data);
+  const tasks::ContinuousEpisodes episodes =
+      agents::load_continuous_split(benchmark, data.folder(), options.split);
+  const tasks::ContinuousEpisode* episode = find_episode(episodes, options.episode);
+  if (episode == nullptr) {
+    throw UsageError(
+        fmt::format("{}: no episode of {} {}", options.episode, benchmark.name, options.split));
+  }
+  const tasks::ContinuousResult walk =
+      options.results.empty() ? expert_walk(episodes, *episode,
+                                            std::make_shared<const continuous::Buildings>(
+                                                data.folder() / benchmark.navigation_folder()),
+                                            benchmark)
+                              : walk_of(options.results, episodes, *episode);
+  if (walk.headings.empty()) {
+    throw UsageError(
+        fmt::format("{}: results in RxR's form have no headings; write them with "
+                    "`run --task r2r-ce`, or draw the expert's walk",
+                    options.results));
+  }
+  const std::string scan(episode->scan());
+  const exports::BuildingLook look =
+      look_of_scan(data, {.folder = options.meshes, .up = "format"}, scan,
+                   continuous::parse_appearance(options.appearance).value(), options.threads);
+  const auto pictures = draw_poses(walk, chosen_poses(walk, options.pictures), look,
+                                   {thumb.width, thumb.height, degrees(options.vfov)},
+                                   benchmark.simulator.eye_height, options.threads);
+  const std::string title =
+      fmt::format("{}{}, episode {} of {}: {}", scan, data.synthetic() ? " (SYNTHETIC)" : "",
+                  options.episode, options.split, episode->instruction.text);
+  const image::Image8 sheet =
+      draw::contact_sheet(pictures, {.columns = options.columns, .title = title});
+  write_picture(options.output, encode(sheet, options.output));
+}
+
+}  // namespace
+
+void add_filmstrip(CLI::App& app, int& /*status*/) {
+  CLI::App& verb = *app.add_subcommand(
+      "filmstrip", "Draw what an agent saw on a walk in the continuous world, as small pictures");
+  const auto options = std::make_shared<Options>();
+  add_value(verb, "episode", options->episode, "EPISODE", "An episode's id")->required();
+  add_data_option(verb, options->data);
+  add_setting(verb, "--task", options->task, "NAME", "r2r-ce or rxr-ce",
+              CLI::IsMember({"r2r-ce", "rxr-ce"}));
+  add_setting(verb, "--split", options->split, "NAME", "Of the episode");
+  add_value(verb, "--results", options->results, "FILE",
+            "Results of `run --task r2r-ce`: whose walk is drawn (default: an expert's)");
+  add_setting(verb, "-o,--output", options->output, "FILE",
+              "PNG or JPEG file; - for standard output");
+  add_whole_number(verb, "--pictures", options->pictures, "How many, evenly spread over the walk",
+                   1)
+      ->type_name("N");
+  add_value(verb, "--columns", options->columns, "N", "Pictures in a row (default: chosen to fit)")
+      ->check(whole_number(1));
+  add_setting(verb, "--thumb", options->thumb, "WxH", "Size of a picture, pixels");
+  add_field_of_view_option(verb, options->vfov);
+  add_appearance_option(verb, options->appearance);
+  add_value(verb, "--meshes", options->meshes, "DIR",
+            "Draw SCAN.glb, .obj or .ply of this folder instead of the data set's mesh");
+  add_threads_option(verb, options->threads);
+  set_examples(verb, {"enfilade filmstrip 12 --data homes --results walks.json -o walk.jpg",
+                      "enfilade filmstrip 12 --data homes --pictures 24 --appearance panoramas"});
+  verb.callback([options] { draw_strip(*options); });
+}
+
+}  // namespace enfilade::apps
