@@ -12,6 +12,7 @@
 #include "enfilade/continuous/buildings.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
+#include "enfilade/dataset/mesh_files.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/homes/home_floor.h"
 #include "enfilade/homes/home_set.h"
@@ -20,30 +21,6 @@ namespace enfilade::apps {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::optional<MeshFile> in_folder(const fs::path& folder, const std::string& scan,
-                                  const std::string& glb_up) {
-  for (const char* suffix : {".glb", ".gltf", ".obj", ".ply"}) {
-    for (const fs::path& file : {folder / (scan + suffix), folder / scan / (scan + suffix)}) {
-      if (file_exists(file)) return MeshFile{file, suffix[1] == 'g' ? glb_up : "format"};
-    }
-  }
-  return std::nullopt;
-}
-
-// Matterport3D's own OBJ has a name of its own in a folder of that name.
-std::optional<MeshFile> of_matterport(const fs::path& data, const std::string& scan) {
-  for (const char* scans : {"v1/scans", "scans", "data/v1/scans"}) {
-    const fs::path folder = data / scans / scan / "matterport_mesh";
-    std::error_code none;
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder, none)) {
-      if (entry.path().extension() == ".obj") files.push_back(entry.path());
-    }
-    if (!files.empty()) return MeshFile{*std::ranges::min_element(files), "format"};
-  }
-  return std::nullopt;
-}
 
 // Around the viewpoints: what lies farther cannot be part of an episode.
 mesh::Box around(const graph::NavGraph& graph) {
@@ -160,13 +137,10 @@ class Maker {
 
 std::optional<MeshFile> find_mesh_file(const fs::path& data, const MeshSource& source,
                                        const std::string& scan) {
-  if (!source.folder.empty()) return in_folder(source.folder, scan, "format");
-  // Habitat's copies of Matterport3D keep z up, against glTF's convention.
-  for (const char* folder : {"mp3d", "scene_datasets/mp3d", "data/scene_datasets/mp3d"}) {
-    if (auto found = in_folder(data / folder, scan, "z")) return found;
-  }
-  if (auto found = of_matterport(data, scan)) return found;
-  return in_folder(data / "meshes", scan, "format");
+  const auto found = source.folder.empty() ? dataset::find_mesh_file(data, scan)
+                                           : dataset::find_mesh_in(source.folder, scan);
+  if (!found) return std::nullopt;
+  return MeshFile{found->file, found->up == mesh::UpAxis::kZ ? "z" : "format"};
 }
 
 FloorsReport make_floors(const dataset::Dataset& data, const agents::ContinuousBenchmark& benchmark,
