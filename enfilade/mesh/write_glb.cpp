@@ -1,3 +1,5 @@
+#include "enfilade/mesh/write_glb.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -249,8 +251,10 @@ class GlbWriter {
 
 }  // namespace
 
+std::string to_glb(const Mesh& mesh) { return GlbWriter(mesh).write(); }
+
 void write_glb(const Mesh& mesh, const std::filesystem::path& file) {
-  write_file_atomically(file, GlbWriter(mesh).write());
+  write_file_atomically(file, to_glb(mesh));
 }
 
 }  // namespace enfilade::mesh
