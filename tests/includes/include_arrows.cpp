@@ -288,7 +288,7 @@ const Arrows& direct_arrows() {
       {"neural", {"agents", "dataset", "models"}},
       {"report", {"agents", "dataset", "draw", "models"}},
       {"exports", {"dataset", "features", "capture", "agents"}},
-      {"service", {"dataset", "draw", "homes"}},
+      {"service", {"agents", "dataset", "draw", "homes"}},
   };
   return kArrows;
 }

@@ -37,7 +37,8 @@ export function parseLink(hash: string): Place | undefined {
 /** Its inverse, to a tenth of a degree. */
 export function formatLink(place: Place): string {
   const tenth = (radians: number) => String(Math.round(toDegrees(radians) * 10) / 10);
-  const parts = [place.scan, place.viewpoint ?? ''].map(encodeURIComponent);
+  // "@1.2,3,0", a point in the viewpoint's place, stays as it reads.
+  const parts = [place.scan, place.viewpoint ?? ''].map((part) => encodeURIComponent(part).replaceAll('%40', '@').replaceAll('%2C', ','));
   if (place.heading !== undefined) parts.push(tenth(place.heading));
   if (place.elevation !== undefined) parts.push(tenth(place.elevation));
   return `#${parts.join('/')}`;

@@ -25,6 +25,8 @@ export interface Storey {
 export interface Scan {
   readonly scan: string;
   readonly synthetic: boolean;
+  /** Whether one can walk freely in it: /roam. */
+  readonly roam?: boolean;
   readonly storeys: readonly Storey[];
   readonly viewpoints: readonly Viewpoint[];
 }

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import type { PlanStorey, Room } from '../src/scan.ts';
 import { things, wallsOf } from '../src/viewer/house_shape.ts';
-import { roundLength } from '../src/viewer/mini_map.ts';
+import { roundLength } from '../src/viewer/plan_shapes.ts';
 
 const room: Room = { name: 'kitchen', storey: 0, floor: 0, outline: [0, 0, 4, 0, 4, 3, 0, 3], viewpoints: [] };
 /** Walls all around but for x from 1 to 2 in the south; a window in the north from 1 to 3. */

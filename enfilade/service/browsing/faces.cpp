@@ -45,10 +45,16 @@ FaceFiles make_files(const scan::PanoramaSource& source, ViewpointIndex viewpoin
   return files;
 }
 
+std::size_t bytes_of(const FaceFiles& files) {
+  std::size_t bytes = 0;
+  for (const auto& file : files) bytes += file == nullptr ? 0 : file->size();
+  return bytes;
+}
+
 }  // namespace
 
 Faces::Faces(const scan::PanoramaSet& panoramas, std::size_t most_bytes)
-    : panoramas_(panoramas), most_bytes_(most_bytes) {}
+    : panoramas_(panoramas), kept_(most_bytes, bytes_of) {}
 
 FaceFiles Faces::get(ScanIndex scan, ViewpointIndex viewpoint, scan::Layer layer) {
   return find_or_make({scan, viewpoint,
@@ -91,50 +97,7 @@ FaceFiles Faces::make(const Key& key) const {
 }
 
 FaceFiles Faces::find_or_make(const Key& key) {
-  std::promise<FaceFiles> promise;
-  std::shared_future<FaceFiles> files;
-  bool first = false;
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto found = entries_.find(key);
-    first = found == entries_.end();
-    if (first) {
-      files = promise.get_future().share();
-      by_use_.push_front(key);
-      entries_.emplace(key, Entry{files, 0, by_use_.begin()});
-    } else {
-      files = found->second.files;
-      by_use_.splice(by_use_.begin(), by_use_, found->second.use);
-    }
-  }
-  if (!first) return files.get();
-  try {
-    FaceFiles made = make(key);
-    promise.set_value(std::move(made));
-    add_bytes(key, files.get());
-  } catch (...) {  // requests that wait get the exception too; later ones try again
-    promise.set_exception(std::current_exception());
-    const std::scoped_lock lock(mutex_);
-    const auto found = entries_.find(key);
-    by_use_.erase(found->second.use);
-    entries_.erase(found);
-  }
-  return files.get();
-}
-
-void Faces::add_bytes(const Key& key, const FaceFiles& files) {
-  const std::scoped_lock lock(mutex_);
-  Entry& entry = entries_.find(key)->second;
-  for (const auto& file : files) entry.bytes += file == nullptr ? 0 : file->size();
-  bytes_ += entry.bytes;
-  // Entries that are being made count as 0 bytes, and must stay until they are filled.
-  for (auto use = by_use_.end(); bytes_ > most_bytes_ && use != by_use_.begin();) {
-    const auto oldest = entries_.find(*--use);
-    if (oldest->second.bytes == 0 || oldest->first == key) continue;
-    bytes_ -= oldest->second.bytes;
-    entries_.erase(oldest);
-    use = by_use_.erase(use);
-  }
+  return kept_.get(key, [&] { return make(key); });
 }
 
 std::string Faces::version(ScanIndex scan) {

@@ -2,8 +2,6 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <future>
-#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -12,6 +10,7 @@
 
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/scan/panorama_set.h"
+#include "enfilade/service/detail/kept.h"
 
 namespace enfilade::service::browsing {
 
@@ -39,21 +38,12 @@ class Faces {
  private:
   enum class Kind : std::uint8_t { kColour, kDepth, kClass, kDistances, kLegends };
   using Key = std::tuple<ScanIndex, ViewpointIndex, Kind>;
-  struct Entry {
-    std::shared_future<FaceFiles> files;  // made by the first request; of one file, the first only
-    std::size_t bytes = 0;                // 0 while being made
-    std::list<Key>::iterator use;
-  };
   FaceFiles find_or_make(const Key& key);
   FaceFiles make(const Key& key) const;
-  void add_bytes(const Key& key, const FaceFiles& files);
 
   const scan::PanoramaSet& panoramas_;
-  std::size_t most_bytes_;
+  detail::Kept<Key, FaceFiles> kept_;  // what has one file only has it first
   std::mutex mutex_;
-  std::size_t bytes_ = 0;
-  std::list<Key> by_use_;  // latest first
-  std::map<Key, Entry> entries_;
   std::map<ScanIndex, std::string> versions_;
 };
 

@@ -9,6 +9,7 @@
 
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/service/browsing/episode_json.h"
+#include "enfilade/service/browsing/roaming.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/instruction_ids.h"
 
@@ -61,6 +62,7 @@ std::map<std::string, std::size_t> count_instructions(const Site& site) {
 ordered_json scan_list_json(const Site& site) {
   auto list = ordered_json::array();
   auto instructions = count_instructions(site);
+  const auto to_roam = scans_to_roam(site);
   for (std::size_t s = 0; s < site.graphs().size(); ++s) {
     const graph::NavGraph& graph = site.graphs().graph(ScanIndex(s));
     ordered_json one{{"scan", graph.scan()},
@@ -68,7 +70,8 @@ ordered_json scan_list_json(const Site& site) {
                      {"edges", graph.edge_count() / 2},
                      {"storeys", draw::find_storeys(graph).size()},
                      {"instructions", instructions[std::string(graph.scan())]},
-                     {"pictures", site.panoramas().find_source(ScanIndex(s)) != nullptr}};
+                     {"pictures", site.panoramas().find_source(ScanIndex(s)) != nullptr},
+                     {"roam", to_roam.contains(graph.scan())}};
     if (const auto rooms = site.rooms(ScanIndex(s))) one["rooms"] = *rooms;
     list.push_back(std::move(one));
   }
@@ -78,7 +81,9 @@ ordered_json scan_list_json(const Site& site) {
 ordered_json scan_json(const Site& site, ScanIndex scan) {
   const graph::NavGraph& graph = site.graphs().graph(scan);
   const scan::PanoramaSource* source = site.panoramas().find_source(scan);
-  ordered_json out{{"scan", graph.scan()}, {"synthetic", site.synthetic()}};
+  ordered_json out{{"scan", graph.scan()},
+                   {"synthetic", site.synthetic()},
+                   {"roam", scans_to_roam(site).contains(graph.scan())}};
   auto& storeys = out["storeys"] = ordered_json::array();
   for (const draw::Storey& storey : draw::find_storeys(graph)) {
     auto& list = storeys.emplace_back(ordered_json{{"floor", storey.floor}})["viewpoints"] =

@@ -9,6 +9,8 @@ namespace enfilade::service::http {
 
 /// Scans (graphs, faces, plans), splits and episodes.
 void add_browsing_routes(Router& router);
+/// Walking freely: meshes and floors of buildings, continuous episodes.
+void add_roaming_routes(Router& router, const std::shared_ptr<const Site>& site);
 /// Teams, and logging in to the pages.
 void add_account_routes(Router& router);
 /// Phases, submissions, leaderboards. \param most_bytes of a results file

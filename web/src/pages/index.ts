@@ -12,6 +12,8 @@ interface Building {
   readonly rooms?: number;
   readonly instructions: number;
   readonly pictures: boolean;
+  /** Whether one can walk freely in it. */
+  readonly roam: boolean;
 }
 interface ScanList {
   readonly synthetic: boolean;
@@ -34,14 +36,15 @@ function doors(first: string | undefined): HTMLElement {
     door('compete', 'Compete', '/leaderboard', 'Submit the results of an agent, and see how it ranks.'));
 }
 
-function cardOf({ scan, viewpoints, storeys, rooms, instructions, pictures }: Building): HTMLElement {
+function cardOf({ scan, viewpoints, storeys, rooms, instructions, pictures, roam }: Building): HTMLElement {
   const plan = `/api/v1/${pathOf(scan)}/plan.svg`;
   const picture = make('img', {
     src: pictures ? pictureOf(scan, 640) : plan, alt: '', loading: 'lazy', class: pictures ? 'card-picture' : 'card-picture plan',
     width: '640', height: '400',
   });
   const size = [...(rooms === undefined ? [] : [counted(rooms, 'room')]), counted(storeys, 'storey'), counted(viewpoints, 'viewpoint')];
-  const links = make('p', { class: 'card-links' }, ...(pictures ? [make('a', { href: plan, 'aria-label': `Plan of ${scan}` }, 'Plan'),
+  const links = make('p', { class: 'card-links' },
+    ...(roam ? [make('a', { href: `/roam${formatLink({ scan })}`, 'aria-label': `Walk freely in ${scan}` }, 'Walk freely')] : []), ...(pictures ? [make('a', { href: plan, 'aria-label': `Plan of ${scan}` }, 'Plan'),
     make('a', { href: `/verify${formatLink({ scan })}`, 'aria-label': `Verify graph of ${scan}` }, 'Verify graph')] : []));
   return make('li', { class: 'card' }, picture, make('div', { class: 'card-body' },
     make('h3', {}, make('a', { href: pictures ? `/view${formatLink({ scan })}` : plan }, scan)),

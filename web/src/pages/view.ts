@@ -46,6 +46,21 @@ async function copied(text: string): Promise<boolean> {
   }
 }
 
+/** To where one can walk freely, from here and looking the same way; with the path of the episode that is shown. */
+function roamLink(viewer: Viewer): HTMLElement {
+  const link = make('a', { class: 'button' }, 'Walk freely');
+  const { split, id } = Object.fromEntries(new URLSearchParams(location.search)) as { split?: string; id?: string };
+  // An instruction's id is its path's and a number; continuous episodes are of R2R's paths.
+  const episode = split && !split.includes('/') && id ? `?${new URLSearchParams({ split, trajectory: id.replace(/_\d+$/, '') })}` : '';
+  const aim = () => {
+    const { viewpoint, heading, elevation } = viewer.pose;
+    link.href = `/roam${episode}${formatLink({ scan: viewer.scan.scan, viewpoint: viewer.scan.viewpoints[viewpoint]!.id, heading, elevation })}`;
+  };
+  viewer.onChange(aim);
+  aim();
+  return link;
+}
+
 /** Buttons over the picture: its link, and the whole screen. */
 function tools(view: HTMLElement, viewer: Viewer): HTMLElement {
   const said = make('span', { role: 'status', class: 'said' });
@@ -65,7 +80,7 @@ function tools(view: HTMLElement, viewer: Viewer): HTMLElement {
     said.append(field);
     field.select();
   });
-  const bar = make('div', { class: 'view-tools' }, said, share);
+  const bar = make('div', { class: 'view-tools' }, said, ...(viewer.scan.roam ? [roamLink(viewer)] : []), share);
   if (document.fullscreenEnabled) {
     const whole = make('button', { type: 'button' }, 'Full screen');
     whole.addEventListener('click', () =>

@@ -2,6 +2,7 @@
 import type { Plan } from '../scan.ts';
 import type { DollsHouse } from './dolls_house.ts';
 import type { MiniMap } from './mini_map.ts';
+import { storeyName } from './storey_name.ts';
 import type { Viewer } from './viewer.ts';
 
 const button = (text: string, act: () => void): HTMLButtonElement => {
@@ -24,8 +25,6 @@ const group = (label: string, ...buttons: readonly HTMLElement[]): HTMLElement =
   made.append(...buttons);
   return made;
 };
-
-export const storeyName = (storey: number): string => (storey === 0 ? 'Ground floor' : `Floor ${storey}`);
 
 export class MapPanel {
   readonly element = document.createElement('div');

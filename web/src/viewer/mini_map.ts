@@ -1,28 +1,9 @@
 /** A floor plan of one storey: rooms and walls where they are known, viewpoints, where one looks, a path. */
 import { toDegrees } from '../geometry.ts';
-import { type Api, type Lines, type Plan, storeyOf } from '../scan.ts';
+import { type Api, type Plan, storeyOf } from '../scan.ts';
 import { shape } from '../svg.ts';
+import { letters, margin, roomsOf, scaleBar, storeyShapes } from './plan_shapes.ts';
 import type { Viewer } from './viewer.ts';
-
-/** Around what is drawn, metres. */
-const margin = 0.6;
-/** Of the longer side: the size of letters, so that they are about 11 pixels high in a panel. */
-const letters = 1 / 34;
-
-/** All lines of a kind as one path. */
-function strokes(lines: Lines, name: string): SVGElement {
-  let d = '';
-  for (let k = 0; k + 3 < lines.length; k += 4) {
-    d += `M${lines[k]} ${-lines[k + 1]!}L${lines[k + 2]} ${-lines[k + 3]!}`;
-  }
-  return shape('path', { d, class: name });
-}
-
-/** 1, 2 or 5 times a power of ten: the longest that is not above. */
-export function roundLength(most: number): number {
-  const power = 10 ** Math.floor(Math.log10(most));
-  return [5, 2, 1].map((k) => k * power).find((length) => length <= most * (1 + 1e-9)) ?? power;
-}
 
 /** North (+y) is up. Follows a viewer; a click goes to the nearest viewpoint. */
 export class MiniMap {
@@ -137,7 +118,7 @@ export class MiniMap {
   private drawStorey(): void {
     const { scan } = this.viewer;
     const here = new Set(this.here);
-    const rooms = (this.plan?.rooms ?? []).filter((room) => room.storey === this.shown && room.outline.length >= 6);
+    const rooms = roomsOf(this.plan, this.shown);
     const xs = [...here].map((v) => this.at(v)[0]);
     const ys = [...here].map((v) => this.at(v)[1]);
     for (const { outline } of rooms) {
@@ -159,42 +140,10 @@ export class MiniMap {
       }
       dots.append(shape('circle', { cx: x1, cy: y1, r: 0.14 }));
     }
-    this.element.replaceChildren(...this.walls(rooms, size), edges, this.route, dots, this.you,
-      this.scaleBar(left + margin / 2, top + height + size, width / 3, size));
+    this.element.replaceChildren(...storeyShapes(this.plan, this.shown, size), edges, this.route, dots, this.you,
+      scaleBar(left + margin / 2, top + height + size, width / 3, size));
     this.drawRoute();
     this.follow();
-  }
-
-  private walls(rooms: Plan['rooms'], size: number): SVGElement[] {
-    const storey = this.plan?.storeys[this.shown];
-    if (!storey) return [];
-    const floors = shape('g', { class: 'rooms' });
-    const names = shape('g', { class: 'names', 'font-size': size });
-    for (const { name, outline } of rooms) {
-      const points = outline.map((value, k) => (k % 2 === 0 ? value : -value));
-      floors.append(shape('polygon', { points: points.join(' ') }));
-      const [px, py] = [0, 1].map((which) => points.filter((_, k) => k % 2 === which)) as [number[], number[]];
-      const room = { left: Math.min(...px), right: Math.max(...px), top: Math.min(...py), bottom: Math.max(...py) };
-      const words = name.split(' ');
-      const wide = 0.56 * size * Math.max(...words.map((word) => word.length));
-      // Names that do not fit say less than the furniture that they would hide.
-      if (!name || wide > room.right - room.left || words.length * size > room.bottom - room.top) continue;
-      words.forEach((word, k) => {
-        names.append(shape('text', {
-          x: (room.left + room.right) / 2,
-          y: (room.top + room.bottom) / 2 + size * (k - (words.length - 1) / 2 + 0.35),
-        }, word));
-      });
-    }
-    return [floors, strokes(storey.furniture, 'furniture'), strokes(storey.stairs, 'stairs'),
-      strokes(storey.windows, 'windows'), strokes(storey.doors, 'doors'), strokes(storey.walls, 'walls'), names];
-  }
-
-  private scaleBar(x: number, y: number, most: number, size: number): SVGElement {
-    const length = roundLength(most);
-    return shape('g', { class: 'scale', 'font-size': size },
-      shape('path', { d: `M${x} ${y - size * 0.3}v${size * 0.6}m0 ${-size * 0.3}h${length}m0 ${-size * 0.3}v${size * 0.6}` }),
-      shape('text', { x: x + length + size * 0.4, y: y + size * 0.35 }, `${length} m`));
   }
 
   private drawRoute(): void {

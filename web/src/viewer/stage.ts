@@ -2,6 +2,7 @@
 import * as three from 'three';
 import { type Direction, mix, type Vec3, worldFromCamera } from '../geometry.ts';
 import { Discs } from './discs.ts';
+import { drawsWithoutGpu } from './gpu.ts';
 import { type Panorama, PanoramaMesh } from './panorama.ts';
 
 /** A direction, and the vertical opening, radians. */
@@ -37,13 +38,6 @@ const joinFragments = /* glsl */ `
 /** Frames that take longer than this are drawn smaller, milliseconds: 25 a second. */
 const slowFrame = 40;
 const leastScale = 0.5;
-
-/** Whether pictures are drawn without a GPU: then the first glide needs not find out that it is slow. */
-function drawsWithoutGpu(gl: WebGLRenderingContext | WebGL2RenderingContext): boolean {
-  const info = gl.getExtension('WEBGL_debug_renderer_info'); // null where the browser keeps it to itself
-  const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
-  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
-}
 
 const smoothstep = (from: number, to: number, x: number): number => {
   const t = Math.min(Math.max((x - from) / (to - from), 0), 1);
