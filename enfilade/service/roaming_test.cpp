@@ -100,9 +100,9 @@ TEST_F(RoamingTest, TheMeshIsTheHomesWithLightInItsCorners) {
   const mesh::Mesh shown = mesh::parse_mesh(answer->body, "home.glb").mesh;
   const auto built = homes::build_home(homes::read_home_list(data()).front().plan);
   const mesh::Box is = mesh::bounds(shown), should = mesh::bounds(built.home.mesh);
-  // Positions are sent to a 4096th of a metre.
-  EXPECT_NEAR(length(is.low - should.low), 0, 1e-3);
-  EXPECT_NEAR(length(is.high - should.high), 0, 1e-3);
+  // Positions are sent to a 65536th of a metre, in single precision.
+  EXPECT_NEAR(length(is.low - should.low), 0, 5e-5);
+  EXPECT_NEAR(length(is.high - should.high), 0, 5e-5);
   EXPECT_GE(shown.triangles.size(), built.home.mesh.triangles.size());
   ASSERT_EQ(shown.colours.size(), shown.positions.size());
   // Exposed so that the middle of what is seen is mid-grey: much is neither black nor white.

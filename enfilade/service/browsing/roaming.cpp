@@ -66,7 +66,8 @@ mesh::Mesh mesh_of_file(const dataset::MeshFile& found) {
 /// Numbers whose last bits say nothing are packed into half the room.
 void drop_last_bits(mesh::Mesh& mesh) {
   const auto round_to = [](float x, float steps) { return std::round(x * steps) / steps; };
-  constexpr float kPosition = 4096, kTexture = 4096, kLight = 512;  // parts of a metre, of 1
+  // Parts of a metre, of 1. Positions coarser than that open cracks between surfaces that meet.
+  constexpr float kPosition = 65536, kTexture = 4096, kLight = 512;
   for (Vec3f& p : mesh.positions) {
     p = {round_to(p.x, kPosition), round_to(p.y, kPosition), round_to(p.z, kPosition)};
   }

@@ -26,6 +26,7 @@ const fragments = /* glsl */ `
   uniform float ceiling;
   uniform bool exposed;
   uniform bool outside;
+  uniform float gain;
   vec3 shoulder(vec3 light) {
     const float knee = 0.4;
     return mix(light, knee + (1.0 - knee) * (1.0 - exp((knee - light) / (1.0 - knee))), step(knee, light));
@@ -37,12 +38,15 @@ const fragments = /* glsl */ `
     if (height > ceiling) discard;
     vec4 texel = texture(picture, at);
     if (texel.a < cutoff) discard;
-    vec3 light = texel.rgb * colour * lit;
+    vec3 light = texel.rgb * colour * lit * gain;
     if (exposed) light = shoulder(light);
     seen = vec4(display(light), 1.0);
     // Walls are hollow: where they are cut one sees the inside of their other side.
     if (outside && !gl_FrontFacing) seen = vec4(0.23, 0.25, 0.29, 1.0);
   }`;
+
+/** From outside a building is small beside a light page: rooms as the eye of a visitor sees them look dark there. */
+const outsideGain = 1.7;
 
 /** A picture of one white texel, for materials without any. */
 const white = (): three.Texture => {
@@ -77,15 +81,18 @@ export class Building {
   /** Around what belongs to the building. */
   readonly box = new three.Box3();
   private readonly around = new three.Group();
+  /** Whether its colours are light, of which a screen shows a part. */
+  private readonly exposed: boolean;
   private readonly materials: readonly three.ShaderMaterial[];
 
   private constructor(mesh: GlbMesh, pictures: readonly three.Texture[]) {
     const exposed = mesh.parts.some(({ light }) => light !== undefined);
+    this.exposed = exposed;
     this.materials = mesh.materials.map(({ colour, cutoff }, k) => new three.ShaderMaterial({
       glslVersion: three.GLSL3, vertexShader: vertices, fragmentShader: fragments, side: three.DoubleSide,
       uniforms: {
         picture: { value: pictures[k] }, colour: { value: new three.Vector3(...colour) }, cutoff: { value: cutoff },
-        ceiling: { value: 1e9 }, exposed: { value: exposed }, outside: { value: false },
+        ceiling: { value: 1e9 }, exposed: { value: exposed }, outside: { value: false }, gain: { value: 1 },
       },
     }));
     for (const part of mesh.parts) {
@@ -118,6 +125,7 @@ export class Building {
     for (const { uniforms } of this.materials) {
       uniforms['ceiling']!.value = ceiling;
       uniforms['outside']!.value = outside;
+      uniforms['gain']!.value = outside && this.exposed ? outsideGain : 1;
     }
   }
 }

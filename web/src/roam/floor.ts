@@ -72,6 +72,11 @@ export class Floor {
     return this.polygons.length;
   }
 
+  /** The connected part that a polygon belongs to, the largest first: nobody walks from one to another. */
+  part(polygon: number): number {
+    return this.polygons[polygon]!.area;
+  }
+
   /** Corners of a polygon, x and y in turn, counter-clockwise, and about how high it lies. */
   outline(polygon: number): { readonly corners: readonly number[]; readonly height: number } {
     const { corners, points } = this.polygons[polygon]!;

@@ -16,6 +16,7 @@ export class RoamMap {
   private plan: Plan | undefined;
   private episode: { readonly start: Vec3; readonly path: readonly Vec3[]; readonly goals: readonly Vec3[] } | undefined;
   private shown = -1;
+  private part = -1;
 
   constructor(walker: Walker, scan: Scan) {
     this.walker = walker;
@@ -42,8 +43,8 @@ export class RoamMap {
   private follow(): void {
     const { position: [x, y, z], heading } = this.walker;
     const storey = this.storey(z);
-    if (storey !== this.shown) {
-      this.shown = storey;
+    if (storey !== this.shown || this.walker.part !== this.part) {
+      [this.shown, this.part] = [storey, this.walker.part];
       this.draw();
     }
     this.you.setAttribute('transform', `translate(${x} ${-y}) rotate(${toDegrees(heading)})`);
@@ -60,7 +61,7 @@ export class RoamMap {
     const ys: number[] = [];
     for (let p = 0; p < this.walker.floor.size; ++p) {
       const { corners, height } = this.walker.floor.outline(p);
-      if (this.storey(height) !== this.shown) continue;
+      if (this.storey(height) !== this.shown || this.walker.floor.part(p) !== this.part) continue;
       const points = corners.map((value, k) => (k % 2 === 0 ? value : -value));
       points.forEach((value, k) => (k % 2 === 0 ? xs : ys).push(value));
       walkable.append(shape('polygon', { points: points.join(' ') }));

@@ -18,6 +18,8 @@ const sky = { top: new three.Color(0x7fa9d8), low: new three.Color(0xdfe9f2) } a
 /** Frames that take longer are drawn smaller, milliseconds. */
 const slowFrame = 60;
 const leastScale = 0.5;
+/** Milliseconds without a change, after which one frame is drawn with all its pixels. */
+const restAfter = 400;
 
 const mostElevation = degrees(89);
 const leastElevation = degrees(10);
@@ -41,6 +43,7 @@ export class RoamView {
   private frame = 0;
   private scale = 1;
   private slow = 0;
+  private rest = 0;
 
   private constructor(walker: Walker, building: Building) {
     this.walker = walker;
@@ -124,10 +127,13 @@ export class RoamView {
     return pixels;
   }
 
-  private drawNow(): void {
+  /** @param scale of the picture's pixels */
+  private drawNow(scale = this.scale): void {
     const { clientWidth: width, clientHeight: height } = this.element;
     if (!this.element.isConnected || width === 0 || height === 0) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2) * this.scale);
+    clearTimeout(this.rest);
+    if (scale < 1) this.rest = window.setTimeout(() => this.drawNow(1), restAfter);
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2) * scale);
     this.renderer.setSize(width, height, false);
     const { position, heading, trail } = this.walker;
     this.marks.setYou(position, heading);
@@ -137,7 +143,7 @@ export class RoamView {
     const before = performance.now();
     this.renderer.render(this.scene, this.camera);
     this.renderer.getContext().finish(); // or slow drawing is not noticed
-    this.mindSpeed(performance.now() - before);
+    if (scale === this.scale) this.mindSpeed(performance.now() - before);
   }
 
   /** A walk of few frames looks worse than one of few pixels. */
@@ -170,11 +176,12 @@ export class RoamView {
   }
 
   private stepBack(): void {
-    const { box } = this.building;
+    const box = this.building.box.clone();
+    box.max.z = Math.min(box.max.z, this.ceiling);
     const middle = box.getCenter(new three.Vector3());
     const size = box.getSize(new three.Vector3());
     const half = Math.atan(Math.tan(houseView / 2) * Math.min(this.camera.aspect, 1));
-    const away = (size.length() / 2) * 0.85 * this.zoom / Math.sin(half);
+    const away = (size.length() / 2) * 0.95 * this.zoom / Math.sin(half);
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(
       middle.x + away * Math.cos(this.height) * Math.sin(this.azimuth),

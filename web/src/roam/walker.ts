@@ -32,6 +32,10 @@ export class Walker {
   get position(): Vec3 {
     return this.at.position;
   }
+  /** The connected part of the floor where one can get to. */
+  get part(): number {
+    return this.floor.part(this.at.polygon);
+  }
   get heading(): number {
     return this.looking.heading;
   }
