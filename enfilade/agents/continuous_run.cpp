@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -42,6 +43,9 @@ class Runner {
         slots_(std::min(options.batch_size, episodes.episodes.size())) {
     check_starts(episodes, *buildings_, options.simulator.start_reach);
     results_.resize(episodes.episodes.size());
+    order_.resize(results_.size());
+    std::iota(order_.begin(), order_.end(), 0);
+    std::ranges::stable_sort(order_, {}, [this](std::size_t e) { return places_[e]; });
   }
 
   std::vector<tasks::ContinuousResult> run(const Progress& progress) {
@@ -78,7 +82,7 @@ class Runner {
     slot.ended = next_ == results_.size();
     seen_[s].ended = slot.ended;
     if (slot.ended) return;
-    slot.episode = next_++;
+    slot.episode = order_[next_++];
     const tasks::ContinuousEpisode& episode = episodes_.episodes[slot.episode];
     const std::string id = tasks::text_of(episode.id);
     slot.rng = Rng(options_.seed, stream_of(id.data(), id.size()));
@@ -122,6 +126,7 @@ class Runner {
   std::shared_ptr<const Buildings> buildings_;
   const ContinuousRunOptions& options_;
   std::vector<std::size_t> places_;  // buildings by episode
+  std::vector<std::size_t> order_;   // building by building, for agents that have to load them
   std::vector<Slot> slots_;
   std::vector<ContinuousObservation> seen_;  // by slot
   std::vector<tasks::ContinuousResult> results_;
