@@ -7,6 +7,7 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/continuous/floors.h"
+#include "apps/enfilade/continuous/scenes.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/continuous_run.h"
 #include "enfilade/agents/mesh_floor.h"
@@ -24,7 +25,7 @@ struct Options {
   MeshSource meshes;
   std::uint64_t seed = 1;
   int threads = 0;
-  bool floors_only = false;
+  bool floors_only = false, light = false;
 };
 
 // What became of one split.
@@ -108,6 +109,11 @@ ExitCode make(const Options& options) {
   const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(options.task);
   const dataset::Dataset data = open_data(options.data);
   const FloorsReport floors = make_and_tell(data, benchmark, options);
+  if (options.light) {
+    const LightsReport lights = make_home_lights(data, options.threads);
+    fmt::print("{}: light of homes: {} made, {} were there\n", (data.folder() / "light").string(),
+               lights.made, lights.kept);
+  }
   const ExitCode status = floors.faults.empty() ? kSuccess : kFaultsFound;
   if (options.floors_only || floors.made + floors.kept == 0) return status;
   const auto buildings =
@@ -148,8 +154,11 @@ void add_continuous(CLI::App& app, int& status) {
   add_value(verb, "--dropped", options->dropped, "FILE",
             "Write which paths no body can walk, and why: split, path, scan, reason, a line each");
   verb.add_flag("--floors-only", options->floors_only, "Navigation meshes, no episodes");
+  verb.add_flag("--light", options->light,
+                "Keep the light of model homes too, some 20 MB each, so that an agent that sees "
+                "(`enfilade train --task r2r-ce`) opens them faster");
   add_threads_option(verb, options->threads);
-  set_examples(verb, {"enfilade continuous homes",
+  set_examples(verb, {"enfilade continuous homes", "enfilade continuous homes --light",
                       "enfilade continuous data --meshes glb --dropped dropped.tsv",
                       "enfilade run --task r2r-ce --data homes --agent shortest"});
   verb.callback([options, &status] { status = make(*options); });

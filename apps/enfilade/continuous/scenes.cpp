@@ -10,8 +10,10 @@ namespace enfilade::apps {
 namespace {
 
 std::shared_ptr<const continuous::Scene> scene_of_home(const homes::PlanOptions& plan,
+                                                       const std::filesystem::path& kept,
                                                        int threads) {
   const homes::BuiltHome built = homes::build_home(plan);
+  if (file_exists(kept)) return continuous::Scene::load(built.tracer, kept);
   const mesh::LitMesh light(built.tracer, built.home.lights,
                             {.detail = 0.5F, .rays = 48, .threads = threads});
   return continuous::Scene::lit(built.tracer, light, {.threads = threads});
@@ -19,12 +21,37 @@ std::shared_ptr<const continuous::Scene> scene_of_home(const homes::PlanOptions&
 
 }  // namespace
 
+std::filesystem::path home_light_file(const dataset::Dataset& data, const std::string& scan) {
+  return data.folder() / "light" / (scan + ".light");
+}
+
+LightsReport make_home_lights(const dataset::Dataset& data, int threads) {
+  LightsReport report;
+  if (!file_exists(data.folder() / "homes.json")) return report;
+  const std::vector<homes::HomeEntry> homes = homes::read_home_list(data.folder());
+  const Progress progress = progress_bar("light");
+  for (const homes::HomeEntry& home : homes) {
+    const std::filesystem::path file = home_light_file(data, home.scan);
+    if (file_exists(file)) {
+      ++report.kept;
+    } else {
+      make_folder(file.parent_path());
+      scene_of_home(home.plan, file, threads)->save(file);
+      ++report.made;
+    }
+    if (progress) progress(report.made + report.kept, homes.size());
+  }
+  return report;
+}
+
 std::shared_ptr<const continuous::Scene> scene_of_scan(const dataset::Dataset& data,
                                                        const MeshSource& source,
                                                        const std::string& scan, int threads) {
   if (source.folder.empty() && file_exists(data.folder() / "homes.json")) {
     for (const homes::HomeEntry& home : homes::read_home_list(data.folder())) {
-      if (home.scan == scan) return scene_of_home(home.plan, threads);
+      if (home.scan == scan) {
+        return scene_of_home(home.plan, home_light_file(data, scan), threads);
+      }
     }
   }
   const auto found = find_mesh_file(data.folder(), source, scan);

@@ -1,5 +1,7 @@
 /// \file  What the buildings of a data set look like from any place.
 #pragma once
+#include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -9,8 +11,19 @@
 
 namespace enfilade::apps {
 
-/// Of a model home, made again with its textures and fine light; or of the scan's mesh file, as it
-/// was photographed or lit. \throws UsageError for a scan without a mesh; as Scene::open()
+/// Where the light of a model home is kept once it is made: DATA/light/SCAN.light.
+std::filesystem::path home_light_file(const dataset::Dataset& data, const std::string& scan);
+/// What make_home_lights() did.
+struct LightsReport {
+  std::size_t made = 0, kept = 0;
+};
+/// Computes the light of all model homes of a data set, and keeps it. What is there stays.
+/// \throws FileError
+LightsReport make_home_lights(const dataset::Dataset& data, int threads);
+
+/// Of a model home, made again with its textures, and with the light that is kept, or light that is
+/// made now; or of the scan's mesh file, as it was photographed or lit. \throws UsageError for a
+/// scan without a mesh; as Scene::open()
 std::shared_ptr<const continuous::Scene> scene_of_scan(const dataset::Dataset& data,
                                                        const MeshSource& source,
                                                        const std::string& scan, int threads);
