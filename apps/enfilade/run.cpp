@@ -22,7 +22,7 @@ namespace enfilade::apps {
 namespace {
 
 struct Options {
-  std::string data, features, output;
+  std::string data, features, meshes, output;
   std::string agent = "random", split = "val_unseen", task, form;
   bool walk_graph = false;
   agents::RunOptions run;
@@ -57,12 +57,14 @@ void run(const Options& options) {
                    .split = options.split,
                    .features = options.features,
                    .output = options.output,
+                   .meshes = options.meshes,
                    .walk_graph = options.walk_graph,
                    .seed = options.run.seed,
                    .batch_size = options.run.batch_size});
     return;
   }
   if (options.walk_graph) throw UsageError("--walk-graph: with --task r2r-ce or rxr-ce only");
+  if (!options.meshes.empty()) throw UsageError("--meshes: with --task r2r-ce only");
   const bool trained = std::filesystem::is_directory(options.agent);
   std::unique_ptr<agents::Agent> agent;
   if (!trained) agent = agents::make_agent(options.agent);
@@ -98,13 +100,16 @@ void add_run(CLI::App& app, int& /*status*/) {
   add_setting(
       verb, "--agent", options->agent, "NAME",
       fmt::format("One of {}, or the directory of a trained model; of r2r-ce and rxr-ce one "
-                  "of {}",
+                  "of {}, or such a directory",
                   fmt::join(agents::agent_names(), ", "),
                   fmt::join(agents::continuous_agent_names(), ", ")));
   add_task_option(verb, options->task, "r2r, or what the data set has", FreeTasks::kToo);
   add_setting(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, test, ...");
   add_value(verb, "--features", options->features, "FILE",
             "Image features, for a model with vision");
+  add_value(verb, "--meshes", options->meshes, "DIR",
+            "r2r-ce, a trained model: meshes DIR/SCAN.glb, .obj or .ply to look at, instead of the "
+            "data set's own");
   add_value(verb, "-o,--output", options->output, "FILE",
             "Results file, as the benchmark's public code has it; - for standard output");
   add_value(verb, "--to", options->form, "FORM",
@@ -120,6 +125,7 @@ void add_run(CLI::App& app, int& /*status*/) {
                       "enfilade run --agent reference --task reverie --split val_unseen",
                       "enfilade run --agent shortest --task r2r-ce --split val_unseen",
                       "enfilade run --agent random --task r2r-ce --walk-graph",
+                      "enfilade run --agent MODELDIR --task r2r-ce --split val_seen",
                       "enfilade run --agent MODELDIR --features FILE --split test -o test.json"});
   verb.callback([options] { run(*options); });
 }

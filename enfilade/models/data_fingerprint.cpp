@@ -47,6 +47,10 @@ void DataFingerprint::add(const tasks::Annotations& split) {
   annotations[split.split] = detail::hash_of(to_json(split));
 }
 
+void DataFingerprint::add(const tasks::ContinuousEpisodes& split) {
+  annotations[split.split] = detail::hash_of(to_json(split));
+}
+
 void DataFingerprint::add_graphs(const tasks::EpisodeSet& episodes) {
   std::set<ScanIndex> scans;
   for (const tasks::ReferencePath& path : episodes.paths) scans.insert(path.scan);

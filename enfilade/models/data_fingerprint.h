@@ -8,6 +8,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/features/feature_set.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/continuous_episodes.h"
 
 namespace enfilade::models {
 
@@ -18,6 +19,7 @@ struct DataFingerprint {
   std::optional<features::FeatureInfo> features;   ///< none if the agent does not see
 
   void add(const tasks::Annotations& split);           ///< the annotations of a split
+  void add(const tasks::ContinuousEpisodes& split);    ///< the episodes of a split
   void add_graphs(const tasks::EpisodeSet& episodes);  ///< of all scans that these are in
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 
@@ -19,11 +20,13 @@ constexpr std::array<std::string_view, 4> kInputs{"none", "language", "vision", 
 
 // What weights do not depend on.
 bool is_free(std::string_view field, Schedule schedule) {
-  return (field == "iterations" && schedule == Schedule::kConstant) || field == "validation" ||
+  const bool length = field == "iterations" || field == "sets";
+  return (length && schedule == Schedule::kConstant) || field == "validation" ||
          field == "evaluate_every" || field == "checkpoint_every" || field == "final_stop";
 }
 
-constexpr NamedValues<AgentKind, 4> kAgents{"agent", {"seq2seq", "panoramic", "duet", "speaker"}};
+constexpr NamedValues<AgentKind, 5> kAgents{
+    "agent", {"seq2seq", "panoramic", "duet", "speaker", "seq2seq-ce"}};
 constexpr NamedValues<Optimizer, 3> kOptimizers{"optimizer", {"adam", "adamw", "rmsprop"}};
 constexpr NamedValues<TextKind, 3> kTexts{"text", {"words", "word-pieces", "sentence-pieces"}};
 constexpr NamedValues<Letters, 2> kLetters{"letters", {"cased", "uncased"}};
@@ -96,6 +99,34 @@ void set_speaker(TrainConfig& config) {
   config.feedback = Feedback::kTeacher;
   config.evaluate_every = 1000;
   config.checkpoint_every = 500;
+}
+
+// VLN-CE's DAgger. Its walks are validated with `enfilade evaluate`: they have to be drawn.
+void set_free_walk(TrainConfig& config) {
+  config.adam.learning_rate = 2.5e-4;
+  config.adam.weight_decay = 0;
+  config.batch_size = 5;
+  config.max_steps = 500;
+  config.network.max_words = 200;
+  config.evaluate_every = 0;
+  config.checkpoint_every = 500;
+  config.iterations = updates_of(config.free_walk, config.batch_size);
+}
+
+// First values for two cores: 40 minutes with the pictures.
+void make_small_free_walk(TrainConfig& config) {
+  FreeWalkConfig& sizes = config.free_walk;
+  sizes.hidden = 256;
+  sizes.picture = 128;
+  sizes.sets = 5;
+  sizes.set_walks = 1000;
+  sizes.epochs = 6;
+  config.adam.learning_rate = 1e-3;
+  config.batch_size = 24;
+  config.max_steps = 150;  // the expert's longest walk in 96 homes takes 117
+  config.network.max_words = 120;
+  config.checkpoint_every = 100;
+  config.iterations = updates_of(sizes, config.batch_size);
 }
 
 // Larger steps than published, as nothing is pretrained; first values, which nobody has tuned.
@@ -189,8 +220,19 @@ TrainConfig recipe(AgentKind agent, Recipe source, Stage stage) {
   if (agent == AgentKind::kDuet) set_duet(config);
   if (agent == AgentKind::kDuet && stage == Stage::kPretrain) set_pretraining(config);
   if (agent == AgentKind::kSpeaker) set_speaker(config);
-  if (source == Recipe::kSmall) make_small(config);
+  if (agent == AgentKind::kSeq2SeqCe) {
+    set_free_walk(config);
+    if (source == Recipe::kSmall) make_small_free_walk(config);
+  } else if (source == Recipe::kSmall) {
+    make_small(config);
+  }
   return config;
+}
+
+void fix_updates(TrainConfig& config, std::size_t episodes) {
+  if (config.agent != AgentKind::kSeq2SeqCe) return;
+  config.free_walk.set_walks = std::min(config.free_walk.set_walks, episodes);
+  config.iterations = updates_of(config.free_walk, config.batch_size);
 }
 
 PanoramicConfig panoramic_sizes(const TrainConfig& config) {
@@ -253,12 +295,16 @@ void validate(const TrainConfig& config) {
   if (config.agent == AgentKind::kPanoramic) validate(panoramic_sizes(completed));
   if (config.agent == AgentKind::kDuet) validate(duet_sizes(completed));
   if (config.agent == AgentKind::kSpeaker) validate_speaker(completed);
+  if (config.agent == AgentKind::kSeq2SeqCe) validate(config.free_walk);
   if (config.agent == AgentKind::kSeq2Seq && config.optimizer != Optimizer::kAdam) {
     throw ArgumentError(
         fmt::format("optimizer {}: seq2seq has adam alone", to_string(config.optimizer)));
   }
-  if (config.agent == AgentKind::kSeq2Seq && config.text != TextKind::kWords) {
-    throw ArgumentError(fmt::format("text {}: seq2seq reads words alone", to_string(config.text)));
+  const bool words_alone =
+      config.agent == AgentKind::kSeq2Seq || config.agent == AgentKind::kSeq2SeqCe;
+  if (words_alone && config.text != TextKind::kWords) {
+    throw ArgumentError(fmt::format("text {}: {} reads words alone", to_string(config.text),
+                                    to_string(config.agent)));
   }
   if (config.agent != AgentKind::kDuet && config.stage != Stage::kFineTune) {
     throw ArgumentError(fmt::format("stage {}: the agent {} has no such stage, duet has",

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "enfilade/models/duet_config.h"
+#include "enfilade/models/free_walk_config.h"
 #include "enfilade/models/network_config.h"
 #include "enfilade/models/panoramic_config.h"
 #include "enfilade/models/speaker_config.h"
@@ -20,9 +21,10 @@ enum class AgentKind : std::uint8_t {
   kPanoramic,  ///< EnvDrop's listener (Tan et al. 2019): an LSTM that chooses among neighbours
   kDuet,       ///< DUET (Chen et al. 2022): a Transformer with a map
   kSpeaker,    ///< EnvDrop's speaker (Tan et al. 2019): does not walk but describes paths in words
+  kSeq2SeqCe,  ///< Krantz et al. 2020: walks freely, by VLN-CE's four actions
 };
-std::string_view to_string(
-    AgentKind value) noexcept;                      ///< "seq2seq", "panoramic", "duet", "speaker"
+/// "seq2seq", "panoramic", "duet", "speaker", "seq2seq-ce"
+std::string_view to_string(AgentKind value) noexcept;
 AgentKind parse_agent_kind(std::string_view name);  ///< \throws ArgumentError
 
 /// What a training of duet is for.
@@ -105,7 +107,8 @@ struct TrainConfig {
   Letters letters = Letters::kFolded;  ///< of word pieces
   PanoramicConfig panoramic;           ///< of that agent: all but `vocabulary` and `image`
   SpeakerConfig speaker;               ///< likewise
-  DuetConfig duet;  ///< likewise; its max_words and max_actions do not count either
+  DuetConfig duet;           ///< likewise; its max_words and max_actions do not count either
+  FreeWalkConfig free_walk;  ///< of seq2seq-ce
   /// Rates and decay of any optimizer. RMSprop's share of the old mean is beta2.
   AdamConfig adam;
   Optimizer optimizer = Optimizer::kAdam;  ///< seq2seq has Adam alone
@@ -125,7 +128,7 @@ struct TrainConfig {
   /// Of duet: the hash of another model's weights (in its file) that training began with. No value:
   /// random ones.
   std::optional<std::string> initial_weights = {};
-  std::size_t iterations = 20'000;
+  std::size_t iterations = 20'000;  ///< of seq2seq-ce they follow: see fix_updates()
   std::size_t batch_size = 100;
   /// Actions of an episode; of agents that choose among viewpoints, choices.
   std::size_t max_steps = 20;
@@ -155,6 +158,10 @@ Recipe parse_recipe(std::string_view name);         ///< \throws ArgumentError
 /// The settings of one agent by one recipe. \param stage of duet
 TrainConfig recipe(AgentKind agent, Recipe source = Recipe::kPublished,
                    Stage stage = Stage::kFineTune);
+
+/// Of seq2seq-ce: its sets have no more walks than there are episodes, and `iterations` are the
+/// updates_of() those sets. Of others nothing changes. \param episodes trained on
+void fix_updates(TrainConfig& config, std::size_t episodes);
 
 /// The sizes of the networks, with what follows from the data. `<BOS>` and `<MASK>` have rows
 /// beside those of words; pieces have all of theirs. \pre the agent is of that kind

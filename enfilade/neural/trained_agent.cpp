@@ -32,6 +32,10 @@ std::unique_ptr<TrainedAgent> load_trained_agent(const fs::path& folder,
     throw ArgumentError(fmt::format("{}: a speaker, which describes paths and does not walk them",
                                     folder.string()));
   }
+  if (kind == models::AgentKind::kSeq2SeqCe) {
+    throw ArgumentError(fmt::format(
+        "{}: an agent that walks freely, not in the graph: --task r2r-ce", folder.string()));
+  }
   require_cpu(kind, device);
   models::InstructionWords words = models::load_instruction_words(files, config.training);
   const models::StateFile state = models::open_state(files.weights());

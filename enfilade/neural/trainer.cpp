@@ -14,9 +14,11 @@
 #include "enfilade/neural/detail/learner.h"
 #include "enfilade/neural/duet/duet_learner.h"
 #include "enfilade/neural/duet/pretraining_learner.h"
+#include "enfilade/neural/free_walk.h"
 #include "enfilade/neural/model.h"
 #include "enfilade/neural/panoramic/panoramic_learner.h"
 #include "enfilade/neural/panoramic/speaker_learner.h"
+#include "enfilade/neural/seq2seq_ce/learner.h"
 #include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/score.h"
 
@@ -92,6 +94,13 @@ std::optional<Origin> open_origin(const models::TrainConfig& config,
 models::InstructionWords words_of(const models::TrainConfig& config, const TrainingData& data,
                                   const std::optional<Origin>& origin) {
   if (origin) return models::load_instruction_words(origin->files, origin->config);
+  if (data.free_walk) {
+    std::vector<std::string> texts;
+    for (const auto& episode : data.free_walk->training.episodes) {
+      texts.push_back(episode.instruction.text);
+    }
+    return models::InstructionWords(tasks::Vocabulary::build(texts, config.least_count));
+  }
   return models::InstructionWords(models::training_vocabulary(data.training, config.least_count));
 }
 
@@ -102,6 +111,11 @@ models::TrainConfig completed(models::TrainConfig config, const TrainingData& da
   config.network.vocabulary = vocabulary != nullptr ? vocabulary->size() : words.size();
   config.network.features =
       config.network.inputs.vision && data.features ? data.features->info().dimensions : 0;
+  if (data.free_walk) {
+    const auto& encoder = data.fingerprint.features;
+    config.network.features = encoder ? encoder->dimensions : 0;
+    fix_updates(config, data.free_walk->training.episodes.size());
+  }
   if (!origin) return config;
   config.text = origin->config.text;
   config.letters = origin->config.letters;
@@ -140,7 +154,9 @@ void check_same_model(const models::ModelFiles& files, const models::ModelConfig
 
 std::unique_ptr<detail::Learner> make_learner(const models::TrainConfig& config,
                                               const models::InstructionWords& words,
-                                              const std::string& device) {
+                                              const std::string& device,
+                                              const models::ModelFiles& files,
+                                              const TrainingListener& listener) {
   using models::AgentKind;
   if (config.agent == AgentKind::kDuet) {
     require_cpu(config.agent, device);
@@ -152,6 +168,9 @@ std::unique_ptr<detail::Learner> make_learner(const models::TrainConfig& config,
     return detail::make_seq2seq_learner(config, vocabulary, device);
   }
   require_cpu(config.agent, device);
+  if (config.agent == AgentKind::kSeq2SeqCe) {
+    return seq2seq_ce::make_learner(config, vocabulary, files, listener.gathering);
+  }
   return config.agent == AgentKind::kSpeaker
              ? panoramic::make_speaker_learner(config, vocabulary)
              : panoramic::make_panoramic_learner(config, vocabulary);
@@ -169,7 +188,7 @@ class Training {
         words_(words_of(config, data, origin_)),
         model_{completed(config, data, words_, origin_), data.fingerprint},
         lock_((make_folder(directory), files_.lock())),
-        learner_(make_learner(model_.training, words_, device)) {}
+        learner_(make_learner(model_.training, words_, device, files_, listener)) {}
 
   bool run() {
     if (fs::exists(files_.config())) {
@@ -178,6 +197,7 @@ class Training {
       if (iteration_ >= config().iterations) return finish();
     } else {
       save_words();
+      if (data_.free_walk && config().network.inputs.vision) save_encoder();
     }
     if (iteration_ == 0 && origin_) learner_->begin_with(origin_->state.file);
     // After the vocabulary, so that there is no config.json without one. Always written, as the
@@ -200,6 +220,10 @@ class Training {
   void save_words() const {
     if (words_.vocabulary() != nullptr) return words_.vocabulary()->save(files_.vocabulary());
     write_file_atomically(files_.text(config().text), read_file(origin_->text()));
+  }
+  void save_encoder() const {
+    const fs::path& weights = data_.free_walk->sight.encoder.weights;
+    if (!weights.empty()) write_file_atomically(files_.encoder(), read_file(weights));
   }
   bool is_last() const { return iteration_ == config().iterations; }
   bool is_due(std::size_t every) const {
@@ -276,14 +300,20 @@ class Training {
   }
 
   void evaluate(models::TrainingLog& log) {
-    for (std::size_t k = 0; k < data_.validation.size(); ++k) {
+    const std::size_t splits =
+        data_.free_walk ? data_.free_walk->validation.size() : data_.validation.size();
+    for (std::size_t k = 0; k < splits; ++k) {
       detail::Evaluated evaluated = learner_->evaluate(k, iteration_, files_);
       if (auto* const speaker = std::get_if<models::SpeakerRecord>(&evaluated)) {
         speaker->iteration = iteration_;
         log.add(*speaker);
         if (listener_.speaker) listener_.speaker(*speaker);
       } else {
-        const auto record = record_of(std::get<detail::Walked>(evaluated), data_.validation[k]);
+        auto* const free = std::get_if<models::EvaluationRecord>(&evaluated);
+        if (free != nullptr) free->iteration = iteration_;
+        const models::EvaluationRecord record =
+            free != nullptr ? *free
+                            : record_of(std::get<detail::Walked>(evaluated), data_.validation[k]);
         log.add(record);
         if (listener_.evaluation) listener_.evaluation(record);
       }
@@ -355,10 +385,19 @@ bool train(const models::TrainConfig& config, const TrainingData& data, const fs
            const std::string& device, const TrainingListener& listener,
            const std::optional<fs::path>& from) {
   validate(config);
-  if (config.network.inputs.vision && !data.features) {
+  const bool free = config.agent == models::AgentKind::kSeq2SeqCe;
+  if (free != (data.free_walk != nullptr)) {
+    throw ArgumentError(
+        fmt::format("the agent {} walks {}; the data is for the other way of walking",
+                    to_string(config.agent), free ? "freely" : "in the graph"));
+  }
+  if (config.network.inputs.vision &&
+      !(free ? data.fingerprint.features.has_value() : data.features.has_value())) {
     throw ArgumentError("the agent is to see, so it needs features");
   }
-  if (data.training.episodes.empty()) {
+  const bool none =
+      free ? data.free_walk->training.episodes.empty() : data.training.episodes.empty();
+  if (none) {
     throw ArgumentError(fmt::format("split {}: no episode to train on", data.training.split));
   }
   return Training(config, data, directory, device, listener, from).run();

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,12 +18,17 @@
 
 namespace enfilade::neural {
 
+struct FreeWalkData;  // free_walk.h
+
 /// What an agent is trained and validated on.
 struct TrainingData {
   tasks::EpisodeSet training;                 ///< of all splits trained on, fourth instructions too
   std::vector<tasks::EpisodeSet> validation;  ///< scored instructions only
   std::optional<features::FeatureSet> features;  ///< none: the agent does not see
   models::DataFingerprint fingerprint;
+  /// Of the agent that walks freely, in place of what is above but the fingerprint:
+  /// load_free_walk_data(). Null for others.
+  std::shared_ptr<const FreeWalkData> free_walk = {};
 };
 /// Reads what `config` names. \throws ArgumentError if the agent is to see and `features` is none;
 /// errors of the files
@@ -38,6 +44,12 @@ struct TrainingProgress {
   double data_share = 0;    ///< of training's time: environment, features, instructions
 };
 
+/// How far an agent that walks freely is with the walks that it learns from next.
+struct GatheringProgress {
+  std::size_t set = 1, sets = 1;     ///< which, of how many
+  std::size_t walks = 0, total = 0;  ///< of this set
+};
+
 /// Callbacks of train(), called from its thread. An exception ends the training and leaves the
 /// model directory valid.
 struct TrainingListener {
@@ -45,6 +57,7 @@ struct TrainingListener {
   std::function<void(const TrainingProgress&)> iteration;
   std::function<void(const models::EvaluationRecord&)> evaluation;
   std::function<void(const models::SpeakerRecord&)> speaker;  ///< of speakers, in its place
+  std::function<void(const GatheringProgress&)> gathering;    ///< of agents that walk freely
 };
 
 /// Trains to config.iterations, from the checkpoint in `directory` if there is one, and leaves a

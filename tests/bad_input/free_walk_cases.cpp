@@ -69,6 +69,49 @@ Case scored(std::string input, int exit_code, std::string says, Damage damage = 
           kFloors};
 }
 
+// Training an agent that walks freely; `floors` are made before.
+Case trained(std::string input, const std::string& options, int exit_code, std::string says,
+             bool floors = true) {
+  return {"Training to walk freely",
+          std::move(input),
+          "train --data {} --splits made -o model --threads 1 " + options,
+          exit_code,
+          std::move(says),
+          damaged({}),
+          true,
+          floors ? kFloors : ""};
+}
+
+std::vector<Case> training() {
+  const std::string blind =
+      "--task r2r-ce --recipe small --inputs language --hidden 2 --sets 1 --epochs 1 ";
+  return {
+      trained("an agent that walks freely, and nothing wrong", blind, 0, "model: trained, 1 iter"),
+      trained("no encoder for an agent that is to see", "--task r2r-ce", 2,
+              "train: --weights FILE is needed, of --encoder"),
+      trained("features of the graph for an agent that walks freely",
+              blind + "--features f.safetensors", 2, "train: --features: pictures of the graph's"),
+      trained("weights of eyes for an agent of the graph", "--inputs none --weights w.safetensors",
+              2, "train: --weights: of --task r2r-ce alone"),
+      trained("an agent that does not walk freely", "--task r2r-ce --agent duet", 2,
+              "--agent duet: walks in the graph; --task r2r-ce has seq2seq alone"),
+      trained("an option of the graph's agents", blind + "--iterations 5", 2,
+              "--iterations: not an option of --agent seq2seq --task r2r-ce"),
+      trained("an option of the agent that walks freely", "--inputs none --sets 2", 2,
+              "--sets: not an option of --agent seq2seq"),
+      trained("a share of the teacher's above 1", blind + "--teacher-share 1.5", 2,
+              "teacher_share: 1.5"),
+      trained("weights of eyes that are not there", "--task r2r-ce --weights none.safetensors", 3,
+              "none.safetensors"),
+      trained("no floors to walk on", blind, 3,
+              "{}/navmesh/r2r-ce: no such folder of navigation meshes; `enfilade continuous {}` "
+              "makes it",
+              false),
+      trained("no episodes to walk freely", blind + "--splits val", 3,
+              "no episodes of r2r-ce val: tried {}/vlnce/val.json.gz"),
+  };
+}
+
 std::vector<Case> navigation() {
   const std::string no_mesh = "no building has a mesh to walk on";
   return {
@@ -198,7 +241,7 @@ std::vector<Case> results() {
 
 std::vector<Case> free_walk_cases() {
   std::vector<Case> cases = navigation();
-  for (std::vector<Case> more : {episodes(), results()}) {
+  for (std::vector<Case> more : {episodes(), results(), training()}) {
     cases.insert(cases.end(), more.begin(), more.end());
   }
   return cases;

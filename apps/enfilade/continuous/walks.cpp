@@ -75,12 +75,17 @@ std::unique_ptr<agents::ContinuousAgent> decide_in_graph(
 void run_free_walk(const FreeWalk& walk) {
   const ContinuousBenchmark& benchmark = agents::continuous_benchmark(walk.task);
   std::unique_ptr<agents::ContinuousAgent> agent;
-  if (!walk.walk_graph) agent = agents::make_continuous_agent(walk.agent);
+  const bool trained = std::filesystem::is_directory(walk.agent);
+  if (!walk.walk_graph && !trained) agent = agents::make_continuous_agent(walk.agent);
   const dataset::Dataset data = open_data(walk.data);
   const tasks::ContinuousEpisodes episodes =
       agents::load_continuous_split(benchmark, data.folder(), walk.split);
   const auto buildings = open_buildings(benchmark, data);
   if (walk.walk_graph) agent = decide_in_graph(walk, benchmark, data, episodes, buildings);
+  if (!agent) {
+    agent = load_free_walker(walk.agent, data, {.folder = walk.meshes, .up = "format"}, episodes,
+                             walk.threads);
+  }
   const agents::ContinuousRunOptions options{
       .batch_size = walk.batch_size, .seed = walk.seed, .simulator = benchmark.simulator};
   const auto walks =

@@ -11,9 +11,11 @@ namespace enfilade::apps {
 /// What `run` is asked for.
 struct FreeWalk {
   std::string data, task, agent, split, features, output;
+  std::string meshes = {};  ///< folder of them; empty: the data set's own
   bool walk_graph = false;  ///< the agent decides in the graph, and its trajectories are walked
   std::uint64_t seed = 1;
   std::size_t batch_size = 64;
+  int threads = 0;  ///< of drawing for a trained agent, 0: all cores
 };
 /// Runs an agent, writes its results and prints their scores.
 void run_free_walk(const FreeWalk& walk);

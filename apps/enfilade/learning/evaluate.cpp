@@ -6,9 +6,12 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/continuous/walks.h"
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/core/file.h"
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/speaker.h"
 #include "enfilade/neural/trained_agent.h"
@@ -24,6 +27,7 @@ struct Options {
   std::string data;
   std::string features;
   std::string objects;
+  std::string meshes;
   std::string task;
   std::vector<std::string> splits{"val_seen", "val_unseen"};
   std::string output;
@@ -89,15 +93,44 @@ void evaluate_speaker(const Options& options) {
   }
 }
 
-bool is_speaker(const Options& options) {
+// An agent that walks freely.
+void evaluate_free_walk(const Options& options) {
+  const std::string task = options.task.empty() ? "r2r-ce" : options.task;
+  if (!agents::is_continuous(task)) {
+    throw UsageError(fmt::format("--task {}: {} walks freely, in r2r-ce", task, options.model));
+  }
+  if (!options.features.empty() || !options.objects.empty()) {
+    throw UsageError("--features, --objects: not of an agent that walks freely");
+  }
+  for (const std::string& split : options.splits) {
+    const fs::path own = models::ModelFiles{options.model}.free_walk_results(split, task);
+    const fs::path file = options.output.empty() ? own : fs::path(options.output) / own.filename();
+    make_folder(file.parent_path());
+    run_free_walk({.data = options.data,
+                   .task = task,
+                   .agent = options.model,
+                   .split = split,
+                   .features = {},
+                   .output = file.string(),
+                   .meshes = options.meshes,
+                   .batch_size = options.batch_size,
+                   .threads = options.threads});
+  }
+}
+
+// No value: there is no model, which is told later.
+std::optional<models::AgentKind> kind_of(const Options& options) {
   const models::ModelFiles files{options.model};
-  return fs::exists(files.config()) &&
-         models::load_model_config(files.config()).training.agent == models::AgentKind::kSpeaker;
+  if (!fs::exists(files.config())) return std::nullopt;
+  return models::load_model_config(files.config()).training.agent;
 }
 
 void run(const Options& options) {
   neural::set_threads(options.threads);
-  if (is_speaker(options)) return evaluate_speaker(options);
+  const auto kind = kind_of(options);
+  if (kind == models::AgentKind::kSeq2SeqCe) return evaluate_free_walk(options);
+  if (!options.meshes.empty()) throw UsageError("--meshes: of an agent that walks freely only");
+  if (kind == models::AgentKind::kSpeaker) return evaluate_speaker(options);
   const auto agent = neural::load_trained_agent(options.model, options.device);
   std::optional<features::FeatureSet> file;
   if (agent->config().training.network.inputs.vision && !options.features.empty()) {
@@ -130,7 +163,10 @@ void add_evaluate(CLI::App& app, int& /*status*/) {
             "Image features, if the agent uses vision");
   add_value(verb, "--objects", options->objects, "FILE",
             "Features of objects (HDF5), if the agent names one: REVERIE, SOON");
-  add_task_option(verb, options->task, "r2r, or what the data set has");
+  add_task_option(verb, options->task, "r2r, or what the data set has", FreeTasks::kToo);
+  add_value(verb, "--meshes", options->meshes, "DIR",
+            "Of an agent that walks freely: meshes DIR/SCAN.glb, .obj or .ply to look at, instead "
+            "of the data set's own");
   add_setting(verb, "--split", options->splits, "NAMES", "train, val_seen, val_unseen, test, ...")
       ->delimiter(',');
   add_value(verb, "-o,--output", options->output, "DIR",
@@ -140,7 +176,8 @@ void add_evaluate(CLI::App& app, int& /*status*/) {
   add_setting(verb, "--device", options->device, "", "cpu, cuda, cuda:1, ...");
   add_threads_option(verb, options->threads);
   set_examples(verb, {"enfilade evaluate student --features resnet.safetensors",
-                      "enfilade evaluate submission --split test --features resnet.safetensors"});
+                      "enfilade evaluate submission --split test --features resnet.safetensors",
+                      "enfilade evaluate ce --data homes --split val_unseen"});
   verb.callback([options] { run(*options); });
 }
 

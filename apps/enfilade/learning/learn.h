@@ -5,7 +5,9 @@
 #include <optional>
 #include <string>
 
+#include "apps/enfilade/continuous/floors.h"
 #include "enfilade/agents/agent.h"
+#include "enfilade/agents/continuous_agent.h"
 #include "enfilade/neural/device.h"
 #include "enfilade/tasks/annotations.h"
 
@@ -52,5 +54,14 @@ std::optional<neural::TorchReport> torch_report();
 std::unique_ptr<agents::Agent> load_trained_agent(const std::string& folder,
                                                   const std::string& features,
                                                   const tasks::EpisodeSet& episodes);
+
+/// The same of an agent that walks freely. \param meshes as scene_of_scan() takes them \param
+/// threads of drawing, 0: all cores \throws ArgumentError for a model that walks in the graph;
+/// errors of the files
+std::unique_ptr<agents::ContinuousAgent> load_free_walker(const std::string& folder,
+                                                          const dataset::Dataset& data,
+                                                          const MeshSource& meshes,
+                                                          const tasks::ContinuousEpisodes& episodes,
+                                                          int threads);
 
 }  // namespace enfilade::apps

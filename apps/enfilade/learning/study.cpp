@@ -164,7 +164,7 @@ void add_study(CLI::App& app, int& status) {
   add_whole_number(verb, "--seeds", options->seeds, "Agents a point");
   // The study gives these itself, and its agents walk.
   options->training.add_to(verb, "small");
-  for (const char* own : {"--seed", "--evaluate-every", "--stage"})
+  for (const char* own : {"--seed", "--evaluate-every", "--stage", "--task"})
     options->training.leave_out(verb, own);
   set_examples(verb, {"enfilade study -o study --homes 10,30,100,300,1000",
                       "enfilade study -o duet --agent duet --homes 10,30,100,300 --seeds 3",

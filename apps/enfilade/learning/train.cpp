@@ -1,5 +1,6 @@
 // enfilade train: an agent that learns.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <malloc.h>
 #include <unistd.h>
 #include <filesystem>
@@ -10,9 +11,11 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/continuous/scenes.h"
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/learning/training_options.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/neural/free_walk.h"
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/trainer.h"
 
@@ -23,6 +26,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string data, features, output, from, device = "cpu";
+  std::string encoder = "home", weights, meshes;  // of an agent that walks freely
   int threads = 0;
   TrainingOptions training;
   std::vector<std::string> splits{"train"}, validation{"val_seen", "val_unseen"};
@@ -47,7 +51,8 @@ class Reporter {
             },
             [this](const neural::TrainingProgress& progress) { show(progress); },
             [this](const models::EvaluationRecord& record) { show(record); },
-            [this](const models::SpeakerRecord& record) { show(record); }};
+            [this](const models::SpeakerRecord& record) { show(record); },
+            [this](const neural::GatheringProgress& progress) { show(progress); }};
   }
   double data_share() const { return progress_.data_share; }
 
@@ -57,6 +62,18 @@ class Reporter {
     if (!live_) return;
     fmt::print(stderr, "\r{}: {} of {}, loss {:.3f}{}, {} left\033[K", name_, progress.iteration,
                progress.iterations, progress.loss, success_, duration(progress.seconds_left));
+  }
+
+  void show(const neural::GatheringProgress& gathering) {
+    if (live_) {
+      fmt::print(stderr, "\r{}: set {} of {}, walk {} of {}\033[K", name_, gathering.set,
+                 gathering.sets, gathering.walks, gathering.total);
+    }
+    if (gathering.walks < gathering.total) return;
+    if (live_) fmt::print(stderr, "\r\033[K");
+    fmt::print("set {} of {}: {} walks; train loss {:.3f}, {}\n", gathering.set, gathering.sets,
+               gathering.total, progress_.loss, duration(clock_.seconds()));
+    std::fflush(stdout);
   }
 
   void show(const models::EvaluationRecord& record) {
@@ -85,6 +102,7 @@ class Reporter {
 
   std::string name_, output_;
   bool live_;
+  Stopwatch clock_;
   neural::TrainingProgress progress_;
   std::uint64_t evaluated_ = 0;
   std::string success_;
@@ -107,10 +125,43 @@ void keep_freed_memory() {
   mallopt(M_TOP_PAD, 64 << 20);
 }
 
-void run(const Options& options) {
-  keep_freed_memory();
-  const models::TrainConfig config = config_of(options);
+// What an agent that walks freely learns from.
+neural::TrainingData load_free_walks(const Options& options, const models::TrainConfig& config,
+                                     const dataset::Dataset& data) {
+  neural::FreeSight sight{.scene_of = {}, .encoder = {}, .threads = options.threads};
+  if (!options.features.empty()) {
+    throw UsageError(
+        "train: --features: pictures of the graph's viewpoints; --task r2r-ce draws its own, and "
+        "takes --weights");
+  }
+  if (config.network.inputs.vision) {
+    if (options.weights.empty()) {
+      throw UsageError(
+          "train: --weights FILE is needed, of --encoder (`enfilade pretrain` makes that of home), "
+          "or --inputs language for an agent that does not see");
+    }
+    sight.encoder.name = options.encoder;
+    sight.encoder.weights = options.weights;
+    sight.encoder.preprocessing = neural::Preprocessing::kTorchvision;
+    sight.scene_of = [&options, data](const std::string& scan) {
+      return scene_of_scan(data, {.folder = options.meshes, .up = "format"}, scan, options.threads);
+    };
+  }
+  return neural::load_free_walk_data(
+      data.folder(), agents::continuous_benchmark(options.training.task()), config, sight);
+}
+
+void refuse_free_walk_options(const Options& options) {
+  for (const auto& [name, value] :
+       {std::pair("--weights", options.weights), std::pair("--meshes", options.meshes)}) {
+    if (!value.empty()) throw UsageError(fmt::format("train: {}: of --task r2r-ce alone", name));
+  }
+}
+
+neural::TrainingData load_data(const Options& options, const models::TrainConfig& config) {
   const dataset::Dataset root = open_data(options.data);
+  if (config.agent == models::AgentKind::kSeq2SeqCe) return load_free_walks(options, config, root);
+  refuse_free_walk_options(options);
   std::optional<fs::path> features;
   if (config.network.inputs.vision) {
     if (options.features.empty()) {
@@ -120,8 +171,15 @@ void run(const Options& options) {
     }
     features = options.features;
   }
+  return neural::load_training_data(root, config, features);
+}
+
+void run(const Options& options) {
+  keep_freed_memory();
+  models::TrainConfig config = config_of(options);
   neural::set_threads(options.threads);
-  const neural::TrainingData data = neural::load_training_data(root, config, features);
+  const neural::TrainingData data = load_data(options, config);
+  if (data.free_walk) fix_updates(config, data.free_walk->training.episodes.size());
   Reporter reporter(fs::path(options.output).filename().string(), options.output);
   std::optional<fs::path> from;
   if (!options.from.empty()) from = options.from;
@@ -137,6 +195,13 @@ void add_data(CLI::App& verb, Options& options) {
   add_data_option(verb, options.data);
   add_value(verb, "--features", options.features, "FILE",
             "Of the views, as `enfilade features` writes them");
+  add_setting(verb, "--encoder", options.encoder, "NAME",
+              fmt::format("r2r-ce: network that encodes pictures: {}",
+                          fmt::join(neural::encoder_names(), ", ")));
+  add_value(verb, "--weights", options.weights, "FILE",
+            "r2r-ce: its weights, which stay as they are and are copied into the model directory");
+  add_value(verb, "--meshes", options.meshes, "DIR",
+            "r2r-ce: meshes DIR/SCAN.glb, .obj or .ply to look at, instead of the data set's own");
   add_value(verb, "-o,--output", options.output, "MODELDIR",
             "Model directory; one that is there is trained on from its last checkpoint")
       ->required();
@@ -165,14 +230,17 @@ void add_train(CLI::App& app, int& /*status*/) {
               "cpu, cuda, cuda:1, ...; agents but seq2seq: cpu");
   add_threads_option(verb, options->threads);
   set_examples(
-      verb, {"enfilade train --data DIR --features resnet.safetensors -o student",
-             "enfilade train --feedback teacher --inputs language -o language-only",
-             "enfilade train --agent panoramic --features vit.safetensors -o panoramic",
-             "enfilade train --agent duet --recipe small --data homes --features home.hdf5 -o duet",
-             "enfilade train --agent duet --stage pretrain --features vit.hdf5 -o pretrained",
-             "enfilade train --agent duet --from pretrained --features vit.hdf5 -o duet",
-             "enfilade train --agent speaker --features vit.safetensors -o speaker",
-             "enfilade train --splits train,val_seen,val_unseen --features f.hdf5 -o submission"});
+      verb,
+      {"enfilade train --data DIR --features resnet.safetensors -o student",
+       "enfilade train --feedback teacher --inputs language -o language-only",
+       "enfilade train --agent panoramic --features vit.safetensors -o panoramic",
+       "enfilade train --agent duet --recipe small --data homes --features home.hdf5 -o duet",
+       "enfilade train --agent duet --stage pretrain --features vit.hdf5 -o pretrained",
+       "enfilade train --agent duet --from pretrained --features vit.hdf5 -o duet",
+       "enfilade train --task r2r-ce --recipe small --data homes --weights encoder.safetensors "
+       "-o ce",
+       "enfilade train --agent speaker --features vit.safetensors -o speaker",
+       "enfilade train --splits train,val_seen,val_unseen --features f.hdf5 -o submission"});
   verb.callback([options] { run(*options); });
 }
 

@@ -15,8 +15,12 @@ namespace {
 using models::AgentKind;
 using models::TrainConfig;
 
-constexpr std::array<AgentKind, 4> kKinds{AgentKind::kSeq2Seq, AgentKind::kPanoramic,
-                                          AgentKind::kDuet, AgentKind::kSpeaker};
+constexpr std::array<AgentKind, 5> kKinds{AgentKind::kSeq2Seq, AgentKind::kPanoramic,
+                                          AgentKind::kDuet, AgentKind::kSpeaker,
+                                          AgentKind::kSeq2SeqCe};
+// All that have no DAgger.
+const std::vector<AgentKind> kOfGraph{AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kDuet,
+                                      AgentKind::kSpeaker};
 
 // Of what an agent is taught while it walks.
 constexpr std::array<std::string_view, 3> kOfWalks{"--feedback", "--map-teacher",
@@ -76,6 +80,7 @@ void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
   agent_ = "seq2seq";
   recipe_ = recipe;
   stage_ = "fine-tune";
+  task_ = "r2r";
   add_setting(
       verb, "--agent", agent_, "",
       "seq2seq: six actions (Anderson et al. 2018); panoramic: an LSTM that chooses among "
@@ -83,6 +88,10 @@ void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
       "paths in "
       "words instead of walking them (EnvDrop's), for `enfilade speak`",
       CLI::IsMember({"seq2seq", "panoramic", "duet", "speaker"}));
+  add_setting(verb, "--task", task_, "",
+              "r2r, in the graph; r2r-ce: seq2seq walks freely, with colour and depth (Krantz et "
+              "al. 2020), in a data set that `enfilade continuous` has prepared",
+              CLI::IsMember({"r2r", "r2r-ce"}));
   add_setting(verb, "--recipe", recipe_, "",
               "What the options below change: as published, or small networks from nothing, for "
               "model homes and two cores",
@@ -140,17 +149,19 @@ void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
        });
   add_updates(verb);
   add_sizes(verb);
+  add_free_walk(verb);
 }
 
 void TrainingOptions::add_updates(CLI::App& verb) {
   const Kinds viewpoints{AgentKind::kPanoramic, AgentKind::kDuet};
-  const Kinds newer{AgentKind::kPanoramic, AgentKind::kDuet, AgentKind::kSpeaker};
-  whole(verb, "--iterations", "Updates; of seq2seq 5000 with --feedback teacher", {},
+  const Kinds newer{AgentKind::kPanoramic, AgentKind::kDuet, AgentKind::kSpeaker,
+                    AgentKind::kSeq2SeqCe};
+  whole(verb, "--iterations", "Updates; of seq2seq 5000 with --feedback teacher", kOfGraph,
         [](TrainConfig& config) -> std::size_t& { return config.iterations; });
   whole(verb, "--batch", "Episodes an iteration", {},
         [](TrainConfig& config) -> std::size_t& { return config.batch_size; });
   whole(verb, "--max-steps", "Actions an episode, or choices of a viewpoint",
-        {AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kDuet},
+        {AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kDuet, AgentKind::kSeq2SeqCe},
         [](TrainConfig& config) -> std::size_t& { return config.max_steps; });
   whole(
       verb, "--evaluate-every", "Iterations between validations; 0: never", {},
@@ -166,7 +177,7 @@ void TrainingOptions::add_updates(CLI::App& verb) {
        [](TrainConfig& config) -> double& { return config.adam.learning_rate; });
   real(verb, "--weight-decay", "L2 inside adam, beside adamw", {},
        [](TrainConfig& config) -> double& { return config.adam.weight_decay; });
-  name(verb, "--optimizer", "Default: panoramic rmsprop, duet adamw, speaker adam, as published",
+  name(verb, "--optimizer", "Default: panoramic rmsprop, duet adamw, others adam, as published",
        newer, {"adam", "adamw", "rmsprop"}, [](TrainConfig& config, const std::string& value) {
          config.optimizer = models::parse_optimizer(value);
        });
@@ -184,7 +195,8 @@ void TrainingOptions::add_updates(CLI::App& verb) {
 }
 
 void TrainingOptions::add_sizes(CLI::App& verb) {
-  const Kinds lstms{AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kSpeaker};
+  const Kinds lstms{AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kSpeaker,
+                    AgentKind::kSeq2SeqCe};
   const Kinds panoramic{AgentKind::kPanoramic};
   const Kinds newer{AgentKind::kPanoramic, AgentKind::kDuet, AgentKind::kSpeaker};
   name(verb, "--size", "Of all of DUET: as published, or small (default: duet)", {AgentKind::kDuet},
@@ -193,17 +205,23 @@ void TrainingOptions::add_sizes(CLI::App& verb) {
          config.duet = models::duet_preset(value);
          config.duet.feature_dropout = dropped;
        });
-  whole(verb, "--hidden", "Of all LSTMs", lstms, [](TrainConfig& config) -> std::size_t& {
-    if (config.agent == AgentKind::kSpeaker) return config.speaker.hidden;
-    return config.agent == AgentKind::kPanoramic ? config.panoramic.hidden : config.network.hidden;
-  });
+  whole(verb, "--hidden", "Of all LSTMs; of r2r-ce the GRU", lstms,
+        [](TrainConfig& config) -> std::size_t& {
+          if (config.agent == AgentKind::kSeq2SeqCe) return config.free_walk.hidden;
+          if (config.agent == AgentKind::kSpeaker) return config.speaker.hidden;
+          return config.agent == AgentKind::kPanoramic ? config.panoramic.hidden
+                                                       : config.network.hidden;
+        });
   whole(verb, "--word-embedding", "Numbers a word", lstms, [](TrainConfig& config) -> std::size_t& {
+    if (config.agent == AgentKind::kSeq2SeqCe) return config.free_walk.word_embedding;
     if (config.agent == AgentKind::kSpeaker) return config.speaker.word_embedding;
     return config.agent == AgentKind::kPanoramic ? config.panoramic.word_embedding
                                                  : config.network.word_embedding;
   });
   whole(verb, "--action-embedding", "Numbers an action, or the agent's own direction",
-        {AgentKind::kSeq2Seq, AgentKind::kPanoramic}, [](TrainConfig& config) -> std::size_t& {
+        {AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kSeq2SeqCe},
+        [](TrainConfig& config) -> std::size_t& {
+          if (config.agent == AgentKind::kSeq2SeqCe) return config.free_walk.action_embedding;
           return config.agent == AgentKind::kPanoramic ? config.panoramic.action_embedding
                                                        : config.network.action_embedding;
         });
@@ -224,7 +242,7 @@ void TrainingOptions::add_sizes(CLI::App& verb) {
         [](TrainConfig& config) -> std::size_t& { return config.network.max_words; });
   whole(verb, "--least-count", "Uses of a word that make it known", {},
         [](TrainConfig& config) -> std::size_t& { return config.least_count; });
-  real(verb, "--dropout", "Share, below 1", {}, [](TrainConfig& config) -> double& {
+  real(verb, "--dropout", "Share, below 1", kOfGraph, [](TrainConfig& config) -> double& {
     switch (config.agent) {
       case AgentKind::kPanoramic:
         return config.panoramic.dropout;
@@ -236,12 +254,37 @@ void TrainingOptions::add_sizes(CLI::App& verb) {
         return config.network.dropout;
     }
   });
-  real(verb, "--feature-dropout", "Share of the pictures' numbers, below 1", newer,
+  real(verb, "--feature-dropout", "Share of the pictures' numbers, below 1",
+       {AgentKind::kPanoramic, AgentKind::kDuet, AgentKind::kSpeaker},
        [](TrainConfig& config) -> double& {
          if (config.agent == AgentKind::kSpeaker) return config.speaker.feature_dropout;
          return config.agent == AgentKind::kDuet ? config.duet.feature_dropout
                                                  : config.panoramic.feature_dropout;
        });
+}
+
+void TrainingOptions::add_free_walk(CLI::App& verb) {
+  const Kinds free{AgentKind::kSeq2SeqCe};
+  whole(verb, "--sets", "r2r-ce: sets of walks that are gathered one after another (DAgger)", free,
+        [](TrainConfig& config) -> std::size_t& { return config.free_walk.sets; });
+  whole(verb, "--set-walks", "r2r-ce: walks in each; all episodes, if there are fewer", free,
+        [](TrainConfig& config) -> std::size_t& { return config.free_walk.set_walks; });
+  whole(verb, "--epochs", "r2r-ce: passes over all sets so far after each", free,
+        [](TrainConfig& config) -> std::size_t& { return config.free_walk.epochs; });
+  real(verb, "--teacher-share",
+       "r2r-ce: share of the teacher's actions in the second set; its square in the third, ...",
+       free, [](TrainConfig& config) -> double& { return config.free_walk.teacher_share; });
+  real(verb, "--inflection",
+       "r2r-ce: weight of the loss where the teacher's action changes, beside 1", free,
+       [](TrainConfig& config) -> double& { return config.free_walk.inflection; });
+}
+
+AgentKind TrainingOptions::kind() const {
+  const AgentKind kind = models::parse_agent_kind(agent_);
+  if (task_ != "r2r-ce") return kind;
+  if (kind == AgentKind::kSeq2Seq) return AgentKind::kSeq2SeqCe;
+  throw UsageError(
+      fmt::format("--agent {}: walks in the graph; --task r2r-ce has seq2seq alone", agent_));
 }
 
 void TrainingOptions::leave_out(CLI::App& verb, const std::string& name) {
@@ -251,14 +294,14 @@ void TrainingOptions::leave_out(CLI::App& verb, const std::string& name) {
 }
 
 TrainConfig TrainingOptions::config() const {
-  TrainConfig config = models::recipe(models::parse_agent_kind(agent_),
-                                      models::parse_recipe(recipe_), models::parse_stage(stage_));
+  TrainConfig config =
+      models::recipe(kind(), models::parse_recipe(recipe_), models::parse_stage(stage_));
   for (const Change& change : changes_) {
     if (change.option->count() == 0) continue;
     if (!change.kinds.empty() &&
         std::ranges::find(change.kinds, config.agent) == change.kinds.end()) {
-      throw UsageError(
-          fmt::format("{}: not an option of --agent {}", change.option->get_name(), agent_));
+      throw UsageError(fmt::format("{}: not an option of --agent {}{}", change.option->get_name(),
+                                   agent_, task_ == "r2r" ? "" : " --task " + task_));
     }
     if (config.stage == models::Stage::kPretrain &&
         std::ranges::find(kOfWalks, change.option->get_name()) != kOfWalks.end()) {
@@ -267,6 +310,7 @@ TrainConfig TrainingOptions::config() const {
     }
     change.apply(config);
   }
+  fix_updates(config, config.free_walk.set_walks);
   validate(config);
   return config;
 }

@@ -14,7 +14,7 @@ namespace enfilade::apps {
 /// Options that change a recipe. What is not given is as models::recipe() has it.
 class TrainingOptions {
  public:
-  /// Adds --agent, --recipe, --stage and all that changes it. *this outlives the verb.
+  /// Adds --agent, --task, --recipe, --stage and all that changes it. *this outlives the verb.
   /// \param recipe the default: "published" or "small"
   void add_to(CLI::App& verb, const std::string& recipe = "published");
   /// The verb has no such option after all.
@@ -22,6 +22,8 @@ class TrainingOptions {
   /// The recipe of the agent with the changes. \throws UsageError for an option that another kind
   /// of agent has; ArgumentError as validate()
   models::TrainConfig config() const;
+  /// "r2r-ce" if the agent walks freely; else "r2r".
+  const std::string& task() const noexcept { return task_; }
   /// The words on a command line that give the same options again.
   std::vector<std::string> words() const;
 
@@ -42,7 +44,10 @@ class TrainingOptions {
   void add_sizes(CLI::App& verb);
   void add_updates(CLI::App& verb);
 
-  std::string agent_, recipe_, stage_;
+  models::AgentKind kind() const;
+  void add_free_walk(CLI::App& verb);
+
+  std::string agent_, task_, recipe_, stage_;
   struct Change {
     CLI::Option* option;
     Kinds kinds;  // empty: of all

@@ -3,7 +3,9 @@
 #include <string>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/continuous/scenes.h"
 #include "apps/enfilade/learning/learn.h"
+#include "enfilade/neural/free_walk.h"
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/trained_agent.h"
 
@@ -32,6 +34,25 @@ std::unique_ptr<agents::Agent> load_trained_agent(const std::string& folder,
       differences(agent->config().data, here, models::ModelFiles{folder}.config().string());
   if (!warnings.empty()) print_diagnostics(warnings);
   agent->enter(episodes, file ? &*file : nullptr);
+  return agent;
+}
+
+std::unique_ptr<agents::ContinuousAgent> load_free_walker(const std::string& folder,
+                                                          const dataset::Dataset& data,
+                                                          const MeshSource& meshes,
+                                                          const tasks::ContinuousEpisodes& episodes,
+                                                          int threads) {
+  neural::FreeSight sight{.scene_of = {}, .encoder = {}, .threads = threads};
+  // By value: the agent outlives this call.
+  sight.scene_of = [data, meshes, threads](const std::string& scan) {
+    return scene_of_scan(data, meshes, scan, threads);
+  };
+  auto agent = neural::load_free_walker(folder, sight);
+  models::DataFingerprint here;
+  here.add(episodes);
+  const auto warnings =
+      differences(agent->config().data, here, models::ModelFiles{folder}.config().string());
+  if (!warnings.empty()) print_diagnostics(warnings);
   return agent;
 }
 

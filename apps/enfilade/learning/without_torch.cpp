@@ -72,6 +72,13 @@ std::unique_ptr<agents::Agent> load_trained_agent(const std::string& /*folder*/,
   return nullptr;  // not reached
 }
 
+std::unique_ptr<agents::ContinuousAgent> load_free_walker(
+    const std::string& /*folder*/, const dataset::Dataset& /*data*/, const MeshSource& /*meshes*/,
+    const tasks::ContinuousEpisodes& /*episodes*/, int /*threads*/) {
+  hand_over_to_learn();
+  return nullptr;  // not reached
+}
+
 void add_evaluate(CLI::App& app, int& /*status*/) { add_elsewhere(app, "evaluate", kEvaluateHelp); }
 void add_features(CLI::App& app, int& /*status*/) { add_elsewhere(app, "features", kFeaturesHelp); }
 void add_import_weights(CLI::App& app, int& /*status*/) {

@@ -75,6 +75,15 @@ void for_sizes(ConstOrNot<DuetConfig> auto& sizes, const auto& visit) {
   visit("feature_dropout", sizes.feature_dropout);
 }
 
+void for_sizes(ConstOrNot<FreeWalkConfig> auto& sizes, const auto& visit) {
+  visit("word_embedding", sizes.word_embedding);
+  visit("sentence", sizes.sentence);
+  visit("picture", sizes.picture);
+  visit("depth", sizes.depth);
+  visit("action_embedding", sizes.action_embedding);
+  visit("hidden", sizes.hidden);
+}
+
 // The network of a training's agent.
 template <class Training>
 struct NetworkPart {
@@ -87,7 +96,7 @@ void for_fields(const NetworkPart<Training>& part, const auto& visit) {
   visit("max_words", network.max_words);
   visit("features", network.features);
   visit("inputs", network.inputs);
-  if (part.training.agent != AgentKind::kSeq2Seq) {
+  if (part.training.agent != AgentKind::kSeq2Seq && part.training.agent != AgentKind::kSeq2SeqCe) {
     visit("text", part.training.text);
     if (part.training.text == TextKind::kWordPieces) visit("letters", part.training.letters);
   }
@@ -107,12 +116,16 @@ void for_fields(const NetworkPart<Training>& part, const auto& visit) {
     case AgentKind::kSpeaker:
       for_sizes(part.training.speaker, visit);
       break;
+    case AgentKind::kSeq2SeqCe:
+      for_sizes(part.training.free_walk, visit);
+      break;
   }
 }
 
 // Without its network, which is an object beside it.
 void for_fields(ConstOrNot<TrainConfig> auto& config, const auto& visit) {
-  visit("feedback", config.feedback);
+  const bool free = config.agent == AgentKind::kSeq2SeqCe;
+  if (!free) visit("feedback", config.feedback);
   visit("iterations", config.iterations);
   visit("batch_size", config.batch_size);
   visit("max_steps", config.max_steps);
@@ -124,7 +137,16 @@ void for_fields(ConstOrNot<TrainConfig> auto& config, const auto& visit) {
     visit("clip", config.clip);
     visit("warm_up", config.warm_up);
     visit("schedule", config.schedule);
-    if (config.agent != AgentKind::kSpeaker) visit("teacher_weight", config.teacher_weight);
+    if (config.agent != AgentKind::kSpeaker && !free) {
+      visit("teacher_weight", config.teacher_weight);
+    }
+  }
+  if (free) {
+    visit("inflection", config.free_walk.inflection);
+    visit("sets", config.free_walk.sets);
+    visit("set_walks", config.free_walk.set_walks);
+    visit("epochs", config.free_walk.epochs);
+    visit("teacher_share", config.free_walk.teacher_share);
   }
   if (config.agent == AgentKind::kPanoramic) visit("sampled_loss", config.sampled_loss);
   if (config.agent == AgentKind::kDuet) {

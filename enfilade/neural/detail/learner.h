@@ -28,8 +28,9 @@ struct Walked {
   double loss = 0;
   std::vector<tasks::Trajectory> trajectories;  ///< greedy, one an episode
 };
-/// Of a speaker how well it describes the paths, without the iteration.
-using Evaluated = std::variant<Walked, models::SpeakerRecord>;
+/// Of a speaker how well it describes the paths, of an agent that walks freely how it does; both
+/// without the iteration.
+using Evaluated = std::variant<Walked, models::SpeakerRecord, models::EvaluationRecord>;
 
 /// One kind of agent in training: train() owns directory, log, checkpoints and the order of things,
 /// a learner all else. Everything random is named by the config's seed and the iteration, so that
