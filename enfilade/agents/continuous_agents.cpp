@@ -111,6 +111,7 @@ class Shortest final : public Follower {
 
 class Reference final : public Follower {
  public:
+  explicit Reference(bool patient = false) : patient_(patient) {}
   std::string_view name() const override { return "reference"; }
 
  private:
@@ -118,7 +119,9 @@ class Reference final : public Follower {
     if (episode.reference_path) return *episode.reference_path;
     return {episode.goals->front().position};
   }
-  continuous::FollowerConfig distances() const override { return {}; }
+  continuous::FollowerConfig distances() const override { return {.patient = patient_}; }
+
+  bool patient_;
 };
 
 class Route final : public Follower {
@@ -165,6 +168,10 @@ std::unique_ptr<ContinuousAgent> make_continuous_agent(std::string_view name) {
                                   fmt::join(continuous_agent_names(), ", ")));
   }
   return found->second();
+}
+
+std::unique_ptr<ContinuousAgent> make_patient_reference() {
+  return std::make_unique<Reference>(true);
 }
 
 std::unique_ptr<ContinuousAgent> make_route_agent(

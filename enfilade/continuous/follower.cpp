@@ -34,7 +34,8 @@ bool ReferenceFollower::advance(const FloorPoint& at) {
     const bool last = target_ + 1 == points_.size();
     const double metres = length(to_double(points_[target_].point) - to_double(at.point));
     const bool there = metres <= (last ? config_.last_reached : config_.reached);
-    if (!there && in_vain_ <= kMostInVain) return true;
+    if (config_.patient && last) return !there;
+    if (!there && (config_.patient || in_vain_ <= kMostInVain)) return true;
     (there ? reached_ : given_up_) += 1;
     ++target_;
     fields_.clear();

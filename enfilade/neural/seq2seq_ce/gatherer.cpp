@@ -44,7 +44,7 @@ Gatherer::Gatherer(const WalkerParts& parts, const Mixture& mixture,
     : parts_(parts),
       mixture_(mixture),
       episodes_(episodes),
-      teacher_(agents::make_continuous_agent("reference")),
+      teacher_(agents::make_patient_reference()),
       states_(*parts.network),
       walks_(episodes.episodes.size()) {}
 

@@ -203,6 +203,29 @@ TEST_F(SeesTwoBuildings, MixedWalksAreTheSameAgainAndAreNotTheTeachers) {
   EXPECT_LT(own, steps * 5 / 8);
 }
 
+// However a walker strays, it is told to stop at the end of its path and nowhere else.
+TEST_F(SeesTwoBuildings, TheTeacherSaysStopAtTheGoalAlone) {
+  Parts parts(world_->sight());
+  const tasks::ContinuousEpisodes all = episodes();
+  Gatherer gatherer(parts.parts(), {.teacher_share = .8}, all);
+  const auto walks = walk(gatherer, all);
+  std::size_t stops = 0, others = 0;
+  for (std::size_t i = 0; i < walks.size(); ++i) {
+    const Vec3d goal = all.episodes[i].goals->front().position;
+    const RecordedWalk& kept = gatherer.walks()[i];
+    for (std::size_t t = 0; t < kept.teacher.size(); ++t) {
+      const double metres = length(goal - to_double(walks[i].positions[t]));
+      // Half a metre, and 2 cm that the floor may be off the goal's point.
+      if (kept.teacher[t] == 0) {
+        EXPECT_LT(metres, .52) << i << " " << t;
+      }
+      (kept.teacher[t] == 0 ? stops : others) += 1;
+    }
+  }
+  EXPECT_GT(others, 5U);
+  RecordProperty("stops", static_cast<int>(stops));
+}
+
 TEST_F(SeesTwoBuildings, DepthIsTheRoomsAndNothingIsSeenTwice) {
   Parts parts(world_->sight());
   tasks::ContinuousEpisodes one = episodes();
