@@ -39,10 +39,6 @@ fs::path ModelFiles::results(std::string_view split) const {
   return folder / "results" / fmt::format("{}.json", split);
 }
 
-fs::path ModelFiles::free_walk_results(std::string_view split, std::string_view task) const {
-  return folder / "results" / fmt::format("{}.{}.json", split, task);
-}
-
 fs::path ModelFiles::walks(std::size_t set, std::string_view scan) const {
   return folder / "walks" / fmt::format("{:02}", set) / fmt::format("{}.safetensors", scan);
 }

@@ -31,8 +31,6 @@ struct ModelFiles {
   std::filesystem::path lock() const { return folder / "training.lock"; }
   /// `results/<split>.json`
   std::filesystem::path results(std::string_view split) const;
-  /// `results/<split>.<task>.json`, of an agent that walks freely. \param task "r2r-ce"
-  std::filesystem::path free_walk_results(std::string_view split, std::string_view task) const;
   /// `walks/02/<scan>.safetensors`: what an agent that walks freely learns from. \param set from 1
   std::filesystem::path walks(std::size_t set, std::string_view scan) const;
   /// The weights of its eyes: `encoder`, whatever their format.

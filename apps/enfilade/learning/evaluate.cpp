@@ -103,7 +103,7 @@ void evaluate_free_walk(const Options& options) {
     throw UsageError("--features, --objects: not of an agent that walks freely");
   }
   for (const std::string& split : options.splits) {
-    const fs::path own = models::ModelFiles{options.model}.free_walk_results(split, task);
+    const fs::path own = models::ModelFiles{options.model}.results(split);
     const fs::path file = options.output.empty() ? own : fs::path(options.output) / own.filename();
     make_folder(file.parent_path());
     run_free_walk({.data = options.data,

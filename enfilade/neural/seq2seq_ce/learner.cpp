@@ -78,7 +78,7 @@ class CeLearner : public detail::Learner {
     Gatherer walker(parts(), {.teacher_share = 0, .drawn = false, .last_action = config_.max_steps},
                     episodes);
     const auto walks = run(walker, episodes, config_.seed);
-    const fs::path file = files.free_walk_results(episodes.split, data_->benchmark.name);
+    const fs::path file = files.results(episodes.split);
     make_folder(file.parent_path());
     write_file_atomically(file, to_json(walks, episodes, tasks::ContinuousResultsForm::kR2r));
     models::EvaluationRecord record = measured(walks, episodes);
