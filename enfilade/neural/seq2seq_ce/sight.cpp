@@ -11,7 +11,7 @@
 namespace enfilade::neural::seq2seq_ce {
 namespace {
 
-constexpr std::size_t kMostKnown = 4;  // buildings; some 50 MB each
+constexpr std::size_t kMostKnown = 4;  // buildings that are not looked at now; some 50 MB each
 constexpr std::uint32_t kDepthPixels = 64;
 constexpr std::size_t kCell = kDepthPixels / static_cast<std::size_t>(kDepthCells);
 constexpr float kFarthest = 10;  // metres, as VLN-CE's depth
@@ -59,7 +59,6 @@ continuous::Eyes& Sight::eyes_of(const std::string& scan) {
   if (found != known_.end()) {
     known_.splice(known_.begin(), known_, found);
   } else {
-    if (known_.size() == kMostKnown) known_.pop_back();
     known_.push_front({scan, std::make_unique<continuous::Eyes>(
                                  std::vector{config_.scene_of(scan)},
                                  continuous::EyesConfig{.threads = config_.threads})});
@@ -86,6 +85,8 @@ Seen Sight::look(std::span<const agents::ContinuousObservation> batch,
     const agents::ContinuousObservation& seen = batch[rows[r]];
     by_scan[seen.buildings->scan(seen.building)].push_back(r);
   }
+  // Those of this step stay, however many: the next step needs them again.
+  while (known_.size() > kMostKnown && !by_scan.contains(known_.back().scan)) known_.pop_back();
   const std::size_t pixels = std::size_t{camera_.width} * camera_.height * 3;
   constexpr std::size_t kDepth = std::size_t{kDepthPixels} * kDepthPixels;
   const std::span<float> pictures = encoder_->memory(rows.size(), camera_);

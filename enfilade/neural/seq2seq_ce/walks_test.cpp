@@ -241,6 +241,30 @@ TEST_F(SeesTwoBuildings, DepthIsTheRoomsAndNothingIsSeenTwice) {
   EXPECT_NEAR(kept.seen.depth[kDepthSize + middle], 255 * .225, .51);
 }
 
+TEST_F(SeesTwoBuildings, ABuildingIsOpenedOnceHoweverManyAreLookedAtAtOnce) {
+  std::vector<continuous::Building> made;
+  tasks::ContinuousEpisodes in = episodes();
+  in.episodes.clear();
+  const std::size_t bare = world_->buildings->at("bare");
+  for (const char* scan : {"a", "b", "c", "d", "e", "f"}) {
+    made.push_back({scan, std::shared_ptr<const continuous::NavigationMesh>(
+                              world_->buildings, &world_->buildings->floor(bare))});
+    in.episodes.push_back(episode(1, scan, "", {.5, 2.5, 0}, 90, {2, 2.5, 0}, {2.5, 2.5, 0}));
+  }
+  std::map<std::string, int> opened;
+  FreeSight sight = world_->sight();
+  sight.scene_of = [&opened, all = sight.scene_of](const std::string& scan) {
+    ++opened[scan];
+    return all("bare");
+  };
+  Parts parts(sight);
+  Gatherer gatherer(parts.parts(), {.teacher_share = 1}, in);
+  agents::run_continuous(gatherer, in, std::make_shared<const continuous::Buildings>(made),
+                         {.simulator = continuous::SimulatorConfig::room_to_room()});
+  EXPECT_EQ(opened.size(), 6U);
+  for (const auto& [scan, times] : opened) EXPECT_EQ(times, 1) << scan;
+}
+
 TEST_F(SeesTwoBuildings, WalksAreReadBack) {
   Parts parts(world_->sight());
   const tasks::ContinuousEpisodes all = episodes();
