@@ -56,17 +56,13 @@ void claim_folder(const fs::path& folder, const std::string& is) {
   }
 }
 
-std::map<std::string, std::vector<Vec3d>, std::less<>> routes_of(
-    const tasks::ContinuousEpisodes& episodes) {
-  std::map<std::string, std::vector<Vec3d>, std::less<>> routes;
+void check_paths(const tasks::ContinuousEpisodes& episodes) {
   for (const tasks::ContinuousEpisode& e : episodes.episodes) {
     if (!e.reference_path) {
       throw ArgumentError(fmt::format("episode {} of {} has no reference path for an expert",
                                       tasks::text_of(e.id), episodes.file));
     }
-    routes[tasks::text_of(e.id)] = *e.reference_path;
   }
-  return routes;
 }
 
 // Sums of all pixels so far; whole numbers, so the order of the pictures does not count.
@@ -144,7 +140,8 @@ Walked walk_as_expert(std::string_view form, const ExpertWalks& walks, const fs:
                       const WalkPictures& pictures) {
   validate(pictures.camera);
   check_range("quality", pictures.quality, 1, 100);
-  const auto expert = agents::make_route_agent("expert", routes_of(walks.episodes));
+  check_paths(walks.episodes);
+  const auto expert = agents::make_continuous_agent("reference");  // as record_experts() has
   Walked walked;
   walked.walks =
       agents::run_continuous(*expert, walks.episodes, walks.buildings,
