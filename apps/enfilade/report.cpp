@@ -28,7 +28,7 @@ void make(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
   report::ReportConfig config = options.config;
   config.runs.assign(options.named.begin(), options.named.end());
-  if (const auto* free = free_task_of(options.task, config.runs)) {
+  if (const auto* free = continuous_task_of(options.task, config.runs)) {
     config.continuous = *free;
   } else {
     config.task =

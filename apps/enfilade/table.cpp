@@ -46,7 +46,7 @@ report::ResultsTable graph_table(const Options& options, const dataset::Dataset&
 void table(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
   const std::vector<fs::path> named(options.named.begin(), options.named.end());
-  const agents::ContinuousBenchmark* free = free_task_of(options.task, named);
+  const agents::ContinuousBenchmark* free = continuous_task_of(options.task, named);
   const report::ResultsTable made =
       free != nullptr ? continuous_table(*free, data, named) : graph_table(options, data, named);
   if (made.rows.empty() && made.left_out.empty()) {

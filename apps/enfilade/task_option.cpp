@@ -36,8 +36,8 @@ tasks::Task task_of(const std::string& named, const dataset::Dataset& data,
                                data.folder().string(), fmt::join(names, ", ")));
 }
 
-const agents::ContinuousBenchmark* free_task_of(const std::string& named,
-                                                std::span<const std::filesystem::path> results) {
+const agents::ContinuousBenchmark* continuous_task_of(
+    const std::string& named, std::span<const std::filesystem::path> results) {
   if (named.empty()) return report::find_continuous_benchmark_of_runs(results);
   return agents::is_continuous(named) ? &agents::continuous_benchmark(named) : nullptr;
 }

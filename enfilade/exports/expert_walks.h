@@ -4,14 +4,18 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "enfilade/continuous/buildings.h"
 #include "enfilade/continuous/eyes.h"
 #include "enfilade/continuous/simulator.h"
 #include "enfilade/exports/options.h"
 #include "enfilade/geometry/camera.h"
+#include "enfilade/image/image.h"
 #include "enfilade/tasks/continuous_episodes.h"
+#include "enfilade/tasks/continuous_results.h"
 
 namespace enfilade::exports {
 
@@ -43,6 +47,14 @@ struct WalkPictures {
   /// Where colours come from; look_of() has photographs for kPanoramas.
   continuous::Appearance appearance = continuous::Appearance::kMesh;
 };
+
+/// What a body sees at some poses of a walk: a picture of three channels each.
+/// \param poses  places in walk.positions \param eyes  of the walk's building alone
+/// \param eye_height  metres above the floor \pre the walk has headings; every pose is one of it
+/// \throws as continuous::Eyes::render()
+std::vector<image::Image8> draw_poses(const tasks::ContinuousResult& walk,
+                                      std::span<const std::size_t> poses, continuous::Eyes& eyes,
+                                      const Camera& camera, double eye_height);
 
 /// How much was done.
 struct WalkReport {

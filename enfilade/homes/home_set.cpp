@@ -238,20 +238,11 @@ Homes claim(const fs::path& folder, const HomeSetOptions& options) {
   return homes;
 }
 
-mesh::BakeOptions bake_options(const HomeSetOptions& options) {
-  if (options.light == HomeLight::kCoarse) {
-    // Much coarser points save little: most are then corners of furniture.
-    return {.spacing = 1, .detail = 1, .rays = 12, .threads = options.threads};
-  }
-  // Takes a third of the time of the finest light; in rooms, the difference is hardly visible.
-  return {.detail = 0.5F, .rays = 48, .threads = options.threads};
-}
-
 // \param tell is called with how many of the home's kUnits are done
 void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivity,
                    const HomeSetOptions& options, const fs::path& folder,
                    const std::function<void(std::size_t units)>& tell) {
-  const mesh::BakeOptions bake = bake_options(options);
+  const mesh::BakeOptions bake = bake_options(options.light, options.threads);
   const auto lit = std::make_shared<mesh::LitMesh>(built.tracer, built.home.lights, bake);
   tell(kLit);
   const mesh::CaptureOptions capture{.samples = options.samples};

@@ -13,6 +13,7 @@
 #include "enfilade/core/shard.h"
 #include "enfilade/draw/plan_underlay.h"
 #include "enfilade/homes/plan.h"
+#include "enfilade/mesh/lighting.h"
 
 namespace enfilade::homes {
 
@@ -24,6 +25,9 @@ enum class HomeLight : std::uint8_t {
 std::string_view to_string(HomeLight light) noexcept;  ///< "fine", "coarse"
 HomeLight parse_home_light(std::string_view name);     ///< \throws ArgumentError
 std::vector<std::string> home_lights();                ///< their names
+
+/// How the light of a home is computed so finely. \param threads 0: all cores; changes no light
+mesh::BakeOptions bake_options(HomeLight light, int threads);
 
 /// Which homes are made, and which files of them.
 struct HomeSetOptions {

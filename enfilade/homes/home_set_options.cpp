@@ -62,6 +62,15 @@ std::string_view to_string(HomeLight light) noexcept {
   return light == HomeLight::kFine ? kLights[0].name : kLights[1].name;
 }
 
+mesh::BakeOptions bake_options(HomeLight light, int threads) {
+  if (light == HomeLight::kCoarse) {
+    // Much coarser points save little: most are then corners of furniture.
+    return {.spacing = 1, .detail = 1, .rays = 12, .threads = threads};
+  }
+  // Takes a third of the time of the finest light; in rooms, the difference is hardly visible.
+  return {.detail = 0.5F, .rays = 48, .threads = threads};
+}
+
 std::vector<std::string> home_lights() {
   std::vector<std::string> names;
   for (const NamedLight& light : kLights) names.emplace_back(light.name);

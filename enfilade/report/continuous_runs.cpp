@@ -1,7 +1,6 @@
 #include "enfilade/report/continuous_runs.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <utility>
 
 #include "enfilade/agents/continuous_run.h"
@@ -24,7 +23,7 @@ ContinuousRuns score_continuous_runs(const RunDirectory& found,
       experts.emplace(file.split, agents::load_experts_of(benchmark, data.folder(), file.split));
     }
     const tasks::ContinuousEpisodes& episodes = scored.splits.at(file.split);
-    if (std::ranges::any_of(episodes.episodes, &tasks::ContinuousEpisode::goal_hidden)) {
+    if (goals_hidden(episodes)) {
       scored.left_out.push_back(
           fmt::format("{} on {}: the goals of this split are hidden", file.agent, file.split));
     } else {

@@ -67,6 +67,15 @@ char first_sign(const fs::path& file) {
   return first;
 }
 
+// Enough for the first pose of a walk.
+std::string beginning_of(const fs::path& file) {
+  std::string text(std::size_t{64} << 10U, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(text.data(), std::ssize(text));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
+
 // The files that are named, and those in named folders and their results/.
 std::vector<fs::path> candidates(std::span<const fs::path> named) {
   std::vector<fs::path> files;
@@ -213,6 +222,11 @@ std::string_view without_seed(std::string_view agent) noexcept {
   return seeded ? agent.substr(0, end) : agent;
 }
 
+bool is_oracle(std::string_view agent) noexcept {
+  const std::string_view name = without_seed(agent);
+  return name == "shortest" || name == "reference";
+}
+
 std::optional<tasks::Task> find_task_of_runs(std::span<const fs::path> named) {
   for (const fs::path& file : candidates(named)) {
     if (const auto task = tasks::find_task_of_results(read_file(file))) return task;
@@ -223,7 +237,7 @@ std::optional<tasks::Task> find_task_of_runs(std::span<const fs::path> named) {
 const agents::ContinuousBenchmark* find_continuous_benchmark_of_runs(
     std::span<const fs::path> named) {
   for (const fs::path& file : candidates(named)) {
-    std::string text = read_file(file);
+    std::string text = beginning_of(file);
     std::erase_if(text, [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; });
     if (text.starts_with('[')) return nullptr;  // of the graph
     const std::string_view record = std::string_view(text).substr(0, text.find('}'));

@@ -36,6 +36,9 @@ struct RunDirectory {
 /// "student-2" and "student" are runs of one agent, with different seeds: the name without them.
 std::string_view without_seed(std::string_view agent) noexcept;
 
+/// Whether an agent knows the goal: "shortest", "reference".
+bool is_oracle(std::string_view agent) noexcept;
+
 /// Which benchmark the results are of that are named or lie in the named folders, by the fields
 /// that only its results have. No value if the first of them could be of several, or if there is
 /// none. \throws FileError for what is not there or cannot be read

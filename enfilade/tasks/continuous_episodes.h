@@ -111,6 +111,9 @@ struct ContinuousEpisodes {
   OtherFields others = {};
 };
 
+/// Whether the goal of any episode is hidden, as in test splits.
+bool goals_hidden(const ContinuousEpisodes& episodes) noexcept;
+
 /// What kind of file it is.
 enum class ContinuousForm : std::uint8_t {
   kR2r,      ///< R2R-CE, versions 1-2 and 1-3: tokens of a vocabulary of 2,504 words

@@ -65,31 +65,15 @@ std::vector<std::size_t> chosen_poses(const tasks::ContinuousResult& walk, std::
   return chosen;
 }
 
-std::vector<draw::SheetPicture> draw_poses(const tasks::ContinuousResult& walk,
-                                           const std::vector<std::size_t>& poses,
-                                           const exports::BuildingLook& look, const Camera& camera,
-                                           double eye_height, int threads) {
+std::vector<draw::SheetPicture> captioned_poses(const tasks::ContinuousResult& walk,
+                                                const std::vector<std::size_t>& poses,
+                                                const exports::BuildingLook& look,
+                                                const Camera& camera, double eye_height,
+                                                int threads) {
   continuous::Eyes eyes({look.scene}, {.threads = threads, .photographs = {look.photographs}});
-  std::vector<continuous::MeshView> views;
-  for (const std::size_t k : poses) {
-    Vec3d eye = to_double(walk.positions[k]);
-    eye.z += eye_height;
-    views.push_back(
-        {.building = 0, .eye = eye, .heading = walk.headings[k], .elevation = Radians(0)});
-  }
-  const std::size_t bytes = std::size_t{3} * camera.width * camera.height;
-  std::vector<std::byte> pixels(views.size() * bytes);
-  render::Outputs outputs;
-  outputs.colour = render::ColourOutput{render::ColourFormat::kRgb8, {}, pixels};
-  eyes.render(camera, views, outputs);
   std::vector<draw::SheetPicture> pictures;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    image::Image8 picture(camera.width, camera.height, 3);
-    std::transform(pixels.begin() + static_cast<std::ptrdiff_t>(i * bytes),
-                   pixels.begin() + static_cast<std::ptrdiff_t>((i + 1) * bytes),
-                   picture.pixels.begin(),
-                   [](std::byte b) { return static_cast<std::uint8_t>(b); });
-    pictures.push_back({std::move(picture), caption(walk, poses[i])});
+  for (image::Image8& drawn : exports::draw_poses(walk, poses, eyes, camera, eye_height)) {
+    pictures.push_back({std::move(drawn), caption(walk, poses[pictures.size()])});
   }
   return pictures;
 }
@@ -123,9 +107,9 @@ void draw_strip(const Options& options) {
   const exports::BuildingLook look =
       look_of_scan(data, {.folder = options.meshes, .up = "format"}, scan,
                    continuous::parse_appearance(options.appearance).value(), options.threads);
-  const auto pictures = draw_poses(walk, chosen_poses(walk, options.pictures), look,
-                                   {thumb.width, thumb.height, degrees(options.vfov)},
-                                   benchmark.simulator.eye_height, options.threads);
+  const auto pictures = captioned_poses(walk, chosen_poses(walk, options.pictures), look,
+                                        {thumb.width, thumb.height, degrees(options.vfov)},
+                                        benchmark.simulator.eye_height, options.threads);
   const std::string title =
       fmt::format("{}{}, episode {} of {}: {}", scan, data.synthetic() ? " (SYNTHETIC)" : "",
                   options.episode, options.split, episode->instruction.text);

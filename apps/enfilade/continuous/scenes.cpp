@@ -15,7 +15,7 @@ std::shared_ptr<const continuous::Scene> scene_of_home(const homes::PlanOptions&
   const homes::BuiltHome built = homes::build_home(plan);
   if (file_exists(kept)) return continuous::Scene::load(built.tracer, kept);
   const mesh::LitMesh light(built.tracer, built.home.lights,
-                            {.detail = 0.5F, .rays = 48, .threads = threads});
+                            homes::bake_options(homes::HomeLight::kFine, threads));
   return continuous::Scene::lit(built.tracer, light, {.threads = threads});
 }
 

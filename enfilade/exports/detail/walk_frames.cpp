@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <span>
 #include <system_error>
 #include <utility>
@@ -18,6 +19,33 @@
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/image/codecs.h"
+
+namespace enfilade::exports {
+
+std::vector<image::Image8> draw_poses(const tasks::ContinuousResult& walk,
+                                      std::span<const std::size_t> poses, continuous::Eyes& eyes,
+                                      const Camera& camera, double eye_height) {
+  std::vector<continuous::MeshView> views;
+  for (const std::size_t k : poses) {
+    Vec3d eye = to_double(walk.positions[k]);
+    eye.z += eye_height;
+    views.push_back(
+        {.building = 0, .eye = eye, .heading = walk.headings[k], .elevation = Radians(0)});
+  }
+  std::vector<image::Image8> pictures(views.size(), image::Image8(camera.width, camera.height, 3));
+  const std::size_t bytes = std::size_t{3} * camera.width * camera.height;
+  std::vector<std::byte> pixels(views.size() * bytes);
+  render::Outputs outputs;
+  outputs.colour = render::ColourOutput{render::ColourFormat::kRgb8, {}, pixels};
+  eyes.render(camera, views, outputs);
+  for (std::size_t k = 0; k < pictures.size(); ++k) {
+    std::ranges::transform(std::span(pixels).subspan(k * bytes, bytes), pictures[k].pixels.begin(),
+                           [](std::byte b) { return static_cast<std::uint8_t>(b); });
+  }
+  return pictures;
+}
+
+}  // namespace enfilade::exports
 
 namespace enfilade::exports::detail {
 
@@ -104,29 +132,13 @@ DrawnWalk draw(const tasks::ContinuousResult& walk, const tasks::ContinuousEpiso
                double eye_height, const WalkPictures& pictures, continuous::Eyes& eyes) {
   DrawnWalk drawn{walk, episode, {}, {}};
   PixelSums sums;
-  const std::uint32_t width = pictures.camera.width, height = pictures.camera.height;
-  image::Image8 picture(width, height, 3);
-  std::vector<std::byte> pixels;
-  for (std::size_t first = 0; first < walk.actions.size(); first += kViewsAtOnce) {
-    std::vector<continuous::MeshView> views;
-    const std::size_t end = std::min(first + kViewsAtOnce, walk.actions.size());
-    for (std::size_t k = first; k < end; ++k) {
-      Vec3d eye = to_double(walk.positions[k]);
-      eye.z += eye_height;
-      views.push_back(
-          {.building = 0, .eye = eye, .heading = walk.headings[k], .elevation = Radians(0)});
-    }
-    const std::size_t bytes = picture.pixels.size();
-    pixels.resize(views.size() * bytes);
-    render::Outputs outputs;
-    outputs.colour = render::ColourOutput{render::ColourFormat::kRgb8, {}, pixels};
-    eyes.render(pictures.camera, views, outputs);
-    for (std::size_t k = 0; k < views.size(); ++k) {
-      const std::span<const std::byte> one(pixels.data() + k * bytes, bytes);
-      std::ranges::transform(one, picture.pixels.begin(),
-                             [](std::byte b) { return static_cast<std::uint8_t>(b); });
-      sums.add(picture.pixels);
-      const std::vector<std::uint8_t> file = image::encode_jpeg(picture, pictures.quality);
+  std::vector<std::size_t> poses(walk.actions.size());
+  std::iota(poses.begin(), poses.end(), 0);
+  for (std::size_t first = 0; first < poses.size(); first += kViewsAtOnce) {
+    const auto some = std::span(poses).subspan(first, std::min(kViewsAtOnce, poses.size() - first));
+    for (const image::Image8& one : draw_poses(walk, some, eyes, pictures.camera, eye_height)) {
+      sums.add(one.pixels);
+      const std::vector<std::uint8_t> file = image::encode_jpeg(one, pictures.quality);
       drawn.pictures.emplace_back(file.begin(), file.end());
     }
   }

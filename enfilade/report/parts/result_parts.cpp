@@ -27,7 +27,7 @@ Json by_agent(const std::vector<Run>& all_runs, const One& one) {
   std::map<std::string, std::map<std::string, std::vector<const Run*>>> groups;
   for (const Run& run : all_runs) {
     const std::string agent(without_seed(run.agent));
-    if (agent == "shortest" || agent == "reference") continue;
+    if (is_oracle(agent)) continue;
     if (!groups.contains(agent)) agents.push_back(agent);
     groups[agent][run.split].push_back(&run);
   }

@@ -29,11 +29,6 @@ std::vector<const ContinuousRun*> first_runs(const ContinuousRuns& runs, const s
   return first;
 }
 
-bool is_oracle(const ContinuousRun& run) {
-  const std::string_view agent = without_seed(run.agent);
-  return agent == "shortest" || agent == "reference";
-}
-
 struct Chosen {
   const char* kind;
   std::size_t episode;
@@ -101,7 +96,7 @@ Json walks_part(const ContinuousRuns& runs, std::size_t of_a_kind, bool syntheti
   const std::vector<const ContinuousRun*> agents = first_runs(runs, split);
   const ContinuousRun* judge = agents.back();
   for (const ContinuousRun* run : agents) {
-    if (!is_oracle(*run)) judge = run;
+    if (!is_oracle(run->agent)) judge = run;
   }
   Json all = Json::array();
   for (const Chosen& one : choose(*judge, of_a_kind)) {

@@ -50,8 +50,9 @@ ordered_json point(Vec3d p) { return {rounded(p.x), rounded(p.y), rounded(p.z)};
 mesh::Mesh lit_mesh(const homes::PlanOptions& plan) {
   const int threads = std::min(2, available_threads());  // others are to be served meanwhile
   const homes::BuiltHome built = homes::build_home(plan);
-  const mesh::LitMesh light(built.tracer, built.home.lights,
-                            {.spacing = 0.5, .detail = 0.5F, .rays = 48, .threads = threads});
+  mesh::BakeOptions bake = homes::bake_options(homes::HomeLight::kFine, threads);
+  bake.spacing = 0.5;  // corners of triangles do not show more
+  const mesh::LitMesh light(built.tracer, built.home.lights, bake);
   return mesh::with_vertex_light(light, {.threads = threads});
 }
 
@@ -242,10 +243,9 @@ ordered_json Roaming::episodes_json(const std::string& split, const ContinuousFi
   });
   const bool with_goals = shows_goals(*site_, split);
   std::int64_t matching = 0;
-  bool hidden = !with_goals;
+  const bool hidden = !with_goals || goals_hidden(*episodes);
   auto list = ordered_json::array();
   for (const tasks::ContinuousEpisode& episode : episodes->episodes) {
-    hidden = hidden || episode.goal_hidden();
     if (!filter.scan.empty() && episode.scan() != filter.scan) continue;
     if (!filter.id.empty() && tasks::text_of(episode.id) != filter.id) continue;
     if (!filter.trajectory.empty() && tasks::text_of(episode.trajectory_id) != filter.trajectory) {

@@ -38,7 +38,7 @@ class Roaming {
   /// seconds. Of a mesh file with its textures as they are.
   /// \throws Refusal kNotFound, saying what to do, if there is no mesh; as mesh::read_mesh()
   Packed mesh(ScanIndex scan);
-  /// The floor that a body of R2R-CE walks on: {"scan", "body", "walker", "areas", "polygons"}.
+  /// The floor that a body of R2R-CE walks on: {"scan", "body", "walker", "polygons"}.
   /// World frame, metres.
   /// \throws Refusal kNotFound, saying what to do, if there is none; as load_navigation_mesh()
   nlohmann::ordered_json floor_json(ScanIndex scan) const;

@@ -125,6 +125,10 @@ std::string_view ContinuousEpisode::scan() const noexcept {
   return name.substr(0, name.find('.'));
 }
 
+bool goals_hidden(const ContinuousEpisodes& episodes) noexcept {
+  return std::ranges::any_of(episodes.episodes, &ContinuousEpisode::goal_hidden);
+}
+
 ContinuousForm form_of(const ContinuousEpisodes& episodes) noexcept {
   constexpr std::int64_t kBertWords = 30522, kBertUnknown = 100;
   constexpr std::size_t kBertTokens = 80;
