@@ -23,10 +23,9 @@ struct VertexLightOptions {
 /// image::shoulder() takes. Triangles are cut at middles of edges until light can be interpolated
 /// between corners; an edge that two triangles share is cut in both or in none. Surfaces that shine
 /// have a colour of their own and no texture; mirrors are grey, as what they show depends on where
-/// one stands. Objects are two: 0 "building", what belongs to rooms or to none in a mesh without
-/// rooms, and 1 "surroundings", of which edges below
-/// four times `most_edge` are not cut. There are no normals.
-/// Deterministic. \throws ArgumentError for options out of range
+/// one stands. There are two objects: 0 "building", and 1 "surroundings", what belongs to no room; a
+/// mesh without rooms is all building. Of the surroundings edges below four times `most_edge` are
+/// not cut. There are no normals. Deterministic. \throws ArgumentError for options out of range
 Mesh with_vertex_light(const LitMesh& light, const VertexLightOptions& options = {});
 
 }  // namespace enfilade::mesh

@@ -149,7 +149,7 @@ describe.skipIf(missing)('walking freely', () => {
       const { walker } = window.roaming!;
       walker.place(walker.floor.nearest(goal)!);
     }, goals[0]!.position);
-    await page.getByText(/: a success$/).waitFor();
+    await page.getByText(/: within 3 m$/).waitFor();
     await page.getByRole('button', { name: 'Back to the start' }).click();
     expect((await standing(page)).length).toBe(0);
   });

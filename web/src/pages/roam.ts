@@ -190,7 +190,7 @@ class Page {
     const away = goal ? Math.hypot(...goal.position.map((x, k) => x - position[k]!)) : 0;
     this.numbers.replaceChildren(facts([
       ['Walked', `${length.toFixed(1)} m`], ['Actions', String(actions)], ['Collisions', String(collisions)],
-      ...(goal ? [['Goal', `${away.toFixed(1)} m away${away <= goal.radius ? ': a success' : ''}`] as const] : []),
+      ...(goal ? [['Goal', `${away.toFixed(1)} m away in a straight line${away <= goal.radius ? `: within ${goal.radius} m` : ''}`] as const] : []),
     ]));
     if (this.view.mode === 'house') {
       const storey = storeyAt(this.floors, position[2]);

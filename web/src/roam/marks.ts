@@ -88,8 +88,6 @@ export class Marks {
   /** @param ceiling nothing stands above that is seen */
   show(outside: boolean, ceiling = Infinity): void {
     this.you.visible = outside && this.you.position.z - 1 < ceiling;
-    // One would stand in it.
-    this.trail.visible = true;
     this.episode.children.forEach((child) => (child.visible = !(child instanceof three.Group) || child.position.z < ceiling));
   }
 }
